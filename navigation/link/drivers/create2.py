@@ -1,13 +1,17 @@
 """The driver of the iRobot Create 2 and of Roombas of the 500 series and later.
 
 - It is woken with START, driven in SAFE mode, and streams what its sensors feel every 15 ms; each
-  frame of the stream is found again by its sum after lost bytes.
+  frame of the stream is found again by its sum after lost bytes. It is deaf for a moment after
+  START, so the greeting goes out in two bursts.
 - START leads to PASSIVE and so stops the wheels: that is how an order that may have been damaged
   underway, and a driver that was killed, are made harmless.
 - The orders have no check: they are repeated, end in zeros, and no byte of a speed is an order of
-  its own that could do harm. A wheel's speed is a whole number of mm/s.
-- A cliff or a wheel that hangs takes it out of SAFE mode, and so does the charger, or a byte that
-  the line made up; then it is asked back. A bumper stops it here, not there.
+  its own that could do harm. A wheel has few speeds, between which the orders alternate, and
+  counts without a sign (`create2_wheel`).
+- A cliff or a wheel that hangs takes it out of SAFE mode, and so does a byte that the line made
+  up; then it is asked back. A bumper stops it here, not there.
+- It charges in PASSIVE mode only: on its home base it rests there until it is to drive. With the
+  charger's cable in its socket it cannot be driven.
 
 Open Interface, big-endian. Metres and seconds elsewhere.
 """
@@ -19,29 +23,36 @@ import struct
 from typing import Final
 
 from navigation.config.known_robots import KNOWN_ROBOTS
+from navigation.link.drivers.create2_wheel import Create2Wheel
 from navigation.link.drivers.robot_driver import Heard
 from navigation.link.drivers.wheel_odometry import WheelOdometry
 
 START, SAFE, DRIVE_DIRECT, STREAM = 128, 131, 145, 148
-BUMPS, CLIFFS, CHARGE, CAPACITY, MODE, LEFT, RIGHT = 7, (9, 10, 11, 12), 25, 26, 35, 43, 44
-SIZES: Final = {BUMPS: 1, **dict.fromkeys(CLIFFS, 1), MODE: 1, CHARGE: 2, CAPACITY: 2,
+BUMPS, CLIFFS, CHARGER, CHARGE, CAPACITY, MODE = 7, (9, 10, 11, 12), 34, 25, 26, 35
+LEFT, RIGHT = 43, 44
+SIZES: Final = {BUMPS: 1, **dict.fromkeys(CLIFFS, 1), CHARGER: 1, MODE: 1, CHARGE: 2, CAPACITY: 2,
                 LEFT: 2, RIGHT: 2}  # fmt: skip
 """Of the packets that are streamed, in their order."""
 BODY: Final = len(SIZES) + sum(SIZES.values())
 HEADER: Final = bytes([19, BODY])
 MODE_SAFE: Final = 2
+SOCKET, HOME_BASE = 1, 2
+"""Bits of the chargers that have power for it."""
+RESTS: Final = "is on its charger and rests: it charges until it is to drive"
+BOOTS: Final = b"bl-start"
+"""How the text of a robot begins whose battery has been put in."""
 FILL: Final = bytes(4)
 """Zeros are no order, and end one that lost a byte before the next begins."""
-NEVER: Final = frozenset(
-    (7, *range(128, 131), *range(132, 139), 140, 143, 144, 146, *range(148, 151), 173)
-)
-"""Low bytes of a speed that would be an order if the byte before them were lost: reset, power off,
-clean, dock, another baud, or one that takes the next orders for its data. Such a speed is changed
-by as few mm/s as helps."""
+CYCLE_S: Final = 0.03
+"""An order lasts so long while it drives: two turns of the robot's own 15 ms."""
 REPEAT_S: Final = 0.05
 SILENT_S: Final = 0.3
 """Frames come every 15 ms: twenty missing ones, and it is greeted again."""
 GREET_S: Final = 1.0
+SETTLE_S: Final = 0.05
+"""Between the greeting's bursts: more than the 20 ms that a change of mode takes."""
+REST_S: Final = 5.0
+"""A robot on its home base that was not driven for so long rests."""
 LOST_MODE_S: Final = 0.2
 """A robot that was just ordered into SAFE mode may report the old one for a frame or two."""
 
@@ -58,21 +69,30 @@ class Create2Driver:
             self.robot.metres_per_count, self.robot.wheel_m_s, modulus=1 << 16
         )
         self._buffer = bytearray()
-        self._greeted_s = self._heard_s = -math.inf
-        self._wanted = (0, 0)
+        self._wheels = (Create2Wheel(), Create2Wheel())
+        self._greeted_s = self._heard_s = self._driven_s = -math.inf
+        self._safe_is_due = False
+        """The greeting's second burst has not gone out."""
+        self._asked_s: float | None = None
+        """When it was ordered into SAFE mode; None where it was left to rest."""
+        self._charger, self._mode = 0, MODE_SAFE
+        self._feels_a_fault = False
+        self._wanted = (0.0, 0.0)
         self._sent = (0, 0)
-        self._sent_s = -math.inf
+        self._sent_s = self._chosen_s = -math.inf
 
     def open(self, now_s: float) -> None:
         """Greet it at once."""
         self._buffer.clear()
         self._odometry.forget()
         self._greeted_s = self._heard_s = -math.inf
-        self._wanted = (0, 0)
+        self._safe_is_due = False
+        self._asked_s, self._charger = None, 0
+        self._wanted = (0.0, 0.0)
 
     def drive(self, left_m_s: float, right_m_s: float) -> None:
-        """Whole mm/s."""
-        self._wanted = (harmless(round(left_m_s * 1000)), harmless(round(right_m_s * 1000)))
+        """In mm/s."""
+        self._wanted = (left_m_s * 1000, right_m_s * 1000)
 
     def clear_fault(self) -> None:
         """It is greeted again, which brings it back into SAFE mode."""
@@ -84,16 +104,61 @@ class Create2Driver:
 
     def bytes_to_send(self, now_s: float) -> bytes:
         """The greeting, or the wheels' speeds when they change and now and then."""
-        silent = now_s - self._heard_s > SILENT_S or self._greeted_s == -math.inf
-        if (silent or self.heard.held is not None) and now_s - self._greeted_s >= GREET_S:
-            self._greeted_s = now_s
-            self._sent, self._sent_s = (0, 0), now_s
-            stream = bytes([STREAM, len(SIZES), *SIZES])
-            return FILL + bytes([0, START, SAFE]) + _wheels(0, 0) + stream
-        if self._wanted == self._sent and now_s - self._sent_s < REPEAT_S:
+        if self._wanted != (0.0, 0.0):
+            self._driven_s = now_s
+        if self._safe_is_due:
+            return self._second_burst(now_s) if now_s - self._greeted_s >= SETTLE_S else b""
+        if self._is_to_be_greeted(now_s):
+            self._greeted_s, self._safe_is_due = now_s, True
+            self._order((0, 0), now_s)
+            return FILL + bytes([0, START])
+        return self._speeds(now_s)
+
+    def _is_to_be_greeted(self, now_s: float) -> bool:
+        if self._greeted_s == -math.inf:
+            return True
+        silent = now_s - self._heard_s > SILENT_S
+        other_mode = self._rests(now_s) is (self._mode >= MODE_SAFE)
+        return (
+            silent or (other_mode and not self._feels_a_fault)
+        ) and now_s - self._greeted_s >= GREET_S
+
+    def _rests(self, now_s: float) -> bool:
+        """True if it is left in its passive mode, to charge."""
+        idle = now_s - self._driven_s >= REST_S
+        return bool(self._charger & SOCKET or (self._charger & HOME_BASE and idle))
+
+    def _second_burst(self, now_s: float) -> bytes:
+        self._safe_is_due = False
+        stream = bytes([STREAM, len(SIZES), *SIZES])
+        if self._rests(now_s):
+            self._asked_s = None
+            return stream
+        self._asked_s = now_s
+        return bytes([SAFE]) + _wheels(0, 0) + stream
+
+    def _speeds(self, now_s: float) -> bytes:
+        if self._wanted == (0.0, 0.0):
+            self._chosen_s = -math.inf
+            for wheel in self._wheels:
+                wheel.forget()
+            if self._sent == (0, 0) and now_s - self._sent_s < REPEAT_S:
+                return b""
+            return self._order((0, 0), now_s)
+        if now_s - self._chosen_s < CYCLE_S:
             return b""
-        self._sent, self._sent_s = self._wanted, now_s
-        return _wheels(*self._wanted)
+        self._chosen_s = now_s
+        left, right = (
+            wheel.next_order(wanted)
+            for wheel, wanted in zip(self._wheels, self._wanted, strict=True)
+        )
+        return self._order((left, right), now_s)
+
+    def _order(self, speeds: tuple[int, int], now_s: float) -> bytes:
+        for wheel, speed in zip(self._wheels, speeds, strict=True):
+            wheel.ordered(speed, now_s)
+        self._sent, self._sent_s = speeds, now_s
+        return _wheels(*speeds)
 
     # Bytes in.
 
@@ -101,6 +166,8 @@ class Create2Driver:
         """Find the frames of the stream by their sum; anything else is skipped."""
         buffer = self._buffer
         buffer += data
+        if BOOTS in buffer:
+            self.heard.held = "starts up: its battery was put in, or it was reset"
         while (at := buffer.find(HEADER)) >= 0:
             frame = bytes(buffer[at : at + BODY + 3])
             if len(frame) < BODY + 3:
@@ -121,18 +188,28 @@ class Create2Driver:
         self._heard_s = now_s
         if packets[CAPACITY]:
             heard.battery = min(1.0, packets[CHARGE] / packets[CAPACITY])
-        heard.held = None
+        self._charger, self._mode = packets[CHARGER], packets[MODE]
+        rests = self._rests(now_s) and self._mode < MODE_SAFE
+        heard.held, heard.remark = None, RESTS if rests else None
         fault = _fault(packets)
+        self._feels_a_fault = fault is not None
         if fault is not None:
             heard.fault = fault
-        elif packets[MODE] < MODE_SAFE and now_s - self._greeted_s > LOST_MODE_S:
-            heard.held = "has left its safe mode (a charger, or a bad cable?) and is asked back"
+        elif self._charger & SOCKET:
+            heard.held = "charges by its cable and rests: pull the cable out before it is to drive"
+        elif self._mode < MODE_SAFE and self._was_asked(now_s):
+            heard.held = "has left its safe mode (a bad cable?) and is asked back"
+        if heard.held is not None:
             return  # no odometry: it does not drive, and what it does is its own idea
-        if not self._odometry.count(packets[LEFT], packets[RIGHT], now_s):
+        left, right = (wheel.direction(now_s) for wheel in self._wheels)
+        if not self._odometry.count(packets[LEFT], packets[RIGHT], now_s, (left, right)):
             heard.damaged += 1
             return
         heard.left_m, heard.right_m = self._odometry.left_m, self._odometry.right_m
         heard.odometry_s = now_s
+
+    def _was_asked(self, now_s: float) -> bool:
+        return self._asked_s is not None and now_s - self._asked_s > LOST_MODE_S
 
 
 def _fault(packets: dict[int, int]) -> str | None:
@@ -150,16 +227,6 @@ def _fault(packets: dict[int, int]) -> str | None:
 
 def _wheels(left_mm_s: int, right_mm_s: int) -> bytes:
     return struct.pack(">Bhh", DRIVE_DIRECT, right_mm_s, left_mm_s) + FILL
-
-
-def harmless(speed_mm_s: int) -> int:
-    """The nearest speed whose low byte is not in `NEVER`; the slower of two."""
-    for off in range(5):
-        for speed in (abs(speed_mm_s) - off, abs(speed_mm_s) + off):
-            signed = speed if speed_mm_s >= 0 else -speed
-            if speed >= 0 and signed & 0xFF not in NEVER:
-                return signed
-    raise AssertionError(f"{speed_mm_s}: nine speeds in a row, and each an order")
 
 
 def _packets(frame: bytes) -> dict[int, int] | None:

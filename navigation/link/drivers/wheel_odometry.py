@@ -33,11 +33,18 @@ class WheelOdometry:
         """The next counts are a new beginning: nothing is known of the time in between."""
         self._counts = None
 
-    def count(self, left: int, right: int, now_s: float) -> bool:
-        """The newest counts; False where they cannot be and were left out."""
+    def count(
+        self, left: int, right: int, now_s: float, directions: tuple[int, int] | None = None
+    ) -> bool:
+        """The newest counts; False where they cannot be and were left out.
+
+        ``directions``: 1, -1 or 0 for each wheel whose encoder feels none; by 0 nothing is counted.
+        """
         before = self._counts
         if before is not None:
             moved = [self._since(new, old) for new, old in zip((left, right), before, strict=True)]
+            if directions is not None:
+                moved = [abs(by) * way for by, way in zip(moved, directions, strict=True)]
             most_m = SLACK * self._wheel_m_s * (now_s - self._counted_s) + SLACK_M
             if max(map(abs, moved)) * self._metres_per_count > most_m:
                 self._doubts += 1

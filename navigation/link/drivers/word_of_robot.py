@@ -70,6 +70,8 @@ def remark_of(robot: KnownRobot, port: str, heard: Heard, damaged: int, messages
             f"much of what the {robot.title} sends arrives damaged: a bad cable, or a second "
             f"program that reads {port}?"
         )
+    if heard.remark is not None:
+        return f"the {robot.title} {heard.remark}"
     if heard.battery is not None and heard.battery < LOW_BATTERY:
         return f"the {robot.title}'s battery is nearly empty: charge it"
     return ""

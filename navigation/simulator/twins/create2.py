@@ -4,10 +4,17 @@
   safe mode a wheel drop or a cliff stops the wheels and falls back to passive.
 - No watchdog: the wheels keep the last order. In passive mode it sleeps after five minutes, and
   then no byte wakes it, only its CLEAN button (`press_clean`).
+- Its speed controller knows steps of about 28.5 mm/s only. Owners measured that orders from -10 to
+  10 mm/s do nothing, and that those from 11 up to the next step at 40 all drive at 39 mm/s.
 - Orders are opcodes with a fixed number of data bytes and without a check: after a lost byte the
   next opcode is eaten as data. Streamed sensor frames, one every 15 ms, end with a sum.
-- Encoder counts wrap at 16 bits. The sensors feel no direction: counts go up or down by the
-  direction that was ordered.
+- After Start it is deaf for the 20 ms that a change of mode takes.
+- Encoder counts wrap at 16 bits. The sensors feel no direction: counts go down while the wheel is
+  ordered backwards, and up otherwise, so also where a wheel rolls that is ordered to stand.
+- It charges in passive mode only. On the home base (`dock`) safe and full mode end the charging;
+  with the charger's cable in its socket (`plug_in`) safe mode falls back to passive.
+- A battery that is put back, and a reset, cost three seconds of text in which it hears nothing;
+  afterwards it is off, and all begins again.
 
 Bytes are big-endian; speeds in mm/s; metres and seconds elsewhere.
 """
@@ -20,16 +27,23 @@ from enum import IntEnum
 from typing import Final
 
 from firmware_protocol.robot.controller import WheelSpeeds
-from navigation.simulator.twins.twin import Body
+from navigation.simulator.twins.twin import ON_FOR_S, Body
 
 WHEEL_M: Final = 0.072
 TICKS_A_TURN: Final = 508.8
 STREAM_S: Final = 0.015
 SLEEP_S: Final = 300.0
 LIMIT_MM_S: Final = 500
+LEAST_MM_S, STEP_MM_S, STEP_ADDS_MM_S = 11, 28.5, 10.5
+"""The least order that turns a wheel, a step's width, and what step n drives beyond n widths."""
+DEAF_S: Final = 0.020
+BOOT_S: Final = 3.0
 BOOT_TEXT: Final = b"bl-start\r\n2007-05-14-1715-L   \r\nRDK by iRobot!\r\n"
 """What a processor that starts writes on the line, in a protocol of its own."""
-BATTERY_MAH: Final = (2_050, 2_696)
+BATTERY_MAH: Final = (2_050.0, 2_696)
+CHARGE_MA: Final = 1_250
+NOT_CHARGING, FULL_CHARGING = 0, 2
+SOCKET, HOME_BASE = 1, 2
 LONGEST_STREAM: Final = 80
 
 DATA_BYTES: Final = {
@@ -60,18 +74,23 @@ class Create2Twin:
     def __init__(self, sleep_s: float = SLEEP_S) -> None:
         self._sleep_s = sleep_s
         self._bumped = self._lifted = False
-        self.boot(0.0)
+        self._charger = 0
+        self.charge_mah = BATTERY_MAH[0]
+        self._stepped_s = 0.0
+        self.boot(-ON_FOR_S)
 
     def boot(self, now_s: float) -> None:
-        """A reset: off, nothing streamed, the counts at zero."""
+        """Its battery is put in, or a reset: off, nothing streamed, the counts at zero."""
         self.mode = Mode.OFF
+        self._booted_s = now_s + BOOT_S
+        self._texts = 3
+        self._deaf_until_s = -math.inf
         self.asleep = False
         self._heard_s = now_s
         self._order = bytearray()
         self._wanted = [0, 0]
         self._counts = [0, 0]
         self._ticks: tuple[int, int] | None = None
-        self._direction = [1, 1]
         self._stream: tuple[int, ...] = ()
         self._streaming = False
         self._streamed_s = now_s
@@ -90,14 +109,21 @@ class Create2Twin:
         """Both wheels drop out of the body."""
         self._lifted = lifted
 
+    def dock(self, docked: bool) -> None:
+        """Put it on its home base, or take it off."""
+        self._charger = HOME_BASE if docked else 0
+
+    def plug_in(self, plugged: bool) -> None:
+        """The charger's cable in its socket, or pulled out."""
+        self._charger = SOCKET if plugged else 0
+
     # Bytes in.
 
     def receive(self, data: bytes, now_s: float) -> None:
         """Orders, byte by byte."""
-        if self.asleep:
-            return
         for value in data:
-            self._take(value, now_s)
+            if not self.asleep and now_s >= max(self._booted_s, self._deaf_until_s):
+                self._take(value, now_s)
 
     def _take(self, value: int, now_s: float) -> None:
         order = self._order
@@ -127,9 +153,9 @@ class Create2Twin:
         match opcode:
             case 7:
                 self.boot(now_s)
-                self._out += BOOT_TEXT
             case 128:
                 self._enter(Mode.PASSIVE)
+                self._deaf_until_s = now_s + DEAF_S
             case 173:
                 self._enter(Mode.OFF)
                 self._streaming = False
@@ -162,8 +188,6 @@ class Create2Twin:
     def _turn(self, left: int, right: int) -> None:
         for side, speed in enumerate((left, right)):
             self._wanted[side] = max(-LIMIT_MM_S, min(LIMIT_MM_S, speed))
-            if self._wanted[side]:
-                self._direction[side] = 1 if self._wanted[side] > 0 else -1
 
     def _drive(self, speed: int, radius: int) -> None:
         if radius in (-32768, 32767):
@@ -177,22 +201,33 @@ class Create2Twin:
     # Wheels.
 
     def step(self, now_s: float, left_ticks: int, right_ticks: int) -> WheelSpeeds:
-        """Count, feel, and fall asleep."""
+        """Count, feel, charge, and fall asleep."""
         before = self._ticks or (left_ticks, right_ticks)
         self._ticks = (left_ticks, right_ticks)
         for side, moved in enumerate((left_ticks - before[0], right_ticks - before[1])):
-            self._counts[side] += self._direction[side] * abs(moved)
-        if self.mode is Mode.SAFE and self._lifted:
+            self._counts[side] += -abs(moved) if self._wanted[side] < 0 else abs(moved)
+        if self.mode is Mode.SAFE and (self._lifted or self._charger == SOCKET):
             self._enter(Mode.PASSIVE)
+        if self._charging_state() == FULL_CHARGING:
+            hours = max(0.0, now_s - self._stepped_s) / 3600
+            self.charge_mah = min(BATTERY_MAH[1], self.charge_mah + CHARGE_MA * hours)
+        self._stepped_s = now_s
         if self.mode <= Mode.PASSIVE and now_s - self._heard_s >= self._sleep_s:
             self.asleep, self.mode, self._streaming = True, Mode.OFF, False
-        left, right = self._wanted
+        left, right = map(_turned, self._wanted)
         return WheelSpeeds(left / 1000, right / 1000, powered=self.mode >= Mode.SAFE)
+
+    def _charging_state(self) -> int:
+        charges = self._charger and self.mode <= Mode.PASSIVE
+        return FULL_CHARGING if charges else NOT_CHARGING
 
     # Bytes out.
 
     def bytes_to_send(self, now_s: float) -> bytes:
         """Answers first, then a frame of the stream when it is due."""
+        if self._booted_s > now_s >= self._booted_s - self._texts * BOOT_S / 3:
+            self._texts -= 1
+            self._out += BOOT_TEXT
         if self._out:
             answer = bytes(self._out)
             self._out.clear()
@@ -212,10 +247,16 @@ class Create2Twin:
                 return bytes([(0b0011 if self._bumped else 0) | (0b1100 if self._lifted else 0)])
             case 9 | 10 | 11 | 12:
                 return bytes([int(self._lifted)])
+            case 21:
+                return bytes([self._charging_state()])
+            case 34:
+                return bytes([self._charger])
             case 22:
                 return (15_800).to_bytes(2, "big")
-            case 25 | 26:
-                return BATTERY_MAH[number - 25].to_bytes(2, "big")
+            case 25:
+                return int(self.charge_mah).to_bytes(2, "big")
+            case 26:
+                return BATTERY_MAH[1].to_bytes(2, "big")
             case 35:
                 return bytes([self.mode])
             case 43 | 44:
@@ -223,3 +264,11 @@ class Create2Twin:
             case 19 | 20 | 23 | 27 | 28 | 29 | 30 | 31 | 39 | 40 | 41 | 42:
                 return bytes(2)
         return bytes(1)
+
+
+def _turned(ordered_mm_s: int) -> float:
+    """The speed that the wheel really gets: of the steps that there are."""
+    number = math.floor((abs(ordered_mm_s) - LEAST_MM_S) / STEP_MM_S) + 1
+    if number <= 0:
+        return 0.0
+    return math.copysign(min(LIMIT_MM_S, number * STEP_MM_S + STEP_ADDS_MM_S), ordered_mm_s)

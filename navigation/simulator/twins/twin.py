@@ -5,9 +5,12 @@ Metres, seconds of the robot's own clock; a wheel's travel is positive forwards.
 
 from __future__ import annotations
 
-from typing import NamedTuple, Protocol
+from typing import Final, NamedTuple, Protocol
 
 from firmware_protocol.robot.controller import WheelSpeeds
+
+ON_FOR_S: Final = 60.0
+"""A robot that a program finds was switched on so long before."""
 
 
 class Body(NamedTuple):

@@ -26,6 +26,7 @@ from navigation.simulator.drive_model import Drive, DriveModel, TruePose
 from navigation.simulator.line_faults import FaultSpec, FaultyLine
 from navigation.simulator.own_time import OwnTime
 from navigation.simulator.twins.kinds import TWINS, refuse_frame_faults, wheels_of
+from navigation.simulator.twins.twin import ON_FOR_S
 from navigation.simulator.virtual_loop import PacedLine
 
 STEP_S = 0.002
@@ -91,7 +92,7 @@ class TwinRobot:
     def start(self) -> None:
         """Switch the robot on."""
         self._start_s = self._clock()
-        self.twin.boot(self._start_s)
+        self.twin.boot(self._start_s - ON_FOR_S)
         self._time.begin(self._start_s)
         self._thread = threading.Thread(target=self._run, name="robot's twin", daemon=True)
         self._thread.start()

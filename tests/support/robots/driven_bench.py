@@ -5,6 +5,7 @@ Everything of a run but its processes and its pictures. A second takes about a t
 
 from __future__ import annotations
 
+import math
 import random
 from dataclasses import dataclass, field
 
@@ -22,6 +23,7 @@ from navigation.link.drivers.drivers import DRIVERS
 from navigation.simulator.drive_model import Drive, DriveModel, TruePose
 from navigation.simulator.line_faults import FaultSpec, FaultyLine
 from navigation.simulator.twins.kinds import TWINS, wheels_of
+from navigation.simulator.twins.twin import ON_FOR_S
 from navigation.simulator.virtual_loop import PacedLine
 
 TICK_S = 0.001
@@ -51,13 +53,19 @@ class DrivenBench:
     faults: FaultSpec = field(default_factory=FaultSpec)
     baud: int | None = None
     slip: float = 0.01
+    lag_s: float = 0.05
 
     def __post_init__(self) -> None:
         self.speaks = self.speaks or self.driver
         self.known = KNOWN_ROBOTS[self.driver]
         rng = np.random.default_rng(self.seed)
         self.twin = TWINS[self.speaks]()
-        model = DriveModel(track_m=self.twin.body.track_m * 1.01, left_scale=1.005, slip=self.slip)
+        model = DriveModel(
+            track_m=self.twin.body.track_m * 1.01,
+            lag_s=self.lag_s,
+            left_scale=1.005,
+            slip=self.slip,
+        )
         self.drive = Drive(wheels_of(self.twin, model), TruePose(0.0, 0.0, 0.0), rng)
         self.ticks_per_m = self.twin.body.ticks_per_m
         self.baud = self.baud or self.known.baud
@@ -75,7 +83,7 @@ class DrivenBench:
         self.off_track_m = 0.0
         self.host.open(0.0)
         self.robot.port_opened(0.0)
-        self.twin.boot(0.0)
+        self.twin.boot(-ON_FOR_S)
 
     # What a person does.
 
@@ -167,3 +175,25 @@ class DrivenBench:
     @property
     def silence(self) -> str | None:
         return self.robot.word(self.now_s).silence
+
+
+def scaled_goal(name: str) -> tuple[tuple[float, float], ...]:
+    """Two metres for the large ones, half a metre for the smallest."""
+    far = 0.5 if name == "epuck2" else 1.0
+    return (0.5 * far, 0.0), (far, 0.1 * far), (1.2 * far, 0.3 * far)
+
+
+def assert_at_goal(bench: DrivenBench, name: str) -> None:
+    x, y, heading = bench.drive.pose
+    goal = scaled_goal(name)[-1]
+    assert math.dist((x, y), goal) <= 0.010
+    assert abs(math.degrees(heading)) <= 2.0
+
+
+def drive_off(bench: DrivenBench, name: str, seconds: float = 2.5) -> None:
+    """On its way, and really moving."""
+    bench.get_ready()
+    bench.send(5, *scaled_goal(name))
+    bench.run(seconds)
+    assert bench.state is RobotState.RUN
+    assert bench.drive.moving

@@ -11,35 +11,18 @@ from navigation.config.known_robots import KNOWN_ROBOTS
 from navigation.link.drivers.driven_robot import FRESH_S
 from navigation.link.drivers.drivers import DRIVERS
 from navigation.simulator.line_faults import FaultSpec
-from navigation.simulator.twins.create2 import Create2Twin, Mode
 from navigation.simulator.twins.kinds import TWINS
 from navigation.simulator.twins.waveshare import HEARTBEAT_MS
-from tests.support.robots.driven_bench import PORT, DrivenBench
+from tests.support.robots.driven_bench import (
+    PORT,
+    DrivenBench,
+    assert_at_goal,
+    drive_off,
+    scaled_goal,
+)
 
 NAMES = tuple(KNOWN_ROBOTS)
 BAD_LINE = "drop=0.001,flip=0.0005,noise=0.0005"
-
-
-def scaled_goal(name: str) -> tuple[tuple[float, float], ...]:
-    """Two metres for the large ones, half a metre for the smallest."""
-    far = 0.5 if name == "epuck2" else 1.0
-    return (0.5 * far, 0.0), (far, 0.1 * far), (1.2 * far, 0.3 * far)
-
-
-def assert_at_goal(bench: DrivenBench, name: str) -> None:
-    x, y, heading = bench.drive.pose
-    goal = scaled_goal(name)[-1]
-    assert math.dist((x, y), goal) <= 0.010
-    assert abs(math.degrees(heading)) <= 2.0
-
-
-def drive_off(bench: DrivenBench, name: str, seconds: float = 2.5) -> None:
-    """On its way, and really moving."""
-    bench.get_ready()
-    bench.send(5, *scaled_goal(name))
-    bench.run(seconds)
-    assert bench.state is RobotState.RUN
-    assert bench.drive.moving
 
 
 def test_every_robot_has_a_driver_and_a_twin() -> None:
@@ -120,10 +103,10 @@ def test_a_robot_that_starts_anew_loses_its_counts_and_not_its_way(name: str) ->
     drive_off(bench, name)
     before = bench.robot.driver.heard.left_m
     bench.reboot()
-    bench.run(3.0)
+    bench.run(5.0)
     assert bench.silence is None
     after = bench.robot.driver.heard.left_m
-    assert abs(after - before) < bench.known.wheel_m_s * 3.0, "no jump"
+    assert abs(after - before) < bench.known.wheel_m_s * 5.0, "no jump"
     if not bench.is_done and bench.state is not RobotState.RUN:
         bench.host.start(bench.now_s)
     bench.run_until(lambda: bench.is_done, 60.0)
@@ -237,44 +220,6 @@ def test_a_bumper_is_an_emergency_stop_until_a_person_resets_it() -> None:
     bench.run(1.5)
     assert bench.state is RobotState.IDLE
     assert bench.robot.word(bench.now_s).fault is None
-
-
-def test_a_create_that_is_lifted_leaves_safe_mode_and_comes_back() -> None:
-    bench = DrivenBench("create2")
-    drive_off(bench, "create2")
-    bench.twin.lift(True)
-    bench.run(1.0)
-    assert isinstance(bench.twin, Create2Twin)
-    assert (bench.twin.mode, bench.state) == (Mode.PASSIVE, RobotState.ESTOP)
-    assert "a wheel hangs in the air" in str(bench.robot.word(bench.now_s).fault)
-    bench.twin.lift(False)
-    bench.run(0.5)
-    bench.host.reset_estop(bench.now_s)
-    bench.run(2.0)
-    assert bench.state is RobotState.IDLE
-    bench.send(6, (0.2, 0.0), (0.5, 0.0))
-    bench.run(3.0)
-    assert bench.twin.mode is Mode.SAFE
-    assert bench.drive.moving
-
-
-def test_a_create_that_sleeps_says_which_button_wakes_it() -> None:
-    bench = DrivenBench("create2")
-    assert isinstance(bench.twin, Create2Twin)
-    bench.twin.asleep = True
-    bench.run(2.0)
-    assert "press CLEAN to wake it" in str(bench.silence)
-    bench.twin.press_clean(bench.now_s)
-    bench.run(2.0)
-    assert bench.silence is None
-
-
-def test_a_create_is_kept_awake_for_longer_than_its_five_minutes() -> None:
-    bench = DrivenBench("create2")
-    assert isinstance(bench.twin, Create2Twin)
-    bench.twin._sleep_s = 2.0
-    bench.run(6.0)
-    assert not bench.twin.asleep
 
 
 # Who stops the robot when its driver is gone: the robot's own watchdog, where it has one.

@@ -29,10 +29,17 @@ def said(twin: Twin, now_s: float = 0.0) -> bytes:
 # Create 2, by the examples and the tables of the Open Interface.
 
 
+def started_create() -> Create2Twin:
+    """In passive mode, and past the moment in which it is deaf."""
+    twin = Create2Twin()
+    twin.receive(bytes([128]), -1.0)
+    return twin
+
+
 def test_the_create_s_stream_is_the_specification_s_example() -> None:
     """[148][2][29][13] gives [19][5][29][hi][lo][13][0][sum], and all bytes add up to 0."""
-    twin = Create2Twin()
-    twin.receive(bytes([128, 148, 2, 29, 13]), 0.0)
+    twin = started_create()
+    twin.receive(bytes([148, 2, 29, 13]), 0.0)
     frame = said(twin, 0.015)
     assert (frame[0], frame[1], frame[2], frame[5]) == (19, 5, 29, 13)
     assert len(frame) == 8
@@ -45,34 +52,82 @@ def test_a_create_that_is_off_hears_nothing_but_start() -> None:
     twin = Create2Twin()
     twin.receive(bytes([131, 145, 0, 100, 0, 100, 142, 35]), 0.0)
     assert (twin.mode, said(twin)) == (Mode.OFF, b"")
-    twin.receive(bytes([128]), 0.0)
-    assert twin.mode is Mode.PASSIVE
-    twin.receive(bytes([145, 0, 100, 0, 100]), 0.0)
+    twin.receive(bytes([128, 131]), 0.0)
+    assert twin.mode is Mode.PASSIVE, "it is deaf while its mode changes"
+    twin.receive(bytes([145, 0, 100, 0, 100]), 0.05)
     assert not twin.step(0.1, 0, 0).powered, "passive does not drive"
     twin.receive(bytes([131, 145, 0, 100, 255, 56]), 0.1)
-    assert twin.step(0.1, 0, 0)[:2] == (-0.2, 0.1), "right first, then left"
+    assert twin.step(0.1, 0, 0)[:2] == (-0.21, 0.1245), "right first, then left"
     twin.receive(bytes([142, 35]), 0.2)
     assert said(twin) == b"\x02"
 
 
 def test_a_create_s_drive_by_radius_is_the_specification_s_example() -> None:
     """[137][255][56][1][244]: backwards at 200 mm/s on a circle of 500 mm."""
-    twin = Create2Twin()
-    twin.receive(bytes([128, 131, 137, 255, 56, 1, 244]), 0.0)
+    twin = started_create()
+    twin.receive(bytes([131, 137, 255, 56, 1, 244]), 0.0)
     left, right, _ = twin.step(0.0, 0, 0)
-    assert (left + right) / 2 == pytest.approx(-0.2, abs=1e-3)
-    assert (right - left) / 0.235 == pytest.approx(-0.2 / 0.5, abs=0.01)
+    assert (left + right) / 2 == pytest.approx(-0.2, abs=0.0285)
+    assert (right - left) / 0.235 == pytest.approx(-0.2 / 0.5, abs=0.0285 / 0.235)
 
 
 def test_a_create_s_counts_wrap_at_16_bits_and_go_the_way_that_was_ordered() -> None:
-    twin = Create2Twin()
-    twin.receive(bytes([128, 131, 145, 255, 156, 0, 100]), 0.0)
+    twin = started_create()
+    twin.receive(bytes([131, 145, 255, 156, 0, 100]), 0.0)
     twin.step(0.0, 0, 0)
     twin.step(0.1, 70_000, 5)
     twin.receive(bytes([149, 2, 43, 44]), 0.1)
     left, right = struct.unpack(">HH", said(twin))
     assert left == 70_000 % 65_536
     assert right == 65_536 - 5, "ordered backwards, pushed forwards: it counts down"
+    twin.receive(bytes([145, 0, 0, 0, 0]), 0.1)
+    twin.step(0.2, 70_000, 2)
+    twin.receive(bytes([149, 1, 44]), 0.2)
+    assert said(twin) == (65_536 - 5 + 3).to_bytes(2, "big"), "ordered to stand, it counts up"
+
+
+@pytest.mark.parametrize(
+    ("ordered", "driven"),
+    [(0, 0), (10, 0), (11, 39), (25, 39), (39, 39), (40, 67.5), (67, 67.5), (68, 96),
+     (467, 495), (496, 500), (500, 500)],
+)  # fmt: skip
+def test_a_create_drives_in_steps_as_its_owners_measured(ordered: int, driven: float) -> None:
+    twin = started_create()
+    twin.receive(bytes([131]) + struct.pack(">Bhh", 145, ordered, -ordered), 0.0)
+    assert twin.step(0.0, 0, 0)[:2] == (-driven / 1000, driven / 1000)
+
+
+def test_a_create_charges_in_passive_mode_only() -> None:
+    twin = started_create()
+    twin.dock(True)
+    twin.receive(bytes([149, 2, 34, 21]), 0.0)
+    assert said(twin) == bytes([2, 2])
+    before = twin.charge_mah
+    for second in range(3_601):
+        twin.step(float(second), 0, 0)
+        twin.receive(bytes([142, 21]), float(second))
+    assert twin.charge_mah > before + 500
+    full = twin.charge_mah
+    twin.receive(bytes([131, 149, 1, 21]), 3_600.5)
+    assert said(twin)[-1:] == b"\0"
+    twin.step(3_700.0, 0, 0)
+    assert (twin.charge_mah, twin.mode) == (full, Mode.SAFE)
+    twin.plug_in(True)
+    twin.step(3_700.1, 0, 0)
+    assert twin.mode is Mode.PASSIVE
+
+
+def test_a_create_that_was_reset_talks_for_three_seconds_and_has_forgotten_all() -> None:
+    twin = started_create()
+    twin.receive(bytes([131, 148, 1, 35]), 0.0)
+    twin.receive(bytes([7]), 1.0)
+    text = b"".join(said(twin, 1.0 + tick / 100) for tick in range(301))
+    assert text.count(b"bl-start") == 3
+    twin.receive(bytes([128]), 3.9)
+    assert twin.mode is Mode.OFF
+    assert said(twin, 4.5) == b""
+    twin.receive(bytes([128]), 4.5)
+    assert twin.mode is Mode.PASSIVE
 
 
 def test_a_create_falls_asleep_in_passive_and_only_its_button_wakes_it() -> None:
@@ -85,21 +140,22 @@ def test_a_create_falls_asleep_in_passive_and_only_its_button_wakes_it() -> None
     twin.receive(bytes([128, 131]), 301.0)
     assert twin.mode is Mode.OFF
     twin.press_clean(302.0)
-    twin.receive(bytes([128, 131]), 302.0)
+    twin.receive(bytes([128]), 302.0)
+    twin.receive(bytes([131]), 302.1)
     assert twin.mode is Mode.SAFE
 
 
 def test_a_lost_byte_makes_a_create_eat_the_next_order() -> None:
-    twin = Create2Twin()
-    twin.receive(bytes([128, 131, 145, 0, 100, 0]), 0.0)
+    twin = started_create()
+    twin.receive(bytes([131, 145, 0, 100, 0]), 0.0)
     twin.receive(bytes([145, 0, 50, 0, 50]), 0.0)
-    assert twin.step(0.0, 0, 0)[:2] == (0.145, 0.1)
+    assert twin.step(0.0, 0, 0)[:2] == (0.153, 0.1245), "145 and 100 mm/s, to their steps"
 
 
 def test_a_create_s_wheels_keep_the_last_order_for_ever() -> None:
-    twin = Create2Twin()
-    twin.receive(bytes([128, 131, 145, 0, 100, 0, 100]), 0.0)
-    assert twin.step(3_000.0, 0, 0) == (0.1, 0.1, True)
+    twin = started_create()
+    twin.receive(bytes([131, 145, 0, 100, 0, 100]), 0.0)
+    assert twin.step(3_000.0, 0, 0) == (0.1245, 0.1245, True)
 
 
 # TurtleBot3, by the manual of protocol 2.0 and the board's control table.
