@@ -33,8 +33,9 @@ class LinkSnapshot:
     ``leaving_estop``: the robot was told to leave its emergency stop and has not answered; what
     it reports is the old stop. ``clock_offset_s`` is the robot's clock minus the host's, wrong by
     no more than ``clock_error_s``; by it ``status_taken_s`` is when the robot took ``status``, in
-    host seconds. All three are None before the clock is known. ``fault`` says why a robot behind a
-    driver has stopped itself, and ``remark`` what people should know of it although it drives.
+    host seconds. All three are None before the clock is known. ``fault`` says why a robot is in its
+    emergency stop or, behind a driver, what is wrong with it, and ``remark`` what people should
+    know of it although it drives.
     """
 
     state: LinkState
@@ -112,5 +113,6 @@ def _with_status(
         moving=running or bool(status.flags & StatusFlag.MOVING),
         estopped=status.state is RobotState.ESTOP,
         disarmed=status.reason is StopReason.DISARMED,
+        fault=STOP_SENTENCES[status.reason] if status.state is RobotState.ESTOP else None,
         standing_reason=None if running else no_permit or STOP_SENTENCES[status.reason],
     )

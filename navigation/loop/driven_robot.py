@@ -163,5 +163,10 @@ class DrivenRobot:
             times=times,
             evidence=self.evidence,
             trust=self.pilot.trust.level,
-            troubles=tuple(filter(None, (*troubles, snapshot.remark))),
+            troubles=tuple(filter(None, (*troubles, self._stop_to_leave(), snapshot.remark))),
         )
+
+    def _stop_to_leave(self) -> str:
+        """What to do about an emergency stop of the robot's own while it has no mission."""
+        why = self.pilot.stands_stopped
+        return "" if why is None else f"{why}; re-arm it before it is to drive (clearway resume)"

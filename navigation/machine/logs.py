@@ -47,9 +47,9 @@ EVENTS: Final = {
 }
 
 _TIME: Final = re.compile(r"\b\d+(\.\d+)? m?s\b")
-_STATE_LEVELS: Final[Mapping[State, Level]] = {
+STATE_LEVELS: Final[Mapping[State, Level]] = {
     State.HOLDING: "warning",
-    State.STOPPED: "error",
+    State.STOPPED: "warning",
     State.FAILED: "error",
 }
 
@@ -186,7 +186,7 @@ class RunLog:
         if self._is_news("state", (mission.state, _timeless(now.sentence))):
             pose = now.pose
             self.write(
-                _STATE_LEVELS.get(mission.state, "info"),
+                STATE_LEVELS.get(mission.state, "info"),
                 "state",
                 state=mission.state.value,
                 reason=now.sentence,

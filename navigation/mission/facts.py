@@ -26,6 +26,8 @@ class Situation(NamedTuple):
     wire_id: int
     rearms: bool
     """Whether the robot is about to be told to leave its emergency stop."""
+    stop_ordered: bool
+    """Whether it was ordered to stop: that it does so is no second reason."""
 
 
 class FactFinder:
@@ -45,7 +47,7 @@ class FactFinder:
         met: Encounter | None,
     ) -> Facts:
         """The facts of one cycle; ``met`` is the robot that comes near, if one does."""
-        mission, plan, wire_id, rearms = situation
+        mission, plan, wire_id, rearms, stop_ordered = situation
         position = None if sight.pose is None else sight.pose[:2]
         driving = mission.state is State.DRIVING
         running = driving and robot.mission_id == wire_id
@@ -54,7 +56,7 @@ class FactFinder:
             pose_age_s=sight.pose_age_s,
             link_age_s=robot.age_s,
             link_down_reason=robot.down_reason,
-            robot_estopped=robot.estopped and not (rearms or robot.leaving_estop),
+            robot_estopped=robot.estopped and not (rearms or stop_ordered or robot.leaving_estop),
             robot_fault=robot.fault,
             robot_disarmed=robot.disarmed and running,
             robot_idle_reason=self._idle_reason(now_s, robot, situation),

@@ -147,7 +147,8 @@ class Pilot:
         """One control cycle; see the module's text for its order."""
         met = self._look_at_traffic(sight)
         self._look_at_identity(sight)
-        situation = Situation(self.mission, self.plan, self._mission_id, self._rearm)
+        ordered = self._stop_reason is not None
+        situation = Situation(self.mission, self.plan, self._mission_id, self._rearm, ordered)
         facts = self._facts.facts(now_s, sight, robot, situation, met)
         self.verdict = judge(facts, self.settings.limits)
         if self._stop_reason is not None:
@@ -249,6 +250,16 @@ class Pilot:
         if self.mission.state is not State.STOPPED:
             self.mission = self.mission.after(Event.STOP, self.verdict.sentence)
             self._forget_plan()
+
+    @property
+    def stands_stopped(self) -> str | None:
+        """Why the robot is in its emergency stop although the mission is not: it has none.
+
+        None where the robot is in none, or the mission's own reason says it.
+        """
+        if self.verdict.action is not Action.STOP or self.mission.state is State.STOPPED:
+            return None
+        return self.verdict.reasons[0]
 
     def _follow_progress(self, robot: RobotReport) -> None:
         if not self.plan.targets or robot.mission_id != self._mission_id:

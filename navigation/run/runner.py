@@ -327,7 +327,8 @@ class Runner:
             taking.cycle()
             attendance.cycle(now, self._clock())
             if self.interrupt.is_set():
-                return State.STOPPED, self.interrupt_reason
+                stopped = now.mission.state is State.STOPPED
+                return State.STOPPED, self.why_interrupted(now.sentence if stopped else None)
             if self._once and now.time_s > give_up_s and not daemon.pilot.has_met_its_devices:
                 reason = f"given up after {give_up_s:g} s without robot and camera"
                 return State.FAILED, f"{reason}: {now.sentence}"
@@ -335,6 +336,10 @@ class Runner:
                 return State.FAILED, f"not done within {limit_s:g} s: {now.sentence}"
             if self._once and (now.mission.is_over or not now.mission.stations):
                 return now.mission.state, now.sentence
+
+    def why_interrupted(self, stopped: str | None) -> str:
+        """The reason of a run that was interrupted, after an emergency stop for that cause."""
+        return f"{stopped}; then {self.interrupt_reason}" if stopped else self.interrupt_reason
 
     def _exit_code(self, state: State, daemon: Daemon) -> int:
         interrupted = self.interrupt.is_set()
@@ -357,14 +362,6 @@ class Runner:
         said = take_over_lens(self.config, lens, picture, datetime.now(), self.reload_and_wait)
         self._log.write("warning", "calibration", reason=said)
         return said
-
-    def say_line(self, line: str) -> None:
-        """A line for people."""
-        self._say(line)
-
-    def log_state(self, robot: str, state: State, reason: str) -> None:
-        """News of one of several robots, for the log."""
-        self._log.write("info", "state", robot=robot, state=state.value, reason=reason)
 
     def _time_limit_s(self) -> float:
         simulation = self.config.simulation

@@ -35,4 +35,5 @@ class DriverLink(SerialLink):
         down = snapshot.down_reason
         if word.silence is not None:
             down = word.silence
-        return replace(snapshot, down_reason=down, fault=word.fault, remark=word.remark)
+        fault = word.fault or snapshot.fault
+        return replace(snapshot, down_reason=down, fault=fault, remark=word.remark)

@@ -5,7 +5,6 @@ Units: metres, radians, seconds.
 
 from __future__ import annotations
 
-import math
 import random
 from contextlib import ExitStack
 from pathlib import Path
@@ -18,16 +17,16 @@ from navigation.draw import DrawError
 from navigation.journal.journal import Journal, owner_of
 from navigation.link.serial_port import PortNotReadyError, look_for_port
 from navigation.loop.fleet.fleet_daemon import FleetDaemon
-from navigation.loop.fleet.fleet_state import FleetState
 from navigation.loop.fleet.people import People
 from navigation.machine.sd_notify import Watchdog
 from navigation.mission.mission import State
+from navigation.run.fleet.fleet_lines import FleetLines, why_stopped
 from navigation.run.fleet.fleet_picture import write_picture
 from navigation.run.fleet.fleet_report import FleetReport, summarise_fleet
 from navigation.run.fleet.fleet_warm_up import warm_up_fleet
 from navigation.run.fleet.fleet_world import FleetWorld
 from navigation.run.fleet.give_missions import GiveMissions
-from navigation.run.runner import DONE, FAILED, NO_PATH, PROGRESS_EVERY_S, Runner
+from navigation.run.runner import DONE, FAILED, NO_PATH, Runner
 from navigation.run.taking_orders import TakingOrders
 from navigation.run.trouble_lines import TroubleLines, troubles_of
 from navigation.run.world import camera_words
@@ -132,16 +131,17 @@ class FleetRunner(Runner):
     ) -> tuple[State, str]:
         limit_s, give_up_s = self._time_limit_s(), self.config.safety.give_up_s
         watchdog = Watchdog(self._notifier, self._watchdog_s, daemon.turns)
-        teller, troubles = _Teller(self), TroubleLines(self._log, self._say)
+        lines = FleetLines(self._log, self._say)
+        troubles = TroubleLines(self._log, self._say)
         while True:
             missions.cycle()
             now = daemon.cycle()
-            teller.cycle(now)
+            lines.cycle(now)
             taking.cycle()
             troubles.cycle(troubles_of(now))
             watchdog.tick(self._clock())
             if self.interrupt.is_set():
-                return State.STOPPED, self.interrupt_reason
+                return State.STOPPED, self.why_interrupted(why_stopped(now))
             if self._once and now.time_s > give_up_s and not daemon.has_met_its_devices:
                 reason = f"given up after {give_up_s:g} s without all robots and the camera"
                 return State.FAILED, f"{reason}: {now.sentence}"
@@ -157,48 +157,6 @@ class FleetRunner(Runner):
         if any(seat.pilot.no_path for seat in daemon.seats.values()):
             return NO_PATH
         return FAILED
-
-
-class _Teller:
-    """Says what is news of each robot, and once in a while where all are."""
-
-    def __init__(self, runner: FleetRunner) -> None:
-        self._runner = runner
-        self._said: dict[str, tuple[State, str]] = {}
-        self._said_s = -math.inf
-
-    def cycle(self, now: FleetState) -> None:
-        """After a cycle that ended with ``now``."""
-        runner = self._runner
-        for name, one in now.robots.items():
-            mission = one.mission
-            said = self._said.get(name)
-            news = said is None or said[0] is not mission.state
-            news |= (
-                said is not None and mission.state is not State.HOLDING and said[1] != one.sentence
-            )
-            if not news or not mission.stations:
-                continue
-            self._said[name] = mission.state, one.sentence
-            self._said_s = now.time_s
-            runner.say_line(
-                f"{now.time_s:6.1f} s  {name:<8} {mission.state.value:<8}  {one.sentence}"
-            )
-            runner.log_state(name, mission.state, one.sentence)
-        if now.time_s - self._said_s >= PROGRESS_EVERY_S and not now.is_over:
-            self._said_s = now.time_s
-            runner.say_line(f"{now.time_s:6.1f} s  {now.state.value:<8} {_to_go(now)}")
-
-
-def _to_go(now: FleetState) -> str:
-    """How far each robot has still to go."""
-    parts = []
-    for name, one in now.robots.items():
-        if one.to_go_m is not None and not one.mission.is_over:
-            parts.append(f"{name} {one.to_go_m:.2f} m to go")
-        elif one.mission.state is State.HOLDING:
-            parts.append(f"{name} holds")
-    return ", ".join(parts)
 
 
 def _of_nothing(config: Config, reason: str) -> FleetReport:

@@ -131,7 +131,12 @@ TABLE: list[tuple[Callable[[Arena], None], State, float, str]] = [
     (carry_into_an_obstacle, State.STOPPED, 3 * FRAME_S, "the robot's clearance is -0.0"),
     (carry_near_an_obstacle, State.STOPPED, 3 * FRAME_S, "the robot's clearance is 0.06"),
     (carry_off_the_path, State.HOLDING, 3 * FRAME_S, "m off its path"),
-    (press_the_button, State.STOPPED, 0.1 + FRAME_S, "the robot reports an emergency stop"),
+    (
+        press_the_button,
+        State.STOPPED,
+        0.1 + FRAME_S,
+        "the robot reports an emergency stop: the emergency stop on the robot was pressed",
+    ),
     (press_pause, State.HOLDING, FRAME_S, "paused by the operator"),
     (press_stop, State.STOPPED, FRAME_S, "the operator pressed STOP"),
 ]
@@ -199,6 +204,25 @@ def test_a_stop_is_latched_until_re_armed_and_resumed(
     arena.daemon.resume()
     ended = cycle_until(arena.daemon, lambda now: now.mission.is_over)
     assert ended.mission.state is State.DONE, ended.sentence
+
+
+def test_a_stop_on_the_robot_is_said_without_a_mission_too_until_it_is_re_armed(
+    arena: Arena,
+) -> None:
+    words = "the emergency stop on the robot was pressed; re-arm it"
+    cycle_until(arena.daemon, lambda now: now.mission.is_over)
+    press_the_button(arena)
+    now = cycle_until(arena.daemon, lambda now: any(words in one for one in now.troubles), 1.0)
+    assert now.mission.state is State.DONE
+    arena.daemon.resume()
+    said = []
+    since_s = arena.world.clock()
+    cycle_until(
+        arena.daemon,
+        lambda _: arena.world.clock() > since_s + 2.0,
+        each=lambda now: said.extend(now.troubles),
+    )
+    assert said == []
 
 
 def test_a_robot_whose_processor_hangs_is_said_and_goes_on_when_it_is_back(arena: Arena) -> None:

@@ -1,0 +1,47 @@
+"""The lines about several robots: an emergency stop says its cause, whatever its robot was at."""
+
+from __future__ import annotations
+
+import io
+import json
+from datetime import datetime
+
+from navigation.config import Config
+from navigation.loop.fleet.fleet_daemon import FleetDaemon
+from navigation.loop.fleet.fleet_state import FleetState
+from navigation.loop.fleet.people import People
+from navigation.machine.logs import EventLog, RunLog
+from navigation.run.fleet.fleet_lines import FleetLines, why_stopped
+from navigation.run.fleet.fleet_virtual_run import run_fleet_virtually
+from tests.navigation.run.test_fleet_runs import CONFIGS, open_hall
+
+
+def with_one_at_rest() -> Config:
+    """Two robots, of which the second has no mission."""
+    config = open_hall("a", "b", time_limit_s=4.0).model_dump(mode="json", exclude_none=True)
+    config["mission"]["robots"].pop()
+    return Config.model_validate(config, context={"folder": CONFIGS}, strict=False)
+
+
+def test_each_robots_stop_is_one_line_with_its_cause_and_a_warning_in_the_log() -> None:
+    said: list[str] = []
+    stream = io.StringIO()
+    lines = FleetLines(RunLog(EventLog(stream, "json", now=datetime.now)), said.append)
+    ends: list[FleetState] = []
+
+    def look(daemon: FleetDaemon, now: FleetState) -> bool:
+        lines.cycle(now)
+        ends.append(now)
+        if len(ends) == 30:
+            People(daemon).stop("a cat on the table")
+        return len(ends) == 60
+
+    run_fleet_virtually(with_one_at_rest(), look=look)
+    stops = [line.split(maxsplit=4)[2:] for line in said if " stopped " in line]
+    assert sorted(stops) == [[name, "stopped", "a cat on the table"] for name in "ab"]
+    logged = [json.loads(line) for line in stream.getvalue().splitlines()]
+    assert {
+        (one["robot"], one["level"], one["reason"]) for one in logged if one["state"] == "stopped"
+    } == {("a", "warning", "a cat on the table"), ("b", "warning", "a cat on the table")}
+    assert why_stopped(ends[-1]) == "all robots: a cat on the table"
+    assert why_stopped(ends[20]) is None

@@ -1,0 +1,60 @@
+"""A run that is stopped says the cause: at once on the terminal, in its log, and in its report."""
+
+from __future__ import annotations
+
+import shutil
+import threading
+from datetime import datetime
+from pathlib import Path
+
+import pytest
+
+from navigation.config import load_config
+from navigation.control import send_order
+from navigation.machine.logs import EventLog
+from navigation.run.fleet.fleet_runner import FleetRunner
+from navigation.run.runner import Runner
+from tests.support.waiting import wait_until
+
+CONFIGS = Path(__file__).parents[3] / "configs"
+
+
+@pytest.mark.parametrize(
+    ("name", "kind"),
+    [("simulation.yaml", Runner), ("alcove.yaml", FleetRunner)],
+    ids=["one robot", "several robots"],
+)
+def test_an_emergency_stop_is_said_with_its_cause(
+    name: str, kind: type[Runner], tmp_path: Path
+) -> None:
+    shutil.copytree(CONFIGS, tmp_path, dirs_exist_ok=True)
+    config = load_config(tmp_path / name, {})
+    config = config.model_copy(
+        update={"recording": config.recording.model_copy(update={"runs_dir": tmp_path / "runs"})}
+    )
+    said: list[str] = []
+    reasons: list[str] = []
+    with (tmp_path / "log").open("w") as out:
+        runner = kind(
+            config, once=False, say=said.append, socket=tmp_path / "socket" / "s", dashboard=False,
+            log=EventLog(out, "text", now=datetime.now),
+        )  # fmt: skip
+
+        def drive() -> None:
+            report = (
+                runner.run_fleet()[0] if isinstance(runner, FleetRunner) else runner.run().report
+            )
+            reasons.append(report.reason)
+
+        thread = threading.Thread(target=drive)
+        thread.start()
+        assert wait_until(lambda: any(" driving " in line for line in said), 60.0)
+        send_order(tmp_path / "socket" / "s", {"order": "stop", "reason": "a cat on the table"})
+        assert wait_until(
+            lambda: any("stopped   a cat on the table" in line for line in said), 1.0
+        ), said
+        runner.interrupt.set()
+        thread.join(30.0)
+    assert "a cat on the table; then interrupted" in reasons[0]
+    states = [line for line in (tmp_path / "log").read_text().splitlines() if " state " in line]
+    assert any(" warning " in line and "a cat on the table" in line for line in states), states
