@@ -60,6 +60,12 @@ def _robot_fits_together(robot: Any) -> _Found:
 
 def _driver_can_drive_it(robot: Any, serial: Any) -> _Found:
     """What its maker says of the robot, compared with what is asked of it."""
+    models = () if robot.driver == CLEARWAY else KNOWN_ROBOTS[robot.driver].models
+    if robot.model is not None and robot.model not in models:
+        yield (
+            ("robot", "model"),
+            f"'{robot.model}' is no model for robot.driver '{robot.driver}': leave it out",
+        )
     if robot.driver == CLEARWAY:
         if "://" in serial.port:
             yield ("serial", "port"), "an address needs a robot.driver other than 'clearway'"

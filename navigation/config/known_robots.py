@@ -12,6 +12,7 @@ from typing import Final, Literal, TypeAlias
 
 DriverName: TypeAlias = Literal["clearway", "create2", "turtlebot3", "epuck2", "waveshare"]
 
+ModelName: TypeAlias = Literal["ugv01", "ugv_rover", "rasp_rover"]
 
 CLEARWAY: Final = "clearway"
 """The driver of robots with our own firmware, which need none."""
@@ -25,7 +26,8 @@ class KnownRobot:
     drives; ``radius_m`` the smallest disc around the middle of its axle that holds its body.
     ``metres_per_count`` is a wheel's travel for a count of its encoder, None where the robot
     reports speeds. ``watchdog_s``: its own motors stop so long after the last order, None where
-    they never do. ``help`` is what to look at when it does not answer.
+    they never do. ``help`` is what to look at when it does not answer. ``models``: which of the
+    maker's robots `robot.model` may name, the first if it is empty; none where the robot says it.
     """
 
     title: str
@@ -43,6 +45,7 @@ class KnownRobot:
     metres_per_count: float | None
     watchdog_s: float | None
     help: str
+    models: tuple[ModelName, ...] = ()
 
 
 KNOWN_ROBOTS: Final[Mapping[str, KnownRobot]] = {
@@ -109,6 +112,7 @@ KNOWN_ROBOTS: Final[Mapping[str, KnownRobot]] = {
         metres_per_count=None,
         watchdog_s=0.5,
         help="is it switched on, a model with encoders, and its UART connected?",
+        models=("ugv01", "ugv_rover", "rasp_rover"),
     ),
 }
 """By the name in `robot.driver`."""

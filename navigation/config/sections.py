@@ -15,7 +15,7 @@ from pydantic import Field, StrictBool
 
 from navigation.config.dashboard import DashboardSection
 from navigation.config.entries import CameraEntry, RobotEntry, RobotMissionSection
-from navigation.config.known_robots import DriverName
+from navigation.config.known_robots import DriverName, ModelName
 from navigation.config.simulation import SimulationSection
 from navigation.config.values import (
     MOST_CAMERAS,
@@ -144,6 +144,11 @@ class RobotSection(MarkerSection):
     driver: DriverName = Field(
         default="clearway",
         description="what it speaks: 'clearway' is our firmware, the others are named by robot",
+    )
+    model: ModelName | None = Field(
+        default=None,
+        description="which of the maker's robots it is, with driver 'waveshare' only: 'ugv01' (and "
+        "the UGV Beast; empty: this one), or with the firmware for ROS 'ugv_rover' or 'rasp_rover'",
     )
     dictionary: Dictionary = Field(
         default="DICT_4X4_50", description="OpenCV's name of the marker family"

@@ -32,14 +32,22 @@ _SPAWN: Final = multiprocessing.get_context("spawn")
 class DriverProcess:
     """A driver and its watcher's thread; ``port`` is what the daemon opens.
 
-    ``name`` is one of `KNOWN_ROBOTS`, ``robot_port`` where the robot is.
+    ``name`` is one of `KNOWN_ROBOTS`, ``robot_port`` where the robot is; ``model`` as in
+    `DriverOrder`.
     """
 
-    def __init__(self, name: str, robot_port: str, baud: int, settings: DriveSettings) -> None:
+    def __init__(
+        self,
+        name: str,
+        robot_port: str,
+        baud: int,
+        settings: DriveSettings,
+        model: str | None = None,
+    ) -> None:
         self._title = KNOWN_ROBOTS[name].title
         self._folder = Path(tempfile.mkdtemp(prefix="clearway-driver-"))
         self.port = str(self._folder / "robot")
-        self._order = DriverOrder(name, robot_port, baud, settings, self._folder / "robot")
+        self._order = DriverOrder(name, robot_port, baud, settings, self._folder / "robot", model)
         self._word = Word(silence=f"the driver of the {self._title} is being started")
         self._process: SpawnProcess | None = None
         self._words: Connection | None = None

@@ -17,3 +17,13 @@ DRIVERS: Final[Mapping[str, Callable[[], RobotDriver]]] = {
     "epuck2": Epuck2Driver,
     "waveshare": WaveshareDriver,
 }
+
+DRIVERS_BY_MODEL: Final[Mapping[str, Callable[[str], RobotDriver]]] = {
+    "waveshare": WaveshareDriver,
+}
+"""Those that have to know which of the maker's robots it is."""
+
+
+def new_driver(name: str, model: str | None = None) -> RobotDriver:
+    """``model``: one of `KnownRobot.models`; None is the first, or of a robot that has none."""
+    return DRIVERS[name]() if model is None else DRIVERS_BY_MODEL[name](model)

@@ -23,7 +23,7 @@ from typing import Final
 from firmware_protocol.robot.connection import Identity
 from firmware_protocol.wire.drive_settings import DriveSettings
 from navigation.link.drivers.driven_robot import DrivenRobot
-from navigation.link.drivers.drivers import DRIVERS
+from navigation.link.drivers.drivers import new_driver
 from navigation.link.drivers.robot_port import RobotPort
 from navigation.link.drivers.word_of_robot import Word
 
@@ -44,6 +44,8 @@ class DriverOrder:
     settings: DriveSettings
     link: Path
     """Where the link to our wire's pseudo-terminal is put."""
+    model: str | None = None
+    """Which of the maker's robots it is, where the driver has to know."""
 
 
 def serve(order: DriverOrder, words: Connection) -> None:
@@ -52,7 +54,7 @@ def serve(order: DriverOrder, words: Connection) -> None:
     parent = multiprocessing.parent_process()
     assert parent is not None
     robot = DrivenRobot(
-        DRIVERS[order.name](),
+        new_driver(order.name, order.model),
         order.settings,
         Identity(random.SystemRandom().randrange(1, 1 << 32)),
         order.port,

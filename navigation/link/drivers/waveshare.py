@@ -2,11 +2,13 @@
 
 - One JSON object a line. The greeting switches the echo off and the stream of reports on, and sets
   the robot's own watchdog to half a second; a robot whose reports stop is greeted again, since it
-  may have started anew.
+  may have started again.
+- Which robot it is (``model``) the program on it keeps in memory only, never reports, and needs to
+  know which way its motors turn and what a pulse is worth: it is in the greeting and repeated.
 - The reports hold speeds, not counts. The travel is what they come to over the time between them;
-  reports that arrive together share it.
-- Wheel speeds in m/s; a robot without encoders would take them for a share of its power, and is not
-  for this driver.
+  reports that arrive together share it. A robot that reports nothing but zeros while it is driven
+  has no encoders, and may be at full power: it is stopped.
+- Wheel speeds in m/s.
 
 Metres and seconds.
 """
@@ -15,6 +17,7 @@ from __future__ import annotations
 
 import json
 import math
+from collections.abc import Mapping
 from typing import Any, Final
 
 from navigation.config.known_robots import KNOWN_ROBOTS
@@ -29,8 +32,20 @@ LONGEST: Final = 1024
 REPORT: Final = 1001
 EMPTY_V, FULL_V = 9.0, 12.6
 """Three lithium cells in a row."""
+HUNDREDTHS_V: Final = 100.0
+"""A battery of more volts is one of hundredths of a volt, as the firmware for ROS reports it."""
+MAIN_TYPES: Final[Mapping[str, int]] = {"rasp_rover": 1, "ugv_rover": 2, "ugv01": 3}
+"""The robot's number in command 900, by its model."""
+TYPE_S: Final = 0.5
+"""The command may be lost, and an ESP32 that starts again has forgotten it: it is repeated."""
+DRIVEN_M_S: Final = 0.03
+BLIND_S: Final = 0.5
+"""A wheel that is ordered faster than that for so long has turned by hundreds of pulses."""
+BLIND: Final = (
+    "its wheels are driven, and it counts nothing: it has no encoders (a WAVE ROVER), robot.model "
+    "names another robot, or its motors have no power"
+)
 GREETING: Final = (
-    {"T": 1, "L": 0, "R": 0},
     {"T": 143, "cmd": 0},
     {"T": 142, "cmd": 0},
     {"T": 136, "cmd": WATCHDOG_MS},
@@ -43,15 +58,18 @@ class WaveshareDriver:
 
     robot = KNOWN_ROBOTS["waveshare"]
 
-    def __init__(self) -> None:
+    def __init__(self, model: str = "ugv01") -> None:
         self.heard = Heard()
+        self._type = _line({"T": 900, "main": MAIN_TYPES[model], "module": 0})
         self._buffer = bytearray()
         self._wanted = (0.0, 0.0)
         self._forget_the_line()
 
     def _forget_the_line(self) -> None:
         self._sent = (0.0, 0.0)
-        self._sent_s = self._greeted_s = self._heard_s = -math.inf
+        self._sent_s = self._greeted_s = self._heard_s = self._typed_s = -math.inf
+        self._has_counted = False
+        self._driven_since_s: float | None = None
 
     def open(self, now_s: float) -> None:
         """Greet it at once, which stops it."""
@@ -64,22 +82,35 @@ class WaveshareDriver:
         self._wanted = (round(left_m_s, 4), round(right_m_s, 4))
 
     def clear_fault(self) -> None:
-        """It reports none."""
+        """Its wheels are tried again."""
+        self.heard.fault = None
+        self._driven_since_s = None
 
     # Bytes out.
 
     def bytes_to_send(self, now_s: float) -> bytes:
         """The greeting, or the wheels' speeds when they change and now and then."""
         if now_s - self._heard_s > SILENT_S and now_s - self._greeted_s >= GREET_S:
-            self._greeted_s = now_s
-            self._sent, self._sent_s = (0.0, 0.0), now_s
-            return b"\n" + b"".join(map(_line, GREETING))
+            self._greeted_s = self._typed_s = now_s
+            self._has_counted = False
+            greeting = b"\n" + self._order(0.0, 0.0, now_s) + self._type
+            return greeting + b"".join(map(_line, GREETING))
         age_s = now_s - self._sent_s
         stops = self._wanted == (0.0, 0.0) != self._sent
         if stops or age_s >= REPEAT_S or (self._wanted != self._sent and age_s >= SPACING_S):
-            self._sent, self._sent_s = self._wanted, now_s
-            return _line({"T": 1, "L": self._wanted[0], "R": self._wanted[1]})
+            return self._order(*self._wanted, now_s)
+        if now_s - self._typed_s >= TYPE_S:
+            self._typed_s = now_s
+            return self._type
         return b""
+
+    def _order(self, left_m_s: float, right_m_s: float, now_s: float) -> bytes:
+        self._sent, self._sent_s = (left_m_s, right_m_s), now_s
+        if max(abs(left_m_s), abs(right_m_s)) < DRIVEN_M_S:
+            self._driven_since_s = None
+        elif self._driven_since_s is None:
+            self._driven_since_s = now_s
+        return _line({"T": 1, "L": left_m_s, "R": right_m_s})
 
     # Bytes in.
 
@@ -97,6 +128,10 @@ class WaveshareDriver:
             heard.left_m += sum(left for left, _ in reports) * gone_s / len(reports)
             heard.right_m += sum(right for _, right in reports) * gone_s / len(reports)
         heard.odometry_s = now_s
+        self._has_counted = self._has_counted or any(map(any, reports))
+        since_s = self._driven_since_s
+        if not self._has_counted and since_s is not None and now_s - since_s > BLIND_S:
+            heard.fault = BLIND
 
     def _read(self, line: bytes) -> tuple[float, float] | None:
         """The wheels' speeds in a report; None for what is none."""
@@ -121,6 +156,7 @@ class WaveshareDriver:
         self.heard.identity = self.robot.title
         volts = _number(told, "v")
         if volts is not None:
+            volts = volts / 100 if volts > HUNDREDTHS_V else volts
             self.heard.battery = max(0.0, min(1.0, (volts - EMPTY_V) / (FULL_V - EMPTY_V)))
         left, right = speeds
         assert left is not None

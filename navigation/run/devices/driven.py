@@ -24,7 +24,11 @@ def driver_of(config: Config, robot_port: str) -> DriverProcess | None:
     if config.robot.driver == CLEARWAY:
         return None
     return DriverProcess(
-        config.robot.driver, robot_port, config.serial.baud, drive_settings_of(config)
+        config.robot.driver,
+        robot_port,
+        config.serial.baud,
+        drive_settings_of(config),
+        config.robot.model,
     )
 
 

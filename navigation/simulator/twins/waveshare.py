@@ -4,25 +4,61 @@
   is ignored. Commands are echoed unless 143 switches that off.
 - 1 orders the wheels' speeds in m/s (a speed beyond 2 m/s is ignored as a whole order), 13 linear
   and angular speed, 131 switches the reports on, 142 makes them rarer, 130 asks for one.
+- 900 sets which robot it is, in memory only: after each start it is another (`Kind`). The type
+  decides what a pulse is worth and which way the motors turn; without encoders in the type, in the
+  ordinary firmware, 1 is a share of the power. The firmware for ROS regulates every type and
+  reports its battery in hundredths of a volt.
 - Watchdog: without a speed order for the heartbeat's time, 3,000 ms unless 136 sets another, the
   wheels stop.
 - A report is 1001 with the speeds of the wheels in the last turn of the program's loop: whole
   encoder pulses over its 10 ms, so a slow wheel reports nothing in one turn and much in the next.
+- A robot without encoders (``has_encoders``) reports zeros, and where it is taken for one that has
+  them its regulator goes to full power.
+- It starts in two seconds of text; what comes meanwhile waits in its UART, 256 bytes of it.
 """
 
 from __future__ import annotations
 
 import json
 import math
-from typing import Any, Final
+from typing import Any, Final, NamedTuple
 
 from firmware_protocol.robot.controller import WheelSpeeds
-from navigation.simulator.twins.twin import Body
+from navigation.simulator.twins.twin import ON_FOR_S, Body
 
 WHEEL_M: Final = 0.0523
 PULSES_A_TURN: Final = 1_092
 PULSE_M: Final = math.pi * WHEEL_M / PULSES_A_TURN
 TRACK_M: Final = 0.141
+
+
+class Kind(NamedTuple):
+    """What the program believes of the robot that it runs on."""
+
+    pulse_m: float
+    track_m: float
+    is_turned: bool
+    """The motors are wired the other way round than on the UGV01."""
+    is_regulated: bool
+
+
+_RASP = Kind(math.pi * 0.08 / 2_100, 0.125, is_turned=True, is_regulated=True)
+_ROVER = Kind(math.pi * 0.08 / 1_650, 0.172, is_turned=True, is_regulated=True)
+_UGV01 = Kind(PULSE_M, TRACK_M, is_turned=False, is_regulated=True)
+ORDINARY: Final = {
+    1: _RASP._replace(is_regulated=False),
+    2: _ROVER._replace(is_turned=False, is_regulated=False),
+    3: _UGV01,
+}
+FOR_ROS: Final = {1: _RASP, 2: _ROVER, 3: _UGV01}
+"""By the number in command 900."""
+FULL_POWER: Final = 255 / 512
+"""As a share of the power; it is cut there."""
+BOOT_S: Final = 2.0
+UART_BYTES: Final = 256
+BOOT_TEXT: Final = (
+    b"Initialize LittleFS for Flash files ctrl.\r\nPower up the servos.\r\nUGV started.\r\n"
+)
 MOST_M_S: Final = 2.0
 """What an order may say."""
 FASTEST_M_S: Final = 0.35
@@ -38,17 +74,23 @@ class WaveshareTwin:
     body = Body(TRACK_M, 1 / PULSE_M, FASTEST_M_S)
     baud = 115_200
 
-    def __init__(self) -> None:
-        self.boot(0.0)
+    def __init__(self, *, is_for_ros: bool = False, has_encoders: bool = True) -> None:
+        self._is_for_ros, self._has_encoders = is_for_ros, has_encoders
+        self._kinds = FOR_ROS if is_for_ros else ORDINARY
+        self.boot(-ON_FOR_S)
 
     def boot(self, now_s: float) -> None:
         """The lower computer starts with its defaults."""
+        self.main_type = 2 if self._is_for_ros else 1
+        self._started_s = now_s + BOOT_S
+        self._has_said = False
+        self._waiting = bytearray()
         self._line = bytearray()
         self._out = bytearray()
         self._wanted = (0.0, 0.0)
         self._ordered_s = now_s
         self._heartbeat_s = HEARTBEAT_MS / 1000
-        self._echoes, self._reports = True, False
+        self._echoes, self._reports = not self._is_for_ros, self._is_for_ros
         self._extra_s = 0.0
         self._loop_s = self._reported_s = now_s
         self._pulses: tuple[int, int] | None = None
@@ -62,6 +104,10 @@ class WaveshareTwin:
 
     def receive(self, data: bytes, now_s: float) -> None:
         """Lines."""
+        if now_s < self._started_s:
+            self._waiting = (self._waiting + data)[:UART_BYTES]
+            return
+        data, self._waiting = bytes(self._waiting) + data, bytearray()
         for value in data:
             if value == 10:
                 self._take(bytes(self._line), now_s)
@@ -86,7 +132,8 @@ class WaveshareTwin:
                 self._order(order["L"], order["R"], now_s)
             case 13:
                 speed, turn = _number(order.get("X")), _number(order.get("Z"))
-                self._order(speed - turn * TRACK_M / 2, speed + turn * TRACK_M / 2, now_s)
+                aside = turn * self._kind.track_m / 2
+                self._order(speed - aside, speed + aside, now_s)
             case 130:
                 self._report()
             case 131:
@@ -95,21 +142,29 @@ class WaveshareTwin:
                 self._heartbeat_s = _number(order.get("cmd")) / 1000
             case 142:
                 self._extra_s = abs(_number(order.get("cmd"))) / 1000
+            case 900 if order.get("main") in self._kinds:
+                self.main_type = order["main"]
             case 143:
                 self._echoes = bool(_number(order.get("cmd")))
 
     def _order(self, left: float, right: float, now_s: float) -> None:
         self._ordered_s = now_s
-        if abs(left) <= MOST_M_S and abs(right) <= MOST_M_S:
+        if max(abs(left), abs(right)) <= MOST_M_S or not self._kind.is_regulated:
             self._wanted = (left, right)
 
     def step(self, now_s: float, left_ticks: int, right_ticks: int) -> WheelSpeeds:
         """The program's loop: measure, report, watch the heartbeat."""
+        if now_s < self._started_s:
+            return WheelSpeeds(0.0, 0.0, powered=False)
+        if self._waiting:
+            self.receive(b"", now_s)
+        kind = self._kind
         if now_s - self._loop_s >= LOOP_S:
             before, took_s = self._pulses or (left_ticks, right_ticks), now_s - self._loop_s
+            a_pulse = (-kind.pulse_m if kind.is_turned else kind.pulse_m) * self._has_encoders
             self._measured = (
-                (left_ticks - before[0]) * PULSE_M / took_s,
-                (right_ticks - before[1]) * PULSE_M / took_s,
+                (left_ticks - before[0]) * a_pulse / took_s,
+                (right_ticks - before[1]) * a_pulse / took_s,
             )
             self._pulses, self._loop_s = (left_ticks, right_ticks), now_s
             if self._reports and now_s - self._reported_s >= self._extra_s:
@@ -117,16 +172,36 @@ class WaveshareTwin:
                 self._report()
         if now_s - self._ordered_s > self._heartbeat_s:
             self._wanted = (0.0, 0.0)
-        return WheelSpeeds(*self._wanted, powered=True)
+        return WheelSpeeds(*map(self._turned, self._wanted), powered=True)
+
+    @property
+    def _kind(self) -> Kind:
+        return self._kinds[self.main_type]
+
+    def _turned(self, ordered: float) -> float:
+        """A wheel's speed: regulated by what is taken for a pulse, or by the power."""
+        kind = self._kind
+        if not kind.is_regulated:
+            speed = ordered / FULL_POWER * FASTEST_M_S
+        elif self._has_encoders:
+            speed = ordered * PULSE_M / kind.pulse_m
+        else:
+            speed = math.copysign(FASTEST_M_S, ordered) if ordered else 0.0
+        speed = max(-FASTEST_M_S, min(FASTEST_M_S, speed))
+        return -speed if kind.is_turned else speed
 
     def _report(self) -> None:
         left, right = self._measured
+        volts = round(BATTERY_V * 100) if self._is_for_ros else BATTERY_V
         told = {"T": 1001, "L": round(left, 9), "R": round(right, 9), "r": 0.31, "p": -0.12,
-                "y": "null", "v": BATTERY_V}  # fmt: skip
+                "y": "null", "v": volts}  # fmt: skip
         self._out += json.dumps(told, separators=(",", ":")).encode() + b"\r\n"
 
     def bytes_to_send(self, now_s: float) -> bytes:
         """Echoes and reports."""
+        if self._started_s > now_s and not self._has_said:
+            self._has_said = True
+            return BOOT_TEXT
         told = bytes(self._out)
         self._out.clear()
         return told

@@ -73,6 +73,21 @@ def test_an_address_is_for_robots_behind_a_driver() -> None:
         loaded(ours)
 
 
+def test_a_model_is_for_robots_that_do_not_say_it_themselves() -> None:
+    values = demo_values("waveshare")
+    assert loaded(values).robot.model is None
+    for model in KNOWN_ROBOTS["waveshare"].models:
+        values["robot"]["model"] = model
+        assert loaded(values).robot.model == model
+    for name in (CLEARWAY, "create2"):
+        values = demo_values(name)
+        values["robot"]["model"] = "ugv01"
+        with pytest.raises(
+            ConfigError, match=rf"no model for robot\.driver '{name}': leave it out"
+        ):
+            loaded(values)
+
+
 def test_an_unknown_driver_is_refused_with_those_that_there_are(tmp_path: Path) -> None:
     file = tmp_path / "x.yaml"
     file.write_text(starter_yaml(demo_values("create2"), "x").replace("create2", "roomba"))

@@ -19,11 +19,11 @@ from firmware_protocol.wire.messages import RobotState, Waypoint, WaypointFlag
 from firmware_protocol.wire.mission import Mission
 from navigation.config.known_robots import KNOWN_ROBOTS
 from navigation.link.drivers.driven_robot import DrivenRobot
-from navigation.link.drivers.drivers import DRIVERS
+from navigation.link.drivers.drivers import new_driver
 from navigation.simulator.drive_model import Drive, DriveModel, TruePose
 from navigation.simulator.line_faults import FaultSpec, FaultyLine
 from navigation.simulator.twins.kinds import TWINS, wheels_of
-from navigation.simulator.twins.twin import ON_FOR_S
+from navigation.simulator.twins.twin import ON_FOR_S, Twin
 from navigation.simulator.virtual_loop import PacedLine
 
 TICK_S = 0.001
@@ -54,12 +54,16 @@ class DrivenBench:
     baud: int | None = None
     slip: float = 0.01
     lag_s: float = 0.05
+    twin: Twin = field(default=None)  # type: ignore[assignment]
+    """Another one than the ordinary of its kind."""
+    model: str | None = None
+    """As ``robot.model``."""
 
     def __post_init__(self) -> None:
         self.speaks = self.speaks or self.driver
         self.known = KNOWN_ROBOTS[self.driver]
         rng = np.random.default_rng(self.seed)
-        self.twin = TWINS[self.speaks]()
+        self.twin = self.twin or TWINS[self.speaks]()
         model = DriveModel(
             track_m=self.twin.body.track_m * 1.01,
             lag_s=self.lag_s,
@@ -70,7 +74,11 @@ class DrivenBench:
         self.ticks_per_m = self.twin.body.ticks_per_m
         self.baud = self.baud or self.known.baud
         self.robot = DrivenRobot(
-            DRIVERS[self.driver](), settings_of(self.driver), Identity(77), PORT, self.baud
+            new_driver(self.driver, self.model),
+            settings_of(self.driver),
+            Identity(77),
+            PORT,
+            self.baud,
         )
         self.host = HostConnection(random.Random(self.seed), 1_000_000)
         self.to_robot, self.to_driver = PacedLine(self.twin.baud), PacedLine(self.twin.baud)

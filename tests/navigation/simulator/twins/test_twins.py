@@ -266,8 +266,19 @@ def test_an_epuck_in_its_binary_mode_hears_no_text_until_a_zero_comes() -> None:
 # Waveshare, by its list of commands.
 
 
-def test_a_waveshare_echoes_reports_and_stops_as_its_commands_say() -> None:
+UGV01 = b'{"T":900,"main":3,"module":0}\n'
+
+
+def ugv01() -> WaveshareTwin:
+    """It has been told which robot it is."""
     twin = WaveshareTwin()
+    twin.receive(UGV01, 0.0)
+    said(twin)
+    return twin
+
+
+def test_a_waveshare_echoes_reports_and_stops_as_its_commands_say() -> None:
+    twin = ugv01()
     twin.receive(b'{"T":131,"cmd":1}\n', 0.0)
     assert said(twin) == b'{"T":131,"cmd":1}\n'
     twin.receive(b'{"T":143,"cmd":0}\n{"T":1,"L":0.2,"R":0.1}\n', 0.0)
@@ -284,7 +295,7 @@ def test_a_waveshare_echoes_reports_and_stops_as_its_commands_say() -> None:
 
 
 def test_a_waveshare_s_speeds_are_whole_pulses_over_its_loop() -> None:
-    twin = WaveshareTwin()
+    twin = ugv01()
     twin.receive(b'{"T":143,"cmd":0}\n', 0.0)
     twin.step(0.01, 0, 0)
     twin.step(0.02, 3, -1)
@@ -307,9 +318,41 @@ def test_a_waveshare_s_speeds_are_whole_pulses_over_its_loop() -> None:
     ],
 )
 def test_a_waveshare_ignores_what_is_no_order(line: bytes) -> None:
-    twin = WaveshareTwin()
+    twin = ugv01()
     twin.receive(line + b"\n", 0.0)
     assert twin.step(0.01, 0, 0)[:2] == (0.0, 0.0)
+
+
+def test_a_waveshare_that_has_started_is_another_robot_until_it_is_told() -> None:
+    """By type 1 the speed is a share of the power, and the motors turn the other way."""
+    twin = ugv01()
+    twin.boot(10.0)
+    twin.receive(b'{"T":143,"cmd":0}\n', 10.0)
+    assert b"Initialize" in said(twin, 10.0)
+    assert not twin.step(11.9, 0, 0).powered
+    twin.receive(b'{"T":1,"L":0.1,"R":0.25}\n', 12.1)
+    left, right, _ = twin.step(12.2, 0, 0)
+    assert left == pytest.approx(-0.35 * 0.1 * 512 / 255)
+    assert right == pytest.approx(-0.35 * 0.25 * 512 / 255)
+    twin.receive(UGV01 + b'{"T":1,"L":0.1,"R":0.25}\n', 12.3)
+    assert twin.step(12.4, 0, 0)[:2] == (0.1, 0.25)
+
+
+def test_a_waveshare_with_the_firmware_for_ros_reports_hundredths_of_a_volt() -> None:
+    twin = WaveshareTwin(is_for_ros=True)
+    twin.step(0.0, 0, 0)
+    assert json.loads(said(twin))["v"] == 1190
+    assert twin.main_type == 2
+
+
+def test_a_waveshare_without_encoders_counts_nothing_and_goes_to_full_power() -> None:
+    twin = WaveshareTwin(has_encoders=False)
+    twin.receive(b'{"T":143,"cmd":0}\n' + UGV01 + b'{"T":1,"L":0.01,"R":-0.01}\n', 0.0)
+    assert twin.step(0.1, 0, 0)[:2] == (0.35, -0.35)
+    twin.step(0.2, 500, 500)
+    twin.receive(b'{"T":130}\n', 0.2)
+    report = json.loads(said(twin).splitlines()[-1])
+    assert (report["L"], report["R"]) == (0.0, 0.0)
 
 
 # All.
