@@ -6,6 +6,8 @@
   second.
 - Speeds go in steps of 1 cm/s and 0.01 rad/s. What a step leaves over goes into the next order, so
   that on average the robot drives as fast as it should.
+- The board looks for its motors when it starts only; motors that lost their power wake without
+  torque. Both are faults, and the torque comes back when a person has re-armed the robot.
 
 Little-endian; metres and seconds elsewhere.
 """
@@ -27,10 +29,24 @@ HEADER: Final = bytes((0xFF, 0xFF, 0xFD, 0x00))
 LONGEST: Final = 64
 """Of an answer's part after its length: nothing longer is ever asked for."""
 WHO, STATE, BEAT, CHARGE, TRAVEL, SPEEDS = (0, 7), (18, 1), 19, (46, 4), (136, 8), 150
+TORQUE: Final = (149, 2)
 """What is read or written: address and length; the lengths differ."""
 MODEL: Final = 0x5000
-TRACKS_M: Final = {1: ("Burger", 0.160), 2: ("Waffle", 0.287)}
+TRACKS_M: Final = {
+    1: ("Burger", 0.160),
+    2: ("Waffle", 0.287),
+    3: ("Waffle with OpenMANIPULATOR", 0.287),
+}
 """By the table's model information: its firmware divides an angular speed by these."""
+NO_MOTORS: Final = b"\xff"
+NOT_FOUND: Final = (
+    "its motors were not found when its board started: switch the battery on, and press RESET on "
+    "the OpenCR board"
+)
+NO_TORQUE: Final = (
+    "its motors have no torque: they lost their power, or a program switched it off. Look at the "
+    "battery; re-arming switches it on"
+)
 CYCLE_S: Final = 0.02
 """The board renews its table so often."""
 BEAT_S: Final = 0.1
@@ -57,6 +73,7 @@ class Turtlebot3Driver:
         self._beat = 0
         self._wanted = (0.0, 0.0)
         self._left_over = [0.0, 0.0]
+        self._motors_found, self._torque_is_due = True, False
 
     def open(self, now_s: float) -> None:
         """The first order that goes out is a stop."""
@@ -71,6 +88,7 @@ class Turtlebot3Driver:
 
     def clear_fault(self) -> None:
         """What still holds comes back with the next answer."""
+        self._torque_is_due = self.heard.fault == NO_TORQUE
         self.heard.fault = None
 
     # Bytes out.
@@ -85,9 +103,13 @@ class Turtlebot3Driver:
         if now_s - self._beat_s >= BEAT_S:
             self._beat_s, self._beat = now_s, (self._beat + 1) & 0xFF
             packets.append(_write(BEAT, bytes([self._beat])))
+        if self._torque_is_due:
+            self._torque_is_due = False
+            self._asked_s = now_s  # the board reads its motors before it is asked again
+            packets.append(_write(TORQUE[0], b"\1"))
         if now_s - self._asked_s >= ASK_S:
             self._asked_s = now_s
-            packets += [_read(*WHO), _read(*STATE), _read(*CHARGE)]
+            packets += [_read(*WHO), _read(*STATE), _read(*CHARGE), _read(*TORQUE)]
         packets.append(_read(*TRAVEL))
         return b"".join(packets)
 
@@ -151,10 +173,17 @@ class Turtlebot3Driver:
                 if model == MODEL and kind in TRACKS_M:
                     name, self._track_m = TRACKS_M[kind]
                     heard.identity = f"{self.robot.title} {name}, firmware {answer[6]}"
+                    heard.held = None
+                elif model == MODEL:
+                    heard.held = f"says that it is model {kind}, which this driver does not know"
             case 4:
                 heard.battery = min(1.0, int.from_bytes(answer, "little") / 10_000)
-            case 1 if answer == b"\xff":
-                heard.fault = "its motors do not answer the board: look at their power and cables"
+            case 1:
+                self._motors_found = answer != NO_MOTORS
+                if not self._motors_found:
+                    heard.fault = NOT_FOUND
+            case 2 if self._motors_found and answer[0] == 0:
+                heard.fault = NO_TORQUE
 
 
 def _packet(instruction: int, data: bytes) -> bytes:

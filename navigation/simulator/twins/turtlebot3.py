@@ -1,4 +1,4 @@
-"""The twin of a TurtleBot3 Burger: its OpenCR board, from ROBOTIS's protocol 2.0 and control table.
+"""The twin of a TurtleBot3: its OpenCR board, from ROBOTIS's protocol 2.0 and control table.
 
 - A slave of Dynamixel protocol 2.0 with id 200: PING, READ and WRITE of a table of bytes, little
   endian. A packet with a wrong CRC is ignored; an address that may not be written is an error.
@@ -6,6 +6,9 @@
   of 1 cm/s and 0.01 rad/s; a motor's own step is 0.229 turns a minute, rounded towards zero.
 - Watchdog: when the heartbeat at 19 has not changed for 500 ms the wheels stop.
 - Encoder counts are 32 bits, 4,096 a turn. Without profile acceleration a wheel obeys at once.
+- The board looks for its motors when it starts, and never again: where it found none, register 18
+  stays 0xFF and nothing is driven until RESET (`boot`), whatever their power does (`power_motors`).
+- Motors that lose their power wake without torque; 149 reads it, and a 1 written there is obeyed.
 """
 
 from __future__ import annotations
@@ -21,18 +24,18 @@ from navigation.simulator.twins.twin import Body
 DXL_ID: Final = 200
 BROADCAST: Final = 254
 MODEL: Final = 0x5000
-BURGER: Final = 1
+BURGER, WAFFLE, WITH_MANIPULATOR = 1, 2, 3
 FIRMWARE: Final = 10
 WHEEL_RADIUS_M: Final = 0.033
 TICKS_A_TURN: Final = 4_096
-TRACK_M: Final = 0.160
-FASTEST_M_S: Final = WHEEL_RADIUS_M * math.tau * 61 / 60
-"""Of the robot: 61 turns a minute."""
+BUILDS: Final = {BURGER: (0.160, 61), WAFFLE: (0.287, 77), WITH_MANIPULATOR: (0.287, 77)}
+"""Track in metres and turns a minute, by the table's model information."""
 MOTOR_STEP_M_S: Final = WHEEL_RADIUS_M * 0.229 * math.tau / 60
 HEARTBEAT_S: Final = 0.5
 TABLE_S: Final = 0.02
 TABLE_BYTES: Final = 384
-HEARTBEAT, LINEAR, ANGULAR = 19, 150, 170
+STATE, HEARTBEAT, TORQUE, LINEAR, ANGULAR = 18, 19, 149, 150, 170
+NO_MOTORS: Final = 0xFF
 WRITABLE: Final = ((19, 20), (20, 24), (50, 51), (59, 60), (149, 182))
 """Addresses from and up to."""
 PING, READ, WRITE, STATUS = 1, 2, 3, 0x55
@@ -44,18 +47,26 @@ PREAMBLE: Final = b"\xff\xff\xfd\x00"
 class Turtlebot3Twin:
     """Its USB port, its table and its motors."""
 
-    body = Body(TRACK_M, TICKS_A_TURN / (math.tau * WHEEL_RADIUS_M), 337 * MOTOR_STEP_M_S)
     baud = 1_000_000
 
-    def __init__(self) -> None:
+    def __init__(self, build: int = BURGER) -> None:
+        self._build = build
+        track_m, turns = BUILDS[build]
+        a_turn_m = math.tau * WHEEL_RADIUS_M
+        self.body = Body(track_m, TICKS_A_TURN / a_turn_m, 337 * MOTOR_STEP_M_S)
+        self._fastest_m_s = a_turn_m * turns / 60
+        self._motors_have_power = True
+        self._has_torque = False
         self.boot(0.0)
 
     def boot(self, now_s: float) -> None:
         """The table as it is after a reset."""
         self._table = bytearray(TABLE_BYTES)
-        struct.pack_into("<HIBBB", self._table, 0, MODEL, BURGER, FIRMWARE, DXL_ID, 3)
+        struct.pack_into("<HIBBB", self._table, 0, MODEL, self._build, FIRMWARE, DXL_ID, 3)
         struct.pack_into("<II", self._table, 42, round(BATTERY_V * 100), 6_666)
-        self._table[149] = 1
+        self._motors_found = self._has_torque = self._motors_have_power
+        self._table[TORQUE] = self._has_torque
+        self._table[STATE] = 0 if self._motors_found else NO_MOTORS
         self._received = bytearray()
         self._out = bytearray()
         self._linear = self._angular = 0.0
@@ -66,6 +77,11 @@ class Turtlebot3Twin:
     def bump(self, pressed: bool) -> None:
         """Both of the bumpers that can be plugged in."""
         self._table[28:30] = bytes([pressed, pressed])
+
+    def power_motors(self, powered: bool) -> None:
+        """The battery's switch; the board itself has its power from USB."""
+        self._motors_have_power = powered
+        self._has_torque = self._has_torque and powered
 
     def lift(self, lifted: bool) -> None:
         """It does not feel that."""
@@ -122,10 +138,12 @@ class Turtlebot3Twin:
             self._answer(ERR_ACCESS)
             return
         self._table[address:end] = data
+        if address <= TORQUE < end and self._motors_found:
+            self._has_torque = bool(self._table[TORQUE]) and self._motors_have_power
         if address <= LINEAR and end >= LINEAR + 4:
-            self._linear = self._speed(LINEAR, FASTEST_M_S)
+            self._linear = self._speed(LINEAR, self._fastest_m_s)
         if address <= ANGULAR and end >= ANGULAR + 4:
-            self._angular = self._speed(ANGULAR, FASTEST_M_S / 0.080)
+            self._angular = self._speed(ANGULAR, self._fastest_m_s / (self.body.track_m / 2))
         self._answer(0)
 
     def _speed(self, address: int, most: float) -> float:
@@ -150,13 +168,16 @@ class Turtlebot3Twin:
             return self._wheels
         self._cycle_s = now_s
         struct.pack_into("<I", self._table, 10, round(now_s * 1000) & 0xFFFFFFFF)
-        struct.pack_into("<ii", self._table, 136, _wrapped(left_ticks), _wrapped(right_ticks))
+        if self._motors_found:
+            self._table[TORQUE] = self._has_torque
+            if self._motors_have_power:
+                counts = _wrapped(left_ticks), _wrapped(right_ticks)
+                struct.pack_into("<ii", self._table, 136, *counts)
         if not self._is_connected:
             self._linear = self._angular = 0.0
-        turn_m_s = self._angular * TRACK_M / 2
-        powered = bool(self._table[149])
+        turn_m_s = self._angular * self.body.track_m / 2
         self._wheels = WheelSpeeds(
-            _motor(self._linear - turn_m_s), _motor(self._linear + turn_m_s), powered
+            _motor(self._linear - turn_m_s), _motor(self._linear + turn_m_s), self._has_torque
         )
         return self._wheels
 

@@ -172,7 +172,8 @@ class WaveshareTwin:
                 self._report()
         if now_s - self._ordered_s > self._heartbeat_s:
             self._wanted = (0.0, 0.0)
-        return WheelSpeeds(*map(self._turned, self._wanted), powered=True)
+        left, right = map(self._turned, self._wanted)
+        return WheelSpeeds(left, right, powered=True)
 
     @property
     def _kind(self) -> Kind:

@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import math
 import random
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 
@@ -75,7 +75,7 @@ class DrivenBench:
         self.baud = self.baud or self.known.baud
         self.robot = DrivenRobot(
             new_driver(self.driver, self.model),
-            settings_of(self.driver),
+            replace(settings_of(self.driver), track_m=self.twin.body.track_m),
             Identity(77),
             PORT,
             self.baud,

@@ -147,7 +147,7 @@ def test_a_board_without_motors_is_a_fault() -> None:
     driver = Turtlebot3Driver()
     head = bytes.fromhex("FFFFFD00C805005500FF")
     driver.receive(head + crc16(head).to_bytes(2, "little"), 0.0)
-    assert "motors do not answer" in str(driver.heard.fault)
+    assert "its motors were not found" in str(driver.heard.fault)
 
 
 def test_reports_that_come_together_share_the_time() -> None:

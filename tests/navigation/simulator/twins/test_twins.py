@@ -227,6 +227,39 @@ def test_a_turtlebot_s_table_is_20_ms_old_at_most() -> None:
     assert struct.unpack("<i", said(twin)[9:13]) == (4_096,)
 
 
+def read_byte(twin: Turtlebot3Twin, address: int) -> int:
+    twin.receive(instruction(2, struct.pack("<HH", address, 1)), 0.0)
+    return said(twin)[9]
+
+
+def test_a_turtlebot_looks_for_its_motors_when_it_starts_and_never_again() -> None:
+    twin = Turtlebot3Twin()
+    assert (read_byte(twin, 18), read_byte(twin, 149)) == (0, 1)
+    twin.power_motors(False)
+    twin.boot(1.0)
+    twin.power_motors(True)
+    twin.receive(instruction(3, struct.pack("<HB", 149, 1)), 1.1)
+    twin.step(1.2, 9, 9)
+    said(twin)
+    assert read_byte(twin, 18) == 0xFF
+    assert not twin.step(1.3, 9, 9).powered
+    assert read_byte(twin, 136) == 0, "nor does it read their travel"
+    twin.boot(2.0)
+    assert (read_byte(twin, 18), read_byte(twin, 149)) == (0, 1)
+
+
+def test_a_turtlebot_s_motors_wake_without_torque_and_take_it_from_register_149() -> None:
+    twin = Turtlebot3Twin()
+    twin.power_motors(False)
+    twin.power_motors(True)
+    assert not twin.step(0.1, 0, 0).powered
+    assert (read_byte(twin, 18), read_byte(twin, 149)) == (0, 0)
+    twin.receive(instruction(3, struct.pack("<HB", 149, 1)), 0.2)
+    said(twin)
+    assert twin.step(0.3, 0, 0).powered
+    assert read_byte(twin, 149) == 1
+
+
 # e-puck2, by its handler's answers.
 
 
