@@ -39,6 +39,8 @@ MODE_SAFE: Final = 2
 SOCKET, HOME_BASE = 1, 2
 """Bits of the chargers that have power for it."""
 RESTS: Final = "is on its charger and rests: it charges until it is to drive"
+STAYS: Final = "stays in its passive mode on its charger: take it off, and it drives"
+NO_SAFE_MODE: Final = "has left its safe mode (a bad cable?) and is asked back"
 BOOTS: Final = b"bl-start"
 """How the text of a robot begins whose battery has been put in."""
 FILL: Final = bytes(4)
@@ -53,6 +55,8 @@ SETTLE_S: Final = 0.05
 """Between the greeting's bursts: more than the 20 ms that a change of mode takes."""
 REST_S: Final = 5.0
 """A robot on its home base that was not driven for so long rests."""
+AWAKE_S: Final = 120.0
+"""It would sleep after five minutes: a robot that rests is greeted so often."""
 LOST_MODE_S: Final = 0.2
 """A robot that was just ordered into SAFE mode may report the old one for a frame or two."""
 
@@ -79,7 +83,7 @@ class Create2Driver:
         self._feels_a_fault = False
         self._wanted = (0.0, 0.0)
         self._sent = (0, 0)
-        self._sent_s = self._chosen_s = -math.inf
+        self._sent_s = self._chosen_s = self._burst_s = -math.inf
 
     def open(self, now_s: float) -> None:
         """Greet it at once."""
@@ -112,16 +116,21 @@ class Create2Driver:
             self._greeted_s, self._safe_is_due = now_s, True
             self._order((0, 0), now_s)
             return FILL + bytes([0, START])
+        if self._is_silent(now_s) and now_s - self._burst_s >= SILENT_S:
+            return self._second_burst(now_s)  # a line that stalled has joined both bursts
         return self._speeds(now_s)
 
     def _is_to_be_greeted(self, now_s: float) -> bool:
         if self._greeted_s == -math.inf:
             return True
-        silent = now_s - self._heard_s > SILENT_S
-        other_mode = self._rests(now_s) is (self._mode >= MODE_SAFE)
-        return (
-            silent or (other_mode and not self._feels_a_fault)
-        ) and now_s - self._greeted_s >= GREET_S
+        age_s, rests = now_s - self._greeted_s, self._rests(now_s)
+        other_mode = rests is (self._mode >= MODE_SAFE) and not self._feels_a_fault
+        if self._is_silent(now_s) or other_mode:
+            return age_s >= GREET_S
+        return rests and age_s >= AWAKE_S
+
+    def _is_silent(self, now_s: float) -> bool:
+        return now_s - self._heard_s > SILENT_S
 
     def _rests(self, now_s: float) -> bool:
         """True if it is left in its passive mode, to charge."""
@@ -129,7 +138,7 @@ class Create2Driver:
         return bool(self._charger & SOCKET or (self._charger & HOME_BASE and idle))
 
     def _second_burst(self, now_s: float) -> bytes:
-        self._safe_is_due = False
+        self._safe_is_due, self._burst_s = False, now_s
         stream = bytes([STREAM, len(SIZES), *SIZES])
         if self._rests(now_s):
             self._asked_s = None
@@ -198,7 +207,7 @@ class Create2Driver:
         elif self._charger & SOCKET:
             heard.held = "charges by its cable and rests: pull the cable out before it is to drive"
         elif self._mode < MODE_SAFE and self._was_asked(now_s):
-            heard.held = "has left its safe mode (a bad cable?) and is asked back"
+            heard.held = NO_SAFE_MODE if self._charger == 0 else STAYS
         if heard.held is not None:
             return  # no odometry: it does not drive, and what it does is its own idea
         left, right = (wheel.direction(now_s) for wheel in self._wheels)

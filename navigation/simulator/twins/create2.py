@@ -45,6 +45,8 @@ CHARGE_MA: Final = 1_250
 NOT_CHARGING, FULL_CHARGING = 0, 2
 SOCKET, HOME_BASE = 1, 2
 LONGEST_STREAM: Final = 80
+ACTUATORS: Final = (137, 138, 139, 144, 145, 146)
+"""Orders that passive mode does not have: they keep nothing awake."""
 
 DATA_BYTES: Final = {
     128: 0, 129: 1, 131: 0, 132: 0, 133: 0, 134: 0, 135: 0, 136: 0, 137: 4, 138: 1, 139: 3,
@@ -136,7 +138,8 @@ class Create2Twin:
         opcode, data = order[0], bytes(order[1:])
         order.clear()
         if self.mode is not Mode.OFF or opcode in (7, 128):
-            self._heard_s = now_s
+            if self.mode is not Mode.PASSIVE or opcode not in ACTUATORS:
+                self._heard_s = now_s
             self._obey(opcode, data, now_s)
 
     def _length(self) -> int | None:

@@ -7,6 +7,8 @@ import math
 import pytest
 
 from firmware_protocol.wire.messages import RobotState
+from navigation.link.drivers import create2
+from navigation.simulator.line_faults import FaultSpec
 from navigation.simulator.twins.create2 import Create2Twin, Mode
 from tests.support.robots.driven_bench import DrivenBench, assert_at_goal, drive_off, scaled_goal
 
@@ -90,6 +92,29 @@ def test_a_create_on_its_home_base_charges_until_it_is_to_drive() -> None:
     assert bench.robot.word(bench.now_s).remark == ""
     bench.run_until(lambda: bench.is_done, 40.0)
     assert_at_goal(bench, "create2")
+
+
+def test_a_create_that_rests_is_kept_awake(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(create2, "AWAKE_S", 2.0)
+    bench = DrivenBench("create2")
+    assert isinstance(bench.twin, Create2Twin)
+    bench.twin.dock(True)
+    bench.get_ready()
+    bench.twin._sleep_s = 5.0
+    for _ in range(150):
+        bench.run(0.1)
+        assert bench.silence is None
+    assert not bench.twin.asleep
+    assert "is on its charger and rests" in bench.robot.word(bench.now_s).remark
+
+
+@pytest.mark.parametrize("seed", range(3))
+def test_a_line_that_stalls_joins_both_bursts_of_the_greeting_and_delays_it(seed: int) -> None:
+    bench = DrivenBench("create2", seed=seed, faults=FaultSpec.parse("stall=0.1@0.5"))
+    bench.get_ready()
+    assert isinstance(bench.twin, Create2Twin)
+    bench.run(2.0)
+    assert bench.twin.mode is Mode.SAFE
 
 
 def test_a_create_that_drives_onto_its_home_base_rests_there() -> None:
