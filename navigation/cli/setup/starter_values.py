@@ -78,6 +78,7 @@ def robot_values(robot: str) -> dict[str, Any]:
     known = KNOWN_ROBOTS[robot]
     return {
         "driver": robot,
+        **({"model": known.models[0]} if known.models else {}),
         "marker_id": 7,
         "marker_size_m": known.marker_m,
         "marker_height_m": known.height_m,

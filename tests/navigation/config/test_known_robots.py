@@ -75,7 +75,7 @@ def test_an_address_is_for_robots_behind_a_driver() -> None:
 
 def test_a_model_is_for_robots_that_do_not_say_it_themselves() -> None:
     values = demo_values("waveshare")
-    assert loaded(values).robot.model is None
+    assert loaded(values).robot.model == "ugv01"
     for model in KNOWN_ROBOTS["waveshare"].models:
         values["robot"]["model"] = model
         assert loaded(values).robot.model == model
