@@ -1,10 +1,11 @@
 """Map files: the ROS map_server's YAML with its picture, and MovingAI's ``.map``.
 
 ROS (Nav2 map_server, "map_io"): a cell's occupancy is p = 1 - shade, or the shade itself where
-``negate`` is set. In ``trinary`` and ``scale`` mode it is occupied where p > occupied_thresh
-and free where p < free_thresh; in ``raw`` mode the picture's byte is the occupancy in percent
-and the same thresholds apply. A cell that is not free is an obstacle: occupied, unknown or in
-between. The byte 205 is what map_saver writes for unknown; since p = 0.196 there, a
+``negate`` is set. In ``trinary`` and ``scale`` mode it is occupied where p >= occupied_thresh
+and free where p <= free_thresh; in ``raw`` mode the picture's byte is the occupancy in percent
+and the same thresholds apply. Where both hold, it is occupied. A cell that is not free is an
+obstacle: occupied, unknown or in between. The byte 205 is what map_saver writes for unknown;
+since p = 0.196 there, a
 ``free_thresh`` above that would call it free: here it stays unknown in trinary mode.
 ``origin`` is the pose of the lower left corner of the lower left cell, in metres and radians.
 
@@ -19,13 +20,14 @@ import re
 from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any, TypeAlias
+from typing import TypeAlias
 
 import numpy as np
 import yaml
 from numpy.typing import NDArray
 
 from planner.formats.grid_maps import GridPose, grid_scene, map_scene
+from planner.formats.pgm import parse_pgm
 from planner.scene import Scene, SceneError
 
 Shades: TypeAlias = tuple[NDArray[np.float64], NDArray[np.bool_]]
@@ -91,8 +93,8 @@ def classify(
     else:
         # bytes over 255, so that 205 gives the same 0.196... as in the map server
         occupancy = shade if header.negate else (255.0 - shade * 255.0) / 255.0
-    occupied = (occupancy > header.occupied_thresh) & ~unknown
-    below = (occupancy < header.free_thresh) & ~unknown
+    occupied = (occupancy >= header.occupied_thresh) & ~unknown
+    below = (occupancy <= header.free_thresh) & ~unknown & ~occupied
     free = below
     remarks = []
     if header.mode == "trinary" and not header.negate:
@@ -108,49 +110,6 @@ def classify(
     if count:
         remarks.append(f"{count} unknown cells are obstacles")
     return free, unknown, tuple(remarks)
-
-
-def parse_pgm(data: bytes, name: str) -> NDArray[np.float64]:
-    """An (h, w) array of shades in [0, 1] from a PGM file, P2 (text) or P5 (binary)."""
-    header = re.match(
-        rb"P([25])(?:\s|#[^\n]*\n)+(\d{1,9})(?:\s|#[^\n]*\n)+(\d{1,9})(?:\s|#[^\n]*\n)+(\d{1,9})",
-        data,
-    )
-    if header is None:
-        raise SceneError(f"{name}: not a PGM picture: its header (P2 or P5, size, maximum) is bad")
-    kind, width, height, maximum = (int(v) for v in header.groups())
-    if width == 0 or height == 0 or not 0 < maximum < 65536:
-        raise SceneError(
-            f"{name}: PGM of {width} x {height}, maximum {maximum}: the sides must be > 0 and"
-            " the maximum in 1..65535"
-        )
-    body = data[header.end() :]
-    cells = width * height
-    if kind == 5:
-        values = _binary_values(body[1:], cells, maximum, name)
-    else:
-        values = _text_values(body, cells, name)
-    if values.max(initial=0) > maximum:
-        raise SceneError(f"{name}: PGM value {values.max()}: the maximum is {maximum}")
-    return values.reshape(height, width).astype(np.float64) / maximum
-
-
-def _binary_values(body: bytes, cells: int, maximum: int, name: str) -> NDArray[Any]:
-    kind = np.dtype(np.uint8) if maximum < 256 else np.dtype(">u2")
-    if len(body) < cells * kind.itemsize:
-        raise SceneError(
-            f"{name}: PGM cut short: {len(body)} of {cells * kind.itemsize} bytes of pixels"
-        )
-    return np.frombuffer(body, dtype=kind, count=cells)
-
-
-def _text_values(body: bytes, cells: int, name: str) -> NDArray[Any]:
-    words = re.sub(rb"#[^\n]*", b"", body).split()
-    if len(words) < cells:
-        raise SceneError(f"{name}: PGM cut short: {len(words)} of {cells} pixels")
-    if not all(word.isdigit() and len(word) <= 9 for word in words[:cells]):
-        raise SceneError(f"{name}: PGM with a pixel that is not a whole number >= 0")
-    return np.array([int(word) for word in words[:cells]], dtype=np.int64)
 
 
 def parse_movingai(text: str, name: str) -> Scene:

@@ -15,7 +15,8 @@ from scipy import ndimage
 
 import planner
 from planner.formats.grid_maps import GridPose, grid_scene, map_scene
-from planner.formats.map_files import parse_movingai, parse_pgm
+from planner.formats.map_files import parse_movingai
+from planner.formats.pgm import parse_pgm
 from planner.formats.scene_io import load_scene
 from planner.scene import PolygonRecord, Scene, SceneError, SceneObject
 
@@ -208,11 +209,23 @@ def obstacle_xs(scene: Scene) -> set[int]:
         ({"mode": "scale", "free_thresh": 0.02}, {0, 1, 2, 3}),
         ({"occupied_thresh": None, "free_thresh": None}, {0, 1, 2}),
         ({"negate": "false"}, {0, 1, 2}),
+        ({"mode": "scale", "free_thresh": 0.0, "occupied_thresh": 1.0}, {0, 1, 2, 3}),
+        ({"free_thresh": 0.0, "occupied_thresh": 0.0}, {0, 1, 2, 3, 4}),
+        ({"negate": 1, "free_thresh": 0.0}, {1, 2, 3, 4}),
     ],
 )
 def test_thresholds_modes_and_negation_are_those_of_the_map_server(tmp_path, keys, obstacles):
     scene = load_scene(write_map(tmp_path, [[0, 100, 205, 240, 255]], **keys))
     assert obstacle_xs(scene) == obstacles
+
+
+@pytest.mark.parametrize("mode", ["trinary", "scale", "raw"])
+def test_a_cell_at_a_threshold_is_as_the_threshold_says(tmp_path, mode):
+    cells = [[20, 40, 60]] if mode == "raw" else [[204, 153, 102]]
+    path = write_map(tmp_path, cells, mode=mode, free_thresh=0.2, occupied_thresh=0.6)
+    scene = load_scene(path)
+    assert obstacle_xs(scene) == {1, 2}
+    assert scene.remarks == ("1 unknown cells are obstacles",)
 
 
 def test_raw_mode_takes_the_bytes_as_percent(tmp_path):
@@ -325,12 +338,37 @@ def test_pgm_is_read_in_text_and_binary_of_one_and_two_bytes(values, maximum, bi
         (b"P2 1 1 9 -1", "not a whole number"),
         (b"P2 1 1 9 10", "maximum is 9"),
         (b"P5 1 1 9\n\x0a", "maximum is 9"),
+        (b"P5 1 1 9\x05", "without white space between its maximum and its pixels"),
+        (b"P5 1 1 9#comment", "without white space"),
+        (b"P5 1 1 9#comment\n", "cut short: 0 of 1"),
+        (b"P5 2 1 99#comment\n#\n", "cut short: 0 of 2"),
     ],
 )
 def test_a_bad_pgm_is_refused(data, what):
     with pytest.raises(SceneError, match=r"^map\.pgm: ") as caught:
         parse_pgm(data, "map.pgm")
     assert what in str(caught.value)
+
+
+@pytest.mark.parametrize("comments", [b"# one\n", b"# one\r", b"# one\n# two\n", b"#\n"])
+@pytest.mark.parametrize("delimiter", [b"\n", b" ", b""])
+@pytest.mark.parametrize("first", [0, 10, 255])
+def test_a_comment_glued_to_the_maximum_of_a_pgm_shifts_no_pixel(comments, delimiter, first):
+    values = np.array([[first, 1, 2], [3, 35, 10]], np.uint8)
+    data = b"P5\n3 2\n255" + comments + delimiter + values.tobytes()
+    np.testing.assert_array_equal(parse_pgm(data, "x"), values / 255)
+
+
+def test_a_comment_glued_to_any_number_of_a_pgm_is_no_pixel():
+    values = np.array([[7, 8], [9, 10]])
+    for kind, body in ((b"P5", values.astype(np.uint8).tobytes()), (b"P2", b"7 8#x\n9 10")):
+        data = kind + b"# made\n2#wide\n2#high\n10#most\n\n" + body
+        np.testing.assert_array_equal(parse_pgm(data, "x"), values / 10)
+
+
+def test_a_comment_after_white_space_behind_the_maximum_is_pixels():
+    values = np.frombuffer(b"#\n", np.uint8).reshape(1, 2)
+    np.testing.assert_array_equal(parse_pgm(b"P5 2 1 255\n#\n", "x"), values / 255)
 
 
 # MovingAI

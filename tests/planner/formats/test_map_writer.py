@@ -8,8 +8,8 @@ import numpy as np
 import pytest
 import yaml
 
-from planner.formats.map_files import parse_pgm
 from planner.formats.map_writer import occupied_cells, write_map
+from planner.formats.pgm import parse_pgm
 from planner.formats.scene_io import load_scene
 from planner.scene import (
     Bounds,
