@@ -123,14 +123,14 @@ def _flatten(new):
 
 
 @njit(**OWNING, error_model="numpy")
-def change_borders(kept, objects, old, old_boxes, new, no_length, joint, spacing):
+def change_borders(kept, objects, old, old_boxes, new, no_length, joint, disc, spacing):
     """The borders of a scene of ``kept`` objects, see :func:`patch_borders`, and of new ones.
 
     ``new`` are the new objects' (:class:`NewBorders`), ``no_length`` and ``joint`` as in
     :func:`join_primitives`, ``old_boxes`` (o, 4) the old objects' boxes. Returns all pieces; what
     finds them, as :func:`find_pieces`; where the old pieces are now; the generators of the new
-    objects, at most ``spacing`` apart, and the pieces they are on; and (b, 4) the boxes of what
-    came and went.
+    objects, at most ``spacing`` apart in the ``disc``, and the pieces they are on; and (b, 4) the
+    boxes of what came and went.
     """
     came = np.int64(0)
     for j in range(len(kept)):
@@ -158,9 +158,10 @@ def change_borders(kept, objects, old, old_boxes, new, no_length, joint, spacing
             n += 1
     k = len(fresh.backwards)
     fresh_kind, fresh_data, at = fresh.kind[:k], fresh.data[:k], fresh.data[k:, :2]
-    room = int(count_generators(fresh_kind, fresh_data, spacing)) + len(at)
+    backwards = fresh.backwards
+    room = int(count_generators(fresh_kind, fresh_data, backwards, disc, spacing)) + len(at)
     places, labels = place_generators(
-        fresh_kind, fresh_data, fresh.backwards, at, fresh.before, fresh.after, spacing, room
+        fresh_kind, fresh_data, backwards, at, fresh.before, fresh.after, disc, spacing, room
     )
     for i in range(len(labels)):
         labels[i] = fresh_label[labels[i]]

@@ -1,6 +1,9 @@
 """Generators along borders: how many, and where.
 
-A label is the index of a generator's piece, see :mod:`planner.borders.corner_point_kernels`.
+Rules
+- Borders have generators in the ``disc`` (x, y, radius) around the bounds only. Beyond the bounds
+  nothing is free, and from any free place a wall of the bounds is nearer than what is behind it.
+- A label is the index of a generator's piece, see :mod:`planner.borders.corner_point_kernels`.
 """
 
 # The arrays' types are in the docstrings; numba infers them.
@@ -13,22 +16,116 @@ import math
 import numpy as np
 from numba import njit
 
-from planner.scene.compile_options import BORROWING, OWNING
-from planner.scene.primitive_kernels import POINT, has_ends
-from planner.scene.shape_kernels import ROUND_LEAST, fewest_places, length_of, place_at
+from planner.scene.compile_options import BORROWING, LEAF, OWNING
+from planner.scene.primitive_kernels import CIRCLE, POINT, SEGMENT, TAU
+from planner.scene.shape_kernels import fewest_places, length_of, place_at
+
+AROUND = 4.0
+"""How far beyond the bounds' corners generators are placed, in spacings."""
+MOST_STEPS = 2.0**53
+"""A piece of more steps than this has places that differ by less than a rounding."""
+LEAST = 1e-300
+"""Where a quotient's divisor may vanish it is this at least."""
+
+
+@njit(**OWNING)
+def disc_around(box, spacing):
+    """The disc (x, y, radius) that has generators, around a box x_min, y_min, x_max, y_max."""
+    width, height = box[2] - box[0], box[3] - box[1]
+    reach = 0.5 * math.sqrt(width * width + height * height) + AROUND * spacing
+    return box[0] + 0.5 * width, box[1] + 0.5 * height, reach
+
+
+@njit(**LEAF)
+def _is_shown(x, y, disc):
+    """Whether (x, y) lies in the disc."""
+    return (x - disc[0]) ** 2 + (y - disc[1]) ** 2 <= disc[2] * disc[2]
+
+
+@njit(**LEAF)
+def _shown_straight(data, i, disc):
+    """The part of segment i in the disc: from, to; from > to where there is none."""
+    ax, ay = data[i, 0], data[i, 1]
+    dx, dy = data[i, 2] - ax, data[i, 3] - ay
+    dd = max(dx * dx + dy * dy, LEAST)
+    t = ((disc[0] - ax) * dx + (disc[1] - ay) * dy) / dd
+    off2 = (ax + t * dx - disc[0]) ** 2 + (ay + t * dy - disc[1]) ** 2
+    rest = disc[2] * disc[2] - off2
+    if rest < 0.0:
+        return 1.0, 0.0
+    half = math.sqrt(rest / dd)
+    return max(t - half, 0.0), min(t + half, 1.0)
+
+
+@njit(**LEAF)
+def _shown_round(kind, data, backwards, i, disc, lap):
+    """The part of circle or arc i in the disc, which it may enter twice: ``lap`` 0 and 1."""
+    dx, dy, r = disc[0] - data[i, 0], disc[1] - data[i, 1], data[i, 2]
+    d, reach = math.sqrt(dx * dx + dy * dy), disc[2]
+    # the square of the sine of a quarter of the angle that the disc covers
+    sine2 = (reach * reach - (d - r) ** 2) / max(4.0 * d * r, LEAST)
+    if d + r <= reach or sine2 >= 1.0:
+        return 0.0, 1.0 - 2.0 * lap
+    if sine2 < 0.0:
+        return 1.0, 0.0
+    sweep = TAU if kind[i] == CIRCLE else data[i, 4]
+    half = 2.0 * math.asin(math.sqrt(sine2))
+    start = (math.atan2(dy, dx) - half - data[i, 3]) % TAU - lap * TAU
+    first, last = max(start, 0.0) / sweep, min(start + 2.0 * half, sweep) / sweep
+    return (1.0 - last, 1.0 - first) if backwards[i] else (first, last)
 
 
 @njit(**BORROWING)
-def count_generators(kind, data, spacing):
+def _steps(kind, data, i, spacing, at_start, at_end):
+    """How many generators all of piece i would have, steps before the first, step, and length.
+
+    ``at_start`` and ``at_end`` say whether a corner point is there.
+    """
+    length = length_of(kind, data, i)
+    lead, tail = 1.0 if at_start else 0.5, 1.0 if at_end else 0.5
+    if kind[i] == CIRCLE:
+        count = np.ceil(length / spacing)
+    else:
+        count = np.ceil(length / spacing - lead - tail) + 1.0
+    count = max(fewest_places(kind, data, i), count)
+    return count, lead, length / (count - 1.0 + lead + tail), length
+
+
+@njit(**BORROWING)
+def _shown_steps(kind, data, backwards, i, disc, lap, steps):
+    """First of the ``steps`` of piece i in the disc, and the one after the last."""
+    count, lead, step, length = steps
+    if kind[i] == SEGMENT:
+        first, last = _shown_straight(data, i, disc) if lap == 0 else (1.0, 0.0)
+    else:
+        first, last = _shown_round(kind, data, backwards, i, disc, lap)
+    if not first <= last or not count <= MOST_STEPS:
+        return np.int64(0), np.int64(0)
+    begin = max(np.ceil(first * length / step - lead), 0.0)
+    end = min(np.floor(last * length / step - lead) + 1.0, count)
+    return np.int64(begin), np.int64(max(begin, end))
+
+
+@njit(**BORROWING)
+def count_generators(kind, data, backwards, disc, spacing):
     """An upper bound of the number of generators, as a float: it may be astronomical."""
     total = 0.0
     for i in range(len(kind)):
-        total += math.ceil(length_of(kind, data, i) / spacing) + ROUND_LEAST
+        total += 1.0
+        if kind[i] == POINT:
+            continue
+        # with corner points the steps are as long, and perhaps begin and end one later
+        steps = _steps(kind, data, i, spacing, False, False)
+        if not steps[0] <= MOST_STEPS:
+            return np.inf
+        for lap in range(2):
+            begin, end = _shown_steps(kind, data, backwards, i, disc, lap, steps)
+            total += end - begin + 2.0
     return total
 
 
 @njit(**OWNING)
-def place_generators(kind, data, backwards, at, before, after, spacing, room):
+def place_generators(kind, data, backwards, at, before, after, disc, spacing, room):
     """Generators at most ``spacing`` apart along every primitive, and on every corner point.
 
     Returns ``sites`` (n, 2) and ``label`` (n,): the primitive, or k + c for corner point c.
@@ -46,25 +143,20 @@ def place_generators(kind, data, backwards, at, before, after, spacing, room):
     n = 0
     for i in range(k):
         if kind[i] == POINT:
-            sites[n, 0], sites[n, 1], label[n] = data[i, 0], data[i, 1], i
-            n += 1
+            if _is_shown(data[i, 0], data[i, 1], disc):
+                sites[n, 0], sites[n, 1], label[n] = data[i, 0], data[i, 1], i
+                n += 1
             continue
-        length = length_of(kind, data, i)
-        lead = 1.0 if point_at_start[i] else 0.5
-        tail = 1.0 if point_at_end[i] else 0.5
-        least = fewest_places(kind, data, i)
-        if has_ends(kind[i]):
-            count = max(least, math.ceil(length / spacing - lead - tail) + 1.0)
-        else:
-            lead, tail = 0.5, 0.5
-            count = max(least, math.ceil(length / spacing))
-        step = length / (count - 1.0 + lead + tail)
-        for j in range(int(count)):
-            t = (lead + j) * step / length
-            sites[n, 0], sites[n, 1] = place_at(kind, data, backwards, i, t)
-            label[n] = i
-            n += 1
+        steps = _steps(kind, data, i, spacing, point_at_start[i], point_at_end[i])
+        for lap in range(2):
+            begin, end = _shown_steps(kind, data, backwards, i, disc, lap, steps)
+            for j in range(begin, end):
+                t = (steps[1] + j) * steps[2] / steps[3]
+                sites[n, 0], sites[n, 1] = place_at(kind, data, backwards, i, t)
+                label[n] = i
+                n += 1
     for c in range(len(before)):
-        sites[n, 0], sites[n, 1], label[n] = at[c, 0], at[c, 1], k + c
-        n += 1
+        if _is_shown(at[c, 0], at[c, 1], disc):
+            sites[n, 0], sites[n, 1], label[n] = at[c, 0], at[c, 1], k + c
+            n += 1
     return sites[:n], label[:n]

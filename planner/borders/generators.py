@@ -26,8 +26,10 @@ BoolArray: TypeAlias = NDArray[np.bool_]
 
 SPACING_PER_RADIUS = 1.0
 """The spacing chosen where none is given, in robot radii: half of what the method allows."""
-MAX_GENERATORS = 5_000_000
-"""More than this is refused: the diagram of as many needs several gigabytes."""
+BYTES_EACH = 600
+"""Memory that the diagram takes for a generator: 530 bytes with 600,000 of them."""
+MOST_BYTES = 4e9
+"""Generators whose diagram would take more memory are refused."""
 JOINT = 1e-6
 """Ends nearer than this share of the scene's extent are one joint."""
 NO_LENGTH = 1e-13
@@ -202,22 +204,30 @@ def _free_box(flat: Primitives) -> FloatArray:
 
 def count_generators(borders: Borders, spacing: float) -> float:
     """An upper bound of the generators that :func:`place_generators` makes; perhaps infinite."""
-    k = borders.primitive_count
-    most = generator_kernels.count_generators(borders.kind[:k], borders.data[:k], spacing)
+    k, pieces = borders.primitive_count, borders.pieces
+    most = generator_kernels.count_generators(
+        pieces.kind[:k], pieces.data[:k], pieces.backwards, disc_around(borders, spacing), spacing
+    )
     return float(most)
 
 
-def place_generators(borders: Borders, spacing: float) -> Generators:
-    """Generators at most ``spacing`` apart on every border.
+def disc_around(borders: Borders, spacing: float) -> tuple[float, float, float]:
+    """The disc (x, y, radius) around the bounds that has generators."""
+    return generator_kernels.disc_around(borders.box, spacing)  # type: ignore[no-any-return]
 
-    Raises ``ValueError`` where that would be more than ``MAX_GENERATORS``.
+
+def place_generators(borders: Borders, spacing: float) -> Generators:
+    """Generators at most ``spacing`` apart on every border, as far as it lies about the bounds.
+
+    Raises ``ValueError`` where their diagram would take more memory than ``MOST_BYTES``.
     """
     k, pieces = borders.primitive_count, borders.pieces
     room = count_generators(borders, spacing)
-    if room > MAX_GENERATORS:
+    if room * BYTES_EACH > MOST_BYTES:
         raise ValueError(
-            f"spacing = {spacing:g}: the borders would take {room:.3g} generators, "
-            f"the limit is {MAX_GENERATORS}"
+            f"spacing = {spacing:g}: the borders would take {room:.3g} generators and"
+            f" {room * BYTES_EACH / 1e9:.3g} GB of memory: must be at most"
+            f" {MOST_BYTES / 1e9:g} GB; take a larger spacing or radius"
         )
     sites, label = generator_kernels.place_generators(
         pieces.kind[:k],
@@ -226,6 +236,7 @@ def place_generators(borders: Borders, spacing: float) -> Generators:
         pieces.data[k:, :2],
         pieces.before,
         pieces.after,
+        disc_around(borders, spacing),
         spacing,
         int(room) + len(pieces.before),
     )

@@ -17,7 +17,16 @@ import numpy as np
 
 from planner.borders import border_kernels
 from planner.borders.border_kernels import NewBorders
-from planner.borders.generators import JOINT, NO_LENGTH, Borders, as_borders
+from planner.borders.generator_kernels import count_generators
+from planner.borders.generators import (
+    BYTES_EACH,
+    JOINT,
+    MOST_BYTES,
+    NO_LENGTH,
+    Borders,
+    as_borders,
+    disc_around,
+)
 from planner.delaunay import removal_kernels
 from planner.diagram import update_kernels
 from planner.diagram.agvd import Agvd
@@ -51,9 +60,10 @@ def update_diagram(agvd: Agvd, old: Scene, scene: Scene) -> Agvd | None:
     went = len(old.objects) - len(kept) + len(came)
     if len(came) + went > MOST * (len(scene.objects) + len(old.objects)):
         return None
-    borders, new_label, places, labels, touched = _change_borders(
-        agvd, scene, len(old.objects), kept, came
-    )
+    new = _flatten(scene, came)
+    if not _fits_memory(agvd, new):
+        return None
+    borders, new_label, places, labels, touched = _change_borders(agvd, len(old.objects), kept, new)
     mesh = copy_mesh(mesh)
     fits = not len(places) or float(abs(places).max()) <= mesh.up
     if not (fits and _take_out(mesh, new_label, touched)):
@@ -112,24 +122,36 @@ def _first_other(old: Sequence[SceneObject], new: Sequence[SceneObject]) -> int:
     return n
 
 
-def _change_borders(
-    agvd: Agvd, scene: Scene, old_objects: int, kept: list[int], came: list[int]
-) -> tuple[Borders, IntArray, FloatArray, IntArray, FloatArray]:
-    """The scene's borders, and the rest of what :func:`border_kernels.change_borders` returns.
-
-    The objects that ``came`` are flattened and joined, the ``kept`` ones' pieces copied.
-    """
-    old = agvd.borders
+def _flatten(scene: Scene, came: list[int]) -> NewBorders:
+    """The borders of the objects that ``came``."""
     flat = Flattener(scene.y_down)
     for n, j in enumerate(came):
         flat.add_object(scene.objects[j], n)
-    new = NewBorders(
+    return NewBorders(
         np.array(flat.kind, np.int8), np.array(flat.numbers, np.float64).reshape(-1, 6),
         np.array(flat.turned, np.int32), np.array(flat.borders, np.int32).reshape(-1, 3),
     )  # fmt: skip
+
+
+def _fits_memory(agvd: Agvd, new: NewBorders) -> bool:
+    """True if there is memory for the new borders' generators."""
+    backwards, disc = np.zeros(len(new.kind), np.bool_), disc_around(agvd.borders, agvd.spacing)
+    backwards[new.turned] = True
+    most = count_generators(new.kind, new.rows, backwards, disc, agvd.spacing)
+    return bool(most * BYTES_EACH <= MOST_BYTES)
+
+
+def _change_borders(
+    agvd: Agvd, old_objects: int, kept: list[int], new: NewBorders
+) -> tuple[Borders, IntArray, FloatArray, IntArray, FloatArray]:
+    """The scene's borders, and the rest of what :func:`border_kernels.change_borders` returns.
+
+    The ``new`` borders are joined, the ``kept`` objects' pieces copied.
+    """
+    old = agvd.borders
     pieces, found, *rest = border_kernels.change_borders(
         np.array(kept, np.int64), old_objects, old.pieces, old.object_boxes, new,
-        NO_LENGTH * old.extent, JOINT * old.extent, agvd.spacing,
+        NO_LENGTH * old.extent, JOINT * old.extent, disc_around(old, agvd.spacing), agvd.spacing,
     )  # fmt: skip
     new_label, places, labels, touched = rest
     borders = as_borders(pieces, found, old.box, old.extent, old.equal)

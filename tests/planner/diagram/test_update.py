@@ -187,8 +187,11 @@ def test_round_objects_have_no_more_generators_than_there_is_room_for(
     data[0, :5] = 50.0, 50.0, radius, 0.0, 0.0 if sweep is None else sweep
     none = np.empty(0, np.int32)
     backwards, at = np.zeros(1, np.bool_), np.empty((0, 2))
-    sites, _ = generator_kernels.place_generators(kind, data, backwards, at, none, none, 14.0, 1000)
-    assert len(sites) <= generator_kernels.count_generators(kind, data, 14.0)
+    disc = 50.0, 50.0, 100.0
+    sites, _ = generator_kernels.place_generators(
+        kind, data, backwards, at, none, none, disc, 14.0, 1000
+    )
+    assert len(sites) <= generator_kernels.count_generators(kind, data, backwards, disc, 14.0)
 
 
 ROOM = (
