@@ -12,7 +12,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from planner.fleet.fleet_plan import FleetPlan, NoFleetPlan
 from planner.fleet.search.fleet_search import ROUNDS, Effort, search, touching
-from planner.fleet.search.team import make_graph, make_robot
+from planner.fleet.search.team import edges_of, make_graph, make_robot
 from planner.scene import FloatArray
 from planner.shared.search_clock import search_clock_s
 
@@ -33,13 +33,14 @@ def plan_on_graph(
     ``nodes`` (n, 2) are places, ``edges`` (m, 2) node numbers from and to, directed; all drive
     along straight edges at speed 1 and may wait at nodes. ``starts`` and ``goals`` are node
     numbers. The sum of arrivals is shortened in ``improve`` rounds, the more the better, 0 for the
-    first plan as it is. Equal input and ``seed`` give equal plans, unless the time limit cuts in.
+    first plan as it is. Equal input and ``seed`` give equal plans, unless ``time_limit_s``, which
+    includes setting up, cuts in.
     ``ValueError`` on input that makes no sense. The method: :mod:`planner.fleet.search.solver`.
     """
+    effort = check_effort(time_limit_s, improve, seed)
     places = _numbers("nodes", nodes)
     rows = _edges(edges, len(places))
     size = _positive("radius", radius, zero=True)
-    effort = check_effort(time_limit_s, improve, seed)
     begin, end = _nodes("starts", starts, len(places)), _nodes("goals", goals, len(places))
     if len(begin) != len(end):
         raise ValueError(f"{len(begin)} starts and {len(end)} goals: must be as many")
@@ -49,26 +50,31 @@ def plan_on_graph(
             if refused is not None:
                 return refused
     graph = make_graph(places, rows)
-    robots = [make_robot(graph, size, a, b) for a, b in zip(begin, end, strict=True)]
+    pairs, robots = edges_of(graph), []
+    for i, (a, b) in enumerate(zip(begin, end, strict=True)):
+        if effort.expired():
+            return effort.out_of_time(range(i, len(begin)))
+        robots.append(make_robot(graph, pairs, size, a, b))
     junctions = np.flatnonzero(np.diff(graph.starts) > 2).tolist()
     return search(robots, junctions, effort)
 
 
 def check_effort(time_limit_s: float, improve: int, seed: int) -> Effort:
-    """The effort, with a clock of this process; ``ValueError`` on what makes no sense."""
+    """The effort, whose time limit counts from here; ``ValueError`` on what makes no sense."""
     limit = _positive("time_limit_s", time_limit_s)
     rounds, number = operator.index(improve), operator.index(seed)
     if rounds < 0:
         raise ValueError(f"improve = {rounds}: must be >= 0")
     if number < 0:
         raise ValueError(f"seed = {number}: must be >= 0")
-    return Effort(limit, rounds, number, search_clock_s)
+    return Effort(limit, search_clock_s() + limit, rounds, number, search_clock_s)
 
 
 def _shared(what: str, chosen: Sequence[int]) -> NoFleetPlan | None:
     """A refusal where two robots have the same node."""
+    first: dict[int, int] = {}
     for j, node in enumerate(chosen):
-        i = list(chosen).index(node)
+        i = first.setdefault(node, j)
         if i < j:
             return NoFleetPlan(f"robots {i} and {j}: their {what} are the same place", (i, j))
     return None

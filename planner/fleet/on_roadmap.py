@@ -3,17 +3,18 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import replace
 
 import numpy as np
-from numpy.typing import ArrayLike
+from numpy.typing import ArrayLike, NDArray
 
 from planner.fleet.fleet_plan import FleetPlan, NoFleetPlan
-from planner.fleet.ground.places import Places, lay_places
+from planner.fleet.ground.places import OutOfTime, Places, lay_places
+from planner.fleet.motions.interval_search_kernels import Graph
 from planner.fleet.on_graph import check_effort
 from planner.fleet.search.fleet_search import ROUNDS, search, touching
-from planner.fleet.search.team import Robot, make_graph, make_robot
+from planner.fleet.search.team import Robot, edges_of, make_graph, make_robot
 from planner.motion.trajectory import default_limits
 from planner.path import Limits, NoPath
 from planner.roadmap.roadmap import Roadmap, build_roadmap
@@ -58,31 +59,48 @@ def plan_fleet(
         refused = touching(what, chosen, sizes)
         if refused is not None:
             return refused
-    roadmaps = {size: roadmap_for(roadmap, size) for size in sorted(set(sizes))}
+    roadmaps: dict[float, Roadmap] = {}
     paths = []
     for i, size in enumerate(sizes):
+        if effort.expired():
+            return effort.out_of_time(range(i, len(sizes)))
+        if size not in roadmaps:
+            roadmaps[size] = roadmap_for(roadmap, size)
         path = roadmaps[size].plan(tuple(begin[i]), tuple(end[i]))
         if isinstance(path, NoPath):
             return NoFleetPlan(f"robot {i}: there is no way even alone: {path.reason}", (i,))
         # the path's own ends may be rounded: the robot stands where it stands
         paths.append(np.concatenate([begin[i : i + 1], path.points[1:-1], end[i : i + 1]]))
-    shared = lay_places(roadmaps[min(sizes)], paths, sizes)
-    plan = search(team_on(shared, sizes, speeds), shared.junctions, effort)
+
+    def check() -> None:
+        if effort.expired():
+            raise OutOfTime
+
+    try:
+        shared = lay_places(roadmaps[min(sizes)], paths, sizes, check)
+    except OutOfTime:
+        return effort.out_of_time(range(len(sizes)))
+    robots: list[Robot] = []
+    for robot in team_on(shared, sizes, speeds):
+        if effort.expired():
+            return effort.out_of_time(range(len(robots), len(sizes)))
+        robots.append(robot)
+    plan = search(robots, shared.junctions, effort)
     if isinstance(plan, FleetPlan):
         check_walls(roadmap, plan, sizes)
     return plan
 
 
-def team_on(shared: Places, sizes: Sequence[float], speeds: Sequence[float]) -> list[Robot]:
-    """The robots, those of equal radius and speed on one graph."""
-    graphs = {}
-    for size, speed in sorted(set(zip(sizes, speeds, strict=True))):
-        wide = shared.clearance >= size - ROUNDING * float(np.abs(shared.places).max())
-        graphs[size, speed] = make_graph(shared.places, shared.edges[wide], speed)
-    return [
-        make_robot(graphs[size, speed], size, a, b)
-        for size, speed, a, b in zip(sizes, speeds, shared.starts, shared.goals, strict=True)
-    ]
+def team_on(shared: Places, sizes: Sequence[float], speeds: Sequence[float]) -> Iterator[Robot]:
+    """The robots one by one, those of equal radius and speed on one graph."""
+    graphs: dict[tuple[float, float], tuple[Graph, NDArray[np.int64]]] = {}
+    largest = float(np.abs(shared.places).max())
+    for size, speed, a, b in zip(sizes, speeds, shared.starts, shared.goals, strict=True):
+        if (size, speed) not in graphs:
+            wide = shared.clearance >= size - ROUNDING * largest
+            graph = make_graph(shared.places, shared.edges[wide], speed)
+            graphs[size, speed] = graph, edges_of(graph)
+        yield make_robot(*graphs[size, speed], size, a, b)
 
 
 def check_walls(roadmap: Roadmap, plan: FleetPlan, sizes: Sequence[float]) -> None:

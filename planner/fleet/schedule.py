@@ -222,7 +222,7 @@ class FleetSchedule:
         size, speed = self.radii[robot], self.speeds[robot]
         smallest = roadmap_for(self.roadmap, min(self.radii))
         shared = with_paths(smallest, self._base, [path], self.radii)
-        one = team_on(shared, [size], [speed])[0]
+        one = next(team_on(shared, [size], [speed]))
         prefix = tracks[robot][: kept[robot] + 1]
         ready_s = float(prefix[-1, 0])
         others = [j for j in range(len(tracks)) if j != robot]

@@ -13,7 +13,7 @@ Rules and units
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from itertools import pairwise
 
@@ -54,26 +54,43 @@ class Places:
     junctions: list[int]
 
 
-def lay_places(roadmap: Roadmap, paths: Sequence[FloatArray], radii: Sequence[float]) -> Places:
-    """The shared graph; ``paths`` are polylines from each robot's start to its goal."""
+class OutOfTime(Exception):  # noqa: N818 (an answer, not an error)
+    """The time limit was reached before the graph was made."""
+
+
+def lay_places(
+    roadmap: Roadmap,
+    paths: Sequence[FloatArray],
+    radii: Sequence[float],
+    check: Callable[[], None] = lambda: None,
+) -> Places:
+    """The shared graph; ``paths`` are polylines from each robot's start to its goal.
+
+    ``check`` is called before each piece of work, and may raise :class:`OutOfTime`.
+    """
     smallest, largest = min(radii), max(radii)
     lines = [data["polyline"] for _, _, data in roadmap.graph.edges(data=True)]
     gather = _Gather(SAME * smallest)
     fine = [_cut(path, STEP * smallest) for path in paths]
     ends = [gather.line(path) for path in fine]
     for line in lines:
+        check()
         keep = float(roadmap.path_clearance(line).distance)
         gather.line(_cut(_straightened(roadmap, line, keep, smallest), STEP * smallest))
     spacing = LATTICE * largest
-    gather.add_beside(_lattice(roadmap, fine, smallest, spacing), 0.5 * spacing)
+    check()
+    gather.add_beside(_lattice(roadmap, fine, smallest, spacing), 0.5 * spacing, check)
     ends_of_chains = [roadmap.graph.nodes[n]["pos"] for n, k in roadmap.graph.degree if k > 2]
     junctions = sorted({gather.number(x, y) for x, y in ends_of_chains})
     places = np.array(gather.places)
     joined = near_pairs(places, REACH * spacing)
+    check()
     pairs = np.unique(
         np.concatenate([np.array(gather.pairs, np.int64).reshape(-1, 2), joined]), axis=0
     )
+    check()
     pairs, clearance = _wide(roadmap, places, pairs, smallest)
+    check()
     edges = np.concatenate([pairs, pairs[:, ::-1]])
     return Places(
         places, np.ascontiguousarray(edges), np.concatenate([clearance, clearance]),
@@ -143,10 +160,11 @@ class _Gather:
                 self.pairs.append((min(a, b), max(a, b)))
         return numbers[0], numbers[-1]
 
-    def add_beside(self, points: FloatArray, apart: float) -> None:
+    def add_beside(self, points: FloatArray, apart: float, check: Callable[[], None]) -> None:
         """Add the points that are not near to a place that is there already."""
         known = np.array(self.places)
         for x, y in points.tolist():
+            check()
             if np.hypot(known[:, 0] - x, known[:, 1] - y).min() >= apart:
                 self.number(x, y)
 

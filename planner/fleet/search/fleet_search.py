@@ -4,6 +4,9 @@ Rules
 - Every plan is checked before it is given out: no two tracks ever come nearer than both radii.
 - Searches are limited by counts of work, so that equal input gives equal answers; the clock ends
   them only where the time limit is reached, and the answer then says so.
+- The time limit counts from the request, setting up included. What is over it at most is the piece
+  of work that is at hand, one search or one robot's times, and the check of a plan that was found:
+  about 20 us for each pair of robots.
 """
 
 from __future__ import annotations
@@ -52,16 +55,28 @@ Clock = Callable[[], float]
 
 @dataclass(frozen=True, slots=True)
 class Effort:
-    """How long and how hard to search; ``clock`` gives seconds.
+    """How long and how hard to search; ``clock`` gives seconds, ``end_s`` is when to stop by it.
 
     With ``live`` a plan is changed where its waits form a circle, if it can be.
     """
 
     time_limit_s: float
+    end_s: float
     rounds: int
     seed: int
     clock: Clock
     live: bool = False
+
+    def expired(self) -> bool:
+        """True if the time limit is reached."""
+        return self.clock() >= self.end_s
+
+    def out_of_time(self, who: Sequence[int]) -> NoFleetPlan:
+        """The refusal once the time limit is reached: ``who`` has no path yet."""
+        return NoFleetPlan(
+            f"{_listed(who)}: no plan was found within {self.time_limit_s:g} s; that there is none"
+            " is not proved", tuple(who), proved=False,
+        )  # fmt: skip
 
 
 def search(
@@ -77,18 +92,13 @@ def search(
     if lost:
         who = _listed(lost)
         return NoFleetPlan(f"{who}: there is no way to the goal, even alone", tuple(lost))
-    end_s = effort.clock() + effort.time_limit_s
-
-    def expired() -> bool:
-        return effort.clock() >= end_s
-
     solver = Solver(robots, np.random.default_rng(effort.seed))
-    refused = _solve(solver, junctions, effort, expired)
+    refused = _solve(solver, junctions, effort)
     if refused is not None:
         return refused
-    solver.improve(effort.rounds, expired)
+    solver.improve(effort.rounds, effort.expired)
     if effort.live:
-        return _live_plan(solver, junctions, expired)
+        return _live_plan(solver, junctions, effort.expired)
     return checked_plan(robots, _in_order(solver.routes))
 
 
@@ -122,11 +132,9 @@ def _in_order(routes: dict[int, Route]) -> list[Route]:
     return [routes[i] for i in range(len(routes))]
 
 
-def _solve(
-    solver: Solver, junctions: Sequence[int], effort: Effort, expired: Callable[[], bool]
-) -> NoFleetPlan | None:
+def _solve(solver: Solver, junctions: Sequence[int], effort: Effort) -> NoFleetPlan | None:
     """Fill in the solver's routes, or say why there are none."""
-    robots = solver.robots
+    robots, expired = solver.robots, effort.expired
     if solver.plan_all(expired, FIRST_TRIES):
         return None
     joint = JointSearch(robots, np.random.default_rng(effort.seed))
@@ -158,11 +166,7 @@ def _solve(
         first = False
         if solver.plan_all(expired, FIRST_TRIES):
             return None
-    who = _often(solver)
-    return NoFleetPlan(
-        f"{_listed(who)}: no plan was found within {effort.time_limit_s:g} s; that there is none"
-        " is not proved", who, proved=False,
-    )  # fmt: skip
+    return effort.out_of_time(_often(solver))
 
 
 def _often(solver: Solver) -> tuple[int, ...]:
@@ -253,12 +257,15 @@ def track_of(robot: Robot, route: Route) -> FloatArray:
 
 def touching(what: str, places: FloatArray, radii: Sequence[float]) -> NoFleetPlan | None:
     """A refusal where two places of one kind, each a robot's, are nearer than both radii."""
-    for i, j in combinations(range(len(places)), 2):
-        distance = math.dist(places[i], places[j])
-        need = radii[i] + radii[j]
-        if distance < need - ROUNDING * (need + float(np.abs(places).max())):
+    sizes, largest = np.asarray(radii), np.abs(places).max(axis=1, initial=0.0).max(initial=0.0)
+    for i in range(len(places)):
+        needs = sizes[i] + sizes[i + 1 :]
+        apart = np.hypot(*(places[i + 1 :] - places[i]).T)
+        near = np.flatnonzero(apart < needs - ROUNDING * (needs + largest))
+        if len(near):
+            k = int(near[0])
             return NoFleetPlan(
-                f"robots {i} and {j}: their {what} are {distance:g} apart,"
-                f" must be {need:g} (both radii)", (i, j),
+                f"robots {i} and {i + 1 + k}: their {what} are {apart[k]:g} apart,"
+                f" must be {needs[k]:g} (both radii)", (i, i + 1 + k),
             )  # fmt: skip
     return None

@@ -22,7 +22,7 @@ from planner.fleet.search.matching import match_for_sum
 from planner.fleet.search.pebbles import Move, rearrange
 from planner.fleet.search.solver import Solver
 from planner.fleet.search.stations import Stations, choose_stations
-from planner.fleet.search.team import Robot, Route, make_robot
+from planner.fleet.search.team import Robot, Route, edges_of, make_robot
 from planner.scene import FloatArray
 
 CHANCES = 4
@@ -157,7 +157,7 @@ def _drive(
 ) -> dict[int, Route] | None:
     """Routes from starts to goals that are near, by the usual searches."""
     team = [
-        make_robot(robot.graph, robot.radius, a, b)
+        make_robot(robot.graph, edges_of(robot.graph), robot.radius, a, b)
         for robot, a, b in zip(robots, starts, goals, strict=True)
     ]
     if any(robot.alone_s >= HORIZON for robot in team):

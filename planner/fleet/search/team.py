@@ -63,12 +63,18 @@ def make_graph(places: FloatArray, edges: NDArray[np.int64], speed: float = 1.0)
     )
 
 
-def make_robot(graph: Graph, radius: float, start: int, goal: int) -> Robot:
-    """A robot with its times to the goal."""
-    count = len(graph.places)
-    row = np.repeat(np.arange(count), np.diff(graph.starts))
-    edges = np.column_stack([row, graph.to]).astype(np.int64)
-    return Robot(graph, radius, start, goal, times_to(goal, count, edges, graph.lasts))
+def edges_of(graph: Graph) -> NDArray[np.int64]:
+    """The graph's edges (m, 2), from and to."""
+    row = np.repeat(np.arange(len(graph.places)), np.diff(graph.starts))
+    return np.column_stack([row, graph.to]).astype(np.int64)
+
+
+def make_robot(
+    graph: Graph, edges: NDArray[np.int64], radius: float, start: int, goal: int
+) -> Robot:
+    """A robot with its times to the goal; ``edges`` are those of :func:`edges_of`."""
+    to_goal = times_to(goal, len(graph.places), edges, graph.lasts)
+    return Robot(graph, radius, start, goal, to_goal)
 
 
 def cut_off(robots: Sequence[Robot]) -> list[int]:

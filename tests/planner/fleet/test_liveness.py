@@ -18,7 +18,8 @@ from hypothesis import strategies as st
 
 import planner
 from planner.fleet import on_graph
-from planner.fleet.search import solver
+from planner.fleet.search import solver, team
+from planner.scene import Bounds, Scene
 
 TICK_S = 0.01
 Task = tuple[list[tuple[float, float]], list[tuple[int, int]], float, list[int], list[int]]
@@ -136,6 +137,47 @@ def test_any_graph_s_search_ends_when_its_clock_says_so(count: int, seed: int, a
         )
     assert clock.count <= asks + 30
     assert bool(plan) or isinstance(plan, planner.NoFleetPlan)
+
+
+@pytest.mark.parametrize("asks", [1, 7, 40])
+def test_the_time_limit_includes_setting_up(asks: int, monkeypatch: pytest.MonkeyPatch) -> None:
+    set_up = 0
+    times_to: Callable[..., Any] = team.times_to
+
+    def counted(*arguments: Any) -> Any:
+        nonlocal set_up
+        set_up += 1
+        return times_to(*arguments)
+
+    monkeypatch.setattr(team, "times_to", counted)
+    clock = Asked(monkeypatch)
+    nodes, edges, radius, starts, goals = lane(120, 60)
+    plan = planner.plan_on_graph(
+        nodes, edges, radius, starts, goals, time_limit_s=TICK_S * (asks - 0.5)
+    )
+    assert isinstance(plan, planner.NoFleetPlan)
+    assert not plan.proved
+    assert f"within {TICK_S * (asks - 0.5):g} s" in plan.reason
+    assert set_up == asks - 1
+    assert plan.blocking == tuple(range(asks - 1, 60))
+    assert clock.count == asks + 1
+    assert clock.searches == 0
+
+
+@pytest.mark.parametrize("asks", [1, 3, 14, 80])
+def test_the_time_limit_of_a_fleet_among_obstacles_includes_setting_up(
+    asks: int, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    clock = Asked(monkeypatch)
+    roadmap = planner.build_roadmap(Scene("m", Bounds(0.0, 0.0, 10.0, 4.0), ()), 0.1)
+    starts = [(1.0 + 0.5 * i, 1.0) for i in range(12)]
+    goals = [(1.0 + 0.5 * i, 3.0) for i in range(12)][::-1]
+    plan = planner.plan_fleet(roadmap, starts, goals, time_limit_s=TICK_S * (asks - 0.5))
+    assert isinstance(plan, planner.NoFleetPlan)
+    assert plan.blocking == tuple(range(asks - 1 if asks <= 12 else 0, 12))
+    assert not plan.proved
+    assert clock.count == asks + 1
+    assert clock.searches == 0
 
 
 @pytest.mark.timed
