@@ -3,20 +3,27 @@
 from __future__ import annotations
 
 import math
+import sys
 
 DIGITS = 3
 """Significant digits; every digit before the point is written all the same."""
 MOST_DIGITS = 17
-LARGE = 1e7
-"""From here on, a figure is written with an exponent."""
+SMALL, LARGE = 1e-6, 1e7
+"""A figure below or from here on is written with an exponent."""
+
+NOTHING = 1e-12
+"""A length below this share of another is rounding: the planner's distances are exact to that."""
 
 
 def sized(length: float, units: str = "", beside: float | None = None) -> str:
     """A length with its units.
 
-    ``beside`` is the length that it is compared with: both have the digits that tell them apart.
+    ``beside`` is the length that it is compared with: both have the digits that tell them apart,
+    and next to it a length of a few roundings is none.
     """
     digits = DIGITS
+    if beside is not None and abs(length) <= NOTHING * abs(beside):
+        length = 0.0
     if beside is not None and beside != length:
         while digits < MOST_DIGITS and _rounded(length, digits) == _rounded(beside, digits):
             digits += 1
@@ -27,20 +34,27 @@ def at_most(length: float, units: str = "") -> str:
     """A length that may not look longer than it is: rounded towards zero."""
     if abs(length) >= LARGE:
         return f"{length:.6g} {units}".rstrip()
+    if abs(length) < sys.float_info.min:
+        return sized(0.0, units)
     scale = 10.0 ** _decimals(length, DIGITS)
     return sized(math.trunc(length * scale * (1.0 + 1e-12)) / scale, units)
 
 
 def placed(x: float, y: float) -> str:
     """A place as (x, y), both to the same decimal: three significant digits of the larger."""
-    if max(abs(x), abs(y)) >= LARGE:
+    if _has_exponent(max(abs(x), abs(y))):
         return f"({x:g}, {y:g})"
     decimals = _decimals(max(abs(x), abs(y)), DIGITS)
     return f"({_fixed(x, decimals)}, {_fixed(y, decimals)})"
 
 
+def _has_exponent(value: float) -> bool:
+    """True if a figure is too large or too small to be read digit by digit."""
+    return abs(value) >= LARGE or 0.0 < abs(value) < SMALL
+
+
 def _rounded(value: float, digits: int) -> str:
-    if abs(value) >= LARGE:
+    if _has_exponent(value):
         return f"{value:.{digits}g}"
     return _fixed(value, _decimals(value, digits))
 

@@ -11,6 +11,7 @@ from hypothesis import strategies as st
 from planner.shared.figures import at_most, placed, sized
 
 lengths = st.floats(1e-9, 1e9)
+any_lengths = st.floats(0.0, 1e300)
 
 
 @pytest.mark.parametrize(
@@ -23,6 +24,9 @@ lengths = st.floats(1e-9, 1e9)
         (773.2, "773 m"),
         (-0.4, "-0.4 m"),
         (1e300, "1e+300 m"),
+        (5.55e-17, "5.55e-17 m"),
+        (-2e-9, "-2e-09 m"),
+        (0.0000123, "0.0000123 m"),
     ],
 )
 def test_a_length_has_three_significant_digits_and_all_before_the_point(length, words):
@@ -48,3 +52,26 @@ def test_a_place_has_as_many_decimals_in_x_as_in_y():
 @given(lengths)
 def test_what_is_at_most_a_length_does_not_look_longer(length):
     assert length * (1 - 1.01e-2) <= float(at_most(length)) <= length * (1 + 1e-5)
+
+
+@given(any_lengths, any_lengths)
+def test_no_figure_is_longer_than_its_digits_an_exponent_and_its_units(one, other):
+    for words in (sized(one, "m"), at_most(one, "m")):
+        assert len(words) <= len("1.23457e+300 m")
+    assert len(sized(one, "m", beside=other)) <= len("-1.2345678901234567e+300 m")
+    assert len(placed(one, -other)) <= len("(1.23457e+300, -1.23457e+300)")
+
+
+@given(any_lengths)
+def test_the_least_lengths_do_not_look_longer_either(length):
+    assert float(at_most(length)) <= length * (1 + 1e-5)
+
+
+def test_a_place_next_to_the_origin_is_written_with_exponents():
+    assert placed(5.55e-17, 0.0) == "(5.55e-17, 0)"
+    assert placed(5.55e-17, 2.0) == "(0, 2)"
+
+
+def test_what_is_a_rounding_next_to_another_length_is_none():
+    assert sized(5.55e-17, "m", beside=0.4) == "0 m"
+    assert sized(5.55e-7, "m", beside=0.4) == "5.55e-07 m"
