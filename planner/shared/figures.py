@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-import sys
 
 DIGITS = 3
 """Significant digits; every digit before the point is written all the same."""
@@ -11,6 +10,8 @@ MOST_DIGITS = 17
 SMALL, LARGE = 1e-6, 1e7
 """A figure below or from here on is written with an exponent."""
 
+LEAST = 1e-300
+"""A length below this has no digits that could be cut off."""
 NOTHING = 1e-12
 """A length below this share of another is rounding: the planner's distances are exact to that."""
 
@@ -34,7 +35,7 @@ def at_most(length: float, units: str = "") -> str:
     """A length that may not look longer than it is: rounded towards zero."""
     if abs(length) >= LARGE:
         return f"{length:.6g} {units}".rstrip()
-    if abs(length) < sys.float_info.min:
+    if abs(length) < LEAST:
         return sized(0.0, units)
     scale = 10.0 ** _decimals(length, DIGITS)
     return sized(math.trunc(length * scale * (1.0 + 1e-12)) / scale, units)
