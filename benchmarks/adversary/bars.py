@@ -64,7 +64,7 @@ class Outcome:
     blind_m: float = 0.0
     """How far it went while the program took it for elsewhere: no bar, but a warning."""
     said_s: float = 0.0
-    """How long it stood while it was said to be driving."""
+    """How long in one stand it was said to be driving."""
     state: str = ""
     sentence: str = ""
     failures: list[str] = field(default_factory=list)
@@ -147,19 +147,20 @@ def blind_m(rows: FloatArray, fixes: Sequence[tuple[float, float, float]]) -> fl
 
 
 def said_to_drive_s(rows: FloatArray, said: Sequence[tuple[float, str]]) -> float:
-    """The longest that the robot stood while every state that was ``said`` was 'driving'."""
+    """The longest, in one stand of the robot, that it was ``said`` to be 'driving', all together.
+
+    Between two answers that say so it was; a state that flutters is no better than one that lasts.
+    """
     times, speed = speeds(rows)
-    longest = 0.0
-    since_s: float | None = None
+    longest = told_s = 0.0
     for (before_s, before), (now_s, now) in pairwise(said):
-        if before != "driving" or now != "driving":
-            since_s = None
-            continue
-        since_s = before_s if since_s is None else since_s
-        moving = times[(times >= since_s) & (times <= now_s) & (speed > STANDS_M_S)]
+        moving = times[(times >= before_s) & (times <= now_s) & (speed > STANDS_M_S)]
+        since_s = before_s
         if len(moving):
-            since_s = float(moving.max())
-        longest = max(longest, now_s - since_s)
+            told_s, since_s = 0.0, float(moving.max())
+        if before == now == "driving":
+            told_s += now_s - since_s
+        longest = max(longest, told_s)
     return longest
 
 
@@ -184,6 +185,6 @@ def judge(outcome: Outcome) -> None:
     if outcome.stood_s > STAND_LIMIT_S:
         found.append(f"still moved {outcome.stood_s:.2f} s after the stop order")
     if outcome.said_s > SAID_LIMIT_S:
-        found.append(f"was said to drive while it stood for {outcome.said_s:.1f} s")
+        found.append(f"was said to drive for {outcome.said_s:.1f} s of one stand")
     if not outcome.state or len(outcome.sentence) < 10:
         found.append("the end was not said in a sentence")

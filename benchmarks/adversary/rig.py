@@ -253,6 +253,10 @@ class Rig:
         """How much of the wheels' travel the floor takes from now on."""
         self.robot.say(json.dumps({"grip": share}))
 
+    def power(self, motors: bool) -> None:
+        """Whether the robot's motors have power from now on."""
+        self.robot.say(json.dumps({"motors": motors}))
+
     # The judgement.
 
     def judged(self, outcome: Outcome) -> Outcome:

@@ -28,6 +28,7 @@ from firmware_protocol.host.events import (
 from firmware_protocol.host.freshest import lease_of
 from firmware_protocol.host.line.clock_sync import ClockEstimate
 from firmware_protocol.host.line.diagnosis import TAKEN_OVER, why_refused, why_silent
+from firmware_protocol.host.line.hearing import Hearing
 from firmware_protocol.host.outgoing import Outgoing
 from firmware_protocol.host.sessions import HostSessions
 from firmware_protocol.host.state import LinkEvent, LinkState, state_after
@@ -77,6 +78,7 @@ class HostConnection:
         self._mission = WantedMission(self._events.append, self._change)
         self._sessions = HostSessions(rng)
         self._out = Outgoing(self._sessions, self.counters, baud)
+        self._hearing = Hearing()
         self._reason = "the port is not open"
         self._opened_s = 0.0
         self._heard_s = -math.inf
@@ -217,9 +219,9 @@ class HostConnection:
         return now_s - self._heard_s
 
     def why_down(self, now_s: float) -> str | None:
-        """A plain sentence on why the link is not up, None where it is."""
+        """A plain sentence on why nothing can be ordered, None where frames pass both ways."""
         if self.state.is_up:
-            return None
+            return self._hearing.why_deaf
         if self.state in (LinkState.CLOSED, LinkState.REFUSED):
             return self._reason
         if self.state is LinkState.LINK_LOST and self._sessions.foreigner_speaks(now_s):
@@ -295,6 +297,7 @@ class HostConnection:
         self._out.window = SendWindow(hello.rx_window)
         self._out.window.rtt = self.rtt
         self._heard_s = now_s
+        self._hearing.begin(now_s)
         self.counters.taken_back += self._taken
         back = "the other host has fallen silent: the robot is taken back"
         self._change(LinkEvent.GREETED, back if self._taken else "a robot has answered")
@@ -302,6 +305,7 @@ class HostConnection:
 
     def _take_status(self, status: Status, frame: Frame, now_s: float) -> None:
         self.status, self.status_s = status, now_s
+        self._hearing.report(status.counters, now_s)
         if self.state is LinkState.VERIFY:
             self._verify(status)
         self._out.clock.compare(status, now_s)
@@ -369,7 +373,10 @@ class HostConnection:
         """At most one frame, empty where none is due or the line is still busy."""
         if self.state is LinkState.CLOSED:
             return b""
-        return self._out.next_bytes(self.state, self.status, self.upload_state, now_s)
+        data = self._out.next_bytes(self.state, self.status, self.upload_state, now_s)
+        if data:
+            self._hearing.sent()
+        return data
 
     def deadline_s(self, now_s: float) -> float:
         """When to call :meth:`tick` and :meth:`bytes_to_send` again if nothing arrives."""

@@ -9,6 +9,7 @@ import math
 from collections.abc import Sequence
 from typing import Any
 
+from firmware_protocol.wire.messages import StatusFlag
 from navigation.link.link_snapshot import LinkSnapshot
 from navigation.mission.cycle import RobotReport
 from navigation.mission.mission import Mission
@@ -19,6 +20,7 @@ from vision.markers.markers import RobotPose
 
 def robot_report(snapshot: LinkSnapshot) -> RobotReport:
     """What the pilot needs to know of the link."""
+    status = snapshot.status
     return RobotReport(
         age_s=snapshot.heard_age_s,
         down_reason=snapshot.down_reason,
@@ -29,7 +31,8 @@ def robot_report(snapshot: LinkSnapshot) -> RobotReport:
         executed=snapshot.executed,
         standing_reason=snapshot.standing_reason,
         fault=snapshot.fault,
-        place_m=None if snapshot.status is None else (snapshot.status.x_m, snapshot.status.y_m),
+        waits=status is not None and bool(status.flags & StatusFlag.UNDERRUN),
+        place_m=None if status is None else (status.x_m, status.y_m),
     )
 
 

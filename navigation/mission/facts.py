@@ -13,6 +13,8 @@ from navigation.mission.cycle import PilotSettings, RobotReport, Sight
 from navigation.mission.mission import Mission, State
 from navigation.mission.running_plan import RunningPlan
 from navigation.mission.slowing import LateCamera
+from navigation.mission.stillness import MOTIONLESS, Stillness, is_to_move
+from navigation.mission.targets import Target
 from navigation.mission.traffic import Encounter
 from navigation.mission.trust import Trust
 from navigation.mission.watch import Facts
@@ -31,10 +33,11 @@ class Situation(NamedTuple):
 
 
 class FactFinder:
-    """Keeps since when the robot is idle, and how late the camera may be."""
+    """Keeps since when the robot is idle or motionless, and how late the camera may be."""
 
     def __init__(self, settings: PilotSettings, trust: Trust) -> None:
         self.late_camera = LateCamera()
+        self.stillness = Stillness()
         self._settings, self._trust = settings, trust
         self._idle_since_s: float | None = None
 
@@ -59,7 +62,7 @@ class FactFinder:
             robot_estopped=robot.estopped and not (rearms or stop_ordered or robot.leaving_estop),
             robot_fault=robot.fault,
             robot_disarmed=robot.disarmed and running,
-            robot_idle_reason=self._idle_reason(now_s, robot, situation),
+            robot_idle_reason=self._idle_reason(now_s, sight, robot, situation),
             position_m=position,
             inside_arena=position is None or self._settings.bounds_m.contains(position),
             clearance_m=sight.clearance_m,
@@ -84,15 +87,20 @@ class FactFinder:
             return late_s
         return self.late_camera.look(now_s, late_s, self._settings.limits.latency_s, self._trust)
 
-    def _idle_reason(self, now_s: float, robot: RobotReport, situation: Situation) -> str | None:
+    def _idle_reason(
+        self, now_s: float, sight: Sight, robot: RobotReport, situation: Situation
+    ) -> str | None:
         """Why the robot does not do what it was told, once it had time to begin."""
         targets = situation.plan.targets
-        if situation.mission.state is not State.DRIVING or not targets:
-            self._idle_since_s = None
-            return None
         ours = robot.mission_id == situation.wire_id
+        runs = ours and robot.standing_reason is None
+        ordered = situation.mission.state is State.DRIVING and bool(targets)
         finished = ours and robot.executed >= len(targets)
-        if finished or (ours and robot.standing_reason is None):
+        if ordered and runs and not finished:
+            self._idle_since_s = None
+            return self._motionless(now_s, sight, robot, targets[robot.executed])
+        self.stillness.need_not_move()
+        if not ordered or finished:
             self._idle_since_s = None
             return None
         if self._idle_since_s is None:
@@ -100,3 +108,15 @@ class FactFinder:
         if now_s - self._idle_since_s < self._settings.robot_grace_s:
             return None
         return (robot.standing_reason if ours else None) or "it has not taken the plan"
+
+    def _motionless(
+        self, now_s: float, sight: Sight, robot: RobotReport, target: Target
+    ) -> str | None:
+        """The sentence where a robot that runs its mission does not move; it is doubted then."""
+        if not is_to_move(robot, target, None if sight.pose is None else sight.pose[:2]):
+            self.stillness.need_not_move()
+            return None
+        if not self.stillness.look(now_s, sight.evidence):
+            return None
+        self._trust.doubt(f"the robot stands still: {MOTIONLESS}")
+        return MOTIONLESS

@@ -29,10 +29,11 @@ from navigation.mission.progress import Progress
 from navigation.mission.proving import Proving
 from navigation.mission.running_plan import RunningPlan, what_is_driven, why_no_plan
 from navigation.mission.slowing import WORTH_A_PLAN, speed_with
+from navigation.mission.stillness import MOTIONLESS
 from navigation.mission.targets import Target
 from navigation.mission.traffic import Encounter, discs_to_avoid, encounter
 from navigation.mission.trust import Level, Trust, slow_at_first
-from navigation.mission.watch import Action, Verdict, judge
+from navigation.mission.watch import Action, Facts, Verdict, judge
 from planner.path import NoPath
 
 NO_PLAN = RunningPlan()
@@ -161,7 +162,7 @@ class Pilot:
             return Orders(permit=False, estop=True)
         self._follow_progress(robot)
         upload = self._take_answer(now_s, sight, answer)
-        self._hold_or_go_on(now_s)
+        self._hold_or_go_on(now_s, facts)
         self._make_way(met)
         self._slow_down(sight)
         proof = self._prove(now_s, sight, robot)
@@ -214,7 +215,7 @@ class Pilot:
         if step.event is not None:
             self.mission = self.mission.after(step.event, step.sentence)
         if step.event is Event.HOLD:
-            self._ask_again_s = now_s + self.settings.retry_s
+            self._ask_again_s = now_s + self._facts.stillness.pause_s()
             self._clear_since_s = None
         if step.targets is None:
             return None
@@ -329,11 +330,13 @@ class Pilot:
                 Event.FAIL, f"given up after {self.settings.give_up_s:g} s without progress: {why}"
             )
 
-    def _hold_or_go_on(self, now_s: float) -> None:
+    def _hold_or_go_on(self, now_s: float, facts: Facts) -> None:
         if self.verdict.action is Action.HOLD:
             self._clear_since_s = None
             if self.mission.state in (State.DRIVING, State.PLANNING, State.PROVING):
                 self.mission = self.mission.after(Event.HOLD, self.verdict.sentence)
+                if facts.robot_idle_reason == MOTIONLESS:
+                    self._ask_again_s = now_s + self._facts.stillness.pause_s()
                 self._closed_way = self.plan.left
                 self._forget_plan()
             elif self.mission.state is State.HOLDING:

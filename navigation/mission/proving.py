@@ -79,6 +79,6 @@ class Proving:
             case Verdict.REFUTED:
                 return ProofStep(stop=sentence)
             case Verdict.STILL:
-                return ProofStep(Event.HOLD, sentence)
+                return ProofStep(Event.HOLD, f"{sentence}: {self._trust.why}")
             case Verdict.OPEN:
                 return _NOTHING

@@ -40,6 +40,9 @@ drawn back by a picture that stands still turns on and on."""
 PATIENCE_S: Final = 3.0
 """How long pictures may take to show the turn: longer than any latency that is measured."""
 LONGEST_PROOF_S: Final = 8.0
+BEGINS_WITHIN_S: Final = 3.0
+"""A robot whose wheels have not turned at all by then will not turn."""
+BEGUN_RAD: Final = 0.02
 KNOCKED_M: Final = 0.1
 KNOCKED_RAD: Final = 0.7
 """A robot that was knocked this far may prove itself; one that is farther from where its wheels
@@ -104,7 +107,8 @@ class Proof:
                 f"{math.degrees(wheels_rad):.0f} deg, the camera saw {math.degrees(camera_rad):.0f}"
                 " deg: a frozen picture, another robot's marker, or wheels that slip"
             )
-        if waited or now_s - self.began_s > LONGEST_PROOF_S:
+        over_s = BEGINS_WITHIN_S if abs(wheels_rad) < BEGUN_RAD else LONGEST_PROOF_S
+        if waited or now_s - self.began_s > over_s:
             return Verdict.STILL, "the robot did not turn when it had to prove itself"
         return Verdict.OPEN, ""
 

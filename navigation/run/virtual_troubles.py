@@ -28,6 +28,10 @@ class Troubles(CameraTroubles):
     """The port is gone: nothing passes, and it cannot be opened."""
     cable_out: bool = False
     """Nothing passes in either direction, without an error."""
+    wire_to_robot_cut: bool = False
+    """What is sent does not reach the robot; its reports come."""
+    motors_dead: bool = False
+    """The wheels do not turn, whatever is ordered."""
     carried_to: tuple[float, float, float] | None = None
     """Somebody takes the robot and puts it there, once."""
     stuck: bool = False
@@ -42,6 +46,8 @@ class Troubles(CameraTroubles):
     def meet(self, loop: VirtualLoop) -> None:
         """Do to a robot and its line what is wrong at this moment."""
         loop.knobs.cable = not (self.cable_out or self.port_broken)
+        loop.knobs.to_robot = not self.wire_to_robot_cut
+        loop.drive.has_power = not self.motors_dead
         if self.carried_to is not None:
             loop.drive.pose = TruePose(*self.carried_to)
             self.carried_to = None

@@ -48,6 +48,8 @@ class Drive:
     def __init__(self, model: DriveModel, pose: TruePose, rng: np.random.Generator) -> None:
         self.model = model
         self.pose = pose
+        self.has_power = True
+        """Whether the motors have; without it the wheels run down, whatever is ordered."""
         self._rng = rng
         self._speed = [0.0, 0.0]
         self._travel = [0.0, 0.0]
@@ -74,9 +76,10 @@ class Drive:
         keep = math.exp(-dt_s / model.slip_time_s)
         kick = model.slip * math.sqrt(1.0 - keep * keep)
         ground = [0.0, 0.0]
+        powered = wanted.powered and self.has_power
         for side, scale in enumerate((model.left_scale, model.right_scale)):
             limit = model.max_wheel_m_s
-            target = max(-limit, min(limit, wanted[side])) if wanted.powered else 0.0
+            target = max(-limit, min(limit, wanted[side])) if powered else 0.0
             self._speed[side] += blend * (target - self._speed[side])
             if abs(self._speed[side]) < 1e-5:
                 self._speed[side] = 0.0

@@ -71,6 +71,8 @@ class Knobs:
     """What a scenario may switch while the loop runs."""
 
     cable: bool = True
+    to_robot: bool = True
+    """Whether what the host sends gets through the cable; what the robot sends does."""
     camera: bool = True
     lease: bool = True
     permit: bool = True
@@ -172,7 +174,7 @@ class VirtualLoop:
     def _move_bytes(self) -> None:
         now_s, cable = self.now_s, self.knobs.cable
         arrived = self._faulty[0].carry(self.to_robot.take(now_s), now_s)
-        if arrived and cable and not self.knobs.frozen:
+        if arrived and cable and self.knobs.to_robot and not self.knobs.frozen:
             self.robot.receive_bytes(arrived, self.robot_s)
         if self.knobs.echo and arrived:
             self.to_host.put(arrived, now_s)

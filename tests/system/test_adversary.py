@@ -106,6 +106,12 @@ def test_a_robot_that_stands_must_not_be_said_to_drive() -> None:
     assert said_to_drive_s(track, held) == pytest.approx(6.5 - 5.6, abs=0.1)
 
 
+def test_a_state_that_flutters_while_the_robot_stands_counts_all_together() -> None:
+    flutters = [(0.5 * n, "holding" if n % 5 == 4 else "driving") for n in range(24)]
+    # it stands from 5.6 s on: 0.9 s until it is said to hold, and twice 1.5 s
+    assert said_to_drive_s(driven(5.0), flutters) == pytest.approx(0.9 + 3.0, abs=0.1)
+
+
 def test_the_time_to_a_stand_counts_from_the_stop_order() -> None:
     assert stood_after_s(driven(5.0), 5.0) == pytest.approx(0.6, abs=0.05)
     assert stood_after_s(driven(5.0), 6.0) == 0.0

@@ -72,6 +72,15 @@ def _camera_killed(rig: Rig) -> None:
     rig.watch_mission(6.0)
 
 
+def _motors_dead(rig: Rig) -> None:
+    """The wheels stand, whatever is ordered; everything else works."""
+    rig.power(False)
+    rig.watch_mission(12.0, however_long=True)
+    rig.note_end()
+    rig.power(True)
+    rig.watch_mission(4.0)
+
+
 ATTACKS = (
     Attack("process", "the program stopped for 0.1 to 3 s", _freezes(_daemon, FREEZES_S)),
     Attack("process", "the robot's process stopped for 0.1 to 3 s", _freezes(_robot, FREEZES_S)),
@@ -79,5 +88,6 @@ ATTACKS = (
     Attack("process", "the camera stopped for 0.1 to 3 s", _freezes(_camera, FREEZES_S), HTTP),
     Attack("process", "the program killed twice", _killed(2)),
     Attack("process", "the program killed while it starts", _killed_while_it_starts),
+    Attack("process", "the robot's motors dead", _motors_dead, Needs(handled=True)),
     Attack("process", "the camera killed, started again", _camera_killed, HTTP),
 )

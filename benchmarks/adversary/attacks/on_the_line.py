@@ -226,6 +226,12 @@ def _leases_lost(rig: Rig) -> None:
     rig.watch(4.0)
 
 
+def _wire_to_robot_cut(rig: Rig) -> None:
+    """The robot is heard, and hears nothing."""
+    rig.line.to_robot.cut = True
+    rig.watch_mission(12.0, however_long=True)
+
+
 def _deaf(rig: Rig) -> None:
     """The robot hears, and is not heard."""
     rig.line.to_host.cut = True
@@ -270,5 +276,6 @@ ATTACKS = (
     Attack("line", "the emergency stop lost", _estop_lost),
     Attack("line", "every lease lost", _leases_lost),
     Attack("line", "nothing heard of the robot", _deaf),
+    Attack("line", "the wire to the robot cut", _wire_to_robot_cut),
     Attack("line", "unplugged for 0.2 and 1.5 s", _unplugged),
 )

@@ -3,6 +3,7 @@
 - ``{"carry": [x_m, y_m, heading_rad], "seconds": S}``: lifted and put down there within S
 - ``{"grip": SHARE}``: how much of the wheels' travel the floor takes; 0.0: they spin, the robot
   stands; 1.0: as always
+- ``{"motors": false}``: they have no power, and the wheels stand; true: as always
 """
 
 from __future__ import annotations
@@ -29,6 +30,7 @@ class Hand:
 
     def __init__(self) -> None:
         self.grip = 1.0
+        self.motors = True
         self.carry: tuple[float, float, TruePose] | None = None
         """From when, until when, and where to."""
 
@@ -37,6 +39,8 @@ class Hand:
             order = json.loads(line)
             if "grip" in order:
                 self.grip = float(order["grip"])
+            if "motors" in order:
+                self.motors = bool(order["motors"])
             if "carry" in order:
                 now_s = time.monotonic()
                 self.carry = (now_s, now_s + float(order["seconds"]), TruePose(*order["carry"]))
@@ -54,6 +58,7 @@ class HandledDrive(Drive):
 
     def step(self, dt_s: float, wanted: WheelSpeeds) -> None:
         before = self.pose
+        self.has_power = HAND.motors
         super().step(dt_s, wanted)
         grip, carry = HAND.grip, HAND.carry
         if grip < 1.0:

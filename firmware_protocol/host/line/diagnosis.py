@@ -27,7 +27,7 @@ def why_silent(count: ParserCounters, no_byte_s: float | None) -> str:
     if no_byte_s is not None:
         return (
             f"no byte has come from the robot for {no_byte_s:.1f} s: "
-            "is it switched on and the cable plugged in?"
+            "is it switched on, the cable plugged in, and the wire from it (RX) whole?"
         )
     if count.echoes and not count.frames:
         return "the line echoes what is sent: are its two wires connected to each other?"
@@ -38,4 +38,7 @@ def why_silent(count: ParserCounters, no_byte_s: float | None) -> str:
             f"{count.bytes} bytes came but no whole frame "
             f"({count.faults} damaged): is the baud rate right?"
         )
-    return "a robot was heard, but it does not answer"
+    return (
+        "a robot was heard, but it does not answer: check the wire from the computer to the robot "
+        "(TX), and whether another program has the robot"
+    )

@@ -1,0 +1,61 @@
+"""Whether the robot hears what it is sent, by the counts in its own reports.
+
+A wire that is broken in one direction leaves a robot that reports and obeys nothing. Its STATUS
+has the number of whole frames that it has taken: while that stays the same although frames are
+sent, it does not hear, whatever else it says. Seconds of the host's monotonic clock.
+"""
+
+from __future__ import annotations
+
+from typing import Final
+
+from firmware_protocol.wire.messages import RobotCounters
+
+DEAF_S: Final = 1.0
+"""The lease has run out after half of it, so that the robot stands when it is said."""
+DEAF_FRAMES: Final = 8
+"""A line that loses one frame in two loses so many in a row once in 256 times."""
+
+
+class Hearing:
+    """Fed with each frame that is sent and each report that comes."""
+
+    def __init__(self) -> None:
+        self.why_deaf: str | None = None
+        """A plain sentence where the robot does not hear; None where it does."""
+        self._counts: RobotCounters | None = None
+        self._heard_s = 0.0
+        self._sent = 0
+
+    def begin(self, now_s: float) -> None:
+        """A robot has answered: it hears."""
+        self._counts, self._heard_s, self._sent = None, now_s, 0
+        self.why_deaf = None
+
+    def sent(self) -> None:
+        """One more frame is on its way to the robot."""
+        self._sent += 1
+
+    def report(self, counts: RobotCounters, now_s: float) -> None:
+        """What the robot has counted by now."""
+        if self._counts is None or counts.frames != self._counts.frames:
+            self._counts, self._heard_s, self._sent = counts, now_s, 0
+            self.why_deaf = None
+        elif now_s - self._heard_s > DEAF_S and self._sent >= DEAF_FRAMES:
+            self.why_deaf = _in_words(_damaged(counts) - _damaged(self._counts))
+
+
+def _damaged(counts: RobotCounters) -> int:
+    return counts.crc_errors + counts.format_errors + counts.overruns
+
+
+def _in_words(damaged: int) -> str:
+    if damaged > 0:
+        return (
+            "the robot does not understand what it is sent: its reports come, and what reaches it "
+            "is damaged: check the wire from the computer to the robot (TX) and its ground"
+        )
+    return (
+        "the robot does not hear what it is sent: its reports come, but acknowledge nothing: "
+        "check the wire from the computer to the robot (TX)"
+    )

@@ -1,0 +1,67 @@
+"""Whether a robot that is ordered to drive moves at all, by its own wheels.
+
+A camera that sees it move all the same is the witness's business: it says how the two differ.
+Metres, radians, seconds.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import Final
+
+from navigation.mission.cycle import RobotReport
+from navigation.mission.targets import Target
+from navigation.witness import Evidence
+
+MOTIONLESS: Final = (
+    "it was ordered to drive, and neither its wheels nor the camera report a motion: "
+    "check its motors, their power and its switch"
+)
+STILL_S: Final = 2.0
+"""A robot begins within a second of its order; 3 s is what people are promised."""
+MOVED_M, MOVED_RAD = 0.001, 0.01
+"""Less in ``STILL_S`` is no motion: half of the slowest turn that the follower asks for, 1.25 mm/s
+at wheels 0.12 m apart."""
+AT_M: Final = 0.03
+"""A robot that has come so near to a target where it is to stay, stays there."""
+FIRST_PAUSE_S: Final = 1.0
+LONGEST_PAUSE_S: Final = 16.0
+
+
+class Stillness:
+    """Since when the robot has shown no motion, and how often that was found in a row."""
+
+    def __init__(self) -> None:
+        self._moved_s: float | None = None
+        """None while it need not move."""
+        self._driven_m = self._turned_rad = 0.0
+        self._found = 0
+
+    def need_not_move(self) -> None:
+        """It is ordered nothing, or to stand."""
+        self._moved_s = None
+
+    def look(self, now_s: float, evidence: Evidence) -> bool:
+        """One cycle in which it is to drive; True if it has not moved for too long."""
+        moved_m = evidence.driven_m - self._driven_m
+        turned_rad = abs(evidence.wheels_rad - self._turned_rad)
+        moved = moved_m > MOVED_M or turned_rad > MOVED_RAD
+        if self._moved_s is None or moved:
+            self._found = 0 if moved and self._moved_s is not None else self._found
+            self._moved_s = now_s
+            self._driven_m, self._turned_rad = evidence.driven_m, evidence.wheels_rad
+        return now_s - self._moved_s > STILL_S
+
+    def pause_s(self) -> float:
+        """It was found to stand: how long to wait before it is tried again, longer each time."""
+        self._found += 1
+        self._moved_s = None
+        return min(LONGEST_PAUSE_S, FIRST_PAUSE_S * 2.0 ** (self._found - 1))
+
+
+def is_to_move(robot: RobotReport, target: Target, place_m: tuple[float, float] | None) -> bool:
+    """True if a robot that runs its mission has to move towards its next target."""
+    if robot.waits:
+        return False
+    near = place_m is not None and math.dist(place_m, (target.x_m, target.y_m)) < AT_M
+    return not (target.dwell_s > 0.0 and near)
