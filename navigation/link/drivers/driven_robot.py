@@ -19,6 +19,7 @@ from firmware_protocol.robot.controller import RobotController
 from firmware_protocol.wire.drive_settings import DriveSettings
 from firmware_protocol.wire.messages import RobotState, StopReason
 from navigation.link.drivers.robot_driver import RobotDriver
+from navigation.link.drivers.standing import Standing
 from navigation.link.drivers.word_of_robot import Word, remark_of, silence_of
 
 FRESH_S: Final = 0.25
@@ -57,6 +58,7 @@ class DrivenRobot:
         self._messages = 0
         self._fresh_bytes = 0
         self._counts: deque[tuple[float, int, int]] = deque()
+        self._standing = Standing()
         self._answers = False
         self._leaving = False
 
@@ -68,6 +70,7 @@ class DrivenRobot:
         self._opened_s = now_s
         self._fresh_bytes = 0
         self.driver.heard.stranger = self.driver.heard.held = None
+        self._standing.begin(now_s)
         self.driver.open(now_s)
 
     def port_closed(self, reason: str) -> None:
@@ -78,6 +81,7 @@ class DrivenRobot:
         """Its words; the wheels are driven on at the next :meth:`tick`."""
         self._fresh_bytes += len(data)
         self.driver.receive(data, now_s)
+        self._standing.look(self.driver.heard)
         if self.driver.heard.messages != self._messages:
             self._messages, self._fresh_bytes = self.driver.heard.messages, 0
 
@@ -137,7 +141,8 @@ class DrivenRobot:
             )
         fault = None if heard.fault is None else f"{robot.title}: {heard.fault}"
         remark = remark_of(robot, self._port, heard, *self._of_late(now_s))
-        return Word(None, fault, remark, heard.identity, heard.battery)
+        stands = self._standing.is_known(now_s)
+        return Word(None, fault, remark, heard.identity, heard.battery, stands)
 
     # Inside.
 

@@ -1,13 +1,17 @@
-"""The driver's process from outside: started, watched, started again when it was killed.
+"""The driver's process from outside: a thread that watches it, and stops the robot without it.
 
-Its port is a link in a folder of its own that stays the same over restarts; the daemon's serial
-link opens it as it would open a cable. A driver that is started again stops its robot first.
+The wire's port is a link in a folder of its own that stays the same over restarts; the daemon's
+serial link opens it as it would open a cable. The robot's own port is opened here and lent to the
+process. The thread does nothing else, so that nothing else can delay it.
 """
 
 from __future__ import annotations
 
+import ctypes
+import math
 import multiprocessing
 import shutil
+import socket
 import tempfile
 import threading
 import time
@@ -19,13 +23,20 @@ from typing import Final
 
 from firmware_protocol.wire.drive_settings import DriveSettings
 from navigation.config.known_robots import KNOWN_ROBOTS
-from navigation.link.drivers.serve import FAREWELL_S, DriverOrder, serve
+from navigation.link.drivers.driver_watch import START_S, DriverWatch
+from navigation.link.drivers.drivers import new_driver
+from navigation.link.drivers.lent_port import PortLost, lend
+from navigation.link.drivers.robot_halt import RobotHalt
+from navigation.link.drivers.robot_port import RobotPort
+from navigation.link.drivers.serve import DriverOrder, Work, serve
 from navigation.link.drivers.word_of_robot import Word
 from navigation.link.serial_port import PortNotReadyError
+from navigation.shared.supervisor import in_words
 
-START_S: Final = 30.0
-"""A machine that is busy takes its time to start a process."""
-AGAIN_S: Final = 0.1
+LOOK_S: Final = 0.02
+"""While the process drives."""
+STOP_S: Final = 0.005
+"""While the daemon itself stops the robot."""
 _SPAWN: Final = multiprocessing.get_context("spawn")
 
 
@@ -33,7 +44,7 @@ class DriverProcess:
     """A driver and its watcher's thread; ``port`` is what the daemon opens.
 
     ``name`` is one of `KNOWN_ROBOTS`, ``robot_port`` where the robot is; ``model`` as in
-    `DriverOrder`.
+    `DriverOrder`; ``work`` what the process does.
     """
 
     def __init__(
@@ -43,85 +54,162 @@ class DriverProcess:
         baud: int,
         settings: DriveSettings,
         model: str | None = None,
+        work: Work = serve,
     ) -> None:
         self._title = KNOWN_ROBOTS[name].title
         self._folder = Path(tempfile.mkdtemp(prefix="clearway-driver-"))
-        self.port = str(self._folder / "robot")
-        self._order = DriverOrder(name, robot_port, baud, settings, self._folder / "robot", model)
-        self._word = Word(silence=f"the driver of the {self._title} is being started")
-        self._process: SpawnProcess | None = None
-        self._words: Connection | None = None
+        link = self._folder / "robot"
+        self.port = str(link)
+        self._link = link
+        order = DriverOrder(name, robot_port, baud, settings, link, model)
+        self._process = _Process(order, work)
+        self._robot_port = RobotPort(robot_port, baud)
+        halt = RobotHalt(new_driver(name, model), robot_port)
+        self._watch = DriverWatch(self._process, self._robot_port, halt, self._title)
+        self._word = self._watch.word(time.monotonic())
         self._ending = threading.Event()
         self._watcher: threading.Thread | None = None
-        self.restarts = 0
-        self.start_again = True
-        """Whether a driver that was killed is started again."""
 
     def start(self) -> None:
         """Start it, and wait until its port is there; PortNotReadyError where it never is."""
-        self._start_process()
-        self._watcher = threading.Thread(target=self._watch, name="robot's driver", daemon=True)
+        self._watcher = threading.Thread(target=self._run, name="robot's driver", daemon=True)
         self._watcher.start()
         until_s = time.monotonic() + START_S
-        while not self._order.link.exists():
-            if time.monotonic() > until_s:
+        while not self._link.exists():
+            if time.monotonic() > until_s or not self._watcher.is_alive():
                 self.stop()
                 raise PortNotReadyError(f"the driver of the {self._title} has not started")
             time.sleep(0.01)  # the pace at which it is looked for
 
-    def stop(self) -> None:
-        """End it: it stops the robot and closes its port."""
+    def end(self) -> None:
+        """Let it begin to end; `stop` waits for it."""
         self._ending.set()
-        process = self._process
-        if process is not None and process.is_alive():
-            process.terminate()
-            process.join(FAREWELL_S + START_S)
+
+    def stop(self) -> str | None:
+        """End it, and see that the robot stands; what is not known of that, None where it does."""
+        self._ending.set()
         if self._watcher is not None:
             self._watcher.join()
             self._watcher = None
         shutil.rmtree(self._folder, ignore_errors=True)
+        return self._watch.doubt(time.monotonic())
 
     @property
     def pid(self) -> int | None:
         """The number of the process that drives now."""
-        return None if self._process is None else self._process.pid
+        return self._process.pid
+
+    @property
+    def beat_s(self) -> float:
+        """When the process that drives, or that drove last, came round last; monotonic."""
+        return self._process.beat_s
+
+    @property
+    def restarts(self) -> int:
+        """How often it was started again."""
+        return self._watch.restarts
 
     def word(self) -> Word:
-        """What the driver says of its robot, the newest."""
+        """What is to be said of the robot, the newest."""
         return self._word
 
-    def _start_process(self) -> None:
-        ours, theirs = _SPAWN.Pipe(duplex=False)
-        work: Callable[..., None] = serve
-        self._process = _SPAWN.Process(target=work, args=(self._order, theirs), daemon=True)
-        self._process.start()
-        theirs.close()
-        self._words = ours
+    def _run(self) -> None:
+        watch, process, ends = self._watch, self._process, False
+        try:
+            while not watch.is_over(time.monotonic()):
+                if self._ending.is_set() and not ends:
+                    ends = True
+                    watch.end(time.monotonic())
+                for told in process.words():
+                    if isinstance(told, PortLost):
+                        watch.loses_port(told.reason, time.monotonic())
+                    else:
+                        watch.hears(told)
+                watch.turn(time.monotonic())
+                self._word = watch.word(time.monotonic())
+                wait(process.news(), STOP_S if watch.has_port else LOOK_S)
+        finally:
+            process.kill()
+            self._robot_port.close()
 
-    def _watch(self) -> None:
-        while not self._ending.is_set():
-            process, words = self._process, self._words
-            assert process is not None
-            assert words is not None
-            ready = wait([words, process.sentinel], timeout=0.5)
-            if words in ready:
-                try:
-                    self._word = words.recv()
-                    continue
-                except (EOFError, OSError):
-                    pass  # it has ended; its sentinel says so too
-            if process.is_alive() or self._ending.is_set():
-                self._ending.wait(0.01 if words in ready else 0.0)
-                continue
-            process.join()
-            self.restarts += 1
-            self._word = Word(
-                silence=f"the driver of the {self._title} has ended (code {process.exitcode}) "
-                "and is started again"
-            )
-            words.close()
-            self._ending.wait(AGAIN_S)
-            if not self.start_again:
-                return
-            if not self._ending.is_set():
-                self._start_process()
+
+class _Process:
+    """See `Drives`."""
+
+    def __init__(self, order: DriverOrder, work: Work) -> None:
+        self._order, self._work = order, work
+        self._beat = _SPAWN.RawValue(ctypes.c_double, -math.inf)
+        self._process: SpawnProcess | None = None
+        self._words: Connection | None = None
+        self._lender: socket.socket | None = None
+
+    @property
+    def pid(self) -> int | None:
+        return None if self._process is None else self._process.pid
+
+    @property
+    def beat_s(self) -> float:
+        return float(self._beat.value)
+
+    def start(self) -> str | None:
+        self._beat.value = -math.inf
+        # a port of the last process: its number may be another terminal's by now
+        self._order.link.unlink(missing_ok=True)
+        try:
+            ours, theirs = _SPAWN.Pipe(duplex=False)
+            lender, borrower = socket.socketpair()
+            with theirs, borrower:
+                arguments = (self._order, theirs, borrower, self._beat)
+                work: Callable[..., None] = self._work
+                process = _SPAWN.Process(target=work, args=arguments, daemon=True)
+                process.start()
+        except OSError as error:
+            return in_words(error)
+        self._words, self._lender, self._process = ours, lender, process
+        return None
+
+    def runs(self) -> bool:
+        return self._process is not None and self._process.is_alive()
+
+    def how_it_ended(self) -> str:
+        assert self._process is not None
+        return f"has ended (code {self._process.exitcode})"
+
+    def ask_to_end(self) -> None:
+        if self._process is not None:
+            self._process.terminate()
+
+    def kill(self) -> None:
+        if self._process is not None:
+            self._process.kill()
+        self._order.link.unlink(missing_ok=True)
+
+    def lend(self, descriptor: int) -> bool:
+        assert self._lender is not None
+        try:
+            lend(self._lender, descriptor)
+        except OSError:
+            return False  # it has just ended
+        return True
+
+    def words(self) -> list[Word | PortLost]:
+        """Everything that it has said since."""
+        told: list[Word | PortLost] = []
+        try:
+            while self._words is not None and self._words.poll():
+                told.append(self._words.recv())
+        except (EOFError, OSError):
+            self._forget_ends()
+        return told
+
+    def news(self) -> list[int | Connection]:
+        """What `wait` waits for: its words, and its end."""
+        alive = self.runs() and self._process is not None
+        ends: list[int | Connection] = [self._process.sentinel] if alive and self._process else []
+        return ends if self._words is None else [*ends, self._words]
+
+    def _forget_ends(self) -> None:
+        for end in (self._words, self._lender):
+            if end is not None:
+                end.close()
+        self._words = None

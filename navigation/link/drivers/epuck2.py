@@ -4,6 +4,8 @@
   question waits for the last one's answer, or for its time.
 - Each command begins with a zero, which means nothing in text and ends the robot's binary mode, in
   which a damaged character puts it and from which text alone would not bring it back.
+- The first command after the port was opened begins with an end of line, too: an order that was
+  cut off there, because whoever sent it died, takes nothing with it.
 - Nothing in the text is checked: a count that the wheels cannot have made is left out. The robot
   keeps the last order for ever, so orders are repeated, a stop like any other.
 
@@ -52,6 +54,7 @@ class Epuck2Driver:
         self._sent: tuple[int, int] | None = None
         self._sent_s = self._asked_s = self._who_s = self._battery_s = -math.inf
         self._waits = False
+        self._is_new = True
 
     def open(self, now_s: float) -> None:
         """The first order that goes out is a stop."""
@@ -89,7 +92,9 @@ class Epuck2Driver:
         if now_s - self._battery_s >= ASK_S:
             self._battery_s = now_s
             commands.append("b")
-        return b"".join(b"\0" + command.encode() + b"\r" for command in commands)
+        begins = b"\r" if self._is_new and commands else b""
+        self._is_new = self._is_new and not commands
+        return begins + b"".join(b"\0" + command.encode() + b"\r" for command in commands)
 
     # Bytes in.
 

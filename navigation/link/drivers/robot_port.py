@@ -1,4 +1,4 @@
-"""The robot's own port in the driver's process: opened, read and written, and opened again.
+"""The robot's own port on the daemon's side: opened, read and written, and opened again.
 
 A device or an address that pyserial's ``serial_for_url`` knows, as ``socket://host:port``.
 Nothing here waits, but for an address that takes its time to be reached.
@@ -25,7 +25,7 @@ class RobotPort:
 
     def __init__(self, path: str, baud: int) -> None:
         self._path, self._baud = path, baud
-        self._port: serial.SerialBase | None = None
+        self._port: serial.Serial | None = None
         self._unsent = b""
         self._again_s = 0.0
         self._pause_s = REOPEN_FIRST_S
@@ -38,12 +38,22 @@ class RobotPort:
         try:
             self._port = open_port(self._path, self._baud)
         except PortError as error:
-            self.fault = str(error)
-            self._again_s = now_s + self._pause_s
-            self._pause_s = min(REOPEN_LAST_S, 2.0 * self._pause_s)
-            return False
+            return self._wait_after(str(error), now_s)
+        if self.fileno() is None:
+            self.close()
+            return self._wait_after(
+                f"serial port {self._path}: is an address without a descriptor, which two "
+                "processes cannot share: use a device or socket://host:port",
+                now_s,
+            )
         self.fault, self._pause_s, self._unsent = None, REOPEN_FIRST_S, b""
         return True
+
+    def _wait_after(self, fault: str, now_s: float) -> bool:
+        self.fault = fault
+        self._again_s = now_s + self._pause_s
+        self._pause_s = min(REOPEN_LAST_S, 2.0 * self._pause_s)
+        return False
 
     def close(self) -> None:
         """Let go of it."""
@@ -91,7 +101,21 @@ class RobotPort:
         except PORT_FAULTS as error:
             self._break(error, now_s)
 
-    def _break(self, error: BaseException, now_s: float) -> None:
+    def drop_unsent(self, now_s: float) -> None:
+        """Forget what waits to go out, in the computer's queue too: old orders to drive."""
+        self._unsent = b""
+        try:
+            if self._port is not None:
+                self._port.reset_output_buffer()
+        except PORT_FAULTS as error:
+            self._break(error, now_s)
+
+    def lose(self, fault: str, now_s: float) -> None:
+        """Close it, since whoever has used it found it broken; it is opened again soon."""
         self.close()
-        self.fault = f"serial port {self._path} broke: {error}; is the cable plugged in?"
+        self._unsent = b""
+        self.fault = fault
         self._again_s = now_s + self._pause_s
+
+    def _break(self, error: BaseException, now_s: float) -> None:
+        self.lose(f"serial port {self._path} broke: {error}; is the cable plugged in?", now_s)

@@ -1,30 +1,34 @@
 """The driver's process from inside: one loop around `DrivenRobot`, with its two ports.
 
-It makes a pseudo-terminal for our wire and puts a link with a lasting name to it. It ends when it
-is told to, and when the program that started it has ended, however: the robot is stopped first.
+It makes a pseudo-terminal for our wire and puts a link with a lasting name to it; the robot's own
+port is lent to it. Each turn that did its whole work is a beat of its heart. It ends when it is
+told to, and when the program that started it has ended, however: the robot is stopped first.
 Ctrl-C and Ctrl-Z in a terminal do not reach it; a daemon that hangs is met by its lease.
 """
 
 from __future__ import annotations
 
 import contextlib
+import ctypes
 import multiprocessing
 import os
 import random
 import select
 import signal
+import socket
 import time
 import tty
+from collections.abc import Callable
 from dataclasses import dataclass
 from multiprocessing.connection import Connection
 from pathlib import Path
-from typing import Final
+from typing import Final, TypeAlias
 
 from firmware_protocol.robot.connection import Identity
 from firmware_protocol.wire.drive_settings import DriveSettings
 from navigation.link.drivers.driven_robot import DrivenRobot
 from navigation.link.drivers.drivers import new_driver
-from navigation.link.drivers.robot_port import RobotPort
+from navigation.link.drivers.lent_port import LentPort, PortLost
 from navigation.link.drivers.word_of_robot import Word
 
 LONGEST_WAIT_S: Final = 0.005
@@ -48,8 +52,17 @@ class DriverOrder:
     """Which of the maker's robots it is, where the driver has to know."""
 
 
-def serve(order: DriverOrder, words: Connection) -> None:
-    """The process's work, until it has to end; ``words`` takes each new `Word`."""
+Work: TypeAlias = "Callable[[DriverOrder, Connection, socket.socket, ctypes.c_double], None]"
+
+
+def serve(
+    order: DriverOrder, words: Connection, lender: socket.socket, beat: ctypes.c_double
+) -> None:
+    """The process's work, until it has to end.
+
+    ``words`` takes each new `Word`, ``lender`` brings the robot's port, and ``beat`` shows when
+    the loop came round last.
+    """
     ended = _hear_the_end()
     parent = multiprocessing.parent_process()
     assert parent is not None
@@ -60,7 +73,7 @@ def serve(order: DriverOrder, words: Connection) -> None:
         order.port,
         order.baud,
     )
-    loop = _Loop(robot, RobotPort(order.port, order.baud), order.link, words)
+    loop = _Loop(robot, LentPort(order.port, lender), order.link, words, beat)
     try:
         while not ended and not loop.has_ended(parent.sentinel):
             loop.turn()
@@ -83,8 +96,15 @@ def _hear_the_end() -> list[int]:
 class _Loop:
     """The robot, its port, the wire's pseudo-terminal, and the words for people."""
 
-    def __init__(self, robot: DrivenRobot, port: RobotPort, link: Path, words: Connection) -> None:
-        self._robot, self._port, self._words = robot, port, words
+    def __init__(
+        self,
+        robot: DrivenRobot,
+        port: LentPort,
+        link: Path,
+        words: Connection,
+        beat: ctypes.c_double,
+    ) -> None:
+        self._robot, self._port, self._words, self._beat = robot, port, words, beat
         self._wire, self._other_end = os.openpty()
         tty.setraw(self._other_end)
         os.set_blocking(self._wire, False)
@@ -99,10 +119,7 @@ class _Loop:
 
     def has_ended(self, sentinel: int) -> bool:
         """Wait for news, not for long; whether the program that started this one has ended."""
-        watched: list[int] = [self._wire, sentinel]
-        number = self._port.fileno()
-        if number is not None:
-            watched.append(number)
+        watched = [self._wire, sentinel, *self._port.descriptors()]
         try:
             return sentinel in select.select(watched, [], [], LONGEST_WAIT_S)[0]
         except OSError:
@@ -111,22 +128,30 @@ class _Loop:
     def turn(self) -> None:
         """Everything that has come, one decision, everything that is due."""
         now_s = time.monotonic()
-        if self._port.open(now_s):
+        if self._port.take():
             self._robot.port_opened(now_s)
-        data = self._port.read(now_s)
+            self._port_is_lost = False
+        data = self._port.read()
         if data:
             self._robot.receive_from_robot(data, now_s)
         if self._port.fault is not None:
-            self._robot.port_closed(self._port.fault)
+            self._lose_port(self._port.fault)
         with contextlib.suppress(OSError):
             self._robot.receive_from_host(os.read(self._wire, READ_BYTES), now_s)
         self._robot.tick(now_s)
-        if self._port.is_free:
-            self._port.write(self._robot.bytes_to_robot(now_s), now_s)
-        else:
-            self._port.write(b"", now_s)
+        self._port.write(self._robot.bytes_to_robot(now_s) if self._port.is_free else b"")
         self._send_to_host(now_s)
         self._tell(now_s)
+        self._beat.value = time.monotonic()
+
+    _port_is_lost = True
+
+    def _lose_port(self, fault: str) -> None:
+        """Say once that the daemon has to open it again."""
+        self._robot.port_closed(fault)
+        if not self._port_is_lost:
+            self._port_is_lost = True
+            self._say(PortLost(fault))
 
     def say_farewell(self) -> None:
         """Stop the robot, and see that the order has gone out."""
@@ -160,5 +185,8 @@ class _Loop:
         word = self._robot.word(now_s)
         if word != self._word:
             self._word = word
-            with contextlib.suppress(OSError):
-                self._words.send(word)
+            self._say(word)
+
+    def _say(self, news: Word | PortLost) -> None:
+        with contextlib.suppress(OSError):
+            self._words.send(news)

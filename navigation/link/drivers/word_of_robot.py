@@ -25,7 +25,8 @@ class Word:
     """What the driver's process says of its robot; it goes to the daemon's side as a whole.
 
     ``silence``: why the robot is out of reach, None while it is not. ``fault``: why it must not
-    drive. ``remark``: what people should know although it drives.
+    drive. ``remark``: what people should know although it drives. ``stands``: its wheels report,
+    and do not turn.
     """
 
     silence: str | None
@@ -33,6 +34,7 @@ class Word:
     remark: str = ""
     identity: str | None = None
     battery: float | None = None
+    stands: bool = False
 
 
 def silence_of(

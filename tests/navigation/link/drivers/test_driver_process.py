@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import os
-import signal
 import socket
 import subprocess
 import sys
@@ -67,22 +65,6 @@ def send(link: DriverLink, mission: int = 5) -> None:
 
 def drives(twin: TwinRobot) -> bool:
     return twin.moving and twin.pose().x_m > 0.02
-
-
-@pytest.mark.parametrize("name", NAMES)
-def test_a_driver_that_is_killed_is_started_again_and_stops_the_robot(name: str) -> None:
-    """For the robots without a watchdog of their own that is the only thing that does."""
-    with twin_of(name) as twin, driven(name, twin) as (driver, link):
-        send(link)
-        assert wait_until(lambda: drives(twin), PATIENCE_S)
-        assert driver.pid is not None
-        os.kill(driver.pid, signal.SIGKILL)
-        assert wait_until(lambda: driver.restarts == 1, PATIENCE_S)
-        assert wait_until(lambda: not twin.moving, PATIENCE_S)
-        assert wait_until(lambda: link.snapshot().down_reason is None, PATIENCE_S)
-        where = twin.pose().x_m
-        time.sleep(0.5)  # long enough to see it drive on
-        assert twin.pose().x_m == pytest.approx(where, abs=0.002), "a new driver drives nothing"
 
 
 @pytest.mark.parametrize("name", ["create2", "epuck2"])
