@@ -173,7 +173,8 @@ class Runner:
             self._log.write(
                 "info", "finished", state=report.state, reason=reason, duration_s=duration_s
             )
-        for trouble in () if folder is None else write_run(folder, daemon, report):
+        written = () if folder is None else write_run(folder, daemon, report)
+        for trouble in (*world.doubts, *written):
             self._say(f"trouble: {trouble}")
         if recorder is not None:
             self._say(recorder.summary())

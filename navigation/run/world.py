@@ -19,7 +19,7 @@ from navigation.link.serial_link import SerialLink
 from navigation.loop.planning import ArenaPlanner, PlannerThread, SceneCheck
 from navigation.mission.cycle import PlanAnswer, PlanRequest
 from navigation.run.devices.cameras import Cameras
-from navigation.run.devices.driven import driver_of, link_of
+from navigation.run.devices.driven import driver_of, end_all, link_of
 from navigation.run.devices.simulated import (
     AnySimulatedRobot,
     pose_of,
@@ -72,6 +72,8 @@ class World:
         self._began_s = clock()
         self.port = config.serial.port if self._robot is None else self._robot.port
         self._driver = driver_of(config, self.port)
+        self.doubts: list[str] = []
+        """After the end: what is not known of a robot that should stand."""
 
     @cached_property
     def floor_plan(self) -> FloorPlan | None:
@@ -137,7 +139,7 @@ class World:
     def stop(self) -> None:
         """Switch it off."""
         if self._driver is not None:
-            self._driver.stop()
+            self.doubts = end_all([self._driver])
         if self._robot is not None:
             self._robot.stop()
 

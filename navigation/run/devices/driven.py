@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 
 import numpy as np
 
@@ -37,6 +37,14 @@ def link_of(
 ) -> DriverLink:
     """The link to a driver's process."""
     return DriverLink(driver.port, driver.word, clock=clock, wait_for_port=wait_for_port)
+
+
+def end_all(drivers: Iterable[DriverProcess]) -> list[str]:
+    """End them, all at the same time; what is not known of their robots."""
+    drivers = list(drivers)
+    for driver in drivers:
+        driver.end()
+    return [doubt for driver in drivers if (doubt := driver.stop()) is not None]
 
 
 def twin_of(config: Config, clock: Callable[[], float]) -> TwinRobot:

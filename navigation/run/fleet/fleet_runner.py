@@ -83,6 +83,8 @@ class FleetRunner(Runner):
             self._log.write(
                 "info", "finished", state=report.state, reason=reason, duration_s=duration_s
             )
+        for doubt in world.doubts:
+            self._say(f"trouble: {doubt}")
         self._write(folder, report)
         if folder is not None:
             try:

@@ -12,7 +12,7 @@ from navigation.link.serial_link import SerialLink
 from navigation.loop.fleet.fleet_planner import FleetPlanner
 from navigation.loop.planning import PlannerThread, SceneCheck
 from navigation.run.devices.cameras import Cameras
-from navigation.run.devices.driven import driver_of, link_of
+from navigation.run.devices.driven import driver_of, end_all, link_of
 from navigation.run.fleet.simulated_fleet import is_simulated
 from navigation.run.fleet.simulation_apart import RobotApart, SimulationApart
 from navigation.run.world import floor_plan_of, shown_calibration
@@ -46,6 +46,8 @@ class FleetWorld:
             for name, one in self._alone.items()
             if (driver := driver_of(one, self.ports[name])) is not None
         }
+        self.doubts: list[str] = []
+        """After the end: what is not known of robots that should stand."""
         self.truths: dict[str, Truth] = {}
         """By name, of the simulated robots."""
         if self._simulation is not None and simulated:
@@ -103,7 +105,6 @@ class FleetWorld:
 
     def stop(self) -> None:
         """Switch them off."""
-        for driver in self._drivers.values():
-            driver.stop()
+        self.doubts = end_all(self._drivers.values())
         if self._simulation is not None:
             self._simulation.stop()

@@ -56,7 +56,7 @@ def test_a_program_that_ends_while_its_driver_hangs_leaves_a_robot_that_stands(n
         began_s = time.monotonic()
         assert bench.driver.stop() is None, "it was heard to stand"
         assert time.monotonic() - began_s < 3.0
-        assert not bench.twin.moving
+        assert wait_until(lambda: not bench.twin.moving, 0.2), "but for its last millimetre"
 
 
 def test_a_robot_that_is_not_heard_to_stand_at_the_end_is_named() -> None:
