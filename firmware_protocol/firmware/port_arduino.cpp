@@ -23,6 +23,18 @@ static uint8_t estop_matched;
 static bool estop_seen;
 static uint16_t carry[2];
 
+/* Some cores have no availableForWrite(): there, as on a board that does not know, it is 0. */
+template <typename Port>
+static auto room_of(Port &port, int) -> decltype(static_cast<int>(port.availableForWrite()))
+{
+    return static_cast<int>(port.availableForWrite());
+}
+
+template <typename Port> static int room_of(Port &, long)
+{
+    return 0;
+}
+
 static const cw_arduino_wheel &wheel_of(uint8_t side)
 {
     return side == 0u ? cw_robot_board.left : cw_robot_board.right;
@@ -135,7 +147,7 @@ extern "C" bool cw_port_can_write(void)
     /* a buffer that cannot hold a whole frame is written when it is empty: write() waits then for
      * less than a frame's time; a board that does not say how much room it has says 0 for ever */
     static int most;
-    int room = Serial.availableForWrite();
+    int room = room_of(Serial, 0);
     if (room > most) {
         most = room;
     }

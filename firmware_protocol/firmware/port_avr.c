@@ -27,6 +27,13 @@
 #define LEFT_BACK PD7
 #define RIGHT_BACK PB0
 
+/* 0 for the old bootloader of the Nano (ATmegaBOOT): it leaves the watchdog on after its reset, which
+ * bites it again and again, so that the board never starts. Optiboot and a board that is programmed
+ * without a bootloader need no change. */
+#ifndef CW_WATCHDOG
+#define CW_WATCHDOG 1
+#endif
+
 static volatile uint8_t ring[RING];
 static volatile uint8_t ring_in;
 static uint8_t ring_out;
@@ -48,6 +55,13 @@ void cw_port_early(void)
     reset_flags = MCUSR;
     MCUSR = 0;
     wdt_disable();
+}
+
+/* Overridden by a sketch, which cannot define CW_WATCHDOG. */
+bool cw_board_has_watchdog(void);
+__attribute__((weak)) bool cw_board_has_watchdog(void)
+{
+    return true;
 }
 
 static void motors_off(void)
@@ -132,7 +146,11 @@ bool cw_port_begin(int argc, char **argv)
     UCSR0A = _BV(U2X0);
     UCSR0C = _BV(UCSZ01) | _BV(UCSZ00);
     UCSR0B = _BV(RXEN0) | _BV(TXEN0) | _BV(RXCIE0);
-    wdt_enable(WDTO_250MS);
+#if CW_WATCHDOG
+    if (cw_board_has_watchdog()) {
+        wdt_enable(WDTO_250MS);
+    }
+#endif
     sei();
     return true;
 }

@@ -6,10 +6,12 @@ bounds are the robot's plus what a busy machine may be late by.
 
 from __future__ import annotations
 
+import json
 import random
 import shutil
 import subprocess
 import time
+import tomllib
 from collections.abc import Callable, Iterator
 from pathlib import Path
 
@@ -54,9 +56,9 @@ def program(library: Path) -> Path:
     sketch = (library / "examples" / "AnyBoard" / "AnyBoard.ino").read_text()
     assert "CW_NO_PIN};" in sketch
     (build / "sketch.h").write_text(sketch.replace("CW_NO_PIN};", "10};"))
-    source = library / "src"
-    objects = []
-    for file in (*source.glob("*.c"), source / "port_arduino.cpp", STAND_IN / "board.cpp"):
+    source, objects = library / "src", []
+    ours = source / "clearway"
+    for file in (*ours.glob("*.c"), ours / "port_arduino.cpp", STAND_IN / "board.cpp"):
         language = ["gcc", "-std=c99"] if file.suffix == ".c" else ["g++", "-std=c++11"]
         objects.append(build / f"{file.stem}.o")
         include = [f"-I{STAND_IN}", f"-I{source}", f"-I{build}"]
@@ -190,6 +192,54 @@ def test_the_library_is_complete(library: Path) -> None:
     assert set(required.split()) <= set(properties)
     assert properties["architectures"] == "*"
     assert (library / "src" / properties["includes"]).exists()
+
+
+def test_only_its_own_header_is_on_the_include_path(library: Path) -> None:
+    """Where file names ignore case, another header there would be taken for Arduino's Wire.h."""
+    assert [file.name for file in (library / "src").iterdir() if file.is_file()] == ["Clearway.h"]
+    assert (library / "src" / "clearway" / "wire.h").exists()
+
+
+def test_the_library_has_what_library_managers_ask_for(library: Path) -> None:
+    project = tomllib.loads((FIRMWARE.parents[1] / "pyproject.toml").read_text())["project"]
+    properties = dict(
+        line.split("=", 1) for line in (library / "library.properties").read_text().splitlines()
+    )
+    manifest = json.loads((library / "library.json").read_text())
+    for field in ("name", "version"):
+        assert manifest[field] == properties[field]
+    assert manifest["description"] == properties["sentence"]
+    assert manifest["headers"] == properties["includes"]
+    assert manifest["version"] == project["version"]
+    for name in ("LICENSE", "README.md", "keywords.txt"):
+        assert (library / name).stat().st_size > 100
+    headers = "".join(file.read_text() for file in library.glob("src/**/*.h"))
+    for line in (library / "keywords.txt").read_text().splitlines():
+        word, kind = line.split("\t")
+        assert word in headers
+        assert kind in ("KEYWORD1", "KEYWORD2", "LITERAL1")
+
+
+@pytest.mark.parametrize("without", [False, True])
+def test_the_port_compiles_on_a_core_without_available_for_write(
+    library: Path, tmp_path: Path, without: bool
+) -> None:
+    header = (STAND_IN / "Arduino.h").read_text()
+    assert header.count("availableForWrite") == 2
+    if without:
+        header = header.replace("availableForWrite", "room")
+    (tmp_path / "Arduino.h").write_text(header)
+    port = library / "src" / "clearway" / "port_arduino.cpp"
+    command = [
+        "g++",
+        "-std=c++11",
+        *STRICT,
+        f"-I{tmp_path}",
+        f"-I{library / 'src'}",
+        "-c",
+        str(port),
+    ]
+    subprocess.run([*command, "-o", str(tmp_path / "port.o")], check=True, timeout=120)
 
 
 @pytest.mark.skipif(not CORE.exists(), reason="needs arduino-core-avr")

@@ -65,6 +65,48 @@ def test_a_baud_rate_that_the_clock_cannot_make_is_refused(tmp_path: Path) -> No
 
 
 @needs_avr
+def test_the_watchdog_can_be_left_out(tmp_path: Path) -> None:
+    stores = []
+    for chosen in ("1", "0"):
+        build = tmp_path / chosen
+        make("avr", f"WATCHDOG={chosen}", f"BUILD={build}")
+        command = ["avr-objdump", "-d", str(build / "robot.elf")]
+        done = subprocess.run(command, check=True, timeout=60, capture_output=True, text=True)
+        # its control register: switched off at the start, two stores; switched on, two more
+        stores.append(len(re.findall(r"sts\t0x0060, ", done.stdout)))
+    assert stores == [4, 2]
+
+
+@needs_avr
+def test_a_sketch_can_leave_the_watchdog_out(tmp_path: Path) -> None:
+    make("arduino", f"BUILD={tmp_path}")
+    assert "watchdog" not in (tmp_path / "sketch.cpp").read_text()
+    library = tmp_path / "Clearway" / "src"
+    sketch = tmp_path / "other.cpp"
+    sketch.write_text(
+        "#include <Clearway.h>\n"
+        "const cw_settings cw_robot_settings = CW_SETTINGS;\n"
+        "bool cw_board_has_watchdog(void) { return false; }\n"
+        "int main() { cw_port_begin(0, nullptr); cw_program_begin(); }\n"
+    )
+    flags = ["-mmcu=atmega328p", "-DF_CPU=16000000UL", "-Os", f"-I{library}"]
+    sources = [str(file) for file in (library / "clearway").glob("*.c")]
+    objects = []
+    for file in sources:
+        objects.append(str(tmp_path / f"{Path(file).stem}.other.o"))
+        compiling = ["avr-gcc", *flags, "-std=gnu11", "-c", file, "-o", objects[-1]]
+        subprocess.run(compiling, check=True, timeout=120)
+    out = tmp_path / "other.elf"
+    linking = ["avr-g++", *flags, "-std=gnu++11", str(sketch), *objects, "-o", str(out)]
+    subprocess.run(linking, check=True, timeout=120)
+    listing = subprocess.run(
+        ["avr-objdump", "-d", str(out)], check=True, timeout=60, capture_output=True, text=True
+    ).stdout
+    (body,) = re.findall(r"<cw_board_has_watchdog>:\n((?:.+\n)+)", listing)
+    assert "ldi\tr24, 0x00" in body, "the sketch's, not the port's"
+
+
+@needs_avr
 def test_the_arduino_library_compiles_without_a_warning(tmp_path: Path) -> None:
     told = make("arduino", f"BUILD={tmp_path}")
     assert "warning" not in told

@@ -7,10 +7,14 @@
 extern "C" {
 #endif
 
-#include "port.h"
-#include "port_arduino.h"
-#include "program.h"
-#include "settings.h"
+#include <clearway/port.h>
+#include <clearway/port_arduino.h>
+#include <clearway/program.h>
+#include <clearway/settings.h>
+
+/* On an ATmega328P: whether the watchdog restarts a program that hangs. A sketch for a Nano with
+ * the old bootloader, which never comes back from the watchdog, defines it to return false. */
+bool cw_board_has_watchdog(void);
 
 #ifdef __cplusplus
 }
