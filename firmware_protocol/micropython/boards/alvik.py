@@ -11,6 +11,7 @@ from arduino_alvik import ArduinoAlvik
 from clearway.lines import UsbLine
 from clearway.program import Program
 from clearway.settings import Settings
+from clearway.start import boot_pin_held, may_start
 from clearway.wheels import Duty, Odometer
 
 FULL_RPM = 70
@@ -49,5 +50,5 @@ class Board:
             gc.collect()  # its library allocates; while driving there is room for minutes
 
 
-if __name__ == "__main__":
+if __name__ == "__main__" and may_start(boot_pin_held):
     Program(Board(), SETTINGS, time.ticks_us, int.from_bytes(os.urandom(4), "little")).run()

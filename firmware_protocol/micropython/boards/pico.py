@@ -10,6 +10,7 @@ from array import array
 from clearway.lines import UartLine
 from clearway.program import Program
 from clearway.settings import Settings
+from clearway.start import bootsel_held, may_start
 from clearway.wheels import Duty, Odometer
 from machine import PWM, UART, WDT, Pin
 
@@ -26,8 +27,7 @@ class Board:
         self._counts = array("i", (0, 0))
         self._duty, self._odometer = Duty(FULL_SPEED_MM_S, 65535 >> 4), Odometer(NM_PER_EDGE)
         for pin, handler in ((10, self._left_edge), (12, self._right_edge)):
-            a = Pin(pin, Pin.IN, Pin.PULL_UP)
-            a.irq(handler, Pin.IRQ_RISING | Pin.IRQ_FALLING, hard=True)
+            Pin(pin, Pin.IN, Pin.PULL_UP).irq(handler, Pin.IRQ_RISING | Pin.IRQ_FALLING, hard=True)
         self._stop = Pin(14, Pin.IN, Pin.PULL_UP)  # a button to ground
         line = UartLine(UART(0, 115_200, tx=Pin(0), rx=Pin(1), txbuf=256, rxbuf=512))
         self.read, self.can_write, self.write = line.read, line.can_write, line.write
@@ -55,5 +55,5 @@ class Board:
         self._watchdog.feed()
 
 
-if __name__ == "__main__":
+if __name__ == "__main__" and may_start(bootsel_held):
     Program(Board(), SETTINGS, time.ticks_us, int.from_bytes(os.urandom(4), "little")).run()

@@ -11,6 +11,7 @@ import time
 from clearway.lines import UsbLine
 from clearway.program import Program
 from clearway.settings import Settings
+from clearway.start import bootsel_held, may_start
 from clearway.wheels import Duty, Odometer
 from pololu_3pi_2040_robot import robot
 
@@ -46,5 +47,5 @@ class Board:
             gc.collect()  # its library allocates; while driving there is room for minutes
 
 
-if __name__ == "__main__":
+if __name__ == "__main__" and may_start(bootsel_held):
     Program(Board(), SETTINGS, time.ticks_us, int.from_bytes(os.urandom(4), "little")).run()

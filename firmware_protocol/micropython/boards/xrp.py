@@ -10,6 +10,7 @@ import time
 from clearway.lines import UsbLine
 from clearway.program import Program
 from clearway.settings import Settings
+from clearway.start import bootsel_held, may_start
 from clearway.wheels import Duty, Odometer
 from XRPLib.board import Board as XRPBoard
 from XRPLib.encoded_motor import EncodedMotor
@@ -46,5 +47,5 @@ class Board:
             gc.collect()  # XRPLib allocates; while driving there is room for minutes
 
 
-if __name__ == "__main__":
+if __name__ == "__main__" and may_start(bootsel_held):
     Program(Board(), SETTINGS, time.ticks_us, int.from_bytes(os.urandom(4), "little")).run()

@@ -7,9 +7,13 @@ was at hand.
 from __future__ import annotations
 
 import importlib
+import json
+import re
 import select
 import sys
 import time
+import tomllib
+from collections.abc import Callable
 from pathlib import Path
 from types import ModuleType
 
@@ -111,3 +115,53 @@ def test_the_button_is_seen(board: ModuleType) -> None:
     assert one.stop_pressed()
     one.idle(True)
     one.idle(False)
+
+
+def _held(board: ModuleType) -> Callable[[], bool]:
+    """What the board's file asks for its boot button."""
+    (name,) = [name for name in vars(board) if name.endswith("_held")]
+    held: Callable[[], bool] = getattr(board, name)
+    return held
+
+
+@pytest.mark.parametrize("board", BOARDS, indirect=True)
+def test_a_button_held_at_boot_leads_to_the_repl(
+    board: ModuleType, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    world, start = importlib.import_module("world"), importlib.import_module("clearway.start")
+    slept: list[int] = []
+    monkeypatch.setattr(time, "sleep_ms", slept.append, raising=False)
+    assert start.may_start(_held(board))
+    assert sum(slept) == start.WINDOW_MS
+    world.held_at_boot = True
+    assert not start.may_start(_held(board))
+    assert sum(slept) == start.WINDOW_MS, "at once"
+
+
+@pytest.mark.parametrize("board", BOARDS, indirect=True)
+def test_ctrl_c_before_the_start_leads_to_the_repl(
+    board: ModuleType, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def interrupted(_: int) -> None:
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr(time, "sleep_ms", interrupted, raising=False)
+    start = importlib.import_module("clearway.start")
+    with pytest.raises(KeyboardInterrupt):
+        start.may_start(_held(board))
+
+
+@pytest.mark.parametrize("name", BOARDS)
+def test_a_board_asks_before_it_takes_the_line_or_starts_a_watchdog(name: str) -> None:
+    source = (FOLDER / "boards" / f"{name}.py").read_text()
+    head, main = re.split(r'if __name__ == "__main__" and may_start\(\w+_held\):\n', source)
+    assert main.strip().startswith("Program(Board(),")
+    assert not re.search(r"^\S.*(Board\(\)|WDT\(|UsbLine\(\))", head, re.MULTILINE)
+
+
+def test_mip_gets_every_file_of_the_package_and_no_other() -> None:
+    package = json.loads((FOLDER / "package.json").read_text())
+    project = tomllib.loads((FOLDER.parents[1] / "pyproject.toml").read_text())["project"]
+    assert package["version"] == project["version"]
+    here = sorted(f"clearway/{file.name}" for file in (FOLDER / "clearway").glob("*.py"))
+    assert package["urls"] == [[name, name] for name in here]

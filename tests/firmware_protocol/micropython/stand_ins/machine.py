@@ -30,6 +30,8 @@ class Pin:
         for encoder in _encoders:
             if self is encoder.a:
                 return encoder.phase in (1, 2)
+        if self.number == 0:  # the boot button
+            return int(not world.held_at_boot)
         side = (PICO_B if _encoders[0].a.number == 10 else ESP32_B).get(self.number)
         return _encoders[side].phase in (2, 3) if side is not None else not world.pressed
 

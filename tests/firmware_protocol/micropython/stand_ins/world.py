@@ -4,6 +4,7 @@ FULL_MM_S = {"pwm": 800.0, "xrp": 400.0, "alvik": 124.0, "3pi": 1500.0}
 speeds = [0.0, 0.0]
 travelled_mm = [0.0, 0.0]
 pressed = False
+held_at_boot = False
 now_us = 0
 listeners = []
 
