@@ -181,16 +181,27 @@ def own_groups() -> list[str]:
     return names
 
 
-def check_modem_manager(running: Iterable[str]) -> Finding | None:
-    """ModemManager talks to every new serial port for half a minute; ``running``: programs."""
-    if "ModemManager" not in set(running):
-        return None
-    return Finding(
-        "warn",
-        "serial port",
+PORT_TAKERS = {
+    "ModemManager": (
         "ModemManager is running, and talks to serial ports that it does not know",
         "install the udev rule of `clearway install-service`, or disable ModemManager",
-    )
+    ),
+    "brltty": (
+        "brltty (for Braille displays) is running, and takes CP210x, CH340 and FTDI ports away:"
+        " /dev/ttyUSB0 vanishes a second after it has appeared",
+        "if nobody needs a Braille display here: `sudo apt remove brltty`, then plug the robot in"
+        " again",
+    ),
+}
+"""Programs that take serial ports for their own devices: what they do, and what to do."""
+
+
+def check_port_takers(running: Iterable[str]) -> Iterator[Finding]:
+    """A warning for each of the ``running`` programs that may take the robot's port."""
+    here = set(running)
+    for name, (sentence, fix) in PORT_TAKERS.items():
+        if name in here:
+            yield Finding("warn", "serial port", sentence, fix)
 
 
 def running_programs(proc: Path = Path("/proc")) -> Iterator[str]:

@@ -123,8 +123,15 @@ def _plugged_in() -> Iterator[Finding]:
     from dataclasses import replace
 
     from navigation.cli.setup.devices import cameras_here, serial_ports
-    from navigation.machine.doctor import Finding, check_device, own_groups
+    from navigation.machine.doctor import (
+        Finding,
+        check_device,
+        check_port_takers,
+        own_groups,
+        running_programs,
+    )
 
+    yield from check_port_takers(running_programs())
     kinds = (("cameras", cameras_here(), "video"), ("serial ports", serial_ports(), "dialout"))
     for name, found, group in kinds:
         paths = [device["path"] for device in found]
@@ -209,9 +216,7 @@ def _port(config: Config) -> Iterator[Finding]:
     if is_address(port):
         return
     yield doctor.check_device("serial port", Path(port), "dialout", doctor.own_groups())
-    modem = doctor.check_modem_manager(doctor.running_programs())
-    if modem is not None:
-        yield modem
+    yield from doctor.check_port_takers(doctor.running_programs())
 
 
 def _robot(config: Config) -> Finding:

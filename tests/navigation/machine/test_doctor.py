@@ -123,13 +123,13 @@ def test_a_port_is_there_missing_no_device_or_forbidden(
     assert "log out and in" in look(terminal, ["dialout"]).cure
 
 
-def test_modem_manager_is_told(tmp_path: Path) -> None:
+@pytest.mark.parametrize("name", ["ModemManager", "brltty"])
+def test_a_program_that_takes_serial_ports_is_named(name: str, tmp_path: Path) -> None:
     (tmp_path / "17").mkdir()
-    (tmp_path / "17" / "comm").write_text("ModemManager\n")
-    found = doctor.check_modem_manager(doctor.running_programs(tmp_path))
-    assert found is not None
-    assert_ill(found, "warn", "ModemManager")
-    assert doctor.check_modem_manager(["python"]) is None
+    (tmp_path / "17" / "comm").write_text(f"{name}\n")
+    (found,) = doctor.check_port_takers(doctor.running_programs(tmp_path))
+    assert_ill(found, "warn", name)
+    assert not list(doctor.check_port_takers(["python"]))
 
 
 def test_kernels_that_are_not_compiled_are_a_warning() -> None:
