@@ -233,14 +233,16 @@ def _inside(arena: Any, robot: Any, places: list[tuple[Location, Place]]) -> _Fo
                 )
 
 
-def _simulation_is_there(camera: Any, cameras: Any, serial: Any, simulation: Any) -> _Found:
+def _simulation_is_there(
+    camera: Any, cameras: Any, serial: Any, robots: Any, simulation: Any
+) -> _Found:
     if simulation is not None:
         return
-    sources: list[tuple[Location, Any]] = []
-    if not cameras or any(one.source is None for one in cameras):
-        sources = [(("camera", "source"), camera.source)]
-    sources += [(("cameras", i, "source"), one.source) for i, one in enumerate(cameras)]
-    for where, value in (*sources, (("serial", "port"), serial.port)):
+    used: list[tuple[Location, Any]] = [(("camera", "source"), camera.source)]
+    used += [(("cameras", i, "source"), one.source) for i, one in enumerate(cameras)]
+    used += [(("serial", "port"), serial.port)]
+    used += [(("robots", i, "port"), one.port) for i, one in enumerate(robots)]
+    for where, value in used:
         if value == SIMULATED:
             yield where, "'simulated' needs a section 'simulation'"
 
@@ -367,7 +369,7 @@ CHECKS: tuple[tuple[tuple[str, ...], Callable[..., _Found]], ...] = (
     (("robots", "robot", "simulation"), fleet_checks.starts_do_not_touch),
     (("arena", "robot", "robots", "planning"), _each_robot_fits),
     (("arena", "robot", "robots", "mission", "simulation"), _places_of_each_lie_inside),
-    (("camera", "cameras", "serial", "simulation"), _simulation_is_there),
+    (("camera", "cameras", "serial", "robots", "simulation"), _simulation_is_there),
     (("simulation",), _simulation_has_one_arena),
     (("other_robots", "simulation"), _simulated_robots_are_known),
     (("simulation",), _happenings_end_after_they_begin),

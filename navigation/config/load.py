@@ -22,6 +22,7 @@ from navigation.config.overrides import override, sourced
 from navigation.config.secrecy.secret_places import secrets_in_environment, secrets_in_source
 from navigation.config.secrecy.secrets import learn
 from navigation.config.sections import Config
+from navigation.config.several.defaults import is_overridden, with_source_of_cameras
 
 MOST_BYTES: Final = 2_000_000
 """Of a file: more than the longest text takes in UTF-8."""
@@ -87,14 +88,15 @@ def _validate(
 ) -> tuple[Config | None, list[Problem], dict[str, Any]]:
     """The configuration, what is wrong, and the sections that can be trusted all the same."""
     context = {"folder": folder}
+    data = with_source_of_cameras(document.data)
     try:
-        config = Config.model_validate(document.data, context=context)
+        config = Config.model_validate(data, context=context)
     except ValidationError as error:
         errors = error.errors(include_url=False)
         problems = list(problems_of(errors, document, Config))
         unknown = [tuple(e["loc"]) for e in errors if e["type"] == "extra_forbidden"]
         bad = {str(e["loc"][0]) for e in errors if tuple(e["loc"]) not in unknown}
-        sound = _sound_sections(_without(document.data, unknown), bad, context)
+        sound = _sound_sections(_without(data, unknown), bad, context)
         return None, [*problems, *_cross_problems(sound, document)], sound
     sections = {name: getattr(config, name) for name in Config.model_fields}
     return config, list(_cross_problems(sections, document)), sections
@@ -135,4 +137,6 @@ def _cross_problems(sections: Mapping[str, Any], document: Document) -> Iterator
     for needed, check in CHECKS:
         if all(name in sections for name in needed):
             for where, sentence in check(*(sections[name] for name in needed)):
+                if is_overridden(sections, where):
+                    continue  # the value is nobody's; each entry's own is checked
                 yield Problem(where, sentence, mark_of(document, where))

@@ -118,3 +118,19 @@ def test_several_robots_may_have_several_cameras() -> None:
     )
     config = parse_config(text)
     assert (len(config.robots), len(config.cameras)) == (2, 2)
+
+
+EACH_NAMES_ITS_SOURCE = TWO.replace("  source: /dev/video0\n", "").replace(
+    "{name: left}", "{name: left, source: /dev/video0}"
+)
+
+
+def test_cameras_that_each_name_a_source_need_no_default() -> None:
+    cameras = each_camera(parse_config(EACH_NAMES_ITS_SOURCE))
+    assert [one.camera.source for one in cameras.values()] == ["/dev/video0", "/dev/video1"]
+
+
+def test_a_camera_without_a_source_needs_the_default() -> None:
+    key, message = the_problem(EACH_NAMES_ITS_SOURCE.replace(", source: /dev/video0", ""))
+    assert key == "camera.source"
+    assert message.startswith("is missing")

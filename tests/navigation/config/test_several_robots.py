@@ -139,3 +139,29 @@ def test_a_goal_outside_the_arena_is_said_for_each_robot() -> None:
     key, message = the_problem(FLEET.replace("x_m: 0.4, y_m: 0.3", "x_m: 2.39, y_m: 1.0"))
     assert key == "mission.robots[1].stations[0].x_m"
     assert "0.09..2.31" in message
+
+
+REAL_PORTS = """\
+arena:
+  bounds_m: [0, 0, 2.4, 1.8]
+camera:
+  source: /dev/video0
+  calibration: lens.yaml
+robot: {marker_id: 0, marker_size_m: 0.07, radius_m: 0.07}
+robots:
+  - {name: ada, marker_id: 1, port: /dev/ttyUSB1}
+  - {name: bob, marker_id: 2, port: /dev/ttyUSB2}
+"""
+
+
+def test_robots_that_each_have_a_port_need_no_default_and_no_simulation() -> None:
+    robots = each_robot(parse_config(REAL_PORTS))
+    assert [one.serial.port for one in robots.values()] == ["/dev/ttyUSB1", "/dev/ttyUSB2"]
+
+
+def test_a_robot_that_is_simulated_still_needs_a_simulation() -> None:
+    needs = "'simulated' needs a section 'simulation'"
+    without = REAL_PORTS.replace(", port: /dev/ttyUSB2", "")
+    assert the_problem(without) == ("serial.port", needs)
+    simulated = REAL_PORTS.replace("/dev/ttyUSB2", "simulated")
+    assert the_problem(simulated) == ("robots[1].port", needs)
