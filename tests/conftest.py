@@ -54,6 +54,13 @@ def _folders_of_its_own() -> Iterator[None]:
     shutil.rmtree(folder, ignore_errors=True)
 
 
+@pytest.fixture(autouse=True)
+def _stops_stay_in_their_test(_folders_of_its_own: None) -> Iterator[None]:
+    """A robot that one test has stopped would wait for its re-arm in the next one."""
+    yield
+    shutil.rmtree(Path(os.environ["XDG_STATE_HOME"]) / "clearway" / "stops", ignore_errors=True)
+
+
 @pytest.fixture(autouse=True, scope="session")
 def _ctrl_c_is_heard() -> Iterator[None]:
     """A shell that starts the tests in the background lets them, and their children, ignore it."""

@@ -39,8 +39,8 @@ class Commanded(Protocol):
     def give(self, stations: tuple[Station, ...]) -> None:
         """A new mission; MissionError where it cannot be."""
 
-    def stop(self, reason: str) -> None:
-        """Emergency stop, latched."""
+    def stop(self, reason: str) -> str | None:
+        """Emergency stop, latched; the sentence where a restart would not know of it."""
 
     def pause(self) -> None:
         """Hold until resumed."""
@@ -88,7 +88,8 @@ def carry_out(request: Mapping[str, Any], daemon: Commanded) -> dict[str, Any]:
             case "go":
                 daemon.give(read_stations(request.get("stations")))
             case "stop":
-                daemon.stop(_reason(request))
+                trouble = daemon.stop(_reason(request))
+                further |= {"trouble": trouble} if trouble else {}
             case "pause":
                 daemon.pause()
             case "resume":

@@ -28,6 +28,7 @@ from navigation.loop.reports import camera_openings
 from navigation.loop.seeing.arena_view import ArenaView
 from navigation.loop.seeing.other_robots import OtherRobots
 from navigation.loop.seeing.vision_stage import KnowsLatency, VisionStage
+from navigation.loop.stopping import Stopping
 from navigation.shared.supervisor import Part, Supervisor
 from planner.roadmap.roadmap import Roadmap
 from planner.scene import FloatArray, Scene
@@ -85,6 +86,7 @@ class ControlLoop(ABC, Generic[_StateT, _AskT, _AnswerT]):
         )
         self.lock = threading.Lock()
         """Held while pilots decide or people give them orders."""
+        self.stopping = Stopping(self.lock)
         self.lent: str | None = None
         """Why the robots hold while the camera serves something else."""
         self.state: _StateT | None = None
@@ -264,7 +266,8 @@ class ControlLoop(ABC, Generic[_StateT, _AskT, _AnswerT]):
 
     @property
     def _troubles(self) -> tuple[str, ...]:
-        return tuple(filter(None, (self.view.troubles | self.troubles).values()))
+        troubles = self.view.troubles | self.troubles | {"stops": self.stopping.trouble}
+        return tuple(filter(None, troubles.values()))
 
 
 def _of(name: str) -> str:

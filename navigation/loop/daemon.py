@@ -19,7 +19,7 @@ from navigation.loop.parts import Surroundings
 from navigation.loop.planning import ArenaPlanner
 from navigation.loop.stages import plan_settings
 from navigation.mission.cycle import PlanAnswer, PlanRequest
-from navigation.mission.mission import Mission, MissionError, Station
+from navigation.mission.mission import Mission, MissionError, State, Station
 from navigation.recording.events import PlanAsked
 from planner.path import NoPath
 from planner.scene import FloatArray
@@ -70,11 +70,9 @@ class Daemon(ControlLoop[DaemonState, PlanRequest, PlanAnswer]):
         with self.lock:
             self.pilot.give(stations, any_order=any_order)
 
-    def stop(self, reason: str) -> None:
-        """Emergency stop: straight to the link, past every queue, then latched by the pilot."""
-        self.link.estop()
-        with self.lock:
-            self.pilot.stop(reason)
+    def stop(self, reason: str) -> str | None:
+        """Emergency stop: straight to the link, past every queue, then latched, on disk too."""
+        return self.stopping.stop([self.robot], reason)
 
     def restore(self, mission: Mission) -> None:
         """Go on with a mission from the journal."""
@@ -88,8 +86,7 @@ class Daemon(ControlLoop[DaemonState, PlanRequest, PlanAnswer]):
 
     def resume(self) -> None:
         """End a pause; after a stop re-arm the robot, and the next time go on."""
-        with self.lock:
-            self.pilot.resume()
+        self.stopping.resume([self.robot])
         self.accept_arena()
 
     def replan(self) -> None:
@@ -142,7 +139,10 @@ class Daemon(ControlLoop[DaemonState, PlanRequest, PlanAnswer]):
         with self.lock:
             for check in checks:
                 self.pilot.new_scene(check.path_clearance_m)
+            was = self.pilot.mission.state
             orders = self.pilot.step(now_s, sight, reports.robot_report(snapshot), answer)
+            if self.pilot.mission.state is State.STOPPED is not was:
+                self.stopping.stopped_itself(robot)
         self.troubles["journal"] = robot.write_journal(orders, now_s)
         robot.carry_out(orders, now_s, sight.pose_age_s)
         if orders.request is not None and not orders.estop:

@@ -72,6 +72,26 @@ class Pilot:
 
     # Orders from people: taken at once, acted on in the next cycle.
 
+    @property
+    def stop_reason(self) -> str | None:
+        """Why a person has stopped the robot; None where none has."""
+        return self._stop_reason
+
+    def begin_stopped(self, reason: str) -> None:
+        """Begin in a stop that an earlier program was given; missions wait behind it."""
+        self._stop_reason = reason
+        self.mission = self.mission.after(Event.STOP, reason)
+
+    def appoint(self, mission: Mission) -> None:
+        """Put a mission, with its progress, behind a stop: it waits for re-arm and resume."""
+        self.mission = replace(
+            self.mission,
+            stations=mission.stations,
+            visited=mission.visited,
+            any_order=mission.any_order,
+            paused=mission.paused,
+        )
+
     def give(self, stations: tuple[Station, ...], *, any_order: bool = False) -> None:
         """Replace the mission; ``MissionError`` where a station lies outside the arena."""
         if self.mission.state is State.STOPPED:
@@ -92,12 +112,15 @@ class Pilot:
 
     def restore(self, mission: Mission) -> None:
         """Continue a mission that an earlier program left unfinished, with a new plan."""
+        self.trust.doubt("the program was started again")
+        if self.mission.state is State.STOPPED:
+            self.appoint(mission)
+            return
         given = self.mission.given(mission.stations, "continuing after a restart")
         self.mission = replace(
             given, visited=mission.visited, any_order=mission.any_order, paused=mission.paused
         )
         self._forget_plan()
-        self.trust.doubt("the program was started again")
 
     def stop(self, reason: str) -> None:
         """Emergency stop: latched until `rearm`."""

@@ -12,25 +12,27 @@ import random
 import sys
 import threading
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from contextlib import ExitStack, closing
 from dataclasses import dataclass
 from datetime import datetime
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from navigation.config import Config
 from navigation.config.secrecy.secrets import hide
 from navigation.config.sections import SIMULATED
 from navigation.control import default_socket
 from navigation.journal.journal import Journal, owner_of
+from navigation.journal.kept_stops import KeptStops
+from navigation.journal.stop_latch import ports_of
 from navigation.link.serial_port import PortNotReadyError, look_for_port
 from navigation.loop.daemon import Daemon
 from navigation.loop.daemon_state import DaemonState
 from navigation.loop.stages import stations_of
 from navigation.machine.logs import EventLog, RunLog
 from navigation.machine.sd_notify import Notifier, Watchdog
-from navigation.mission.mission import State
+from navigation.mission.mission import Mission, State
 from navigation.run.anchoring import renew_while_running, take_over_lens
 from navigation.run.attendance import Attendance
 from navigation.run.kernels.warm_up import warm_up
@@ -51,6 +53,8 @@ from vision.camera.camera import Frame, Image
 if TYPE_CHECKING:
     from navigation.dashboard import Dashboard
     from navigation.dashboard.settings.desk import Desk
+    from navigation.loop.control_loop import ControlLoop
+    from navigation.loop.driven_robot import DrivenRobot
     from navigation.loop.fleet.fleet_daemon import FleetDaemon
     from navigation.loop.recorder import Recorder
     from vision.calibrate.lens import Lens
@@ -84,7 +88,8 @@ class Runner:
     address that is said has the configured token in it, and the program's own one in any case but
     that of the journal. ``log`` gets every event, and ``notifier`` tells
     systemd that the run is ready, stopping and, every ``watchdog_s`` at least, well. ``file`` is
-    where the configuration was read from: missions in the journal are its own.
+    where the configuration was read from: missions in the journal are its own. ``stops`` is the
+    folder of stops that outlive a run; without it none do.
     """
 
     def __init__(  # noqa: PLR0913 (what a command gives a run, each with a default)
@@ -102,11 +107,12 @@ class Runner:
         notifier: Notifier | None = None,
         watchdog_s: float | None = None,
         clock: Callable[[], float] = time.monotonic,
+        stops: Path | None = None,
     ) -> None:
         self.config = config
         self.interrupt = threading.Event()
         self._once, self._file = once, file
-        self._socket = socket
+        self._socket, self._stops = socket, stops
         self._record = record
         self._dashboard = dashboard and config.dashboard.enabled
         self._show_token = show_token
@@ -157,6 +163,8 @@ class Runner:
             taking = TakingOrders(open_things, socket, daemon, daemon, self._log, self._say)
             self._say(f"orders at {socket}: clearway go X,Y, stop, pause, resume, status")
             page = self._serve_dashboard(daemon, open_things, socket, folder)
+            # after orders are taken: what was stopped before is on the disk, what comes, here
+            self._hold_what_was_stopped(open_things, daemon, [daemon.robot], socket)
             self._begin_mission(daemon, journal)
             self._notifier.send("READY=1")
             self._log.write("info", "ready", camera=seen_by.partition(" ")[2], port=world.port)
@@ -303,6 +311,22 @@ class Runner:
         self._say(f"recording into {recorder.path}")
         return recorder
 
+    def _hold_what_was_stopped(
+        self,
+        open_things: ExitStack,
+        loop: ControlLoop[Any, Any, Any],
+        robots: Sequence[DrivenRobot],
+        socket: Path,
+    ) -> None:
+        """Begin with the stops that earlier programs, or nobody's, were given."""
+        if self._stops is None:
+            return
+        ports = {one.name: ports_of(one.config.serial.port) for one in robots}
+        kept = open_things.enter_context(KeptStops(self._stops, socket, self._file, ports))
+        for name, sentence in loop.stopping.hold_from_before(robots, kept).items():
+            self._say(f"{name}: {sentence}" if name else sentence)
+            self._log.write("warning", "stopped", robot=name, reason=sentence)
+
     def _begin_mission(self, daemon: Daemon, journal: Journal | None) -> None:
         """The journal's unfinished mission, else the configured one."""
         left = None
@@ -313,7 +337,11 @@ class Runner:
             daemon.restore(left)
             return
         stations = stations_of(self.config)
-        if stations and not self.waits:
+        if stations and not self.waits and daemon.pilot.mission.state is State.STOPPED:
+            any_order = self.config.mission.order == "best"
+            with daemon.lock:
+                daemon.pilot.appoint(Mission(stations, any_order=any_order))
+        elif stations and not self.waits:
             daemon.give(stations, any_order=self.config.mission.order == "best")
 
     def _drive(
@@ -330,12 +358,14 @@ class Runner:
             if self.interrupt.is_set():
                 stopped = now.mission.state is State.STOPPED
                 return State.STOPPED, self.why_interrupted(now.sentence if stopped else None)
-            if self._once and now.time_s > give_up_s and not daemon.pilot.has_met_its_devices:
+            waits = daemon.stopping.waits_for_rearm
+            has_met = waits or daemon.pilot.has_met_its_devices
+            if self._once and now.time_s > give_up_s and not has_met:
                 reason = f"given up after {give_up_s:g} s without robot and camera"
                 return State.FAILED, f"{reason}: {now.sentence}"
             if now.time_s > limit_s:
                 return State.FAILED, f"not done within {limit_s:g} s: {now.sentence}"
-            if self._once and (now.mission.is_over or not now.mission.stations):
+            if self._once and not waits and (now.mission.is_over or not now.mission.stations):
                 return now.mission.state, now.sentence
 
     def why_interrupted(self, stopped: str | None) -> str:

@@ -11,10 +11,13 @@ class UnwrittenFileError(ValueError):
     """A file cannot be written; the message names it and says why."""
 
 
-def write_whole(path: Path, data: str | bytes, *, private: bool = False) -> None:
+def write_whole(
+    path: Path, data: str | bytes, *, private: bool = False, durable: bool = False
+) -> None:
     """Write a file under another name and give it its own at the end.
 
-    ``private``: only its owner may read it. What is no ordinary file, such as /dev/stdout, is
+    ``private``: only its owner may read it. ``durable``: it is on the disk, under its name, when
+    this returns. What is no ordinary file, such as /dev/stdout, is
     written to as it is. Raises ``UnwrittenFileError``; nothing is left behind then.
     """
     content = data.encode() if isinstance(data, str) else data
@@ -27,7 +30,12 @@ def write_whole(path: Path, data: str | bytes, *, private: bool = False) -> None
             flags = os.O_CREAT | os.O_TRUNC | os.O_WRONLY
             with open(os.open(fresh, flags, 0o600 if private else 0o666), "wb") as file:
                 file.write(content)
+                if durable:
+                    file.flush()
+                    os.fsync(file.fileno())
             fresh.replace(path)
+            if durable:
+                sync_folder(path.parent)
         except OSError:
             with contextlib.suppress(OSError):  # the first error is the one to tell
                 fresh.unlink(missing_ok=True)
@@ -35,3 +43,12 @@ def write_whole(path: Path, data: str | bytes, *, private: bool = False) -> None
     except OSError as error:
         reason = error.strerror or error
         raise UnwrittenFileError(f"{path}: cannot be written: {reason}") from None
+
+
+def sync_folder(folder: Path) -> None:
+    """Bring the names in a folder to the disk: new, changed and removed ones; ``OSError``."""
+    opened = os.open(folder, os.O_RDONLY | os.O_DIRECTORY)
+    try:
+        os.fsync(opened)
+    finally:
+        os.close(opened)

@@ -37,6 +37,8 @@ def _send(path: Path | None, form: str, request: dict[str, Any], robot: str | No
 
 def _print(answer: dict[str, Any], who: str) -> None:
     click.echo(f"{who}{answer['state']}: {answer['reason']}")
+    if answer.get("trouble"):
+        click.echo(f"{who}{answer['trouble']}")
     robots = answer.get("robots")
     if isinstance(robots, dict):
         width = max(map(len, robots))
@@ -84,7 +86,41 @@ def stop(reason: str, robot: str | None, path: Path | None, form: str) -> None:
     Of several robots all are stopped, or the one that --robot names. A daemon is found even
     where its socket was removed; without --socket every daemon of yours is stopped then.
     """
-    _send(path, form, {"order": "stop", "reason": reason}, robot)
+    from navigation.control import NoDaemonError
+
+    request = {"order": "stop", "reason": reason}
+    try:
+        _send(path, form, request, robot)
+    except NoDaemonError:
+        _latch(path, reason, robot)
+        try:  # one that has begun to listen meanwhile has read the stops before this one
+            _send(path, form, request, robot)
+        except NoDaemonError:
+            sentence = "no program runs: latched; the next run waits until `clearway resume`"
+            click.echo(
+                json.dumps({"state": "stopped", "reason": sentence}) if form == "json" else sentence
+            )
+
+
+def _latch(path: Path | None, reason: str, robot: str | None) -> None:
+    """Keep a stop for the next run; ControlError where it cannot be kept."""
+    from datetime import datetime
+
+    from navigation.config.last_good import state_folder
+    from navigation.control import ControlError, default_socket
+    from navigation.control.orders import REASON_CHARACTERS, ROBOT_CHARACTERS
+    from navigation.journal.stop_latch import FOLDER, Latch, write_latch
+    from navigation.shared.outside import printable
+    from navigation.shared.whole_file import UnwrittenFileError
+
+    when = datetime.now().isoformat(timespec="milliseconds")
+    socket = os.path.abspath(path or default_socket())
+    name = printable(robot or "", ROBOT_CHARACTERS)
+    latch = Latch(name, printable(reason, REASON_CHARACTERS), when, socket)
+    try:
+        write_latch(state_folder(os.environ) / FOLDER, latch)
+    except (OSError, UnwrittenFileError) as error:
+        raise ControlError(f"no program runs, and the stop cannot be kept: {error}") from None
 
 
 def _plain(name: str, short: str, text: str) -> click.Command:

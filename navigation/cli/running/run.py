@@ -76,7 +76,9 @@ def command(
     --once an interrupt is the ordinary end, and the code is 0. SIGHUP reads
     CONFIG again: if the new file is valid, it is run; if not, all errors are reported.
     """
+    from navigation.config.last_good import state_folder
     from navigation.config.several.each_robot import settled
+    from navigation.journal.stop_latch import FOLDER
     from navigation.machine.descriptors import set_descriptor_limit
     from navigation.machine.logs import EventLog
     from navigation.machine.sd_notify import Notifier, watchdog_period_s
@@ -113,6 +115,7 @@ def command(
             log=log,
             notifier=notifier,
             watchdog_s=watchdog_period_s(os.environ),
+            stops=state_folder(os.environ) / FOLDER,
         )
         reload = _Reload(config, loaded, runner, log)
         runner.waits = waits

@@ -22,7 +22,7 @@ from navigation.loop.fleet.fleet_planner import FleetPlanner
 from navigation.loop.fleet.fleet_state import FleetState
 from navigation.loop.fleet.seat import Seat, Witnesses
 from navigation.mission.cycle import Orders, PlanAnswer, PlanRequest, Sight
-from navigation.mission.mission import MissionError
+from navigation.mission.mission import MissionError, State
 from navigation.recording.events import FleetAsked
 from vision.camera.latest_frame import CameraStatus
 
@@ -110,7 +110,10 @@ class FleetDaemon(ControlLoop[FleetState, FleetRequest, FleetAnswer]):
         )
         answer, seat.answer = seat.answer, None
         with self.lock:
+            was = seat.pilot.mission.state
             orders = seat.pilot.step(now_s, sight, seat.report(snapshot), answer)
+            if seat.pilot.mission.state is State.STOPPED is not was:
+                self.stopping.stopped_itself(seat)
         return orders, sight, snapshot
 
     def _coordinate(

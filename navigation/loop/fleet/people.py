@@ -12,7 +12,7 @@ from navigation.loop.fleet.fleet_daemon import FleetDaemon
 from navigation.loop.fleet.seat import Seat
 from navigation.loop.reports import describe, to_go_m
 from navigation.mission.cycle import PlanAnswer, PlanRequest
-from navigation.mission.mission import Mission, MissionError, Station
+from navigation.mission.mission import Mission, MissionError, State, Station
 from planner.path import NoPath
 
 
@@ -44,19 +44,23 @@ class People:
         with self._daemon.lock:
             seat.pilot.give(stations)
 
+    def appoint(self, stations: tuple[Station, ...], robot: str) -> None:
+        """The configured mission: given, or put behind the stop of a robot that is stopped."""
+        pilot = self._seats[robot].pilot
+        with self._daemon.lock:
+            if pilot.mission.state is State.STOPPED:
+                pilot.appoint(Mission(stations))
+            else:
+                pilot.give(stations)
+
     def restore(self, robot: str, mission: Mission) -> None:
         """Go on with a robot's mission from its journal."""
         with self._daemon.lock:
             self._seats[robot].pilot.restore(mission)
 
-    def stop(self, reason: str, robot: str | None = None) -> None:
+    def stop(self, reason: str, robot: str | None = None) -> str | None:
         """Emergency stop of one or all: straight to the links, past every queue, then latched."""
-        chosen = self._chosen(robot)
-        for seat in chosen:
-            seat.link.estop()
-        with self._daemon.lock:
-            for seat in chosen:
-                seat.pilot.stop(reason)
+        return self._daemon.stopping.stop(self._chosen(robot), reason)
 
     def pause(self, robot: str | None = None) -> None:
         """Hold where the robots are."""
@@ -67,10 +71,7 @@ class People:
 
     def resume(self, robot: str | None = None) -> None:
         """End a pause; after a stop re-arm the robots, and the next time go on."""
-        chosen = self._chosen(robot)
-        with self._daemon.lock:
-            for seat in chosen:
-                seat.pilot.resume()
+        self._daemon.stopping.resume(self._chosen(robot))
         self._daemon.accept_arena()
 
     def replan(self, robot: str | None = None) -> None:
@@ -132,9 +133,9 @@ class OneOfFleet:
         """A new mission; MissionError where it cannot be."""
         self._fleet.give(stations, self._name)
 
-    def stop(self, reason: str) -> None:
+    def stop(self, reason: str) -> str | None:
         """Emergency stop of this robot, latched."""
-        self._fleet.stop(reason, self._name)
+        return self._fleet.stop(reason, self._name)
 
     def pause(self) -> None:
         """Hold until resumed."""

@@ -69,6 +69,7 @@ class FleetRunner(Runner):
                 f"orders at {socket}: clearway go X,Y --robot NAME, stop, pause, resume, status"
             )
             page = self._serve_dashboard(daemon, open_things, socket, folder)
+            self._hold_what_was_stopped(open_things, daemon, list(daemon.seats.values()), socket)
             missions = GiveMissions(daemon, self._say, for_orders=self.waits)
             self._notifier.send("READY=1")
             self._log.write("info", "ready", camera=seen_by.partition(" ")[2], port=ports)
@@ -144,12 +145,14 @@ class FleetRunner(Runner):
             watchdog.tick(self._clock())
             if self.interrupt.is_set():
                 return State.STOPPED, self.why_interrupted(why_stopped(now))
-            if self._once and now.time_s > give_up_s and not daemon.has_met_its_devices:
+            waits = daemon.stopping.waits_for_rearm
+            has_met = waits or daemon.has_met_its_devices
+            if self._once and now.time_s > give_up_s and not has_met:
                 reason = f"given up after {give_up_s:g} s without all robots and the camera"
                 return State.FAILED, f"{reason}: {now.sentence}"
             if now.time_s > limit_s:
                 return State.FAILED, f"not done within {limit_s:g} s: {now.sentence}"
-            if self._once and missions.are_given and now.is_over:
+            if self._once and not waits and missions.are_given and now.is_over:
                 return now.state, now.sentence
 
     def _exit_code_of(self, state: State, daemon: FleetDaemon) -> int:

@@ -88,7 +88,7 @@ class GiveMissions:
         for name in list(self._left):
             self._continue(name)
         for name, stations in self._given.items():
-            self._people.give(stations, name)
+            self._people.appoint(stations, name)
         self._given = {}
 
     def _assign(self) -> None:

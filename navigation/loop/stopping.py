@@ -1,0 +1,85 @@
+"""Stops and re-arms of one robot or several: past every queue, on the disk, until a person re-arms.
+
+Any thread may give them.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from threading import Lock
+
+from navigation.journal.kept_stops import KeptStops
+from navigation.loop.driven_robot import DrivenRobot
+from navigation.mission.mission import MissionError, State
+
+
+class Stopping:
+    """Stops robots; ``kept`` keeps the stops on the disk, None where none are kept."""
+
+    def __init__(self, lock: Lock) -> None:
+        self._lock = lock
+        self.kept: KeptStops | None = None
+
+    @property
+    def waits_for_rearm(self) -> bool:
+        """True if a stop from before this run has not been lifted."""
+        return self.kept is not None and bool(self.kept.held)
+
+    @property
+    def trouble(self) -> str:
+        """What people must know of stops that are not on the disk; empty: nothing."""
+        trouble = "" if self.kept is None else self.kept.trouble
+        return f"a restart would not know whether robots are stopped: {trouble}" if trouble else ""
+
+    def hold_from_before(self, robots: Sequence[DrivenRobot], kept: KeptStops) -> dict[str, str]:
+        """Stop the robots that are held by earlier stops; the sentences by name."""
+        self.kept = kept
+        said = dict(kept.held)
+        with self._lock:  # what was stopped since orders are taken
+            stopped = {one.name: one.pilot.stop_reason for one in robots}
+        for name, reason in stopped.items():
+            if reason is not None:
+                kept.stop([name], reason)
+        for robot in robots:
+            if robot.name in said:
+                robot.link.estop()
+                with self._lock:
+                    robot.pilot.begin_stopped(said[robot.name])
+        return said
+
+    def stop(self, robots: Sequence[DrivenRobot], reason: str) -> str | None:
+        """Emergency stop: to the links, past every queue, then latched and kept.
+
+        The sentence where it is not on the disk.
+        """
+        for robot in robots:
+            robot.link.estop()
+        with self._lock:
+            for robot in robots:
+                robot.pilot.stop(reason)
+        if self.kept is None:
+            return None
+        self.kept.stop([robot.name for robot in robots], reason)
+        trouble = self.kept.settled()
+        return f"a restart would not know of this stop: {trouble}" if trouble else None
+
+    def stopped_itself(self, robot: DrivenRobot) -> None:
+        """Keep a stop that the pilot has entered, for which the control loop does not wait."""
+        if self.kept is not None:
+            self.kept.stop([robot.name], robot.pilot.mission.reason)
+
+    def resume(self, robots: Sequence[DrivenRobot]) -> None:
+        """End a pause; lift a stop and re-arm; the next time continue.
+
+        ``MissionError`` where a stop came meanwhile.
+        """
+        with self._lock:
+            stopped = [one for one in robots if one.pilot.mission.state is State.STOPPED]
+        if self.kept is not None and stopped:
+            self.kept.lift([one.name for one in stopped])
+            self.kept.settled()  # a stop that stays on the disk is said, and is the safer error
+        with self._lock:
+            if self.kept is not None and any(self.kept.is_kept(one.name) for one in stopped):
+                raise MissionError("stopped again meanwhile: re-arm it again")
+            for robot in robots:
+                robot.pilot.resume()
