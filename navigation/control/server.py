@@ -32,6 +32,7 @@ from navigation.control.orders import Commanded
 from navigation.control.peers import may_order, peer_of
 from navigation.control.places import Places
 from navigation.machine.descriptors import NONE_LEFT, SpareDescriptors
+from navigation.mission.mission import STOPPING
 from navigation.shared.outside import OutsideError, read_object
 from navigation.shared.supervisor import in_words
 
@@ -45,7 +46,7 @@ STUCK_S: Final = 5.0
 """An order takes milliseconds; a thread that is at one for longer hangs."""
 STOP_SENT: Final = {
     "ok": True,
-    "state": "stopping",
+    "state": STOPPING,
     "reason": "the emergency stop was sent; the control loop has not confirmed it yet",
 }
 

@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass, field, replace
+from typing import Final
 
 from firmware_protocol.host.connection import HostConnection
 from firmware_protocol.host.counters import HostCounters
@@ -35,7 +36,8 @@ class LinkSnapshot:
     no more than ``clock_error_s``; by it ``status_taken_s`` is when the robot took ``status``, in
     host seconds. All three are None before the clock is known. ``fault`` says why a robot is in its
     emergency stop or, behind a driver, what is wrong with it, and ``remark`` what people should
-    know of it although it drives.
+    know of it although it drives. ``stands``: whether a robot behind a driver is heard to stand;
+    None for our own firmware, which reports it in ``status``.
     """
 
     state: LinkState
@@ -53,6 +55,7 @@ class LinkSnapshot:
     estop_pending: bool = False
     leaving_estop: bool = False
     disarmed: bool = False
+    stands: bool | None = None
     standing_reason: str | None = None
     boot_id: int | None = None
     rtt_s: float | None = None
@@ -63,6 +66,27 @@ class LinkSnapshot:
     status_taken_s: float | None = None
     sent: HostCounters = field(default_factory=HostCounters)
     received: ParserCounters = field(default_factory=ParserCounters)
+
+
+FRESH_S: Final = 0.5
+"""A robot reports 20 times a second; what it said longer ago is not known of now."""
+
+
+def doubt_of_stop(snapshot: LinkSnapshot) -> str | None:
+    """What is not known of an emergency stop that was sent; None where the robot stands in it."""
+    confirmed = snapshot.estopped and not snapshot.leaving_estop
+    why = snapshot.down_reason
+    if snapshot.stands is None:
+        fresh = why is None and snapshot.status_age_s <= FRESH_S
+        known = fresh and confirmed and not snapshot.moving
+    else:
+        # where no driver's process has the robot, the daemon itself does, and keeps the stop
+        known = snapshot.stands and (confirmed or why is not None)
+    if known:
+        return None
+    if why is None:
+        why = "it has not been heard to stand" if confirmed else "it has not confirmed the stop"
+    return f"the emergency stop was sent, and it is not known yet that the robot stands: {why}"
 
 
 def snapshot_of(

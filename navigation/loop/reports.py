@@ -10,9 +10,9 @@ from collections.abc import Sequence
 from typing import Any
 
 from firmware_protocol.wire.messages import StatusFlag
-from navigation.link.link_snapshot import LinkSnapshot
+from navigation.link.link_snapshot import LinkSnapshot, doubt_of_stop
 from navigation.mission.cycle import RobotReport
-from navigation.mission.mission import Mission
+from navigation.mission.mission import STOPPING, Mission, State
 from navigation.mission.targets import Target
 from vision.camera.latest_frame import CameraStatus
 from vision.markers.markers import RobotPose
@@ -69,11 +69,13 @@ def describe(
 ) -> dict[str, Any]:
     """Mission, robot, link and camera as JSON takes them.
 
-    ``seen``: where the robot was seen, and how long ago.
+    ``seen``: where the robot was seen, and how long ago. A stop is "stopped" when the robot is
+    known to stand, and "stopping", with what is not known, until then.
     """
+    doubt = doubt_of_stop(snapshot) if mission.state is State.STOPPED else None
     return {
-        "state": mission.state.value,
-        "reason": mission.reason,
+        "state": mission.state.value if doubt is None else STOPPING,
+        "reason": mission.reason if doubt is None else f"{mission.reason}; {doubt}",
         "stations": len(mission.stations),
         "visited": mission.visited,
         "pose": None

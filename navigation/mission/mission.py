@@ -9,6 +9,10 @@ from __future__ import annotations
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from enum import Enum
+from typing import Final
+
+STOPPING: Final = "stopping"
+"""What is told in place of `State.STOPPED` until the robot is known to stand."""
 
 
 class State(Enum):

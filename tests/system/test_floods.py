@@ -33,6 +33,8 @@ HALF_OPEN, DRIPPING = 1100, 200
 TRIES = 9
 ANSWERED_WITHIN_S = 0.3
 """Half of the stops: another program may have the processor for longer at times."""
+STOPPED = ("stopped", "stopping")
+"""The second until the robot is known to stand."""
 LINK = re.compile(r"dashboard at http://(127\.0\.0\.1:\d+)/#token=(\S+)")
 
 
@@ -50,9 +52,9 @@ class Program:
 
     def is_free_again(self) -> bool:
         """Whether a stop has been left; asked for again until it has."""
-        if self.state() == "stopped":
+        if self.state() in STOPPED:
             send_order(self.socket, {"order": "resume"})
-        return self.state() != "stopped"
+        return self.state() not in STOPPED
 
 
 @pytest.fixture
@@ -108,7 +110,7 @@ def seconds_of(stop: Callable[[], None], program: Program) -> list[float]:
 
 def test_a_stop_is_answered_under_floods_of_socket_and_page(program: Program) -> None:
     def by_socket() -> None:
-        assert send_order(program.socket, {"order": "stop"})["state"] in ("stopped", "stopping")
+        assert send_order(program.socket, {"order": "stop"})["state"] in STOPPED
 
     def by_page() -> None:
         line = http.client.HTTPConnection(program.page, timeout=10.0)

@@ -4,12 +4,17 @@ from __future__ import annotations
 
 import json
 import os
+import time
 from pathlib import Path
 from typing import Any
 
 import click
 
 from navigation.cli.options import STATION, Station, format_option
+
+KNOWN_WITHIN_S = 2.0
+"""A robot that hears and brakes is known to stand by then."""
+AGAIN_S = 0.1
 
 socket_option = click.option(
     "--socket", "path", type=click.Path(path_type=Path), help="The daemon's socket."
@@ -27,12 +32,29 @@ def _send(path: Path | None, form: str, request: dict[str, Any], robot: str | No
     if robot is not None:
         request = {**request, "robot": robot}
     answer = send_order(path, request)
+    until_s = time.monotonic() + KNOWN_WITHIN_S
+    while request["order"] == "stop" and _stops(answer) and time.monotonic() < until_s:
+        time.sleep(AGAIN_S)  # while the robot brakes; a stop may be ordered twice
+        answer = send_order(path, request)
     if form == "json":
         click.echo(json.dumps(answer, allow_nan=False))
         return
     for one in answer.get("daemons", [answer]):
         elsewhere = one.get("socket") not in (None, os.path.abspath(path or default_socket()))
         _print(one, f"the daemon of {one['socket']}: " if elsewhere else "")
+
+
+def _stops(answer: dict[str, Any]) -> bool:
+    """True if a robot that was stopped is not known to stand yet."""
+    from navigation.mission.mission import STOPPING
+
+    told = [one for daemon in answer.get("daemons", [answer]) for one in _robots_of(daemon)]
+    return any(one.get("state") == STOPPING for one in told)
+
+
+def _robots_of(answer: dict[str, Any]) -> list[dict[str, Any]]:
+    robots = answer.get("robots")
+    return [answer, *(robots.values() if isinstance(robots, dict) else ())]
 
 
 def _print(answer: dict[str, Any], who: str) -> None:

@@ -36,4 +36,6 @@ class DriverLink(SerialLink):
         if word.silence is not None:
             down = word.silence
         fault = word.fault or snapshot.fault
-        return replace(snapshot, down_reason=down, fault=fault, remark=word.remark)
+        return replace(
+            snapshot, down_reason=down, fault=fault, remark=word.remark, stands=word.stands
+        )

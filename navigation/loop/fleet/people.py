@@ -12,7 +12,7 @@ from navigation.loop.fleet.fleet_daemon import FleetDaemon
 from navigation.loop.fleet.seat import Seat
 from navigation.loop.reports import describe, to_go_m
 from navigation.mission.cycle import PlanAnswer, PlanRequest
-from navigation.mission.mission import Mission, MissionError, State, Station
+from navigation.mission.mission import STOPPING, Mission, MissionError, State, Station
 from planner.path import NoPath
 
 
@@ -102,9 +102,14 @@ class People:
         if robot is not None:
             return told[robot]
         state = self._daemon.state
+        if state is None:
+            return {"state": "starting", "reason": "", "robots": told}
+        stopping = state.state is State.STOPPED and any(
+            one["state"] == STOPPING for one in told.values()
+        )
         return {
-            "state": "starting" if state is None else state.state.value,
-            "reason": "" if state is None else state.sentence,
+            "state": STOPPING if stopping else state.state.value,
+            "reason": state.sentence,
             "robots": told,
         }
 

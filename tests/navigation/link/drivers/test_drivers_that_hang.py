@@ -9,6 +9,7 @@ import time
 import pytest
 
 from navigation.config.known_robots import KNOWN_ROBOTS
+from navigation.link.link_snapshot import doubt_of_stop
 from tests.support.robots.troubled_drivers import (
     PATIENCE_S,
     TROUBLES,
@@ -85,3 +86,28 @@ def test_no_process_is_started_before_a_robot_is_heard_to_stand() -> None:
         assert wait_until(lambda: not bench.twin.moving, PATIENCE_S)
         assert wait_until(lambda: bench.link.snapshot().down_reason is None, PATIENCE_S)
         assert bench.pid != first
+
+
+@pytest.mark.parametrize("hangs", [False, True])
+def test_a_stop_is_called_one_when_the_wheels_are_heard_to_stand(hangs: bool) -> None:
+    with driven("create2") as bench:
+        assert wait_until(lambda: drives(bench, "create2"), PATIENCE_S)
+        assert not bench.driver.word().stands
+        if hangs:
+            os.kill(bench.pid, signal.SIGSTOP)
+        bench.link.estop()
+        assert wait_until(
+            lambda: bench.twin.moving < (doubt_of_stop(bench.link.snapshot()) is None), PATIENCE_S
+        ), doubt_of_stop(bench.link.snapshot())
+
+
+def test_a_stop_that_cannot_reach_the_robot_is_never_called_one() -> None:
+    with driven("create2") as bench:
+        assert wait_until(lambda: drives(bench, "create2"), PATIENCE_S)
+        bench.twin.unplug()
+        bench.link.estop()
+        end_s = time.monotonic() + 1.5
+        while time.monotonic() < end_s:
+            assert doubt_of_stop(bench.link.snapshot()) is not None
+            time.sleep(0.01)  # the pace at which it is looked for
+        assert "has gone silent" in str(doubt_of_stop(bench.link.snapshot()))
