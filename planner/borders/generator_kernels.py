@@ -108,16 +108,21 @@ def _shown_steps(kind, data, backwards, i, disc, lap, steps):
 
 @njit(**BORROWING)
 def count_generators(kind, data, backwards, disc, spacing):
-    """An upper bound of the number of generators, as a float: it may be astronomical."""
+    """An upper bound of the number of generators, as a float: it may be astronomical.
+
+    NaN where a place is not finite: such a border would lie nowhere, and be lost without a word.
+    """
     total = 0.0
     for i in range(len(kind)):
         total += 1.0
+        if not math.isfinite(data[i, 0] + data[i, 1]):
+            return np.nan
         if kind[i] == POINT:
             continue
         # with corner points the steps are as long, and perhaps begin and end one later
         steps = _steps(kind, data, i, spacing, False, False)
         if not steps[0] <= MOST_STEPS:
-            return np.inf
+            return np.nan if np.isnan(steps[0]) else np.inf
         for lap in range(2):
             begin, end = _shown_steps(kind, data, backwards, i, disc, lap, steps)
             total += end - begin + 2.0

@@ -203,7 +203,10 @@ def _free_box(flat: Primitives) -> FloatArray:
 
 
 def count_generators(borders: Borders, spacing: float) -> float:
-    """An upper bound of the generators that :func:`place_generators` makes; perhaps infinite."""
+    """An upper bound of the generators that :func:`place_generators` makes.
+
+    Infinite where they are too many to count, NaN where a border has a place that is not finite.
+    """
     k, pieces = borders.primitive_count, borders.pieces
     most = generator_kernels.count_generators(
         pieces.kind[:k], pieces.data[:k], pieces.backwards, disc_around(borders, spacing), spacing
@@ -223,6 +226,8 @@ def place_generators(borders: Borders, spacing: float) -> Generators:
     """
     k, pieces = borders.primitive_count, borders.pieces
     room = count_generators(borders, spacing)
+    if math.isnan(room):
+        raise ValueError("a border has a place that is not a finite number")
     if room * BYTES_EACH > MOST_BYTES:
         raise ValueError(
             f"spacing = {spacing:g}: the borders would take {room:.3g} generators and"
