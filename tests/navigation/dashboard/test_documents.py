@@ -49,7 +49,7 @@ def test_every_key_of_the_configuration_exists(name: str) -> None:
 
 
 def test_every_sentence_in_the_troubleshooting_is_one_of_the_programs() -> None:
-    folders = (ROOT / name for name in ("navigation", "vision", "planner"))
+    folders = (ROOT / name for name in ("navigation", "vision", "planner", "firmware_protocol"))
     files = [path for folder in folders for path in folder.rglob("*")]
     source = "\n".join(p.read_text() for p in files if p.suffix in (".py", ".js", ".html"))
     # as it reads when strings over several lines are joined
