@@ -13,6 +13,7 @@ from typing import Any
 
 from navigation.config import Config
 from navigation.control import Commanded
+from navigation.link.link_snapshot import LinkSnapshot, doubt_of_stop
 from navigation.loop.daemon_state import DaemonState
 from navigation.loop.fleet.fleet_daemon import FleetDaemon
 from navigation.loop.fleet.fleet_state import FleetState
@@ -98,9 +99,8 @@ class ShownFleet:
 def summary_of(fleet: FleetState) -> DaemonState:
     """All robots as one state, without a place, stations or a path of its own."""
     each = list(fleet.robots.values())
-    link = max(
-        (one.link for one in each), key=lambda link: (link.down_reason is not None, _age_s(link))
-    )
+    # the one of which least is known, above all whether it stands after a stop
+    link = max((one.link for one in each), key=_unknown)
     paused = all(one.mission.paused for one in each)
     return replace(
         each[0],
@@ -114,5 +114,9 @@ def summary_of(fleet: FleetState) -> DaemonState:
     )
 
 
-def _age_s(link: Any) -> float:
+def _unknown(link: LinkSnapshot) -> tuple[bool, bool, float]:
+    return doubt_of_stop(link) is not None, link.down_reason is not None, _age_s(link)
+
+
+def _age_s(link: LinkSnapshot) -> float:
     return math.inf if math.isnan(link.heard_age_s) else float(link.heard_age_s)

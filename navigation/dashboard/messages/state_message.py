@@ -14,9 +14,9 @@ from navigation.config import Config
 from navigation.dashboard.admission.seat import Seat
 from navigation.dashboard.messages.picture import TopView
 from navigation.draw.shapes import RAMP_STEPS
-from navigation.link.serial_link import LinkSnapshot
+from navigation.link.link_snapshot import LinkSnapshot, doubt_of_stop
 from navigation.loop.daemon_state import DaemonState, StageTimes
-from navigation.mission.mission import Station
+from navigation.mission.mission import State, Station
 from navigation.witness import Evidence
 from planner.path import NoPath
 from vision.camera.latest_frame import CameraStatus
@@ -99,7 +99,7 @@ def robot_facts(state: DaemonState, view: TopView, now_s: float) -> dict[str, An
         "pose": None if state.pose is None else _pose(state.pose, view, now_s),
         "to_go_m": state.to_go_m,
         "clearance_m": state.clearance_m,
-        "link": _link(state.link),
+        "link": {**_link(state.link), "stop_doubt": _stop_doubt(state)},
     }
 
 
@@ -163,6 +163,11 @@ def _camera(camera: CameraStatus, evidence: Evidence) -> dict[str, Any]:
             for name, one in camera.each
         ],
     }
+
+
+def _stop_doubt(state: DaemonState) -> str | None:
+    """What is not known of the robot's stop; None where it stands in it, or is not stopped."""
+    return doubt_of_stop(state.link) if state.mission.state is State.STOPPED else None
 
 
 def _link(link: LinkSnapshot) -> dict[str, Any]:

@@ -104,8 +104,9 @@ export class Stop {
   }
 }
 
+/** Whether the robot is known to stand, as the server judges it. */
 function wheels(link) {
-  if (link.reason) return "The link to the robot is down; the robot stops by itself.";
-  if (link.estopped) return "The robot has confirmed; its wheels are off.";
-  return "Waiting for the robot to confirm.";
+  if (!link.stop_doubt) return "The robot has confirmed; its wheels are off.";
+  if (link.reason) return "It is not known whether the robot stands: the link to it is down.";
+  return link.estopped ? "It has confirmed, but is not heard to stand yet." : "Waiting for the robot to confirm.";
 }

@@ -12,6 +12,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from firmware_protocol.host.state import LinkState
 from navigation.dashboard.admission.seat import Seat
 from navigation.dashboard.hub import preview_facts
 from navigation.dashboard.messages.chronicle import COLUMNS, Chronicle
@@ -22,6 +23,7 @@ from navigation.dashboard.messages.picture import TopView
 from navigation.dashboard.messages.rings import Ring
 from navigation.dashboard.messages.state_message import state_message
 from navigation.draw.shapes import CLEARANCE_RAMP, OBSTACLE, PAGE, PATH
+from navigation.link.link_snapshot import LinkSnapshot
 from navigation.mission.cycle import PlanAnswer
 from navigation.mission.mission import Mission, State, Station
 from navigation.mission.trust import Level
@@ -208,6 +210,24 @@ def told_state(daemon: FakeDaemon, *others: RobotPose) -> dict[str, object]:
         loop_age_s=0.01,
         viewers=2,
     )
+
+
+def stop_doubt(state: State, link: LinkSnapshot) -> object:
+    daemon = FakeDaemon()
+    assert daemon.state is not None
+    daemon.state = replace(daemon.state, mission=Mission(state=state), link=link)
+    told = told_state(daemon)["link"]
+    assert isinstance(told, dict)
+    return told["stop_doubt"]
+
+
+def test_the_page_calls_wheels_off_only_when_the_robot_is_known_to_stand() -> None:
+    stands = LinkSnapshot(LinkState.STREAM, None, 0.02, status_age_s=0.05, estopped=True)
+    assert stop_doubt(State.STOPPED, stands) is None
+    assert "not been heard to stand" in str(stop_doubt(State.STOPPED, replace(stands, moving=True)))
+    unheard = replace(stands, down_reason="the driver has ended", stands=False)
+    assert "the driver has ended" in str(stop_doubt(State.STOPPED, unheard))
+    assert stop_doubt(State.DRIVING, replace(stands, estopped=False)) is None
 
 
 def test_a_state_without_anything_seen_is_still_json() -> None:
