@@ -6,7 +6,7 @@ from collections.abc import Callable
 
 from benchmarks.adversary.attacks.attack import Act, Attack
 from benchmarks.adversary.processes import Process
-from benchmarks.adversary.rig import Needs, Rig
+from benchmarks.adversary.rig import AFTER_STOP_S, Needs, Rig
 
 FREEZES_S = (0.1, 0.4, 1.0, 3.0)
 HTTP = Needs(http_camera=True)
@@ -65,6 +65,17 @@ def _killed_while_it_starts(rig: Rig) -> None:
     rig.watch(3.0)
 
 
+def _stopped_and_killed(rig: Rig) -> None:
+    """A stop outlives the program: the judge's stop is this one, and nobody re-arms."""
+    rig.stop()
+    rig.watch(AFTER_STOP_S)
+    rig.daemon.popen.kill()
+    rig.watch(float(rig.rng.uniform(0.0, 1.0)))
+    rig.start_daemon()
+    rig.wait_for_answer()
+    rig.watch(6.0)
+
+
 def _camera_killed(rig: Rig) -> None:
     _camera(rig).popen.kill()
     rig.watch(2.0)
@@ -88,6 +99,7 @@ ATTACKS = (
     Attack("process", "the camera stopped for 0.1 to 3 s", _freezes(_camera, FREEZES_S), HTTP),
     Attack("process", "the program killed twice", _killed(2)),
     Attack("process", "the program killed while it starts", _killed_while_it_starts),
+    Attack("process", "stopped, the program killed and begun again", _stopped_and_killed),
     Attack("process", "the robot's motors dead", _motors_dead, Needs(handled=True)),
     Attack("process", "the camera killed, started again", _camera_killed, HTTP),
 )
