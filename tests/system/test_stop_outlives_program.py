@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import os
 import signal
 import subprocess
 import time
@@ -145,7 +146,8 @@ def test_a_stop_without_a_program_holds_the_next_one_and_only_a_program_lifts_it
     bench.end(signal.SIGTERM)
     told = bench.order("stop")
     assert told.returncode == 0
-    assert "latched" in told.stdout
+    assert f"latched in {os.environ['XDG_STATE_HOME']}/clearway/stops" in told.stdout
+    assert f"with the socket {bench.socket} waits" in told.stdout
     refused = bench.order("resume")
     assert refused.returncode == 2
     was = bench.pose()

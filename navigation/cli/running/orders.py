@@ -108,24 +108,29 @@ def stop(reason: str, robot: str | None, path: Path | None, form: str) -> None:
     Of several robots all are stopped, or the one that --robot names. A daemon is found even
     where its socket was removed; without --socket every daemon of yours is stopped then.
     """
-    from navigation.control import NoDaemonError
+    from navigation.control import NoDaemonError, default_socket
 
     request = {"order": "stop", "reason": reason}
     try:
         _send(path, form, request, robot)
     except NoDaemonError:
-        _latch(path, reason, robot)
+        kept = _latch(path, reason, robot)
         try:  # one that has begun to listen meanwhile has read the stops before this one
             _send(path, form, request, robot)
         except NoDaemonError:
-            sentence = "no program runs: latched; the next run waits until `clearway resume`"
+            sentence = (
+                f"no program of yours runs: latched in {kept.parent}; the next run there with the "
+                f"socket {os.path.abspath(path or default_socket())} waits until `clearway resume`."
+                " A service with a state folder of its own does not: keep it down by "
+                "`systemctl disable --now`"
+            )
             click.echo(
                 json.dumps({"state": "stopped", "reason": sentence}) if form == "json" else sentence
             )
 
 
-def _latch(path: Path | None, reason: str, robot: str | None) -> None:
-    """Keep a stop for the next run; ControlError where it cannot be kept."""
+def _latch(path: Path | None, reason: str, robot: str | None) -> Path:
+    """Keep a stop for the next run, and name its file; ControlError where it cannot be kept."""
     from datetime import datetime
 
     from navigation.config.last_good import state_folder
@@ -140,7 +145,7 @@ def _latch(path: Path | None, reason: str, robot: str | None) -> None:
     name = printable(robot or "", ROBOT_CHARACTERS)
     latch = Latch(name, printable(reason, REASON_CHARACTERS), when, socket)
     try:
-        write_latch(state_folder(os.environ) / FOLDER, latch)
+        return write_latch(state_folder(os.environ) / FOLDER, latch)
     except (OSError, UnwrittenFileError) as error:
         raise ControlError(f"no program runs, and the stop cannot be kept: {error}") from None
 
