@@ -24,7 +24,7 @@ from numpy.typing import NDArray
 
 from planner.scene import Binarisation
 from vision.binarise import METHODS, POLARITIES, Method, Polarity
-from vision.binarise.binarise_kernels import SIGMAS, noise_sigma, sampled_histogram
+from vision.binarise.binarise_kernels import SIGMAS, noise_sigma
 from vision.binarise.grey_classes import (
     Classes,
     classes_of,
@@ -151,7 +151,10 @@ def _side(grey: NDArray[Any], polarity: Polarity) -> tuple[Literal["dark", "ligh
     """Which side of the level obstacles lie on: the rarer, where it is ours to find out."""
     if polarity != "auto":
         return polarity, ""
-    classes = split_classes(sampled_histogram(grey), noise_sigma(grey))
+    look = Look(grey)
+    classes = split_classes(look.counts, noise_sigma(grey))
+    if look.fine is not None:
+        classes = classes_of(look)
     if classes is None or classes.dark_share <= MOSTLY:
         share = 0.0 if classes is None else classes.dark_share
         return "dark", f"obstacles are dark: dark pixels are {share:.1%} of the picture"
@@ -197,6 +200,9 @@ def _auto(look: Look, classes: Classes | None, side: Literal["dark", "light"]) -
     spread = grey_spread(look.counts) if classes is None else classes.light_spread
     if classes is None and spread <= 1.5 * look.noise + LEAST_CONTRAST / 4.0:
         return _uniform(look, side)
+    if classes is not None and look.fine is not None:
+        # no edge has its plateaus, by which edges are judged
+        return _even(look, classes, side)
     even = classes
     uneven = math.inf if classes is None else unevenness(look, classes, side)
     if uneven > MOST_UNEVEN:
@@ -323,7 +329,8 @@ def _divided(look: Look, side: Literal["dark", "light"], why: str) -> list[Binar
     scale = FREE_LEVEL / (top - 1.0) if side == "light" else FREE_LEVEL
     flat = flat.astype(np.float32, copy=False)
     divided = Look(flat)
-    divided.noise = float(noise_sigma(divided.grey))
+    if divided.fine is None:
+        divided.noise = float(noise_sigma(divided.grey))
     # where there is little light, division makes the noise stronger
     noise = np.float32(noise_sigma(look.grey) * scale) / light
     strongest = max(divided.noise, float(noise.max()))

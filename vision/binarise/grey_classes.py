@@ -25,7 +25,6 @@ from vision.binarise.grey_picture import (
     LEAST_CONTRAST,
     NO_CALMING,
     Look,
-    calming_of,
 )
 
 LEAST_CONTRAST_SIGMAS = 5.0
@@ -69,7 +68,10 @@ class Classes:
 def classes_of(look: Look, strongest: float | None = None) -> Classes | None:
     """The two classes of a picture, seen through a little smoothing where it is noisy."""
     strongest = look.noise if strongest is None else strongest
-    calming = calming_of(strongest)
+    if look.fine is not None:
+        humps = look.fine
+        return Classes(humps.dark, humps.light, humps.within, humps.dark_share, humps.within)
+    calming = look.calming(strongest)
     counts = look.counts_after(calming)
     found = split_classes(counts, look.noise * calming.left)
     if found is None:
@@ -150,7 +152,7 @@ def significant_dark(look: Look, noise: NDArray[np.float32], light: float) -> fl
     pixel of the smoothed picture that stands out by ``SIGMAS``, and then what is
     nearer to those than to free pixels. None where hardly a pixel does.
     """
-    calming = calming_of(float(noise.max()))
+    calming = look.calming(float(noise.max()))
     calmed = look.grey_after(calming)
     least = np.maximum(noise * np.float32(SIGMAS * calming.left), 0.15 * light)
     found = calmed[light - calmed > least]

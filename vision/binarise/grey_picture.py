@@ -5,7 +5,8 @@ Rules and units
   is transparent counts as white. Noise is its standard deviation in grey levels.
 - A pixel is obstacle where its grey value lies below the level.
 - Where noise alone could cross the level it is compared in a smoothed picture; dots that are too
-  small for that are added by their depth.
+  small for that are added by their depth. Where smoothing would delete walls or ways of a few
+  pixels (``vision.binarise.humps``) it is not done.
 """
 
 from __future__ import annotations
@@ -28,6 +29,7 @@ from vision.binarise.binarise_kernels import (
     noise_sigma,
     sampled_histogram,
 )
+from vision.binarise.humps import TWO_HUMPED, Humps, deletes
 from vision.binarise.smoothing_kernels import (
     calmed_histogram,
     dots_left_out,
@@ -88,6 +90,27 @@ class Look:
         # two values only: drawn, not taken; what looks like noise is texture
         drawn = np.count_nonzero(self.counts) <= 2
         self.noise = 0.0 if drawn else float(noise_sigma(grey))
+        self.fine = self._fine_structure()
+        if self.fine is not None:
+            self.noise = min(self.noise, self.fine.within)
+
+    def _fine_structure(self) -> Humps | None:
+        """The histogram's humps where smoothing would delete what they are made of."""
+        if self.noise < CALM_NOISE:
+            return None
+        humps = Humps.of(self.counts)
+        if humps.apart < TWO_HUMPED or humps.contrast < LEAST_CONTRAST:
+            return None
+        return humps if deletes(humps, self.counts_after(BINOMIAL)) else None
+
+    def calming(self, noise: float | None = None) -> Calming:
+        """The smoothing after which ``noise``, or its own, hardly crosses a level.
+
+        None where it would delete fine structure.
+        """
+        if self.fine is not None:
+            return NO_CALMING
+        return calming_of(self.noise if noise is None else noise)
 
     def apart(self) -> Look:
         """The same picture with a room of its own, for a mask that is compared with others."""
@@ -197,6 +220,13 @@ def black_and_white(
     margin = 0.5 * contrast if margin is None else margin
     safe = [one for one in CALMINGS if SIGMAS * strongest * one.left <= margin]
     calming = safe[0] if safe else CALMINGS[-1]
+    if look.fine is not None and calming is not NO_CALMING:
+        # where noise crosses the level its pixels stay obstacles: none of them is a speck
+        remarks = (
+            f"walls or ways of a few pixels at a contrast of {contrast:.0f}: the picture was not "
+            "smoothed, which would delete them, and single pixels of noise may be obstacles",
+        )
+        safe, calming = [NO_CALMING], NO_CALMING
     if calming is not NO_CALMING:
         remarks = (
             f"noise of up to {strongest:.0f} grey levels at a contrast of {contrast:.0f}: the "

@@ -34,7 +34,6 @@ from vision.binarise.grey_picture import (
     LEAST_CONTRAST,
     Binary,
     Look,
-    calming_of,
 )
 from vision.binarise.light import without_light
 from vision.binarise.regions.edge_evidence_kernels import (
@@ -126,7 +125,7 @@ class Support:
         self, look: Look, side: Literal["dark", "light"], pairs: int = SAMPLED_PAIRS
     ) -> None:
         self.judge = Judge.of(look, side, pairs)
-        calming = calming_of(look.noise)
+        calming = look.calming()
         self.grey, self.noise = look.grey_after(calming), look.noise * calming.left
         self._cost = max(FAINT * self.judge.typical(pairs), self.judge.least)
         self._pairs = pairs

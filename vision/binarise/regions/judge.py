@@ -28,7 +28,7 @@ from numpy.typing import NDArray
 
 from vision.binarise.binarise_kernels import REACH, SIGMAS
 from vision.binarise.grey_classes import LEAST_CONTRAST_SIGMAS
-from vision.binarise.grey_picture import LEAST_CONTRAST, Binary, Look, calming_of
+from vision.binarise.grey_picture import LEAST_CONTRAST, Binary, Look
 from vision.binarise.regions.edge_evidence_kernels import OUTER, steps_of_regions, typical_step
 
 SELECTED = 3.0
@@ -135,7 +135,7 @@ class Judge:
 
     @classmethod
     def _seeing(cls, look: Look, side: Literal["dark", "light"], every: int) -> Judge:
-        calming = calming_of(look.noise)
+        calming = look.calming()
         return cls(look.grey_after(calming), look.noise * calming.left, side, every)
 
     def worth(self, light: NDArray[np.float64]) -> NDArray[np.float64]:

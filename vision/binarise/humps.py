@@ -1,0 +1,67 @@
+"""The two humps of a histogram as it came, by which fine structure is told from noise.
+
+Noise has one hump, and what smoothing leaves of it has one. Walls and ways of a few pixels have
+two as they came, however much their grey changes from pixel to pixel; smoothing brings these
+together, and deletes the walls.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+TWO_HUMPED = 0.75
+"""Share of a histogram's variance between its halves from which it has two humps: derived, what
+has one hump has at most as much, with grey values that are all equally many."""
+KEPT = 0.75
+"""Share of the contrast that smoothing keeps at least where it deletes nothing: chosen, walls and
+ways of 3 px keep 0.69 at most, and those of 4 px, which no smoothing deletes, up to 0.79."""
+
+
+@dataclass(frozen=True, slots=True)
+class Humps:
+    """The dark and the light half of a histogram: their means, and how far they stand apart.
+
+    ``within``: the standard deviation in the halves, which noise does not exceed; ``apart``: the
+    share of the variance that is between them.
+    """
+
+    dark: float
+    light: float
+    dark_share: float
+    within: float
+    apart: float
+
+    @property
+    def contrast(self) -> float:
+        """Grey levels between the means."""
+        return self.light - self.dark
+
+    @classmethod
+    def of(cls, counts: NDArray[np.int64]) -> Humps:
+        """The halves of a histogram (256,) that have the least variance (Otsu, 1979)."""
+        values = np.arange(256.0)
+        number = np.cumsum(counts, dtype=np.float64)
+        total = np.cumsum(counts * values)
+        below, above = number[:-1], number[-1] - number[:-1]
+        dark = total[:-1] / np.maximum(below, 1.0)
+        light = (total[-1] - total[:-1]) / np.maximum(above, 1.0)
+        between = below * above * (light - dark) ** 2 / number[-1] ** 2
+        k = int(between.argmax())
+        mean = total[-1] / number[-1]
+        variance = float((counts * (values - mean) ** 2).sum() / number[-1])
+        return cls(
+            float(dark[k]),
+            float(light[k]),
+            float(below[k] / number[-1]),
+            math.sqrt(max(variance - float(between[k]), 0.0)),
+            float(between[k]) / variance if variance > 0.0 else 0.0,
+        )
+
+
+def deletes(as_it_came: Humps, smoothed: NDArray[np.int64]) -> bool:
+    """True if smoothing, with that histogram (256,) after it, takes fine structure for noise."""
+    return Humps.of(smoothed).contrast < KEPT * as_it_came.contrast
