@@ -1,10 +1,13 @@
-"""The file of a journal: one row with a checksum in an SQLite database that one program uses.
+"""The file of a journal: one sealed text that is written whole, and that one program uses.
 
 Rules
-- WAL with ``synchronous=FULL``: a kill at any moment loses nothing that was said to be saved,
-  and never leaves half a record.
-- Locked as long as it is open: a second program is refused.
-- Readable by its owner only, its side files too.
+- A save is on the disk when it returns, under another name first: a kill at any moment leaves
+  this entry or the one before it, whole.
+- The seal is over everything: a lost byte or a flipped bit anywhere is damage, and never an
+  earlier entry.
+- Locked as long as it is open, by a file beside it that is never replaced: a second program is
+  refused.
+- Readable by its owner only.
 - What cannot be trusted is kept aside under another name, for a person to look at, and the
   journal begins empty: damage, a record of an earlier format, another owner's mission. A file
   that was never a journal is refused and left alone.
@@ -14,44 +17,37 @@ from __future__ import annotations
 
 import contextlib
 import errno
-import hashlib
+import fcntl
 import os
-import sqlite3
 import stat
+import time
 from pathlib import Path
 from typing import Final
 
 from navigation.journal.journal_records import Contents, Owner, RecordError, from_text, to_text
+from navigation.shared.sealed import SealError, seal, unseal
+from navigation.shared.whole_file import UnwrittenFileError, sync_folder, write_whole
 
-VERSION: Final = 2
-APPLICATION_ID: Final = 0x434C5759
-"""``CLWY``: what tells a journal from other programs' databases."""
-LATEST_VERSION: Final = 1000
-"""A number beyond it was never a version: it is damage."""
+KIND: Final = "journal"
+VERSION: Final = 3
 OPEN_WITHIN_S: Final = 5.0
-"""At a run's beginning another program that only looks into the journal is waited for so long."""
+"""At a run's beginning a program that is about to end is waited for so long."""
+LOOK_AGAIN_S: Final = 0.05
 MOST_BYTES: Final = 64_000_000
 SIDE_FILES: Final = ("", "-wal", "-shm", "-journal")
-"""What SQLite appends to the file's name for the files beside it."""
+"""Versions 1 and 2 were SQLite databases, which have files beside them."""
 MOST_ASIDE: Final = 1000
 
-_MAGIC: Final = b"SQLite format 3\x00"
-_HEAD_BYTES: Final = 20
-"""They end with the file format's two version numbers, 1 or 2 each."""
+_MAGIC: Final = f"clearway {KIND} ".encode()
+_OLD_MAGIC: Final = b"SQLite format 3\x00"
 _LIKENESS: Final = 12
-"""So many equal bytes of the first sixteen are a damaged database, not somebody's notes."""
-_TABLE: Final = (
-    "CREATE TABLE IF NOT EXISTS contents "
-    "(one INTEGER PRIMARY KEY CHECK (one = 1), body TEXT NOT NULL, sum TEXT NOT NULL)"
-)
-_OLD_TABLES: Final = frozenset({"mission", "plan"})
-"""Those of version 1, which had no application's number."""
-_NO_ROOM: Final = frozenset({sqlite3.SQLITE_FULL, sqlite3.SQLITE_IOERR})
-_IN_USE: Final = frozenset({sqlite3.SQLITE_BUSY, sqlite3.SQLITE_LOCKED})
-_FORBIDDEN: Final = frozenset(
-    {sqlite3.SQLITE_CANTOPEN, sqlite3.SQLITE_READONLY, sqlite3.SQLITE_PERM}
-)
-_NO_ROOM_ERRNO: Final = frozenset({errno.ENOSPC, errno.EDQUOT, errno.EFBIG, errno.EIO})
+"""Where this many of the first bytes are equal, it is a damaged journal, not somebody's notes."""
+_OLD_TABLES: Final = {
+    1: b"CREATE TABLE mission (one INTEGER PRIMARY KEY",
+    2: b"CREATE TABLE contents (one INTEGER PRIMARY KEY CHECK (one = 1)",
+}
+"""By version: the statement that such a database, or its ``-wal`` file, holds as text."""
+_NO_ROOM: Final = frozenset({errno.ENOSPC, errno.EDQUOT, errno.EFBIG, errno.EIO})
 
 
 class JournalError(ValueError):
@@ -75,116 +71,74 @@ class JournalFile:
 
     def __init__(self, path: Path, owner: Owner, patience_s: float = OPEN_WITHIN_S) -> None:
         self.path, self.owner = path, owner
-        self._patience_s = patience_s
+        self._file = Path(os.path.realpath(path))  # a link to it stays one
+        self._lock_file = self._file.with_name(f".{self._file.name}.lock")
+        self._lock: int | None = None
         self.remark = ""
         self.contents: Contents | None = None
         try:
-            self._open()
-        except _UntrustedError as untrusted:
-            aside = self._put_aside(untrusted.label)
-            self.remark = (
-                f"journal {path}: {untrusted}: kept as {aside.name}; the run begins without it"
-            )
-            self._open()
-
-    def _open(self) -> None:
-        try:
             self._make_private()
-            self._look_like_a_journal()
-            self._db = sqlite3.connect(self.path, isolation_level=None, timeout=self._patience_s)
+            self._take_lock(patience_s)
+            try:
+                self.contents = self._read()
+            except _UntrustedError as untrusted:
+                aside = self._put_aside(untrusted.label)
+                self.remark = (
+                    f"journal {path}: {untrusted}: kept as {aside.name}; the run begins without it"
+                )
         except OSError as error:
-            kind = JournalWriteError if error.errno in _NO_ROOM_ERRNO else JournalError
-            raise kind(f"journal {self.path}: {error.strerror or error}") from None
-        except sqlite3.Error as error:
-            raise self._error(error) from None
-        try:
-            self._prepare()
-        except sqlite3.Error as error:
-            if _code(error) not in _NO_ROOM | _IN_USE | _FORBIDDEN:
-                raise _UntrustedError("damaged", f"is damaged ({error})") from None
-            self._db.close()
-            raise self._error(error) from None
-        except UnicodeDecodeError:  # in SQLite's own sentence on a damaged name
-            raise _UntrustedError("damaged", "is damaged (its tables' names)") from None
+            self.close()
+            kind = JournalWriteError if error.errno in _NO_ROOM else JournalError
+            raise kind(f"journal {path}: {error.strerror or error}") from None
         except JournalError:
-            self._db.close()
+            self.close()
             raise
+        self._seen = self._present()
 
     def _make_private(self) -> None:
-        """Make the file where there is none; its owner alone may read it in any case."""
-        self.path.parent.mkdir(parents=True, exist_ok=True)
-        with contextlib.suppress(FileExistsError):
-            os.close(os.open(self.path, os.O_CREAT | os.O_EXCL | os.O_RDWR, 0o600))
-        if not stat.S_ISREG(self.path.stat().st_mode):
-            raise JournalError(f"journal {self.path}: is no ordinary file")
+        """Its owner alone may read what is there, the side files of old versions too."""
+        self._file.parent.mkdir(parents=True, exist_ok=True)
         for file in self._files():
-            if file.exists() and stat.S_IMODE(file.stat().st_mode) & 0o077:
-                file.chmod(0o600)
+            with contextlib.suppress(FileNotFoundError):
+                mode = file.stat().st_mode
+                if file == self._file and not stat.S_ISREG(mode):
+                    raise JournalError(f"journal {self.path}: is no ordinary file")
+                if stat.S_IMODE(mode) & 0o077:
+                    file.chmod(0o600)
 
     def _files(self) -> list[Path]:
-        return [self.path.with_name(self.path.name + end) for end in SIDE_FILES]
+        return [self._file.with_name(self._file.name + end) for end in SIDE_FILES]
 
-    def _look_like_a_journal(self) -> None:
-        with self.path.open("rb") as file:
-            head = file.read(_HEAD_BYTES)
-        magic, versions = head[: len(_MAGIC)], head[18:20]
-        if not head or (magic == _MAGIC and all(one in (1, 2) for one in versions)):
-            return
-        alike = sum(one == other for one, other in zip(magic, _MAGIC, strict=False))
-        if alike >= _LIKENESS or not any(head):
-            raise _UntrustedError("damaged", "is damaged (its first bytes)")
-        raise JournalError(f"journal {self.path}: is no journal: name another file, or remove it")
-
-    def _prepare(self) -> None:
-        # the lock is held until the file is closed, and no file of shared memory is needed
-        self._db.execute("PRAGMA locking_mode=EXCLUSIVE")
-        self._db.execute("PRAGMA journal_mode=WAL")
-        self._db.execute("PRAGMA synchronous=FULL")
-        self._refuse_strangers()
-        self._db.execute("BEGIN IMMEDIATE")
-        self._db.execute(_TABLE)
-        self._db.execute(f"PRAGMA application_id={APPLICATION_ID}")
-        self._db.execute(f"PRAGMA user_version={VERSION}")
-        self._db.execute("COMMIT")
-        self._db.execute("PRAGMA busy_timeout=0")  # nobody else can hold it from here on
-        self._inodes = self._present()
-        self.contents = self._read()
-
-    def _refuse_strangers(self) -> None:
-        """JournalError for other programs' and later files, which are left as they are."""
-        found = str(self._db.execute("PRAGMA quick_check(1)").fetchone()[0])
-        if found != "ok":
-            raise _UntrustedError("damaged", f"is damaged ({found.splitlines()[0][:100]})")
-        version = int(self._db.execute("PRAGMA user_version").fetchone()[0])
-        application = int(self._db.execute("PRAGMA application_id").fetchone()[0])
-        rows = self._db.execute("SELECT name FROM sqlite_master WHERE type = 'table'").fetchall()
-        tables = {str(name) for (name,) in rows}
-        if application != APPLICATION_ID and not (tables <= _OLD_TABLES or tables == {"contents"}):
-            raise JournalError(
-                f"journal {self.path}: is another program's database: name another file"
-            )
-        if not 0 <= version <= LATEST_VERSION:
-            raise _UntrustedError("damaged", f"is damaged (version {version})")
-        if version > VERSION:
-            raise JournalError(
-                f"journal {self.path}: is of version {version}, this program writes {VERSION}: "
-                "name another file, or remove it"
-            )
-        if tables and version < VERSION:
-            sentence = f"is of version {version}, which does not say whose mission it holds"
-            raise _UntrustedError(f"version{version}", sentence)
+    def _take_lock(self, patience_s: float) -> None:
+        until_s = time.monotonic() + patience_s
+        while self._lock is None:
+            handle = os.open(self._lock_file, os.O_CREAT | os.O_RDWR, 0o600)
+            try:
+                fcntl.flock(handle, fcntl.LOCK_EX | fcntl.LOCK_NB)
+                if _identity(self._lock_file) == _identity(handle):
+                    self._lock = handle  # else it was deleted before it was locked
+            except BlockingIOError:
+                if time.monotonic() >= until_s:
+                    raise JournalError(
+                        f"journal {self.path}: is in use by another program, a running clearway "
+                        "most likely: give each its own recording.journal"
+                    ) from None
+                time.sleep(LOOK_AGAIN_S)
+            finally:
+                if self._lock != handle:
+                    os.close(handle)
 
     def _read(self) -> Contents | None:
-        row = self._db.execute(
-            "SELECT CASE WHEN length(body) <= ? THEN body END, sum FROM contents", (MOST_BYTES,)
-        ).fetchone()
-        if row is None:
-            return None
-        body, checksum = row
-        if not isinstance(body, str) or checksum != _sum(body):
-            raise _UntrustedError("damaged", "is damaged (its checksum)")
         try:
-            contents = from_text(body)
+            with self._file.open("rb") as file:
+                data = file.read(MOST_BYTES)
+        except FileNotFoundError:
+            return None
+        self._look_like_a_journal(data)
+        try:
+            contents = from_text(self._unsealed(data))
+        except SealError as error:
+            raise _UntrustedError("damaged", str(error)) from None
         except RecordError as error:
             raise _UntrustedError("damaged", f"cannot be used ({error})") from None
         if contents.owner != self.owner:
@@ -192,82 +146,96 @@ class JournalFile:
             raise _UntrustedError("other", f"holds a mission of {difference}")
         return contents
 
+    def _look_like_a_journal(self, data: bytes) -> None:
+        """JournalError for other programs' files, which are left as they are."""
+        if data.startswith(_MAGIC) or not data:
+            return
+        if data.startswith(_OLD_MAGIC):
+            self._look_like_an_old_one(data)
+        if _is_alike(data) or not any(data):
+            raise _UntrustedError("damaged", "is damaged (its first bytes)")
+        raise JournalError(f"journal {self.path}: is no journal: name another file, or remove it")
+
+    def _look_like_an_old_one(self, data: bytes) -> None:
+        with contextlib.suppress(FileNotFoundError), self._files()[1].open("rb") as file:
+            data += file.read(MOST_BYTES)
+        for version, table in _OLD_TABLES.items():
+            if table in data:
+                raise _UntrustedError(
+                    f"version{version}",
+                    f"is of version {version}, in which a lost byte could bring back an entry "
+                    "that is over",
+                )
+        raise JournalError(f"journal {self.path}: is another program's database: name another file")
+
+    def _unsealed(self, data: bytes) -> str:
+        """The text; SealError where it is damaged, JournalError where a later program wrote it."""
+        number = data[len(_MAGIC) :].split(b" ", 1)[0]
+        version = int(number) if number.isdigit() and len(number) < 4 else VERSION
+        text = unseal(KIND, version, data)
+        if version != VERSION:
+            raise JournalError(
+                f"journal {self.path}: is of version {version}, this program writes {VERSION}: "
+                "name another file, or remove it"
+            )
+        return text
+
     def _put_aside(self, label: str) -> Path:
         """Rename what is there, so that nothing is lost; the new name."""
         for number in range(1, MOST_ASIDE + 1):
-            aside = self.path.with_name(f"{self.path.name}.{label}-{number}")
+            aside = self._file.with_name(f"{self._file.name}.{label}-{number}")
             if not aside.exists():
                 break
         else:
             raise JournalError(f"journal {self.path}: {MOST_ASIDE} files are kept aside already")
-        try:
-            for file, end in zip(self._files(), SIDE_FILES, strict=True):
-                if file.exists():
-                    file.rename(aside.with_name(aside.name + end))
-        except OSError as error:
-            raise JournalError(f"journal {self.path}: {error.strerror or error}") from None
-        finally:
-            if hasattr(self, "_db"):  # the lock is held until the names are others
-                self._db.close()
+        for file, end in zip(self._files(), SIDE_FILES, strict=True):
+            if file.exists():
+                file.rename(aside.with_name(aside.name + end))
         return aside
 
     def save(self, contents: Contents) -> None:
         """Keep the contents; ``JournalWriteError`` where they are not on the disk now."""
-        if self._present() != self._inodes:
+        if self._present() != self._seen:
             raise JournalWriteError(f"journal {self.path}: was deleted or replaced by another file")
-        body = to_text(contents)
+        sealed = seal(KIND, VERSION, to_text(contents))
         try:
-            self._db.execute("BEGIN IMMEDIATE")
-            try:
-                self._db.execute(
-                    "INSERT OR REPLACE INTO contents VALUES (1, ?, ?)", (body, _sum(body))
-                )
-                self._db.execute("COMMIT")
-            finally:
-                if self._db.in_transaction:
-                    self._db.execute("ROLLBACK")
-        except sqlite3.Error as error:
-            raise self._error(error) from None
+            write_whole(self._file, sealed, private=True, durable=True)
+        except UnwrittenFileError as error:
+            raise JournalWriteError(f"journal {error}") from None
+        finally:
+            self._seen = self._present()
 
     def _present(self) -> list[tuple[int, int] | None]:
-        """Which files the two names are now; a deleted file could be written for ever."""
-        found: list[tuple[int, int] | None] = []
-        for file in self._files()[:2]:
-            try:
-                told = file.stat()
-            except OSError:
-                found.append(None)
-            else:
-                found.append((told.st_dev, told.st_ino))
-        return found
+        """Which files the journal and its lock are now: both may be deleted meanwhile."""
+        return [_identity(self._file), _identity(self._lock_file)]
 
     def discard(self) -> None:
         """Remove the file, where what is in it would mislead the next program."""
-        if self._present() == self._inodes:
-            for file in self._files():
-                with contextlib.suppress(OSError):  # what is left is no worse than before
-                    file.unlink(missing_ok=True)
+        if self._present() == self._seen:
+            with contextlib.suppress(OSError):  # what is left is no worse than before
+                self._file.unlink(missing_ok=True)
+                sync_folder(self._file.parent)
 
     def close(self) -> None:
-        """Close the file, which ends the lock."""
-        with contextlib.suppress(sqlite3.Error):  # what was saved is in the file already
-            self._db.close()
-
-    def _error(self, error: sqlite3.Error) -> JournalError:
-        code = _code(error)
-        if code in _IN_USE:
-            return JournalError(
-                f"journal {self.path}: is in use by another program, a running clearway most "
-                "likely: give each its own recording.journal"
-            )
-        kind = JournalError if code in _FORBIDDEN else JournalWriteError
-        return kind(f"journal {self.path}: cannot be written: {error}")
+        """End the lock."""
+        if self._lock is not None:
+            os.close(self._lock)
+            self._lock = None
 
 
-def _code(error: sqlite3.Error) -> int:
-    """SQLite's number of what went wrong, without the details."""
-    return int(getattr(error, "sqlite_errorcode", 0) or 0) & 0xFF
+def _identity(file: Path | int) -> tuple[int, int] | None:
+    """Device and inode; None where there is no such file."""
+    try:
+        told = os.stat(file)
+    except OSError:
+        return None
+    return told.st_dev, told.st_ino
 
 
-def _sum(body: str) -> str:
-    return hashlib.sha256(body.encode()).hexdigest()
+def _is_alike(data: bytes) -> bool:
+    """True if it begins like a journal of any version, or is what is left of such a beginning."""
+    for magic in (_MAGIC, _OLD_MAGIC):
+        equal = sum(one == other for one, other in zip(data, magic, strict=False))
+        if equal >= _LIKENESS or magic.startswith(data):
+            return True
+    return False

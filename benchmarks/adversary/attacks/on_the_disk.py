@@ -3,11 +3,10 @@
 from __future__ import annotations
 
 import contextlib
+import fcntl
 import resource
 import shutil
-import sqlite3
 import time
-from contextlib import closing
 from pathlib import Path
 
 from benchmarks.adversary.attacks.attack import Attack
@@ -37,20 +36,17 @@ def _nobody_reads(rig: Rig) -> None:
 
 def _locked(rig: Rig) -> None:
     """Twice for 2 s, while a new plan has to be kept; the stop comes in the second."""
-    with closing(
-        sqlite3.connect(rig.folder / "journal", isolation_level=None, timeout=0.2)
-    ) as other:
+    with (rig.folder / ".journal.lock").open("rb") as other:
         for number in range(2):
-            with contextlib.suppress(sqlite3.OperationalError):  # the program keeps others out
-                other.execute("BEGIN IMMEDIATE")
+            with contextlib.suppress(BlockingIOError):  # the program keeps others out
+                fcntl.flock(other, fcntl.LOCK_EX | fcntl.LOCK_NB)
             until_s = time.monotonic() + LOCKED_S
             rig.order(order="replan")
             rig.watch(0.5)
             if number == 1:
                 rig.stop()
             rig.watch(until_s - time.monotonic())
-            if other.in_transaction:
-                other.execute("ROLLBACK")
+            fcntl.flock(other, fcntl.LOCK_UN)
             rig.watch(2.0)
 
 

@@ -20,4 +20,5 @@ def keep(path: Path, mission: Mission = DRIVING, plan: SentPlan | None = PLAN) -
 
 
 def aside(path: Path) -> list[str]:
-    return sorted(file.name for file in path.parent.iterdir() if "-wal" not in file.name)
+    """Every file beside the lock."""
+    return sorted(file.name for file in path.parent.iterdir() if file.name != f".{path.name}.lock")

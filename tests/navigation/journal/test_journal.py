@@ -35,7 +35,7 @@ missions = st.lists(stations, min_size=1, max_size=5).flatmap(
 def test_what_is_saved_is_read_back_exactly(
     tmp_path_factory: pytest.TempPathFactory, mission: Mission, some: list[Target], number: int
 ) -> None:
-    path = tmp_path_factory.mktemp("journal") / "journal.sqlite"
+    path = tmp_path_factory.mktemp("journal") / "journal"
     plan = SentPlan(number, 0, tuple(some))
     keep(path, mission, plan)
     with Journal(path, OWNER) as journal:

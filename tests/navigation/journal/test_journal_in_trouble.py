@@ -2,7 +2,6 @@
 
 import os
 import signal
-import sqlite3
 import subprocess
 import sys
 from dataclasses import replace
@@ -16,6 +15,7 @@ from navigation.journal.journal import RETRY_S, Journal
 from navigation.journal.journal_file import JournalFile
 from navigation.journal.journal_records import Owner
 from navigation.mission.mission import Event, Mission, State
+from navigation.shared.whole_file import UnwrittenFileError, write_whole
 from tests.navigation.journal.kept import DRIVING, OWNER, PLAN, TWO
 
 # What goes wrong while it is used.
@@ -36,46 +36,32 @@ def test_a_journal_that_was_deleted_is_said_and_made_again(path: Path) -> None:
 
 
 class FullDisk:
-    """A connection whose writes find no room while ``full``."""
+    """What writes the journal; it finds no room while ``full``."""
 
-    def __init__(self, db: sqlite3.Connection) -> None:
-        self._db, self.full, self.tries = db, True, 0
+    def __init__(self) -> None:
+        self.full, self.tries = True, 0
 
-    def execute(self, statement: str, *values: Any) -> sqlite3.Cursor:
-        if self.full and statement.startswith("INSERT"):
+    def write(self, path: Path, data: bytes, **options: bool) -> None:
+        if self.full:
             self.tries += 1
-            error = sqlite3.OperationalError("database or disk is full")
-            error.sqlite_errorcode = sqlite3.SQLITE_FULL
-            raise error
-        return self._db.execute(statement, *values)
-
-    def __getattr__(self, name: str) -> Any:
-        return getattr(self._db, name)
+            raise UnwrittenFileError(f"{path}: cannot be written: No space left on device")
+        write_whole(path, data, **options)
 
 
 @pytest.fixture
-def full_disk(monkeypatch: pytest.MonkeyPatch) -> list[FullDisk]:
-    """Every connection that is opened, each on a full disk."""
-    disks: list[FullDisk] = []
-    connect = sqlite3.connect
-
-    def opened(*arguments: Any, **options: Any) -> FullDisk:
-        disks.append(FullDisk(connect(*arguments, **options)))
-        return disks[-1]
-
-    monkeypatch.setattr(journal_file.sqlite3, "connect", opened)
-    return disks
+def full_disk(monkeypatch: pytest.MonkeyPatch) -> FullDisk:
+    disk = FullDisk()
+    monkeypatch.setattr(journal_file, "write_whole", disk.write)
+    return disk
 
 
-def test_a_full_disk_is_said_and_tried_again_now_and_then(
-    path: Path, full_disk: list[FullDisk]
-) -> None:
+def test_a_full_disk_is_said_and_tried_again_now_and_then(path: Path, full_disk: FullDisk) -> None:
     with Journal(path, OWNER) as journal:
         for tick in range(100):
             journal.keep(DRIVING, PLAN, 0.03 * tick)
-        assert f"journal {path}: cannot be written: database or disk is full" in journal.trouble
-        assert sum(disk.tries for disk in full_disk) <= 8
-        full_disk[-1].full = False
+        assert f"journal {path}: cannot be written: No space left on device" in journal.trouble
+        assert full_disk.tries <= 8
+        full_disk.full = False
         journal.keep(DRIVING.with_visited(2), None, 3.5)
         assert journal.trouble == ""
 
@@ -92,12 +78,12 @@ def test_a_full_disk_is_said_and_tried_again_now_and_then(
     ids=["progress", "stopped", "paused", "done", "replaced"],
 )
 def test_what_cannot_be_saved_never_leaves_a_record_that_drives_what_is_over(
-    path: Path, full_disk: list[FullDisk], now: Mission, stays: bool
+    path: Path, full_disk: FullDisk, now: Mission, stays: bool
 ) -> None:
     with Journal(path, OWNER) as journal:
-        full_disk[-1].full = False
+        full_disk.full = False
         journal.keep(replace(DRIVING, visited=0), PLAN, 0.0)
-        full_disk[-1].full = True
+        full_disk.full = True
         journal.keep(now, None, 1.0)
         assert journal.trouble
         assert path.exists() == stays
@@ -108,7 +94,7 @@ def test_the_program_begins_on_a_full_disk_too(path: Path, monkeypatch: pytest.M
         raise OSError(28, "No space left on device")
 
     with monkeypatch.context() as patched:
-        patched.setattr(JournalFile, "_make_private", no_room)
+        patched.setattr(JournalFile, "_take_lock", no_room)
         journal = Journal(path, OWNER)
         assert "No space left on device; the run continues" in journal.trouble
         journal.keep(DRIVING, PLAN, 0.0)

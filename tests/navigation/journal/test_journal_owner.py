@@ -11,6 +11,7 @@ from typing import Any
 import pytest
 
 from navigation.journal.journal import Journal, JournalError, owner_of
+from navigation.journal.journal_file import JournalFile
 from tests.navigation.journal.kept import DRIVING, OWNER, PLAN, aside, keep
 from tests.support.runs.virtual import short_config
 
@@ -56,9 +57,9 @@ def test_the_owner_follows_from_the_configuration_and_holds_no_password() -> Non
 # Locks and rights.
 
 
-def test_a_second_program_is_refused(path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_second_program_is_refused(path: Path) -> None:
     second = (
-        "import sys\nfrom pathlib import Path\nfrom navigation.journal import journal_file\n"
+        "import sys\nfrom pathlib import Path\n"
         "from navigation.journal.journal import *\n"
         "try:\n    Journal(Path(sys.argv[1]), Owner())\n"
         "except JournalError as error:\n    print(error)\n"
@@ -70,6 +71,33 @@ def test_a_second_program_is_refused(path: Path, monkeypatch: pytest.MonkeyPatch
         ).stdout
         assert f"journal {path}: is in use by another program" in told
         assert aside(path) == ["journal"]
+
+
+def test_a_journal_is_locked_against_every_name_of_it(path: Path) -> None:
+    keep(path)
+    link = path.with_name("link")
+    link.symlink_to(path)
+    with Journal(link, OWNER) as journal:
+        journal.keep(DRIVING.with_visited(2), PLAN, 0.0)
+        with pytest.raises(JournalError, match="in use by another program"):
+            JournalFile(path, OWNER, patience_s=0.0)
+    assert link.is_symlink()
+    with Journal(path, OWNER) as journal:
+        assert journal.mission() == DRIVING.with_visited(2)
+
+
+def test_a_journal_whose_lock_was_deleted_is_not_written_by_two_programs(path: Path) -> None:
+    with Journal(path, OWNER) as journal:
+        journal.keep(DRIVING, PLAN, 0.0)
+        path.with_name(".journal.lock").unlink()
+        with Journal(path, OWNER) as second:
+            for now_s in (0.0, 2.0):
+                journal.keep(DRIVING.with_visited(2), None, now_s)
+                assert journal.trouble
+            assert "in use by another program" in journal.trouble
+            assert second.mission() == DRIVING
+        with Journal(path, OWNER) as second:
+            assert second.mission() == DRIVING
 
 
 @pytest.mark.parametrize("exists", [False, True])
@@ -84,7 +112,7 @@ def test_nobody_else_may_read_it(path: Path, exists: bool) -> None:
             found = {f.name: stat.S_IMODE(f.stat().st_mode) for f in path.parent.iterdir()}
     finally:
         os.umask(before)
-    assert {"journal", "journal-wal"} <= found.keys()
+    assert {"journal", ".journal.lock"} <= found.keys()
     assert set(found.values()) == {0o600}, found
 
 
