@@ -40,6 +40,8 @@ class Process:
             "PYTHONDONTWRITEBYTECODE": "1",
             "PYTHONPATH": os.pathsep.join(paths),
             "PYTHONUNBUFFERED": "1",
+            # stops of another run, on a line of the same name, hold none of this one
+            "XDG_STATE_HOME": str(folder / "state"),
             "OPENCV_LOG_LEVEL": "SILENT",
             "OPENCV_FFMPEG_LOGLEVEL": "-8",
         }
