@@ -7,7 +7,6 @@ Pictures are decoded one at a time. Times are the run's clock, seconds.
 from __future__ import annotations
 
 import json
-import struct
 from collections.abc import Iterator
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -15,24 +14,31 @@ from typing import Any, Final
 
 import cv2
 import numpy as np
-from mcap.exceptions import McapError
-from mcap.records import Channel, Chunk, Message
-from mcap.stream_reader import CRCValidationError, StreamReader, breakup_chunk
 
 from navigation.config import Config
 from navigation.fleet.request import FleetRequest
 from navigation.mission.cycle import PlanRequest
 from navigation.recording import json_bodies as bodies
 from navigation.recording.files import RecordingError
+from navigation.recording.messages import Messages
 from planner.formats.scene_text import read_scene_text
 from planner.scene import Scene, SceneError
 from vision.calibration.calibration import Calibration
 from vision.calibration.calibration_file import parse_calibration
 from vision.camera.camera import Image
+from vision.camera.picture_size import oversize
 
 CAMERA: Final = "/camera"
 _DATA_FIELD: Final = 2
 """`data` in foxglove.CompressedImage."""
+BAD_BODY: Final = (
+    *(ValueError, LookupError, TypeError, AttributeError, ArithmeticError),
+    *(SceneError, RecursionError),
+)
+"""JSON that is damaged, or has other things or larger numbers in it than the recorder writes."""
+MOST_CHARACTERS: Final = 300
+"""Of a reason that another library gives."""
+_VARINT_BITS: Final = 64
 
 
 @dataclass(frozen=True, slots=True)
@@ -88,7 +94,7 @@ class Recording:
 
     def pictures(self) -> Iterator[tuple[int, Image]]:
         """Time in the file (nanoseconds) and picture, in order."""
-        for topic, message in _Messages(self.path):
+        for _, topic, message in Messages(self.path):
             if topic == CAMERA:
                 yield message.log_time, decoded_picture(message.data, self.path)
 
@@ -98,8 +104,8 @@ def read_recording(path: Path) -> Recording:
     recording: Recording | None = None
     asked: dict[tuple[str, int], PlanRequest | FleetRequest] = {}
     """By the topic of the answer, and id."""
-    messages = _Messages(path)
-    for topic, message in messages:
+    messages = Messages(path)
+    for _, topic, message in messages:
         if topic not in bodies.TOPICS:
             continue
         try:
@@ -118,45 +124,18 @@ def read_recording(path: Path) -> Recording:
                 asked[bodies.FLEET_PLANS, of_all.id] = of_all
             elif (topic, body.get("id")) in asked:
                 recording.plans.append(Planned(asked.pop((topic, body["id"])), body))
-        except (ValueError, KeyError, TypeError, SceneError, RecursionError) as error:
-            raise RecordingError(f"{path}: a message of {topic} cannot be read: {error}") from None
+        except BAD_BODY as error:
+            raise unreadable(path, topic, error) from None
     if recording is None:
         raise RecordingError(f"{path}: holds no configuration: not a recording of a run")
     recording.cut = messages.cut
     return recording
 
 
-class _Messages:
-    """The messages of a file with their topics; ``cut`` says whether its end was missing."""
-
-    def __init__(self, path: Path) -> None:
-        self.path = path
-        self.cut = True
-
-    def __iter__(self) -> Iterator[tuple[str, Message]]:
-        topics: dict[int, str] = {}
-        try:
-            with self.path.open("rb") as file:
-                for record in StreamReader(file, emit_chunks=True).records:
-                    inner = whole_records(record) if isinstance(record, Chunk) else [record]
-                    for one in inner:
-                        if isinstance(one, Channel):
-                            topics[one.id] = one.topic
-                        elif isinstance(one, Message):
-                            yield topics.get(one.channel_id, ""), one
-            self.cut = False
-        except OSError as error:
-            raise RecordingError(f"{self.path}: {error.strerror or error}") from None
-        except (McapError, CRCValidationError, struct.error, UnicodeDecodeError) as error:
-            if not topics:
-                raise RecordingError(f"{self.path}: not an MCAP recording: {error}") from None
-
-
-def whole_records(chunk: Chunk) -> list[Any]:
-    """The records of a chunk; `McapError` where the end of it is missing."""
-    if not chunk.compression and len(chunk.data) != chunk.uncompressed_size:
-        raise McapError("the chunk is cut off")
-    return list(breakup_chunk(chunk, validate_crc=True))
+def unreadable(path: Path, topic: str, error: Exception) -> RecordingError:
+    """The refusal of a message, in one sentence."""
+    why = " ".join(f"{type(error).__name__}: {error}".split())[:MOST_CHARACTERS]
+    return RecordingError(f"{path}: a message of {topic} cannot be read: {why}")
 
 
 def _begin(path: Path, topic: str, body: dict[str, Any]) -> Recording:
@@ -191,7 +170,13 @@ def _scene(body: dict[str, Any]) -> SeenScene:
 def decoded_picture(message: bytes, path: Path) -> Image:
     """The picture in a message of Foxglove's; `RecordingError` where there is none."""
     data = bytes_field(message, _DATA_FIELD)
-    image = cv2.imdecode(np.frombuffer(data, np.uint8), cv2.IMREAD_UNCHANGED) if data else None
+    large = oversize(data)
+    if large:
+        raise RecordingError(f"{path}: {large}")
+    try:
+        image = cv2.imdecode(np.frombuffer(data, np.uint8), cv2.IMREAD_UNCHANGED) if data else None
+    except cv2.error:
+        image = None
     if image is None or image.dtype != np.uint8:
         raise RecordingError(f"{path}: a picture in it cannot be decoded")
     return np.asarray(image, dtype=np.uint8)
@@ -221,7 +206,7 @@ def bytes_field(message: bytes, wanted: int) -> bytes:
 
 def _varint(message: bytes, at: int) -> tuple[int, int]:
     value = shift = 0
-    while at < len(message):
+    while at < len(message) and shift < _VARINT_BITS:
         byte = message[at]
         value |= (byte & 0x7F) << shift
         shift, at = shift + 7, at + 1

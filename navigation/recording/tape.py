@@ -8,7 +8,6 @@ from __future__ import annotations
 
 import json
 import math
-import struct
 from bisect import bisect_right
 from collections import defaultdict
 from collections.abc import Iterator
@@ -16,15 +15,15 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any, Final, TypeAlias, TypeVar
 
-from mcap.exceptions import McapError
-from mcap.records import Channel, Chunk, Message
-from mcap.stream_reader import CRCValidationError, StreamReader
+from mcap.records import Message
 
 from navigation.mission.cycle import PlanRequest
 from navigation.mission.mission import Station
 from navigation.recording import json_bodies as bodies
 from navigation.recording.files import RecordingError
+from navigation.recording.messages import Messages, messages_at
 from navigation.recording.reader import (
+    BAD_BODY,
     CAMERA,
     Planned,
     Recording,
@@ -33,7 +32,7 @@ from navigation.recording.reader import (
     bytes_field,
     decoded_picture,
     read_recording,
-    whole_records,
+    unreadable,
 )
 from vision.camera.camera import Image
 
@@ -156,15 +155,9 @@ class Tape:
     def image(self, picture: TapedPicture) -> Image:
         """Read and decode a picture; `RecordingError` where that cannot be."""
         path = self.recording.path
-        try:
-            with path.open("rb") as file:
-                file.seek(picture.offset)
-                record = next(iter(StreamReader(file, skip_magic=True, emit_chunks=True).records))
-            for message in _messages_of(record):
-                if (message.channel_id, message.log_time) == (picture.channel, picture.stamp_ns):
-                    return decoded_picture(message.data, path)
-        except (OSError, McapError, CRCValidationError, struct.error, StopIteration) as error:
-            raise RecordingError(f"{path}: a picture in it cannot be read: {error}") from None
+        for message in messages_at(path, picture.offset):
+            if (message.channel_id, message.log_time) == (picture.channel, picture.stamp_ns):
+                return decoded_picture(message.data, path)
         raise RecordingError(f"{path}: a picture in it is not where it was")
 
 
@@ -177,34 +170,45 @@ def read_tape(path: Path) -> Tape:
     frames = sorted(recording.frames.values(), key=lambda seen: seen.captured_s)
     first = recording.frames[stamps[0]]
     tape = Tape(recording, stamps[0] / 1e9 - first.captured_s, frames)
-    for offset, topic, message in _placed_messages(path):
-        time_s = message.log_time / 1e9 - tape.wall_offset_s
-        if topic == CAMERA:
-            seen = recording.frames.get(message.log_time)
-            if seen is not None:  # else the file was cut between a picture and what was seen
-                number = len(tape.pictures)
-                place = (offset, message.channel_id, number)
-                tape.pictures.append(TapedPicture(seen.captured_s, message.log_time, *place))
-        elif topic == LOG:
-            source = bytes_field(message.data, _SOURCE_FIELD).decode(errors="replace")
-            sentence = bytes_field(message.data, _SENTENCE_FIELD).decode(errors="replace")
-            alone = source == MISSION and not recording.config.robots
-            tape.said["" if alone else source].append((time_s, sentence))
-        elif topic == bodies.LINK or topic.startswith(f"{bodies.LINK}/"):
-            name = topic.removeprefix(bodies.LINK).removeprefix("/")
-            tape.links[name].append((time_s, json.loads(message.data)))
-        elif topic == bodies.FLEET_WAITS:
-            told = json.loads(message.data)
-            tape.waits.append((time_s, (told["waits"], told["waits_for"])))
+    for offset, topic, message in Messages(path):
+        try:
+            _take(tape, offset, topic, message)
+        except BAD_BODY as error:
+            raise unreadable(path, topic, error) from None
     moments: list[list[Any]] = [*tape.said.values(), *tape.links.values(), tape.waits]
     for one_kind in moments:
         one_kind.sort(key=lambda one: one[0])
     tape.pictures.sort(key=lambda one: one.captured_s)
     recording.scenes.sort(key=lambda scene: scene.captured_s)
-    for planned in sorted(recording.plans, key=lambda plan: float(plan.answer["time_s"])):
-        for name, plan in _plans_in(planned):
-            tape.plans[name].append(plan)
+    try:
+        for planned in sorted(recording.plans, key=lambda plan: float(plan.answer["time_s"])):
+            for name, plan in _plans_in(planned):
+                tape.plans[name].append(plan)
+    except BAD_BODY as error:
+        raise unreadable(path, bodies.PLANS, error) from None
     return tape
+
+
+def _take(tape: Tape, offset: int, topic: str, message: Message) -> None:
+    """Put a message where it belongs; ``offset`` is the place of the record that holds it."""
+    time_s = message.log_time / 1e9 - tape.wall_offset_s
+    if topic == CAMERA:
+        seen = tape.recording.frames.get(message.log_time)
+        if seen is not None:  # else the file was cut between a picture and what was seen
+            number = len(tape.pictures)
+            place = (offset, message.channel_id, number)
+            tape.pictures.append(TapedPicture(seen.captured_s, message.log_time, *place))
+    elif topic == LOG:
+        source = bytes_field(message.data, _SOURCE_FIELD).decode(errors="replace")
+        sentence = bytes_field(message.data, _SENTENCE_FIELD).decode(errors="replace")
+        alone = source == MISSION and not tape.recording.config.robots
+        tape.said["" if alone else source].append((time_s, sentence))
+    elif topic == bodies.LINK or topic.startswith(f"{bodies.LINK}/"):
+        name = topic.removeprefix(bodies.LINK).removeprefix("/")
+        tape.links[name].append((time_s, json.loads(message.data)))
+    elif topic == bodies.FLEET_WAITS:
+        told = json.loads(message.data)
+        tape.waits.append((time_s, (told["waits"], told["waits_for"])))
 
 
 def _plans_in(planned: Planned) -> Iterator[tuple[str, TapedPlan]]:
@@ -223,27 +227,3 @@ def _newest(moments: list[tuple[float, T]], time_s: float) -> T | None:
     """What was said last; ``moments`` ascending."""
     at = bisect_right(moments, time_s, key=lambda one: one[0])
     return moments[at - 1][1] if at else None
-
-
-def _placed_messages(path: Path) -> Iterator[tuple[int, str, Message]]:
-    """Every whole message with its topic and the place of the record that holds it."""
-    topics: dict[int, str] = {}
-    try:
-        with path.open("rb") as file:
-            offset = 0
-            for record in StreamReader(file, emit_chunks=True).records:
-                begin, offset = offset, file.tell()
-                for one in whole_records(record) if isinstance(record, Chunk) else [record]:
-                    if isinstance(one, Channel):
-                        topics[one.id] = one.topic
-                    elif isinstance(one, Message):
-                        yield begin, topics.get(one.channel_id, ""), one
-    except OSError as error:
-        raise RecordingError(f"{path}: {error.strerror or error}") from None
-    except (McapError, CRCValidationError, struct.error, UnicodeDecodeError):
-        return  # a file that was cut: what was flushed is there
-
-
-def _messages_of(record: object) -> Iterator[Message]:
-    inner = whole_records(record) if isinstance(record, Chunk) else [record]
-    yield from (one for one in inner if isinstance(one, Message))
