@@ -80,6 +80,12 @@ class Journal:
         mission = self.mission()
         return mission if mission is not None and _has_work(mission) else None
 
+    def rearmed(self) -> Mission | None:
+        """A mission that was stopped and re-armed, and that nobody has told to go on since."""
+        mission = self.mission()
+        waits = mission is not None and mission.state is State.IDLE and bool(mission.remaining)
+        return mission if waits else None
+
     def keep(self, mission: Mission, sent: SentPlan | None, now_s: float) -> None:
         """Keep the mission with its progress, and ``sent``, what the robot is about to be given.
 

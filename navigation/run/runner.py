@@ -328,13 +328,22 @@ class Runner:
             self._log.write("warning", "stopped", robot=name, reason=sentence)
 
     def _begin_mission(self, daemon: Daemon, journal: Journal | None) -> None:
-        """The journal's unfinished mission, else the configured one."""
+        """The journal's unfinished mission, else the configured one.
+
+        A robot that was re-armed, but not told to go on, waits for that.
+        """
         left = None
         if journal is not None:
             left = unfinished_mission(daemon, journal, self.interrupt.is_set)
         if left is not None:
             self._say(f"continuing: {left.visited} of {len(left.stations)} stations were visited")
             daemon.restore(left)
+            return
+        rearmed = None if journal is None else journal.rearmed()
+        if rearmed is not None:
+            self._say("re-armed before this run began: `clearway resume` continues the mission")
+            with daemon.lock:
+                daemon.pilot.appoint(rearmed)
             return
         stations = stations_of(self.config)
         if stations and not self.waits and daemon.pilot.mission.state is State.STOPPED:

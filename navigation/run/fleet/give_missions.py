@@ -47,10 +47,11 @@ class GiveMissions:
             unfinished = None if seat.journal is None else seat.journal.unfinished()
             if unfinished is not None:
                 self._left[name] = unfinished
-        if not self._left:
+        rearmed = self._rearmed()
+        if not self._left and not rearmed:
             self._kept = {}
         for name, mission in self._kept.items():
-            if name not in self._left:
+            if name not in self._left and name not in rearmed:
                 say(f"{name} has nothing to continue: its mission was {mission.state.value}")
         for name, seat in daemon.seats.items():
             stations = stations_of(seat.config)
@@ -58,6 +59,20 @@ class GiveMissions:
                 self._given[name] = stations
         self._tasks = () if for_orders else self._open_tasks()
         self.cycle()
+
+    def _rearmed(self) -> set[str]:
+        """The robots that were re-armed, but not told to go on: they wait for that."""
+        found = set()
+        for name, seat in self._daemon.seats.items():
+            mission = None if seat.journal is None else seat.journal.rearmed()
+            if mission is not None:
+                self._say(
+                    f"{name} was re-armed before this run began: it waits for `clearway resume`"
+                )
+                with self._daemon.lock:
+                    seat.pilot.appoint(mission)
+                found.add(name)
+        return found
 
     def _open_tasks(self) -> tuple[ConfiguredStation, ...]:
         """Tasks that nobody has: all of a run's, and of one that continues what it had not given.

@@ -7,6 +7,7 @@ from pathlib import Path
 
 import pytest
 
+from navigation.journal.journal import Journal, owner_of
 from navigation.journal.kept_stops import KeptStops
 from navigation.journal.stop_latch import Latch, write_latch
 from navigation.loop.fleet.fleet_daemon import FleetDaemon
@@ -30,9 +31,21 @@ class Run:
         self.daemon = FleetDaemon(config, self.world, first_mission_id=1)
         self.daemon.__enter__()
         seats = self.daemon.seats
+        self.journals = [
+            Journal(folder / f"{name}.journal", owner_of(seat.config))
+            for name, seat in seats.items()
+        ]
+        for seat, journal in zip(seats.values(), self.journals, strict=True):
+            seat.journal = journal
+            journal.__enter__()
         stops = KeptStops(folder / "stops", folder / "c.sock", None, dict.fromkeys(seats, ()))
         self.daemon.stopping.hold_from_before(list(seats.values()), stops)
         self.missions = GiveMissions(self.daemon, print)
+
+    def die(self) -> None:
+        """Killed: a dead program holds no lock."""
+        for journal in self.journals:
+            journal.__exit__()
 
     def cycle_for(self, seconds: float) -> None:
         end_s = self.world.clock() + seconds
@@ -76,6 +89,28 @@ def test_robots_that_were_all_stopped_are_rearmed_one_by_one(tmp_path: Path) -> 
     run.cycle_for(LOOKED_AT_S)
     assert run.moved_m("a") > 0.1
     assert run.moved_m("b") < STOOD_M
-    again = Run(tmp_path)  # killed before
+    run.die()
+    again = Run(tmp_path)
     again.cycle_for(LOOKED_AT_S)
+    assert again.moved_m("b") < STOOD_M
+
+
+def test_robots_that_were_rearmed_wait_in_the_next_run_too_for_the_word_to_go_on(
+    tmp_path: Path,
+) -> None:
+    run = Run(tmp_path)
+    run.cycle_for(3.0)
+    people = People(run.daemon)
+    people.stop("a person")
+    run.cycle_for(1.0)
+    people.resume()
+    run.cycle_for(1.0)
+    run.die()
+    again = Run(tmp_path)
+    again.cycle_for(6.0)
+    assert again.moved_m("a") < STOOD_M
+    assert again.moved_m("b") < STOOD_M
+    People(again.daemon).resume("a")
+    again.cycle_for(LOOKED_AT_S)
+    assert again.moved_m("a") > 0.1
     assert again.moved_m("b") < STOOD_M

@@ -6,6 +6,7 @@ from pathlib import Path
 
 import pytest
 
+from navigation.journal.journal import Journal, owner_of
 from navigation.journal.kept_stops import KeptStops
 from navigation.loop.daemon import Daemon
 from navigation.mission.mission import Mission, State
@@ -16,13 +17,13 @@ from tests.support.runs.virtual import cycle_until, is_driving, short_config
 GOAL = [{"x_m": 0.9, "y_m": 0.3}]
 
 
-def begin(daemon: Daemon, folder: Path, **other: object) -> None:
+def begin(daemon: Daemon, folder: Path, journal: Journal | None = None, **other: object) -> None:
     """What the runner does, in virtual time."""
     given: dict[str, object] = {"socket": folder / "c.sock", "configuration": folder / "a.yaml"}
     stops = KeptStops(folder / "stops", ports={"": ("/dev/ttyA",)}, **(given | other))  # type: ignore[arg-type]
     daemon.stopping.hold_from_before([daemon.robot], stops)
     runner = Runner(daemon.config, once=False, say=print, dashboard=False)
-    runner._begin_mission(daemon, None)
+    runner._begin_mission(daemon, journal)
 
 
 @pytest.mark.parametrize("power_cut", [False, True], ids=["robot runs on", "robot lost power too"])
@@ -62,6 +63,37 @@ def test_a_stop_is_in_force_after_a_kill_and_a_restart(
     third = Daemon(config, VirtualWorld(config), first_mission_id=2000)
     begin(third, tmp_path)
     assert third.pilot.mission.state is State.PLANNING
+
+
+def test_a_robot_that_was_rearmed_waits_in_the_next_run_too_for_the_word_to_go_on(
+    tmp_path: Path,
+) -> None:
+    config = short_config(GOAL)
+    world, owner = VirtualWorld(config), owner_of(config)
+    with Journal(tmp_path / "journal", owner) as journal:
+        first = Daemon(config, world, first_mission_id=1, journal=journal)
+        first.__enter__()
+        begin(first, tmp_path, journal)
+        cycle_until(first, is_driving)
+        assert first.stop("a person") is None
+        cycle_until(first, lambda now: now.mission.state is State.STOPPED)
+        first.resume()
+        for _ in range(50):
+            first.cycle()
+    # killed here
+    world.robot.switch_off_and_on()
+    world.wait(2.0)
+    with Journal(tmp_path / "journal", owner) as journal:
+        second = Daemon(config, world, first_mission_id=1000, journal=journal)
+        second.__enter__()
+        begin(second, tmp_path, journal)
+        was = world.truth.track()[-1][1:3]
+        end_s = world.clock() + 8.0
+        while world.clock() < end_s:
+            second.cycle()
+        assert abs(world.truth.track()[-1][1:3] - was).max() < 1e-3
+        second.resume()
+        cycle_until(second, is_driving)
 
 
 def test_a_stop_of_the_pilot_s_own_is_kept_too(tmp_path: Path) -> None:
