@@ -27,7 +27,7 @@ from navigation.config.values import LONGEST_DWELL_S, MOST_STATIONS
 from navigation.mission.mission import Mission, State, Station
 from navigation.mission.targets import Target
 from planner.scene import Bounds, printable
-from vision.camera.sources import without_password
+from vision.camera.sources import without_password, without_user
 
 MOST_TARGETS: Final = 1_000_000
 """Waypoints of one plan: far more than a robot takes, and still a bounded text."""
@@ -69,8 +69,7 @@ def owner_of(config: Config, file: Path | None = None) -> Owner:
     """Whose missions a configuration's run drives; ``file`` is where it was read from."""
     own = [one.camera for one in each_camera(config).values()] or [config.camera]
     cameras = [
-        (without_password(str(one.source)), str(one.calibration), one.metres_per_pixel)
-        for one in own
+        (without_user(str(one.source)), str(one.calibration), one.metres_per_pixel) for one in own
     ]
     camera = cameras if config.cameras else list(cameras[0])
     x0, y0, x1, y1 = config.arena.bounds_m

@@ -8,6 +8,7 @@ Rules and units
 from __future__ import annotations
 
 import math
+import re
 
 import cv2
 import numpy as np
@@ -159,7 +160,26 @@ class StreamCamera(Capture):
 
 
 def without_password(url: str) -> str:
-    """The URL as messages may show it: user and password left out; other texts as they are."""
+    """The URL as messages may show it: only names are left of its query, nothing of its fragment.
+
+    User and password are left out too; texts that are no URL are as they are.
+    """
+    if "://" not in url:
+        return url
+    place, mark, query = without_user(url).partition("#")[0].partition("?")
+    return place + mark + "&".join(map(_only_name, re.split("[&;]", query)))
+
+
+def _only_name(part: str) -> str:
+    """One part of a query without its value; one that has no name may be a key itself."""
+    if not part:
+        return ""
+    name, mark, _ = part.partition("=")
+    return f"{name}=(left out)" if mark else "(left out)"
+
+
+def without_user(url: str) -> str:
+    """The URL without user and password; texts that are no URL are as they are."""
     scheme, mark, rest = url.partition("://")
     if not mark:
         return url

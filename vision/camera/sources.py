@@ -12,7 +12,7 @@ import threading
 from pathlib import Path
 
 from vision.camera.camera import Camera, CameraError, Clock
-from vision.camera.capture import StreamCamera, without_password
+from vision.camera.capture import StreamCamera, without_password, without_user
 from vision.camera.files import PICTURE_SUFFIXES, Pace, VideoCamera, Wait, read_picture
 from vision.camera.folder import FolderCamera, PictureCamera
 from vision.camera.v4l2.device import DeviceCamera, DeviceSettings, driver_time_s
@@ -28,6 +28,7 @@ __all__ = [
     "list_devices",
     "read_picture",
     "without_password",
+    "without_user",
 ]
 
 _STREAMS = ("rtsp://", "rtsps://", "http://", "https://", "udp://", "tcp://")

@@ -4,8 +4,8 @@ Rules
 - Whatever configuration this process reads, sound or broken, `learn` is told its secrets; from
   then on `hide` leaves them out of every sentence, log, page message, report and recording, in
   each form in which they can stand there: as they are, percent-encoded, escaped as in JSON.
-- The user's part of any address, and what looks like a key in an address's query, is left out
-  too, whether it was learned or not.
+- The user's part of any address and every value in its query are left out too, whether they were
+  learned or not; so is what looks like a key in a query without its address.
 - A value of fewer than ``LEAST_LENGTH`` characters is left out in addresses and beside its key
   only: it would take half the words of every sentence with it.
 """
@@ -33,8 +33,13 @@ _ADDRESS: Final = re.compile(
 )
 """An address up to its last @; a password with a slash that should have been %2F included."""
 _QUERY: Final = re.compile(
-    r"""(?i)([?&;](?:pwd|pass\w*|[\w-]*token|api_?key|key|secret|auth\w*|sig\w*)=)[^&;\s\#"'<>]+"""
+    r"""(?i)([?&;](?:pwd|pass\w*|[\w-]*token|api_?key|key|secret|auth\w*|sig\w*)=)"""
+    r"""(?:\(left\ out\)|[^&;\s\#"'<>])+"""
 )
+_QUERY_OF_ADDRESS: Final = re.compile(
+    r"""(://(?:\(left\ out\)@)?[^\s?\#"'<>]{0,500}\?)((?:\(left\ out\)|[^\s\#"'<>])+)"""
+)
+_VALUE: Final = re.compile(r"=[^&;]+")
 
 
 class Redactor:
@@ -52,6 +57,7 @@ class Redactor:
             text = self._pattern.sub(HIDDEN, text)
         if "://" in text:
             text = _ADDRESS.sub(rf"\1{HIDDEN}@", text)
+            text = _QUERY_OF_ADDRESS.sub(_without_values, text)
         return _QUERY.sub(rf"\1{HIDDEN}", text) if "=" in text else text
 
     def plain(self, value: Any) -> Any:
@@ -74,6 +80,11 @@ class Redactor:
     def occurs_in(self, data: bytes) -> bool:
         """Whether a secret stands in bytes that cannot be changed, a recording's."""
         return any(secret.encode() in data for secret in self.secrets)
+
+
+def _without_values(address: re.Match[str]) -> str:
+    """An address with the names in its query only: any value may be a key."""
+    return address[1] + _VALUE.sub(f"={HIDDEN}", address[2])
 
 
 def _any_form(secret: str) -> str:

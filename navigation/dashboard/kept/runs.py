@@ -183,6 +183,7 @@ def _report(path: Path) -> dict[str, Any] | None:
     try:
         with _opened(path) as file:
             found = json.loads(file.read(MOST_REPORT_BYTES))
+        json.dumps(found, ensure_ascii=False).encode()  # half a surrogate could not be sent on
     except (OSError, ValueError, RecursionError):
         return None
     return found if isinstance(found, dict) else None

@@ -128,7 +128,11 @@ def test_every_form_of_a_secret_is_found(secret: str) -> None:
         ("rtsp://me:se/cr@et@host/live", f"rtsp://{HIDDEN}@host/live"),
         ("http://host/a@b", "http://host/a@b"),
         ("http://host:80/a@b", "http://host:80/a@b"),
-        ("http://host/a?user=me&pwd=geheim&x=1", f"http://host/a?user=me&pwd={HIDDEN}&x=1"),
+        (
+            "http://host/a?user=me&pwd=geheim&x=1 is gone",
+            f"http://host/a?user={HIDDEN}&pwd={HIDDEN}&x={HIDDEN} is gone",
+        ),
+        ("order/a?pwd=geheim&x=1", f"order/a?pwd={HIDDEN}&x=1"),
         ("at 12.5 s: held", "at 12.5 s: held"),
     ],
 )
@@ -231,6 +235,32 @@ def test_a_recording_s_configuration_holds_no_secret() -> None:
     )
     body = configuration_body(config, "", "1", 1, 0.0, 0)
     assert "geheim" not in json.dumps(body)
+
+
+def test_a_recording_s_configuration_holds_no_value_of_a_camera_s_query() -> None:
+    config = short_config([])
+    source = "http://me:geheim@camera.local/mjpg?token=s3cret1&t=s3cret2;naked-s3cret3#s3cret4"
+    config = config.model_copy(
+        update={"camera": config.camera.model_copy(update={"source": source})}
+    )
+    text = json.dumps(configuration_body(config, "", "1", 1, 0.0, 0))
+    assert "s3cret" not in text
+    assert "geheim" not in text
+    assert "camera.local/mjpg?token=" in text
+
+
+@given(
+    st.text("ab:/?#&;=@% '()", max_size=12),
+    st.sampled_from(["", "key=", "t=", "token=abcd&x="]),
+    st.text("abc(left out)&;=", max_size=20),
+)
+def test_what_was_left_out_once_is_left_out_the_same_way_again(
+    before: str, name: str, value: str
+) -> None:
+    redactor = Redactor(["abcd"])
+    for text in (f"http://host/{before}?{name}{value}", f"{before}?{name}{value}"):
+        once = redactor.text(text)
+        assert redactor.text(once) == once
 
 
 @pytest.mark.parametrize(

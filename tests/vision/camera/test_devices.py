@@ -103,6 +103,12 @@ def test_a_password_never_shows_in_a_message() -> None:
     assert without_password("arena.png") == "arena.png"
 
 
+def test_no_value_of_a_camera_s_query_shows_in_a_message() -> None:
+    shown = without_password("http://me:secret@host/x?t=s3cret&size=big;naked#s3cret")
+    assert shown == "http://host/x?t=(left out)&size=(left out)&(left out)"
+    assert without_password(shown) == shown
+
+
 @given(st.floats(0.0, 1e6), st.floats(0.0, 1e6))
 def test_a_driver_stamp_on_another_clock_is_not_believed(stamp_s: float, now_s: float) -> None:
     told = driver_time_s(1000.0 * stamp_s, now_s)

@@ -188,6 +188,16 @@ def test_a_report_that_cannot_be_read_is_none(tmp_path: Path) -> None:
             assert (run["name"], run["state"], run["duration_s"]) == (NEWEST, None, None)
 
 
+def test_a_report_with_half_a_surrogate_hides_no_other_run(tmp_path: Path) -> None:
+    fill(tmp_path)
+    (tmp_path / "runs" / LATER / "report.json").write_text('{"state": "\\ud800"}')
+    with Site(FakeDaemon(keep(shown_config(), tmp_path))) as site:
+        status, body, _ = fetch(site, "/api/runs")
+    assert status == 200
+    told = {one["name"]: one for one in json.loads(body)["runs"]}
+    assert set(told) == {RUN, LATER, NEWEST}
+
+
 def test_they_need_the_token_that_the_page_needs(tmp_path: Path) -> None:
     fill(tmp_path)
     config = keep(shown_config(token=TOKEN, viewer_token=VIEWER), tmp_path)
