@@ -64,7 +64,7 @@ class Outcome:
     blind_m: float = 0.0
     """How far it went while the program took it for elsewhere: no bar, but a warning."""
     said_s: float = 0.0
-    """How long in one stand it was said to be driving."""
+    """Seconds of one stand in which it was said to be driving."""
     state: str = ""
     sentence: str = ""
     failures: list[str] = field(default_factory=list)

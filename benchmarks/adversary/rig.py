@@ -254,7 +254,7 @@ class Rig:
         self.robot.say(json.dumps({"grip": share}))
 
     def power(self, motors: bool) -> None:
-        """Whether the robot's motors have power from now on."""
+        """Switch the power of the robot's motors on or off."""
         self.robot.say(json.dumps({"motors": motors}))
 
     # The judgement.

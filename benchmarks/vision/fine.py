@@ -64,7 +64,7 @@ def cover(scene: Scene, shape: tuple[int, ...]) -> NDArray[np.float64]:
 
 
 def cells_of(side: int, px: int, blur: float, noise: float, seed: int) -> Cells:
-    """What becomes of the cells of one maze of ``side`` times ``side``."""
+    """The fate of the cells of one maze of ``side`` times ``side``."""
     rng = np.random.default_rng([SEED, seed, px])
     wall = maze(side, rng)
     picture = pictured(wall, px, blur, noise, rng)

@@ -34,12 +34,12 @@ class Abstract:
 
     @property
     def address(self) -> str:
-        """What `connect` and `bind` take."""
+        """The address that `connect` and `bind` take."""
         return f"\0{self.name}"
 
 
 def digest_of(path: Path) -> str:
-    """What stands for a path in a name: the same however the path is spelt."""
+    """A digest of a path for a socket's name: the same however the path is spelt."""
     return hashlib.sha256(os.fsencode(os.path.realpath(path))).hexdigest()[:16]
 
 

@@ -87,7 +87,7 @@ class Places:
 
     @property
     def sockets(self) -> list[socket.socket]:
-        """What listens now."""
+        """The sockets that listen now."""
         bound = None if self._bound is None else self._bound.socket
         return [one for one in (bound, self._abstract) if one is not None]
 

@@ -105,7 +105,7 @@ class ControlServer:
         return self._places.trouble
 
     def news(self) -> list[str]:
-        """What a person should know once: a socket that was removed and made again."""
+        """News for people, each once: a socket that was removed and made again."""
         found = []
         with contextlib.suppress(queue.Empty):
             while True:

@@ -41,7 +41,7 @@ MOST_ASIDE: Final = 1000
 _MAGIC: Final = f"clearway {KIND} ".encode()
 _OLD_MAGIC: Final = b"SQLite format 3\x00"
 _LIKENESS: Final = 12
-"""Where this many of the first bytes are equal, it is a damaged journal, not somebody's notes."""
+"""A file with this many equal bytes at its beginning is a damaged journal, not somebody's notes."""
 _OLD_TABLES: Final = {
     1: b"CREATE TABLE mission (one INTEGER PRIMARY KEY",
     2: b"CREATE TABLE contents (one INTEGER PRIMARY KEY CHECK (one = 1)",
@@ -123,7 +123,7 @@ class JournalFile:
                         f"journal {self.path}: is in use by another program, a running clearway "
                         "most likely: give each its own recording.journal"
                     ) from None
-                time.sleep(LOOK_AGAIN_S)
+                time.sleep(LOOK_AGAIN_S)  # no lock of a file can be waited for with a time limit
             finally:
                 if self._lock != handle:
                     os.close(handle)

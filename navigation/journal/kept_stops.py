@@ -102,7 +102,7 @@ class KeptStops:
             return self._wanted.get(name) is not None
 
     def settled(self) -> str:
-        """What is wrong with the disk, once it has what was asked for; empty: nothing."""
+        """The disk's trouble, once it has taken what was asked for; empty if there is none."""
         if not self._wait(ANSWER_S):
             return f"{self._folder}: not on the disk after {ANSWER_S:g} s"
         return self.trouble

@@ -42,7 +42,7 @@ class Latch:
 
     @property
     def sentence(self) -> str:
-        """What a run says that is held by it."""
+        """The sentence of a run that is held by it."""
         return (
             f"stopped before this run began ({self.reason}, {self.when}): "
             "waits for `clearway resume`"

@@ -73,7 +73,7 @@ FRESH_S: Final = 0.5
 
 
 def doubt_of_stop(snapshot: LinkSnapshot) -> str | None:
-    """What is not known of an emergency stop that was sent; None where the robot stands in it."""
+    """The doubt about an emergency stop that was sent; None if the robot is known to stand."""
     confirmed = snapshot.estopped and not snapshot.leaving_estop
     why = snapshot.down_reason
     if snapshot.stands is None:

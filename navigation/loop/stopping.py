@@ -27,7 +27,7 @@ class Stopping:
 
     @property
     def trouble(self) -> str:
-        """What people must know of stops that are not on the disk; empty: nothing."""
+        """A warning about stops that are not on the disk; empty if there is none."""
         trouble = "" if self.kept is None else self.kept.trouble
         return f"a restart would not know whether robots are stopped: {trouble}" if trouble else ""
 

@@ -87,7 +87,7 @@ class RobotReport:
     standing_reason: str | None = None
     """Why the robot does not run its mission; None while it does."""
     waits: bool = False
-    """Whether it has reached every waypoint that it was sent, and waits for more."""
+    """True if it has reached every waypoint that it was sent, and waits for more."""
     place_m: tuple[float, float] | None = None
     """Where the robot believes to be."""
     fault: str | None = None

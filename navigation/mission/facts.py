@@ -29,7 +29,7 @@ class Situation(NamedTuple):
     rearms: bool
     """Whether the robot is about to be told to leave its emergency stop."""
     stop_ordered: bool
-    """Whether it was ordered to stop: that it does so is no second reason."""
+    """True if it was ordered to stop: standing still is then no second reason."""
 
 
 class FactFinder:

@@ -12,7 +12,7 @@ from enum import Enum
 from typing import Final
 
 STOPPING: Final = "stopping"
-"""What is told in place of `State.STOPPED` until the robot is known to stand."""
+"""The state that people read in place of `State.STOPPED` until the robot is known to stand."""
 
 
 class State(Enum):

@@ -1,4 +1,4 @@
-"""Whether a robot that is ordered to drive moves at all, by its own wheels.
+"""Evidence that a robot which is ordered to drive moves at all, from its own wheels.
 
 A camera that sees it move all the same is the witness's business: it says how the two differ.
 Metres, radians, seconds.

@@ -125,7 +125,7 @@ def _inner(data: bytes, path: Path) -> Iterator[Channel | Message]:
 
 
 def _unpacked(chunk: Chunk, path: Path) -> bytes:
-    """What a chunk holds; `McapError` where that is not what it declares."""
+    """The contents of a chunk; `McapError` if they are not what it declares."""
     size = chunk.uncompressed_size
     if chunk.compression:
         _refuse_beyond(size, min(MOST_RECORD_BYTES, MOST_TIMES * len(chunk.data)), path)

@@ -330,7 +330,7 @@ class Runner:
     def _begin_mission(self, daemon: Daemon, journal: Journal | None) -> None:
         """The journal's unfinished mission, else the configured one.
 
-        A robot that was re-armed, but not told to go on, waits for that.
+        A robot that was re-armed and has not been resumed waits for the second resume.
         """
         left = None
         if journal is not None:

@@ -29,7 +29,7 @@ class Troubles(CameraTroubles):
     cable_out: bool = False
     """Nothing passes in either direction, without an error."""
     wire_to_robot_cut: bool = False
-    """What is sent does not reach the robot; its reports come."""
+    """A cut wire to the robot: nothing sent reaches it, and its reports still come."""
     motors_dead: bool = False
     """The wheels do not turn, whatever is ordered."""
     carried_to: tuple[float, float, float] | None = None

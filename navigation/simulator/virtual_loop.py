@@ -72,7 +72,7 @@ class Knobs:
 
     cable: bool = True
     to_robot: bool = True
-    """Whether what the host sends gets through the cable; what the robot sends does."""
+    """True if the host's bytes get through the cable; the robot's always do."""
     camera: bool = True
     lease: bool = True
     permit: bool = True

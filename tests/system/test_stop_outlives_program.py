@@ -63,7 +63,7 @@ class Bench:
             return None
 
     def order(self, name: str) -> subprocess.CompletedProcess[str]:
-        """As a person gives it."""
+        """Run an order as a person gives it."""
         arguments = [str(PROGRAM), name, "--socket", str(self.socket)]
         return subprocess.run(arguments, capture_output=True, text=True, timeout=WITHIN_S)
 

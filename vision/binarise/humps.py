@@ -1,4 +1,4 @@
-"""The two humps of a histogram as it came, by which fine structure is told from noise.
+"""The two humps of a picture's own histogram, which distinguish fine structure from noise.
 
 Noise has one hump, and what smoothing leaves of it has one. Walls and ways of a few pixels have
 two as they came, however much their grey changes from pixel to pixel; smoothing brings these

@@ -1,4 +1,4 @@
-"""Whether the robot hears what it is sent, by the counts in its own reports.
+"""Evidence that the robot hears what it is sent, from the counts in its own reports.
 
 A wire that is broken in one direction leaves a robot that reports and obeys nothing. Its STATUS
 has the number of whole frames that it has taken: while that stays the same although frames are
@@ -37,7 +37,7 @@ class Hearing:
         self._sent += 1
 
     def report(self, counts: RobotCounters, now_s: float) -> None:
-        """What the robot has counted by now."""
+        """Take the robot's newest count of frames."""
         if self._counts is None or counts.frames != self._counts.frames:
             self._counts, self._heard_s, self._sent = counts, now_s, 0
             self.why_deaf = None

@@ -1,6 +1,6 @@
 """The sections `robot`, `serial` and `camera` as defaults of several robots and cameras.
 
-A default that every entry overrides is nobody's value: it is neither required nor checked.
+A default that every entry overrides is never used, so it is neither required nor checked.
 """
 
 from __future__ import annotations

@@ -166,7 +166,7 @@ def _camera(camera: CameraStatus, evidence: Evidence) -> dict[str, Any]:
 
 
 def _stop_doubt(state: DaemonState) -> str | None:
-    """What is not known of the robot's stop; None where it stands in it, or is not stopped."""
+    """The doubt that the robot stands in its stop; None if it does, or is not stopped."""
     return doubt_of_stop(state.link) if state.mission.state is State.STOPPED else None
 
 

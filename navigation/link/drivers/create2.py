@@ -42,7 +42,7 @@ RESTS: Final = "is on its charger and rests: it charges until it is to drive"
 STAYS: Final = "stays in its passive mode on its charger: take it off, and it drives"
 NO_SAFE_MODE: Final = "has left its safe mode (a bad cable?) and is asked back"
 BOOTS: Final = b"bl-start"
-"""How the text of a robot begins whose battery has been put in."""
+"""The first words of a robot whose battery has just been put in."""
 FILL: Final = bytes(4)
 """Zeros are no order, and end one that lost a byte before the next begins."""
 CYCLE_S: Final = 0.03

@@ -106,11 +106,11 @@ class DriverProcess:
 
     @property
     def restarts(self) -> int:
-        """How often it was started again."""
+        """The number of times that it was started again."""
         return self._watch.restarts
 
     def word(self) -> Word:
-        """What is to be said of the robot, the newest."""
+        """The newest sentences about the robot."""
         return self._word
 
     def _run(self) -> None:
@@ -203,7 +203,7 @@ class _Process:
         return told
 
     def news(self) -> list[int | Connection]:
-        """What `wait` waits for: its words, and its end."""
+        """The objects that `wait` waits for: its words, and its end."""
         alive = self.runs() and self._process is not None
         ends: list[int | Connection] = [self._process.sentinel] if alive and self._process else []
         return ends if self._words is None else [*ends, self._words]

@@ -1,4 +1,4 @@
-"""Who has the robot: the driver's process while its heart beats, else the daemon, which stops it.
+"""The watch over a driver: its process has the robot while its heart beats, else the daemon.
 
 - A process whose last beat is older than ``BEAT_MISSED_S`` hangs, however: it is killed, and the
   daemon writes the maker's stop on its own descriptor of the port at once, again and again.
@@ -77,7 +77,7 @@ class DriverWatch:
     # What the driver's process says.
 
     def hears(self, word: Word) -> None:
-        """What it says of its robot."""
+        """Its sentences about its robot."""
         self._told = word
 
     def loses_port(self, reason: str, now_s: float) -> None:
@@ -93,7 +93,7 @@ class DriverWatch:
         return not self._is_lent and self._port.fault is None
 
     def word(self, now_s: float) -> Word:
-        """What is to be said of the robot, the newest."""
+        """The newest sentences about the robot."""
         if self._is_lent:
             return self._told
         if self._port.fault is not None:

@@ -18,7 +18,7 @@ READ_BYTES: Final = 4096
 
 @dataclass(frozen=True, slots=True)
 class PortLost:
-    """What the driver's process tells the daemon: the lent port has broken, and why."""
+    """A message of the driver's process to the daemon: the lent port has broken, and why."""
 
     reason: str
 
@@ -61,11 +61,11 @@ class LentPort:
                 os.close(descriptor)
 
     def descriptors(self) -> list[int]:
-        """What `select` waits for."""
+        """The descriptor that `select` waits for."""
         return [self._lender.fileno(), *([] if self._descriptor is None else [self._descriptor])]
 
     def read(self) -> bytes:
-        """What has come; a port that breaks is closed."""
+        """Read what has come; a port that breaks is closed."""
         if self._descriptor is None or not select.select([self._descriptor], [], [], 0)[0]:
             return b""
         try:
@@ -78,7 +78,7 @@ class LentPort:
 
     @property
     def is_free(self) -> bool:
-        """Whether everything was taken that was written."""
+        """True if the line has taken everything that was written."""
         return not self._unsent
 
     def write(self, data: bytes) -> None:

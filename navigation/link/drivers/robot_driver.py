@@ -29,7 +29,7 @@ class Heard:
     held: str | None = None
     """Why it cannot be driven now although it answers, which may pass; None while it can."""
     remark: str | None = None
-    """What people should know of it although it may be driven, to be read after its name."""
+    """A remark for people on a robot that may be driven, to be read after its name."""
     battery: float | None = None
     """How full, from 0 to 1."""
     messages: int = 0

@@ -64,7 +64,7 @@ class RobotHalt:
 
     @property
     def doubt(self) -> str:
-        """What is to be said of a robot that is not heard to stand."""
+        """The sentence about a robot that is not heard to stand."""
         return (
             f"{self._name} was ordered to stand and has not been heard to: "
             f"{self._driver.robot.help}"

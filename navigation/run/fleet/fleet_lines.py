@@ -59,7 +59,7 @@ def why_stopped(now: FleetState) -> str | None:
 
 
 def _to_go(now: FleetState) -> str:
-    """How far each robot has still to go."""
+    """The distance that each robot has still to go."""
     parts = []
     for name, one in now.robots.items():
         if one.to_go_m is not None and not one.mission.is_over:

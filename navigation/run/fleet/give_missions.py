@@ -61,7 +61,7 @@ class GiveMissions:
         self.cycle()
 
     def _rearmed(self) -> set[str]:
-        """The robots that were re-armed, but not told to go on: they wait for that."""
+        """The robots that were re-armed and not resumed: they wait for the second resume."""
         found = set()
         for name, seat in self._daemon.seats.items():
             mission = None if seat.journal is None else seat.journal.rearmed()

@@ -33,7 +33,7 @@ TRACK_M: Final = 0.141
 
 
 class Kind(NamedTuple):
-    """What the program believes of the robot that it runs on."""
+    """The robot's own belief about its type."""
 
     pulse_m: float
     track_m: float

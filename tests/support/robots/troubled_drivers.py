@@ -143,7 +143,7 @@ def _in_trouble(name: str, trouble: str, *arguments: Any) -> None:
         tick(robot, now_s)
         if robot.driver.heard.left_m > speed_m_s:  # a second's travel: it has its speed
             if trouble == "slow":
-                time.sleep(TURN_S)
+                time.sleep(TURN_S)  # the slowness itself
             while trouble == "loops":
                 pass
 
