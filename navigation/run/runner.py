@@ -35,6 +35,7 @@ from navigation.machine.sd_notify import Notifier, Watchdog
 from navigation.mission.mission import Mission, State
 from navigation.run.anchoring import renew_while_running, take_over_lens
 from navigation.run.attendance import Attendance
+from navigation.run.devices.world_clock import slowness
 from navigation.run.kernels.warm_up import warm_up
 from navigation.run.report import Report
 from navigation.run.restart import unfinished_mission
@@ -106,7 +107,6 @@ class Runner:
         log: EventLog | None = None,
         notifier: Notifier | None = None,
         watchdog_s: float | None = None,
-        clock: Callable[[], float] = time.monotonic,
         stops: Path | None = None,
     ) -> None:
         self.config = config
@@ -131,7 +131,6 @@ class Runner:
         """The same, and the run that begins again waits for orders."""
         self._say: Callable[[str], None] = lambda line: say(hide(line))
         self._say_address = say if show_token else self._say
-        self._clock = clock
         self._said_state: State | None = None
         self._said_sentence = ""
         self._said_s = -math.inf
@@ -144,11 +143,11 @@ class Runner:
             folder = self._open_folder(open_things)
             if not self._warm_up():
                 return self._end_before_the_start(folder)
-            world = World(self.config, self._clock, wait_for_port=not self._once)
+            world = World(self.config, wait_for_port=not self._once)
             seen_by = camera_words(self.config)
             self._say(f"{seen_by}, robot on {world.port}")
             socket = self._socket or default_socket()
-            recorder = self._open_recorder(open_things, world.calibration)
+            recorder = self._open_recorder(open_things, world.calibration, world.clock)
             first_id = random.SystemRandom().randrange(1, 1 << 32)
             daemon = open_things.enter_context(
                 Daemon(
@@ -176,7 +175,7 @@ class Runner:
                 page.begin_closing()
             prepare_picture(daemon)
             daemon.let_the_robots_stop()
-            duration_s = self._clock() - daemon.started_s
+            duration_s = world.clock() - daemon.started_s
             report = summarise(daemon, state, reason, duration_s)
             self._log.write(
                 "info", "finished", state=report.state, reason=reason, duration_s=duration_s
@@ -184,6 +183,8 @@ class Runner:
         written = () if folder is None else write_run(folder, daemon, report)
         for trouble in (*world.doubts, *written):
             self._say(f"trouble: {trouble}")
+        for remark in slowness(world.clock):
+            self._say(remark)
         if recorder is not None:
             self._say(recorder.summary())
         return RunResult(report, folder, self._exit_code(state, daemon))
@@ -237,7 +238,12 @@ class Runner:
         if isinstance(daemon, Daemon):
             calibration = daemon.world.calibration
             bench = Bench(
-                daemon, self.config, calibration, self.take_over_lens, self._clock, time.sleep
+                daemon,
+                self.config,
+                calibration,
+                self.take_over_lens,
+                daemon.world.clock,
+                daemon.world.wait,
             )
             open_things.callback(bench.close)
 
@@ -249,7 +255,7 @@ class Runner:
             Dashboard(
                 ShownDaemon(daemon) if isinstance(daemon, Daemon) else ShownFleet(daemon),
                 say=self._say_address,
-                clock=self._clock,
+                clock=daemon.world.clock,
                 own_token=token,
                 show_token=self._show_token or (token is not None and not in_journal),
                 desk=self.desk,
@@ -297,7 +303,9 @@ class Runner:
         self._log.logs.append(open_things.enter_context(closing(events)))
         return folder
 
-    def _open_recorder(self, open_things: ExitStack, calibration: Calibration) -> Recorder | None:
+    def _open_recorder(
+        self, open_things: ExitStack, calibration: Calibration, clock: Callable[[], float]
+    ) -> Recorder | None:
         settings = self.config.recording
         if self._record is None and not settings.record:
             return None
@@ -306,7 +314,7 @@ class Runner:
         folder = self._record or settings.folder
         now = datetime.now()
         recorder = open_things.enter_context(
-            Recorder(self.config, calibration, folder, clock=self._clock, began=now)
+            Recorder(self.config, calibration, folder, clock=clock, began=now)
         )
         self._say(f"recording into {recorder.path}")
         return recorder
@@ -363,7 +371,7 @@ class Runner:
             now = daemon.cycle()
             self._tell(now)
             taking.cycle()
-            attendance.cycle(now, self._clock())
+            attendance.cycle(now, time.monotonic())
             if self.interrupt.is_set():
                 stopped = now.mission.state is State.STOPPED
                 return State.STOPPED, self.why_interrupted(now.sentence if stopped else None)

@@ -26,6 +26,7 @@ from navigation.run.devices.simulated import (
     shared_pose,
     simulated_robot,
 )
+from navigation.run.devices.world_clock import wait_for_camera, wait_for_robot, world_clock
 from navigation.simulator.arena import SimulatedArena, load_arena
 from navigation.simulator.happenings import ScriptedTrack, arenas_over_time, tracks_of
 from navigation.simulator.picture.camera import SimulatedCamera, make_camera
@@ -49,12 +50,11 @@ class World:
     ``wait_for_port`` False: a serial port that is not ready is a ``PortError`` of the link.
     """
 
-    def __init__(
-        self, config: Config, clock: Clock = time.monotonic, *, wait_for_port: bool = True
-    ) -> None:
+    def __init__(self, config: Config, *, wait_for_port: bool = True) -> None:
         self.config = config
         self._wait_for_port = wait_for_port
-        self._clock = clock
+        self.clock = clock = world_clock(config)
+        """Monotonic seconds."""
         self.truth: Truth | None = None
         simulated_port = config.serial.port == SIMULATED
         sources = [one.camera.source for one in (each_camera(config) or {"": config}).values()]
@@ -66,6 +66,7 @@ class World:
             self.arenas = arenas_over_time(config, load_arena(config))
         if simulated_port:
             self._robot = simulated_robot(config, clock)
+            wait_for_robot(clock, "", self._robot)
             self.truth = Truth(self.arenas, self._robot, others_of(config, self.tracks))
         self._shared = shared_pose(config) if self._robot is None and simulated_camera else None
         self._cameras = Cameras(config, clock, self._simulated)
@@ -85,13 +86,9 @@ class World:
         """Where pixels lie on the floor, of the picture that people are shown."""
         return shown_calibration(self.config, self.floor_plan)
 
-    def clock(self) -> float:
-        """Monotonic seconds."""
-        return self._clock()
-
     def wait(self, seconds: float) -> None:
-        """Let time pass: the real world's, where the virtual one's clock is set on."""
-        time.sleep(seconds)  # what `wait` is for
+        """Let time pass."""
+        self.clock.wait(seconds)
 
     def make_frames(self) -> LatestFrame | SeveralFrames:
         """The camera in a thread of its own, or each of several."""
@@ -100,9 +97,9 @@ class World:
     def make_link(self) -> SerialLink:
         """The serial link in a thread of its own; it waits for a robot that is plugged in later."""
         if self._driver is not None:
-            return link_of(self._driver, self._clock, wait_for_port=self._wait_for_port)
+            return link_of(self._driver, self.clock, wait_for_port=self._wait_for_port)
         baud = self.config.serial.baud
-        return SerialLink(self.port, baud, clock=self._clock, wait_for_port=self._wait_for_port)
+        return SerialLink(self.port, baud, clock=self.clock, wait_for_port=self._wait_for_port)
 
     def make_planner(
         self,
@@ -117,10 +114,18 @@ class World:
         """A new camera, closed; the same source each time. ``name`` is one of several cameras."""
         return self._cameras.open(name)
 
-    def _simulated(self, _name: str | None, config: Config) -> Camera:
-        return camera_over(
-            config, self.arenas, self.tracks, self.pose_now, self._clock, self._began_s
+    def _simulated(self, name: str | None, config: Config) -> Camera:
+        camera = camera_over(
+            config,
+            self.arenas,
+            self.tracks,
+            self.pose_now,
+            self.clock,
+            self._began_s,
+            self.clock.wait,
         )
+        wait_for_camera(self.clock, name, camera)
+        return camera
 
     def pose_now(self) -> tuple[float, float, float]:
         """Where the simulated robot is, as the simulated camera sees it."""
@@ -128,7 +133,8 @@ class World:
 
     def start(self) -> None:
         """Switch the simulated robot and its driver on; what happens counts from here."""
-        self._began_s = self._clock()
+        self.clock.waits_for_this_thread()
+        self._began_s = self.clock()
         if self.truth is not None:
             self.truth.began_s = self._began_s
         if self._robot is not None:
@@ -165,7 +171,7 @@ def camera_over(
     wait: Callable[[float], None] = time.sleep,
     doubles: Sequence[Callable[[], tuple[float, float, float]]] = (),
     fleet: Sequence[tuple[RobotSection, Callable[[], tuple[float, float, float]]]] = (),
-) -> Camera:
+) -> SimulatedCamera | KnockedCamera:
     """The simulated camera above an arena in which things happen, to the camera itself too.
 
     ``doubles`` say where other things with the robot's own marker are; ``fleet`` where each of

@@ -8,6 +8,7 @@ Seconds of a monotonic clock.
 
 from __future__ import annotations
 
+import math
 import threading
 
 BEHIND_MAX_S = 0.5
@@ -35,6 +36,11 @@ class OwnTime:
         with self._changed:
             self._runs = False
             self._changed.notify_all()
+
+    @property
+    def since_s(self) -> float:
+        """How far it has come: what is later is still to be done; infinity while it is off."""
+        return self._done_s if self._runs else math.inf
 
     def limit(self, now_s: float) -> None:
         """Let go what lies too far behind the clock."""

@@ -8,9 +8,13 @@ a cable. The true pose and the driven track are for the simulated camera and the
 from __future__ import annotations
 
 import contextlib
+import fcntl
+import math
 import os
 import random
 import select
+import struct
+import termios
 import threading
 import time
 import tty
@@ -86,6 +90,7 @@ class SimulatedRobot:
         self._steps = 0
         self._time = OwnTime(PHYSICS_S)
         self._unsent = b""
+        self._unread_since_s = math.inf
         self._stop = threading.Event()
         self._thread: threading.Thread | None = None
         self._track = Track()
@@ -151,6 +156,11 @@ class SimulatedRobot:
         self._time.wait_for(self._clock())
         return self._drive.pose
 
+    def late_since_s(self) -> float:
+        """What is later than this the robot has still to do, or the host to read; infinity while
+        it is off."""
+        return min(self._time.since_s, self._unread_since_s)
+
     def view(self) -> RobotView:
         """Pose, state and progress now."""
         return self._view
@@ -180,6 +190,7 @@ class SimulatedRobot:
     def switched_off(self) -> None:
         """Nobody drives it any more."""
         self._time.end()
+        self._unread_since_s = math.inf
 
     def fileno(self) -> int:
         """What the host's bytes arrive at."""
@@ -238,6 +249,20 @@ class SimulatedRobot:
                 self._unsent = b""  # nobody reads: a UART does not wait either
             except OSError:
                 self._unsent = b""
+        self._look_whether_the_host_reads(now_s)
+
+    def _look_whether_the_host_reads(self, now_s: float) -> None:
+        if not self._waits_in_the_line():
+            self._unread_since_s = math.inf
+        elif self._unread_since_s == math.inf:
+            self._unread_since_s = now_s
+
+    def _waits_in_the_line(self) -> bool:
+        """True if bytes lie in the pseudo-terminal that the host has not read."""
+        if self._slave < 0:
+            return False
+        (count,) = struct.unpack("i", fcntl.ioctl(self._slave, termios.FIONREAD, b"\0" * 4))
+        return bool(count)
 
     def _step(self, now_s: float) -> None:
         self._steps += 1

@@ -183,6 +183,29 @@ def test_ctrl_c_in_mid_run_ends_it_in_order(tmp_path: Path, write: Callable[...,
 # The daemon.
 
 
+def test_a_computer_that_stands_still_meanwhile_makes_a_simulated_run_longer_and_not_wrong(
+    tmp_path: Path, write: Callable[..., Path]
+) -> None:
+    report_file = tmp_path / "report.json"
+    program = Path(sys.executable).with_name("clearway")
+    arguments = [str(program), "run", str(write()), "--once", "--report", str(report_file)]
+    with subprocess.Popen(arguments, stdout=subprocess.PIPE, text=True) as process:
+        assert process.stdout is not None
+        for line in process.stdout:
+            if "driving" in line:
+                break
+        for _ in range(3):
+            process.send_signal(signal.SIGSTOP)
+            time.sleep(1.5)
+            process.send_signal(signal.SIGCONT)
+            time.sleep(0.5)
+        said = process.stdout.read()
+    report = json.loads(report_file.read_text())
+    assert report["state"] == "done", report["reason"]
+    assert "holding" not in said
+    assert "slower than the wall's clock" in said
+
+
 @pytest.fixture
 def config(write: Callable[..., Path]) -> Config:
     loaded = load_config(write())

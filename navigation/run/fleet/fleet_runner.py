@@ -6,6 +6,7 @@ Units: metres, radians, seconds.
 from __future__ import annotations
 
 import random
+import time
 from contextlib import ExitStack
 from pathlib import Path
 
@@ -20,6 +21,7 @@ from navigation.loop.fleet.fleet_daemon import FleetDaemon
 from navigation.loop.fleet.people import People
 from navigation.machine.sd_notify import Watchdog
 from navigation.mission.mission import State
+from navigation.run.devices.world_clock import slowness
 from navigation.run.fleet.fleet_lines import FleetLines, why_stopped
 from navigation.run.fleet.fleet_picture import write_picture
 from navigation.run.fleet.fleet_report import FleetReport, summarise_fleet
@@ -55,7 +57,7 @@ class FleetRunner(Runner):
             seen_by = camera_words(self.config)
             self._say(f"{seen_by}, {ports}")
             first_id = random.SystemRandom().randrange(1, 1 << 32)
-            recorder = self._open_recorder(open_things, world.calibration)
+            recorder = self._open_recorder(open_things, world.calibration, world.clock)
             daemon = open_things.enter_context(
                 FleetDaemon(self.config, world, first_mission_id=first_id, recorder=recorder)
             )
@@ -79,7 +81,7 @@ class FleetRunner(Runner):
             if page is not None and self.interrupt.is_set():
                 page.begin_closing()  # while the robots brake
             daemon.let_the_robots_stop()
-            duration_s = self._clock() - daemon.started_s
+            duration_s = world.clock() - daemon.started_s
             report = summarise_fleet(daemon, world.truths, state, reason, duration_s)
             self._log.write(
                 "info", "finished", state=report.state, reason=reason, duration_s=duration_s
@@ -92,6 +94,8 @@ class FleetRunner(Runner):
                 write_picture(folder / "track.svg", daemon, world.truths, report)
             except DrawError as error:
                 self._say(f"trouble: {error}")
+        for remark in slowness(world.clock):
+            self._say(remark)
         if recorder is not None:
             self._say(recorder.summary())
         return report, folder, self._exit_code_of(state, daemon)
@@ -142,7 +146,7 @@ class FleetRunner(Runner):
             lines.cycle(now)
             taking.cycle()
             troubles.cycle(troubles_of(now))
-            watchdog.tick(self._clock())
+            watchdog.tick(time.monotonic())
             if self.interrupt.is_set():
                 return State.STOPPED, self.why_interrupted(why_stopped(now))
             waits = daemon.stopping.waits_for_rearm

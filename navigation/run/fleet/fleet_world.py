@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import time
 from collections.abc import Callable
 
 from navigation.config import Config
@@ -13,6 +12,7 @@ from navigation.loop.fleet.fleet_planner import FleetPlanner
 from navigation.loop.planning import PlannerThread, SceneCheck
 from navigation.run.devices.cameras import Cameras
 from navigation.run.devices.driven import driver_of, end_all, link_of
+from navigation.run.devices.world_clock import WallClock
 from navigation.run.fleet.simulated_fleet import is_simulated
 from navigation.run.fleet.simulation_apart import RobotApart, SimulationApart
 from navigation.run.world import floor_plan_of, shown_calibration
@@ -35,6 +35,8 @@ class FleetWorld:
         self.config = config
         self._wait_for_port = wait_for_port
         self._simulation = SimulationApart(config) if is_simulated(config) else None
+        self.clock = WallClock() if self._simulation is None else self._simulation.clock
+        """Monotonic seconds."""
         simulated = {} if self._simulation is None else self._simulation.ports
         self._alone = each_robot(config)
         self.ports = {
@@ -59,13 +61,9 @@ class FleetWorld:
         self.floor_plan = floor_plan_of(config)
         self.calibration = shown_calibration(config, self.floor_plan)
 
-    def clock(self) -> float:
-        """Monotonic seconds."""
-        return time.monotonic()
-
     def wait(self, seconds: float) -> None:
         """Let time pass."""
-        time.sleep(seconds)  # what `wait` is for
+        self.clock.wait(seconds)
 
     def make_frames(self) -> LatestFrame | SeveralFrames:
         """The camera in a thread of its own, or each of several."""
@@ -96,6 +94,7 @@ class FleetWorld:
 
     def start(self) -> None:
         """Switch the simulated robots and all drivers on; what happens counts from here."""
+        self.clock.waits_for_this_thread()
         for truth in self.truths.values():
             truth.began_s = self.clock()
         if self._simulation is not None:

@@ -7,7 +7,6 @@ Metres, radians, seconds of the clock that is passed in.
 from __future__ import annotations
 
 import threading
-from collections.abc import Callable
 from functools import partial
 
 from navigation.config import Config
@@ -15,6 +14,7 @@ from navigation.config.sections import SIMULATED
 from navigation.config.several.each_camera import each_camera
 from navigation.config.several.each_robot import each_robot
 from navigation.run.devices.simulated import pose_of, shared_pose, simulated_robot
+from navigation.run.devices.world_clock import WorldClock, wait_for_camera, wait_for_robot
 from navigation.run.world import camera_over
 from navigation.simulator.arena import load_arena
 from navigation.simulator.happenings import arenas_over_time, tracks_of
@@ -38,13 +38,15 @@ def cameras_of(config: Config) -> dict[str | None, Config]:
 class SimulatedFleet:
     """Everything of a configuration that is simulated, switched off until `start`."""
 
-    def __init__(self, config: Config, clock: Callable[[], float]) -> None:
+    def __init__(self, config: Config, clock: WorldClock) -> None:
         self._config, self._clock = config, clock
         self._robots = {
             name: simulated_robot(one, clock)
             for name, one in each_robot(config).items()
             if one.serial.port == SIMULATED
         }
+        for name, robot in self._robots.items():
+            wait_for_robot(clock, name, robot)
         self._together = [one for one in self._robots.values() if isinstance(one, SimulatedRobot)]
         self._thread: threading.Thread | None = None
         self._stop = threading.Event()
@@ -72,15 +74,18 @@ class SimulatedFleet:
             robot = self._robots.get(who)
             shared = shared_pose(one) if robot is None else None
             fleet.append((one.robot, partial(pose_of, one, robot, shared)))
-        return camera_over(
+        camera = camera_over(
             cameras_of(self._config)[name],
             self._arenas,
             self._tracks,
             fleet[0][1],
             self._clock,
             self._began_s,
+            self._clock.wait,
             fleet=fleet,
         )
+        wait_for_camera(self._clock, name, camera)
+        return camera
 
     def start(self) -> None:
         """Switch the robots on; what happens in the arena counts from here."""

@@ -5,14 +5,13 @@ threads would share one interpreter with the control loop, which then is late. O
 would carry comes here: the ports' names, pictures, and, for the report, the truth.
 
 One question is answered after the other on each pipe; every camera has one of its own. The process
-ends with this one. Both have the same clock: seconds of `time.monotonic`.
+ends with this one. Both have the same clock, over memory that they share.
 """
 
 from __future__ import annotations
 
 import threading
-import time
-from collections.abc import Mapping
+from collections.abc import Mapping, MutableSequence
 from multiprocessing.connection import Connection
 from typing import Any, Final
 
@@ -20,8 +19,10 @@ import numpy as np
 
 from navigation.config import Config
 from navigation.machine.child import FRESH, start_child
+from navigation.run.devices.world_clock import world_clock
 from navigation.run.fleet.simulated_fleet import SimulatedFleet, cameras_of
 from navigation.simulator.drive_model import TruePose
+from navigation.simulator.slowing_clock import SHARED_VALUES
 from planner.scene import FloatArray
 from vision.camera.camera import Camera, CameraError, Frame, Image, SourceState
 
@@ -54,13 +55,15 @@ class _Asked:
 
 
 class SimulationApart:
-    """`SimulatedFleet` in another process; the methods are the same."""
+    """`SimulatedFleet` in another process; the methods are the same. ``clock`` is this one's."""
 
     def __init__(self, config: Config) -> None:
+        shared = FRESH.RawArray("d", SHARED_VALUES)
+        self.clock = world_clock(config, shared)
         ours, theirs = FRESH.Pipe()
         pictures = {name: FRESH.Pipe() for name in cameras_of(config)}
         sides = {name: side for name, (_, side) in pictures.items()}
-        self.process = start_child(_simulate, theirs, sides, config)
+        self.process = start_child(_simulate, theirs, sides, shared, config)
         for side in (theirs, *sides.values()):
             side.close()
         self._ask = _Asked(ours)
@@ -152,9 +155,14 @@ class CameraApart:
             raise CameraError(f"simulated camera: {error}") from None
 
 
-def _simulate(pipe: Connection, pictures: Mapping[str | None, Connection], config: Config) -> None:
+def _simulate(
+    pipe: Connection,
+    pictures: Mapping[str | None, Connection],
+    shared: MutableSequence[float],
+    config: Config,
+) -> None:
     """The process: answer until the fleet is stopped, or nobody asks any more."""
-    fleet = SimulatedFleet(config, time.monotonic)
+    fleet = SimulatedFleet(config, world_clock(config, shared, side=1))
     for name, side in pictures.items():
         camera = _CameraHere(fleet, name)
         threading.Thread(target=_answer, args=(side, camera), name="camera", daemon=True).start()

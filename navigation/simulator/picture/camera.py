@@ -12,6 +12,7 @@ the exposure, at which the robots' true poses are asked for.
 
 from __future__ import annotations
 
+import math
 import threading
 import time
 from collections.abc import Callable, Sequence
@@ -106,6 +107,8 @@ class SimulatedCamera:
         self._lock = threading.Lock()
         self._state: SourceState = "closed"
         self._next_s = 0.0
+        self.late_since_s = math.inf
+        """When the next picture is to be exposed, or the one that its reader has in hand was."""
         self._sequence = 0
         self._background = self._drawn(scene)
         self._to_come: list[tuple[float, Image]] = []
@@ -143,6 +146,7 @@ class SimulatedCamera:
     def close(self) -> None:
         """Stop; it can be opened again."""
         self._state = "closed"
+        self.late_since_s = math.inf
 
     def read(self, timeout_s: float) -> Frame | None:
         """The next frame at its time; None where that is later than ``timeout_s`` from now.
@@ -151,6 +155,7 @@ class SimulatedCamera:
         """
         if self._state != "running":
             raise CameraError(f"{self.name}: is not open")
+        self.late_since_s = self._next_s
         delay_s = self._next_s - self._clock()
         if delay_s > timeout_s:
             self._wait(timeout_s)
@@ -159,7 +164,7 @@ class SimulatedCamera:
         delay_s = self._next_s - self._clock()
         if delay_s > 0.0:
             self._wait(delay_s)
-        captured_s = self._clock()
+        self.late_since_s = captured_s = self._clock()
         late = max(0, int((captured_s - self._next_s) / self._period_s))
         self._next_s += (late + 1) * self._period_s
         image = self._with_robots(floor, [body.pose_now() for body in self._bodies])

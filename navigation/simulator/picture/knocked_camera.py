@@ -56,6 +56,11 @@ class KnockedCamera:
         """As of the unknocked camera."""
         return self._unknocked.may_repeat
 
+    @property
+    def late_since_s(self) -> float:
+        """As of the camera that shows the arena now."""
+        return self._present.late_since_s
+
     def open(self) -> None:
         """Start giving frames."""
         self._present = self._now()

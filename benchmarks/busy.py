@@ -1,0 +1,99 @@
+"""Simulated runs beside a busy computer: how many are done, and how long they take.
+
+    python -m benchmarks.busy                    # fleet 20 times, three more 5 times each
+    python -m benchmarks.busy fleet --times 3    # one configuration of configs/
+    python -m benchmarks.busy --loops 0          # nothing beside it
+
+Each run is `clearway run configs/NAME.yaml --once`, as a user starts it, beside so many processes
+that compute without a pause. Times are this machine's.
+"""
+
+from __future__ import annotations
+
+import argparse
+import json
+import os
+import statistics
+import subprocess
+import sys
+import tempfile
+import time
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
+from pathlib import Path
+from typing import Any
+
+CONFIGS = Path(__file__).parents[1] / "configs"
+PROGRAM = [sys.executable, "-c", "from navigation.cli.main import main; main()", "run"]
+TIMES = {"fleet": 20, "simulation": 5, "two_cameras": 5, "crossing": 5}
+LONGEST_S = 900.0
+
+
+@contextmanager
+def busy_loops(count: int) -> Iterator[None]:
+    """So many processes that compute without a pause."""
+    loops = [subprocess.Popen([sys.executable, "-c", "while True: pass"]) for _ in range(count)]
+    try:
+        yield
+    finally:
+        for loop in loops:
+            loop.kill()
+            loop.wait()
+
+
+def drive(name: str, folder: Path) -> tuple[dict[str, Any], float]:
+    """The report of one run of a configuration, and the wall's seconds that it took."""
+    report = folder / "report.json"
+    began_s = time.monotonic()
+    said = subprocess.run(
+        [*PROGRAM, str(CONFIGS / f"{name}.yaml"), "--once", "--no-dashboard",
+         "--socket", str(folder / "c.sock"), "--report", str(report)],
+        capture_output=True, text=True, timeout=LONGEST_S,
+        env={
+            **os.environ,
+            "CLEARWAY_RECORDING__RUNS_DIR": str(folder),
+            "XDG_STATE_HOME": str(folder),
+        },
+    )  # fmt: skip
+    took_s = time.monotonic() - began_s
+    if not report.exists():
+        return {"state": "no report", "reason": said.stdout[-300:] + said.stderr[-300:]}, took_s
+    found: dict[str, Any] = json.loads(report.read_text())
+    return found, took_s
+
+
+def measure(name: str, times: int) -> bool:
+    """Run a configuration so many times; whether all runs were done."""
+    states, spent = [], []
+    for number in range(times):
+        with tempfile.TemporaryDirectory() as folder:
+            report, took_s = drive(name, Path(folder))
+        states.append(report["state"])
+        spent.append(took_s)
+        told_s = report.get("duration_s") or 0.0
+        print(
+            f"  {name} {number}: {report['state']}, {told_s:.1f} s of its own time, "
+            f"{took_s:.1f} s of the wall's: {report['reason']}",
+            flush=True,
+        )
+    done = states.count("done")
+    print(f"{name}: {done} of {times} done, median {statistics.median(spent):.1f} s", flush=True)
+    return done == times
+
+
+def main(arguments: Sequence[str] | None = None) -> int:
+    """Exit 1 where a run was not done."""
+    parser = argparse.ArgumentParser(
+        description=__doc__, formatter_class=argparse.RawTextHelpFormatter
+    )
+    parser.add_argument("names", nargs="*", default=[], help="configurations of configs/")
+    parser.add_argument("--times", type=int, help="runs of each")
+    parser.add_argument("--loops", type=int, default=2, help="busy processes beside it (2)")
+    told = parser.parse_args(arguments)
+    with busy_loops(told.loops):
+        results = [measure(name, told.times or TIMES.get(name, 5)) for name in told.names or TIMES]
+    return 0 if all(results) else 1
+
+
+if __name__ == "__main__":
+    sys.exit(main())

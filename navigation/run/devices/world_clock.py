@@ -1,0 +1,90 @@
+"""Which clock a run has: the wall's, or that of a world in which all is simulated.
+
+Seconds.
+"""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable, MutableSequence
+from typing import Final, TypeAlias
+
+from navigation.config import Config
+from navigation.config.known_robots import CLEARWAY
+from navigation.config.sections import SIMULATED
+from navigation.config.several.each_camera import each_camera
+from navigation.config.several.each_robot import each_robot
+from navigation.run.devices.simulated import AnySimulatedRobot
+from navigation.simulator.picture.camera import SimulatedCamera
+from navigation.simulator.picture.knocked_camera import KnockedCamera
+from navigation.simulator.slowing_clock import SlowingClock
+from navigation.simulator.twins.twin_robot import TwinRobot
+
+ROBOT_SLACK_S: Final = 0.02
+"""How late a robot's step may be, and how late the program may hear what the robot says."""
+CAMERA_SLACK_S: Final = 0.03
+"""How late a picture may be exposed, and how late it may be with the program."""
+
+WORTH_SAYING_S: Final = 1.0
+
+
+class WallClock:
+    """The wall's clock, which waits for nobody, as a `SlowingClock`."""
+
+    lost_s = 0.0
+
+    def __call__(self) -> float:
+        """Now."""
+        return time.monotonic()
+
+    def wait(self, seconds: float) -> None:
+        """Let time pass."""
+        time.sleep(seconds)  # what `wait` is for
+
+    def waits_for(self, _name: str, _since_s: Callable[[], float], _slack_s: float) -> None:
+        """Nothing to do."""
+
+    def waits_for_this_thread(self) -> None:
+        """Nothing to do."""
+
+
+WorldClock: TypeAlias = SlowingClock | WallClock
+
+
+def world_clock(
+    config: Config, shared: MutableSequence[float] | None = None, side: int = 0
+) -> WorldClock:
+    """The clock of a configuration's world; ``shared`` with another process, as its ``side``."""
+    return SlowingClock(shared, side) if is_all_simulated(config) else WallClock()
+
+
+def slowness(clock: WorldClock) -> tuple[str, ...]:
+    """What to say at the end of a run whose simulated world fell behind the wall's clock."""
+    if clock.lost_s < WORTH_SAYING_S:
+        return ()
+    return (
+        f"this computer was busy: the simulated world was {clock.lost_s:.1f} s slower than "
+        "the wall's clock",
+    )
+
+
+def is_all_simulated(config: Config) -> bool:
+    """True if no camera, no robot and no driver of a robot lives by the wall's clock."""
+    robots = list(each_robot(config).values()) or [config]
+    cameras = list(each_camera(config).values()) or [config]
+    return all(
+        one.serial.port == SIMULATED and one.robot.driver == CLEARWAY for one in robots
+    ) and all(one.camera.source == SIMULATED for one in cameras)
+
+
+def wait_for_robot(clock: WorldClock, name: str, robot: AnySimulatedRobot) -> None:
+    """Let the clock wait for a simulated robot; a driver's twin goes by the wall's."""
+    if not isinstance(robot, TwinRobot):
+        clock.waits_for(f"robot {name}", robot.late_since_s, ROBOT_SLACK_S)
+
+
+def wait_for_camera(
+    clock: WorldClock, name: str | None, camera: SimulatedCamera | KnockedCamera
+) -> None:
+    """Let the clock wait for a simulated camera, in place of the last one of this name."""
+    clock.waits_for(f"camera {name}", lambda: camera.late_since_s, CAMERA_SLACK_S)

@@ -1,0 +1,120 @@
+"""The clock of a simulated world in real time: it follows the wall, and waits for who is late.
+
+In a real arena time waits for nobody. Where camera, robots and program share one busy computer,
+each falls behind by its own lot: a report is heard late, a picture is drawn late, and the program
+has to conclude that a robot was carried. Here the simulation owns the clock. Every part of the
+simulated world says since when it has had work that is not done; the clock passes no such moment
+by more than the part's slack. What the computer is too slow for, the whole world is slower by,
+evenly; nothing that reads the clock can tell.
+
+A part that has not moved for ``PATIENCE_S`` while others read the clock hangs, and is not waited
+for: so a program that hangs is seen by the robots as in the real world, by a lease that lapses. A
+computer that sleeps, or a program that is stopped and continued, loses nothing.
+
+Two processes may share a clock: each reads its own, over the same memory. Seconds.
+"""
+
+from __future__ import annotations
+
+import math
+import threading
+import time
+from collections.abc import Callable, MutableSequence
+from typing import Final
+
+PATIENCE_S: Final = 1.0
+READS_SLACK_S: Final = 0.1
+"""How late a thread may read the clock again: the control loop reads it twice in this time."""
+LONGEST_GAP_S: Final = 0.1
+"""Longer than this nobody reads the clock but where the whole program stands still."""
+SHARED_VALUES: Final = 3
+"""What two processes share: the seconds lost, and until when the parts of each let time pass."""
+
+
+class SlowingClock:
+    """Monotonic seconds of the simulated world; call it, from any thread.
+
+    ``shared`` is memory of ``SHARED_VALUES`` numbers that two processes have in common, zeros in
+    the beginning; ``side`` is 0 in the one and 1 in the other. ``wall`` gives monotonic seconds.
+    """
+
+    def __init__(
+        self,
+        shared: MutableSequence[float] | None = None,
+        side: int = 0,
+        wall: Callable[[], float] = time.monotonic,
+    ) -> None:
+        self._shared = [0.0] * SHARED_VALUES if shared is None else shared
+        self._side, self._wall = side, wall
+        if side == 0:
+            self._shared[1] = self._shared[2] = math.inf
+        self._parts: dict[str, _Part] = {}
+        self._other = _Part(lambda: self._shared[2 - side], 0.0)
+        self._reader: int | None = None
+        self._lock = threading.Lock()
+        self._now_s = -math.inf
+        self._wall_s, self._awake_s = wall(), 0.0
+
+    def __call__(self) -> float:
+        """Now."""
+        with self._lock:
+            wall_s = self._wall()
+            self._awake_s += min(wall_s - self._wall_s, LONGEST_GAP_S)
+            self._wall_s = wall_s
+            lost_s = self._shared[0]
+            until_s = self._until_s()
+            if wall_s - lost_s > until_s:
+                lost_s = wall_s - max(until_s, self._now_s)
+                # two processes that write at once lose nothing: the next reading does it again
+                self._shared[0] = max(self._shared[0], lost_s)
+            self._now_s = max(self._now_s, wall_s - lost_s)
+            if threading.get_ident() == self._reader:
+                self._read_s = self._now_s
+            return self._now_s
+
+    def wait(self, seconds: float) -> None:
+        """Return when so much of the simulated world's time has passed."""
+        end_s = self() + seconds
+        while (left_s := end_s - self()) > 0.0:
+            time.sleep(left_s)
+
+    @property
+    def lost_s(self) -> float:
+        """How much slower than the wall the simulated world has been so far."""
+        return self._shared[0]
+
+    def waits_for(self, name: str, since_s: Callable[[], float], slack_s: float) -> None:
+        """Let a part be late by no more than ``slack_s``; one of the same name is replaced.
+
+        ``since_s`` says since when it has had work that is not done, infinity where it has none.
+        """
+        with self._lock:
+            self._parts[name] = _Part(since_s, slack_s)
+
+    def waits_for_this_thread(self) -> None:
+        """Wait for the thread that calls this, which must read the clock again and again."""
+        self._read_s = self()
+        self._reader = threading.get_ident()
+        self.waits_for("control loop", lambda: self._read_s, READS_SLACK_S)
+
+    def _until_s(self) -> float:
+        own = [part.until_s(self._awake_s) for part in self._parts.values()]
+        self._shared[1 + self._side] = until_s = min(own, default=math.inf)
+        return min(until_s, self._other.until_s(self._awake_s))
+
+
+class _Part:
+    """A part of the world, and whether it moves."""
+
+    def __init__(self, since_s: Callable[[], float], slack_s: float) -> None:
+        self._since_s, self._slack_s = since_s, slack_s
+        self._last_s, self._moved_s = math.nan, -math.inf
+
+    def until_s(self, awake_s: float) -> float:
+        """Until when it lets time pass; ``awake_s`` goes on while anybody reads the clock."""
+        since_s = self._since_s()
+        if since_s != self._last_s:
+            self._last_s, self._moved_s = since_s, awake_s
+        if awake_s - self._moved_s > PATIENCE_S:
+            return math.inf
+        return since_s + self._slack_s
