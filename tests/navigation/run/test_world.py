@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+import time
 from collections.abc import Callable
 from pathlib import Path
 
 import pytest
 
 from navigation.config import Config, load_config
+from navigation.run.devices.world_clock import world_clock
 from navigation.run.world import World
 from navigation.simulator.shared_pose import PoseFileError, PoseWriter
 from tests.support.waiting import wait_until
@@ -58,3 +60,22 @@ def test_a_camera_waits_for_the_robot_s_file_and_comes_back_with_it(
         PoseWriter(path).write(0.2, 0.2, 1.5)
         assert wait_until(lambda: frames.status().state == "running")
         assert not frames.has_died()
+
+
+@pytest.mark.parametrize(
+    ("name", "waits"),
+    [
+        ("simulation", True),
+        ("fleet", True),
+        ("two_cameras_fleet", True),
+        ("hardware_in_the_loop", False),
+        ("create2", False),
+        ("real_camera", False),
+    ],
+)
+def test_time_waits_only_in_a_world_where_all_is_simulated(name: str, waits: bool) -> None:
+    clock = world_clock(load_config(CONFIGS / f"{name}.yaml", {}))
+    clock.waits_for("a part that is late", lambda: 0.0, 0.0)
+    before_s = clock()
+    time.sleep(0.02)
+    assert (clock() - before_s < 0.01) == waits

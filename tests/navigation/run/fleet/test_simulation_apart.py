@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import subprocess
 import sys
-import time
 from collections.abc import Iterator
 from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
@@ -14,6 +13,7 @@ import pytest
 
 from navigation.config import Config, load_config
 from navigation.link.serial_link import SerialLink
+from navigation.run.devices.world_clock import WallClock
 from navigation.run.fleet.simulated_fleet import SimulatedFleet
 from navigation.run.fleet.simulation_apart import SimulationApart
 from tests.support.waiting import wait_until
@@ -37,7 +37,8 @@ def apart(config: Config) -> Iterator[SimulationApart]:
 def test_its_camera_shows_what_the_camera_of_this_process_shows(
     config: Config, apart: SimulationApart
 ) -> None:
-    here = SimulatedFleet(config, time.monotonic)
+    clock = WallClock()
+    here = SimulatedFleet(config, clock)
     cameras = [apart.open_camera(), here.open_camera()]
     pictures = []
     for camera in cameras:
@@ -46,7 +47,7 @@ def test_its_camera_shows_what_the_camera_of_this_process_shows(
         assert frame is not None
         assert camera.state == "running"
         assert not frame.image.flags.writeable
-        assert 0.0 <= time.monotonic() - frame.captured_s < 5.0
+        assert 0.0 <= clock() - frame.captured_s < 5.0
         pictures.append(frame.image)
         camera.close()
     assert np.array_equal(*pictures)
