@@ -27,7 +27,7 @@ from navigation.loop.planning import SceneCheck
 from navigation.loop.reports import camera_openings
 from navigation.loop.seeing.arena_view import ArenaView
 from navigation.loop.seeing.other_robots import OtherRobots
-from navigation.loop.seeing.vision_stage import KnowsLatency, VisionStage
+from navigation.loop.seeing.vision_stage import KnowsLatency
 from navigation.loop.stopping import Stopping
 from navigation.shared.supervisor import Part, Supervisor
 from planner.roadmap.roadmap import Roadmap
@@ -69,9 +69,7 @@ class ControlLoop(ABC, Generic[_StateT, _AskT, _AnswerT]):
         self._clock = world.clock
         self._recorder = recorder
         self.camera = world.make_frames()
-        vision = VisionStage(
-            config, world.calibration, witness, self._clock, driven, world.floor_plan
-        )
+        vision = world.make_vision(config, witness, driven)
         self.newest = vision.newest
         self.view = ArenaView(config, vision, self._clock, recorder)
         self._supervisor = Supervisor(

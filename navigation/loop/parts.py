@@ -1,6 +1,6 @@
-"""What the control loop needs of camera, planner, link and world: each runs in two kinds of time.
+"""What the control loop needs of camera, eye, planner, link and world, in two kinds of time.
 
-In real time they are threads (`vision.camera.latest_frame`, `planning.PlannerThread`,
+In real time all but the eye are threads (`vision.camera.latest_frame`, `planning.PlannerThread`,
 `serial_link.SerialLink`); in virtual time (`run.virtual_world`) the same code without
 threads, so that a run takes a fraction of its time and is the same every time. Seconds of the
 world's clock, metres, radians.
@@ -14,8 +14,10 @@ from typing import TYPE_CHECKING, Protocol, TypeVar
 
 from firmware_protocol.wire.messages import Waypoint
 from navigation.config import Config
+from navigation.config.sections import RobotSection
 from navigation.link.link_snapshot import LinkSnapshot
 from navigation.loop.planning import ArenaPlanner, SceneCheck
+from navigation.loop.seeing.vision_stage import KnowsLatency, VisionStage
 from navigation.mission.cycle import PlanAnswer, PlanRequest
 from navigation.shared.supervisor import Part
 from planner.scene import FloatArray, Scene
@@ -179,6 +181,12 @@ class AnySurroundings(Protocol):
 
     def make_frames(self) -> Frames:
         """The camera."""
+        ...
+
+    def make_vision(
+        self, config: Config, witness: KnowsLatency, driven: Sequence[RobotSection]
+    ) -> VisionStage:
+        """Vision; ``driven`` are the driven robots where there are several."""
         ...
 
     def start(self) -> None:

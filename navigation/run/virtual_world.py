@@ -18,8 +18,10 @@ import numpy as np
 
 from firmware_protocol.wire.messages import ResetCause
 from navigation.config import Config
+from navigation.config.sections import RobotSection
 from navigation.config.several.each_camera import each_camera
 from navigation.loop.planning import Answering, ArenaPlanner, SceneCheck
+from navigation.loop.seeing.vision_stage import KnowsLatency, VisionStage
 from navigation.mission.cycle import PlanAnswer, PlanRequest
 from navigation.run.troubled_camera import (
     NOWHERE,
@@ -143,6 +145,12 @@ class VirtualWorld:
     def make_frames(self) -> VirtualFrames:
         """The camera, or several as one."""
         return VirtualFrames(self, tuple(self._cameras))
+
+    def make_vision(
+        self, config: Config, witness: KnowsLatency, driven: Sequence[RobotSection]
+    ) -> VisionStage:
+        """Vision that looks at the camera's pictures."""
+        return VisionStage(config, self.calibration, witness, self.clock, driven, self.floor_plan)
 
     def make_link(self) -> VirtualLink:
         """The link to the robot."""

@@ -17,6 +17,7 @@ from navigation.config.several.each_camera import each_camera
 from navigation.config.simulation import SimulatedKnockSection
 from navigation.link.serial_link import SerialLink
 from navigation.loop.planning import ArenaPlanner, PlannerThread, SceneCheck
+from navigation.loop.seeing.vision_stage import KnowsLatency, VisionStage
 from navigation.mission.cycle import PlanAnswer, PlanRequest
 from navigation.run.devices.cameras import Cameras
 from navigation.run.devices.driven import driver_of, end_all, link_of
@@ -93,6 +94,12 @@ class World:
     def make_frames(self) -> LatestFrame | SeveralFrames:
         """The camera in a thread of its own, or each of several."""
         return self._cameras.frames()
+
+    def make_vision(
+        self, config: Config, witness: KnowsLatency, driven: Sequence[RobotSection]
+    ) -> VisionStage:
+        """Vision that looks at the camera's pictures."""
+        return VisionStage(config, self.calibration, witness, self.clock, driven, self.floor_plan)
 
     def make_link(self) -> SerialLink:
         """The serial link in a thread of its own; it waits for a robot that is plugged in later."""

@@ -6,18 +6,20 @@ Metres, radians, virtual seconds.
 from __future__ import annotations
 
 from collections import defaultdict
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 
 import numpy as np
 
 from firmware_protocol.robot.controller import WheelSpeeds
 from navigation.config import Config
+from navigation.config.sections import RobotSection
 from navigation.config.several.each_camera import each_camera
 from navigation.config.several.each_robot import each_robot
 from navigation.fleet.request import FleetAnswer, FleetRequest
 from navigation.loop.fleet.fleet_planner import FleetPlanner
 from navigation.loop.planning import SceneCheck
+from navigation.loop.seeing.vision_stage import KnowsLatency, VisionStage
 from navigation.run.troubled_camera import CameraTroubles, Memory, TroubledCamera, seen_pose
 from navigation.run.virtual_link import VirtualLink
 from navigation.run.virtual_troubles import Troubles, virtual_loop_of
@@ -122,6 +124,12 @@ class FleetVirtualWorld:
     def make_frames(self) -> VirtualFrames:
         """The camera, or several as one."""
         return VirtualFrames(self, tuple(self._cameras))
+
+    def make_vision(
+        self, config: Config, witness: KnowsLatency, driven: Sequence[RobotSection]
+    ) -> VisionStage:
+        """Vision that looks at the camera's pictures."""
+        return VisionStage(config, self.calibration, witness, self.clock, driven, self.floor_plan)
 
     def make_link(self, name: str) -> VirtualLink:
         """The link to one robot."""

@@ -2,14 +2,16 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 
 from navigation.config import Config
+from navigation.config.sections import RobotSection
 from navigation.config.several.each_robot import each_robot
 from navigation.fleet.request import FleetAnswer, FleetRequest
 from navigation.link.serial_link import SerialLink
 from navigation.loop.fleet.fleet_planner import FleetPlanner
 from navigation.loop.planning import PlannerThread, SceneCheck
+from navigation.loop.seeing.vision_stage import KnowsLatency, VisionStage
 from navigation.run.devices.cameras import Cameras
 from navigation.run.devices.driven import driver_of, end_all, link_of
 from navigation.run.devices.world_clock import WallClock
@@ -68,6 +70,12 @@ class FleetWorld:
     def make_frames(self) -> LatestFrame | SeveralFrames:
         """The camera in a thread of its own, or each of several."""
         return self._cameras.frames()
+
+    def make_vision(
+        self, config: Config, witness: KnowsLatency, driven: Sequence[RobotSection]
+    ) -> VisionStage:
+        """Vision that looks at the camera's pictures."""
+        return VisionStage(config, self.calibration, witness, self.clock, driven, self.floor_plan)
 
     def make_link(self, name: str) -> SerialLink:
         """The serial link to one robot in a thread of its own."""
