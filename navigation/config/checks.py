@@ -1,7 +1,8 @@
 """What must fit together across a configuration's keys and sections.
 
 Each check gets the sections that it needs, all of them sound by themselves, and yields the
-place and the sentence of what does not fit. `CHECKS` is the table of all of them.
+place and the sentence of what does not fit. `CHECKS` is the table of all of them. A check of
+`robot` or `serial` that does not take `robots` looks at one robot: it is made for each.
 """
 
 from __future__ import annotations
@@ -14,7 +15,6 @@ from navigation.config.marks import Location
 from navigation.config.sections import SIMULATED, MarkerSection
 from navigation.config.several import camera_checks, fleet_checks
 from navigation.config.several.each_robot import robot_of
-from navigation.config.several.fleet_checks import located_in
 from navigation.config.values import Place
 
 MOST_STEPS = 1_000_000
@@ -133,8 +133,7 @@ def dictionary_size(name: str) -> int:
 def _floor_markers_can_be_told_apart(
     arena: Any, robot: Any, robots: Any, other_robots: Any
 ) -> _Found:
-    seen = {one.marker_id for one in (robot, *other_robots)}
-    seen |= {one.marker_id for one in robots}
+    seen = {one.marker_id for one in (*(robots or (robot,)), *other_robots)}
     size = dictionary_size(robot.dictionary)
     for index, one in enumerate(arena.floor_markers):
         where: Location = ("arena", "floor_markers", index, "marker_id")
@@ -285,23 +284,6 @@ def _happenings_end_after_they_begin(simulation: Any) -> _Found:
                 )
 
 
-def _each_robot_fits(arena: Any, robot: Any, robots: Any, planning: Any) -> _Found:
-    """Each of several robots with what differs from ``robot``."""
-    for index, entry in enumerate(robots):
-        own = robot_of(robot, entry)
-        for check, sections in (
-            (_robot_fits_together, (own,)),
-            (_dictionary_holds_the_markers, (own, ())),
-            (_speeds_agree, (own, planning)),
-            (_spacing_is_fine_enough, (own, planning)),
-            (_robot_fits_into_the_arena, (arena, own)),
-            (_plans_stay_small, (arena, own, planning)),
-        ):
-            yield from located_in(index, entry, check(*sections))
-    if len(robots) > 1 and not robot.turns_on_spot:
-        yield ("robot", "turns_on_spot"), "must be true where several robots are driven"
-
-
 def _places_of_each_lie_inside(
     arena: Any, robot: Any, robots: Any, mission: Any, simulation: Any
 ) -> _Found:
@@ -362,12 +344,12 @@ CHECKS: tuple[tuple[tuple[str, ...], Callable[..., _Found]], ...] = (
     (("arena", "robot", "mission", "simulation"), _places_lie_inside),
     (("robots", "serial", "other_robots"), fleet_checks.names_markers_and_ports_differ),
     (("robots", "robot"), fleet_checks.drivers_are_ours),
+    (("robots", "robot"), fleet_checks.robots_turn_on_the_spot),
     (("robots", "mission", "simulation"), fleet_checks.names_are_known),
     (("robots", "serial", "simulation"), fleet_checks.every_robot_has_a_start),
     (("robots", "mission", "tasks"), fleet_checks.missions_fit_the_fleet),
     (("robots", "robot", "mission"), fleet_checks.goals_do_not_touch),
     (("robots", "robot", "simulation"), fleet_checks.starts_do_not_touch),
-    (("arena", "robot", "robots", "planning"), _each_robot_fits),
     (("arena", "robot", "robots", "mission", "simulation"), _places_of_each_lie_inside),
     (("camera", "cameras", "serial", "robots", "simulation"), _simulation_is_there),
     (("simulation",), _simulation_has_one_arena),

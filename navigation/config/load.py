@@ -22,7 +22,11 @@ from navigation.config.overrides import override, sourced
 from navigation.config.secrecy.secret_places import secrets_in_environment, secrets_in_source
 from navigation.config.secrecy.secrets import learn
 from navigation.config.sections import Config
-from navigation.config.several.defaults import is_overridden, with_source_of_cameras
+from navigation.config.several.defaults import (
+    found_in,
+    is_overridden,
+    with_source_of_cameras,
+)
 
 MOST_BYTES: Final = 2_000_000
 """Of a file: more than the longest text takes in UTF-8."""
@@ -136,7 +140,7 @@ def _sound_sections(
 def _cross_problems(sections: Mapping[str, Any], document: Document) -> Iterator[Problem]:
     for needed, check in CHECKS:
         if all(name in sections for name in needed):
-            for where, sentence in check(*(sections[name] for name in needed)):
+            for where, sentence in found_in(sections, needed, check):
                 if is_overridden(sections, where):
                     continue  # the value is nobody's; each entry's own is checked
                 yield Problem(where, sentence, mark_of(document, where))

@@ -18,6 +18,7 @@ from pydantic.fields import FieldInfo
 from navigation.config.errors import model_in
 from navigation.config.marks import read_document
 from navigation.config.sections import Config
+from navigation.config.several.defaults import without_overridden
 
 _PLAIN = re.compile(r"[\w./-]+")
 """Words that need no quotes, unless YAML takes them for a number or the like."""
@@ -27,7 +28,7 @@ LINE_WIDTH = 100
 
 def json_schema() -> dict[str, Any]:
     """The JSON Schema of a configuration, for editors."""
-    schema = Config.model_json_schema()
+    schema = without_overridden(Config.model_json_schema())
     return {"$schema": "https://json-schema.org/draft/2020-12/schema", **schema}
 
 

@@ -7,7 +7,6 @@ from collections.abc import Iterator, Sequence
 from itertools import combinations
 from typing import Any
 
-from navigation.config.entries import RobotEntry
 from navigation.config.known_robots import CLEARWAY
 from navigation.config.marks import Location
 from navigation.config.several.each_robot import robot_of, serial_of
@@ -48,6 +47,12 @@ def drivers_are_ours(robots: Any, robot: Any) -> _Found:
             ("robot", "driver"),
             f"'{robot.driver}' drives one robot; several need 'clearway', our firmware",
         )
+
+
+def robots_turn_on_the_spot(robots: Any, robot: Any) -> _Found:
+    """Several robots wait and turn where they meet; a car's turn would take another's floor."""
+    if len(robots) > 1 and not robot.turns_on_spot:
+        yield ("robot", "turns_on_spot"), "must be true where several robots are driven"
 
 
 def names_are_known(robots: Any, mission: Any, simulation: Any) -> _Found:
@@ -155,15 +160,3 @@ def _apart(
                 "both radii together"
             ),
         )
-
-
-def located_in(index: int, entry: RobotEntry, found: _Found) -> _Found:
-    """Problems of a robot's merged section, at the entry's own key where it has one."""
-    for where, sentence in found:
-        key = where[1] if len(where) > 1 else None
-        if where[0] == "robot" and isinstance(key, str) and getattr(entry, key, None) is not None:
-            yield ("robots", index, key), sentence
-        elif where[0] == "robot":
-            continue  # the default's, and said there
-        else:
-            yield where, f"for {entry.name}: {sentence}"

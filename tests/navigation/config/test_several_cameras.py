@@ -1,8 +1,12 @@
 """Several cameras in one configuration: each as if it were alone, and what cannot be is refused."""
 
+from typing import Any
+
 import pytest
+import yaml
 
 from navigation.config import parse_config
+from navigation.config.reference import json_schema
 from navigation.config.several.each_camera import each_camera
 from tests.navigation.config.texts import the_problem
 
@@ -134,3 +138,35 @@ def test_a_camera_without_a_source_needs_the_default() -> None:
     key, message = the_problem(EACH_NAMES_ITS_SOURCE.replace(", source: /dev/video0", ""))
     assert key == "camera.source"
     assert message.startswith("is missing")
+
+
+def accepts(schema: Any, data: Any) -> bool:
+    """True if the data has what a JSON Schema requires; other limits are not looked at."""
+    if "$ref" in schema:
+        return accepts(json_schema()["$defs"][schema["$ref"].rpartition("/")[2]], data)
+    if isinstance(data, list):
+        inside = all(accepts(schema.get("items", {}), one) for one in data)
+        return inside and len(data) >= schema.get("minItems", 0)
+    if not isinstance(data, dict):
+        return True
+    known = schema.get("properties", {})
+    return (
+        all(key in data for key in schema.get("required", ()))
+        and all(accepts(known.get(key, {}), value) for key, value in data.items())
+        and ("anyOf" not in schema or any(accepts(one, data) for one in schema["anyOf"]))
+    )
+
+
+def test_the_schema_for_editors_requires_a_source_where_the_program_does() -> None:
+    one_camera = TWO[: TWO.index("cameras:")] + TWO[TWO.index("robot:") :]
+    no_camera = EACH_NAMES_ITS_SOURCE.replace("camera:\n  calibration: left.yaml\n", "")
+    for text, is_right in (
+        (TWO, True),
+        (one_camera, True),
+        (EACH_NAMES_ITS_SOURCE, True),
+        (no_camera.replace("  rate_hz: 20\n", ""), True),
+        (EACH_NAMES_ITS_SOURCE.replace(", source: /dev/video0", ""), False),
+        (one_camera.replace("  source: /dev/video0\n", ""), False),
+        (one_camera.replace("  source: /dev/video0\n", "") + "cameras: []\n", False),
+    ):
+        assert accepts(json_schema(), yaml.safe_load(text)) == is_right

@@ -165,3 +165,36 @@ def test_a_robot_that_is_simulated_still_needs_a_simulation() -> None:
     assert the_problem(without) == ("serial.port", needs)
     simulated = REAL_PORTS.replace("/dev/ttyUSB2", "simulated")
     assert the_problem(simulated) == ("robots[1].port", needs)
+
+
+def test_a_default_that_every_robot_overrides_is_not_checked_with_other_keys() -> None:
+    """A floor marker may have the number of the default, whose track is wider than its body."""
+    text = REAL_PORTS.replace("radius_m: 0.07}", "radius_m: 0.07, track_m: 0.2, speed_m_s: 0.05}")
+    text = text.replace("port:", "radius_m: 0.12, speed_m_s: 0.2, port:")
+    text = text.replace("2.4, 1.8]", "2.4, 1.8]\n  floor_markers: [{marker_id: 0, size_m: 0.1}]")
+    assert [one.robot.track_m for one in each_robot(parse_config(text)).values()] == [0.2, 0.2]
+
+
+def test_a_default_that_does_not_fit_to_one_robot_s_own_values_is_said_with_its_name() -> None:
+    text = REAL_PORTS.replace("marker_id: 2", "marker_id: 2, radius_m: 0.06")
+    text = text.replace("radius_m: 0.07}", "radius_m: 0.07, track_m: 0.13}")
+    assert the_problem(text) == (
+        "robot.track_m",
+        "for bob: must be <= 0.12, the body's width, not 0.13",
+    )
+
+
+def test_a_default_that_fits_no_robot_is_said_once() -> None:
+    text = REAL_PORTS.replace("radius_m: 0.07}", "radius_m: 0.07, track_m: 0.2}")
+    assert the_problem(text) == ("robot.track_m", "must be <= 0.14, the body's width, not 0.2")
+
+
+def test_an_address_is_refused_at_the_robot_whose_port_it_is() -> None:
+    told = "an address needs a robot.driver other than 'clearway'"
+    text = REAL_PORTS.replace("/dev/ttyUSB2", "socket://10.0.0.7:5000")
+    assert the_problem(text) == ("robots[1].port", told)
+
+
+def test_a_default_port_that_nobody_uses_may_be_anything() -> None:
+    text = REAL_PORTS + "serial: {port: 'socket://10.0.0.7:5000'}\n"
+    assert len(parse_config(text).robots) == 2

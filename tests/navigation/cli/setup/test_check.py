@@ -241,7 +241,8 @@ def test_the_schema_is_json_schema_and_closed(capsys: pytest.CaptureFixture[str]
     assert run(["schema"]) == 0
     schema = json.loads(capsys.readouterr().out)
     assert schema["$schema"].startswith("https://json-schema.org/")
-    assert set(schema["required"]) == {"arena", "camera", "robot"}
+    assert set(schema["required"]) == {"arena", "robot"}
+    assert [one["required"] for one in schema["anyOf"]] == [["camera"], ["cameras"]]
     assert schema["additionalProperties"] is False
     assert all(part["additionalProperties"] is False for part in schema["$defs"].values())
 
