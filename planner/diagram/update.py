@@ -34,12 +34,12 @@ from planner.diagram.diagram_arrays import Bent
 from planner.diagram.mesh import Mesh, add_sites, copy_mesh, insert
 from planner.scene import (
     ArcRecord,
-    Flattener,
     FloatArray,
     IntArray,
     PolygonRecord,
     Scene,
     SceneObject,
+    flatten,
 )
 
 MOST = 0.34
@@ -124,9 +124,7 @@ def _first_other(old: Sequence[SceneObject], new: Sequence[SceneObject]) -> int:
 
 def _flatten(scene: Scene, came: list[int]) -> NewBorders:
     """The borders of the objects that ``came``."""
-    flat = Flattener(scene.y_down)
-    for n, j in enumerate(came):
-        flat.add_object(scene.objects[j], n)
+    flat = flatten([scene.objects[j] for j in came], scene.view, scene.y_down)
     return NewBorders(
         np.array(flat.kind, np.int8), np.array(flat.numbers, np.float64).reshape(-1, 6),
         np.array(flat.turned, np.int32), np.array(flat.borders, np.int32).reshape(-1, 3),

@@ -3,12 +3,12 @@
 What a stranger imports is here; kernels take :mod:`planner.scene.primitive_kernels`.
 """
 
+from planner.scene.flat_arcs import flatten
 from planner.scene.primitives import (
     ARC,
     CIRCLE,
     POINT,
     SEGMENT,
-    Flattener,
     FloatArray,
     IntArray,
     Primitives,
@@ -49,7 +49,6 @@ __all__ = [
     "Bounds",
     "CircleRecord",
     "Edge",
-    "Flattener",
     "FloatArray",
     "IntArray",
     "PointRecord",
@@ -64,6 +63,7 @@ __all__ = [
     "Units",
     "UnknownCells",
     "Vec",
+    "flatten",
     "object_records",
     "printable",
     "record_edges",

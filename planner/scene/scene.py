@@ -22,7 +22,8 @@ from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING, Literal, TypeAlias
 
 from planner.scene.drawing import Layer, View, obstacle_layers, plot, to_svg, wall_layer
-from planner.scene.primitives import Flattener, Primitives
+from planner.scene.flat_arcs import flatten
+from planner.scene.primitives import Primitives
 from planner.scene.records import (
     ArcRecord,
     PolygonRecord,
@@ -166,10 +167,11 @@ class Scene:
         )
 
     def primitives(self, include_bounds: bool = True) -> Primitives:
-        """All borders as flat arrays, in the order of the objects; the bounds come last."""
-        flat = Flattener(self.y_down)
-        for index, obj in enumerate(self.objects):
-            flat.add_object(obj, index)
+        """All borders as flat arrays, in the order of the objects; the bounds come last.
+
+        Circles and arcs of very large radius are chords there, see :mod:`planner.scene.flat_arcs`.
+        """
+        flat = flatten(self.objects, self.view, self.y_down)
         if include_bounds:
             c = self.bounds.corners()
             sides = tuple(Segment(c[i], c[(i + 1) % 4]) for i in range(4))
