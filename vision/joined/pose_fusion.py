@@ -27,7 +27,8 @@ from vision.markers.marked_robot import MarkedRobot, RobotPose
 from vision.markers.tracking import wrap
 
 CORNER_PX: Final = 0.05
-"""What a marker's place in the picture is off by; `python -m benchmarks.markers` measures less."""
+"""What a whole marker's place in the picture is off by, at least; `python -m benchmarks.markers`
+measures less. One that is partly covered says by how much more (``RobotPose.corner_error_px``)."""
 UNKNOWN_FLOOR_PX: Final = 0.25
 """What a calibration without a residual of its own is off by: chosen, a careful survey's."""
 HEIGHT_M: Final = 0.002
@@ -125,7 +126,8 @@ class PoseFusion:
         (pixel,) = calibration.image_from_arena([place], height_m)
         beside = calibration.arena_from_image(pixel + np.array([(1.0, 0.0), (0.0, 1.0)]), height_m)
         metres = (beside - place).T  # a pixel to the right, and one down
-        covariance = CORNER_PX**2 * metres @ metres.T
+        corner_px = max(CORNER_PX, pose.corner_error_px)
+        covariance = corner_px**2 * metres @ metres.T
         floor_m = calibration.arena_rms_m
         if floor_m is None:
             floor_m = UNKNOWN_FLOOR_PX * calibration.metres_per_pixel
@@ -135,7 +137,7 @@ class PoseFusion:
             lean = (np.array(center[:2]) - place) / (center[2] - height_m) * HEIGHT_M
             covariance = covariance + np.outer(lean, lean)
         side_m = robot.marker_size_m
-        heading = CORNER_PX**2 * float(np.square(metres).sum()) / side_m**2
+        heading = corner_px**2 * float(np.square(metres).sum()) / side_m**2
         return np.asarray(covariance), heading
 
     def _compare(self, camera: int, pose: RobotPose) -> None:

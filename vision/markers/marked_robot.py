@@ -51,7 +51,8 @@ class RobotPose:
 
     ``corners_px`` (4, 2) raw pixels; ``residual_m`` is the rms distance of the marker's corners
     from the square fitted to them. ``before_frame_s``: how long before the frame's own time, its
-    last row's, the marker's rows were exposed (a rolling shutter).
+    last row's, the marker's rows were exposed (a rolling shutter). ``corner_error_px``: the
+    standard error of the marker's worst corner, which is larger where a part of it is covered.
     """
 
     id: int
@@ -65,6 +66,7 @@ class RobotPose:
     turn_rate_rad_s: float = 0.0
     residual_m: float = 0.0
     before_frame_s: float = 0.0
+    corner_error_px: float = 0.0
 
     def at(self, time_s: float) -> Pose:
         """(x, y, heading) at another time, with the velocity kept."""

@@ -10,8 +10,10 @@ Rules and units
   the accuracy sought. A wide lens's undistorted pixels are stretched many times at its rim, and not
   alike in all directions: lines are fitted in a frame in which the marker's corners lie as in the
   raw picture, so that a pixel's error is one of a pixel everywhere.
-- A marker whose side is partly covered, or no straight edge, is refused: a corner would be
-  invented otherwise.
+- What covers a part of a side, at a corner or between two, has no edge on its line: the line goes
+  through the points that most agree on, and a covered corner is where two lines meet. Its error
+  grows with what is covered. A marker of which a third of a side is covered, or that has no
+  straight edge, is refused: a corner would be invented otherwise.
 """
 
 from __future__ import annotations
@@ -36,10 +38,15 @@ from vision.markers.marker_kernels import (
 
 @dataclass(frozen=True, slots=True, eq=False)
 class RefinedQuad:
-    """``corners_px`` (4, 2) undistorted; ``roughness_px``: rms distance of edge points to sides."""
+    """``corners_px`` (4, 2) undistorted; ``roughness_px``: rms distance of edge points to sides.
+
+    ``error_px``: the standard error of the worst corner, which is larger where much of a side is
+    covered.
+    """
 
     corners_px: FloatArray
     roughness_px: float
+    error_px: float
 
 
 @dataclass(frozen=True, slots=True)
@@ -68,10 +75,10 @@ def refine_quad(
     """
     seen_px = np.array(corners_px, dtype=np.float64, order="C")
     ideal = np.empty((4, 2))
-    became, roughness_px = fit_quad(grey, seen_px, cells, calibration.lens, ideal)
+    became, roughness_px, error_px = fit_quad(grey, seen_px, cells, calibration.lens, ideal)
     if became != FITTED:
         return why_refused(became, roughness_px)
-    return RefinedQuad(ideal, roughness_px)
+    return RefinedQuad(ideal, roughness_px, error_px)
 
 
 def why_refused(became: int, roughness_px: float) -> Refused:

@@ -20,8 +20,31 @@ _MIN_CONTRAST = 12.0
 _OUTLIER_MADS = 4.0
 
 _ROUNDS = 3
+_MOST_ROUNDS = 6
+"""Where a corner is covered the detector's lies many pixels off: sides are looked for again from
+where they meet, until they rest."""
+_RESTS_PX = 0.5
+"""A corner that moves less is at rest: profiles reach six times as far."""
 _MIN_SEEN = 0.7
-"""Share of a side's profiles that must show the edge."""
+"""Share of a side's profiles that must show its edge, on one line: a strip over half a side has an
+edge that is as straight and as long, and nothing says which of both is the marker's."""
+_FIRST_SEEN = 0.2
+"""The same in the first rounds, from where the detector has the corners: derived, a corner 10 px
+off leaves a third of a side within the reach of its profiles."""
+_LEAST_SCATTER_PX = 0.05
+"""Of edge points, where a drawn picture has less: what is left of a pixel's own shape."""
+_ALIKE = 1.5
+"""How much larger errors are than those of as many independent points: derived, profiles are a
+pixel apart, and each pixel is in two of them."""
+_NEARLY_ALL = 0.9
+"""Share of a side's edge points on a line from which no other line is tried: indifferent, the
+rest are outliers of it."""
+_STATIONS = 8
+"""Profiles of a side through which, two by two, lines are tried: derived, of those seen five are
+left where a side just counts as seen."""
+_ON_LINE_PX = 0.75
+"""How far an edge point on a line lies from it at most: chosen, about `_MAX_ROUGHNESS_PX`. A line
+between a side and the edge of what covers half of it has fewer such points than either."""
 _MIN_SINE = 0.1
 """Of the angle between two neighbouring sides."""
 
@@ -38,11 +61,12 @@ def fit_quad(
     cells: int,
     lens: LensArrays,
     out_ideal: NDArray[np.float64],
-) -> tuple[int, float]:
+) -> tuple[int, float, float]:
     """The corners in which a marker's four sides meet, into ``out_ideal`` (4, 2), undistorted.
 
-    ``seen_px`` (4, 2) are raw corners, good to a few pixels, clockwise on the screen. Returns what
-    became of it, and the rms distance of edge points from the sides, pixels.
+    ``seen_px`` (4, 2) are raw corners, good to a few pixels, clockwise on the screen; one that is
+    covered may be farther off. Returns what became of it, the rms distance of edge points from the
+    sides, and the standard error of the worst corner, pixels.
     """
     side_px = 0.0
     for i in range(4):
@@ -51,30 +75,37 @@ def fit_quad(
         side_px += 0.25 * np.sqrt(dx * dx + dy * dy)
     widest = max(1.5, 0.75 * side_px / cells)
     corners = seen_px.copy()
-    roughness_px = 0.0
-    for turn in range(_ROUNDS):
+    roughness_px = error_px = moved = 0.0
+    for turn in range(_MOST_ROUNDS):
+        if turn >= _ROUNDS and moved < _RESTS_PX:
+            break
         # The detector may be a pixel or two off: look wide first, then close.
         reach_px = min(4.0 if turn == 0 else 3.0, widest)
         if not _is_inside(corners, reach_px, grey):
-            return AT_EDGE, roughness_px
+            return AT_EDGE, roughness_px, error_px
         for i in range(4):
             out_ideal[i, 0], out_ideal[i, 1] = undistort(corners[i, 0], corners[i, 1], lens)
         frame, back = np.eye(3), np.eye(3)
         if lens.model != STRAIGHT and not _frame_at(out_ideal, corners, frame, back):
-            return FOLDED, roughness_px
+            return FOLDED, roughness_px, error_px
         lines, seen = fit_sides(grey, corners, reach_px, lens, frame)
-        if seen.min() < _MIN_SEEN:
-            return HIDDEN, roughness_px
+        if seen.min() < (_MIN_SEEN if turn > 1 else _FIRST_SEEN):
+            return HIDDEN, roughness_px, error_px
         if not _intersect(lines, back, out_ideal):
-            return PARALLEL, roughness_px
+            return PARALLEL, roughness_px, error_px
         farthest = max(4.0, 0.15 * side_px)
+        moved = 0.0
         for i in range(4):
             x, y = distort(out_ideal[i, 0], out_ideal[i, 1], lens)
+            moved = max(moved, abs(x - corners[i, 0]), abs(y - corners[i, 1]))
             corners[i, 0], corners[i, 1] = x, y
             if not (abs(x - seen_px[i, 0]) <= farthest and abs(y - seen_px[i, 1]) <= farthest):
-                return APART, roughness_px
+                return APART, roughness_px, error_px
         roughness_px = np.sqrt(np.mean(lines[:, 3] ** 2))
-    return (FITTED if roughness_px <= _MAX_ROUGHNESS_PX else ROUGH), roughness_px
+        error_px = 0.0
+        for i in range(4):
+            error_px = max(error_px, np.hypot(lines[(i + 3) % 4, 5], lines[i, 4]))
+    return (FITTED if roughness_px <= _MAX_ROUGHNESS_PX else ROUGH), roughness_px, error_px
 
 
 @njit(cache=True, nogil=True, fastmath=False)
@@ -187,10 +218,10 @@ def fit_sides(
     """The four sides of the quadrilateral ``corners`` (4, 2), which must lie inside ``grey``.
 
     ``frame`` (3, 3) is a homography of undistorted pixels, in which lines are fitted. Returns lines
-    (4, 4) there, a, b, c, rms with a x + b y = c, and for each side (4,) the share of its profiles
-    that show an edge and have a ray.
+    (4, 6) there, a, b, c, rms with a x + b y = c and the standard errors at both ends, and for each
+    side (4,) the share of its profiles that show an edge on its line.
     """
-    lines = np.zeros((4, 4))
+    lines = np.zeros((4, 6))
     seen = np.zeros(4)
     longest = 0.0
     for side in range(4):
@@ -220,10 +251,11 @@ def fit_sides(
             use[i] = use[i] and w == w  # a pixel without a ray is NaN
             points[side, i, 0] = (frame[0, 0] * x + frame[0, 1] * y + frame[0, 2]) / w
             points[side, i, 1] = (frame[1, 0] * x + frame[1, 1] * y + frame[1, 2]) / w
-        seen[side] = use.sum() / count
         if use.sum() < 4:
             continue
-        _fit_line(points[side], use, lines[side])
+        seen[side] = _fit_line(points[side], use, lines[side]) / count
+        if seen[side] > 0.0:
+            _errors_at(points[side], corners[side], corners[(side + 1) % 4], use, lines[side])
     return lines, seen
 
 
@@ -283,32 +315,98 @@ def _bilinear(grey: NDArray[np.uint8], x: float, y: float) -> float:
 
 
 @njit(cache=True, nogil=True, fastmath=False)
+def _most_in_line(points: NDArray[np.float64], use: NDArray[np.bool_]) -> NDArray[np.bool_]:
+    """The edge points near the line, of those through two of a few of them, that has most.
+
+    What covers a part of a side has edges of its own, which lie on no line with the rest (Fischler
+    and Bolles, Random sample consensus, 1981, with all pairs in random's stead).
+    """
+    chosen = np.flatnonzero(use)
+    stations = min(_STATIONS, len(chosen))
+    best: NDArray[np.bool_] = use
+    most = 0
+    for apart in range(stations - 1, 0, -1):
+        for j in range(stations - apart):
+            i = j + apart
+            first = chosen[(2 * i + 1) * len(chosen) // (2 * stations)]
+            second = chosen[(2 * j + 1) * len(chosen) // (2 * stations)]
+            dx = points[first, 0] - points[second, 0]
+            dy = points[first, 1] - points[second, 1]
+            length = np.sqrt(dx * dx + dy * dy)
+            if length == 0.0:
+                continue
+            a, b = -dy / length, dx / length
+            c = a * points[first, 0] + b * points[first, 1]
+            near = 0
+            for k in chosen:
+                near += abs(a * points[k, 0] + b * points[k, 1] - c) < _ON_LINE_PX
+            if near > most:
+                most = near
+                best = use & (np.abs(a * points[:, 0] + b * points[:, 1] - c) < _ON_LINE_PX)
+                if most >= _NEARLY_ALL * len(chosen):
+                    return best
+    return best
+
+
+@njit(cache=True, nogil=True, fastmath=False)
 def _fit_line(
     points: NDArray[np.float64], use: NDArray[np.bool_], out_line: NDArray[np.float64]
-) -> None:
-    """Total least squares twice; the second time without the first one's outliers."""
-    for _ in range(2):
+) -> int:
+    """Total least squares of the points on one line, without outliers; how many lie on it.
+
+    ``use`` is changed to the points that the line was fitted to.
+    """
+    in_line = _most_in_line(points, use)
+    if in_line.sum() < 4:
+        return 0
+    for turn in range(2):
         n = 0
         mx = my = 0.0
         for i in range(len(points)):
-            if use[i]:
+            if in_line[i]:
                 n += 1
                 mx += points[i, 0]
                 my += points[i, 1]
         mx, my = mx / n, my / n
         xx = xy = yy = 0.0
         for i in range(len(points)):
-            if use[i]:
+            if in_line[i]:
                 ax, ay = points[i, 0] - mx, points[i, 1] - my
                 xx, xy, yy = xx + ax * ax, xy + ax * ay, yy + ay * ay
         angle = 0.5 * np.arctan2(2.0 * xy, xx - yy)
         a, b = -np.sin(angle), np.cos(angle)
         distance = np.abs((points[:, 0] - mx) * a + (points[:, 1] - my) * b)
-        chosen = distance[use]
+        chosen = distance[in_line]
         out_line[0], out_line[1], out_line[2] = a, b, a * mx + b * my
         out_line[3] = np.sqrt(np.mean(chosen * chosen))
         limit = _OUTLIER_MADS * max(1.4826 * np.median(chosen), 0.05)
         kept = use & (distance < limit)
-        if kept.sum() < 4:
-            return
-        use = kept
+        if turn == 1 or kept.sum() < 4:
+            break
+        in_line = kept
+    near = (use & (distance < _ON_LINE_PX)).sum()
+    use[:] = in_line
+    return int(near)
+
+
+@njit(cache=True, nogil=True, fastmath=False)
+def _errors_at(
+    points: NDArray[np.float64],
+    start: NDArray[np.float64],
+    end: NDArray[np.float64],
+    use: NDArray[np.bool_],
+    out_line: NDArray[np.float64],
+) -> None:
+    """The standard errors of a fitted line at a side's two ends, into ``out_line[4:]``.
+
+    Those of a regression: a line is farther off at the end that is covered.
+    """
+    a, b = out_line[0], out_line[1]
+    along = points[:, 0] * b - points[:, 1] * a
+    middle = np.mean(along[use])
+    spread = np.sum((along[use] - middle) ** 2)
+    scatter_px = _ALIKE * max(out_line[3], _LEAST_SCATTER_PX)
+    for i in range(2):
+        x, y = (start[0], start[1]) if i == 0 else (end[0], end[1])
+        away = x * b - y * a - middle
+        out_line[4 + i] = scatter_px * np.sqrt(1.0 / use.sum() + away * away / max(spread, 1e-9))

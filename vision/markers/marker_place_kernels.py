@@ -46,10 +46,11 @@ def follow_marker(
     view: PlaneView,
     out_m: NDArray[np.float64],
     out_px: NDArray[np.float64],
-) -> float:
+) -> tuple[float, float]:
     """How well a marker reads that should be at x, y, heading, side in metres; 0 for not at all.
 
-    ``out_m`` and ``out_px`` (4, 2) are its corners as `see_marker` gives them.
+    And its worst corner's standard error, pixels. ``out_m`` and ``out_px`` (4, 2) are its corners
+    as `see_marker` gives them.
     """
     x, y, heading, side = marker
     c, s = 0.5 * side * math.cos(heading), 0.5 * side * math.sin(heading)
@@ -58,8 +59,8 @@ def follow_marker(
     guess[1, 0], guess[1, 1] = seen_at(x + c - s, y + s + c, view)
     guess[2, 0], guess[2, 1] = seen_at(x + c + s, y + s - c, view)
     guess[3, 0], guess[3, 1] = seen_at(x - c + s, y - s - c, view)
-    became, _, read = see_marker(grey, guess, bits, view, out_m, out_px)
-    return read if became == FITTED else NOT_READ
+    became, _, error_px, read = see_marker(grey, guess, bits, view, out_m, out_px)
+    return (read if became == FITTED else NOT_READ), error_px
 
 
 @njit(cache=True, nogil=True, fastmath=False)
@@ -70,24 +71,25 @@ def see_marker(
     view: PlaneView,
     out_m: NDArray[np.float64],
     out_px: NDArray[np.float64],
-) -> tuple[int, float, float]:
+) -> tuple[int, float, float, float]:
     """The corners of a marker near ``guess_px`` (4, 2), which is good to a few pixels.
 
     Its sides, and within them the whole pattern, where that can be fitted. ``out_m`` (4, 2) in the
-    plane, ``out_px`` (4, 2). Returns what became of it, the sides' roughness in pixels, and how
-    well the cells read (`_worst_cell`), 0 where only the sides were fitted.
+    plane, ``out_px`` (4, 2). Returns what became of it, the sides' roughness and the worst
+    corner's standard error in pixels, and how well the cells read (`_worst_cell`), 0 where only the
+    sides were fitted.
     """
     ideal = np.empty((4, 2))
-    became, roughness_px = fit_quad(grey, guess_px, len(bits), view.lens, ideal)
+    became, roughness_px, error_px = fit_quad(grey, guess_px, len(bits), view.lens, ideal)
     if became != FITTED:
-        return became, roughness_px, NOT_READ
+        return became, roughness_px, error_px, NOT_READ
     sides_m = np.empty((4, 2))
     h = view.from_pixel
     for i in range(4):
         x, y = ideal[i, 0], ideal[i, 1]
         w = h[2, 0] * x + h[2, 1] * y + h[2, 2]
         if not w * view.front > 0.0:
-            return NO_FLOOR, roughness_px, NOT_READ
+            return NO_FLOOR, roughness_px, error_px, NOT_READ
         sides_m[i, 0] = (h[0, 0] * x + h[0, 1] * y + h[0, 2]) / w
         sides_m[i, 1] = (h[1, 0] * x + h[1, 1] * y + h[1, 2]) / w
     is_there, read = place_pattern(grey, sides_m, bits, view, out_m)
@@ -95,7 +97,7 @@ def see_marker(
         out_m[:] = sides_m
     for i in range(4):
         out_px[i, 0], out_px[i, 1] = seen_at(out_m[i, 0], out_m[i, 1], view)
-    return FITTED, roughness_px, read
+    return FITTED, roughness_px, error_px, read
 
 
 @njit(cache=True, nogil=True, fastmath=False)

@@ -305,6 +305,7 @@ class MarkerTracker:
             velocity.turn_rate_rad_s,
             sighting.residual_m,
             before_s,
+            sighting.error_px,
         )
 
     def _side_px(self, robot: MarkedRobot) -> float:

@@ -34,6 +34,7 @@ from vision.markers.marker_search import (
     find_with,
     grey_of,
 )
+from vision.markers.sighting import nearest_square
 
 _CELL_PX = 8
 """Side of a cell in the upright picture that a marker is read from again."""
@@ -50,7 +51,9 @@ class Marker:
 
     ``pose`` is (x, y, heading) in metres and radians, ahead being the upright marker's right, as
     for a :class:`vision.MarkedRobot` without a turn of its own; ``size_m`` is the mean side. Both
-    are None without a calibration. ``remark`` is empty where the corners are refined.
+    are None without a calibration. ``remark`` is empty where the corners are refined, and
+    ``error_px`` is then the standard error of the worst of them, larger where one is covered. What
+    covers a whole side looks like a side: that is in the error only with a calibration.
     """
 
     id: int
@@ -60,6 +63,7 @@ class Marker:
     remark: str = ""
     pose: tuple[float, float, float] | None = None
     size_m: float | None = None
+    error_px: float | None = None
 
 
 def find_markers(
@@ -84,9 +88,11 @@ def find_markers(
             if dictionary is not None or agreement >= _LEAST_AGREEMENT:
                 called = name if dictionary is not None else _smallest(name, marker_id)
                 bits = pattern_bits(book, marker_id)
-                marker = _placed(grey, quad, bits, calibration, height_m)
-                corners_px, remark, pose, size_m = marker
-                found.append(Marker(marker_id, called, corners_px, agreement, remark, pose, size_m))
+                placed = _placed(grey, quad, bits, calibration, height_m)
+                corners_px, remark, pose, size_m, error_px = placed
+                found.append(
+                    Marker(marker_id, called, corners_px, agreement, remark, pose, size_m, error_px)
+                )
     return tuple(sorted(_best_of_each(found), key=lambda m: (m.dictionary, m.id)))
 
 
@@ -180,30 +186,33 @@ def _placed(
     bits: FloatArray,
     calibration: Calibration | None,
     height_m: float,
-) -> tuple[FloatArray, str, tuple[float, float, float] | None, float | None]:
-    """Corners in raw pixels, what is to be said of them, and pose and side on the floor."""
+) -> tuple[FloatArray, str, tuple[float, float, float] | None, float | None, float | None]:
+    """Corners in raw pixels, what is to be said of them, pose and side on the floor, and error."""
     model = calibration or Calibration.from_scale(1.0, (grey.shape[1], grey.shape[0]))
     refined = refine_quad(grey, quad, bits.shape[0], model)
     if isinstance(refined, Refused):
-        corners_px, remark = quad, refined.reason
+        corners_px, remark, error_px = quad, refined.reason, None
     else:
         corners_px, remark = model.distort_points(refined.corners_px), ""
+        error_px = refined.error_px
     if calibration is None:
-        return corners_px, remark, None, None
+        return corners_px, remark, None, None, error_px
     corners = calibration.arena_from_image(corners_px, height_m)
     if not np.isfinite(corners).all():
-        return corners_px, remark or "it lies where no floor is seen", None, None
+        return corners_px, remark or "it lies where no floor is seen", None, None, error_px
     if not remark:
         whole = fit_pattern(grey, corners, bits, calibration, height_m)
         if whole is not None:
             corners = whole
             corners_px = calibration.image_from_arena(corners, height_m)
+    if error_px is not None:
+        error_px = max(error_px, nearest_square(corners)[2] / calibration.metres_per_pixel)
     sides = np.roll(corners, -1, axis=0) - corners
     center = corners.mean(axis=0)
     ahead = (corners[1] + corners[2] - corners[0] - corners[3]) / 2.0
     heading_rad = float(np.arctan2(ahead[1], ahead[0]))
     size_m = float(np.hypot(sides[:, 0], sides[:, 1]).mean())
-    return corners_px, remark, (float(center[0]), float(center[1]), heading_rad), size_m
+    return corners_px, remark, (float(center[0]), float(center[1]), heading_rad), size_m, error_px
 
 
 def _best_of_each(found: list[Marker]) -> list[Marker]:

@@ -5,7 +5,7 @@ Rules and units
 - A marker is followed without being searched for: sides and pattern are fitted to the picture from
   where it should be, and every cell and the light rim must read right there. That is stricter than
   to decode it, where cells that are wrong are corrected. Whoever is not followed is searched for.
-- What has the wrong size, is not square or is half hidden is no robot.
+- What has the wrong size, is not square or has a third of a side hidden is no robot.
 """
 
 from __future__ import annotations
@@ -34,12 +34,13 @@ other. One that is wrong reads at 0 (``test_following.py``)."""
 
 @dataclass(frozen=True, slots=True)
 class Sighting:
-    """Where a marker puts its robot; ``corners_px`` and ``residual_m`` as in ``RobotPose``."""
+    """Where a marker puts its robot; the rest as in ``RobotPose``."""
 
     id: int
     pose: Pose
     corners_px: FloatArray
     residual_m: float
+    error_px: float
 
 
 @dataclass(frozen=True, slots=True)
@@ -56,9 +57,10 @@ class RobotMarker:
         view = self.calibration.plane_view(self.robot.marker_height_m)
         corners, corners_px = np.empty((4, 2)), np.empty((4, 2))
         square = (*expected, self.robot.marker_size_m)
-        if follow_marker(grey, square, self.bits, view, corners, corners_px) < _LEAST_READ:
+        read, error_px = follow_marker(grey, square, self.bits, view, corners, corners_px)
+        if read < _LEAST_READ:
             return None
-        return self._sighting(corners, corners_px, moves, [])
+        return self._sighting(corners, corners_px, error_px, moves, [])
 
     def look(
         self, grey: Image, quad_px: FloatArray, moves: Velocity, refusals: list[str]
@@ -66,7 +68,9 @@ class RobotMarker:
         """A quadrilateral (4, 2) with the marker's code as a sighting, unless it cannot be one."""
         view = self.calibration.plane_view(self.robot.marker_height_m)
         corners, corners_px = np.empty((4, 2)), np.empty((4, 2))
-        became, roughness_px, _ = see_marker(grey, quad_px, self.bits, view, corners, corners_px)
+        became, roughness_px, error_px, _ = see_marker(
+            grey, quad_px, self.bits, view, corners, corners_px
+        )
         if became == NO_FLOOR:
             refusals.append(f"marker {self.robot.id}: it lies where no floor is seen")
             return None
@@ -74,22 +78,22 @@ class RobotMarker:
             reason = why_refused(became, roughness_px).reason
             refusals.append(f"marker {self.robot.id}: {reason}")
             return None
-        return self._sighting(corners, corners_px, moves, refusals)
+        return self._sighting(corners, corners_px, error_px, moves, refusals)
 
     def _sighting(
-        self, corners: FloatArray, corners_px: FloatArray, moves: Velocity, refusals: list[str]
+        self,
+        corners: FloatArray,
+        corners_px: FloatArray,
+        error_px: float,
+        moves: Velocity,
+        refusals: list[str],
     ) -> Sighting | None:
         """Corners as the robot's pose, unless they are not those of its square."""
         corners_px.setflags(write=False)
         if self.row_s != 0.0:
             corners = self._at_one_time(corners, corners_px[:, 1], moves)
-        points = [complex(x, y) for x, y in corners.tolist()]
-        center = sum(points) / 4.0
-        # The similarity nearest to the four corners, all of them with equal weight.
-        pairs = [(point - center, unit) for point, unit in zip(points, _UNIT_CORNERS, strict=True)]
-        turn = sum(off * unit.conjugate() for off, unit in pairs) / 2.0
+        center, turn, residual_m = nearest_square(corners)
         size_m = abs(turn)
-        residual_m = math.sqrt(sum(abs(off - turn * unit) ** 2 for off, unit in pairs) / 4.0)
         called, wanted_m = f"marker {self.robot.id}", self.robot.marker_size_m
         if abs(size_m - wanted_m) > _SIZE_TOLERANCE * wanted_m:
             refusals.append(f"{called}: a side of {1e3 * size_m:.1f} mm, not {1e3 * wanted_m:.1f}")
@@ -97,8 +101,10 @@ class RobotMarker:
         if residual_m > _SQUARE_TOLERANCE * wanted_m:
             refusals.append(f"{called}: not square ({1e3 * residual_m:.1f} mm)")
             return None
+        # what covers a side from end to end looks like a side, but then the corners are no square's
+        error_px = max(error_px, residual_m / self.calibration.metres_per_pixel)
         pose = robot_pose((center.real, center.imag, cmath.phase(turn)), self.robot)
-        return Sighting(self.robot.id, pose, corners_px, residual_m)
+        return Sighting(self.robot.id, pose, corners_px, residual_m, error_px)
 
     def _at_one_time(self, corners: FloatArray, rows_px: FloatArray, moves: Velocity) -> FloatArray:
         """The corners (4, 2) where they were when the marker's middle row was exposed."""
@@ -107,6 +113,18 @@ class RobotMarker:
         turn = moves.turn_rate_rad_s
         speeds = np.stack([moves.vx - turn * up, moves.vy + turn * right], axis=1)
         return np.asarray(corners - speeds * late_s[:, None], dtype=np.float64)
+
+
+def nearest_square(corners: FloatArray) -> tuple[complex, complex, float]:
+    """The square nearest to four corners (4, 2), all with equal weight, of an upright marker.
+
+    Its centre, its side as a complex number that has the direction ahead, and the rms distance.
+    """
+    points = [complex(x, y) for x, y in corners.tolist()]
+    center = sum(points) / 4.0
+    pairs = [(point - center, unit) for point, unit in zip(points, _UNIT_CORNERS, strict=True)]
+    turn = sum(off * unit.conjugate() for off, unit in pairs) / 2.0
+    return center, turn, math.sqrt(sum(abs(off - turn * unit) ** 2 for off, unit in pairs) / 4.0)
 
 
 def warm_up() -> None:
