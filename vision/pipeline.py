@@ -27,6 +27,7 @@ from vision.doubts import with_doubts
 from vision.errors import PictureError
 from vision.outline.fitting import fit_edges, is_drawing, tolerance_of
 from vision.outline.texture import MOST_TEXTURE_PX, without_texture
+from vision.outline.thin_walls import keep_thin_walls
 from vision.paper.paper import paper_objects
 from vision.records.placement import (
     Calibration,
@@ -107,6 +108,8 @@ def extract(
             fitted, points, starts, borders.owner, stretches, texture_px
         )
     fitted = fitted if even else fitted.stretched(stretches)
+    if binary.fine:
+        fitted = keep_thin_walls(fitted, borders, placement.rectified)
     specks = find_specks(borders, binary.noise, binary.contrast if binary.doubtful else math.inf)
     objects = build_objects(borders, fitted, placement, specks.borders)
     objects, outside = drop_outside(objects, placement)

@@ -180,6 +180,7 @@ class Binary:
     ``noise`` its standard deviation and ``contrast`` the step between free and obstacle.
     ``by_level``: the mask is what lies below the level in ``grey``, no more and no less.
     ``doubtful``: even smoothed as far as may be, the noise alone could have made single pixels.
+    ``fine``: it has walls or ways of a few pixels, which smoothing would delete.
     """
 
     mask: NDArray[np.uint8]
@@ -191,6 +192,7 @@ class Binary:
     remarks: tuple[str, ...] = ()
     by_level: bool = False
     doubtful: bool = False
+    fine: bool = False
 
     @property
     def size(self) -> tuple[int, int]:
@@ -234,7 +236,8 @@ def black_and_white(
         )
     mask = look.mask_below(level, calming, strongest)
     by_level = calming is NO_CALMING
-    return Binary(mask, look.grey, level, noise, contrast, how, remarks, by_level, not safe)
+    fine = look.fine is not None
+    return Binary(mask, look.grey, level, noise, contrast, how, remarks, by_level, not safe, fine)
 
 
 def as_array(image: NDArray[Any] | Sequence[Any]) -> NDArray[Any]:

@@ -1,0 +1,105 @@
+"""Thin walls that their fitted outlines cut short: those keep their pixels' outline.
+
+Rules and units
+- Pixels, y down. A wall of a few pixels lies amid the blur of both of its sides: edges that fit
+  their points well may still leave some of its pixels out, and a path would lead through there.
+- Pictures whose histogram holds fine structure (``vision.binarise.humps``), and there objects
+  thinner than ``THIN_PX``; where they are wider, what an edge leaves out
+  is less than a wall (``vision.outline.check``).
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from typing import TypeAlias
+
+import cv2
+import numpy as np
+from numpy.typing import NDArray
+
+from vision.borders.contours import Borders
+from vision.outline.fitted_borders import ARC_CCW, CIRCLE, LINE, TINY, FittedBorders
+
+Place: TypeAlias = Callable[[NDArray[np.float64]], NDArray[np.float64]]
+
+THIN_PX = 4.5
+"""Mean width of an object from which it is no thin wall: chosen, outlines cut pieces off walls of
+up to 4 px, and none off those of 6 px (``python -m benchmarks.vision.fine``)."""
+LOST_PX = 0.25
+"""So far beyond an outline a pixel's centre counts as left out: chosen, half of what noise and the
+corners of a sharp drawing move an edge by at most before a pixel of a wall is lost."""
+MOST_WORK = 20_000_000
+"""Pixels times edges of one border that are compared, some 50 ms: beyond that it keeps its pixels'
+outline unseen, which leaves nothing out."""
+SAG_PX = 0.02
+"""How far the polyline that stands for an arc may leave it: indifferent."""
+
+
+def keep_thin_walls(fitted: FittedBorders, borders: Borders, place: Place) -> FittedBorders:
+    """``fitted``, with the pixels' outline for thin walls that it cuts short.
+
+    ``place`` takes pixels (n, 2) to where the edges are. O(cracks * edges) of thin walls, at most
+    ``MOST_WORK`` a border.
+    """
+    lost = [
+        b
+        for b in _thin(borders).tolist()
+        if fitted.border_kind[b] != TINY and _cuts_short(fitted, borders, b, place)
+    ]
+    if not lost:
+        return fitted
+    border_kind = fitted.border_kind.copy()
+    border_kind[lost] = TINY
+    edges = np.diff(fitted.edge_starts)
+    kept = np.repeat(border_kind != TINY, edges)
+    edges[lost] = 0
+    starts = np.concatenate([[0], np.cumsum(edges)])
+    return FittedBorders(border_kind, starts, fitted.kind[kept], fitted.data[kept])
+
+
+def _thin(borders: Borders) -> NDArray[np.int64]:
+    """The borders of objects thinner than that: a strip has two cracks for a pixel of length."""
+    cracks = np.diff(borders.starts)
+    area = np.bincount(borders.owner, borders.area, len(cracks))
+    length = np.bincount(borders.owner, cracks, len(cracks))
+    return np.flatnonzero((2.0 * area < THIN_PX * length)[borders.owner])
+
+
+def _cuts_short(fitted: FittedBorders, borders: Borders, b: int, place: Place) -> bool:
+    """True if an obstacle pixel beside border b lies beyond its outline."""
+    rim = _polyline(fitted, b).astype(np.float32)
+    xs, ys, _ = borders.cracks_of(b)
+    sign = 1.0 if borders.owner[b] == b else -1.0
+    pixels = np.unique(np.stack([xs, ys], axis=1), axis=0).astype(np.float64)
+    if len(pixels) * len(rim) > MOST_WORK:
+        return True
+    return any(
+        sign * cv2.pointPolygonTest(rim, (x, y), True) < -LOST_PX for x, y in place(pixels).tolist()
+    )
+
+
+def _polyline(fitted: FittedBorders, b: int) -> NDArray[np.float64]:
+    """The outline of border b, (n, 2), its arcs as chords."""
+    first, last = int(fitted.edge_starts[b]), int(fitted.edge_starts[b + 1])
+    rows, kinds = fitted.data[first:last], fitted.kind[first:last]
+    if fitted.border_kind[b] == CIRCLE:
+        return _arc(rows[0, 2:5], 0.0, math.tau)
+    points = []
+    for i, kind in enumerate(kinds.tolist()):
+        points.append(rows[i : i + 1, :2])
+        if kind == LINE:
+            continue
+        ends = np.stack([rows[i, :2], rows[(i + 1) % len(rows), :2]]) - rows[i, 2:4]
+        begin, end = np.arctan2(ends[:, 1], ends[:, 0])
+        sweep = -((begin - end) % math.tau) if kind == ARC_CCW else (end - begin) % math.tau
+        points.append(_arc(rows[i, 2:5], begin, sweep))
+    return np.concatenate(points)
+
+
+def _arc(circle: NDArray[np.float64], begin: float, sweep: float) -> NDArray[np.float64]:
+    """Points of an arc, without its first and last."""
+    x, y, radius = circle.tolist()
+    step = 2.0 * math.acos(1.0 - min(SAG_PX / radius, 0.5))
+    angles = begin + sweep * np.linspace(0.0, 1.0, 2 + math.ceil(abs(sweep) / step))[1:-1]
+    return np.stack([x + radius * np.cos(angles), y + radius * np.sin(angles)], axis=1)
