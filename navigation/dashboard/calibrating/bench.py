@@ -30,6 +30,7 @@ from vision.calibrate.live.taking import take_live
 from vision.calibrate.window import choose_window
 from vision.calibration.calibration import Calibration, CalibrationError
 from vision.camera.camera import Camera, CameraError, Clock, Frame, Image
+from vision.markers.marker_search import MarkerError, dictionary_by_name
 
 Phase: TypeAlias = Literal["idle", "taking", "fitting", "found"]
 LENT: Final = "the camera is being calibrated from the page"
@@ -241,16 +242,19 @@ def board_of(words: Mapping[str, Any]) -> BoardSpec:
     marker_mm = None
     if kind == "charuco" and str(words.get("marker_mm", "")).strip():
         marker_mm = _number(words, "marker_mm")
+    dictionary = str(words.get("dictionary") or "DICT_6X6_250")
     try:
+        if kind == "charuco":
+            dictionary_by_name(dictionary)
         return BoardSpec(
             kind,
             int(sides[0]),
             int(sides[1]),
             _number(words, "square_mm") / 1000.0,
             None if marker_mm is None else marker_mm / 1000.0,
-            str(words.get("dictionary") or "DICT_6X6_250"),
+            dictionary,
         )
-    except CalibrationError as error:
+    except (CalibrationError, MarkerError) as error:
         raise RefusedError(str(error)) from None
 
 

@@ -33,6 +33,7 @@ from navigation.simulator.picture.drawing import (
 from navigation.simulator.picture.pinhole import Pinhole, pinhole_of
 from planner.scene import Bounds, CircleRecord, FloatArray, Scene, SceneObject
 from vision.camera.camera import Image
+from vision.markers.marker_search import dictionary_by_name
 
 TEXELS_PER_SQUARE = 200
 BOARD_SAMPLES = 4
@@ -59,7 +60,7 @@ class Board:
 
     def opencv(self) -> cv2.aruco.CharucoBoard:
         """The same for OpenCV, of a ChArUco board."""
-        dictionary = cv2.aruco.getPredefinedDictionary(getattr(cv2.aruco, self.dictionary))
+        dictionary = dictionary_by_name(self.dictionary)
         shape = (self.columns, self.rows)
         return cv2.aruco.CharucoBoard(shape, self.square_m, self.marker_m, dictionary)
 

@@ -32,6 +32,7 @@ from navigation.simulator.picture.drawing import ArenaPainter, Look, RobotPainte
 from navigation.simulator.picture.pinhole import Pinhole, pinhole_of
 from planner.scene import Scene
 from vision.camera.camera import CameraError, Clock, Frame, Image, RateMeter, SourceState
+from vision.markers.marker_search import dictionary_by_name
 
 TruePose: TypeAlias = tuple[float, float, float]
 """x, y in metres and the heading in radians."""
@@ -263,7 +264,7 @@ def _changed_px(noise: NDArray[np.uint8], size_px: tuple[int, int]) -> float:
 
 def _marker_picture(body: SimulatedBody) -> Image:
     """The marker's cells, one pixel each, its black border included."""
-    dictionary = cv2.aruco.getPredefinedDictionary(getattr(cv2.aruco, body.dictionary))
+    dictionary = dictionary_by_name(body.dictionary)
     cells = int(dictionary.markerSize) + 2
     return np.asarray(cv2.aruco.generateImageMarker(dictionary, body.marker_id, cells))
 

@@ -21,6 +21,7 @@ from navigation.simulator.picture.drawing import Look
 from navigation.simulator.picture.pinhole import pinhole_of
 from planner.scene import Bounds, FloatArray, Scene
 from vision.camera.camera import Image
+from vision.markers.marker_search import MarkerError
 
 BOUNDS = Bounds(0.0, 0.0, 2.4, 1.8)
 BOARD = Board()
@@ -92,3 +93,10 @@ def test_discs_on_surveyed_places_are_measured_to_a_fraction_of_a_pixel(config: 
     assert errors.shape == (12, 2)
     assert np.abs(errors).max() < 0.1
     assert np.ptp(places, axis=0) == pytest.approx([2.232, 1.395])
+
+
+def test_a_dictionary_goes_by_any_of_its_names_and_an_unknown_one_is_said() -> None:
+    long, short = (Board(dictionary=name).sheet((160, 120)) for name in ("DICT_5X5_100", "5x5_100"))
+    assert (long == short).all()
+    with pytest.raises(MarkerError, match="marker dictionary 'DICT_5X5' is unknown; did you mean"):
+        Board(dictionary="DICT_5X5").opencv()

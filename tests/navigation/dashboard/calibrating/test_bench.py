@@ -157,3 +157,10 @@ def test_a_board_is_what_was_typed() -> None:
 def test_a_board_that_is_none_is_refused_in_a_sentence(typed: dict[str, Any], why: str) -> None:
     with pytest.raises(RefusedError, match=why):
         board_of({**TYPED, **typed})
+
+
+def test_a_board_of_an_unknown_dictionary_is_refused_and_a_short_name_is_a_name() -> None:
+    with pytest.raises(RefusedError, match="marker dictionary 'DICT_5X5_101' is unknown; did you"):
+        board_of({**TYPED, "dictionary": "DICT_5X5_101"})
+    assert board_of({**TYPED, "dictionary": "5x5_100"}).dictionary == "5x5_100"
+    assert board_of({**TYPED, "kind": "chessboard", "dictionary": "none"}).kind == "chessboard"
