@@ -16,7 +16,7 @@ from pydantic import BaseModel
 
 from navigation.config.marks import Document, Location, Mark
 from navigation.config.secrecy.secret_places import masked
-from navigation.config.secrecy.secrets import SECRET_KEY, hide
+from navigation.config.secrecy.secrets import hide, is_secret_key
 
 LONGEST_LINE = 100
 """Of a longer line only the part around the mistake is shown."""
@@ -50,13 +50,16 @@ class ConfigError(ValueError):
         problems: Sequence[Problem],
         text: str = "",
         sound: Mapping[str, Any] | None = None,
+        unknown: Sequence[tuple[int, int]] = (),
     ) -> None:
         self.file = file
         self.problems = tuple(problems)
         self.text = text
         self.sound = dict(sound or {})
         """The sections that can be trusted all the same."""
-        lines = masked(text).splitlines()
+        self.unknown = tuple(unknown)
+        """Where in the text the values of unknown keys are, which nobody is shown."""
+        lines = masked(text, self.unknown).splitlines()
         told = [hide(_told(problem, file, lines)) for problem in self.problems]
         if len(told) > 1:
             told.insert(0, f"{file}: {len(told)} errors")
@@ -128,7 +131,7 @@ def problems_of(
                 mark = mark_of(document, where[:-1], of_key=True)
                 yield Problem(where, "is missing" + _meaning(where, model), mark)
         else:
-            secret = any(SECRET_KEY.search(str(part)) for part in where)
+            secret = any(is_secret_key(str(part)) for part in where)
             sentence = _sentence(error, "the value there" if secret else None)
             yield Problem(where, sentence, mark_of(document, where), is_secret=secret)
 

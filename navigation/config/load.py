@@ -27,6 +27,7 @@ from navigation.config.several.defaults import (
     is_overridden,
     with_source_of_cameras,
 )
+from navigation.config.unknown_keys import values_of_unknown_keys
 
 MOST_BYTES: Final = 2_000_000
 """Of a file: more than the longest text takes in UTF-8."""
@@ -75,7 +76,7 @@ def parse_config(
     if document.data is None and not defects:
         raise ConfigError(name, [Problem((), "is empty; `clearway init` writes one to start with")])
     if defects and not isinstance(document.data, dict):
-        raise ConfigError(name, defects, text)
+        raise ConfigError(name, defects, text, unknown=values_of_unknown_keys(text, Config))
     if not isinstance(document.data, dict):
         place = mark_of(document, ())
         raise ConfigError(name, [Problem((), "must be sections (key: value lines)", place)], text)
@@ -83,7 +84,9 @@ def parse_config(
     config, problems, sound = _validate(document, folder)
     told = [sourced(problem, from_environment) for problem in problems]
     if config is None or defects or told or bad_overrides:
-        raise ConfigError(name, in_order([*defects, *told, *bad_overrides]), text, sound)
+        unknown = values_of_unknown_keys(text, Config)
+        problems = in_order([*defects, *told, *bad_overrides])
+        raise ConfigError(name, problems, text, sound, unknown)
     return config
 
 

@@ -26,7 +26,7 @@ from navigation.config.secrecy.secret_places import (
     secrets_in_source,
     without_secrets,
 )
-from navigation.config.secrecy.secrets import HIDDEN, SECRET_KEY, hide_in, known, learn
+from navigation.config.secrecy.secrets import HIDDEN, hide_in, is_secret_key, known, learn
 from navigation.machine.doctor import Finding
 
 MOST_RECORDING_BYTES: Final = 20_000_000
@@ -68,7 +68,7 @@ def _contents(
     yield "findings.json", json.dumps(hide_in(told), indent=2)
     yield "versions.json", json.dumps(_versions(now), indent=2)
     own = {
-        name: HIDDEN if SECRET_KEY.search(name) else without_secrets(value)
+        name: HIDDEN if is_secret_key(name) else without_secrets(value)
         for name, value in sorted(environment.items())
         if name.startswith("CLEARWAY_")
     }

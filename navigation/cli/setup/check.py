@@ -58,7 +58,8 @@ def load_checked(file: Path) -> Config:
         found += [p for p in _missing_files(error.text, file.parent) if p.where not in told]
         if not found:
             raise
-        raise ConfigError(error.file, in_order([*error.problems, *found]), error.text) from None
+        problems = in_order([*error.problems, *found])
+        raise ConfigError(error.file, problems, error.text, unknown=error.unknown) from None
     sections = {name: getattr(loaded, name) for name in Config.model_fields}
     text = read_source(file)
     problems = _located(sections, text)

@@ -22,7 +22,7 @@ from navigation.config.entries import RobotEntry
 from navigation.config.errors import key_name
 from navigation.config.marks import Location, read_document
 from navigation.config.reference import json_schema
-from navigation.config.secrecy.secrets import SECRET_KEY
+from navigation.config.secrecy.secrets import is_secret_key
 from navigation.config.sections import SIMULATED, RobotSection, SerialSection
 
 SHOWN_SECTIONS: Final = {
@@ -152,7 +152,7 @@ def _default_of(key: Key, data: Any) -> Any:
 
 def _field(key: Key, data: Any) -> dict[str, Any]:
     present, default = present_value(data, key.where), _default_of(key, data)
-    is_secret = SECRET_KEY.search(str(key.where[-1])) is not None
+    is_secret = is_secret_key(str(key.where[-1]))
     field: dict[str, Any] = {
         "key": key.name,
         "kind": key.kind,

@@ -11,7 +11,7 @@ Rules
 from __future__ import annotations
 
 import re
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from functools import lru_cache
 from typing import Final
 
@@ -22,13 +22,16 @@ from navigation.config.secrecy.secrets import (
     HIDDEN,
     SECRET_KEY,
     Redactor,
+    is_secret_key,
     known,
     secrets_of_address,
 )
 
 _KEY_LINE: Final = re.compile(
     rf"{SECRET_KEY.pattern}[\w-]{{0,64}}[\"']?[ \t]{{0,64}}(?:\n[ \t]{{0,64}})?[:=]"
+    r"|(?<![\w-])[\w-]{3,64}[\"']?[ \t]{0,64}(?:\n[ \t]{0,64})?[:=]"
 )
+_NAME: Final = re.compile(r"[\w-]+")
 _COMMENT: Final = re.compile(r"(?m)(?:^|[ \t])#[^\n]*")
 _NOTHING_YET: Final = re.compile(r"(?:(?:[&!]\S*|[|>][-+0-9]*)(?:\s+|$))*(?:#.*)?$")
 """What may stand behind a key whose value begins on the next line."""
@@ -58,7 +61,7 @@ def secrets_in_environment(environment: Mapping[str, str]) -> set[str]:
     for name, value in environment.items():
         if name.startswith("CLEARWAY_"):
             found |= secrets_in_source(value)
-            if SECRET_KEY.search(name):
+            if is_secret_key(name.removeprefix("CLEARWAY_")):
                 found |= {value, value.strip().strip("\"'")}
     return found
 
@@ -70,15 +73,18 @@ def secret_spans(text: str) -> list[tuple[int, int]]:
     if root is None:
         spans += _line_by_line(text)
     comments = (match.span() for match in _COMMENT.finditer(text))
-    spans += [(a, b) for a, b in comments if SECRET_KEY.search(text, a, b)]
+    spans += [(a, b) for a, b in comments if _names_a_secret(text[a:b])]
     spans += Redactor(known().secrets | secrets_in_source(text)).spans(text)
     return _merged(spans)
 
 
-def masked(text: str) -> str:
-    """The text with a star for every character of a secret: lines and columns stay."""
+def masked(text: str, more: Iterable[tuple[int, int]] = ()) -> str:
+    """The text with a star for every character of a secret: lines and columns stay.
+
+    ``more``: other places that nobody is shown.
+    """
     parts, end = [], 0
-    for start, stop in secret_spans(text):
+    for start, stop in _merged([*secret_spans(text), *more]):
         parts += [text[end:start], re.sub(r"[^\s]", "*", text[start:stop])]
         end = stop
     return "".join([*parts, text[end:]])
@@ -130,8 +136,8 @@ def _scalars(
             yield from _scalars(item, under_secret=under_secret, seen=seen)
     elif isinstance(node, yaml.MappingNode):
         for key, value in node.value:
-            named = isinstance(key, yaml.ScalarNode) and SECRET_KEY.search(key.value)
-            yield from _scalars(value, under_secret=under_secret or bool(named), seen=seen)
+            named = isinstance(key, yaml.ScalarNode) and is_secret_key(key.value)
+            yield from _scalars(value, under_secret=under_secret or named, seen=seen)
 
 
 def _node_spans(root: yaml.Node) -> Iterator[tuple[int, int]]:
@@ -143,7 +149,7 @@ def _node_spans(root: yaml.Node) -> Iterator[tuple[int, int]]:
 def _line_by_line(text: str) -> Iterator[tuple[int, int]]:
     end = 0
     for match in _KEY_LINE.finditer(text):
-        if match.start() < end:
+        if match.start() < end or not _names_a_secret(match.group()):
             continue
         line_start = text.rfind("\n", 0, match.start()) + 1
         indent = _indent(text[line_start:])
@@ -170,6 +176,14 @@ def _line_by_line(text: str) -> Iterator[tuple[int, int]]:
             name = re.escape(rest[1:].split()[0].strip(",}]"))
             for anchor in re.finditer(rf"&{name}[ \t]+", text):
                 yield anchor.end(), _line_end(text, anchor.end())
+
+
+def _names_a_secret(text: str) -> bool:
+    """True if a secret is spoken of, or a key is there that is one mistyped."""
+    if SECRET_KEY.search(text):
+        return True
+    keys = _KEY_LINE.finditer(text)
+    return any(is_secret_key(name[0]) for key in keys if (name := _NAME.match(key[0])))
 
 
 def _indent(line: str) -> int:

@@ -4,8 +4,8 @@ Rules
 - Whatever configuration this process reads, sound or broken, `learn` is told its secrets; from
   then on `hide` leaves them out of every sentence, log, page message, report and recording, in
   each form in which they can stand there: as they are, percent-encoded, escaped as in JSON.
-- The user's part of any address and every value in its query are left out too, whether they were
-  learned or not; so is what looks like a key in a query without its address.
+- The user's part of any address, every value in its query and its fragment are left out too,
+  whether they were learned or not; so is what looks like a key in a query without its address.
 - A value of fewer than ``LEAST_LENGTH`` characters is left out in addresses and beside its key
   only: it would take half the words of every sentence with it.
 """
@@ -13,15 +13,25 @@ Rules
 from __future__ import annotations
 
 import base64
+import difflib
 import json
 import re
 import threading
 from collections.abc import Iterable, Iterator
+from functools import lru_cache
 from typing import Any, Final
 from urllib.parse import unquote
 
 SECRET_KEY: Final = re.compile(r"(?i)(token|passw|pwd|passphrase|secret|api_?key|credential)")
 """What a key looks like whose value is shown to nobody."""
+SECRET_WORDS: Final = (
+    *("token", "password", "passphrase", "secret"),
+    *("apikey", "credential", "credentials"),
+)
+NEARNESS: Final = 0.8
+"""A word as near to one of these, by difflib's ratio, is one of them mistyped: `tokn`, `tokne`."""
+OTHER_WORDS: Final = ("taken", "secure")
+"""Near to them, and words of their own."""
 HIDDEN: Final = "(left out)"
 LEAST_LENGTH: Final = 4
 LONGEST_IN_EVERY_FORM: Final = 500
@@ -35,6 +45,9 @@ _ADDRESS: Final = re.compile(
 _QUERY: Final = re.compile(
     r"""(?i)([?&;](?:pwd|pass\w*|[\w-]*token|api_?key|key|secret|auth\w*|sig\w*)=)"""
     r"""(?:\(left\ out\)|[^&;\s\#"'<>])+"""
+)
+_FRAGMENT_OF_ADDRESS: Final = re.compile(
+    r"""(://(?:\(left\ out\)|[^\s\#"'<>]){0,1000}\#)(?:\(left\ out\)|[^\s"'<>])+"""
 )
 _QUERY_OF_ADDRESS: Final = re.compile(
     r"""(://(?:\(left\ out\)@)?[^\s?\#"'<>]{0,500}\?)((?:\(left\ out\)|[^\s\#"'<>])+)"""
@@ -58,6 +71,7 @@ class Redactor:
         if "://" in text:
             text = _ADDRESS.sub(rf"\1{HIDDEN}@", text)
             text = _QUERY_OF_ADDRESS.sub(_without_values, text)
+            text = _FRAGMENT_OF_ADDRESS.sub(rf"\1{HIDDEN}", text)
         return _QUERY.sub(rf"\1{HIDDEN}", text) if "=" in text else text
 
     def plain(self, value: Any) -> Any:
@@ -76,10 +90,27 @@ class Redactor:
             yield from (match.span() for match in self._pattern.finditer(text))
         yield from ((m.end(1), m.end() - 1) for m in _ADDRESS.finditer(text))
         yield from ((m.end(1), m.end()) for m in _QUERY.finditer(text))
+        if "://" in text:
+            for address in _QUERY_OF_ADDRESS.finditer(text):
+                values = _VALUE.finditer(text, address.start(2), address.end(2))
+                yield from ((m.start() + 1, m.end()) for m in values)
+            yield from ((m.end(1), m.end()) for m in _FRAGMENT_OF_ADDRESS.finditer(text))
 
     def occurs_in(self, data: bytes) -> bool:
         """Whether a secret stands in bytes that cannot be changed, a recording's."""
         return any(secret.encode() in data for secret in self.secrets)
+
+
+@lru_cache(maxsize=4096)
+def is_secret_key(key: str) -> bool:
+    """True if what is under this key is shown to nobody: a secret's name, mistyped or not."""
+    if SECRET_KEY.search(key):
+        return True
+    words = {key.lower(), *re.split(r"[_\-]+", key.lower())}
+    return any(
+        difflib.get_close_matches(word, SECRET_WORDS, n=1, cutoff=NEARNESS)
+        for word in words.difference(OTHER_WORDS)
+    )
 
 
 def _without_values(address: re.Match[str]) -> str:
@@ -125,7 +156,7 @@ def secrets_of_data(data: Any, *, under_secret: bool = False) -> Iterator[str]:
     """The secrets in plain data: what stands under secret keys, and those of addresses."""
     if isinstance(data, dict):
         for key, value in data.items():
-            is_secret = under_secret or SECRET_KEY.search(str(key)) is not None
+            is_secret = under_secret or is_secret_key(str(key))
             yield from secrets_of_data(value, under_secret=is_secret)
     elif isinstance(data, list | tuple):
         for value in data:

@@ -19,6 +19,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from navigation.config import ConfigError, parse_config
+from navigation.config.reference import json_schema
 from navigation.config.secrecy import secrets
 from navigation.config.secrecy.secret_places import masked, secrets_in_source, without_secrets
 from navigation.config.secrecy.secrets import HIDDEN, Redactor, hide, hide_in, learn
@@ -273,3 +274,54 @@ def test_no_text_takes_long_to_be_cleaned(piece: str) -> None:
     without_secrets(text)
     hide(text)
     assert time.process_time() - began_s < 30.0
+
+
+MISTYPED = {
+    "block": "dashboard:\n  tokn: TOKEN\n",
+    "flow, with another error": "dashboard: {port: none, tokn: TOKEN}\n",
+    "near no secret's name": "dashboard: {port: none, colour: TOKEN}\n",
+    "twice": "dashboard:\n  colour: 1\n  colour: TOKEN\n",
+    "below it": "dashboard:\n  tokenn:\n    - TOKEN\n",
+    "a section": "dashbord: {port: 1, token: TOKEN, colour: TOKEN}\n",
+    "in another's place": "planning: {port: TOKEN}\n",
+    "not YAML": "dashboard: {port: [1, tokn: TOKEN}\n",
+}
+
+
+@pytest.mark.parametrize("form", MISTYPED)
+def test_the_value_of_an_unknown_key_is_shown_by_no_error(form: str) -> None:
+    with pytest.raises(ConfigError) as caught:
+        parse_config(MISTYPED[form].replace("TOKEN", TOKEN), "a.yaml")
+    assert TOKEN not in str(caught.value)
+
+
+def test_a_mistyped_secret_is_learned_and_its_right_name_is_said() -> None:
+    text = MISTYPED["block"].replace("TOKEN", TOKEN)
+    with pytest.raises(ConfigError, match=r"dashboard\.tokn: .*did you mean 'token'"):
+        parse_config(text, "a.yaml")
+    assert TOKEN not in hide(f"the page says {TOKEN}")
+    assert TOKEN not in without_secrets(text)
+
+
+@pytest.mark.parametrize("command", ["check", "run", "doctor", "plan", "calibrate"])
+def test_no_command_shows_the_value_of_a_mistyped_key(config_file: Path, command: str) -> None:
+    text = config_file.read_text() + f"\ndashbord: {{tokn: {TOKEN}, colour: {TOKEN}}}\n"
+    config_file.write_text(text)
+    told = call(command, config_file)
+    assert TOKEN not in told.out + told.err
+
+
+def test_no_key_of_a_configuration_is_taken_for_a_mistyped_secret() -> None:
+    names = set(re.findall(r'"([a-z_0-9]+)":', json.dumps(json_schema())))
+    assert {name for name in names if secrets.is_secret_key(name)} == {"token", "viewer_token"}
+
+
+@pytest.mark.parametrize(
+    "fragment", ["token=geheim", "geheim", "t=geheim?x=geheim", "(left out)geheim"]
+)
+def test_an_address_s_fragment_is_left_out(fragment: str) -> None:
+    for address in ("rtsp://host/live", "http://me:pw@host:8080/a?x=1"):
+        text = f"{address}#{fragment}"
+        assert "geheim" not in hide(f"{text} is gone")
+        assert "geheim" not in masked(f"camera: {{source: '{text}'}}\n")
+        assert hide(hide(text)) == hide(text)
