@@ -195,25 +195,29 @@ def serve(ends: dict[str, socket.socket], qemu: subprocess.Popen[bytes]) -> None
 
 def main(firmware: str) -> int:
     """Start the emulator and serve; the exit code."""
-    with tempfile.TemporaryDirectory(prefix="clearway_cortex_") as name:
-        folder = Path(name)
-        listeners = {}
-        for line in ("wire", "board", "monitor"):
-            listeners[line] = socket.socket(socket.AF_UNIX)
-            listeners[line].bind(str(folder / line))
-            listeners[line].listen(1)
-            listeners[line].settimeout(10.0)
-        command = command_of(firmware, folder)
-        qemu = subprocess.Popen(
-            command, stdin=subprocess.DEVNULL, stdout=sys.stderr, preexec_fn=end_with_parent
-        )
-        try:
+    command: list[str] = []
+    qemu = None
+    try:
+        # whoever wanted this program kills it: the folder is not needed once all are connected
+        with tempfile.TemporaryDirectory(prefix="clearway_cortex_") as name:
+            folder = Path(name)
+            listeners = {}
+            for line in ("wire", "board", "monitor"):
+                listeners[line] = socket.socket(socket.AF_UNIX)
+                listeners[line].bind(str(folder / line))
+                listeners[line].listen(1)
+                listeners[line].settimeout(10.0)
+            command = command_of(firmware, folder)
+            qemu = subprocess.Popen(
+                command, stdin=subprocess.DEVNULL, stdout=sys.stderr, preexec_fn=end_with_parent
+            )
             ends = {line: listener.accept()[0] for line, listener in listeners.items()}
-            serve(ends, qemu)
-        except (TimeoutError, BrokenPipeError, ConnectionError):
-            print(f"cortex_bridge: the emulator did not start: {command[0]}", file=sys.stderr)
-            return 1
-        finally:
+        serve(ends, qemu)
+    except (TimeoutError, BrokenPipeError, ConnectionError):
+        print(f"cortex_bridge: the emulator did not start: {command[0]}", file=sys.stderr)
+        return 1
+    finally:
+        if qemu is not None:
             qemu.kill()
             qemu.wait()
     return 0

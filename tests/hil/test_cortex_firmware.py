@@ -55,6 +55,14 @@ def test_it_fits_into_a_small_microcontroller(build: CortexBuild) -> None:
     assert build.ram_bytes < 2_048
 
 
+def test_a_board_that_is_closed_leaves_no_folder(
+    build: CortexBuild, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setenv("TMPDIR", str(tmp_path))
+    CortexBoard(build).close()
+    assert list(tmp_path.iterdir()) == []
+
+
 def test_a_mission_is_driven_to_its_end(bench: AvrBench) -> None:
     mission = drive(bench, 25)
     bench.until(lambda: MissionDone(5) in bench.events, 10.0)
