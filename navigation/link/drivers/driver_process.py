@@ -129,7 +129,7 @@ class DriverProcess:
                 self._word = watch.word(time.monotonic())
                 wait(process.news(), STOP_S if watch.has_port else LOOK_S)
         finally:
-            process.kill()
+            process.close()
             self._robot_port.close()
 
 
@@ -153,6 +153,7 @@ class _Process:
 
     def start(self) -> str | None:
         self._beat.value = -math.inf
+        self._forget_ends()
         # a port of the last process: its number may be another terminal's by now
         self._order.link.unlink(missing_ok=True)
         try:
@@ -183,6 +184,11 @@ class _Process:
         if self._process is not None:
             self._process.kill()
         self._order.link.unlink(missing_ok=True)
+
+    def close(self) -> None:
+        """As `kill`, and nothing of it is kept."""
+        self.kill()
+        self._forget_ends()
 
     def lend(self, descriptor: int) -> bool:
         assert self._lender is not None

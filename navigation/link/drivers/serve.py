@@ -2,7 +2,8 @@
 
 It makes a pseudo-terminal for our wire and puts a link with a lasting name to it; the robot's own
 port is lent to it. Each turn that did its whole work is a beat of its heart. It ends when it is
-told to, and when the program that started it has ended, however: the robot is stopped first.
+told to, and when the program that started it has ended, however: the robot is stopped first. The
+folder of its link belongs to that program; only where the program has ended is it taken away here.
 Ctrl-C and Ctrl-Z in a terminal do not reach it; a daemon that hangs is met by its lease.
 """
 
@@ -14,6 +15,7 @@ import multiprocessing
 import os
 import random
 import select
+import shutil
 import signal
 import socket
 import time
@@ -80,6 +82,8 @@ def serve(
         loop.say_farewell()
     finally:
         loop.close()
+        if not parent.is_alive():
+            shutil.rmtree(order.link.parent, ignore_errors=True)
 
 
 def _hear_the_end() -> list[int]:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 import socket
 import subprocess
 import sys
@@ -68,21 +69,26 @@ def drives(twin: TwinRobot) -> bool:
 
 
 @pytest.mark.parametrize("name", ["create2", "epuck2"])
-def test_a_program_that_is_killed_leaves_no_robot_that_drives(name: str) -> None:
+def test_a_program_that_is_killed_leaves_no_robot_that_drives_and_no_folder(
+    name: str, tmp_path: Path
+) -> None:
     """Its driver outlives it for as long as it takes to stop the robot."""
     with twin_of(name) as twin:
         program = subprocess.Popen(
             [sys.executable, "-c", PROGRAM, name, twin.port],
             stdout=subprocess.PIPE, text=True, cwd=Path(__file__).parents[4],
+            env={**os.environ, "TMPDIR": str(tmp_path)},
         )  # fmt: skip
         try:
             assert wait_until(lambda: drives(twin), PATIENCE_S), program.poll()
+            assert list(tmp_path.glob("clearway-driver-*"))
         finally:
             program.kill()
         began_s = time.monotonic()
         assert wait_until(lambda: not twin.moving, PATIENCE_S)
         assert time.monotonic() - began_s < 3.0
         program.communicate(timeout=PATIENCE_S)
+        assert wait_until(lambda: not list(tmp_path.iterdir()), PATIENCE_S)
 
 
 PROGRAM = """
