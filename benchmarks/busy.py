@@ -18,27 +18,16 @@ import subprocess
 import sys
 import tempfile
 import time
-from collections.abc import Iterator, Sequence
-from contextlib import contextmanager
+from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
+
+from tests.support.processes.busy import busy
 
 CONFIGS = Path(__file__).parents[1] / "configs"
 PROGRAM = [sys.executable, "-c", "from navigation.cli.main import main; main()", "run"]
 TIMES = {"fleet": 20, "simulation": 5, "two_cameras": 5, "crossing": 5}
 LONGEST_S = 900.0
-
-
-@contextmanager
-def busy_loops(count: int) -> Iterator[None]:
-    """So many processes that compute without a pause."""
-    loops = [subprocess.Popen([sys.executable, "-c", "while True: pass"]) for _ in range(count)]
-    try:
-        yield
-    finally:
-        for loop in loops:
-            loop.kill()
-            loop.wait()
 
 
 def drive(name: str, folder: Path) -> tuple[dict[str, Any], float]:
@@ -90,7 +79,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     parser.add_argument("--times", type=int, help="runs of each")
     parser.add_argument("--loops", type=int, default=2, help="busy processes beside it (2)")
     told = parser.parse_args(arguments)
-    with busy_loops(told.loops):
+    with busy(told.loops):
         results = [measure(name, told.times or TIMES.get(name, 5)) for name in told.names or TIMES]
     return 0 if all(results) else 1
 

@@ -4,7 +4,8 @@
     python -m benchmarks.robots --stops     who stops the robot, and after how long
     python -m benchmarks.robots --hung      how far it drives when its driver's process hangs
 
-A run takes about forty seconds of real time, a stop about five. ``--only create2`` measures one.
+A run takes about forty seconds of real time, a stop about five. ``--only create2`` measures one;
+``--load 6`` keeps six busy processes beside ``--hung``.
 The times of stops are from the event to wheels at rest, at the robot's ordinary speed, and how far
 it went meanwhile; they hold the robot's braking. How far it drives when its driver hangs is counted
 from the driver's last beat, and may be 0.3 s at its speed and its motors' lag.
@@ -218,14 +219,17 @@ def show_stops(names: list[str]) -> None:
 # Drivers that hang.
 
 
-def show_hung(names: list[str]) -> None:
-    """A row a robot, a column a trouble; what is beyond its bar in bold."""
+def show_hung(names: list[str], load: int) -> None:
+    """A row a robot, a column a trouble; what is beyond its bar in bold.
+
+    ``load``: so many busy processes beside it, from when the robot has its speed.
+    """
     print(f"| robot | {' | '.join(TROUBLES)} |")
     print("|---|" + "---|" * len(TROUBLES))
     for name in names:
         cells = []
         for trouble in TROUBLES:
-            found = drive_into(trouble, name)
+            found = drive_into(trouble, name, load)
             mark = "" if found.driven_m <= found.bar_m else "**"
             cells.append(f"{mark}{found.driven_m:.3f} of {found.bar_m:.3f} m{mark}")
         print(f"| {name} | {' | '.join(cells)} |", flush=True)
@@ -237,10 +241,11 @@ def main() -> None:
     parser.add_argument("--stops", action="store_true")
     parser.add_argument("--only", choices=[*RUNS], action="append")
     parser.add_argument("--hung", action="store_true")
+    parser.add_argument("--load", type=int, default=0, metavar="N", help="busy processes beside")
     options = parser.parse_args()
     names = options.only or [*RUNS]
     if options.hung:
-        show_hung([name for name in names if name != CLEARWAY])
+        show_hung([name for name in names if name != CLEARWAY], options.load)
     else:
         (show_stops if options.stops else show_runs)(names)
 

@@ -12,7 +12,7 @@ import signal
 import threading
 import time
 from collections.abc import Iterator
-from contextlib import contextmanager, suppress
+from contextlib import ExitStack, contextmanager, suppress
 from functools import partial
 from itertools import pairwise
 from typing import Any, Final, NamedTuple
@@ -27,6 +27,7 @@ from navigation.link.drivers.driver_process import DriverProcess
 from navigation.link.drivers.serve import Work, serve
 from navigation.simulator.drive_model import DriveModel
 from navigation.simulator.twins.twin_robot import TwinRobot
+from tests.support.processes.busy import busy
 from tests.support.robots.driven_bench import settings_of
 from tests.support.waiting import wait_until
 
@@ -36,6 +37,8 @@ STOPPED_AFTER_S: Final = 0.3
 LAG_S: Final = DriveModel().lag_s
 SPEED_SHARE: Final = 0.8
 """Of a robot's fastest; its speed at the trouble is within a tenth of it."""
+LOADED_S: Final = 0.5
+"""So long busy processes have had before the trouble begins."""
 TURN_S: Final = 0.3
 """Each turn of a driver that is slow."""
 END = WaypointFlag.STOP | WaypointFlag.END
@@ -91,9 +94,10 @@ def drives(bench: Bench, name: str) -> bool:
     return bench.twin.moving and fastest_m_s(bench.twin) > least_m_s
 
 
-def fastest_m_s(twin: TwinRobot) -> float:
-    """Of the last half second, over 0.1 s each time."""
-    rows = twin.track()[-25::5]
+def fastest_m_s(twin: TwinRobot, until_s: float = math.inf) -> float:
+    """Of the last half second, over 0.1 s each time; ``until_s``: before that moment."""
+    rows = twin.track()
+    rows = rows[rows[:, 0] <= until_s][-25::5]
     return max((math.dist(a[1:3], b[1:3]) / (b[0] - a[0]) for a, b in pairwise(rows)), default=0.0)
 
 
@@ -114,15 +118,16 @@ class Measured(NamedTuple):
         return (STOPPED_AFTER_S + LAG_S) * self.speed_m_s
 
 
-def drive_into(trouble: str, name: str) -> Measured:
-    """Bring a driver into trouble while its robot drives."""
+def drive_into(trouble: str, name: str, load: int = 0) -> Measured:
+    """Bring a driver into trouble while its robot drives.
+
+    ``load``: so many busy processes beside it, from when the robot has its speed.
+    """
     work = serve if trouble in ("frozen", "killed") else partial(_in_trouble, name, trouble)
-    with driven(name, work) as bench:
+    with ExitStack() as until:
+        bench = until.enter_context(driven(name, work))
         assert wait_until(lambda: drives(bench, name) or bench.driver.restarts > 0, PATIENCE_S)
-        speed_m_s, since_s = fastest_m_s(bench.twin), -math.inf
-        if work is serve:
-            os.kill(bench.pid, signal.SIGSTOP if trouble == "frozen" else signal.SIGKILL)
-            since_s = bench.driver.beat_s
+        since_s = bench.driver.beat_s
 
         def look() -> bool:
             nonlocal since_s
@@ -130,8 +135,13 @@ def drive_into(trouble: str, name: str) -> Measured:
                 since_s = bench.driver.beat_s
             return bench.driver.restarts > 0
 
+        until.enter_context(busy(load))
+        # a load alone may keep a driver from its beat: then that is what is measured
+        if work is serve and not wait_until(look, LOADED_S if load else 0.0):
+            os.kill(bench.pid, signal.SIGSTOP if trouble == "frozen" else signal.SIGKILL)
         assert wait_until(look, PATIENCE_S)
         assert wait_until(lambda: not bench.twin.moving, PATIENCE_S)
+        speed_m_s = fastest_m_s(bench.twin, since_s + STOPPED_AFTER_S)
         return Measured(speed_m_s, driven_since_m(bench.twin, since_s))
 
 
