@@ -10,7 +10,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from itertools import pairwise
 
 import numpy as np
@@ -20,6 +20,10 @@ from planner.scene import FloatArray
 
 PERMIT_LIMIT_S = 0.55
 STOP_LIMIT_S = 0.3
+DRIVER_LIMIT_S = 0.3
+"""A robot behind a driver drives so long, at its speed, after its driver's last sign of life."""
+END_LIMIT_S = 5.0
+"""From SIGTERM to the end of the program, whatever its driver does."""
 STAND_LIMIT_S = 1.4
 """From a stop order to rest where the emergency stop is lost: the lease, and 0.6 s of braking."""
 SAID_LIMIT_S = 3.0
@@ -60,7 +64,9 @@ class Outcome:
     stood_s: float = 0.0
     """From the stop order until the robot stood."""
     drove_s: float = 0.0
-    """How long after its last valid permit it drove without braking."""
+    """How long after its last valid permit it drove without braking; a robot behind a driver,
+    after its driver's last sign of life.
+    """
     blind_m: float = 0.0
     """How far it went while the program took it for elsewhere: no bar, but a warning."""
     said_s: float = 0.0
@@ -130,6 +136,15 @@ def drove_without_permit_s(rows: FloatArray, moment: Moment) -> float:
     return worst
 
 
+def way_to_rest_m(rows: FloatArray, since_s: float) -> float:
+    """The way that the robot went from a moment until it first stood."""
+    times, speed = speeds(rows)
+    stands = times[(times >= since_s) & (speed <= STANDS_M_S)]
+    until_s = stands[0] if len(stands) else math.inf
+    part = rows[(rows[:, 0] >= since_s) & (rows[:, 0] <= until_s)]
+    return float(np.hypot(*np.diff(part[:, 1:3], axis=0).T).sum())
+
+
 def blind_m(rows: FloatArray, fixes: Sequence[tuple[float, float, float]]) -> float:
     """How far the robot went, in metres, while the program took it for elsewhere.
 
@@ -169,6 +184,20 @@ def stood_after_s(rows: FloatArray, moment_s: float) -> float:
     times, speed = speeds(rows)
     moving = times[(times > moment_s) & (speed > STANDS_M_S)]
     return float(moving.max()) - moment_s if len(moving) else 0.0
+
+
+def judge_driver(outcome: Outcome, ended: bool) -> None:
+    """As `judge`, of a robot behind a driver; ``ended``: its stop was the end of the program."""
+    found = outcome.failures
+    if outcome.drove_s > DRIVER_LIMIT_S:
+        found.append(f"drove {outcome.drove_s:.2f} s after its driver's last sign of life")
+    if ended and outcome.stop_s is None:
+        found.append("the program did not end")
+    elif ended and outcome.stop_s is not None and outcome.stop_s > END_LIMIT_S:
+        found.append(f"the program ended after {outcome.stop_s:.1f} s")
+    others = replace(outcome, drove_s=0.0, stop_s=0.0 if ended else outcome.stop_s, failures=[])
+    judge(others)
+    found += others.failures
 
 
 def judge(outcome: Outcome) -> None:

@@ -101,6 +101,25 @@ class Process:
         self.popen.wait()
 
 
+def children(pid: int) -> dict[int, str]:
+    """The processes that a process has started, and each one's command line."""
+    found = {}
+    for folder in Path("/proc").glob("[0-9]*"):
+        with contextlib.suppress(OSError):  # it has just ended
+            # its name, in brackets, may hold anything; its parent is the second word after it
+            if int((folder / "stat").read_text().rpartition(")")[2].split()[1]) == pid:
+                words = (folder / "cmdline").read_bytes().split(b"\0")
+                found[int(folder.name)] = b" ".join(words).decode(errors="replace")
+    return found
+
+
+def lives(pid: int) -> bool:
+    """True if there is such a process, and it is more than a name that waits for its parent."""
+    with contextlib.suppress(OSError):
+        return Path(f"/proc/{pid}/stat").read_text().rpartition(")")[2].split()[0] != "Z"
+    return False
+
+
 def clearway(*words: str | Path) -> list[str]:
     """The command line of this environment's `clearway`."""
     return [str(Path(sys.executable).with_name("clearway")), *map(str, words)]

@@ -5,7 +5,14 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 
-from benchmarks.adversary.bars import PERMIT_LIMIT_S, SAID_LIMIT_S, STOP_LIMIT_S, Outcome
+from benchmarks.adversary.bars import (
+    DRIVER_LIMIT_S,
+    END_LIMIT_S,
+    PERMIT_LIMIT_S,
+    SAID_LIMIT_S,
+    STOP_LIMIT_S,
+    Outcome,
+)
 
 
 def _mm(least_gap_m: float) -> str:
@@ -54,6 +61,10 @@ def table(runs: Sequence[tuple[str, Outcome]], took_s: float, command: str) -> s
         f"`stop` is answered within {STOP_LIMIT_S:g} s while the fault lasts (stop); the end is",
         f"said in a sentence, and no robot that stands for {SAID_LIMIT_S:g} s is said to drive. A",
         "permit is valid from when the program sent it, if it came through.",
+        f"A robot behind a driver drives for {DRIVER_LIMIT_S:g} s at most, at its speed, after its",
+        "driver's last sign of life (drove), and not after it was said to be stopped. A program",
+        f"that gets SIGTERM in place of a stop ends within {END_LIMIT_S:g} s (stop) and leaves no",
+        "process behind.",
         "Blind is no bar: the way that the robot went while the program took it for elsewhere, by",
         "more than 0.1 m.",
         "",

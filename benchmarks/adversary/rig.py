@@ -30,11 +30,13 @@ from benchmarks.adversary.bars import (
     stood_after_s,
 )
 from benchmarks.adversary.processes import Process, ProcessError, clearway, module
-from benchmarks.adversary.scene import Errand, read_config, write_config
+from benchmarks.adversary.scene import Errand, read_config, write_config, write_driver_config
 from benchmarks.adversary.stage.line import Line
 from benchmarks.adversary.truth import TruthWatch
+from navigation.config.known_robots import CLEARWAY
 from navigation.control import ControlError, send_order
 from navigation.simulator.arena import load_arena
+from planner.scene import FloatArray
 from tests.support.waiting import wait_until
 
 UP_WITHIN_S = 60.0
@@ -54,7 +56,7 @@ class Needs:
 
     ``http_camera``: a network camera in place of the simulated one in the program; ``handled``:
     a robot that can be carried; ``page``: the page; ``recorded``: the run is recorded;
-    ``stdout``: where the program's output goes.
+    ``stdout``: where the program's output goes; ``driver``: a robot behind a maker's driver.
     """
 
     http_camera: bool = False
@@ -62,6 +64,7 @@ class Needs:
     page: bool = False
     recorded: bool = False
     stdout: Path | None = None
+    driver: str | None = None
 
 
 class Rig:
@@ -102,15 +105,14 @@ class Rig:
 
     def _start(self) -> None:
         """Everything but the program, which takes longest: it need not wait for them."""
-        address = f"http://127.0.0.1:{self.camera_port}/stream.mjpg"
-        source = address if self.needs.http_camera else "simulated"
-        self.config_file = write_config(self.folder, self.errand, source, self.page_port)
+        self.config_file = self._write_config()
         self.config = read_config(self.config_file)
         poses = self.folder / "robot.pose"
         poses.touch()
         x_m, y_m, heading_deg = self.errand.start
         words: list[str | Path] = ["--poses", poses, "--start"]
         words += [f"{x_m},{y_m},{heading_deg}", "--seed", str(self.seed)]
+        words += ["--kind", self.needs.driver or CLEARWAY]
         handled = self.needs.handled
         arguments = module("handled_robot", *words) if handled else clearway("robot", *words)
         self.robot = self.process(Process("robot", arguments, self.folder))
@@ -122,6 +124,13 @@ class Rig:
         arena = load_arena(self.config)
         watch = TruthWatch(poses, arena, self.config.robot.radius_m)
         self.truth = self._things.enter_context(watch)
+
+    def _write_config(self) -> Path:
+        if self.needs.driver is not None:
+            return write_driver_config(self.folder, self.needs.driver)
+        address = f"http://127.0.0.1:{self.camera_port}/stream.mjpg"
+        source = address if self.needs.http_camera else "simulated"
+        return write_config(self.folder, self.errand, source, self.page_port)
 
     # The processes.
 
@@ -226,8 +235,10 @@ class Rig:
         if self.stop_ordered_s is not None:
             return
         self.stop_ordered_s = time.monotonic()
-        if self.order(order="stop", reason="the judge orders a stop") is not None:
+        answer = self.order(order="stop", reason="the judge orders a stop")
+        if answer is not None:
             self.stop_s = time.monotonic() - self.stop_ordered_s
+            self.said.append((time.monotonic(), answer["state"]))
 
     def freeze(
         self, process: Process, seconds: float, meanwhile: Callable[[], object] | None = None
@@ -274,12 +285,16 @@ class Rig:
         outcome.least_gap_m = least_gap_m(rows, self.truth.arena, self.truth.radius_m, by_hand)
         outcome.said_s = said_to_drive_s(rows, self.said)
         outcome.stood_s = stood_after_s(rows, self.stop_ordered_s)
-        moment = Moment(self.line.permits_s(), by_hand, self.halted_s)
         if not by_hand:  # a hand's way is not the program's
             outcome.blind_m = blind_m(rows, self.line.fixes)
+        self.judge(outcome, rows)
+        return outcome
+
+    def judge(self, outcome: Outcome, rows: FloatArray) -> None:
+        """What only this rig's robot has to keep, and every bar."""
+        moment = Moment(self.line.permits_s(), self.truth.by_hand, self.halted_s)
         outcome.drove_s = drove_without_permit_s(rows, moment)
         judge(outcome)
-        return outcome
 
 
 def _free_port() -> int:

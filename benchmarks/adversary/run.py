@@ -12,9 +12,10 @@ import numpy as np
 
 from benchmarks.adversary.attacks.attack import Attack
 from benchmarks.adversary.bars import Outcome
+from benchmarks.adversary.driver_rig import DriverRig
 from benchmarks.adversary.processes import ProcessError
 from benchmarks.adversary.rig import Rig
-from benchmarks.adversary.scene import ERRANDS, read_config, write_config
+from benchmarks.adversary.scene import DRIVER_ERRANDS, ERRANDS, read_config, write_config
 from navigation.run.kernels.warm_up import warm_up
 
 
@@ -28,12 +29,14 @@ def run_attack(attack: Attack, seed: int, keep: Path | None = None) -> Outcome:
     """What came of it; ``keep``: where the run's folder is left."""
     began_s = time.monotonic()
     rng = np.random.default_rng([seed, zlib.crc32(attack.name.encode())])
-    errand = ERRANDS[int(rng.integers(len(ERRANDS)))]
+    driver = attack.needs.driver
+    errand = DRIVER_ERRANDS[driver] if driver else ERRANDS[int(rng.integers(len(ERRANDS)))]
+    new_rig = DriverRig if driver else Rig
     onset_m = float(rng.uniform(*attack.onset_m))
     outcome = Outcome(attack.name, seed)
     folder = Path(tempfile.mkdtemp(prefix="clearway-judge-"))
     try:
-        with Rig(folder, errand, attack.needs, int(rng.integers(1 << 31))) as rig:
+        with new_rig(folder, errand, attack.needs, int(rng.integers(1 << 31))) as rig:
             if attack.before is not None:
                 attack.before(rig)
             rig.start_daemon()

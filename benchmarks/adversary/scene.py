@@ -36,6 +36,31 @@ ERRANDS = (
 )
 
 
+DRIVER_ERRANDS = {
+    "create2": Errand("through the hall", (0.40, 0.40, 45.0), ((1.44, 3.04), (2.84, 1.90))),
+}
+"""That of each robot behind a driver, in the arena of its own configuration."""
+
+
+def write_driver_config(folder: Path, driver: str) -> Path:
+    """The shipped configuration of a robot behind a driver, in ``folder``: the robot is elsewhere.
+
+    Camera and arena are simulated as there.
+    """
+    base: dict[str, Any] = yaml.safe_load((CONFIGS / f"{driver}.yaml").read_text())
+    base["camera"]["rate_hz"] = CAMERA_RATE_HZ
+    base["serial"]["port"] = str(folder / "port")
+    errand = DRIVER_ERRANDS[driver]
+    base["mission"]["stations"] = [{"x_m": x, "y_m": y} for x, y in errand.stations]
+    base["simulation"]["arena"] = str(CONFIGS / base["simulation"]["arena"])
+    base["simulation"]["robot"] = {"poses": str(folder / "robot.pose")}
+    base["recording"] = {"runs_dir": str(folder / "runs"), "journal": str(folder / "journal")}
+    base["dashboard"] = {"enabled": False}
+    file = folder / "run.yaml"
+    file.write_text(yaml.safe_dump(base))
+    return file
+
+
 def write_config(
     folder: Path, errand: Errand, source: str = "simulated", page_port: int | None = None
 ) -> Path:

@@ -16,9 +16,9 @@ PLAIN = Needs()
 
 @dataclass(frozen=True, slots=True)
 class Attack:
-    """``kind``: line, camera, process, flood or disk. ``onset_m``: between which distances from
-    its start the robot is when ``act`` begins. With ``before``, done before the program starts,
-    the robot need not drive at all.
+    """``kind``: line, camera, process, driver, flood or disk. ``onset_m``: between which distances
+    from its start the robot is when ``act`` begins. With ``before``, done before the program
+    starts, the robot need not drive at all.
     """
 
     kind: str
