@@ -14,17 +14,21 @@ from navigation.run.virtual_world import VirtualTimes, VirtualWorld
 FIRST_MISSION_ID = 1
 
 
-def run_virtually(config: Config, times: VirtualTimes | None = None) -> Report:
+def run_virtually(
+    config: Config, times: VirtualTimes | None = None, *, pictures: bool = True
+) -> Report:
     """Drive the configured mission until it is over or its time limit; the report of the run.
 
-    Everything random comes from ``simulation.seed``. Raises ValueError without a section
-    ``simulation``, and for a robot behind a driver, which is a process in real time.
+    Everything random comes from ``simulation.seed``. Without ``pictures`` none is drawn or looked
+    at: the same decisions in a fraction of the time. Raises ValueError without a section
+    ``simulation``, for a robot behind a driver, which is a process in real time, and without
+    pictures for what only pictures show.
     """
     if config.simulation is None:
         raise ValueError("a run in virtual time needs a section 'simulation'")
     if config.robot.driver != CLEARWAY:
         raise ValueError(f"robot.driver {config.robot.driver} drives in real time only")
-    world = VirtualWorld(config, times)
+    world = VirtualWorld(config, times, pictures=pictures)
     with Daemon(config, world, first_mission_id=FIRST_MISSION_ID) as daemon:
         stations = stations_of(config)
         if stations:

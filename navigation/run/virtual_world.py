@@ -31,6 +31,7 @@ from navigation.run.troubled_camera import (
 )
 from navigation.run.virtual_link import VirtualLink
 from navigation.run.virtual_troubles import Troubles, virtual_loop_of
+from navigation.run.without_pictures.looking import looking_of
 from navigation.run.world import camera_over, floor_plan_of, others_of, shown_calibration
 from navigation.shared.supervisor import in_words
 from navigation.simulator.arena import load_arena
@@ -85,10 +86,13 @@ class VirtualTime(Protocol):
 class VirtualWorld:
     """`parts.Surroundings` in virtual time.
 
-    The robot and the line stay when a daemon ends: another may come, as after a restart.
+    The robot and the line stay when a daemon ends: another may come, as after a restart. Without
+    ``pictures`` none is drawn or looked at (`navigation.run.without_pictures`).
     """
 
-    def __init__(self, config: Config, times: VirtualTimes | None = None) -> None:
+    def __init__(
+        self, config: Config, times: VirtualTimes | None = None, *, pictures: bool = True
+    ) -> None:
         assert config.simulation is not None
         self.config = config
         self.times = times or VirtualTimes()
@@ -100,6 +104,7 @@ class VirtualWorld:
         }
         self.loop = virtual_loop_of(config)
         self._arenas = arenas_over_time(config, load_arena(config))
+        self._looking = looking_of(config, self._arenas, pictures=pictures)
         self._tracks = tracks_of(config)
         self.floor_plan = floor_plan_of(config)
         self.calibration = shown_calibration(config, self.floor_plan)
@@ -149,8 +154,16 @@ class VirtualWorld:
     def make_vision(
         self, config: Config, witness: KnowsLatency, driven: Sequence[RobotSection]
     ) -> VisionStage:
-        """Vision that looks at the camera's pictures."""
-        return VisionStage(config, self.calibration, witness, self.clock, driven, self.floor_plan)
+        """Vision, with drawn pictures or without."""
+        return VisionStage(
+            config,
+            self.calibration,
+            witness,
+            self.clock,
+            driven,
+            self.floor_plan,
+            self._looking.parts,
+        )
 
     def make_link(self) -> VirtualLink:
         """The link to the robot."""
@@ -180,6 +193,7 @@ class VirtualWorld:
             self.truth.began_s,
             self.wait,
             doubles=[lambda: self.troubles.double_at or NOWHERE],
+            make=self._looking.make_camera,
         )
         return TroubledCamera(camera, troubles, self._memories[name], self.clock, self.wait)
 

@@ -10,6 +10,7 @@ import math
 import time
 from collections.abc import Callable, Mapping, Sequence
 from functools import cached_property
+from typing import Any
 
 from navigation.config import Config
 from navigation.config.sections import SIMULATED, RobotSection
@@ -30,9 +31,10 @@ from navigation.run.devices.simulated import (
 from navigation.run.devices.world_clock import wait_for_camera, wait_for_robot, world_clock
 from navigation.simulator.arena import SimulatedArena, load_arena
 from navigation.simulator.happenings import ScriptedTrack, arenas_over_time, tracks_of
-from navigation.simulator.picture.camera import SimulatedCamera, make_camera
+from navigation.simulator.picture.camera import make_camera
 from navigation.simulator.picture.knocked_camera import Knock, KnockedCamera
 from navigation.simulator.picture.pinhole import pinhole_of
+from navigation.simulator.picture.timed_camera import TimedCamera
 from navigation.simulator.truth import Truth
 from planner.scene import Bounds
 from vision.calibration.calibration import Calibration
@@ -178,11 +180,12 @@ def camera_over(
     wait: Callable[[float], None] = time.sleep,
     doubles: Sequence[Callable[[], tuple[float, float, float]]] = (),
     fleet: Sequence[tuple[RobotSection, Callable[[], tuple[float, float, float]]]] = (),
-) -> SimulatedCamera | KnockedCamera:
+    make: Callable[..., TimedCamera[Any]] = make_camera,
+) -> TimedCamera[Any] | KnockedCamera:
     """The simulated camera above an arena in which things happen, to the camera itself too.
 
     ``doubles`` say where other things with the robot's own marker are; ``fleet`` where each of
-    several driven robots is.
+    several driven robots is; ``make`` makes the cameras, as `make_camera` does.
     """
 
     def follow(track: ScriptedTrack) -> Callable[[], tuple[float, float, float]]:
@@ -191,8 +194,8 @@ def camera_over(
     now_s = clock() - began_s
     past = [arena for from_s, arena in arenas if from_s <= now_s]
 
-    def hanging(knock: SimulatedKnockSection | None) -> SimulatedCamera:
-        return make_camera(
+    def hanging(knock: SimulatedKnockSection | None) -> TimedCamera[Any]:
+        return make(
             config,
             past[-1],
             pose_now,

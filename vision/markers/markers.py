@@ -124,17 +124,9 @@ class MarkerTracker:
         ``tell`` gets each pose as soon as it is known, before the next robot is looked for.
         Raises ``MarkerError`` for a frame of another size than the calibration's.
         """
-        height, width = frame.image.shape[:2]
-        if (width, height) != tuple(self._calibration.size):
-            fits = self._calibration.size
-            raise MarkerError(
-                f"the frame is {width} x {height} pixels: its calibration is for "
-                f"{fits[0]} x {fits[1]}"
-            )
+        grey = self._grey_of(frame)
         self._frames += 1
         self._first_s = frame.captured_s if self._first_s is None else self._first_s
-        grey = grey_of(frame.image)
-        grey.setflags(write=False)  # as a grey frame is: the kernels are compiled for one kind
         refusals: list[str] = []
         found: dict[int, Sighting] = {}
         poses: dict[int, RobotPose] = {}
@@ -159,6 +151,18 @@ class MarkerTracker:
             self._look_for_doubles(everywhere, found)
         self.refusals = tuple(refusals)
         return tuple(poses[i] for i in sorted(poses))
+
+    def _grey_of(self, frame: Frame) -> Image:
+        height, width = frame.image.shape[:2]
+        if (width, height) != tuple(self._calibration.size):
+            fits = self._calibration.size
+            raise MarkerError(
+                f"the frame is {width} x {height} pixels: its calibration is for "
+                f"{fits[0]} x {fits[1]}"
+            )
+        grey = grey_of(frame.image)
+        grey.setflags(write=False)  # as a grey frame is: the kernels are compiled for one kind
+        return grey
 
     def unseen_ms(self, robot_id: int, now_s: float) -> float | None:
         """Since when a robot has not been seen; None where it has never been."""
@@ -188,28 +192,18 @@ class MarkerTracker:
         self, grey: Image, robot: MarkedRobot, now_s: float, refusals: list[str]
     ) -> Sighting | None:
         """Look where the robot should be."""
-        last_s = self._tracks[robot.id].last_s
         expected = self._tracks[robot.id].predict(now_s - self._late_s[robot.id])
-        if expected is None or last_s is None:
+        if expected is None:
             return None
         marker = marker_pose(expected, robot)
         moves = self._tracks[robot.id].velocity
         followed = self._markers[robot.id].follow(grey, marker, moves)
         if followed is not None:
             return followed
-        center = self._calibration.image_from_arena([marker[:2]], robot.marker_height_m)[0]
-        if not np.isfinite(center).all():
+        around = self._window(robot, now_s)
+        if around is None:
             return None
-        side_px = self._side_px(robot)
-        reach_m = robot.limits.slack_m + 0.5 * robot.limits.max_speed_m_s * (now_s - last_s)
-        half = 1.1 * side_px + 8.0 + reach_m / self._pixel_m
-        x0, y0 = (max(0, math.floor(v - half)) for v in center)
-        x1, y1 = (
-            min(limit, math.ceil(v + half) + 1)
-            for v, limit in zip(center, grey.shape[::-1], strict=True)
-        )
-        if x1 - x0 < 8 or y1 - y0 < 8:
-            return None
+        x0, y0, x1, y1 = around
         window = np.ascontiguousarray(grey[y0:y1, x0:x1])
         for finder in self._near:
             seen = [q for i, q in find_with(finder, window) if i == robot.id]
@@ -218,6 +212,26 @@ class MarkerTracker:
             if best is not None:
                 return best
         return None
+
+    def _window(self, robot: MarkedRobot, now_s: float) -> tuple[int, int, int, int] | None:
+        """The part of the picture (x0, y0, x1, y1) that holds all the places a robot may be at."""
+        track = self._tracks[robot.id]
+        expected = track.predict(now_s - self._late_s[robot.id])
+        if expected is None or track.last_s is None:
+            return None
+        marker = marker_pose(expected, robot)
+        center = self._calibration.image_from_arena([marker[:2]], robot.marker_height_m)[0]
+        if not np.isfinite(center).all():
+            return None
+        side_px = self._side_px(robot)
+        reach_m = robot.limits.slack_m + 0.5 * robot.limits.max_speed_m_s * (now_s - track.last_s)
+        half = 1.1 * side_px + 8.0 + reach_m / self._pixel_m
+        x0, y0 = (max(0, math.floor(v - half)) for v in center)
+        x1, y1 = (
+            min(limit, math.ceil(v + half) + 1)
+            for v, limit in zip(center, self._calibration.size, strict=True)
+        )
+        return None if x1 - x0 < 8 or y1 - y0 < 8 else (x0, y0, x1, y1)
 
     def _look_for_doubles(
         self, everywhere: dict[int, list[Sighting]], found: dict[int, Sighting]

@@ -80,6 +80,14 @@ class RobotMarker:
             return None
         return self._sighting(corners, corners_px, error_px, moves, refusals)
 
+    def at(self, corners_px: FloatArray, moves: Velocity, refusals: list[str]) -> Sighting | None:
+        """A marker whose corners (4, 2) are known, unless it cannot be the robot's."""
+        corners = self.calibration.arena_from_image(corners_px, self.robot.marker_height_m)
+        if not np.isfinite(corners).all():
+            refusals.append(f"marker {self.robot.id}: it lies where no floor is seen")
+            return None
+        return self._sighting(corners, np.array(corners_px), 0.0, moves, refusals)
+
     def _sighting(
         self,
         corners: FloatArray,

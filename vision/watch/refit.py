@@ -167,7 +167,7 @@ def _boxes_of(objects: Sequence[SceneObject], calibration: Calibration) -> tuple
     """For each object the pixels x0, y0, x1, y1 (ends excluded) that hold it."""
     if not objects:
         return ()
-    outlines = [_outline_points(obj) for obj in objects]
+    outlines = [outline_points(obj) for obj in objects]
     starts = np.cumsum([0, *(len(o) for o in outlines[:-1])])
     seen = calibration.image_from_arena(np.concatenate(outlines))
     width, height = calibration.size
@@ -180,7 +180,7 @@ def _boxes_of(objects: Sequence[SceneObject], calibration: Calibration) -> tuple
     return tuple((x0, y0, x1, y1) for x0, y0, x1, y1 in np.hstack([low, high]).tolist())
 
 
-def _outline_points(obj: SceneObject) -> FloatArray:
+def outline_points(obj: SceneObject) -> FloatArray:
     """Points (n, 2) in metres along an object's outline, dense enough for its box."""
     points: list[tuple[float, float]] = []
     for record in obj.records:

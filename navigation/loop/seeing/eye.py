@@ -90,9 +90,12 @@ class Eye:
         self.calibration = calibration
         self.settings = settings
         self._tracker, self._camera_place = tracker, camera_place
-        self._watcher = SceneWatcher()
+        self._watcher = self._new_watcher()
         self._last_seen: dict[int, RobotPose] = {}
         self._known: KnownScene | None = None
+
+    def _new_watcher(self) -> SceneWatcher:
+        return SceneWatcher()
 
     def look(self, frame: Frame, tell: Callable[[Poses], None] = lambda _: None) -> Glimpse:
         """Poses in this frame; a scene as soon as the robot was seen and after every change.

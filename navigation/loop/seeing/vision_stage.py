@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from typing import Protocol
 
 from navigation.config import Config
@@ -34,11 +34,24 @@ class KnowsLatency(Protocol):
         ...
 
 
+@dataclass(frozen=True, slots=True)
+class EyeParts:
+    """What an eye is made of: all that looks at pictures, or what takes its place.
+
+    ``watches_place``: whether the parts can tell that a camera was knocked.
+    """
+
+    tracker: Callable[..., MarkerTracker] = MarkerTracker
+    eye: Callable[..., Eye] = Eye
+    joined: Callable[..., JoinedEye] = JoinedEye
+    watches_place: bool = True
+
+
 class VisionStage:
     """The eye, the error that ended the last one, and how long the last look took.
 
     ``driven`` are the driven robots where there are several, ``floor_plan`` is that of several
-    cameras.
+    cameras, ``parts`` is what the eye is made of.
     """
 
     def __init__(
@@ -49,7 +62,9 @@ class VisionStage:
         clock: Callable[[], float],
         driven: Sequence[RobotSection] = (),
         floor_plan: FloorPlan | None = None,
+        parts: EyeParts = EyeParts(),
     ) -> None:
+        self._parts = parts
         self._config, self._calibration = config, calibration
         self._floor_plan = floor_plan
         self._driven = tuple(driven)
@@ -97,6 +112,8 @@ class VisionStage:
     def _watched_places(self) -> tuple[CameraPlace, ...]:
         """Where each camera is; they outlive an eye."""
         config, plan, began_s = self._config, self._floor_plan, self._clock()
+        if not self._parts.watches_place:
+            return ()
         if plan is None:
             return (CameraPlace(self._calibration, place_settings(config), began_s),)
         return tuple(
@@ -106,12 +123,20 @@ class VisionStage:
 
     def _open_eye(self) -> Eye | JoinedEye:
         if self._floor_plan is not None:
-            return joined_eye(self._config, self._floor_plan, self._driven, self._places)
+            return joined_eye(
+                self._config,
+                self._floor_plan,
+                self._driven,
+                self._places,
+                self._parts.tracker,
+                self._parts.joined,
+            )
         robots = marked_robots(self._config, self._driven)
         rolling_s = self._config.camera.rolling_shutter_ms / 1000.0
-        tracker = MarkerTracker(self._calibration, robots, self._config.robot.dictionary, rolling_s)
+        dictionary = self._config.robot.dictionary
+        tracker = self._parts.tracker(self._calibration, robots, dictionary, rolling_s)
         settings = eye_settings(self._config, self._driven)
-        return Eye(self._calibration, tracker, settings, *self._places)
+        return self._parts.eye(self._calibration, tracker, settings, *self._places)
 
     def _dated(self, frame: Frame) -> Frame:
         """The frame with the time at which it was exposed, as far as that is known.

@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import time
 from collections.abc import Callable, MutableSequence
-from typing import Final, TypeAlias
+from typing import Any, Final, TypeAlias
 
 from navigation.config import Config
 from navigation.config.known_robots import CLEARWAY
@@ -15,8 +15,8 @@ from navigation.config.sections import SIMULATED
 from navigation.config.several.each_camera import each_camera
 from navigation.config.several.each_robot import each_robot
 from navigation.run.devices.simulated import AnySimulatedRobot
-from navigation.simulator.picture.camera import SimulatedCamera
 from navigation.simulator.picture.knocked_camera import KnockedCamera
+from navigation.simulator.picture.timed_camera import TimedCamera
 from navigation.simulator.slowing_clock import SlowingClock
 from navigation.simulator.twins.twin_robot import TwinRobot
 
@@ -84,7 +84,7 @@ def wait_for_robot(clock: WorldClock, name: str, robot: AnySimulatedRobot) -> No
 
 
 def wait_for_camera(
-    clock: WorldClock, name: str | None, camera: SimulatedCamera | KnockedCamera
+    clock: WorldClock, name: str | None, camera: TimedCamera[Any] | KnockedCamera
 ) -> None:
     """Let the clock wait for a simulated camera, in place of the last one of this name."""
     clock.waits_for(f"camera {name}", lambda: camera.late_since_s, CAMERA_SLACK_S)

@@ -33,17 +33,18 @@ def run_fleet_virtually(
     linger_s: float = 0.0,
     record: Path | None = None,
     bodies: Mapping[str, Config] | None = None,
+    pictures: bool = True,
 ) -> FleetReport:
     """Drive the configured missions until all are over or the time limit; the run's report.
 
     ``meet`` is called every millisecond with the world and the time since the start, and may
     change its troubles; ``look`` after each cycle, and ends the run where it is True. The run ends
     ``linger_s`` after all missions are over. ``record`` is a folder for recordings, ``bodies``
-    what the simulated robots really are.
+    what the simulated robots really are. Without ``pictures`` none is drawn or looked at.
     """
     if config.simulation is None:
         raise ValueError("a run in virtual time needs a section 'simulation'")
-    world = FleetVirtualWorld(config, times, bodies)
+    world = FleetVirtualWorld(config, times, bodies, pictures=pictures)
     if meet is not None:
         world.meet = lambda since_s: meet(world, since_s)
     with ExitStack() as open_things:

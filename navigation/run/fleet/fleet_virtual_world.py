@@ -24,6 +24,7 @@ from navigation.run.troubled_camera import CameraTroubles, Memory, TroubledCamer
 from navigation.run.virtual_link import VirtualLink
 from navigation.run.virtual_troubles import Troubles, virtual_loop_of
 from navigation.run.virtual_world import VirtualFrames, VirtualPlanner, VirtualTimes
+from navigation.run.without_pictures.looking import looking_of
 from navigation.run.world import camera_over, floor_plan_of, shown_calibration
 from navigation.simulator.arena import load_arena
 from navigation.simulator.happenings import arenas_over_time, tracks_of
@@ -65,7 +66,8 @@ class FleetVirtualWorld:
     """`fleet_daemon.FleetSurroundings` in virtual time.
 
     ``bodies`` by name is what the simulated robots really are, where their errors are each its
-    own; else as configured.
+    own; else as configured. Without ``pictures`` none is drawn or looked at
+    (`navigation.run.without_pictures`).
     """
 
     def __init__(
@@ -73,6 +75,8 @@ class FleetVirtualWorld:
         config: Config,
         times: VirtualTimes | None = None,
         bodies: Mapping[str, Config] | None = None,
+        *,
+        pictures: bool = True,
     ) -> None:
         assert config.simulation is not None
         self.config = config
@@ -88,6 +92,7 @@ class FleetVirtualWorld:
             for i, name in enumerate(self._cameras or [None])
         }
         self._arenas = arenas_over_time(config, load_arena(config))
+        self._looking = looking_of(config, self._arenas, pictures=pictures)
         self._tracks = tracks_of(config)
         self.floor_plan = floor_plan_of(config)
         self.calibration = shown_calibration(config, self.floor_plan)
@@ -128,8 +133,16 @@ class FleetVirtualWorld:
     def make_vision(
         self, config: Config, witness: KnowsLatency, driven: Sequence[RobotSection]
     ) -> VisionStage:
-        """Vision that looks at the camera's pictures."""
-        return VisionStage(config, self.calibration, witness, self.clock, driven, self.floor_plan)
+        """Vision, with drawn pictures or without."""
+        return VisionStage(
+            config,
+            self.calibration,
+            witness,
+            self.clock,
+            driven,
+            self.floor_plan,
+            self._looking.parts,
+        )
 
     def make_link(self, name: str) -> VirtualLink:
         """The link to one robot."""
@@ -164,6 +177,7 @@ class FleetVirtualWorld:
             self._began_s,
             self.wait,
             fleet=[(body.config.robot, pose_of(body)) for body in bodies],
+            make=self._looking.make_camera,
         )
         return TroubledCamera(camera, troubles, self._memories[name], self.clock, self.wait)
 

@@ -12,7 +12,6 @@ the exposure, at which the robots' true poses are asked for.
 
 from __future__ import annotations
 
-import math
 import threading
 import time
 from collections.abc import Callable, Sequence
@@ -30,14 +29,14 @@ from navigation.config.values import FloorMarkerSection
 from navigation.simulator.arena import SimulatedArena
 from navigation.simulator.picture.drawing import ArenaPainter, Look, RobotPainter
 from navigation.simulator.picture.pinhole import Pinhole, pinhole_of
+from navigation.simulator.picture.timed_camera import TimedCamera, Wait
 from planner.scene import Scene
-from vision.camera.camera import CameraError, Clock, Frame, Image, RateMeter, SourceState
+from vision.camera.camera import Clock, Image
 from vision.markers.marker_search import dictionary_by_name
 
 TruePose: TypeAlias = tuple[float, float, float]
 """x, y in metres and the heading in radians."""
 PoseNow: TypeAlias = Callable[[], TruePose]
-Wait: TypeAlias = Callable[[float], None]
 
 NOISE_MARGIN_PX = 128
 """The noise bank is this much larger than a picture, so that windows of it all differ."""
@@ -65,14 +64,8 @@ class SimulatedBody:
     lies: bool = False
 
 
-class SimulatedCamera:
-    """A camera above a simulated arena; `vision.camera.camera.Camera` says what its members mean.
-
-    ``clock`` gives monotonic seconds and ``wait`` lets them pass: real ones in a run, the
-    simulation's own in virtual time. ``seed`` makes the noise repeatable.
-    """
-
-    name = "simulated camera"
+class SimulatedCamera(TimedCamera["_Floor"]):
+    """A camera above a simulated arena, which it draws; ``seed`` makes the noise repeatable."""
 
     def __init__(
         self,
@@ -98,82 +91,21 @@ class SimulatedCamera:
         self._lying = [(painter, body.pose_now()) for painter, body in both if body.lies]
         self._robot_painters = [painter for painter, body in both if not body.lies]
         self._bodies = tuple(body for body in bodies if not body.lies)
-        self._clock, self._wait = clock, wait
-        self._period_s, self._latency_s = 1.0 / rate_hz, latency_s
         self._look = look
         self._rng = np.random.default_rng(seed)
         self._noise = _noise_bank(pinhole.size_px, look.noise_grey, self._rng)
-        self._may_repeat = _changed_px(self._noise, pinhole.size_px) < NOISY_PX
-        self._meter = RateMeter()
+        # Pictures without noise that eight bits show are equal while nothing moves.
+        may_repeat = _changed_px(self._noise, pinhole.size_px) < NOISY_PX
+        super().__init__(clock, wait, rate_hz, latency_s, may_repeat=may_repeat)
         self._lock = threading.Lock()
-        self._state: SourceState = "closed"
-        self._next_s = 0.0
-        self.late_since_s = math.inf
-        """When the next picture is to be exposed, or the one that its reader has in hand was."""
-        self._sequence = 0
         self._background = self._drawn(scene)
         self._to_come: list[tuple[float, Image]] = []
 
-    @property
-    def state(self) -> SourceState:
-        """``closed`` or ``running``."""
-        return self._state
+    def _prepare(self) -> _Floor:
+        return self._floor(self._rng)
 
-    @property
-    def reason(self) -> str:
-        """Nothing to say."""
-        return ""
-
-    @property
-    def rate_hz(self) -> float:
-        """Frames a second really got lately; 0.0 before the second frame."""
-        return self._meter.rate_hz
-
-    @property
-    def may_repeat(self) -> bool:
-        """Pictures without noise that eight bits show are equal while nothing moves."""
-        return self._may_repeat
-
-    def open(self) -> None:
-        """Start giving frames."""
-        self._state = "running"
-        self._next_s = self._clock()
-
-    def continue_after(self, other: SimulatedCamera) -> None:
-        """Start giving frames when the other one would have given its next, which is closed."""
-        self._state, self._next_s = "running", other._next_s
-        other.close()
-
-    def close(self) -> None:
-        """Stop; it can be opened again."""
-        self._state = "closed"
-        self.late_since_s = math.inf
-
-    def read(self, timeout_s: float) -> Frame | None:
-        """The next frame at its time; None where that is later than ``timeout_s`` from now.
-
-        A reader that comes too late misses frames, as with a real camera.
-        """
-        if self._state != "running":
-            raise CameraError(f"{self.name}: is not open")
-        self.late_since_s = self._next_s
-        delay_s = self._next_s - self._clock()
-        if delay_s > timeout_s:
-            self._wait(timeout_s)
-            return None
-        floor = self._floor(self._rng)
-        delay_s = self._next_s - self._clock()
-        if delay_s > 0.0:
-            self._wait(delay_s)
-        self.late_since_s = captured_s = self._clock()
-        late = max(0, int((captured_s - self._next_s) / self._period_s))
-        self._next_s += (late + 1) * self._period_s
-        image = self._with_robots(floor, [body.pose_now() for body in self._bodies])
-        if self._latency_s > 0.0:
-            self._wait(max(0.0, captured_s + self._latency_s - self._clock()))
-        self._meter.add(captured_s)
-        self._sequence += 1
-        return Frame(image, captured_s, self._sequence - 1, self.name)
+    def _expose(self, prepared: _Floor) -> Image:
+        return self._with_robots(prepared, [body.pose_now() for body in self._bodies])
 
     def set_scene(self, scene: Scene) -> None:
         """Show another scene from the next frame on; any thread may call."""
@@ -298,6 +230,27 @@ def make_camera(
     pinhole = pinhole_of(config, knock)
     assert config.simulation is not None
     settings = config.simulation.camera
+    bodies = bodies_of(config, pose_now, others, doubles, fleet)
+    look = Look(settings.blur_px, settings.noise_grey, settings.light_fall, config.vision.polarity)
+    camera = SimulatedCamera(
+        pinhole, arena.scene, bodies, look, clock, wait,
+        config.camera.rate_hz, settings.latency_s, config.simulation.seed,
+    )  # fmt: skip
+    camera.follow(scenes)
+    return camera
+
+
+def bodies_of(
+    config: Config,
+    pose_now: PoseNow,
+    others: Sequence[PoseNow | None] = (),
+    doubles: Sequence[PoseNow] = (),
+    fleet: Sequence[tuple[RobotSection, PoseNow]] = (),
+) -> list[SimulatedBody]:
+    """All that stands or lies in the arena with a marker on it; the arguments as `make_camera`'s.
+
+    Raises ``ValueError`` for another number of other robots than the configuration's.
+    """
     robot = config.robot
     turn_rad = float(np.deg2rad(robot.marker_turn_deg))
     seen: list[tuple[MarkerSection, PoseNow, float]] = [
@@ -317,7 +270,7 @@ def make_camera(
         )
         for one, pose, turn in seen
     ]  # fmt: skip
-    bodies += [
+    return bodies + [
         SimulatedBody(
             one.marker_id, one.size_m, 0.0, FLOOR_MARKER_RADII * one.size_m, robot.dictionary,
             0.0, _lying_at(one), lies=True,
@@ -325,10 +278,3 @@ def make_camera(
         for one in config.arena.floor_markers
         if one.place_m is not None
     ]  # fmt: skip
-    look = Look(settings.blur_px, settings.noise_grey, settings.light_fall, config.vision.polarity)
-    camera = SimulatedCamera(
-        pinhole, arena.scene, bodies, look, clock, wait,
-        config.camera.rate_hz, settings.latency_s, config.simulation.seed,
-    )  # fmt: skip
-    camera.follow(scenes)
-    return camera

@@ -19,9 +19,9 @@ import numpy as np
 
 from navigation.config import Config
 from navigation.simulator.picture.boards import Board, BoardPainter, BoardPose
-from navigation.simulator.picture.camera import Wait
 from navigation.simulator.picture.drawing import FloatImage, Look
 from navigation.simulator.picture.pinhole import Pinhole, pinhole_of
+from navigation.simulator.picture.timed_camera import Wait
 from planner.scene import Bounds, FloatArray, Scene
 from vision.calibrate.board import BoardSpec
 from vision.calibrate.covariance import KnownLens

@@ -9,8 +9,9 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
+from typing import Any
 
-from navigation.simulator.picture.camera import SimulatedCamera
+from navigation.simulator.picture.timed_camera import TimedCamera
 from vision.camera.camera import Frame, SourceState
 
 
@@ -20,16 +21,16 @@ class Knock:
 
     from_s: float
     until_s: float
-    camera: SimulatedCamera
+    camera: TimedCamera[Any]
 
 
 class KnockedCamera:
     """Several cameras as one; `vision.camera.camera.Camera` says what its members mean."""
 
-    name = SimulatedCamera.name
+    name = TimedCamera.name
 
     def __init__(
-        self, camera: SimulatedCamera, knocks: Sequence[Knock], clock: Callable[[], float]
+        self, camera: TimedCamera[Any], knocks: Sequence[Knock], clock: Callable[[], float]
     ) -> None:
         self._unknocked, self._knocks = camera, tuple(knocks)
         self._clock = clock
@@ -82,7 +83,7 @@ class KnockedCamera:
         self._sequence += 1
         return replace(frame, sequence=self._sequence - 1)
 
-    def _now(self) -> SimulatedCamera:
+    def _now(self) -> TimedCamera[Any]:
         """The last of the knocks that are in force."""
         now_s = self._clock()
         for knock in reversed(self._knocks):

@@ -51,10 +51,11 @@ class Arena:
         return not self.world.loop.drive.moving
 
 
-@pytest.fixture
-def arena() -> Iterator[Arena]:
+@pytest.fixture(params=[True, False], ids=["drawn", "without_pictures"])
+def arena(request: pytest.FixtureRequest) -> Iterator[Arena]:
+    """What decides about safety decides alike, whether pictures are drawn or not."""
     config = short_config(FAR, simulation={"camera": HIGH_CAMERA})
-    world = VirtualWorld(config)
+    world = VirtualWorld(config, pictures=request.param)
     with Daemon(config, world, first_mission_id=7) as daemon:
         daemon.give(stations_of(config))
         cycle_until(daemon, is_driving)

@@ -76,10 +76,11 @@ class Stage:
         return truth.track_clearance(truth.track()) - RADIUS_M
 
 
-@pytest.fixture
-def stage() -> Iterator[Stage]:
+@pytest.fixture(params=[True, False], ids=["drawn", "without_pictures"])
+def stage(request: pytest.FixtureRequest) -> Iterator[Stage]:
+    """What decides about safety decides alike, whether pictures are drawn or not."""
     config = short_config(FAR, simulation={"camera": HIGH_CAMERA})
-    world = VirtualWorld(config)
+    world = VirtualWorld(config, pictures=request.param)
     with Daemon(config, world, first_mission_id=7) as daemon:
         yield Stage(world, daemon)
 

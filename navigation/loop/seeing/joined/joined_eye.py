@@ -18,7 +18,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, replace
 from itertools import combinations
 from typing import Final
 
@@ -63,7 +63,7 @@ class _View:
     """One camera as the eye knows it."""
 
     tracker: MarkerTracker
-    watcher: SceneWatcher = field(default_factory=SceneWatcher)
+    watcher: SceneWatcher
     background: Image | None = None
     """Its arena without robots; None while it is lost, or has only just come back."""
     last_s: float = -math.inf
@@ -91,7 +91,8 @@ class JoinedEye:
         self._joined = joined
         watched: Sequence[CameraPlace | None] = places or [None] * len(trackers)
         self._views = [
-            _View(tracker, place=place) for tracker, place in zip(trackers, watched, strict=True)
+            _View(tracker, self._new_watcher(i), place=place)
+            for i, (tracker, place) in enumerate(zip(trackers, watched, strict=True))
         ]
         self._index = {name: i for i, name in enumerate(joined.names)}
         self._fusion = fusion
@@ -108,6 +109,9 @@ class JoinedEye:
         self._parts: list[Part | None] = [None] * len(trackers)
         self._apart: dict[tuple[int, int], float] = {}
         self._count = 0
+
+    def _new_watcher(self, _index: int) -> SceneWatcher:
+        return SceneWatcher()
 
     def look(self, frame: Frame, tell: Callable[[Poses], None] = lambda _: None) -> Glimpse:
         """What one camera's frame adds; ``tell`` gets its poses before anything else is looked at.
@@ -170,7 +174,7 @@ class JoinedEye:
         for i in self._lost:
             one = self._views[i]
             if one.background is not None:
-                one.background, one.watcher, one.edges = None, SceneWatcher(), None
+                one.background, one.watcher, one.edges = None, self._new_watcher(i), None
                 one.placed = NOTHING_KNOWN
                 self._fusion.forget(i)
                 self._apart = {pair: v for pair, v in self._apart.items() if i not in pair}
@@ -242,13 +246,9 @@ class JoinedEye:
 
     def _brought_up_to_date(self, index: int, change: Change | None) -> KnownScene:
         """The scene now: only what changed is fitted again, where that can be trusted."""
-        live = self._live_now()
-        anew = live != self._live
+        anew = self._note_live()
         if anew:
-            self._live = live
-            self._owners, self._unknown = self.plan.owners(live), self.plan.unknown(live)
-            self._parts = [Part.of(self._owners, i) for i in range(len(live))]
-            self._unseen = self._not_seen()
+            self._parts = [Part.of(self._owners, i) for i in range(len(self._live))]
         pictures = [one.background for one in self._views]
         whole = anew or self._known is None or change is None or change.first or change.relit
         if whole:
@@ -268,6 +268,16 @@ class JoinedEye:
         )
         seen = with_unseen(scene, self._unseen)
         return KnownScene.of(seen, self.plan.calibration, self._unseen, self.settings.texture_px)
+
+    def _note_live(self) -> bool:
+        """Which cameras show the arena now, and what none of them does; whether that is new."""
+        live = self._live_now()
+        if live == self._live:
+            return False
+        self._live = live
+        self._owners, self._unknown = self.plan.owners(live), self.plan.unknown(live)
+        self._unseen = self._not_seen()
+        return True
 
     def _not_seen(self) -> Unseen:
         """The ground that no camera sees now, and why."""

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 
 from navigation.config import Config
 from navigation.config.sections import RobotSection
@@ -20,15 +20,18 @@ def joined_eye(
     plan: FloorPlan,
     driven: Sequence[RobotSection] = (),
     places: Sequence[CameraPlace] = (),
+    tracker: Callable[..., MarkerTracker] = MarkerTracker,
+    eye: Callable[..., JoinedEye] = JoinedEye,
 ) -> JoinedEye:
     """The eye of a configuration's several cameras, whose floor is laid out in ``plan``.
 
-    ``places`` watch whether each camera stays where it is.
+    ``places`` watch whether each camera stays where it is; ``tracker`` and ``eye`` make the parts
+    that look at pictures, or others in their place.
     """
     robots = marked_robots(config, driven)
     cameras = each_camera(config)
     trackers = [
-        MarkerTracker(
+        tracker(
             calibration,
             robots,
             config.robot.dictionary,
@@ -37,7 +40,7 @@ def joined_eye(
         for calibration, one in zip(plan.cameras, cameras.values(), strict=True)
     ]
     safety, names = config.safety, tuple(cameras)
-    return JoinedEye(
+    return eye(
         plan,
         trackers,
         PoseFusion(plan.cameras, names, robots, safety.cameras_apart_m),

@@ -1,0 +1,204 @@
+"""What a simulated camera would show at a moment, and a picture that is no more than its number.
+
+Rules and units
+- A frame's picture is tiny: black and white cells hold the number under which the sight is kept.
+  All that happens to pictures on their way (frozen, late, played again, with fresh noise, a clock
+  in the corner) happens to these too, and is noticed, or not, by the same code.
+- Markers' corners are where the true lens puts them, in pixels, with the noise of the real tracker.
+  A marker is not seen where it leaves the picture, or where a body nearer to the lens stands before
+  one of its corners.
+Metres, radians, seconds, raw pixels.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Hashable, Sequence
+from dataclasses import dataclass
+from typing import Any, Final
+
+import numpy as np
+
+from navigation.config import Config
+from navigation.simulator.arena import SimulatedArena
+from navigation.simulator.picture.camera import NOISY_PX, SimulatedBody, bodies_of
+from navigation.simulator.picture.pinhole import Pinhole, pinhole_of
+from navigation.simulator.picture.timed_camera import TimedCamera
+from planner.scene import FloatArray, Scene
+from vision.camera.camera import Image
+
+PICTURE_SHAPE: Final = (32, 128)
+"""Its upper half is left to the clock that some cameras draw into their pictures."""
+BITS: Final = 32
+KEPT: Final = 20_000
+"""Sights, eleven minutes of them: a camera that was frozen for longer shows nothing known."""
+CORNER_PX: Final = 0.02
+"""A corner's standard deviation along each axis, in pictures with noise of up to 2 grey levels.
+The real tracker's poses are off by what 0.015 would make of them
+(``tests/navigation/run/without_pictures/test_noise_of_poses.py``)."""
+QUIET_GREY: Final = 2.0
+RIM_PX: Final = 2.0
+"""So near to the picture's rim no marker is read."""
+FLATTEST: Final = math.tan(math.radians(89.0))
+_UNIT_CORNERS: Final = np.array([(-0.5, 0.5), (0.5, 0.5), (0.5, -0.5), (-0.5, -0.5)])
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Sight:
+    """What there was to be seen: the arena, all bodies (n, 3) of x, y, radius, and the markers.
+
+    ``markers`` by id with their corners (4, 2), as far as they can be read.
+    """
+
+    scene: Scene
+    bodies: FloatArray
+    markers: tuple[tuple[int, FloatArray], ...]
+
+
+class Sights:
+    """Keeps what cameras saw under the numbers that their pictures hold."""
+
+    def __init__(self) -> None:
+        self._kept: dict[int, Sight] = {}
+        self._count = 0
+        self._numbers: dict[Hashable, int] = {}
+
+    def keep(self, sight: Sight) -> Image:
+        """The picture that stands for it."""
+        self._count += 1
+        self._kept[self._count] = sight
+        self._kept.pop(self._count - KEPT, None)
+        bits = np.unpackbits(np.array([self._count], ">u4").view(np.uint8))
+        row = np.repeat(bits * np.uint8(255), PICTURE_SHAPE[1] // BITS)
+        picture = np.empty(PICTURE_SHAPE, np.uint8)
+        picture[:] = row
+        return picture
+
+    def of(self, picture: Image) -> Sight:
+        """What a picture stands for; ``ValueError`` where it is none of these."""
+        cell = PICTURE_SHAPE[1] // BITS
+        bits = picture[-1, cell // 2 :: cell] > 127
+        number = int(np.packbits(bits).view(">u4")[0]) if picture.shape == PICTURE_SHAPE else 0
+        if number not in self._kept:
+            raise ValueError("the picture is none of those that stand for what was to be seen")
+        return self._kept[number]
+
+    def number_of(self, thing: Hashable) -> int:
+        """A number for a thing, always the same."""
+        return self._numbers.setdefault(thing, len(self._numbers))
+
+
+class SightCamera(TimedCamera[Scene]):
+    """A camera above a simulated arena that tells what is to be seen and draws nothing.
+
+    ``scenes`` are the arena's, each from its moment of the clock on, the first at once.
+    """
+
+    def __init__(
+        self,
+        sights: Sights,
+        pinhole: Pinhole,
+        scenes: Sequence[tuple[float, Scene]],
+        bodies: Sequence[SimulatedBody],
+        config: Config,
+        clock: Callable[[], float],
+        wait: Callable[[float], None],
+    ) -> None:
+        assert config.simulation is not None
+        settings = config.simulation.camera
+        super().__init__(
+            clock,
+            wait,
+            config.camera.rate_hz,
+            settings.latency_s,
+            may_repeat=_changed_px(settings.noise_grey, pinhole.size_px) < NOISY_PX,
+        )
+        self._sights, self._pinhole = sights, pinhole
+        self._scenes = list(scenes)
+        self._bodies = tuple(body for body in bodies if not body.lies)
+        self._rng = np.random.default_rng(config.simulation.seed)
+        self._corner_px = CORNER_PX * max(1.0, settings.noise_grey / QUIET_GREY)
+        self._sizes = np.array([body.marker_size_m for body in self._bodies])
+        self._heights = np.array([body.marker_height_m for body in self._bodies])
+        self._turns = np.array([body.marker_turn_rad for body in self._bodies])
+        self._radii = np.array([body.radius_m for body in self._bodies])
+        self._flattest = _flattest(pinhole)
+
+    def _prepare(self) -> Scene:
+        """The arena that will be exposed."""
+        while len(self._scenes) > 1 and self._scenes[1][0] <= self._next_s:
+            self._scenes.pop(0)
+        return self._scenes[0][1]
+
+    def _expose(self, prepared: Scene) -> Image:
+        poses = np.array([body.pose_now() for body in self._bodies]).reshape(-1, 3)
+        floor = self._marker_corners(poses)
+        markers = self._seen(floor, poses)
+        bodies = np.column_stack([poses[:, :2], self._radii])
+        return self._sights.keep(Sight(prepared, bodies, markers))
+
+    def _marker_corners(self, poses: FloatArray) -> FloatArray:
+        """The markers' corners (n, 4, 2) in metres, each at its marker's height."""
+        angle = poses[:, 2] + self._turns
+        c, s = np.cos(angle), np.sin(angle)
+        turned = np.stack([np.stack([c, -s], axis=-1), np.stack([s, c], axis=-1)], axis=-2)
+        units = self._sizes[:, None, None] * _UNIT_CORNERS
+        return np.asarray(poses[:, None, :2] + units @ turned.swapaxes(1, 2))
+
+    def _seen(self, floor: FloatArray, poses: FloatArray) -> tuple[tuple[int, FloatArray], ...]:
+        """The markers that can be read, with their corners in the picture."""
+        count = len(self._bodies)
+        heights = np.repeat(self._heights, 4)[:, None]
+        points = np.hstack([floor.reshape(-1, 2), heights])
+        pixels = self._pinhole.image_from_arena(points)
+        pixels = pixels.reshape(count, 4, 2) + self._rng.normal(0.0, self._corner_px, (count, 4, 2))
+        in_camera = (points - self._pinhole.position_m) @ self._pinhole.camera_from_arena.T
+        flat = np.hypot(in_camera[:, 0], in_camera[:, 1]) <= self._flattest * in_camera[:, 2]
+        limit = np.array(self._pinhole.size_px) - 1.0 - RIM_PX
+        inside = ((pixels >= RIM_PX) & (pixels <= limit)).all(axis=(1, 2))
+        shown = inside & flat.reshape(count, 4).all(axis=1) & ~self._hidden(floor, poses)
+        return tuple((self._bodies[i].marker_id, pixels[i]) for i in np.flatnonzero(shown))
+
+    def _hidden(self, floor: FloatArray, poses: FloatArray) -> Any:
+        """(n,) whether a body nearer to the lens stands before a corner of a marker."""
+        if len(poses) < 2:
+            return np.zeros(len(poses), np.bool_)
+        from_lens = np.hypot(*(poses[:, :2] - self._pinhole.position_m[:2]).T)
+        away = floor[:, :, None, :] - poses[None, None, :, :2]
+        under = (np.hypot(away[..., 0], away[..., 1]) < self._radii).any(axis=1)
+        return (under & (from_lens[None, :] < from_lens[:, None])).any(axis=1)
+
+
+def make_sight_camera(
+    sights: Sights,
+    config: Config,
+    arena: SimulatedArena,
+    pose_now: Callable[[], tuple[float, float, float]],
+    clock: Callable[[], float],
+    wait: Callable[[float], None],
+    others: Sequence[Callable[[], tuple[float, float, float]] | None] = (),
+    scenes: Sequence[tuple[float, Scene]] = (),
+    doubles: Sequence[Callable[[], tuple[float, float, float]]] = (),
+    fleet: Sequence[Any] = (),
+    _knock: None = None,
+) -> SightCamera:
+    """The camera of a configuration that draws nothing; the arguments as `make_camera`'s."""
+    bodies = bodies_of(config, pose_now, others, doubles, fleet)
+    over_time = [(-math.inf, arena.scene), *sorted(scenes, key=lambda item: item[0])]
+    return SightCamera(sights, pinhole_of(config), over_time, bodies, config, clock, wait)
+
+
+def _changed_px(noise_grey: float, size_px: tuple[int, int]) -> float:
+    """How many pixels of a picture its noise would change, on an average."""
+    if noise_grey <= 0.0:
+        return 0.0
+    return size_px[0] * size_px[1] * math.erfc(0.5 / (noise_grey * math.sqrt(2.0)))
+
+
+def _flattest(pinhole: Pinhole) -> float:
+    """Across over along, of the flattest ray that the picture holds."""
+    width, height = pinhole.size_px
+    x, y = np.linspace(-0.5, width - 0.5, 9), np.linspace(-0.5, height - 0.5, 9)
+    rim = [(a, b) for a in x for b in (y[0], y[-1])] + [(a, b) for a in (x[0], x[-1]) for b in y]
+    rays = np.hypot(*pinhole.rays(np.array(rim)).T)
+    return FLATTEST if np.isnan(rays).any() else min(FLATTEST, 1.02 * float(rays.max()))

@@ -1,0 +1,108 @@
+"""A simulated camera's time: when it exposes its pictures, and when they come.
+
+What the picture is, its subclasses say. Seconds of the clock that is passed in.
+"""
+
+from __future__ import annotations
+
+import math
+from abc import ABC, abstractmethod
+from collections.abc import Callable
+from typing import Generic, TypeAlias, TypeVar
+
+from vision.camera.camera import CameraError, Clock, Frame, Image, RateMeter, SourceState
+
+Wait: TypeAlias = Callable[[float], None]
+_Prepared = TypeVar("_Prepared")
+
+
+class TimedCamera(ABC, Generic[_Prepared]):
+    """Gives pictures at its rate; `vision.camera.camera.Camera` says what its members mean.
+
+    ``clock`` gives monotonic seconds and ``wait`` lets them pass: real ones in a run, the
+    simulation's own in virtual time.
+    """
+
+    name = "simulated camera"
+
+    def __init__(
+        self, clock: Clock, wait: Wait, rate_hz: float, latency_s: float, *, may_repeat: bool
+    ) -> None:
+        self._clock, self._wait = clock, wait
+        self._period_s, self._latency_s = 1.0 / rate_hz, latency_s
+        self._may_repeat = may_repeat
+        self._meter = RateMeter()
+        self._state: SourceState = "closed"
+        self._next_s = 0.0
+        self.late_since_s = math.inf
+        """When the next picture is to be exposed, or the one that its reader has in hand was."""
+        self._sequence = 0
+
+    @property
+    def state(self) -> SourceState:
+        """``closed`` or ``running``."""
+        return self._state
+
+    @property
+    def reason(self) -> str:
+        """Nothing to say."""
+        return ""
+
+    @property
+    def rate_hz(self) -> float:
+        """Frames a second really got lately; 0.0 before the second frame."""
+        return self._meter.rate_hz
+
+    @property
+    def may_repeat(self) -> bool:
+        """Pictures without noise that eight bits show are equal while nothing moves."""
+        return self._may_repeat
+
+    def open(self) -> None:
+        """Start giving frames."""
+        self._state = "running"
+        self._next_s = self._clock()
+
+    def continue_after(self, other: TimedCamera[_Prepared]) -> None:
+        """Start giving frames when the other one would have given its next, which is closed."""
+        self._state, self._next_s = "running", other._next_s
+        other.close()
+
+    def close(self) -> None:
+        """Stop; it can be opened again."""
+        self._state = "closed"
+        self.late_since_s = math.inf
+
+    def read(self, timeout_s: float) -> Frame | None:
+        """The next frame at its time; None where that is later than ``timeout_s`` from now.
+
+        A reader that comes too late misses frames, as with a real camera.
+        """
+        if self._state != "running":
+            raise CameraError(f"{self.name}: is not open")
+        self.late_since_s = self._next_s
+        delay_s = self._next_s - self._clock()
+        if delay_s > timeout_s:
+            self._wait(timeout_s)
+            return None
+        prepared = self._prepare()
+        delay_s = self._next_s - self._clock()
+        if delay_s > 0.0:
+            self._wait(delay_s)
+        self.late_since_s = captured_s = self._clock()
+        late = max(0, int((captured_s - self._next_s) / self._period_s))
+        self._next_s += (late + 1) * self._period_s
+        image = self._expose(prepared)
+        if self._latency_s > 0.0:
+            self._wait(max(0.0, captured_s + self._latency_s - self._clock()))
+        self._meter.add(captured_s)
+        self._sequence += 1
+        return Frame(image, captured_s, self._sequence - 1, self.name)
+
+    @abstractmethod
+    def _prepare(self) -> _Prepared:
+        """Do what can be done before the exposure at ``_next_s``."""
+
+    @abstractmethod
+    def _expose(self, prepared: _Prepared) -> Image:
+        """The picture of this moment."""

@@ -1,0 +1,1 @@
+"""Runs that draw no picture, beside those that do."""
