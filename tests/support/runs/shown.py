@@ -1,4 +1,9 @@
-"""A daemon that only shows: the dashboard's tests set its state and look at its orders."""
+"""A daemon that only shows: the dashboard's tests set its state and look at its orders.
+
+It has a mission and a link that answer orders as those of a real run do, at once; its robot stays
+where it is. Its clock stands still between two cycles: nothing goes stale, and nothing hangs,
+because a computer is busy.
+"""
 
 from __future__ import annotations
 
@@ -16,7 +21,7 @@ from navigation.config import Config, parse_config
 from navigation.link.serial_link import LinkSnapshot
 from navigation.loop.daemon_state import DaemonState, StageTimes
 from navigation.mission.cycle import PlanAnswer
-from navigation.mission.mission import Mission, MissionError, State, Station
+from navigation.mission.mission import Event, Mission, MissionError, State, Station
 from navigation.mission.watch import Action, Verdict
 from planner.formats.scene_io import load_scene
 from planner.path import Limits, NoPath
@@ -32,6 +37,7 @@ LIMITS = Limits(0.3, 0.5, 0.4, 2.0, 6.0, 5.0, 0.05, 0.002, 0.2, 0.12)
 SIZE_PX = (480, 360)
 SCALE_M = 0.005
 """A plan to scale: 480 x 360 pixels of 5 mm are the arena of 2.4 m x 1.8 m."""
+CYCLE_S = 0.1
 
 
 def shown_config(**dashboard: object) -> Config:
@@ -71,6 +77,9 @@ class FakeDaemon:
         self.calibration = Calibration.from_scale(SCALE_M, SIZE_PX)
         self.camera = CameraStatus("running", "", 30.0, 100, 1, 0, 0.01)
         self.orders: list[object] = []
+        self.lent: str | None = None
+        """Why the robot has to hold: a calibration has the camera; None where it has not."""
+        self._turn = threading.RLock()
         self.plan_gate = threading.Event()
         self.plan_gate.set()
         self._roadmap = roadmap
@@ -79,7 +88,7 @@ class FakeDaemon:
             mission=Mission(),
             sentence="no mission was given",
             pose=pose(),
-            link=LinkSnapshot(LinkState.STREAM, None, 0.02),
+            link=LinkSnapshot(LinkState.STREAM, None, 0.02, status_age_s=0.02),
             to_go_m=None,
             clearance_m=0.2,
             verdict=Verdict(Action.GO, ()),
@@ -92,10 +101,30 @@ class FakeDaemon:
 
     def show(self, **changes: Any) -> None:
         """A new state, as after a cycle."""
+        with self._turn:
+            assert self.state is not None
+            if "mission" in changes:
+                changes.setdefault("sentence", changes["mission"].reason)
+            self.state = replace(self.state, **changes)
+
+    def cycle(self) -> None:
+        """Let a tenth of a second pass, with a picture at its end."""
+        with self._turn:
+            assert self.state is not None
+            now_s = self.clock() + CYCLE_S
+            seen = replace(pose(), captured_s=now_s)
+            picture = frame(round(now_s / CYCLE_S), now_s)
+            self.show(time_s=now_s, frame=picture, pose=seen, poses={7: seen})
+
+    def clock(self) -> float:
+        """Seconds, of which cycles are made."""
+        return 0.0 if self.state is None else self.state.time_s
+
+    @property
+    def mission(self) -> Mission:
+        """What it does."""
         assert self.state is not None
-        if "mission" in changes:
-            changes.setdefault("sentence", changes["mission"].reason)
-        self.state = replace(self.state, **changes)
+        return self.state.mission
 
     def camera_status(self) -> CameraStatus:
         return self.camera
@@ -107,6 +136,9 @@ class FakeDaemon:
 
     def preview(self, stations: tuple[Station, ...], robot: str | None = None) -> PlanAnswer:
         assert self.plan_gate.wait(10.0)
+        return self._plan(stations)
+
+    def _plan(self, stations: tuple[Station, ...]) -> PlanAnswer:
         assert self._roadmap is not None
         *vias, goal = [(one.x, one.y) for one in stations]
         path = self._roadmap.plan((0.2, 0.2), goal, via=vias)
@@ -115,23 +147,38 @@ class FakeDaemon:
         return PlanAnswer(1, 1, path, planner.time_path(path, LIMITS))
 
     def give(self, stations: tuple[Station, ...]) -> None:
+        if self.lent is not None:
+            raise MissionError(self.lent)
         if any(station.x > 5.0 for station in stations):
             raise MissionError("station 1 at (9, 9) m: outside the arena")
-        self.orders.append(stations)
+        with self._turn:
+            mission = self.mission.given(stations, "a mission was given")
+            self.orders.append(stations)
+            self._begin(mission)
 
     def stop(self, reason: str) -> None:
-        self.orders.append(("stop", reason))
-        assert self.state is not None
-        self.show(mission=replace(self.state.mission, state=State.STOPPED, reason=reason))
+        with self._turn:
+            self.orders.append(("stop", reason))
+            self._become(self.mission.after(Event.STOP, reason))
 
     def pause(self) -> None:
-        self.orders.append("pause")
+        with self._turn:
+            self.orders.append("pause")
+            mission = replace(self.mission, paused=True)
+            if mission.allows(Event.HOLD):
+                mission = mission.after(Event.HOLD, "paused by the operator")
+            self._become(mission)
 
     def resume(self) -> None:
-        self.orders.append("resume")
-        assert self.state is not None
-        if self.state.mission.state is State.STOPPED:
-            self.show(mission=replace(self.state.mission, state=State.IDLE))
+        with self._turn:
+            self.orders.append("resume")
+            mission = replace(self.mission, paused=False)
+            if mission.state is State.STOPPED:
+                self._become(mission.after(Event.REARM, "re-armed by hand"))
+            elif mission.state is State.HOLDING:
+                self._begin(mission.after(Event.CLEARED, "resumed"))
+            else:
+                self._become(mission)
 
     def settle(self) -> None:
         """It acts at once."""
@@ -140,5 +187,21 @@ class FakeDaemon:
         self.orders.append("replan")
 
     def describe(self) -> Mapping[str, Any]:
+        return {"state": self.mission.state.value, "reason": self.mission.reason}
+
+    def _begin(self, mission: Mission) -> None:
+        """Plan, and drive where there is a path."""
+        path = None if self._roadmap is None else self._plan(mission.remaining).path
+        if isinstance(path, NoPath):
+            self._become(mission.after(Event.NO_PLAN, path.reason))
+        else:
+            self._become(mission.after(Event.PLANNED, "driving"), path=path)
+
+    def _become(self, mission: Mission, **changes: Any) -> None:
         assert self.state is not None
-        return {"state": self.state.mission.state.value, "reason": self.state.mission.reason}
+        link = replace(
+            self.state.link,
+            moving=mission.state is State.DRIVING,
+            estopped=mission.state is State.STOPPED,
+        )
+        self.show(mission=mission, link=link, **changes)
