@@ -31,7 +31,7 @@ from websockets.asyncio.client import connect
 
 from navigation.config import Config
 from navigation.dashboard.messages.packed import unpack
-from tests.browser.live import Live, live_config
+from tests.browser.programs.live import Live, live_config
 
 RESULT = Path(__file__).parent / "results" / "dashboard.md"
 SAVING = "saving a recording"

@@ -42,3 +42,15 @@ def send_to(page: Page, x_m: float, y_m: float) -> None:
     expect(page.locator("#goal-preview")).to_contain_text("clearance at least")
     page.locator("#send").click()
     expect(page.locator("#goal-hint")).to_be_visible()
+
+
+def start_calibration(page: Page) -> None:
+    """Calibrate with the board of the tests."""
+    wait_for_picture(page)
+    page.locator("#calibration-open").click()
+    page.locator("#board-squares").fill("8x6")
+    page.locator("#board-square_mm").fill("100")
+    page.locator("#board-marker_mm").fill("75")
+    page.locator("#board-dictionary").fill("DICT_5X5_100")
+    page.locator("#calibration-start").click()
+    expect(page.locator("#calibration-view")).to_be_visible()

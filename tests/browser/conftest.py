@@ -1,13 +1,19 @@
-"""Chromium, a running program, and pages that must not have errors."""
+"""Chromium, a program that only shows, and pages that must not have errors.
+
+A module whose pages are of another program has a fixture ``program`` of its own.
+"""
 
 import os
 import re
 from collections.abc import Callable, Iterator
 from pathlib import Path
+from typing import Protocol
 
 import pytest
 
-from tests.browser.live import Live, live_config
+from planner.roadmap.roadmap import Roadmap
+from tests.browser.programs.served import PATIENCE_S, ShownProgram
+from tests.support.runs.shown import FakeDaemon, laboratory
 
 CHROMIUM = os.environ.get("CLEARWAY_CHROMIUM", "/usr/bin/chromium")
 ARGUMENTS = ["--no-sandbox", "--disable-dev-shm-usage", "--headless"]
@@ -17,8 +23,7 @@ PICTURES = Path(__file__).parents[2] / "build" / "browser"
 playwright_api = pytest.importorskip("playwright.sync_api", reason="playwright is not installed")
 from playwright.sync_api import Browser, ConsoleMessage, Page, expect, sync_playwright  # noqa: E402
 
-PATIENCE_MS = 45_000
-"""Nothing may depend on the machine's being fast."""
+PATIENCE_MS = 1000.0 * PATIENCE_S
 expect.set_options(timeout=PATIENCE_MS)
 
 
@@ -36,21 +41,30 @@ def browser() -> Iterator[Browser]:
         chromium.close()
 
 
-@pytest.fixture(scope="package")
-def program(browser: Browser) -> Iterator[Live]:
-    """One program for all tests: each leaves it without stop and mission (`live`)."""
-    with Live(live_config()) as live:
-        yield live
+@pytest.fixture(scope="session")
+def roadmap() -> Roadmap:
+    """The roadmap of the shipped arena."""
+    return laboratory()
 
 
 @pytest.fixture
-def live(program: Live) -> Iterator[Live]:
-    yield program
-    program.calm_down()
+def program(roadmap: Roadmap) -> Iterator[ShownProgram]:
+    """A program that only shows, as good as new for each test."""
+    with ShownProgram(FakeDaemon(roadmap=roadmap)) as program:
+        yield program
+
+
+class HasUrl(Protocol):
+    """A program with a page."""
+
+    @property
+    def url(self) -> str | None:
+        """Its address."""
+        ...
 
 
 @pytest.fixture
-def open_page(browser: Browser, live: Live) -> Iterator[Callable[..., Page]]:
+def open_page(browser: Browser, program: HasUrl) -> Iterator[Callable[..., Page]]:
     """Opens the page in a browser of its own; at the end no page may have had an error."""
     contexts = []
     errors: list[str] = []
@@ -68,7 +82,7 @@ def open_page(browser: Browser, live: Live) -> Iterator[Callable[..., Page]]:
         page.on("console", note)
         page.on("pageerror", lambda error: errors.append(str(error)))
         page.set_default_timeout(PATIENCE_MS)
-        page.goto(address or live.url)
+        page.goto(address or program.url or "")
         return page
 
     yield open_page

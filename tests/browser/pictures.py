@@ -16,8 +16,8 @@ from playwright.sync_api import Page, expect, sync_playwright
 from navigation.mission.mission import Station
 from tests.browser.acting import click_at, drag, wait_for_picture
 from tests.browser.conftest import ARGUMENTS, CHROMIUM
-from tests.browser.live import CONFIGS, Live, live_config
-from tests.browser.live_fleet import EXCHANGE, LiveFleet, fleet_config
+from tests.browser.programs.live import CONFIGS, Live, live_config
+from tests.browser.programs.live_fleet import EXCHANGE, LiveFleet, fleet_config
 from tests.support.pictures import call
 from tests.support.waiting import wait_until
 

@@ -1,4 +1,4 @@
-"""The dashboard in a real browser, in front of a real run with a simulated robot."""
+"""The dashboard in a real browser: goals, keys, looks and tokens."""
 
 import math
 from pathlib import Path
@@ -6,60 +6,15 @@ from pathlib import Path
 import pytest
 
 pytest.importorskip("playwright.sync_api", reason="playwright is not installed")
-from playwright.sync_api import Browser, expect
+from playwright.sync_api import expect
 
 from navigation.mission.mission import State
 from tests.browser.acting import click_at, drag, on_screen, wait_for_picture
-from tests.browser.live import Live, live_config
 from tests.browser.pages import HERE, THERE, Keep, OpenPage
-from tests.support.waiting import wait_until
-
-pytestmark = [pytest.mark.slow, pytest.mark.timed]  # it drives in real time
+from tests.browser.programs.served import ShownProgram, until
 
 
-def test_the_page_shows_the_arena_and_the_picture_moves(
-    open_page: OpenPage, live: Live, keep: Keep
-) -> None:
-    page = open_page()
-    wait_for_picture(page)
-    first = page.evaluate("document.getElementById('picture').toDataURL()")
-    wait_for_picture(page, page.evaluate("clearway.picture.count") + 3)
-    assert page.evaluate("document.getElementById('picture').toDataURL()") != first
-    assert len(page.locator("[data-layer=obstacles] .obstacle").get_attribute("d") or "") > 200
-    expect(page.locator("#pill-text")).to_have_text("live")
-    expect(page.locator("#health-camera .word")).to_have_text("running")
-    expect(page.locator("#health-link .word")).to_have_text("up")
-    expect(page.locator("#log li")).not_to_have_count(0)
-    assert page.locator("#health-camera path.line").get_attribute("d")
-    keep(page, "first_look")
-
-
-def test_what_is_drawn_lies_where_the_camera_sees_it(open_page: OpenPage, live: Live) -> None:
-    page = open_page()
-    wait_for_picture(page)
-
-    def grey(x_m: float, y_m: float) -> float:
-        return float(
-            page.evaluate(
-                """([x, y]) => {
-                  const { stage } = globalThis.clearway;
-                  const at = [Math.round(stage.x(x)), Math.round(stage.y(y))];
-                  return stage.canvas.getContext("2d").getImageData(...at, 1, 1).data[0];
-                }""",
-                [x_m, y_m],
-            )
-        )
-
-    # the bucket of configs/arenas/laboratory.txt: C (0.42,1.16) 0.13
-    for turn in range(8):
-        c, s = math.cos(turn * math.tau / 8), math.sin(turn * math.tau / 8)
-        assert grey(0.42 + 0.120 * c, 1.16 + 0.120 * s) < 90
-        assert grey(0.42 + 0.140 * c, 1.16 + 0.140 * s) > 130
-
-
-def test_the_cursor_tells_clearance_and_whether_the_robot_fits(
-    open_page: OpenPage, live: Live
-) -> None:
+def test_the_cursor_tells_clearance_and_whether_the_robot_fits(open_page: OpenPage) -> None:
     page = open_page()
     wait_for_picture(page)
     page.mouse.move(*on_screen(page, 0.20, 0.90))
@@ -73,33 +28,7 @@ def test_the_cursor_tells_clearance_and_whether_the_robot_fits(
     expect(probe).to_contain_text("too tight for the robot")
 
 
-def test_a_clicked_goal_is_previewed_then_sent_and_the_robot_arrives(
-    open_page: OpenPage, live: Live, keep: Keep
-) -> None:
-    page = open_page()
-    wait_for_picture(page)
-    x, y, _ = live.place()
-    goal = max(HERE, THERE, key=lambda place: math.dist(place, (x, y)))
-    click_at(page, *goal)
-    preview = page.locator("#goal-preview")
-    expect(preview).to_contain_text("clearance at least")
-    assert live.state is not State.DRIVING, "nothing is sent before it is said so"
-    length_m = float((preview.text_content() or "").split(" m")[0])
-    assert length_m >= math.dist((x, y), goal) - 0.02
-    expect(page.locator("#overlay .draft-path")).to_be_attached()
-    keep(page, "preview")
-    page.locator("#send").click()
-    expect(page.locator("#mission-state")).to_have_text("Driving", timeout=20_000)
-    assert wait_until(live.is_moving, 20.0)
-    keep(page, "driving")
-    expect(page.locator("#mission-state")).to_have_text("Arrived", timeout=60_000)
-    assert math.dist(live.place()[:2], goal) < 0.03
-    keep(page, "arrived")
-
-
-def test_a_drag_sets_the_heading_and_shift_adds_stations(
-    open_page: OpenPage, live: Live, keep: Keep
-) -> None:
+def test_a_drag_sets_the_heading_and_shift_adds_stations(open_page: OpenPage, keep: Keep) -> None:
     page = open_page()
     wait_for_picture(page)
     click_at(page, 0.20, 0.90)
@@ -114,7 +43,7 @@ def test_a_drag_sets_the_heading_and_shift_adds_stations(
     expect(page.locator("#goal-stations")).to_be_hidden()
 
 
-def test_where_no_way_leads_the_page_says_why(open_page: OpenPage, live: Live) -> None:
+def test_where_no_way_leads_the_page_says_why(open_page: OpenPage) -> None:
     page = open_page()
     wait_for_picture(page)
     click_at(page, 0.42, 1.16)
@@ -122,7 +51,7 @@ def test_where_no_way_leads_the_page_says_why(open_page: OpenPage, live: Live) -
     expect(page.locator("#send")).to_be_disabled()
 
 
-def test_the_whole_way_goes_by_keyboard(open_page: OpenPage, live: Live) -> None:
+def test_the_whole_way_goes_by_keyboard(open_page: OpenPage, program: ShownProgram) -> None:
     page = open_page()
     wait_for_picture(page)
     page.locator("#stage").focus()
@@ -135,14 +64,14 @@ def test_the_whole_way_goes_by_keyboard(open_page: OpenPage, live: Live) -> None
     expect(page.locator("#goal-preview")).to_contain_text("clearance at least")
     expect(page.locator("#send")).to_be_enabled()
     page.keyboard.press("Enter")
-    expect(page.locator("#mission-state")).to_have_text("Driving", timeout=20_000)
-    stations = live.daemon.pilot.mission.stations
+    expect(page.locator("#mission-state")).to_have_text("Driving")
+    stations = program.daemon.mission.stations
     assert (stations[-1].x, stations[-1].y) == (1.18, 1.0)
     assert stations[-1].heading_rad == pytest.approx(math.radians(15))
 
 
 def test_enter_before_the_plan_is_there_says_that_nothing_was_sent(
-    open_page: OpenPage, live: Live
+    open_page: OpenPage, program: ShownProgram
 ) -> None:
     page = open_page()
     wait_for_picture(page)
@@ -158,15 +87,13 @@ def test_enter_before_the_plan_is_there_says_that_nothing_was_sent(
     )
     expect(page.locator("#refusal")).to_contain_text("Not sent: the plan is not there yet")
     expect(page.locator("#goal-preview")).to_contain_text("clearance at least")
-    assert live.state is not State.DRIVING
+    assert program.state is not State.DRIVING
     page.keyboard.press("Enter")
-    assert wait_until(live.drives, 20.0)
+    until(program.drives)
     expect(page.locator("#refusal")).to_be_hidden()
 
 
-def test_a_plan_can_be_sent_before_a_state_tells_whose_the_arena_is(
-    open_page: OpenPage, live: Live
-) -> None:
+def test_a_plan_can_be_sent_before_a_state_tells_whose_the_arena_is(open_page: OpenPage) -> None:
     page = open_page()
     wait_for_picture(page)
     page.evaluate(  # states stop; answers to orders go on
@@ -178,10 +105,10 @@ def test_a_plan_can_be_sent_before_a_state_tells_whose_the_arena_is(
     )
     click_at(page, *THERE)
     expect(page.locator("#goal-preview")).to_contain_text("clearance at least")
-    expect(page.locator("#send")).to_be_enabled(timeout=1000)
+    expect(page.locator("#send")).to_be_enabled()
 
 
-def test_layers_can_be_switched_off_and_stay_so(open_page: OpenPage, live: Live) -> None:
+def test_layers_can_be_switched_off_and_stay_so(open_page: OpenPage) -> None:
     page = open_page()
     wait_for_picture(page)
     road = page.locator("[data-layer=roadmap]")
@@ -197,7 +124,7 @@ def test_layers_can_be_switched_off_and_stay_so(open_page: OpenPage, live: Live)
     expect(road).to_be_hidden()
 
 
-def test_it_works_on_a_phone(open_page: OpenPage, live: Live, keep: Keep) -> None:
+def test_it_works_on_a_phone(open_page: OpenPage, keep: Keep) -> None:
     page = open_page(
         viewport={"width": 390, "height": 844},
         has_touch=True,
@@ -225,9 +152,7 @@ def test_it_works_on_a_phone(open_page: OpenPage, live: Live, keep: Keep) -> Non
 
 
 @pytest.mark.parametrize("theme", ["light", "dark"])
-def test_every_text_has_contrast_enough(
-    theme: str, open_page: OpenPage, live: Live, keep: Keep
-) -> None:
+def test_every_text_has_contrast_enough(theme: str, open_page: OpenPage, keep: Keep) -> None:
     page = open_page(color_scheme=theme)
     wait_for_picture(page)
     click_at(page, *HERE)
@@ -243,64 +168,50 @@ def test_every_text_has_contrast_enough(
 
 
 def test_a_token_opens_the_page_and_leaves_the_address(
-    browser: Browser, open_page: OpenPage, live: Live, keep: Keep
+    open_page: OpenPage, program: ShownProgram, keep: Keep
 ) -> None:
     token = "a-token-of-some-length"
-    shown_port, refused = live.url, r"Authentication|status of 40[13]|response code: 403|REFUSED"
-    live.take_away()
-    open_config = live.config
-    live.config = live_config(token=token)
-    live.bring_back()
-    try:
-        page = open_page(live.url, allowed=refused)
-        expect(page.locator("#token-form")).to_be_visible()
-        keep(page, "token")
-        page.locator("#token").fill("a-wrong-token-of-length")
-        page.locator("#token-form button").click()
-        expect(page.locator("#token-form")).to_be_visible()
-        page.locator("#token").fill(token)
-        page.locator("#token-form button").click()
-        wait_for_picture(page)
-        page = open_page(f"{live.url}#token={token}", allowed="ERR_CONNECTION_REFUSED")
-        wait_for_picture(page)
-        assert page.url == shown_port, "the token does not stay in the address"
-        page.reload()
-        wait_for_picture(page)
-    finally:
-        live.take_away()
-        live.config = open_config
-        live.bring_back()
+    refused = r"Authentication|status of 40[13]|response code: 403|REFUSED"
+    program.bring_back(token=token)
+    page = open_page(allowed=refused)
+    expect(page.locator("#token-form")).to_be_visible()
+    keep(page, "token")
+    page.locator("#token").fill("a-wrong-token-of-length")
+    page.locator("#token-form button").click()
+    expect(page.locator("#token-form")).to_be_visible()
+    page.locator("#token").fill(token)
+    page.locator("#token-form button").click()
+    wait_for_picture(page)
+    page = open_page(f"{program.url}#token={token}")
+    wait_for_picture(page)
+    assert page.url == program.url, "the token does not stay in the address"
+    page.reload()
+    wait_for_picture(page)
 
 
 def test_the_printed_link_drives_and_without_its_token_one_only_looks(
-    open_page: OpenPage, live: Live, keep: Keep
+    open_page: OpenPage, program: ShownProgram, keep: Keep
 ) -> None:
-    live.take_away()
-    live.own_token = "the-programs-own-token-32-letters"
-    live.bring_back()
-    try:
-        page = open_page(allowed=r"status of 401|REFUSED")
-        wait_for_picture(page)
-        expect(page.locator("#seat-text")).to_have_text("Looking only")
-        page.keyboard.press("Space")
-        expect(page.locator("#refusal-text")).to_contain_text("driving need the token")
-        expect(page.locator("#token-form")).to_be_visible()
-        keep(page, "visitor")
-        assert live.state is not State.STOPPED
-        page.locator("#token").fill(live.own_token)
-        page.locator("#token-form button").click()
-        expect(page.locator("#token-form")).to_be_hidden()
-        expect(page.locator("#seat-text")).not_to_have_text("Looking only")
-        page.keyboard.press("Space")
-        expect(page.locator("#stopped")).to_be_visible()
-        printed = live.said[-1].removeprefix("dashboard at ")
-        page = open_page(printed, allowed="REFUSED")
-        wait_for_picture(page)
-        expect(page.locator("#stopped")).to_be_visible()
-        expect(page.locator("#rearm")).to_be_enabled()
-        page.locator("#rearm").click()
-        expect(page.locator("#stopped")).to_be_hidden()
-    finally:
-        live.take_away()
-        live.own_token = None
-        live.bring_back()
+    token = "the-programs-own-token-32-letters"
+    program.bring_back(own_token=token)
+    page = open_page(allowed=r"status of 401")
+    wait_for_picture(page)
+    expect(page.locator("#seat-text")).to_have_text("Looking only")
+    page.keyboard.press("Space")
+    expect(page.locator("#refusal-text")).to_contain_text("driving need the token")
+    expect(page.locator("#token-form")).to_be_visible()
+    keep(page, "visitor")
+    assert program.daemon.orders == []
+    page.locator("#token").fill(token)
+    page.locator("#token-form button").click()
+    expect(page.locator("#token-form")).to_be_hidden()
+    expect(page.locator("#seat-text")).not_to_have_text("Looking only")
+    page.keyboard.press("Space")
+    expect(page.locator("#stopped")).to_be_visible()
+    printed = program.said[-1].removeprefix("dashboard at ")
+    page = open_page(printed)
+    wait_for_picture(page)
+    expect(page.locator("#stopped")).to_be_visible()
+    expect(page.locator("#rearm")).to_be_enabled()
+    page.locator("#rearm").click()
+    expect(page.locator("#stopped")).to_be_hidden()

@@ -2,13 +2,13 @@
 
 import math
 import shutil
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
 
 pytest.importorskip("playwright.sync_api", reason="playwright is not installed")
-from playwright.sync_api import Browser, ConsoleMessage, Page, expect
+from playwright.sync_api import Browser, Page, expect
 
 from navigation.cli.setup.check import file_problems
 from navigation.config.load import load_config
@@ -16,12 +16,12 @@ from navigation.config.several.each_robot import each_robot
 from navigation.dashboard.settings.desk import Around, Desk
 from navigation.mission.mission import State, Station
 from tests.browser.acting import click_at
-from tests.browser.live import CONFIGS
-from tests.browser.live_fleet import EXCHANGE, LiveFleet, fleet_config
-from tests.browser.pages import Keep
-from tests.support.waiting import wait_until
+from tests.browser.pages import Keep, OpenPage
+from tests.browser.programs.live import CONFIGS
+from tests.browser.programs.live_fleet import EXCHANGE, LiveFleet, fleet_config
+from tests.browser.programs.served import until
 
-pytestmark = pytest.mark.timed  # a browser draws in real time
+pytestmark = pytest.mark.slow
 
 PHONE = {"viewport": {"width": 390, "height": 844}, "has_touch": True, "is_mobile": True}
 ZOOMED = {"viewport": {"width": 680, "height": 430}, "device_scale_factor": 2}
@@ -32,7 +32,6 @@ LOOKS: dict[str, dict[str, object]] = {
     "phone": PHONE,
     "zoomed": ZOOMED,
 }
-OpenFleet = Callable[..., Page]
 
 
 @pytest.fixture(scope="module")
@@ -43,7 +42,7 @@ def file(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 
 @pytest.fixture(scope="module")
-def program(browser: Browser, file: Path) -> Iterator[LiveFleet]:
+def run(browser: Browser, file: Path) -> Iterator[LiveFleet]:
     state = file.parents[1] / "state"
     desk = Desk(Around(file, state, {}, file_problems, lambda: ([], []), reload=lambda: None))
     with LiveFleet(fleet_config(), desk) as live:
@@ -51,44 +50,30 @@ def program(browser: Browser, file: Path) -> Iterator[LiveFleet]:
 
 
 @pytest.fixture
-def live(program: LiveFleet) -> Iterator[LiveFleet]:
-    yield program
-    program.calm_down()
+def program(run: LiveFleet) -> Iterator[LiveFleet]:
+    """The run, in front of which each test stands alone."""
+    yield run
+    run.calm_down()
 
 
 @pytest.fixture
-def open_fleet(browser: Browser, live: LiveFleet) -> Iterator[OpenFleet]:
-    contexts, errors = [], []
-
+def open_fleet(open_page: OpenPage) -> OpenPage:
     def open_fleet(**options: object) -> Page:
-        settings = {"viewport": {"width": 1360, "height": 860}, **options}
-        contexts.append(browser.new_context(**settings))  # type: ignore[arg-type]
-        page = contexts[-1].new_page()
-
-        def note(message: ConsoleMessage) -> None:
-            if message.type == "error":
-                errors.append(message.text)
-
-        page.on("console", note)
-        page.on("pageerror", lambda error: errors.append(str(error)))
-        page.goto(live.url)
+        page = open_page(**options)
         page.wait_for_function("n => globalThis.clearway?.picture.count >= n", arg=1)
         expect(page.locator("[data-layer=fleet-bodies] .own-robot")).to_have_count(6)
         return page
 
-    yield open_fleet
-    for context in contexts:
-        context.close()
-    assert errors == []
+    return open_fleet
 
 
 def test_a_robot_is_chosen_by_click_or_number_and_the_goal_is_its_own(
-    open_fleet: OpenFleet, live: LiveFleet
+    open_fleet: OpenPage, program: LiveFleet
 ) -> None:
     page = open_fleet()
     expect(page.locator("#mission-state")).to_have_text("ada: Ready")
-    assert page.locator(".robot-name").all_inner_texts() == list(live.names)
-    click_at(page, *live.place("cleo"))
+    assert page.locator(".robot-name").all_inner_texts() == list(program.names)
+    click_at(page, *program.place("cleo"))
     expect(page.locator("#robot-cleo")).to_have_attribute("aria-pressed", "true")
     expect(page.locator("#goal-stations")).to_be_hidden()  # the press was for the robot
     expect(page.locator("#mission-state")).to_have_text("cleo: Ready")
@@ -102,15 +87,15 @@ def test_a_robot_is_chosen_by_click_or_number_and_the_goal_is_its_own(
     click_at(page, 1.55, 1.35)
     expect(page.locator("#goal-preview")).to_contain_text("clearance at least")
     page.locator("#send").click()
-    assert wait_until(lambda: live.state("finn") in (State.PROVING, State.PLANNING, State.DRIVING))
-    (goal,) = live.daemon.seats["finn"].pilot.mission.stations
+    until(lambda: program.state("finn") in (State.PROVING, State.PLANNING, State.DRIVING))
+    (goal,) = program.daemon.seats["finn"].pilot.mission.stations
     assert math.dist((goal.x, goal.y), (1.55, 1.35)) < 0.01
-    assert all(live.state(name) is State.IDLE for name in live.names if name != "finn")
+    assert all(program.state(name) is State.IDLE for name in program.names if name != "finn")
     expect(page.locator("#log li", has_text="finn: GO to")).to_have_count(1)
 
 
 def test_with_the_keyboard_alone_a_robot_is_chosen_sent_stopped_and_rearmed(
-    open_fleet: OpenFleet, live: LiveFleet, keep: Keep
+    open_fleet: OpenPage, program: LiveFleet, keep: Keep
 ) -> None:
     page = open_fleet()
     page.locator("#stage").focus()
@@ -121,43 +106,43 @@ def test_with_the_keyboard_alone_a_robot_is_chosen_sent_stopped_and_rearmed(
     expect(page.locator("#goal-preview")).to_contain_text("clearance at least")
     keep(page, "fleet_keyboard")
     page.keyboard.press("Enter")
-    assert wait_until(lambda: bool(live.daemon.seats["bob"].pilot.mission.stations))
+    until(lambda: bool(program.daemon.seats["bob"].pilot.mission.stations))
     page.locator("#robot-bob").focus()
     page.keyboard.press("Tab")  # re-arming is out of reach before it is stopped
     expect(page.locator("#stop-bob")).to_be_focused()
     page.keyboard.press("Enter")
-    assert wait_until(lambda: live.state("bob") is State.STOPPED)
-    assert all(live.state(name) is not State.STOPPED for name in live.names if name != "bob")
+    until(lambda: program.state("bob") is State.STOPPED)
+    assert all(program.state(name) is not State.STOPPED for name in program.names if name != "bob")
     expect(page.locator("#rearm-bob")).to_have_attribute("aria-disabled", "false")
     page.keyboard.press("Shift+Tab")
     page.keyboard.press("Enter")
-    assert wait_until(lambda: live.state("bob") is State.IDLE)
+    until(lambda: program.state("bob") is State.IDLE)
 
 
 def test_the_big_stop_stops_all_and_is_left_for_each_or_for_all(
-    open_fleet: OpenFleet, live: LiveFleet
+    open_fleet: OpenPage, program: LiveFleet
 ) -> None:
     page = open_fleet()
     expect(page.locator("#stop")).to_contain_text("STOP all")
     page.keyboard.press("Space")
-    assert wait_until(lambda: all(live.state(name) is State.STOPPED for name in live.names))
+    until(lambda: all(program.state(name) is State.STOPPED for name in program.names))
     expect(page.locator(".robot-row .word", has_text="Stopped")).to_have_count(6)
     expect(page.locator("#rearm-dan")).to_have_attribute("aria-disabled", "false")
     page.locator("#resume-all").click(force=True)  # no order but one to re-arm leaves a stop
     expect(page.locator("#refusal")).to_contain_text("Nothing to resume")
     page.locator("#rearm-dan").click()
-    assert wait_until(lambda: live.state("dan") is State.IDLE)
-    assert all(live.state(name) is State.STOPPED for name in live.names if name != "dan")
+    until(lambda: program.state("dan") is State.IDLE)
+    assert all(program.state(name) is State.STOPPED for name in program.names if name != "dan")
     page.locator("#rearm-all").click()
-    assert wait_until(lambda: all(live.state(name) is State.IDLE for name in live.names))
+    until(lambda: all(program.state(name) is State.IDLE for name in program.names))
 
 
 def test_who_waits_for_whom_is_in_the_list_and_in_the_picture(
-    open_fleet: OpenFleet, live: LiveFleet, keep: Keep
+    open_fleet: OpenPage, program: LiveFleet, keep: Keep
 ) -> None:
     page = open_fleet()
     for name, (x, y) in EXCHANGE.items():
-        live.people.give((Station(x, y),), name)
+        program.people.give((Station(x, y),), name)
     expect(page.locator("[data-layer=fleet-waits] .wait-head").first).to_be_attached()
     row = page.locator(".robot-row", has=page.locator(".word", has_text="Waits for")).first
     expect(row.locator(".robot-says")).to_contain_text("has to pass first")
@@ -171,7 +156,7 @@ def test_who_waits_for_whom_is_in_the_list_and_in_the_picture(
 
 
 def test_one_robot_s_settings_are_changed_with_the_keyboard_at_rest_only(
-    open_fleet: OpenFleet, live: LiveFleet, file: Path, keep: Keep
+    open_fleet: OpenPage, program: LiveFleet, file: Path, keep: Keep
 ) -> None:
     page = open_fleet()
     page.locator("#settings-open").focus()
@@ -198,11 +183,11 @@ def test_one_robot_s_settings_are_changed_with_the_keyboard_at_rest_only(
     expect(clash).to_be_empty()
     save = page.locator("#settings-save")
     expect(save).to_have_attribute("aria-disabled", "false")
-    live.people.stop("somebody works here", "dan")
+    program.people.stop("somebody works here", "dan")
     save.press("Enter")
     expect(page.locator("#settings-said")).to_contain_text("no mission is under way")
-    live.people.resume("dan")
-    assert wait_until(lambda: live.state("dan") is State.IDLE)
+    program.people.resume("dan")
+    until(lambda: program.state("dan") is State.IDLE)
     save.press("Enter")
     expect(page.locator("#settings-said")).to_contain_text("Saved robots[1].radius_m")
     assert each_robot(load_config(file, {}))["bob"].robot.radius_m == 0.075
@@ -215,10 +200,10 @@ def test_one_robot_s_settings_are_changed_with_the_keyboard_at_rest_only(
 
 @pytest.mark.parametrize("look", list(LOOKS))
 def test_nothing_is_cut_off_or_covered_however_the_page_is_looked_at(
-    look: str, open_fleet: OpenFleet, live: LiveFleet, keep: Keep
+    look: str, open_fleet: OpenPage, program: LiveFleet, keep: Keep
 ) -> None:
     page = open_fleet(**LOOKS[look])
-    live.people.stop("looked at", "finn")
+    program.people.stop("looked at", "finn")
     expect(page.locator("#rearm-finn")).to_be_visible()
     keep(page, f"fleet_{look}")
     wide, shown = page.evaluate(

@@ -8,12 +8,8 @@ import pytest
 pytest.importorskip("playwright.sync_api", reason="playwright is not installed")
 from playwright.sync_api import Page, expect
 
-from navigation.mission.mission import State
 from tests.browser.acting import click_at, send_to, wait_for_picture
-from tests.browser.live import Live
-from tests.support.waiting import wait_until
-
-pytestmark = pytest.mark.timed  # a robot drives in real time
+from tests.browser.programs.served import ShownProgram, until
 
 OpenPage = Callable[..., Page]
 Keep = Callable[[Page, str], Path]
@@ -52,7 +48,7 @@ def have_goal(page: Page) -> None:
     expect(page.locator("#send")).to_be_enabled()
 
 
-def give_new_world(page: Page, live: Live) -> None:
+def give_new_world(page: Page, program: ShownProgram) -> None:
     """The diagram is sent again, as after a change in the arena; until the page has it."""
     page.evaluate(
         """() => {
@@ -60,13 +56,13 @@ def give_new_world(page: Page, live: Live) -> None:
           clearway.connection.on("world", () => { globalThis.worlds += 1; });
         }"""
     )
-    live.hub._roadmap = None
+    program.hub._roadmap = None
     page.wait_for_function("() => globalThis.worlds > 0")
 
 
 @pytest.mark.parametrize("finger", [False, True])
 def test_a_world_that_changes_between_press_and_release_of_send_loses_no_order(
-    finger: bool, open_page: OpenPage, live: Live
+    finger: bool, open_page: OpenPage, program: ShownProgram
 ) -> None:
     page = open_page(has_touch=finger)
     wait_for_picture(page)
@@ -76,33 +72,33 @@ def test_a_world_that_changes_between_press_and_release_of_send_loses_no_order(
     assert box is not None
     at = box["x"] + box["width"] / 2, box["y"] + box["height"] / 2
     if finger:
-        give_new_world(page, live)
+        give_new_world(page, program)
         page.touchscreen.tap(*at)
     else:
         page.mouse.move(*at)
         page.mouse.down()
-        give_new_world(page, live)
+        give_new_world(page, program)
         page.mouse.up()
     expect(page.locator("#goal-hint")).to_be_visible()
-    assert wait_until(live.drives, 20.0)
+    until(program.drives)
 
 
-def test_a_world_that_changes_all_the_time_delays_no_plan(open_page: OpenPage, live: Live) -> None:
+def test_a_world_that_changes_all_the_time_delays_no_plan(
+    open_page: OpenPage, program: ShownProgram
+) -> None:
     page = open_page()
     wait_for_picture(page)
     have_goal(page)
     page.evaluate(HOLD_BACK_PREVIEWS)
     for _ in range(3):
-        give_new_world(page, live)
+        give_new_world(page, program)
     assert page.evaluate("asked") == 1, "one at a time, else none would ever be answered"
     page.evaluate("answerPreview()")
     page.wait_for_function("() => asked === 2")
     expect(page.locator("#goal-preview")).to_contain_text("clearance at least")
 
 
-def test_a_plan_to_earlier_stations_is_not_shown_for_new_ones(
-    open_page: OpenPage, live: Live
-) -> None:
+def test_a_plan_to_earlier_stations_is_not_shown_for_new_ones(open_page: OpenPage) -> None:
     page = open_page()
     wait_for_picture(page)
     have_goal(page)
@@ -130,9 +126,7 @@ def test_a_plan_to_earlier_stations_is_not_shown_for_new_ones(
         ("replan", "Nothing to plan again"),
     ],
 )
-def test_a_button_that_cannot_work_says_why(
-    button: str, why: str, open_page: OpenPage, live: Live
-) -> None:
+def test_a_button_that_cannot_work_says_why(button: str, why: str, open_page: OpenPage) -> None:
     page = open_page()
     wait_for_picture(page)
     page.evaluate(HEAR_OF_NO_MISSION)
@@ -144,23 +138,21 @@ def test_a_button_that_cannot_work_says_why(
 
 
 def test_a_goal_sent_with_a_double_click_is_sent_once_and_nothing_is_refused(
-    open_page: OpenPage, live: Live
+    open_page: OpenPage, program: ShownProgram
 ) -> None:
     page = open_page()
     wait_for_picture(page)
     have_goal(page)
-    first = live.hub.chronicle.log.next
+    first = program.hub.chronicle.log.next
     page.locator("#send").dblclick()
     expect(page.locator("#goal-hint")).to_be_visible()
-    assert wait_until(live.drives, 20.0)
+    until(program.drives)
     expect(page.locator("#refusal")).to_be_hidden()
-    log = live.hub.chronicle.log.since(first, 500)[1]
+    log = program.hub.chronicle.log.since(first, 500)[1]
     assert sum("GO to" in line.text for line in log) == 1
 
 
-def test_an_arena_just_taken_is_not_lost_to_a_state_from_before(
-    open_page: OpenPage, live: Live
-) -> None:
+def test_an_arena_just_taken_is_not_lost_to_a_state_from_before(open_page: OpenPage) -> None:
     page = open_page()
     wait_for_picture(page)
     page.evaluate(
@@ -183,24 +175,24 @@ def test_an_arena_just_taken_is_not_lost_to_a_state_from_before(
 
 
 def test_an_arena_that_somebody_else_has_just_taken_is_refused_with_a_sentence(
-    open_page: OpenPage, live: Live
+    open_page: OpenPage, program: ShownProgram
 ) -> None:
     page = open_page()
     wait_for_picture(page)
-    live.hub.seat.take("somebody-elses-key", "Ada", live.hub.clock())
+    program.hub.seat.take("somebody-elses-key", "Ada", program.hub.clock())
     page.keyboard.press("t")
     expect(page.locator("#refusal-text")).to_contain_text("Ada holds the arena")
 
 
 def test_a_stop_latch_is_left_by_nothing_but_rearm_and_the_page_says_so(
-    open_page: OpenPage, live: Live
+    open_page: OpenPage, program: ShownProgram
 ) -> None:
     page = open_page()
     wait_for_picture(page)
     send_to(page, *THERE)
-    assert wait_until(live.drives, 20.0)
+    until(program.drives)
     page.keyboard.press("Space")
     expect(page.locator("#stopped")).to_be_visible()
     page.locator("#resume").click(force=True)
     expect(page.locator("#refusal-text")).to_contain_text("re-arm it first")
-    assert live.state is State.STOPPED
+    assert program.is_stopped()

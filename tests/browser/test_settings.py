@@ -11,32 +11,30 @@ import pytest
 pytest.importorskip("playwright.sync_api", reason="playwright is not installed")
 from playwright.sync_api import Page, expect
 
+from navigation.cli.setup.check import file_problems
 from navigation.config.load import load_config
-from navigation.mission.mission import State
+from navigation.dashboard.settings.desk import Around, Desk
 from tests.browser.acting import wait_for_picture
-from tests.browser.live import CONFIGS, Live
 from tests.browser.pages import drive
-from tests.support.waiting import wait_until
-
-pytestmark = pytest.mark.timed  # the simulation behind the page runs in real time
+from tests.browser.programs.served import ShownProgram, until
+from tests.support.runs.shown import ROOT
 
 OpenPage = Callable[..., Page]
 Keep = Callable[[Page, str], Path]
 
 
 @pytest.fixture
-def file(live: Live, tmp_path: Path) -> Path:
+def file(program: ShownProgram, tmp_path: Path) -> Path:
     """The configuration that the page may change."""
-    shutil.copytree(CONFIGS, tmp_path / "etc")
-    file = tmp_path / "etc" / "simulation.yaml"
-    live.take_away()
-    live.serve_settings(file, tmp_path / "state")
-    live.bring_back()
+    shutil.copytree(ROOT / "configs", tmp_path / "etc")
+    file, state = tmp_path / "etc" / "simulation.yaml", tmp_path / "state"
+    desk = Desk(Around(file, state, {}, file_problems, lambda: ([], []), reload=lambda: None))
+    program.bring_back(desk=desk)
     return file
 
 
 def test_a_value_is_checked_while_it_is_typed_saved_and_taken_back(
-    open_page: OpenPage, live: Live, file: Path, keep: Keep
+    open_page: OpenPage, file: Path, keep: Keep
 ) -> None:
     page = open_page()
     wait_for_picture(page)
@@ -62,19 +60,18 @@ def test_a_value_is_checked_while_it_is_typed_saved_and_taken_back(
 
 @pytest.mark.parametrize("size", [(1400, 900), (390, 844), (700, 450)])
 def test_stop_is_never_covered_by_the_settings(
-    open_page: OpenPage, live: Live, file: Path, size: tuple[int, int]
+    open_page: OpenPage, program: ShownProgram, file: Path, size: tuple[int, int]
 ) -> None:
     page = open_page(viewport={"width": size[0], "height": size[1]})
     wait_for_picture(page)
     page.locator("#settings-open").click()
     expect(page.locator("#settings")).to_be_visible()
     page.locator("#stop").click()
-    assert wait_until(lambda: live.state is State.STOPPED)
-    assert wait_until(lambda: live.daemon.link.snapshot().estopped)
+    until(program.is_stopped)
 
 
 def test_keys_are_found_by_their_meaning_and_the_form_by_keyboard(
-    open_page: OpenPage, live: Live, file: Path
+    open_page: OpenPage, file: Path
 ) -> None:
     page = open_page()
     wait_for_picture(page)
@@ -91,7 +88,7 @@ def test_keys_are_found_by_their_meaning_and_the_form_by_keyboard(
 
 
 def test_a_space_is_typed_while_nothing_moves_and_stops_while_something_does(
-    open_page: OpenPage, live: Live, file: Path
+    open_page: OpenPage, program: ShownProgram, file: Path
 ) -> None:
     page = open_page()
     wait_for_picture(page)
@@ -100,12 +97,11 @@ def test_a_space_is_typed_while_nothing_moves_and_stops_while_something_does(
     bounds.fill("")
     bounds.press_sequentially("0, 0, 2.4, 1.7")
     expect(bounds).to_have_value("0, 0, 2.4, 1.7")
-    assert live.state is not State.STOPPED
-    assert not live.daemon.link.snapshot().estopped
+    assert program.daemon.orders == []
     page.locator("#settings-close").click()
-    drive(live, page)
+    drive(program, page)
     page.locator("#settings-open").click()
     page.locator("#settings-find").focus()
     page.keyboard.press("Space")
-    assert wait_until(lambda: live.state is State.STOPPED, 1.0)
+    until(program.is_stopped)
     expect(page.locator("#settings-find")).to_have_value("")

@@ -10,9 +10,6 @@ pytest.importorskip("playwright.sync_api", reason="playwright is not installed")
 from playwright.sync_api import Page
 
 from tests.browser.acting import wait_for_picture
-from tests.browser.live import Live
-
-pytestmark = pytest.mark.timed  # a robot drives in real time
 
 OpenPage = Callable[..., Page]
 Keep = Callable[[Page, str], Path]
@@ -34,7 +31,7 @@ SHOWN |= {"link's counters", "failed"}
 @pytest.mark.parametrize("scrolled", ["top", "bottom"])
 @pytest.mark.parametrize("device", list(DEVICES))
 def test_nothing_that_appears_moves_or_covers_what_can_be_clicked(
-    device: str, scrolled: str, open_page: OpenPage, live: Live, keep: Keep
+    device: str, scrolled: str, open_page: OpenPage, keep: Keep
 ) -> None:
     page = open_page(**DEVICES[device])
     wait_for_picture(page)

@@ -9,9 +9,6 @@ pytest.importorskip("playwright.sync_api", reason="playwright is not installed")
 from playwright.sync_api import Page, expect
 
 from tests.browser.acting import click_at, drag, on_screen, wait_for_picture
-from tests.browser.live import Live
-
-pytestmark = pytest.mark.timed  # a robot drives in real time
 
 OpenPage = Callable[..., Page]
 Keep = Callable[[Page, str], Path]
@@ -114,7 +111,7 @@ def test_stations_are_dragged_removed_and_brought_back(open_page: OpenPage, keep
 
 
 def test_a_question_mark_opens_the_keys_and_stop_still_stops(
-    open_page: OpenPage, keep: Keep, live: Live
+    open_page: OpenPage, keep: Keep
 ) -> None:
     page = open_page()
     wait_for_picture(page)
@@ -129,7 +126,7 @@ def test_a_question_mark_opens_the_keys_and_stop_still_stops(
     expect(page.locator("#mission-state")).not_to_have_text("Stopped")
 
 
-def test_the_log_can_be_filtered(open_page: OpenPage, live: Live) -> None:
+def test_the_log_can_be_filtered(open_page: OpenPage) -> None:
     page = open_page()
     wait_for_picture(page)
     page.locator("#log-filter").select_option("trouble")

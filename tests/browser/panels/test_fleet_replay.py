@@ -19,7 +19,7 @@ from navigation.recording.tape import Tape, read_tape
 from tests.browser.pages import Keep, OpenPage
 from tests.support.runs.recordings import record_alcove
 
-pytestmark = pytest.mark.timed  # a browser draws in real time
+pytestmark = pytest.mark.slow
 
 LOOKS: dict[str, dict[str, object]] = {
     "light": {},
@@ -46,21 +46,20 @@ def tape(tmp_path_factory: pytest.TempPathFactory) -> Tape:
 
 
 @pytest.fixture
-def address(tape: Tape) -> Iterator[str]:
+def program(tape: Tape) -> Iterator[Dashboard]:
     player = Player(tape.end_s - tape.begin_s, playing=False)
     player.seek(time.monotonic(), 1.0)  # the very first picture has no robot yet
     run = ReplayedRun(tape, player, DashboardSection(port=0), time.monotonic)
     make = lambda: ReplayHub(run, clock=time.monotonic)  # noqa: E731
     with Dashboard(run, say=lambda _: None, hub=make) as page:
-        assert page.url is not None
-        yield page.url
+        yield page
     run.close()
 
 
 def test_all_robots_are_replayed_with_the_keyboard_and_none_is_stopped(
-    address: str, tape: Tape, open_page: OpenPage, keep: Keep
+    tape: Tape, open_page: OpenPage, keep: Keep
 ) -> None:
-    page = open_page(address)
+    page = open_page()
     expect(page.locator("#stop")).to_have_text("RECORDINGstops no robot")
     expect(page.locator(".robot-name")).to_have_text(["left", "right"])
     page.keyboard.press("Shift+L")  # to the end: one waits for the other
@@ -97,9 +96,9 @@ def test_all_robots_are_replayed_with_the_keyboard_and_none_is_stopped(
 
 @pytest.mark.parametrize("look", list(LOOKS))
 def test_nothing_of_a_replay_is_cut_off_however_it_is_looked_at(
-    look: str, address: str, open_page: OpenPage, keep: Keep
+    look: str, open_page: OpenPage, keep: Keep
 ) -> None:
-    page = open_page(address, **LOOKS[look])
+    page = open_page(**LOOKS[look])
     expect(page.locator("[data-layer=fleet-bodies] .own-robot")).to_have_count(2)
     keep(page, f"fleet_replay_{look}")
     wide, shown = page.evaluate(

@@ -9,11 +9,10 @@ import pytest
 pytest.importorskip("playwright.sync_api", reason="playwright is not installed")
 from playwright.sync_api import expect
 
+from planner.roadmap.roadmap import Roadmap
 from tests.browser.pages import Keep, OpenPage
-from tests.navigation.dashboard.site import Site
-from tests.support.runs.shown import FakeDaemon, laboratory, shown_config
-
-pytestmark = pytest.mark.timed  # a browser draws in real time
+from tests.browser.programs.served import ShownProgram
+from tests.support.runs.shown import FakeDaemon, shown_config
 
 TAPE = "clearway_2026-01-25_12-00-05_001.mcap"
 PICTURE = (
@@ -23,7 +22,8 @@ PICTURE = (
 
 
 @pytest.fixture
-def site(tmp_path: Path) -> Iterator[Site]:
+def program(roadmap: Roadmap, tmp_path: Path) -> Iterator[ShownProgram]:
+    """It has 25 earlier runs, one of them recorded."""
     for day in range(1, 26):
         folder = tmp_path / "runs" / f"2026-01-{day:02d}_12-00-00"
         folder.mkdir(parents=True)
@@ -32,18 +32,18 @@ def site(tmp_path: Path) -> Iterator[Site]:
         (folder / "track.svg").write_text(PICTURE)
     (tmp_path / "recordings").mkdir()
     (tmp_path / "recordings" / TAPE).write_bytes(bytes(range(256)) * 6000)
-    config = shown_config()  # a test asks for it before its pages, which are then closed first
+    config = shown_config()
     kept = {"runs_dir": tmp_path / "runs", "folder": tmp_path / "recordings"}
     recording = config.recording.model_copy(update=kept)
     config = config.model_copy(update={"recording": recording})
-    with Site(FakeDaemon(config, laboratory())) as site:
-        yield site
+    with ShownProgram(FakeDaemon(config, roadmap)) as program:
+        yield program
 
 
 def test_an_earlier_run_is_looked_at_and_saved_with_the_keyboard(
-    site: Site, open_page: OpenPage, keep: Keep, tmp_path: Path
+    open_page: OpenPage, keep: Keep, tmp_path: Path
 ) -> None:
-    page = open_page(site.dashboard.url)
+    page = open_page()
     page.wait_for_function("() => globalThis.clearway?.connection.isUp")
     page.keyboard.press("h")
     runs = page.locator("#history-list .run")
@@ -68,7 +68,7 @@ def test_an_earlier_run_is_looked_at_and_saved_with_the_keyboard(
 
 
 def test_of_several_robots_each_has_a_row_in_its_colour(
-    site: Site, open_page: OpenPage, keep: Keep, tmp_path: Path
+    open_page: OpenPage, keep: Keep, tmp_path: Path
 ) -> None:
     names = ["ada", "<i>bob</i>"]
     each = {"state": "done", "stations": 1, "stations_visited": 1, "goal_error_m": 0.004}
@@ -77,7 +77,7 @@ def test_of_several_robots_each_has_a_row_in_its_colour(
         "least_gap_between": names, "rounds": 1, "robots": dict.fromkeys(names, each),
     }  # fmt: skip
     (tmp_path / "runs" / "2026-01-25_12-00-00" / "report.json").write_text(json.dumps(report))
-    page = open_page(site.dashboard.url, viewport={"width": 390, "height": 844})
+    page = open_page(viewport={"width": 390, "height": 844})
     page.wait_for_function("() => globalThis.clearway?.connection.isUp")
     page.keyboard.press("h")
     run = page.locator("#history-list .run").first

@@ -1,9 +1,7 @@
 """Charts at full size, saved places, the layers made on demand, a name that is asked once."""
 
-import itertools
-import threading
+import re
 from collections.abc import Iterator
-from dataclasses import replace
 from pathlib import Path
 
 import pytest
@@ -11,37 +9,19 @@ import pytest
 pytest.importorskip("playwright.sync_api", reason="playwright is not installed")
 from playwright.sync_api import Page, expect
 
+from planner.roadmap.roadmap import Roadmap
 from tests.browser.acting import click_at
 from tests.browser.pages import Keep, OpenPage
+from tests.browser.programs.served import ShownProgram
 from tests.navigation.dashboard.kept.test_places_by_name import kept_config
-from tests.navigation.dashboard.site import Site
-from tests.support.runs.shown import FakeDaemon, frame, laboratory, pose
-
-# In the tests the site comes before the pages, so that these are closed before it ends.
-
-
-pytestmark = pytest.mark.timed  # a browser draws in real time
+from tests.support.runs.shown import FakeDaemon
 
 
 @pytest.fixture
-def site(tmp_path: Path) -> Iterator[Site]:
-    """A daemon that shows something new ten times a second."""
-    daemon = FakeDaemon(kept_config(tmp_path, picture_width_px=640), laboratory())
-    stopping = threading.Event()
-
-    def live() -> None:
-        for number in itertools.count(2):
-            if stopping.wait(0.1):
-                return
-            seen = replace(pose(), captured_s=0.1 * number)
-            daemon.show(time_s=0.6 * number, frame=frame(number), pose=seen, poses={7: seen})
-
-    thread = threading.Thread(target=live)
-    with Site(daemon) as site:
-        thread.start()
-        yield site
-        stopping.set()
-        thread.join()
+def program(roadmap: Roadmap, tmp_path: Path) -> Iterator[ShownProgram]:
+    """It keeps places, and shows large pictures."""
+    with ShownProgram(FakeDaemon(kept_config(tmp_path, picture_width_px=640), roadmap)) as program:
+        yield program
 
 
 def ready(page: Page) -> None:
@@ -49,13 +29,12 @@ def ready(page: Page) -> None:
     expect(page.locator("[data-layer=roadmap] path").first).to_be_attached()
 
 
-def test_a_chart_is_read_at_full_size_with_the_keyboard(
-    site: Site, open_page: OpenPage, keep: Keep
-) -> None:
-    page = open_page(site.dashboard.url)
+def test_a_chart_is_read_at_full_size_with_the_keyboard(open_page: OpenPage, keep: Keep) -> None:
+    page = open_page()
     ready(page)
     expect(page.locator("#health-clearance .top")).to_have_text("0.2 m")
-    page.wait_for_timeout(2500)  # some samples
+    line = page.locator("#health-clearance path.line")
+    expect(line).to_have_attribute("d", re.compile("L.*L"))  # three samples
     opener = page.locator("#health-clearance .chart-open")
     opener.press("Enter")
     expect(page.locator("#chart-title")).to_have_text("Clearance")
@@ -70,8 +49,8 @@ def test_a_chart_is_read_at_full_size_with_the_keyboard(
     expect(opener).to_be_focused()
 
 
-def test_places_are_saved_and_used(site: Site, open_page: OpenPage, keep: Keep) -> None:
-    page = open_page(site.dashboard.url)
+def test_places_are_saved_and_used(open_page: OpenPage, keep: Keep) -> None:
+    page = open_page()
     ready(page)
     click_at(page, 0.3, 1.5)
     expect(page.locator("#goal-preview")).to_contain_text("clearance at least")
@@ -92,8 +71,8 @@ def test_places_are_saved_and_used(site: Site, open_page: OpenPage, keep: Keep) 
     expect(page.get_by_role("button", name="Set Bench as the goal")).to_be_visible()
 
 
-def test_a_name_is_asked_once_and_shown_to_others(site: Site, open_page: OpenPage) -> None:
-    page, other = open_page(site.dashboard.url), open_page(site.dashboard.url)
+def test_a_name_is_asked_once_and_shown_to_others(open_page: OpenPage) -> None:
+    page, other = open_page(), open_page()
     ready(page)
     ready(other)
     expect(page.locator("#name-form")).to_be_hidden()
@@ -109,8 +88,8 @@ def test_a_name_is_asked_once_and_shown_to_others(site: Site, open_page: OpenPag
     expect(page.locator("#name-form")).to_be_hidden()
 
 
-def test_layers_that_are_made_on_demand(site: Site, open_page: OpenPage, keep: Keep) -> None:
-    page = open_page(site.dashboard.url)
+def test_layers_that_are_made_on_demand(open_page: OpenPage, keep: Keep) -> None:
+    page = open_page()
     ready(page)
     page.keyboard.press("8")
     page.wait_for_function("() => heat.width > 50 && !heat.hidden")

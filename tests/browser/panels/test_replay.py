@@ -20,24 +20,21 @@ from tests.browser.pages import Keep, OpenPage
 from tests.navigation.dashboard.kept.test_replay import drive
 from tests.support.runs.recordings import make_recording
 
-pytestmark = pytest.mark.timed  # a browser draws in real time
-
 
 @pytest.fixture
-def address(tmp_path: Path) -> Iterator[str]:
+def program(tmp_path: Path) -> Iterator[Dashboard]:
     (file,) = make_recording(tmp_path, drive, picture_rate_hz=60.0)
     tape = read_tape(file)
     player = Player(tape.end_s - tape.begin_s, playing=False)
     run = ReplayedRun(tape, player, DashboardSection(port=0), time.monotonic)
     make = lambda: ReplayHub(run, clock=time.monotonic)  # noqa: E731
     with Dashboard(run, say=lambda _: None, hub=make) as page:
-        assert page.url is not None
-        yield page.url
+        yield page
     run.close()
 
 
-def test_a_recording_is_looked_at(address: str, open_page: OpenPage, keep: Keep) -> None:
-    page = open_page(address)
+def test_a_recording_is_looked_at(open_page: OpenPage, keep: Keep) -> None:
+    page = open_page()
     expect(page.locator("#pill-text")).to_have_text("recording")
     expect(page.locator("#stop")).to_have_text("RECORDINGstops no robot")
     expect(page.locator("#replay-play")).to_have_text("Play")

@@ -24,8 +24,8 @@ from navigation.mission.mission import State, Station
 from navigation.run.fleet.fleet_virtual_world import FleetVirtualWorld
 from navigation.run.fleet.fleet_warm_up import warm_up_fleet
 from navigation.run.kernels.warm_up import warm_up
-from tests.browser.live import CONFIGS
-from tests.support.waiting import wait_until
+from tests.browser.programs.live import CONFIGS
+from tests.browser.programs.served import until
 
 FIRST_MISSION_ID = 7
 EXCHANGE = {
@@ -112,7 +112,7 @@ class LiveFleet:
         self._thread.start()
         self._dashboard.__enter__()
         assert self._dashboard.url is not None, self.said
-        assert wait_until(lambda: self._dashboard.hub is not None)
+        until(lambda: self._dashboard.hub is not None)
         return self
 
     def __exit__(
@@ -165,8 +165,8 @@ class LiveFleet:
         self.hub.seat.holder = None
         self.people.stop("the test is over")
         links = [seat.link for seat in self.daemon.seats.values()]
-        assert wait_until(lambda: all(link.snapshot().estopped for link in links))
+        until(lambda: all(link.snapshot().estopped for link in links))
         self.people.settle()  # whom the loop does not know to be stopped yet is not re-armed
         self.people.resume()
-        assert wait_until(lambda: not any(link.snapshot().estopped for link in links))
-        assert wait_until(lambda: not any(self.state(n) is State.STOPPED for n in self.names))
+        until(lambda: not any(link.snapshot().estopped for link in links))
+        until(lambda: not any(self.state(n) is State.STOPPED for n in self.names))
