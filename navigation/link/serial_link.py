@@ -91,6 +91,7 @@ class SerialLink:
             -math.inf,
         )
         self._crash: BaseException | None = None
+        self._late_s = 0.0
         self._measured_s = -math.inf
         self.capture_to_wire_s: deque[float] = deque(maxlen=LATENCIES_KEPT)
         """Ages of the pose fixes when they were written to the port, seconds, the newest last."""
@@ -230,6 +231,11 @@ class SerialLink:
             leaving_estop=snapshot.leaving_estop or resetting,
         )
 
+    def late_s(self) -> float:
+        """How late the thread was woken, at worst, since the last call."""
+        late_s, self._late_s = self._late_s, 0.0
+        return late_s
+
     def failure(self) -> str | None:
         """The error that ended the thread, in words; None while it runs."""
         return None if self._crash is None else in_words(self._crash)
@@ -325,10 +331,13 @@ class SerialLink:
         if self._orders or self._estop.is_set() or self._stop.is_set():
             timeout_s = 0.0
         try:
-            ready, _, _ = select.select(watched, writing, [], min(timeout_s, 0.1))
+            timeout_s = max(0.0, min(timeout_s, 0.1))
+            ready, writable, _ = select.select(watched, writing, [], timeout_s)
         except PORT_FAULTS as error:
             self._shut(f"the port {self.path} broke: {error}")
             return
+        if not (ready or writable):
+            self._late_s = max(self._late_s, self._clock() - now_s - timeout_s)
         if self._wake_out in ready:
             with contextlib.suppress(BlockingIOError):
                 os.read(self._wake_out, 4096)

@@ -12,6 +12,7 @@ Units: metres, radians, seconds.
 
 from __future__ import annotations
 
+import math
 import threading
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Mapping, Sequence
@@ -24,6 +25,7 @@ from navigation.loop.driven_robot import DrivenRobot
 from navigation.loop.parts import AnySurroundings, PlannerPart, camera_part
 from navigation.loop.planner_news import PlannerNews, SeesScenes
 from navigation.loop.planning import SceneCheck
+from navigation.loop.punctuality import Punctuality
 from navigation.loop.reports import camera_openings
 from navigation.loop.seeing.arena_view import ArenaView
 from navigation.loop.seeing.other_robots import OtherRobots
@@ -85,6 +87,8 @@ class ControlLoop(ABC, Generic[_StateT, _AskT, _AnswerT]):
         self.lock = threading.Lock()
         """Held while pilots decide or people give them orders."""
         self.stopping = Stopping(self.lock)
+        self.punctuality = Punctuality()
+        self._cycled_s, self._looked = math.inf, 0
         self.lent: str | None = None
         """Why the robots hold while the camera serves something else."""
         self.state: _StateT | None = None
@@ -217,6 +221,7 @@ class ControlLoop(ABC, Generic[_StateT, _AskT, _AnswerT]):
     def cycle(self) -> _StateT:
         """Wait for a frame or the planner's news, at most ``LONGEST_CYCLE_S``, and decide."""
         self._cycles += 1
+        self._note_lateness()
         frame = self.camera.take(LONGEST_CYCLE_S)
         if frame is not None and self.view.see(frame, self._tell_poses):
             assert self.scene is not None
@@ -231,6 +236,18 @@ class ControlLoop(ABC, Generic[_StateT, _AskT, _AnswerT]):
             self._ended += 1
             self._turned.notify_all()
         return self.state
+
+    def _note_lateness(self) -> None:
+        """By how much the threads were late, this one's own look at a picture left out."""
+        now_s = self._clock()
+        looked_s = (self.view.vision.look_s or 0.0) if self.view.processed != self._looked else 0.0
+        self._looked = self.view.processed
+        cycle_s, self._cycled_s = now_s - self._cycled_s, now_s
+        note = self.punctuality.note
+        note("the control loop", cycle_s - LONGEST_CYCLE_S - looked_s, now_s)
+        note("a thread", self._world.late_s(), now_s)
+        for name, one in self._robots.items():
+            note(f"{_of(name) or 'the '}link's thread", one.link.late_s(), now_s)
 
     def _tell_poses(self, poses: Mapping[int, RobotPose]) -> None:
         """The newest thing that anybody knows goes to the robots at once."""
@@ -260,7 +277,7 @@ class ControlLoop(ABC, Generic[_StateT, _AskT, _AnswerT]):
     @property
     def _hold(self) -> str | None:
         """Why all robots have to hold; None where they need not."""
-        return self.lent or self.view.hold
+        return self.lent or self.view.hold or self.punctuality.hold(self._clock())
 
     @property
     def _troubles(self) -> tuple[str, ...]:

@@ -125,7 +125,7 @@ class Daemon(ControlLoop[DaemonState, PlanRequest, PlanAnswer]):
 
     def _decide(self, now_s: float, failed: str | None, camera: CameraStatus) -> DaemonState:
         robot, snapshot = self.robot, self.link.snapshot()
-        robot.hears(snapshot, now_s)
+        robot.hears()
         sight = robot.sight(
             now_s,
             self.view,
@@ -134,6 +134,7 @@ class Daemon(ControlLoop[DaemonState, PlanRequest, PlanAnswer]):
             self._arena_planner.clearance_m,
             failed=failed,
             hold=self._hold,
+            punctuality=self.punctuality,
         )
         checks, answer = self._news.take()
         with self.lock:

@@ -10,11 +10,13 @@ from collections import deque
 from collections.abc import Callable, Mapping
 from typing import Final
 
+from firmware_protocol.host.events import StatusReceived
 from navigation.config import Config
 from navigation.journal.journal import Journal, SentPlan
 from navigation.link.link_snapshot import LinkSnapshot
 from navigation.loop.daemon_state import DaemonState, DrivenPlan, StageTimes
 from navigation.loop.parts import Link
+from navigation.loop.punctuality import Punctuality
 from navigation.loop.reports import camera_reason, to_go_m
 from navigation.loop.robot_orders import RobotOrders
 from navigation.loop.seeing.arena_view import ArenaView
@@ -64,10 +66,11 @@ class DrivenRobot:
             self.sightings.add(pose.captured_s, pose.x, pose.y, pose.heading_rad)
         return pose
 
-    def hears(self, snapshot: LinkSnapshot, now_s: float) -> None:
-        """The wheels' side of the story."""
-        if snapshot.status is not None:
-            self.witness.report(snapshot.status, now_s - snapshot.status_age_s)
+    def hears(self) -> None:
+        """The wheels' side of the story: every report, for a loop that is late has several."""
+        for event in self.link.events():
+            if isinstance(event, StatusReceived):
+                self.witness.report(event.status, event.at_s)
         self.evidence = self.witness.evidence()
 
     def sight(
@@ -80,12 +83,13 @@ class DrivenRobot:
         *,
         failed: str | None,
         hold: str | None,
+        punctuality: Punctuality,
         partner: str | None = None,
     ) -> Sight:
         """What the pilot is told of camera and arena.
 
-        ``clearance_m`` measures in the scene of ``known_revision``; ``partner`` says which robot
-        of several is in the path.
+        ``clearance_m`` measures in the scene of ``known_revision``; ``partner`` says which
+        robot of several is in the path.
         """
         place = None if self.pose is None else self.witness.carried(self.pose, now_s)
         measurable = place is not None and view.is_measurable(known_revision)
@@ -104,6 +108,8 @@ class DrivenRobot:
             evidence=self.evidence,
             scene_doubt=hold,
             partner=partner,
+            late=punctuality.doubt(now_s),
+            blind=punctuality.hold(now_s),
         )
 
     # What goes out.

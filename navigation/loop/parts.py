@@ -12,6 +12,7 @@ import math
 from collections.abc import Callable, Sequence
 from typing import TYPE_CHECKING, Protocol, TypeVar
 
+from firmware_protocol.host.events import Event
 from firmware_protocol.wire.messages import Waypoint
 from navigation.config import Config
 from navigation.config.sections import RobotSection
@@ -91,6 +92,10 @@ class Link(Protocol):
     def failure(self) -> str | None:
         """The error that ended it, in words."""
 
+    def late_s(self) -> float:
+        """How late its thread was woken, at worst, since the last call."""
+        ...
+
     def restart(self) -> None:
         """Start it again after an error."""
 
@@ -129,6 +134,10 @@ class Link(Protocol):
 
     def snapshot(self) -> LinkSnapshot:
         """The present state."""
+        ...
+
+    def events(self) -> Sequence[Event]:
+        """What has happened since the last call, oldest first."""
         ...
 
 
@@ -178,6 +187,10 @@ class AnySurroundings(Protocol):
 
     def wait(self, seconds: float) -> None:
         """Let time pass."""
+
+    def late_s(self) -> float:
+        """How late this program's threads were woken, at worst, since the last call."""
+        ...
 
     def make_frames(self) -> Frames:
         """The camera."""

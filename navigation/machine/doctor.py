@@ -24,6 +24,7 @@ LEAST_PYTHON: Final = (3, 11)
 DISK_WARN_MB: Final = 2000.0
 DISK_FAIL_MB: Final = 200.0
 LEAST_CORES: Final = 2
+WAKEUP_WARN_S: Final = 0.1
 RELEASE_YEAR: Final = 2026
 """No clock can be earlier; a small computer without a battery starts in 1970 or 2000."""
 
@@ -149,6 +150,15 @@ def check_cores(count: int | None) -> Finding:
         cure = "lower camera.rate_hz and run with --no-dashboard"
         return Finding("warn", "processor", f"{count} core", cure)
     return Finding("ok", "processor", f"{count or 'an unknown number of'} cores")
+
+
+def check_wakeups(worst_s: float, load: float) -> Finding:
+    """How late threads were woken: robots hold where that is too late."""
+    told = f"woken at most {worst_s * 1e3:.0f} ms late, load {load:.1f}"
+    if worst_s > WAKEUP_WARN_S:
+        cure = "end what else runs: robots hold while the program is late"
+        return Finding("warn", "threads", told, cure)
+    return Finding("ok", "threads", told)
 
 
 def check_device(name: str, path: Path, group: str, groups: Iterable[str]) -> Finding:

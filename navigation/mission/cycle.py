@@ -68,6 +68,10 @@ class Sight:
     """The sentence that says why the arena cannot be what the newest scene shows."""
     partner: str | None = None
     """The sentence that says which robot of the same fleet is in the path."""
+    late: str | None = None
+    """The sentence that says why camera and wheels may seem to part though they do not."""
+    blind: str | None = None
+    """The sentence that says why nobody saw what happened just now."""
 
 
 @dataclass(frozen=True, slots=True)

@@ -54,6 +54,7 @@ class FactFinder:
         position = None if sight.pose is None else sight.pose[:2]
         driving = mission.state is State.DRIVING
         running = driving and robot.mission_id == wire_id
+        parted = None if sight.evidence.parted is None else sight.late or sight.evidence.parted
         return Facts(
             frame_age_s=sight.frame_age_s,
             pose_age_s=sight.pose_age_s,
@@ -72,7 +73,7 @@ class FactFinder:
             failed=sight.failed,
             camera_reason=sight.camera_reason,
             doubles=sight.doubles,
-            parted=sight.evidence.parted if mission.state is not State.PROVING else None,
+            parted=parted if mission.state is not State.PROVING else None,
             latency_s=self._latency_that_matters(now_s, sight, mission.state),
             scene_doubt=sight.scene_doubt,
             partner=sight.partner,

@@ -205,7 +205,8 @@ class Pilot:
     def _look_at_identity(self, sight: Sight) -> None:
         """Whether camera and wheels still speak of one robot."""
         lost = sight.pose is not None and sight.pose_age_s > self.settings.limits.pose_stale_s
-        refuted = self.trust.look(sight.evidence, "the robot was lost from view" if lost else None)
+        unseen = "the robot was lost from view" if lost else sight.blind
+        refuted = self.trust.look(sight.evidence, unseen, sight.late)
         if refuted is not None and self._stop_reason is None:
             self._stop_reason = refuted
 

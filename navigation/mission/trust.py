@@ -137,12 +137,15 @@ class Trust:
         if self.level is not Level.DOUBTED:
             self.level, self.why = Level.DOUBTED, why
 
-    def look(self, evidence: Evidence, lost: str | None) -> str | None:
+    def look(self, evidence: Evidence, lost: str | None, late: str | None = None) -> str | None:
         """New evidence; the sentence of a stop where a robot on probation parts again.
 
-        ``lost`` is the sentence of a camera that does not see the robot.
+        ``lost`` says why nobody saw what the robot did; ``late`` that pictures or reports may be
+        dated late, so that a parting asks for a proof and no more.
         """
-        if evidence.parted is not None:
+        if evidence.parted is not None and late is not None:
+            self.doubt(late)
+        elif evidence.parted is not None:
             if self.level is Level.PROBATION:
                 driven_m = evidence.agreed_m - self._since_m
                 return f"{evidence.parted}, {driven_m:.2f} m after it had proved itself"

@@ -10,6 +10,7 @@ from collections import deque
 from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
 
+from firmware_protocol.host.events import Event
 from firmware_protocol.wire.messages import Waypoint
 from firmware_protocol.wire.mission import Mission
 from navigation.link.link_snapshot import LinkSnapshot, snapshot_of
@@ -32,12 +33,17 @@ class VirtualLink:
     def open(self) -> None:
         """A new session, as a program that has just been started opens one."""
         host = self.loop.host
+        self.loop.events.clear()
         host.close("another program opens the port")
         host.open(self.loop.now_s)
 
     def failure(self) -> str | None:
         """There is no thread that could fail."""
         return None
+
+    def late_s(self) -> float:
+        """There is no thread that could be late."""
+        return 0.0
 
     def restart(self) -> None:
         """Nothing to do."""
@@ -87,6 +93,11 @@ class VirtualLink:
     def reset_estop(self) -> None:
         """Leave the emergency stop."""
         self.loop.host.reset_estop(self.loop.now_s)
+
+    def events(self) -> list[Event]:
+        """What has happened since the last call, oldest first."""
+        happened, self.loop.events = self.loop.events, []
+        return happened
 
     def snapshot(self) -> LinkSnapshot:
         """The present state."""

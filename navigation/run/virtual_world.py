@@ -130,7 +130,10 @@ class VirtualWorld:
                 self._due.remove(item)
                 item[1]()
         self.robot.keep_track()
-        self.loop.events.clear()
+
+    def late_s(self) -> float:
+        """There is no thread that could be late."""
+        return 0.0
 
     def after(self, seconds: float, call: Callable[[], None]) -> None:
         """Have something done when so much time has passed."""

@@ -28,6 +28,7 @@ from navigation.run.devices.simulated import (
     shared_pose,
     simulated_robot,
 )
+from navigation.run.devices.wakeups import Wakeups
 from navigation.run.devices.world_clock import wait_for_camera, wait_for_robot, world_clock
 from navigation.simulator.arena import SimulatedArena, load_arena
 from navigation.simulator.happenings import ScriptedTrack, arenas_over_time, tracks_of
@@ -74,6 +75,7 @@ class World:
         self._shared = shared_pose(config) if self._robot is None and simulated_camera else None
         self._cameras = Cameras(config, clock, self._simulated)
         self._began_s = clock()
+        self._wakeups = Wakeups(clock)
         self.port = config.serial.port if self._robot is None else self._robot.port
         self._driver = driver_of(config, self.port)
         self.doubts: list[str] = []
@@ -92,6 +94,10 @@ class World:
     def wait(self, seconds: float) -> None:
         """Let time pass."""
         self.clock.wait(seconds)
+
+    def late_s(self) -> float:
+        """How late this program's threads were woken, at worst, since the last call."""
+        return self._wakeups.worst_s()
 
     def make_frames(self) -> LatestFrame | SeveralFrames:
         """The camera in a thread of its own, or each of several."""
@@ -143,6 +149,7 @@ class World:
     def start(self) -> None:
         """Switch the simulated robot and its driver on; what happens counts from here."""
         self.clock.waits_for_this_thread()
+        self._wakeups.start()
         self._began_s = self.clock()
         if self.truth is not None:
             self.truth.began_s = self._began_s
@@ -153,6 +160,7 @@ class World:
 
     def stop(self) -> None:
         """Switch it off."""
+        self._wakeups.stop()
         if self._driver is not None:
             self.doubts = end_all([self._driver])
         if self._robot is not None:

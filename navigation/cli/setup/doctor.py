@@ -6,12 +6,13 @@ import json
 import os
 import shutil
 import subprocess
+import time
 from collections.abc import Iterator
 from dataclasses import asdict
 from datetime import datetime
 from importlib import metadata
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Final
 
 import click
 
@@ -26,6 +27,8 @@ WELL, ILL = 0, 1
 WATCHED_S = 2.0
 """Of the camera; `clearway camera` takes its time."""
 COLOURS = {"ok": "green", "warn": "yellow", "fail": "red"}
+
+WAKEUPS_SEEN_S: Final = 1.0
 
 
 @click.command(short_help="Whether this machine can do the run.")
@@ -83,6 +86,7 @@ def machine_findings() -> Iterator[Finding]:
     if twice is not None:
         yield twice
     yield doctor.check_cores(os.cpu_count())
+    yield doctor.check_wakeups(_latest_wakeup_s(), os.getloadavg()[0])
     yield doctor.check_clock(datetime.now(), _is_synchronised())
     folder = Path(planner.__file__).parent / "__pycache__"
     yield doctor.check_kernels(kernels_are_cold(), folder, os.environ)
@@ -243,6 +247,17 @@ def _robot(config: Config) -> Finding:
 
 def _free_bytes(folder: Path) -> int:
     return shutil.disk_usage(folder).free
+
+
+def _latest_wakeup_s() -> float:
+    """How late a thread was woken at worst, looked at for a second."""
+    from navigation.run.devices.wakeups import Wakeups
+
+    wakeups = Wakeups(time.monotonic)
+    wakeups.start()
+    time.sleep(WAKEUPS_SEEN_S)
+    wakeups.stop()
+    return wakeups.worst_s()
 
 
 def _is_synchronised() -> bool | None:

@@ -97,7 +97,7 @@ class FleetDaemon(ControlLoop[FleetState, FleetRequest, FleetAnswer]):
     ) -> tuple[Orders, Sight, LinkSnapshot]:
         """One pilot's cycle."""
         snapshot = seat.link.snapshot()
-        seat.hears(snapshot, now_s)
+        seat.hears()
         sight = seat.sight(
             now_s,
             self.view,
@@ -106,6 +106,7 @@ class FleetDaemon(ControlLoop[FleetState, FleetRequest, FleetAnswer]):
             self._fleet_planner.clearance_m,
             failed=failed,
             hold=self._hold,
+            punctuality=self.punctuality,
             partner=seat.partner,
         )
         answer, seat.answer = seat.answer, None

@@ -120,7 +120,10 @@ class FleetVirtualWorld:
                 item[1]()
         for body in self.bodies.values():
             body.robot.keep_track()
-            body.loop.events.clear()
+
+    def late_s(self) -> float:
+        """There is no thread that could be late."""
+        return 0.0
 
     def after(self, seconds: float, call: Callable[[], None]) -> None:
         """Have something done when so much time has passed."""

@@ -14,6 +14,7 @@ from navigation.loop.planning import PlannerThread, SceneCheck
 from navigation.loop.seeing.vision_stage import KnowsLatency, VisionStage
 from navigation.run.devices.cameras import Cameras
 from navigation.run.devices.driven import driver_of, end_all, link_of
+from navigation.run.devices.wakeups import Wakeups
 from navigation.run.devices.world_clock import WallClock
 from navigation.run.fleet.simulated_fleet import is_simulated
 from navigation.run.fleet.simulation_apart import RobotApart, SimulationApart
@@ -39,6 +40,7 @@ class FleetWorld:
         self._simulation = SimulationApart(config) if is_simulated(config) else None
         self.clock = WallClock() if self._simulation is None else self._simulation.clock
         """Monotonic seconds."""
+        self._wakeups = Wakeups(self.clock)
         simulated = {} if self._simulation is None else self._simulation.ports
         self._alone = each_robot(config)
         self.ports = {
@@ -66,6 +68,10 @@ class FleetWorld:
     def wait(self, seconds: float) -> None:
         """Let time pass."""
         self.clock.wait(seconds)
+
+    def late_s(self) -> float:
+        """How late this program's threads were woken, at worst, since the last call."""
+        return self._wakeups.worst_s()
 
     def make_frames(self) -> LatestFrame | SeveralFrames:
         """The camera in a thread of its own, or each of several."""
@@ -103,6 +109,7 @@ class FleetWorld:
     def start(self) -> None:
         """Switch the simulated robots and all drivers on; what happens counts from here."""
         self.clock.waits_for_this_thread()
+        self._wakeups.start()
         for truth in self.truths.values():
             truth.began_s = self.clock()
         if self._simulation is not None:
@@ -112,6 +119,7 @@ class FleetWorld:
 
     def stop(self) -> None:
         """Switch them off."""
+        self._wakeups.stop()
         self.doubts = end_all(self._drivers.values())
         if self._simulation is not None:
             self._simulation.stop()

@@ -90,6 +90,12 @@ def test_one_core_is_little() -> None:
     assert doctor.check_cores(4).status == "ok"
 
 
+def test_threads_that_are_woken_late_are_said_with_the_load() -> None:
+    late = doctor.check_wakeups(0.25, 9.06)
+    assert_ill(late, "warn", "woken at most 250 ms late, load 9.1")
+    assert doctor.check_wakeups(0.003, 0.4).status == "ok"
+
+
 def test_a_folder_that_is_a_file_or_forbidden_is_told(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:

@@ -37,6 +37,16 @@ def test_a_parting_asks_for_a_proof_and_one_on_probation_is_a_stop() -> None:
     assert said == "the camera saw nothing move, 0.60 m after it had proved itself"
 
 
+def test_a_parting_while_the_computer_is_late_asks_for_a_proof_even_on_probation() -> None:
+    trust = Trust()
+    trust.doubt("lost")
+    trust.proved(NO_EVIDENCE)
+    parted = replace(NO_EVIDENCE, parted="the camera saw something else")
+    assert trust.look(parted, None, "this computer is too busy") is None
+    assert trust.level is Level.DOUBTED
+    assert trust.why == "this computer is too busy"
+
+
 def test_probation_ends_after_a_metre_that_both_saw() -> None:
     trust = Trust()
     trust.doubt("lost")

@@ -1,0 +1,55 @@
+"""Whether the program's own threads run when they should.
+
+On a computer that is too busy pictures and reports are dated late, and what camera and wheels tell
+no longer fits together. Then nothing is wrong with the robot: it is the computer that is late. The
+robots hold and people are told so, until the threads have been on time for a while. Seconds of the
+world's clock.
+"""
+
+from __future__ import annotations
+
+import math
+import os
+from collections.abc import Callable
+from typing import Final
+
+LATE_S: Final = 0.35
+"""With so late a thread robots hold: after this time without reports nobody knows how the wheels
+turned, and a robot's lease is nearly over."""
+DOUBTFUL_S: Final = 0.1
+"""With so late a thread camera and wheels may seem to part though they do not: two reports."""
+CALM_S: Final = 1.0
+"""So long all threads have to be on time before robots go on."""
+
+
+class Punctuality:
+    """Told by how much threads were late; says what follows. ``load`` is for the sentence."""
+
+    def __init__(self, load: Callable[[], tuple[float, float, float]] = os.getloadavg) -> None:
+        self._load = load
+        self._late: dict[float, tuple[float, str]] = {}
+
+    def note(self, thread: str, late_s: float, now_s: float) -> None:
+        """``thread`` was late by so much, just now; what is no later than usual is forgotten."""
+        for limit_s in (DOUBTFUL_S, LATE_S):
+            if late_s >= limit_s:
+                self._late[limit_s] = (now_s, self._sentence(thread, late_s))
+
+    def hold(self, now_s: float) -> str | None:
+        """Why robots have to hold; None while all is on time."""
+        return self._since(LATE_S, now_s)
+
+    def doubt(self, now_s: float) -> str | None:
+        """Why camera and wheels may seem to part; None while all is on time."""
+        return self._since(DOUBTFUL_S, now_s)
+
+    def _since(self, limit_s: float, now_s: float) -> str | None:
+        when_s, sentence = self._late.get(limit_s, (-math.inf, ""))
+        return sentence if now_s - when_s < CALM_S else None
+
+    def _sentence(self, thread: str, late_s: float) -> str:
+        load, cores = self._load()[0], os.cpu_count() or 1
+        return (
+            f"this computer is too busy: {thread} was late by {late_s:.1f} s "
+            f"(load {load:.1f} on {cores} processors)"
+        )

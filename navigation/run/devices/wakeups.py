@@ -1,0 +1,48 @@
+"""How late this program's threads are woken: one of them does nothing but look.
+
+A thread that waits for a camera or a port cannot tell whether the device was late or its computer.
+This one waits for the clock alone. Seconds.
+"""
+
+from __future__ import annotations
+
+import threading
+from collections.abc import Callable
+from typing import Final
+
+EVERY_S: Final = 0.02
+
+
+class Wakeups:
+    """A thread that wakes up every ``EVERY_S`` of ``clock``; `start` and `stop`."""
+
+    def __init__(self, clock: Callable[[], float]) -> None:
+        self._clock = clock
+        self._worst_s = 0.0
+        self._stop = threading.Event()
+        self._thread: threading.Thread | None = None
+
+    def start(self) -> None:
+        """Begin to look."""
+        self._stop.clear()
+        self._thread = threading.Thread(target=self._run, name="wakeups", daemon=True)
+        self._thread.start()
+
+    def stop(self) -> None:
+        """Look no more."""
+        self._stop.set()
+        if self._thread is not None:
+            self._thread.join()
+            self._thread = None
+
+    def worst_s(self) -> float:
+        """The latest since the last call."""
+        worst_s, self._worst_s = self._worst_s, 0.0
+        return worst_s
+
+    def _run(self) -> None:
+        before_s = self._clock()
+        while not self._stop.wait(EVERY_S):
+            now_s = self._clock()
+            self._worst_s = max(self._worst_s, now_s - before_s - EVERY_S)
+            before_s = now_s
