@@ -66,7 +66,7 @@ class Stopping:
     def stopped_itself(self, robot: DrivenRobot) -> None:
         """Keep a stop that the pilot has entered, for which the control loop does not wait."""
         if self.kept is not None:
-            self.kept.stop([robot.name], robot.pilot.mission.reason)
+            self.kept.stop([robot.name], robot.pilot.stopped_by)
 
     def resume(self, robots: Sequence[DrivenRobot]) -> None:
         """End a pause; lift a stop and re-arm; the next time continue.

@@ -52,6 +52,8 @@ class Pilot:
         self.waypoints_sent = 0
         self.waypoints_executed = 0
         self._stop_reason: str | None = None
+        self.stopped_by = ""
+        """Why the mission is stopped; it stays so when what caused it has gone."""
         self._rearm = False
         self._estopped = False
         self._mission_id = first_mission_id
@@ -79,7 +81,7 @@ class Pilot:
 
     def begin_stopped(self, reason: str) -> None:
         """Begin in a stop that an earlier program was given; missions wait behind it."""
-        self._stop_reason = reason
+        self._stop_reason = self.stopped_by = reason
         self.mission = self.mission.after(Event.STOP, reason)
 
     def appoint(self, mission: Mission) -> None:
@@ -171,7 +173,7 @@ class Pilot:
         """One control cycle; see the module's text for its order."""
         met = self._look_at_traffic(sight)
         self._look_at_identity(sight)
-        ordered = self._stop_reason is not None
+        ordered = self._stop_reason is not None or self.mission.state is State.STOPPED
         situation = Situation(self.mission, self.plan, self._mission_id, self._rearm, ordered)
         facts = self._facts.facts(now_s, sight, robot, situation, met)
         self.verdict = judge(facts, self.settings.limits)
@@ -182,6 +184,7 @@ class Pilot:
         if self.verdict.action is Action.STOP:
             self._enter_stop(robot)
         if self.mission.state is State.STOPPED:
+            self._say_why_stopped()
             return Orders(permit=False, estop=True)
         self._follow_progress(robot)
         upload = self._take_answer(now_s, sight, answer)
@@ -273,8 +276,15 @@ class Pilot:
         if robot.estopped and idle and self._stop_reason is None:
             return  # a robot that was stopped before we came: it is said when a mission is given
         if self.mission.state is not State.STOPPED:
-            self.mission = self.mission.after(Event.STOP, self.verdict.sentence)
+            self.stopped_by = self.verdict.reasons[0]
+            self.mission = self.mission.after(Event.STOP, self.stopped_by)
             self._forget_plan()
+
+    def _say_why_stopped(self) -> None:
+        """The cause of the stop, and whatever else forbids driving now."""
+        others = [reason for reason in self.verdict.reasons if reason != self.stopped_by]
+        self.verdict = Verdict(Action.STOP, (self.stopped_by, *others))
+        self.mission = replace(self.mission, reason=self.verdict.sentence)
 
     @property
     def stands_stopped(self) -> str | None:

@@ -200,3 +200,41 @@ def test_a_robot_where_it_must_not_be_is_stopped(world: World, sight: Sight, wor
     world.sight = sight
     assert world.cycle().estop
     assert words in world.pilot.mission.reason
+
+
+def test_a_stop_s_reason_names_what_is_so_now_and_keeps_its_cause(world: World) -> None:
+    world.pilot.give(TOUR)
+    world.sight = replace(SEEN, frame_age_s=5.0, camera_reason="the camera is being opened")
+    world.pilot.stop("the operator pressed STOP")
+    world.cycle()
+    assert "the camera is being opened" in world.pilot.mission.reason
+    world.sight = SEEN
+    world.cycle()
+    assert world.pilot.mission.reason == "the operator pressed STOP"
+    world.robot = replace(world.robot, down_reason="the cable was pulled")
+    world.cycle()
+    assert world.pilot.mission.reason.startswith("the operator pressed STOP; ")
+    assert "the cable was pulled" in world.pilot.mission.reason
+
+
+def test_a_stop_whose_cause_has_gone_still_names_it(world: World) -> None:
+    world.pilot.give(TOUR)
+    world.run_until(State.DRIVING)
+    world.robot = replace(world.robot, estopped=True)
+    world.cycle()
+    reason = world.pilot.mission.reason
+    assert "the robot reports an emergency stop" in reason
+    world.robot = replace(world.robot, estopped=False)
+    world.run(3)
+    assert world.pilot.mission.state is State.STOPPED
+    assert world.pilot.mission.reason == reason
+
+
+def test_a_robot_that_obeys_the_pilot_s_own_stop_gives_no_second_reason(world: World) -> None:
+    world.pilot.give(TOUR)
+    world.run_until(State.DRIVING)
+    world.sight = replace(world.sight, doubles=("marker 7 is seen twice",))
+    world.cycle()
+    world.robot = replace(world.robot, estopped=True)
+    world.run(3)
+    assert world.pilot.mission.reason == "marker 7 is seen twice"
