@@ -19,6 +19,7 @@ from typing import Any, Final
 
 import uvicorn
 
+from navigation.config.secrecy.secrets import hide
 from navigation.dashboard.admission.connections import PlacedRequests
 from navigation.dashboard.admission.places import Places
 from navigation.dashboard.app import make_app
@@ -129,7 +130,7 @@ class Dashboard:
         try:
             asyncio.run(self._serve())
         except Exception as error:  # noqa: BLE001 - the run goes on without its page
-            self._say(f"the dashboard has ended: {error}")
+            self._say(hide(f"the dashboard has ended: {error}"))
 
     def _hub_of_a_run(self) -> Hub:
         return Hub(

@@ -130,7 +130,7 @@ class Runner:
         self.reload_and_wait: Callable[[], None] | None = None
         """The same, and the run that begins again waits for orders."""
         self._say: Callable[[str], None] = lambda line: say(hide(line))
-        self._say_address = say if show_token else self._say
+        self._say_as_it_is = say
         self._said_state: State | None = None
         self._said_sentence = ""
         self._said_s = -math.inf
@@ -251,13 +251,14 @@ class Runner:
         if self.config.dashboard.token is None:
             token = self._own_token(socket.with_name(f"{socket.name}.token"))
         in_journal = "JOURNAL_STREAM" in os.environ
+        shows_token = self._show_token or (token is not None and not in_journal)
         return open_things.enter_context(
             Dashboard(
                 ShownDaemon(daemon) if isinstance(daemon, Daemon) else ShownFleet(daemon),
-                say=self._say_address,
+                say=self._say_as_it_is if shows_token else self._say,
                 clock=daemon.world.clock,
                 own_token=token,
-                show_token=self._show_token or (token is not None and not in_journal),
+                show_token=shows_token,
                 desk=self.desk,
                 bench=bench,
                 runs=KeptRuns(
