@@ -92,6 +92,19 @@ def open_page(browser: Browser, program: HasUrl) -> Iterator[Callable[..., Page]
 
 
 @pytest.fixture
+def open_fleet(open_page: Callable[..., Page]) -> Callable[..., Page]:
+    """Opens the page of six robots, and waits until it shows them."""
+
+    def open_fleet(**options: object) -> Page:
+        page = open_page(**options)
+        page.wait_for_function("n => globalThis.clearway?.picture.count >= n", arg=1)
+        expect(page.locator("[data-layer=fleet-bodies] .own-robot")).to_have_count(6)
+        return page
+
+    return open_fleet
+
+
+@pytest.fixture
 def keep(request: pytest.FixtureRequest) -> Callable[[Page, str], Path]:
     """Keeps a screenshot among the build's artefacts."""
 

@@ -62,10 +62,14 @@ def photograph(file: Path) -> None:
 
 def photograph_fleet(file: Path) -> None:
     """Six robots that exchange places, when one waits for another."""
-    with LiveFleet(fleet_config(noise_grey=0.0)) as live, sync_playwright() as playwright:
+    with (
+        LiveFleet(fleet_config(noise_grey=0.0), pictures=True) as live,
+        sync_playwright() as playwright,
+    ):
         chromium = playwright.chromium.launch(executable_path=CHROMIUM, args=ARGUMENTS)
         page = chromium.new_page(viewport={"width": 1280, "height": 830})
         page.goto(live.url)
+        live.hold_when(lambda now: bool(now.waits_for))
         for name, (x, y) in EXCHANGE.items():
             live.people.give((Station(x, y),), name)
         expect(page.locator("[data-layer=fleet-waits] .wait-head").first).to_be_attached()

@@ -1,4 +1,4 @@
-"""The page of six robots in a real browser: choosing, sending, waiting, stopping all and one."""
+"""The page of six robots in a real browser: choosing, sending, stopping all and one."""
 
 import math
 import shutil
@@ -8,17 +8,17 @@ from pathlib import Path
 import pytest
 
 pytest.importorskip("playwright.sync_api", reason="playwright is not installed")
-from playwright.sync_api import Browser, Page, expect
+from playwright.sync_api import Browser, expect
 
 from navigation.cli.setup.check import file_problems
 from navigation.config.load import load_config
 from navigation.config.several.each_robot import each_robot
 from navigation.dashboard.settings.desk import Around, Desk
-from navigation.mission.mission import State, Station
+from navigation.mission.mission import State
 from tests.browser.acting import click_at
 from tests.browser.pages import Keep, OpenPage
 from tests.browser.programs.live import CONFIGS
-from tests.browser.programs.live_fleet import EXCHANGE, LiveFleet, fleet_config
+from tests.browser.programs.live_fleet import LiveFleet, fleet_config
 from tests.browser.programs.served import until
 
 pytestmark = pytest.mark.slow
@@ -54,17 +54,6 @@ def program(run: LiveFleet) -> Iterator[LiveFleet]:
     """The run, in front of which each test stands alone."""
     yield run
     run.calm_down()
-
-
-@pytest.fixture
-def open_fleet(open_page: OpenPage) -> OpenPage:
-    def open_fleet(**options: object) -> Page:
-        page = open_page(**options)
-        page.wait_for_function("n => globalThis.clearway?.picture.count >= n", arg=1)
-        expect(page.locator("[data-layer=fleet-bodies] .own-robot")).to_have_count(6)
-        return page
-
-    return open_fleet
 
 
 def test_a_robot_is_chosen_by_click_or_number_and_the_goal_is_its_own(
@@ -135,24 +124,6 @@ def test_the_big_stop_stops_all_and_is_left_for_each_or_for_all(
     assert all(program.state(name) is State.STOPPED for name in program.names if name != "dan")
     page.locator("#rearm-all").click()
     until(lambda: all(program.state(name) is State.IDLE for name in program.names))
-
-
-def test_who_waits_for_whom_is_in_the_list_and_in_the_picture(
-    open_fleet: OpenPage, program: LiveFleet, keep: Keep
-) -> None:
-    page = open_fleet()
-    for name, (x, y) in EXCHANGE.items():
-        program.people.give((Station(x, y),), name)
-    expect(page.locator("[data-layer=fleet-waits] .wait-head").first).to_be_attached()
-    row = page.locator(".robot-row", has=page.locator(".word", has_text="Waits for")).first
-    expect(row.locator(".robot-says")).to_contain_text("has to pass first")
-    expect(page.locator("[data-layer=fleet-plans] .own-path")).to_have_count(5)
-    expect(page.locator("[data-layer=plan] .path")).to_have_count(1)  # the chosen one's
-    strokes = page.locator("[data-layer=fleet-plans] .own-path").evaluate_all(
-        "paths => new Set(paths.map((path) => getComputedStyle(path).stroke)).size"
-    )
-    assert strokes == 5
-    keep(page, "fleet_light")
 
 
 def test_one_robot_s_settings_are_changed_with_the_keyboard_at_rest_only(

@@ -6,9 +6,11 @@ goes stale because a browser has the processor.
 
 from __future__ import annotations
 
+import math
 import re
 import threading
 import time
+from collections.abc import Callable
 from types import TracebackType
 from typing import Any
 
@@ -18,6 +20,7 @@ from navigation.dashboard import Dashboard, ShownFleet
 from navigation.dashboard.hub import Hub
 from navigation.dashboard.settings.desk import Desk
 from navigation.loop.fleet.fleet_daemon import FleetDaemon
+from navigation.loop.fleet.fleet_state import FleetState
 from navigation.loop.fleet.people import People
 from navigation.mission.cycle import PlanAnswer
 from navigation.mission.mission import State, Station
@@ -35,6 +38,8 @@ EXCHANGE = {
 """Where each goes when all exchange places."""
 BREATH_S = 0.003
 """After each cycle: whoever gives an order gets its turn."""
+TOLD_AFTER_S = 0.15
+"""The page hears ten times a second of the world's time what is so."""
 
 
 def fleet_config(rate_hz: int = 8, noise_grey: float | None = None) -> Config:
@@ -87,15 +92,21 @@ class _OneAtATime(People):
 
 
 class LiveFleet:
-    """Daemon, control loop and dashboard of several robots."""
+    """Daemon, control loop and dashboard of several robots.
 
-    def __init__(self, config: Config, desk: Desk | None = None) -> None:
+    Without ``pictures`` none is drawn or looked at: the daemon is told where everything is, and
+    the page shows an empty floor.
+    """
+
+    def __init__(self, config: Config, desk: Desk | None = None, *, pictures: bool = False) -> None:
         self.config = config
-        self.world = FleetVirtualWorld(config)
+        self.world = FleetVirtualWorld(config, pictures=pictures)
         self.daemon = FleetDaemon(config, self.world, first_mission_id=FIRST_MISSION_ID)
         self._turn = threading.Lock()
         self.people = _OneAtATime(self.daemon, self._turn)
         self.said: list[str] = []
+        self._holds: Callable[[FleetState], bool] | None = None
+        self._held_since_s = math.inf
         self._stopping = threading.Event()
         self._thread = threading.Thread(target=self._cycle, name="control loop")
         self._dashboard = Dashboard(
@@ -128,11 +139,26 @@ class LiveFleet:
 
     def _cycle(self) -> None:
         while not self._stopping.is_set():
+            if self._is_held():
+                self._stopping.wait(BREATH_S)
+                continue
             began_s, then_s = time.monotonic(), self.world.clock()
             with self._turn:
                 self.daemon.cycle()
             spare_s = self.world.clock() - then_s - (time.monotonic() - began_s)
             self._stopping.wait(max(BREATH_S, spare_s))
+
+    def hold_when(self, holds: Callable[[FleetState], bool]) -> None:
+        """Let time stand still once something is true and the page has heard of it."""
+        self._holds = holds
+
+    def _is_held(self) -> bool:
+        now = self.daemon.state
+        if self._holds is None or now is None:
+            return False
+        if math.isinf(self._held_since_s) and self._holds(now):
+            self._held_since_s = now.time_s
+        return now.time_s - self._held_since_s >= TOLD_AFTER_S
 
     @property
     def url(self) -> str:
@@ -162,6 +188,7 @@ class LiveFleet:
 
     def calm_down(self) -> None:
         """Leave no stop, mission or operator behind for the next test."""
+        self._holds, self._held_since_s = None, math.inf
         self.hub.seat.holder = None
         self.people.stop("the test is over")
         links = [seat.link for seat in self.daemon.seats.values()]
