@@ -1,12 +1,15 @@
 """The running program against its figures: accuracy, clearance, latency, memory.
 
-    python -m benchmarks.daemon [--only accuracy,arenas,kills,replan,wire,shutdown,memory,stretch]
+    python -m benchmarks.daemon
+        [--only accuracy,arenas,kills,pictures,replan,wire,shutdown,memory,stretch]
         [--arenas 200] [--kept FILE] [--kills 200] [--workers 2]
         [--output benchmarks/results/daemon.md]
 
 - arenas: random arenas in virtual time, wheels wrong by up to 3 %, slip, noise: the least true
   clearance of the driven track, tracking and goal error
 - accuracy: configs/simulation.yaml at 1280x960 in virtual time, wheels wrong by 3 %, 2 % slip
+- pictures: the same configuration in virtual time with drawn pictures and without: how many times
+  as fast as real time, by the processor's time
 - wire: configs/simulation.yaml in real time: from a picture's exposure to its pose on the wire
 - replan: in real time, from the exposure of the first picture that shows a new obstacle to the
   hold and to the new plan on its way to the robot
@@ -161,6 +164,21 @@ def _tour_under_fire(seed: int) -> Campaign:
         return drive_under_fire(config, Path(folder) / "journal", seed, 20, power_cycles=0.25)
 
 
+def with_and_without_pictures() -> Rows:
+    """How fast virtual time goes, and that both kinds end alike."""
+    config = load_config(CONFIGS / "simulation.yaml", {})
+    for pictures, wanted in ((True, 0.0), (False, 20.0)):
+        began_s = time.process_time()
+        report = run_virtually(config, pictures=pictures)
+        times = report.duration_s / (time.process_time() - began_s)
+        yield (
+            f"times real time, {'with' if pictures else 'without'} pictures",
+            f"{times:.1f} ({report.state} after {report.duration_s:.1f} s)",
+            f">= {wanted:g}" if wanted else "",
+            times >= wanted and report.state == "done",
+        )
+
+
 def memory(hours: float) -> Rows:
     """Patrol between two places in virtual time; memory after a tenth and at the end."""
     places = [{"x_m": 0.20, "y_m": 0.60}, {"x_m": 0.20, "y_m": 1.00}]
@@ -187,7 +205,7 @@ def memory(hours: float) -> Rows:
 def main() -> int:
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument(
-        "--only", default="accuracy,arenas,kills,replan,wire,shutdown,memory,stretch"
+        "--only", default="accuracy,arenas,kills,pictures,replan,wire,shutdown,memory,stretch"
     )
     parser.add_argument("--arenas", type=int, default=200)
     parser.add_argument("--kept", type=Path, help="reports of arenas, to go on after a break")
@@ -201,6 +219,7 @@ def main() -> int:
         "accuracy": lambda: accuracy(10, options.workers),
         "arenas": lambda: arenas(options.arenas, options.workers, options.kept),
         "kills": lambda: kills(options.kills, options.workers),
+        "pictures": with_and_without_pictures,
         "replan": lambda: replan(10),
         "wire": lambda: wire(3),
         "shutdown": lambda: shutdown(5),

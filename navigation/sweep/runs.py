@@ -71,17 +71,17 @@ FLEET_COLUMNS: Final = tuple(field.name for field in fields(Row))
 COLUMNS: Final = tuple(name for name in FLEET_COLUMNS if name not in ("robot", "least_gap_m"))
 
 
-def run_one(config: Config, v: Variation) -> Row:
+def run_one(config: Config, v: Variation, *, pictures: bool = True) -> Row:
     """One run of the sweep, in a worker."""
     import cv2
 
     from navigation.run.virtual_run import run_virtually
 
     cv2.setNumThreads(1)  # the other cores have runs of their own
-    return _row(run_virtually(varied(config, v)), v)
+    return _row(run_virtually(varied(config, v), pictures=pictures), v)
 
 
-def run_several(config: Config, v: FleetVariation) -> tuple[Row, ...]:
+def run_several(config: Config, v: FleetVariation, *, pictures: bool = True) -> tuple[Row, ...]:
     """One run of a sweep over several robots, in a worker: a row for each of them."""
     import cv2
 
@@ -89,7 +89,7 @@ def run_several(config: Config, v: FleetVariation) -> tuple[Row, ...]:
 
     cv2.setNumThreads(1)
     whole, bodies = fleet_varied(config, v)
-    report = run_fleet_virtually(whole, bodies=bodies)
+    report = run_fleet_virtually(whole, bodies=bodies, pictures=pictures)
     rows = {
         name: _row(one, v.robots[name], name, report.least_gap_m)
         for name, one in report.robots.items()
@@ -100,9 +100,11 @@ def run_several(config: Config, v: FleetVariation) -> tuple[Row, ...]:
     )
 
 
-def run_rows(config: Config, v: Chosen) -> tuple[Row, ...]:
-    """One run of one robot or several."""
-    return run_several(config, v) if isinstance(v, FleetVariation) else (run_one(config, v),)
+def run_rows(config: Config, v: Chosen, *, pictures: bool = True) -> tuple[Row, ...]:
+    """One run of one robot or several, with drawn pictures or without."""
+    if isinstance(v, FleetVariation):
+        return run_several(config, v, pictures=pictures)
+    return (run_one(config, v, pictures=pictures),)
 
 
 def _row(report: Report, v: Variation, robot: str = "", least_gap_m: float | None = None) -> Row:

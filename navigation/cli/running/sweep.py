@@ -8,6 +8,7 @@ import time
 from collections.abc import Callable
 from concurrent.futures import Executor
 from dataclasses import asdict
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -40,6 +41,12 @@ ALL_DONE, SOME_NOT_DONE = 0, 1
     help="How far errors and start vary, up to 16; 0: other seeds only.",
 )
 @click.option(
+    "--pictures/--no-pictures",
+    default=True,
+    show_default=True,
+    help="Draw what the camera sees; without, the eye is told, which is faster.",
+)
+@click.option(
     "--workers", type=click.IntRange(min=1), help="Processes; default: one for each core."
 )
 @click.option("--scheduler", metavar="ADDRESS", help="A Dask cluster's scheduler, tcp://...")
@@ -57,6 +64,7 @@ def command(
     runs: int,
     seed: int,
     spread: float,
+    pictures: bool,
     workers: int | None,
     scheduler: str | None,
     output: Path,
@@ -66,8 +74,9 @@ def command(
 
     Each run has another seed, another start nearby, other wheels and another camera's noise;
     the same seed gives the same rows. Of several robots each has a row for each run, with its name
-    and the least gap between any two. A worker that dies is replaced. Exits 0 when every
-    mission was done, 1 when some were not.
+    and the least gap between any two. A worker that dies is replaced. With `--no-pictures` the
+    camera's blur and light have no effect, and what only pictures show is refused. Exits 0 when
+    every mission was done, 1 when some were not.
     """
     from rich.console import Console
     from rich.progress import track
@@ -76,7 +85,7 @@ def command(
     from navigation.config.known_robots import CLEARWAY
     from navigation.config.several.each_robot import settled
     from navigation.sweep.fleet_variations import fleet_variation
-    from navigation.sweep.runs import COLUMNS, FLEET_COLUMNS, IDLE, Sweep
+    from navigation.sweep.runs import COLUMNS, FLEET_COLUMNS, IDLE, Sweep, run_rows
     from navigation.sweep.table import SweepFile, summarise_rows
     from navigation.sweep.variations import variation
 
@@ -86,11 +95,13 @@ def command(
             f"{config}: robot.driver {loaded.robot.driver} drives in real time only; "
             f"a sweep needs {CLEARWAY}"
         )
+    if not pictures:
+        _refuse_what_only_pictures_show(config, loaded)
     several = len(loaded.robots)
     draw = fleet_variation if several else variation
     chosen = [draw(loaded, seed, run, spread) for run in range(runs)]
     open_executor, count = _executors(loaded, scheduler, workers)
-    sweep = Sweep(loaded, chosen, open_executor, count)
+    sweep = Sweep(loaded, chosen, open_executor, count, partial(run_rows, pictures=pictures))
     begin_s = time.monotonic()
     with SweepFile(output, FLEET_COLUMNS if several else COLUMNS) as file:
         console = Console(stderr=True)
@@ -106,6 +117,17 @@ def command(
     else:
         _show(summary, output, took_s, sweep.deaths)
     return ALL_DONE if summary.states.keys() - {IDLE} == {"done"} else SOME_NOT_DONE
+
+
+def _refuse_what_only_pictures_show(path: Path, config: Config) -> None:
+    from navigation.run.without_pictures.looking import looking_of
+    from navigation.simulator.arena import load_arena
+    from navigation.simulator.happenings import arenas_over_time
+
+    try:
+        looking_of(config, arenas_over_time(config, load_arena(config)), pictures=False)
+    except ValueError as error:
+        raise click.UsageError(f"{path}: {error}") from None
 
 
 def _executors(

@@ -31,7 +31,7 @@ CAUSES = {"wire_to_robot_cut": DEAF, "motors_dead": MOTIONLESS}
 
 
 def driving_robot(config: Config) -> Iterator[tuple[VirtualWorld, Daemon]]:
-    world = VirtualWorld(config)
+    world = VirtualWorld(config, pictures=False)
     with Daemon(config, world, first_mission_id=7) as daemon:
         daemon.give(stations_of(config))
         cycle_until(daemon, is_driving)
@@ -148,7 +148,9 @@ def test_of_several_robots_each_says_so_for_itself(
         rows.append((now.time_s, one.mission.state, one.mission.reason))
         return bool(now.time_s > 12.0)
 
-    run_fleet_virtually(open_hall("a", "b", time_limit_s=20.0), meet=meet, look=look)
+    run_fleet_virtually(
+        open_hall("a", "b", time_limit_s=20.0), meet=meet, look=look, pictures=False
+    )
     after = [row for row in rows if row[0] > 3.0 + SAID_WITHIN_S]
     assert after
     assert all(state is not State.DRIVING for _, state, _ in after)

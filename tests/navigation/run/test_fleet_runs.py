@@ -55,7 +55,9 @@ def test_a_robot_that_dies_is_driven_around() -> None:
     def meet(world: FleetVirtualWorld, since_s: float) -> None:
         world.bodies["c"].off = since_s > 3.5
 
-    report = run_fleet_virtually(open_hall("a", "b", "c", time_limit_s=80.0), meet=meet)
+    report = run_fleet_virtually(
+        open_hall("a", "b", "c", time_limit_s=80.0), meet=meet, pictures=False
+    )
     assert (report.robots["a"].state, report.robots["b"].state) == ("done", "done")
     assert report.robots["c"].state == "failed"
     assert report.least_gap_m is not None
@@ -69,7 +71,9 @@ def test_a_robot_that_runs_away_touches_nobody(since_s: float) -> None:
     def meet(world: FleetVirtualWorld, now_s: float) -> None:
         world.bodies["c"].frozen = now_s > since_s
 
-    report = run_fleet_virtually(open_hall("a", "b", "c", time_limit_s=80.0), meet=meet)
+    report = run_fleet_virtually(
+        open_hall("a", "b", "c", time_limit_s=80.0), meet=meet, pictures=False
+    )
     assert (report.robots["a"].state, report.robots["b"].state) == ("done", "done")
     assert report.robots["c"].state in ("stopped", "failed")
     assert report.least_gap_m is not None
@@ -91,14 +95,14 @@ def once(at_s: float, order: Callable[[People], None]) -> Callable[[FleetDaemon,
 
 def test_stop_stops_all() -> None:
     look = once(2.5, lambda people: people.stop("everybody stops"))
-    report = run_fleet_virtually(open_hall("a", "b", time_limit_s=10.0), look=look)
+    report = run_fleet_virtually(open_hall("a", "b", time_limit_s=10.0), look=look, pictures=False)
     assert {one.state for one in report.robots.values()} == {"stopped"}
     assert all("everybody stops" in one.reason for one in report.robots.values())
 
 
 def test_one_that_is_stopped_alone_is_driven_around_by_the_other() -> None:
     look = once(2.5, lambda people: people.stop("just this one", "b"))
-    report = run_fleet_virtually(open_hall("a", "b", time_limit_s=60.0), look=look)
+    report = run_fleet_virtually(open_hall("a", "b", time_limit_s=60.0), look=look, pictures=False)
     assert (report.robots["a"].state, report.robots["b"].state) == ("done", "stopped")
     assert report.least_gap_m is not None
     assert report.least_gap_m > 0.0
@@ -106,7 +110,7 @@ def test_one_that_is_stopped_alone_is_driven_around_by_the_other() -> None:
 
 def test_a_new_goal_while_another_drives_brings_both_to_their_goals() -> None:
     look = once(3.0, lambda people: people.give((Station(0.3, 1.5), Station(0.6, 0.3)), "b"))
-    report = run_fleet_virtually(open_hall("a", "b", time_limit_s=80.0), look=look)
+    report = run_fleet_virtually(open_hall("a", "b", time_limit_s=80.0), look=look, pictures=False)
     assert report.state == "done"
     assert report.robots["b"].stations_visited == 2
     assert report.least_gap_m is not None
@@ -117,7 +121,7 @@ def test_a_hidden_marker_keeps_its_place_and_its_robot_drives_on_when_it_is_seen
     def meet(world: FleetVirtualWorld, since_s: float) -> None:
         world.bodies["b"].troubles.marker_hidden = 3.0 < since_s < 7.0
 
-    report = run_fleet_virtually(open_hall("a", "b", time_limit_s=80.0), meet=meet)
+    report = run_fleet_virtually(open_hall("a", "b", time_limit_s=80.0), meet=meet, pictures=False)
     assert report.state == "done"
     assert report.least_gap_m is not None
     assert report.least_gap_m > 0.0
@@ -127,14 +131,16 @@ def test_tasks_are_given_once_all_are_seen_and_driven_to_the_end() -> None:
     config = open_hall("a", "b", time_limit_s=60.0)
     tasks = [one.stations[0].model_copy(update={"y_m": 0.6}) for one in config.mission.robots]
     mission = config.mission.model_copy(update={"robots": ()})
-    report = run_fleet_virtually(config.model_copy(update={"mission": mission, "tasks": tasks}))
+    report = run_fleet_virtually(
+        config.model_copy(update={"mission": mission, "tasks": tasks}), pictures=False
+    )
     assert report.state == "done"
     assert {one.stations_visited for one in report.robots.values()} == {1}
 
 
 def test_two_runs_are_the_same() -> None:
     config = open_hall("a", "b", time_limit_s=4.0)
-    first, second = run_fleet_virtually(config), run_fleet_virtually(config)
+    first, second = (run_fleet_virtually(config, pictures=False) for _ in range(2))
     assert first.as_json() == second.as_json()
 
 

@@ -288,7 +288,7 @@ def test_pushed_back_time_and_again_the_mission_is_given_up() -> None:
         planning={"slow_speed_m_s": 0.1},
         safety={"give_up_s": 5.0},
     )
-    world = VirtualWorld(config)
+    world = VirtualWorld(config, pictures=False)
     with Daemon(config, world, first_mission_id=7) as daemon:
         daemon.give(stations_of(config))
         cycle_until(daemon, is_driving)

@@ -1,4 +1,7 @@
-"""A whole run in virtual time: the real eye, pilot, planner, host's end and robot's end."""
+"""A whole run in virtual time: the real eye, pilot, planner, host's end and robot's end.
+
+Most of these runs draw no picture. Those that do say what only pictures show.
+"""
 
 from __future__ import annotations
 
@@ -24,6 +27,7 @@ NEAR = [{"x_m": 0.20, "y_m": 0.60}, {"x_m": 0.20, "y_m": 1.00, "heading_deg": 90
 
 
 def test_a_run_in_virtual_time_reaches_its_goal_as_one_in_real_time_does() -> None:
+    """With pictures: that the eye finds marker and obstacles as well as the truth tells them."""
     report = run_virtually(short_config(NEAR))
     assert (report.state, report.stations_visited) == ("done", 2)
     assert report.goal_error_m is not None
@@ -39,7 +43,10 @@ def test_a_run_in_virtual_time_reaches_its_goal_as_one_in_real_time_does() -> No
 
 
 def test_a_run_under_a_fisheye_reaches_its_goal_as_well() -> None:
-    """A lens of 175 degrees, 1.2 m above the floor; the robot is seen at 50 degrees to its view."""
+    """A lens of 175 degrees, 1.2 m above the floor; the robot is seen at 50 degrees to its view.
+
+    With pictures: that the marker is read and the obstacles are outlined through such a lens.
+    """
     base = short_config(NEAR)
     assert base.simulation is not None
     lens = {"lens_model": "fisheye", "distortion": (-0.02, 0.004, -0.002, 0.0003)}
@@ -62,13 +69,19 @@ def test_a_run_under_a_fisheye_reaches_its_goal_as_well() -> None:
     assert report.min_clearance_m >= 0.09
 
 
-def test_a_run_in_virtual_time_is_the_same_every_time() -> None:
+@pytest.mark.parametrize("pictures", [True, False])
+def test_a_run_in_virtual_time_is_the_same_every_time(pictures: bool) -> None:
+    """With pictures too: what is drawn, binarised and outlined depends on nothing else."""
     config = short_config(NEAR[:1])
-    assert run_virtually(config).to_json() == run_virtually(config).to_json()
+    one, again = (run_virtually(config, pictures=pictures) for _ in range(2))
+    assert one.to_json() == again.to_json()
 
 
 def test_another_seed_is_another_run_with_the_same_end() -> None:
-    one, two = (run_virtually(short_config(NEAR[:1], simulation={"seed": n})) for n in (4, 5))
+    one, two = (
+        run_virtually(short_config(NEAR[:1], simulation={"seed": n}), pictures=False)
+        for n in (4, 5)
+    )
     assert one.state == two.state == "done"
     assert one.to_json() != two.to_json()
 
@@ -80,7 +93,7 @@ def test_without_a_simulation_there_is_no_virtual_run() -> None:
 
 
 def test_time_stands_still_while_nobody_waits() -> None:
-    world = VirtualWorld(short_config(NEAR))
+    world = VirtualWorld(short_config(NEAR), pictures=False)
     begun_s = world.clock()
     with Daemon(world.config, world, first_mission_id=7) as daemon:
         assert world.clock() == begun_s
@@ -93,7 +106,7 @@ def test_the_driven_track_keeps_the_limits_of_turning_on_the_spot_and_on_arcs() 
     config = short_config(
         [{"x_m": 0.15, "y_m": 1.15}, {"x_m": 0.60, "y_m": 1.60, "heading_deg": -90.0}]
     )
-    world, limits = VirtualWorld(config), limits_of(config)
+    world, limits = VirtualWorld(config, pictures=False), limits_of(config)
     with Daemon(config, world, first_mission_id=7) as daemon:
         daemon.give(stations_of(config))
         cycle_until(daemon, lambda now: now.mission.is_over)
@@ -105,7 +118,11 @@ def test_the_driven_track_keeps_the_limits_of_turning_on_the_spot_and_on_arcs() 
 
 
 def test_a_robot_that_cannot_turn_on_the_spot_drives_no_bend_tighter_than_it_can() -> None:
-    """In the plan by its own waypoints, and on the ground by turning rate over speed."""
+    """In the plan by its own waypoints, and on the ground by turning rate over speed.
+
+    With pictures: outlines as they are fitted to a picture give this way; along the true ones the
+    smoothed path bends too tightly and the mission is given up.
+    """
     config = load_config(CONFIGS / "wide_bends.yaml", {})
     world, tightest = VirtualWorld(config), 1.0 / config.robot.turning_radius_m
     with Daemon(config, world, first_mission_id=7) as daemon:
@@ -133,7 +150,7 @@ def test_where_only_a_turn_on_the_spot_would_help_the_mission_ends_with_the_plac
         simulation={"start": {"x_m": 0.2, "y_m": 0.2, "heading_deg": 180.0}},
         safety={"give_up_s": 3.0},
     )
-    world = VirtualWorld(config)
+    world = VirtualWorld(config, pictures=False)
     with Daemon(config, world, first_mission_id=7) as daemon:
         daemon.give(stations_of(config))
         ended = cycle_until(daemon, lambda now: now.mission.is_over)
@@ -153,7 +170,7 @@ def test_an_obstacle_appears_at_its_time_and_the_way_leads_around_it() -> None:
             "obstacles": (bucket,),
         },
     )
-    world = VirtualWorld(config)
+    world = VirtualWorld(config, pictures=False)
     with Daemon(config, world, first_mission_id=7) as daemon:
         daemon.give(stations_of(config))
         cycle_until(daemon, is_driving)
@@ -177,7 +194,7 @@ def test_the_planners_news_are_acted_on_at_once_not_with_the_next_picture() -> N
         camera={"rate_hz": 8.0},
         safety={"pose_stale_s": 0.4, "frame_stale_s": 0.4},
     )
-    world = VirtualWorld(config)
+    world = VirtualWorld(config, pictures=False)
     slack_s = 0.015
     with Daemon(config, world, first_mission_id=7) as daemon:
         daemon.give(stations_of(config))
@@ -193,6 +210,7 @@ def test_the_planners_news_are_acted_on_at_once_not_with_the_next_picture() -> N
 
 
 def test_a_vanished_obstacle_leaves_the_scene() -> None:
+    """With pictures: that the watch over changes finds the floor where the obstacle was."""
     bucket = {"record": "C (1.30,1.00) 0.10", "until_s": 2.0}
     config = short_config(NEAR, simulation={"obstacles": (bucket,)})
     world = VirtualWorld(config)
@@ -206,7 +224,7 @@ def test_a_vanished_obstacle_leaves_the_scene() -> None:
 def test_the_configuration_with_moving_robots_runs_to_done(tmp_path: Path) -> None:
     """One robot is let pass, one that stays is driven around, a bucket is planned around."""
     config = load_config(CONFIGS / "moving_obstacle.yaml", {})
-    world = VirtualWorld(config)
+    world = VirtualWorld(config, pictures=False)
     said: list[str] = []
     with Daemon(config, world, first_mission_id=7) as daemon:
         daemon.give(stations_of(config))

@@ -233,8 +233,41 @@ def test_a_run_with_hardly_any_noise_is_driven(noise_grey: float, small: Path) -
     """Its robot stands in the beginning: the pictures repeat, and the camera is not frozen."""
     config = load_config(small, {})
     quiet = replace(variation(config, 4, 0), noise_grey=noise_grey)
-    row = run_one(config, quiet)
-    assert row.state == "done", row.reason
+    for pictures in (True, False):
+        row = run_one(config, quiet, pictures=pictures)
+        assert row.state == "done", row.reason
+
+
+def test_a_sweep_without_pictures_has_the_rows_of_runs_without_pictures(
+    small: Path, tmp_path: Path
+) -> None:
+    told = call(
+        "sweep", small, "--runs", 1, "--seed", 4, "--workers", 1, "--no-pictures",
+        "-o", tmp_path / "s.csv", "--format", "json",
+    )  # fmt: skip
+    assert told.code == 0, told
+    with (tmp_path / "s.csv").open(newline="") as file:
+        (row,) = csv.DictReader(file)
+    config = load_config(small, {})
+    without, drawn = (
+        run_one(config, variation(config, 4, 0), pictures=pictures) for pictures in (False, True)
+    )
+    assert row["goal_error_m"] == str(without.goal_error_m) != str(drawn.goal_error_m)
+    assert (without.state, without.stations_visited) == (drawn.state, drawn.stations_visited)
+
+
+def test_a_sweep_without_pictures_refuses_what_only_pictures_show(
+    small: Path, tmp_path: Path
+) -> None:
+    knocked = tmp_path / "knocked.yaml"
+    text = small.read_text()
+    assert text.count("focal_px: 617,") == 1
+    knocks = "focal_px: 617, knocks: [{from_s: 2.0, tilt_deg: [1.0, 0.0]}],"
+    knocked.write_text(text.replace("focal_px: 617,", knocks))
+    told = call("sweep", knocked, "--runs", 1, "--no-pictures", "-o", tmp_path / "s.csv")
+    assert told.code == 2
+    assert "only a picture shows that a camera was knocked" in told.err
+    assert not (tmp_path / "s.csv").exists()
 
 
 # A cluster.
