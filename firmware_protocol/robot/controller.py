@@ -52,6 +52,8 @@ MOVING: Final = 2
 TURNING: Final = 9 * 8
 """One late step of both encoders reads as 8.3 mm/s; from here on the wheels clearly turn."""
 _MOST: Final = 32_767
+_PERMIT: Final = int(LeaseFlag.PERMIT)
+_ODOMETRY: Final = int(LeaseFlag.ODOMETRY)
 
 
 class WheelSpeeds(NamedTuple):
@@ -295,11 +297,12 @@ class RobotController:
 
     def _watch(self, now_us: int) -> None:
         if self.state is RobotState.RUN:
+            flags = int(self._lease.flags)  # a plain number: this runs a thousand times a second
             if not self._lease_runs(now_us):
                 self._change(RobotEvent.HALT, StopReason.LEASE_LAPSED)
-            elif not self._lease.flags & LeaseFlag.PERMIT:
+            elif not flags & _PERMIT:
                 self._change(RobotEvent.HALT, StopReason.NO_PERMIT)
-            elif not self._lease.flags & LeaseFlag.ODOMETRY and self._pose_is_stale(now_us):
+            elif not flags & _ODOMETRY and self._pose_is_stale(now_us):
                 self._change(RobotEvent.HALT, StopReason.POSE_STALE)
         if self.state is RobotState.HOLD and now_us - self._issued_us >= DISARM_US:
             self._change(RobotEvent.DISARM, StopReason.DISARMED)

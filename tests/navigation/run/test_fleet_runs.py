@@ -41,6 +41,7 @@ def open_hall(*names: str, **simulation: object) -> Config:
 
 
 def test_two_robots_meet_in_a_corridor_and_one_gives_way_in_the_niche() -> None:
+    """With pictures: that each robot's marker is told from the other's, side by side."""
     report = run_fleet_virtually(ALCOVE)
     assert report.state == "done"
     assert {one.state for one in report.robots.values()} == {"done"}
@@ -154,6 +155,7 @@ def test_every_fleet_that_is_shipped_has_a_robot_a_goal_and_a_start_each(name: s
 
 
 def test_a_knocked_camera_holds_all_robots_until_it_is_back() -> None:
+    """With pictures: that fixed points have moved in them."""
     knock = {"from_s": 3.0, "until_s": 6.0, "tilt_deg": (0.3, 0.0)}
     values = ALCOVE.model_dump()
     values["simulation"]["camera"]["knocks"] = [knock]

@@ -27,7 +27,7 @@ class Run:
 
     def __init__(self, folder: Path) -> None:
         config = hall(folder / "journal", "ab")
-        self.world = FleetVirtualWorld(config)
+        self.world = FleetVirtualWorld(config, pictures=False)
         self.daemon = FleetDaemon(config, self.world, first_mission_id=1)
         self.daemon.__enter__()
         seats = self.daemon.seats

@@ -38,7 +38,7 @@ def test_one_that_stands_in_the_corridor_steps_into_the_niche_and_comes_back() -
         highest_m = max(highest_m, 0.0 if pose is None else pose.y)
         return False
 
-    report = run_fleet_virtually(config, look=look)
+    report = run_fleet_virtually(config, look=look, pictures=False)
     assert report.robots["left"].state == "done"
     assert report.robots["right"].state == "done"
     assert highest_m > 1.05  # in the niche
@@ -70,5 +70,5 @@ def test_tasks_go_where_the_drive_is_short_not_where_the_air_is() -> None:
         given.update({n: len(s.pilot.mission.stations) for n, s in daemon.seats.items()})
         return any(given.values())
 
-    run_fleet_virtually(config, look=look)
+    run_fleet_virtually(config, look=look, pictures=False)
     assert given == {"left": 1, "right": 0}

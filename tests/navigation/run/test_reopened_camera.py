@@ -30,7 +30,7 @@ def lose_the_camera(
     ``meanwhile`` is done once the robot stands, with where it was seen last.
     """
     config = short_config(FAR)
-    world = VirtualWorld(config)
+    world = VirtualWorld(config, pictures=False)
     with Daemon(config, world, first_mission_id=7) as daemon:
         daemon.give(stations_of(config))
         now = cycle_until(

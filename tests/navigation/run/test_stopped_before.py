@@ -32,7 +32,7 @@ def test_a_stop_is_in_force_after_a_kill_and_a_restart(
     tmp_path: Path, again: str, power_cut: bool
 ) -> None:
     config = short_config(GOAL)
-    world = VirtualWorld(config)
+    world = VirtualWorld(config, pictures=False)
     first = Daemon(config, world, first_mission_id=1)
     first.__enter__()
     begin(first, tmp_path)
@@ -60,7 +60,7 @@ def test_a_stop_is_in_force_after_a_kill_and_a_restart(
     assert abs(world.truth.track()[-1][1:3] - was).max() < 1e-3
     second.resume()
     cycle_until(second, is_driving)
-    third = Daemon(config, VirtualWorld(config), first_mission_id=2000)
+    third = Daemon(config, VirtualWorld(config, pictures=False), first_mission_id=2000)
     begin(third, tmp_path)
     assert third.pilot.mission.state is State.PLANNING
 
@@ -69,7 +69,7 @@ def test_a_robot_that_was_rearmed_waits_in_the_next_run_too_for_the_word_to_go_o
     tmp_path: Path,
 ) -> None:
     config = short_config(GOAL)
-    world, owner = VirtualWorld(config), owner_of(config)
+    world, owner = VirtualWorld(config, pictures=False), owner_of(config)
     with Journal(tmp_path / "journal", owner) as journal:
         first = Daemon(config, world, first_mission_id=1, journal=journal)
         first.__enter__()
@@ -98,14 +98,14 @@ def test_a_robot_that_was_rearmed_waits_in_the_next_run_too_for_the_word_to_go_o
 
 def test_a_stop_of_the_pilot_s_own_is_kept_too(tmp_path: Path) -> None:
     config = short_config(GOAL)
-    with Daemon(config, VirtualWorld(config), first_mission_id=1) as daemon:
+    with Daemon(config, VirtualWorld(config, pictures=False), first_mission_id=1) as daemon:
         begin(daemon, tmp_path)
         cycle_until(daemon, is_driving)
         daemon.pilot.stop("camera and wheels parted")
         cycle_until(daemon, lambda now: now.mission.state is State.STOPPED)
         assert daemon.stopping.kept is not None
         daemon.stopping.kept.settled()
-    with Daemon(config, VirtualWorld(config), first_mission_id=1) as daemon:
+    with Daemon(config, VirtualWorld(config, pictures=False), first_mission_id=1) as daemon:
         begin(daemon, tmp_path)
         assert daemon.pilot.mission.state is State.STOPPED
         assert isinstance(daemon.pilot.mission, Mission)
@@ -113,7 +113,7 @@ def test_a_stop_of_the_pilot_s_own_is_kept_too(tmp_path: Path) -> None:
 
 def test_a_stop_that_came_before_the_stops_were_read_is_kept(tmp_path: Path) -> None:
     config = short_config(GOAL)
-    with Daemon(config, VirtualWorld(config), first_mission_id=1) as daemon:
+    with Daemon(config, VirtualWorld(config, pictures=False), first_mission_id=1) as daemon:
         daemon.stop("in the first moment")
         begin(daemon, tmp_path)
         assert daemon.stopping.kept is not None

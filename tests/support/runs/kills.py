@@ -57,7 +57,7 @@ class MortalWorld(VirtualWorld):
 
     def __init__(self, config: Config) -> None:
         self.reaper = Reaper()
-        super().__init__(config)
+        super().__init__(config, pictures=False)
 
     def clock(self) -> float:
         """Virtual seconds, or death."""

@@ -40,8 +40,8 @@ def config_of(
 class Stage:
     """A daemon, its world and what it said."""
 
-    def __init__(self, config: Config) -> None:
-        self.world = VirtualWorld(config)
+    def __init__(self, config: Config, *, pictures: bool = True) -> None:
+        self.world = VirtualWorld(config, pictures=pictures)
         self.daemon = Daemon(config, self.world, first_mission_id=1)
         self.troubles: list[str] = []
         self.said: list[str] = []

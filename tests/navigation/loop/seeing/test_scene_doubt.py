@@ -114,6 +114,7 @@ ALONE = {
 
 
 def test_the_only_obstacle_vanishes_while_the_robot_drives() -> None:
+    """With pictures: that one without contrast shows no obstacle, as an empty arena does."""
     config = short_config([{"x_m": 0.20, "y_m": 1.60}], simulation=ALONE)
     world = VirtualWorld(config)
     with Daemon(config, world, first_mission_id=7) as daemon:

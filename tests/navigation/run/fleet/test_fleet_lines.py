@@ -36,7 +36,7 @@ def test_each_robots_stop_is_one_line_with_its_cause_and_a_warning_in_the_log() 
             People(daemon).stop("a cat on the table")
         return len(ends) == 60
 
-    run_fleet_virtually(with_one_at_rest(), look=look)
+    run_fleet_virtually(with_one_at_rest(), look=look, pictures=False)
     stops = [line.split(maxsplit=4)[2:] for line in said if " stopped " in line]
     assert sorted(stops) == [[name, "stopped", "a cat on the table"] for name in "ab"]
     logged = [json.loads(line) for line in stream.getvalue().splitlines()]

@@ -41,6 +41,7 @@ def values() -> dict[str, Any]:
 
 
 def test_robots_cross_the_seam_and_never_touch() -> None:
+    """With pictures: that two cameras' pictures make one scene and one pose of each robot."""
     config = Config.model_validate(values())
     report = run_fleet_virtually(config)
     assert report.state == "done", report.reason
@@ -52,7 +53,8 @@ def test_robots_cross_the_seam_and_never_touch() -> None:
     assert all((one.goal_error_m or 1.0) < 0.01 for one in report.robots.values())
 
 
-def test_a_lost_camera_holds_the_robots_and_they_finish_when_it_is_back() -> None:
+@pytest.mark.parametrize("pictures", [True, False])
+def test_a_lost_camera_holds_the_robots_and_they_finish_when_it_is_back(pictures: bool) -> None:
     config = Config.model_validate(values())
     plan = floor_plan_of(config)
     assert plan is not None
@@ -76,7 +78,7 @@ def test_a_lost_camera_holds_the_robots_and_they_finish_when_it_is_back() -> Non
             troubles.update(one.troubles)
         return False
 
-    report = run_fleet_virtually(config, meet=meet, look=look)
+    report = run_fleet_virtually(config, meet=meet, look=look, pictures=pictures)
     assert any("camera right is lost" in one for one in troubles)
     tracks = np.array(where).swapaxes(0, 1)
     within = [plan.is_unknown(closed, *track[0], RADIUS_M) for track in tracks]

@@ -25,22 +25,24 @@ BRAKING_M = 0.3 * (0.2 + 0.5) + 0.3**2 / (2 * 0.5) + 0.02
 """Until it is noticed, until the permit ends, and the brakes."""
 
 
-def stage_of(config: Config) -> Iterator[Stage]:
-    stage = Stage(config)
+def stage_of(config: Config, *, pictures: bool) -> Iterator[Stage]:
+    stage = Stage(config, pictures=pictures)
     with stage.daemon:
         yield stage
 
 
-@pytest.fixture
-def across() -> Iterator[Stage]:
+@pytest.fixture(params=[True, False], ids=["drawn", "without_pictures"])
+def across(request: pytest.FixtureRequest) -> Iterator[Stage]:
     """From what only the left camera sees to what only the right one sees."""
-    yield from stage_of(config_of((2.2, 1.6), start=(0.72, 1.52)))
+    yield from stage_of(config_of((2.2, 1.6), start=(0.72, 1.52)), pictures=request.param)
 
 
-@pytest.fixture
-def on_the_right() -> Iterator[Stage]:
+@pytest.fixture(params=[True, False], ids=["drawn", "without_pictures"])
+def on_the_right(request: pytest.FixtureRequest) -> Iterator[Stage]:
     """Within what the right camera sees."""
-    yield from stage_of(config_of((2.2, 1.6), (1.42, 0.95), start=(1.42, 0.95)))
+    yield from stage_of(
+        config_of((2.2, 1.6), (1.42, 0.95), start=(1.42, 0.95)), pictures=request.param
+    )
 
 
 def test_a_mission_across_the_seam_is_driven(across: Stage) -> None:
@@ -126,6 +128,7 @@ def test_without_any_camera_the_robot_stands(across: Stage) -> None:
 
 
 def test_calibrations_of_two_floors_are_refused_with_the_number() -> None:
+    """With pictures: that two cameras' outlines lie apart."""
     config = config_of((2.2, 1.6), start=(0.72, 1.52))
     world = VirtualWorld(config)
     plan = world.floor_plan
