@@ -109,10 +109,6 @@ class EmulatedRobot:
         self._time.wait_for(self._clock())
         return self._drive.pose
 
-    def late_since_s(self) -> float:
-        """What is later than this it has still to do; infinity while it is off."""
-        return self._time.since_s
-
     def track(self) -> NDArray[np.float64]:
         """Where it has been: (n, 4) of time, x_m, y_m, heading_rad, every 20 ms."""
         with self._lock:

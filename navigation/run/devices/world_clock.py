@@ -17,8 +17,8 @@ from navigation.config.several.each_robot import each_robot
 from navigation.run.devices.simulated import AnySimulatedRobot
 from navigation.simulator.picture.knocked_camera import KnockedCamera
 from navigation.simulator.picture.timed_camera import TimedCamera
+from navigation.simulator.robot import SimulatedRobot
 from navigation.simulator.slowing_clock import SlowingClock
-from navigation.simulator.twins.twin_robot import TwinRobot
 
 ROBOT_SLACK_S: Final = 0.02
 """How late a robot's step may be, and how late the program may hear what the robot says."""
@@ -69,17 +69,22 @@ def slowness(clock: WorldClock) -> tuple[str, ...]:
 
 
 def is_all_simulated(config: Config) -> bool:
-    """True if no camera, no robot and no driver of a robot lives by the wall's clock."""
+    """True if no camera and no robot lives by the wall's clock, as drivers and emulators do."""
     robots = list(each_robot(config).values()) or [config]
     cameras = list(each_camera(config).values()) or [config]
-    return all(
-        one.serial.port == SIMULATED and one.robot.driver == CLEARWAY for one in robots
-    ) and all(one.camera.source == SIMULATED for one in cameras)
+    return all(_is_simulated(one) for one in robots) and all(
+        one.camera.source == SIMULATED for one in cameras
+    )
+
+
+def _is_simulated(robot: Config) -> bool:
+    emulator = None if robot.simulation is None else robot.simulation.robot.emulator
+    return robot.serial.port == SIMULATED and robot.robot.driver == CLEARWAY and not emulator
 
 
 def wait_for_robot(clock: WorldClock, name: str, robot: AnySimulatedRobot) -> None:
-    """Let the clock wait for a simulated robot; a driver's twin goes by the wall's."""
-    if not isinstance(robot, TwinRobot):
+    """Let the clock wait for a simulated robot; the others go by the wall's."""
+    if isinstance(robot, SimulatedRobot):
         clock.waits_for(f"robot {name}", robot.late_since_s, ROBOT_SLACK_S)
 
 
