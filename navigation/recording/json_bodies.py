@@ -7,6 +7,7 @@ the text of `planner.formats.scene_text`, the calibration that of
 
 from __future__ import annotations
 
+import json
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -124,6 +125,18 @@ class _FleetAsked:
 
 
 _FLEET_REQUEST: TypeAdapter[_FleetAsked] = TypeAdapter(_FleetAsked)
+
+
+def read_body(data: bytes) -> Any:
+    """A message's JSON; ``ValueError`` if it is damaged, or a number in it is not finite."""
+    return json.loads(data, parse_float=_finite, parse_constant=_finite)
+
+
+def _finite(text: str) -> float:
+    number = float(text)
+    if not math.isfinite(number):
+        raise ValueError(f"a number is {text[:20]}: must be finite")
+    return number
 
 
 def configuration_body(

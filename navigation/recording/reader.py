@@ -6,7 +6,6 @@ Pictures are decoded one at a time. Times are the run's clock, seconds.
 
 from __future__ import annotations
 
-import json
 from collections.abc import Iterator
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -109,7 +108,7 @@ def read_recording(path: Path) -> Recording:
         if topic not in bodies.TOPICS:
             continue
         try:
-            body = json.loads(message.data)
+            body = bodies.read_body(message.data)
             if recording is None:
                 recording = _begin(path, topic, body)
             elif topic == bodies.FRAMES:

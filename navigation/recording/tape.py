@@ -6,7 +6,6 @@ decoded when it is asked for. Times are the run's clock, seconds; wall times sec
 
 from __future__ import annotations
 
-import json
 import math
 from bisect import bisect_right
 from collections import defaultdict
@@ -205,9 +204,9 @@ def _take(tape: Tape, offset: int, topic: str, message: Message) -> None:
         tape.said["" if alone else source].append((time_s, sentence))
     elif topic == bodies.LINK or topic.startswith(f"{bodies.LINK}/"):
         name = topic.removeprefix(bodies.LINK).removeprefix("/")
-        tape.links[name].append((time_s, json.loads(message.data)))
+        tape.links[name].append((time_s, bodies.read_body(message.data)))
     elif topic == bodies.FLEET_WAITS:
-        told = json.loads(message.data)
+        told = bodies.read_body(message.data)
         tape.waits.append((time_s, (told["waits"], told["waits_for"])))
 
 

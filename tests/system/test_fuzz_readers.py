@@ -23,7 +23,10 @@ from vision.camera.files import read_picture
 from vision.errors import PictureError
 
 NO_WHOLE_NUMBERS = ("float.tif", ".pfm", ".hdr")
-READERS = ["source", "picture", "map", "scene", "movingai", "ros yaml", "survey", "calibration"]
+READERS = [
+    *("source", "picture", "map", "scene", "movingai", "ros yaml", "survey", "calibration"),
+    "recording",
+]
 
 
 @pytest.mark.parametrize("reader", READERS)

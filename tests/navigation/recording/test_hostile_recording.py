@@ -235,6 +235,9 @@ def test_a_body_of_another_kind_is_said_in_one_sentence(tmp_path: Path, body: by
     ("topic", "body"),
     [
         (b"/clearway/frames", b'{"captured_s": 1' + b"0" * 400 + b', "poses": []}'),
+        (b"/clearway/frames", b'{"captured_s": -1e999, "poses": []}'),
+        (b"/clearway/frames", b'{"captured_s": NaN, "poses": []}'),
+        (b"/clearway/link", b'{"age_s": Infinity}'),
         (b"/clearway/frames", b"[]"),
         (b"/clearway/scenes", b'{"captured_s": 0, "revision": 1e999, "carried": 0, "scene": ""}'),
         (b"/clearway/fleet/waits", b"[]"),

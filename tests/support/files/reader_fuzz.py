@@ -11,7 +11,6 @@ from __future__ import annotations
 
 import argparse
 import os
-import re
 import sys
 import tempfile
 import time
@@ -24,10 +23,15 @@ import cv2
 import numpy as np
 
 from navigation.cli.pictures.sources import load_source
+from navigation.recording.files import RecordingError
+from navigation.recording.tape import Tape, read_tape
 from planner.formats.scene_io import read_scene_text, write_scene_text
 from planner.scene import Scene, SceneError
 from tests.support.files.picture_formats import formats
 from tests.support.files.picture_harms import cut, flip, harms_for, put_number, splice
+from tests.support.files.recording_harms import MAGIC, message_body
+from tests.support.files.text_harms import TEXT_HARMS
+from tests.support.runs.recordings import small_recording
 from vision import extract
 from vision.calibrate.survey import Survey, read_survey
 from vision.calibration.calibration import Calibration, CalibrationError
@@ -41,7 +45,7 @@ MOST_CHARACTERS = 400
 MAP_PICTURES = (".pgm", "c0_8.png", "c2_16.png", "c3_1_t.png", "c4_8_i.png", "cmyk.jpg")
 """Pictures that are read as those of a ROS map too."""
 
-REFUSALS = (SceneError, PictureError, CalibrationError, CameraError)
+REFUSALS = (SceneError, PictureError, CalibrationError, CameraError, RecordingError)
 
 PLAIN_SCENE = """\
 # figure 6
@@ -65,24 +69,6 @@ mode: trinary
 """
 
 SURVEY = "px,py,x_m,y_m\n10,10,0.0,1.0\n90,12,1.0,1.0  # door\n88,70,1.0,0.0\n9,71,0,0\n"
-
-EXTREMES = (
-    *("nan", "inf", "-inf", "1e308", "-1e308", "1e-320", "1e400", "0", "-0", "-1", "0x10", "1_000"),
-    *("99999999999", "4294967296", "2147483648", "65536x65536", "9" * 400, "\u0663", "\u00e9"),
-    *("''", '"', "[", "]", "{", "}", "(", ")", ":", ",", "#", "#@", "~", "null", "true", "\x00"),
-    *(
-        "..",
-        "../x",
-        "\\",
-        "\ufeff",
-        "!!python/object:os.system",
-        "&a",
-        "*a",
-        "<<:",
-        "---",
-        "[" * 99,
-    ),
-)
 
 
 @dataclass(frozen=True)
@@ -141,14 +127,24 @@ def seeds() -> dict[str, tuple[Reader, bytes]]:
     found["survey"] = Reader(read_survey, "points.csv"), SURVEY.encode()
     calibration = calibration_text(Calibration.from_scale(0.01, (64, 48), (0.3, 0.2, 2.0)))
     found["calibration"] = Reader(load_calibration, "c.yaml"), calibration.encode()
+    found["recording"] = Reader(watched, "run.mcap"), small_recording()
     return found
+
+
+def watched(path: Path) -> Tape:
+    """A recording, with each of its pictures looked at."""
+    tape = read_tape(path)
+    for picture in tape.pictures:
+        tape.image(picture)
+    return tape
 
 
 def damaged(data: bytes, rng: np.random.Generator) -> bytes:
     """A mutant of a file: one to four small harms."""
     text = b"\0" not in data[:64] and not data.startswith(b"\xff\xd8")
     for _ in range(int(rng.integers(1, 5))):
-        harms = BYTE_HARMS + (TEXT_HARMS if text else ()) + harms_for(data) * 8
+        own = (message_body,) if data.startswith(MAGIC) else harms_for(data)
+        harms = BYTE_HARMS + (TEXT_HARMS if text else ()) + own * 8
         data = harms[int(rng.integers(len(harms)))](data, rng)
     return data
 
@@ -168,41 +164,7 @@ def repeat(data: bytes, rng: np.random.Generator) -> bytes:
     return data[:b] + data[a:b] * int(rng.integers(1, 4)) + data[b:]
 
 
-def swap_word(data: bytes, rng: np.random.Generator) -> bytes:
-    """A word of a text becomes an extreme, another of its words, or nothing."""
-    words = list(re.finditer(rb"[^\s,:\[\]]+", data))
-    if not words:
-        return data
-    chosen = words[int(rng.integers(len(words)))]
-    other = words[int(rng.integers(len(words)))].group()
-    extreme = EXTREMES[int(rng.integers(len(EXTREMES)))].encode()
-    new = (extreme, extreme, other, b"")[int(rng.integers(4))]
-    return data[: chosen.start()] + new + data[chosen.end() :]
-
-
-def move_line(data: bytes, rng: np.random.Generator) -> bytes:
-    lines = data.splitlines(keepends=True)
-    if len(lines) < 2:
-        return data
-    line = lines.pop(int(rng.integers(len(lines))))
-    for _ in range(int(rng.integers(0, 3))):
-        lines.insert(int(rng.integers(len(lines) + 1)), line)
-    return b"".join(lines)
-
-
-def nest(data: bytes, rng: np.random.Generator) -> bytes:
-    """Brackets thousands deep, where a word was."""
-    at = int(rng.integers(0, len(data) + 1))
-    return data[:at] + b"[{("[int(rng.integers(3))].to_bytes(1, "big") * 3000 + data[at:]
-
-
-def break_lines(data: bytes, rng: np.random.Generator) -> bytes:
-    new = (b"\r\n", b"\r", b"", b"\n\n", b"\t", b"\x0b", b"\xe2\x80\xa8")
-    return data.replace(b"\n", new[int(rng.integers(7))], int(rng.integers(1, 5)))
-
-
 BYTE_HARMS = (cut, flip, flip_early, put_number, drop, repeat, splice)
-TEXT_HARMS = (*[swap_word] * 4, *[move_line] * 2, *[break_lines] * 2, nest)
 
 
 def wrong_answer(reader: Reader, data: bytes, folder: Path) -> str:
@@ -243,6 +205,9 @@ def wrong_value(value: object) -> str:
     if isinstance(value, Survey):
         finite = np.isfinite(value.pixels).all() and np.isfinite(value.places_m).all()
         return "" if finite else "a survey of numbers that are none"
+    if isinstance(value, Tape):
+        moments = [value.begin_s, value.end_s, *(picture.captured_s for picture in value.pictures)]
+        return "" if np.isfinite(moments).all() else f"a recording at no time: {moments}"
     if isinstance(value, Calibration):
         corners = value.arena_from_image(np.array([(0.0, 0.0), (value.size[0] - 1.0, 0.0)]))
         return "" if np.isfinite(corners).all() else "a calibration without places"

@@ -8,7 +8,9 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from datetime import datetime
+from functools import cache
 from pathlib import Path
+from tempfile import TemporaryDirectory
 from typing import Any
 
 from navigation.config import Config, load_config
@@ -109,6 +111,20 @@ def make_recording(
     with bench.recorder:
         each(bench)
     return sorted(folder.glob("*.mcap"))
+
+
+@cache
+def small_recording() -> bytes:
+    """A file of three pictures of small size, a scene and a plan."""
+
+    def each(bench: RecordedBench) -> None:
+        bench.frames(2)
+        bench.plan()
+        bench.frames(1)
+
+    with TemporaryDirectory() as folder:
+        (file,) = make_recording(Path(folder), each, picture_quality=20)
+        return file.read_bytes()
 
 
 def record_alcove(
