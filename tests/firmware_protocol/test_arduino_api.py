@@ -32,7 +32,6 @@ LATE_S = 0.2
 """What this machine may be late by."""
 
 pytestmark = [
-    pytest.mark.timed,  # the program has to keep up with the clock
     pytest.mark.skipif(
         not (shutil.which("g++") and shutil.which("make")), reason="needs g++ and make"
     ),
@@ -134,6 +133,7 @@ def bench(program: Path) -> Iterator[Bench]:
     bench.close()
 
 
+@pytest.mark.timed
 def test_a_mission_is_driven_to_its_end(bench: Bench) -> None:
     mission = bench.drive(25)
     bench.until(lambda: MissionDone(5) in bench.events, 10.0)
@@ -143,6 +143,7 @@ def test_a_mission_is_driven_to_its_end(bench: Bench) -> None:
     assert abs(status.x_m - 0.48) < 0.01
 
 
+@pytest.mark.timed
 def test_the_emergency_stop_stops_and_stays(bench: Bench) -> None:
     bench.drive(50)
     bench.host.estop()
@@ -154,6 +155,7 @@ def test_the_emergency_stop_stops_and_stays(bench: Bench) -> None:
     assert bench.status_x_m() - stopped_m < 0.05, "the wheels roll out"
 
 
+@pytest.mark.timed
 def test_the_button_takes_the_power_away_at_once(bench: Bench) -> None:
     bench.drive(50)
     assert bench.hand("press") == [0, 0]
@@ -166,6 +168,7 @@ def test_the_button_takes_the_power_away_at_once(bench: Bench) -> None:
     assert bench.state() is RobotState.ESTOP, "releasing the button does not re-arm"
 
 
+@pytest.mark.timed
 def test_the_dead_man_stops_the_motors(bench: Bench) -> None:
     bench.drive(50)
     bench.lease = False

@@ -26,8 +26,6 @@ from benchmarks.adversary.run import prepare, run_attack
 from navigation.simulator.arena import SimulatedArena
 from planner.formats.scene_io import read_scene_text
 
-pytestmark = pytest.mark.timed  # a robot drives in real time
-
 SPEED_M_S, BRAKING_M_S2 = 0.3, 0.5
 PERMITS_S = [0.1 * n for n in range(51)]
 """Ten a second, the last at 5 s."""
@@ -144,6 +142,7 @@ def compiled() -> None:
     prepare()
 
 
+@pytest.mark.timed
 @pytest.mark.usefixtures("compiled")
 @pytest.mark.parametrize("attack", QUICK, ids=lambda one: f"{one.kind}: {one.name}")
 def test_the_program_holds_every_bar(attack: Attack) -> None:

@@ -16,8 +16,6 @@ import pytest
 
 from tests.support.waiting import wait_until
 
-pytestmark = pytest.mark.timed
-
 CONFIGS = Path(__file__).parents[2] / "configs"
 ENDED_WITHIN_S = 8.0
 """A service manager waits for ten."""

@@ -14,7 +14,7 @@ from navigation.recording.reader import read_recording
 from tests.navigation.loop.test_fleet_kill import hall
 from tests.system.test_kill_9 import PROGRAM, kill_when_said
 
-pytestmark = [pytest.mark.slow, pytest.mark.timed]
+pytestmark = pytest.mark.slow
 
 
 def run(folder: Path) -> subprocess.Popen[str]:

@@ -17,8 +17,6 @@ from navigation.config import load_config
 from navigation.journal.journal import Journal, Owner
 from navigation.run.kernels.warm_up import warm_up
 
-pytestmark = pytest.mark.timed  # a robot drives in real time
-
 CONFIGS = Path(__file__).parents[2] / "configs"
 PROGRAM = [sys.executable, "-c", "from navigation.cli.main import main; main()"]
 MISSION = "mission:\n  stations:\n    - {x_m: 0.20, y_m: 0.60}\n"

@@ -9,11 +9,7 @@ import subprocess
 import sys
 from pathlib import Path
 
-import pytest
-
 from tests.support.pictures import call
-
-pytestmark = pytest.mark.timed  # a robot drives in real time
 
 CONFIGS = Path(__file__).parents[2] / "configs"
 

@@ -19,7 +19,7 @@ from tests.system.test_kill_9 import PROGRAM, folder
 
 __all__ = ["folder"]
 
-pytestmark = [pytest.mark.slow, pytest.mark.timed]  # a robot drives in real time
+pytestmark = pytest.mark.slow
 
 CONFIG = "configs/hardware_in_the_loop.yaml"
 WITHIN_S = 40.0

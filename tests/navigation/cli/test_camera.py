@@ -17,8 +17,6 @@ from navigation.cli.main import run
 from tests.support.processes.mjpeg_server import mjpeg_server
 from tests.support.processes.v4l2_preloaded import NEEDS_GCC, ROOT, environment, jpegs, video_nodes
 
-pytestmark = pytest.mark.timed  # rates are measured
-
 PROGRAM = Path(sys.executable).with_name("clearway")
 WEBCAM = "YUYV:1280x960@10,640x480@30;MJPG:1280x960@30@15,640x480@30"
 

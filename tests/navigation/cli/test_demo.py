@@ -48,7 +48,6 @@ def test_a_screen_without_a_browser_opens_none(monkeypatch: pytest.MonkeyPatch) 
     assert browser_here({"DISPLAY": ":0"}) is None
 
 
-@pytest.mark.timed  # a robot drives in real time
 def test_a_demo_drives_its_mission_and_ends(capsys: pytest.CaptureFixture[str]) -> None:
     assert run(["demo", "--once", "--no-browser"]) == 0
     out = capsys.readouterr().out

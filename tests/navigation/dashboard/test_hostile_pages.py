@@ -29,8 +29,6 @@ from tests.support.processes.floods import flood
 from tests.support.runs.shown import FakeDaemon, laboratory
 from tests.support.waiting import wait_until
 
-pytestmark = pytest.mark.timed
-
 OWN = "the-programs-own-token-32-letters"
 BEARER = f"Bearer {OWN}"
 STOPPED_WITHIN_S = 0.3
@@ -145,6 +143,7 @@ def stop_over_http(site: OwnSite) -> float:
     return time.monotonic() - began_s
 
 
+@pytest.mark.timed
 def test_stop_passes_eleven_hundred_connections_that_send_no_request(site: OwnSite) -> None:
     places = site.dashboard.places
     assert places is not None

@@ -53,7 +53,6 @@ def test_each_robot_has_its_track_in_its_own_colour_and_the_length_that_it_drove
         assert f">{number + 1} {name}<" in picture, "beside the robot"
 
 
-@pytest.mark.timed
 def test_a_run_leaves_it_beside_its_report(tmp_path: Path) -> None:
     assert ALCOVE.simulation is not None
     simulation = ALCOVE.simulation.model_copy(update={"time_limit_s": SECONDS})

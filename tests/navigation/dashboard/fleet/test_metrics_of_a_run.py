@@ -18,8 +18,6 @@ from navigation.mission.mission import State
 from tests.navigation.loop.test_fleet_kill import hall
 from tests.support.waiting import wait_until
 
-pytestmark = pytest.mark.timed  # robots drive in real time
-
 PROGRAM = Path(sys.executable).with_name("clearway")
 PAGE = re.compile(r"dashboard at (http://127\.0\.0\.1:\d+)/#token=(\S+)")
 Samples = dict[tuple[str, str | None, str | None], float]

@@ -115,7 +115,6 @@ def test_a_knock_of_one_camera_holds_all_robots() -> None:
     assert report.state == "done", report.reason
 
 
-@pytest.mark.timed
 def test_the_whole_program_drives_them(tmp_path: Path) -> None:
     base = Config.model_validate(values()).model_dump(mode="json", exclude_none=True)
     base["simulation"]["arena"] = str(CONFIGS / "arenas" / "laboratory.txt")
