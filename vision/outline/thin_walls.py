@@ -30,8 +30,8 @@ LOST_PX = 0.25
 """So far beyond an outline a pixel's centre counts as left out: chosen, half of what noise and the
 corners of a sharp drawing move an edge by at most before a pixel of a wall is lost."""
 MOST_WORK = 20_000_000
-"""Pixels times edges of one border that are compared, some 50 ms: beyond that it keeps its pixels'
-outline unseen, which leaves nothing out."""
+"""Pixels times edges of one border that are compared: chosen, some 50 ms. Beyond that it keeps its
+pixels' outline unseen, which leaves nothing out."""
 SAG_PX = 0.02
 """How far the polyline that stands for an arc may leave it: indifferent."""
 
