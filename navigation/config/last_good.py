@@ -19,6 +19,7 @@ from navigation.config.errors import ConfigError
 from navigation.config.load import parse_config, read_source
 from navigation.config.secrecy.secret_places import masked
 from navigation.config.sections import Config
+from navigation.config.unknown_keys import values_of_unknown_keys
 from navigation.shared.whole_file import UnwrittenFileError, write_whole
 
 FOLDER: Final = "last_good"
@@ -64,8 +65,8 @@ class LastGood:
     def changes(self) -> list[str]:
         """What differs between the kept text and the file now, as a unified diff's lines."""
         try:
-            old = masked(self.kept.read_text(encoding="utf-8")).splitlines()
-            new = masked(read_source(self.file)).splitlines()
+            old = _shown(self.kept.read_text(encoding="utf-8"))
+            new = _shown(read_source(self.file))
         except (OSError, UnicodeDecodeError, ConfigError):
             return []
         lines = list(difflib.unified_diff(old, new, "last good", str(self.file), lineterm="", n=0))
@@ -83,3 +84,8 @@ class LastGood:
             *(f"    {line}" for line in self.changes()),
         ]
         return "\n".join(lines)
+
+
+def _shown(text: str) -> list[str]:
+    """The lines of a configuration, without its secrets and the values of unknown keys."""
+    return masked(text, values_of_unknown_keys(text, Config)).splitlines()

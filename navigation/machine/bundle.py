@@ -27,6 +27,7 @@ from navigation.config.secrecy.secret_places import (
     without_secrets,
 )
 from navigation.config.secrecy.secrets import HIDDEN, hide_in, is_secret_key, known, learn
+from navigation.config.unknown_keys import values_of_unknown_keys
 from navigation.machine.doctor import Finding
 
 MOST_RECORDING_BYTES: Final = 20_000_000
@@ -74,8 +75,8 @@ def _contents(
     }
     yield "environment.json", json.dumps(own, indent=2)
     if file is not None and kept is not None:
-        yield from _file("configuration.yaml", file)
-        yield from _file("last_good.yaml", kept)
+        yield from _file("configuration.yaml", file, _shown)
+        yield from _file("last_good.yaml", kept, _shown)
     if config is None:
         return
     if config.camera.calibration is not None:
@@ -112,6 +113,11 @@ def _file(
     text = _text(file)
     if text is not None:
         yield name, clean(text)
+
+
+def _shown(text: str) -> str:
+    """A configuration without its secrets and the values of unknown keys."""
+    return without_secrets(text, values_of_unknown_keys(text, Config))
 
 
 def _text(file: Path) -> str | None:

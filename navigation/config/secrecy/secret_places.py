@@ -90,9 +90,9 @@ def masked(text: str, more: Iterable[tuple[int, int]] = ()) -> str:
     return "".join([*parts, text[end:]])
 
 
-def without_secrets(text: str) -> str:
-    """The text of a configuration with its secrets left out."""
-    return _without(text, secret_spans(text))
+def without_secrets(text: str, more: Iterable[tuple[int, int]] = ()) -> str:
+    """The text of a configuration with its secrets left out, and ``more`` places."""
+    return _without(text, _merged([*secret_spans(text), *more]))
 
 
 def log_without_secrets(text: str) -> str:

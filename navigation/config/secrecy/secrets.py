@@ -4,8 +4,9 @@ Rules
 - Whatever configuration this process reads, sound or broken, `learn` is told its secrets; from
   then on `hide` leaves them out of every sentence, log, page message, report and recording, in
   each form in which they can stand there: as they are, percent-encoded, escaped as in JSON.
-- The user's part of any address, every value in its query and its fragment are left out too,
-  whether they were learned or not; so is what looks like a key in a query without its address.
+- The user's part of any address, every value in its query (with a name or without one) and its
+  fragment are left out too, whether they were learned or not; so is what looks like a key in a
+  query without its address.
 - A value of fewer than ``LEAST_LENGTH`` characters is left out in addresses and beside its key
   only: it would take half the words of every sentence with it.
 """
@@ -52,7 +53,7 @@ _FRAGMENT_OF_ADDRESS: Final = re.compile(
 _QUERY_OF_ADDRESS: Final = re.compile(
     r"""(://(?:\(left\ out\)@)?[^\s?\#"'<>]{0,500}\?)((?:\(left\ out\)|[^\s\#"'<>])+)"""
 )
-_VALUE: Final = re.compile(r"=[^&;]+")
+_PART: Final = re.compile(r"[^&;]+")
 
 
 class Redactor:
@@ -92,8 +93,7 @@ class Redactor:
         yield from ((m.end(1), m.end()) for m in _QUERY.finditer(text))
         if "://" in text:
             for address in _QUERY_OF_ADDRESS.finditer(text):
-                values = _VALUE.finditer(text, address.start(2), address.end(2))
-                yield from ((m.start() + 1, m.end()) for m in values)
+                yield from _values_in(text, address.start(2), address.end(2))
             yield from ((m.end(1), m.end()) for m in _FRAGMENT_OF_ADDRESS.finditer(text))
 
     def occurs_in(self, data: bytes) -> bool:
@@ -115,7 +115,18 @@ def is_secret_key(key: str) -> bool:
 
 def _without_values(address: re.Match[str]) -> str:
     """An address with the names in its query only: any value may be a key."""
-    return address[1] + _VALUE.sub(f"={HIDDEN}", address[2])
+    query, shown, end = address[2], address[1], 0
+    for start, stop in _values_in(query, 0, len(query)):
+        shown, end = shown + query[end:start] + HIDDEN, stop
+    return shown + query[end:]
+
+
+def _values_in(text: str, start: int, stop: int) -> Iterator[tuple[int, int]]:
+    """The values in a query, from ``start`` to ``stop``; a part without a name is one."""
+    for part in _PART.finditer(text, start, stop):
+        name, _, value = part[0].partition("=")
+        is_named = value.strip("=") != ""  # else it is the padding of base64
+        yield part.start() + (len(name) + 1 if is_named else 0), part.end()
 
 
 def _any_form(secret: str) -> str:

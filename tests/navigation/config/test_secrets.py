@@ -19,6 +19,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from navigation.config import ConfigError, parse_config
+from navigation.config.last_good import LastGood
 from navigation.config.reference import json_schema
 from navigation.config.secrecy import secrets
 from navigation.config.secrecy.secret_places import masked, secrets_in_source, without_secrets
@@ -133,6 +134,8 @@ def test_every_form_of_a_secret_is_found(secret: str) -> None:
             "http://host/a?user=me&pwd=geheim&x=1 is gone",
             f"http://host/a?user={HIDDEN}&pwd={HIDDEN}&x={HIDDEN} is gone",
         ),
+        ("http://host/a?geheim", f"http://host/a?{HIDDEN}"),
+        ("http://host/a?x=1;geheim&geheim==", f"http://host/a?x={HIDDEN};{HIDDEN}&{HIDDEN}"),
         ("order/a?pwd=geheim&x=1", f"order/a?pwd={HIDDEN}&x=1"),
         ("at 12.5 s: held", "at 12.5 s: held"),
     ],
@@ -309,6 +312,25 @@ def test_no_command_shows_the_value_of_a_mistyped_key(config_file: Path, command
     config_file.write_text(text)
     told = call(command, config_file)
     assert TOKEN not in told.out + told.err
+
+
+def test_the_changes_since_the_last_good_configuration_show_no_value_of_an_unknown_key(
+    config_file: Path, tmp_path: Path
+) -> None:
+    kept, good = LastGood(config_file, tmp_path), config_file.read_text()
+    assert kept.keep(good) is None
+    config_file.write_text(good + f"\ndashbord: {{colour: {TOKEN}}}\n")
+    advice = str(kept.advice())
+    assert "dashbord: " in advice
+    assert TOKEN not in advice
+
+
+def test_a_bundle_shows_no_value_of_an_unknown_key(config_file: Path, tmp_path: Path) -> None:
+    good = config_file.read_text()
+    config_file.write_text(good + f"\ndashbord: {{colour: {TOKEN}}}\n")
+    told = call("doctor", config_file, "--bundle", tmp_path / "b.zip")
+    for text in (told.out, told.err, *texts_of(tmp_path / "b.zip")):
+        assert TOKEN not in text
 
 
 def test_no_key_of_a_configuration_is_taken_for_a_mistyped_secret() -> None:
