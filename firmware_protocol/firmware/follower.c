@@ -7,7 +7,7 @@
 #define TURN_ENTER CW_MRAD(800)
 #define TURN_STANDING CW_MRAD(200)
 #define TURN_EXIT CW_MRAD(40)
-#define HEADING_TOLERANCE CW_MRAD(6)
+#define AIM_MS 15u
 #define DOCK_BEARING CW_MRAD(150)
 #define STANDING (20 * 8)
 #define CRAWL (10 * 8)
@@ -38,6 +38,9 @@
 #define TRACK ((uint16_t)LENGTH(cw_robot_settings.track_um))
 #define PERIMETER ((uint16_t)(TRACK_HUNDREDTHS * 31416u / 6400u)) /* of a turn on the spot */
 #define MIN_SPIN ((int16_t)(TRACK_HUNDREDTHS / 128u + 1u))         /* 20 mrad/s */
+#define PULSE_TURN                                                                               \
+    ((uint16_t)((uint32_t)cw_robot_settings.least_wheel_mm_s * AIM_MS * CW_ANGLE_PER_UM >> 16))
+#define HEADING_TOLERANCE (PULSE_TURN > CW_MRAD(6) ? PULSE_TURN : CW_MRAD(6))
 #define PER_CYCLE(mm_s2) ((uint16_t)((uint32_t)(mm_s2) * 4194u / 8000u))
 #define BEND_LIMIT                                                                               \
     ((uint32_t)cw_robot_settings.lateral_mm_s2 * (cw_robot_settings.track_um / 2000u) * 1024u)

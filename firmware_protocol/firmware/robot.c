@@ -3,6 +3,7 @@
 #include <string.h>
 
 #include "flash.h"
+#include "pulses.h"
 
 #define DT_MAX_US 60000ul
 #define SMOOTHING_US 30000u
@@ -51,6 +52,7 @@ static void forget_mission(cw_robot *robot, uint32_t mission)
 static void motors_off(cw_robot *robot)
 {
     memset(&robot->wheels, 0, sizeof robot->wheels);
+    memset(robot->owed, 0, sizeof robot->owed);
 }
 
 void cw_robot_init(cw_robot *robot)
@@ -307,6 +309,37 @@ static void drive(cw_robot *robot, int32_t ahead_um)
     }
 }
 
+/* What a wheel was ordered in the last cycle and not driven. */
+static void owe(cw_robot *robot)
+{
+    const cw_follower *follower = &robot->follower;
+    int16_t left = (int16_t)(follower->speed - follower->spin - robot->wheels.left);
+    int16_t right = (int16_t)(follower->speed + follower->spin - robot->wheels.right);
+    robot->owed[0] += (int32_t)left * follower->dt_us;
+    robot->owed[1] += (int32_t)right * follower->dt_us;
+}
+
+/* A robot that stops is not kept moving by pulses. */
+static int16_t turned(const cw_robot *robot, uint8_t side, int16_t order, int16_t driven)
+{
+    int16_t wheel = cw_pulsed(order, driven, robot->owed[side], side == 0u);
+    return robot->state == CW_STATE_RUN || wheel == order ? wheel : 0;
+}
+
+static void turn_wheels(cw_robot *robot)
+{
+    const cw_follower *follower = &robot->follower;
+    int16_t left = (int16_t)(follower->speed - follower->spin);
+    int16_t right = (int16_t)(follower->speed + follower->spin);
+    if (robot->state != CW_STATE_RUN) {
+        memset(robot->owed, 0, sizeof robot->owed);
+    }
+    robot->wheels.left = turned(robot, 0, left, robot->wheels.left);
+    robot->wheels.right = turned(robot, 1, right, robot->wheels.right);
+    robot->wheels.powered = left != 0 || right != 0 || robot->state == CW_STATE_RUN ||
+                            robot->state == CW_STATE_HOLD;
+}
+
 void cw_robot_step(cw_robot *robot, uint32_t now_us, const int32_t travel_um[2])
 {
     cw_follower *follower = &robot->follower;
@@ -333,11 +366,9 @@ void cw_robot_step(cw_robot *robot, uint32_t now_us, const int32_t travel_um[2])
     if (robot->state == CW_STATE_ESTOP) {
         return;
     }
+    owe(robot);
     drive(robot, ahead);
-    robot->wheels.left = (int16_t)(follower->speed - follower->spin);
-    robot->wheels.right = (int16_t)(follower->speed + follower->spin);
-    robot->wheels.powered = follower->speed != 0 || follower->spin != 0 ||
-                            robot->state == CW_STATE_RUN || robot->state == CW_STATE_HOLD;
+    turn_wheels(robot);
 }
 
 uint8_t cw_robot_credit(const cw_robot *robot)

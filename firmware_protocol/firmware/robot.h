@@ -63,6 +63,7 @@ typedef struct cw_robot {
     int16_t speed; /* measured */
     int16_t spin;
     cw_wheels wheels; /* what the motors are to do now */
+    int32_t owed[2]; /* what the wheels were ordered and not driven: pulses.h */
     cw_lease lease; /* the last one */
     cw_follower follower;
     cw_estimate estimate;

@@ -12,9 +12,9 @@
 #include CW_SETTINGS_FILE
 #endif
 
-/* Every value > 0. At most: the track 1 m, speed and turning as far as they give the wheels 2 m/s
+/* Every value > 0, but the least speed, which is 0 for wheels that turn however slowly. At most: the track 1 m, speed and turning as far as they give the wheels 2 m/s
  * each, turn acceleration 15 rad/s2, accelerations 8 m/s2, looking ahead 1 m and 0.5 s, deviation
- * 2 m. */
+ * 2 m, the least speed 200 mm/s. */
 typedef struct {
     uint32_t track_um; /* between the wheels */
     uint16_t max_speed_mm_s;
@@ -25,10 +25,11 @@ typedef struct {
     uint16_t lookahead_mm;
     uint16_t lookahead_ms;
     uint16_t max_deviation_mm;
+    uint16_t least_wheel_mm_s; /* the slowest that a wheel at rest is sure to turn */
 } cw_settings;
 
 #ifndef CW_SETTINGS
-#define CW_SETTINGS {120000ul, 500u, 500u, 600u, 2500u, 8000u, 40u, 150u, 150u}
+#define CW_SETTINGS {120000ul, 500u, 500u, 600u, 2500u, 8000u, 40u, 150u, 150u, 10u}
 #endif
 
 /* For a board's port: the line, the encoders, and the wheels' speed at full power. */
@@ -62,6 +63,7 @@ extern const cw_settings cw_robot_settings;
  * 256 times mrad/s it turns at for an eighth of mm/s of spin. */
 #define CW_ANGLE_PER_UM                                                                          \
     ((683565276ul + cw_robot_settings.track_um / 2u) / cw_robot_settings.track_um)
+#define CW_LEAST_WHEEL ((int16_t)(cw_robot_settings.least_wheel_mm_s * 8u))
 #define CW_TURNING_PER_SPIN ((int16_t)(64000000ul / cw_robot_settings.track_um))
 
 #endif

@@ -15,6 +15,7 @@ from typing import Final, NamedTuple
 from firmware_protocol.robot.follower import Follower, Trouble
 from firmware_protocol.robot.pose_estimate import PoseEstimate
 from firmware_protocol.robot.state import TRANSITIONS, RobotEvent, state_after
+from firmware_protocol.robot.wheel_pulses import WheelPulses
 from firmware_protocol.wire.crc import crc32c
 from firmware_protocol.wire.drive_settings import DriveSettings
 from firmware_protocol.wire.fixed_point import clip, scale, wrapped
@@ -76,6 +77,7 @@ class RobotController:
         self.reason = StopReason.BOOTED
         self.estimate = PoseEstimate()
         self.follower = Follower(self.settings)
+        self._pulses = WheelPulses(self.follower.constants.least_wheel)
         self.mission = 0
         self.accept_next = 0
         self.exec_next = 0
@@ -100,6 +102,7 @@ class RobotController:
         """When the last lease was given."""
         self._session_after_estop = False
         self._step_us: int | None = None
+        self._turned_us: int | None = None
         self._wheels_um = (0, 0)
 
     # What the host asks for.
@@ -197,8 +200,13 @@ class RobotController:
         """Wheels to zero at once, latched until :meth:`reset_estop`."""
         self._session_after_estop = False
         self._change(RobotEvent.ESTOP, reason)
-        self.follower.freeze()
+        self.freeze()
         self.wheels = _OFF
+
+    def freeze(self) -> None:
+        """Forget what the wheels were to do: they stand, and it is not caught up on."""
+        self.follower.freeze()
+        self._pulses.forget()
 
     def reset_estop(self) -> CommandResult:
         """Leave ESTOP for IDLE without a mission; only in a session younger than the stop."""
@@ -214,6 +222,11 @@ class RobotController:
 
     def step(self, now_s: float, left_m: float, right_m: float) -> WheelSpeeds:
         """One cycle: the wheels have travelled so far since boot; how fast they should turn."""
+        self.follow(now_s, left_m, right_m)
+        return self.turn_wheels(now_s)
+
+    def follow(self, now_s: float, left_m: float, right_m: float) -> None:
+        """Decide, without the wheels: for whoever learns of several cycles at once."""
         now_us = _us(now_s)
         left = self._travelled(0, left_m)
         right = self._travelled(1, right_m)
@@ -229,7 +242,7 @@ class RobotController:
         self._measure(dt_us, ahead_um, (right - left) >> 1)
         self._watch(now_us)
         if self.state is RobotState.ESTOP:
-            return self.wheels
+            return
         targets, pose = tuple(self._targets), self.estimate.now
         if self.state is RobotState.RUN:
             turning = abs(self._speed) >= TURNING
@@ -240,11 +253,20 @@ class RobotController:
         else:
             step = self.follower.halt(dt_us, pose, targets)
             self._execute(step.executed)
+
+    def turn_wheels(self, now_s: float) -> WheelSpeeds:
+        """What the wheels do from now on, as :meth:`follow` decided."""
+        now_us = _us(now_s)
+        before_us = now_us if self._turned_us is None else self._turned_us
+        self._turned_us = now_us
+        if self.state is RobotState.ESTOP:
+            return self.wheels
         speed, spin = self.follower.speed, self.follower.spin
+        dt_us = max(0, min(CYCLE_MAX_US, now_us - before_us))
+        turn = self._pulses.next if self.state is RobotState.RUN else self._pulses.stop
+        left, right = turn(dt_us, speed - spin, speed + spin)
         powered = bool(speed or spin) or self.state in (RobotState.RUN, RobotState.HOLD)
-        self.wheels = WheelSpeeds(
-            (speed - spin) / EIGHTHS_PER_M, (speed + spin) / EIGHTHS_PER_M, powered
-        )
+        self.wheels = WheelSpeeds(left / EIGHTHS_PER_M, right / EIGHTHS_PER_M, powered)
         return self.wheels
 
     def tick(self, now_s: float) -> None:

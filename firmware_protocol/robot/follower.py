@@ -60,7 +60,6 @@ START_RADIUS: Final = length(20_000)
 the robot stood a moment ago."""
 STOP_TOLERANCE: Final = length(3_000)
 TURNED_TOLERANCE: Final = length(4_500)
-HEADING_TOLERANCE: Final = mrad(6)
 SETTLE_US: Final = 250_000
 STOOD_UM: Final = 1_000
 """A robot that travels further while it settles does not stand: 4 mm/s. One late step of both
@@ -303,7 +302,7 @@ class Follower:
 
     def _align(self, pose: RobotPose, ahead_um: int | None, target: Target, sight: Sight) -> None:
         off = angle_of(target.heading) - (pose.heading >> 16) & 0xFFFF
-        if aside(off) > HEADING_TOLERANCE:
+        if aside(off) > self.constants.heading_tolerance:
             self._still_us = 0
             self._turn_towards(off)
         elif self._has_settled(ahead_um, target, sight, TURNED_TOLERANCE):

@@ -5,17 +5,31 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Final, NamedTuple, Self
 
+from firmware_protocol.wire.fixed_point import mrad
+
 WHEEL_MAX_MM_S: Final = 2_000
 """Of speed and of turning, each: their eighths of mm/s fit 16 bits together."""
+
+LEAST_WHEEL_MAX_MM_S: Final = 200
+"""Wheels that do not turn below this cannot bring a robot to a place."""
+PULSE_US: Final = 25_000
+"""A wheel that is to turn more slowly than it can owes this much at its least speed when a pulse
+begins, and nothing when it ends: so a pulse lasts three cycles, in which a wheel breaks loose."""
+HEADING_TOLERANCE: Final = mrad(6)
+AIM_MS: Final = 15
+"""Half of a pulse of three cycles. A heading that is nearer than half a pulse of one wheel is the
+nearest that there is."""
 
 
 @dataclass(frozen=True, slots=True)
 class DriveSettings:
     """What the robot is and can do.
 
-    Every value > 0. The firmware computes with a track up to 1 m, a speed up to 2 m/s, turning
+    Every value > 0, but for ``least_wheel_m_s``, which may be 0: its wheels turn however slowly
+    they are ordered to. The firmware computes with a track up to 1 m, a speed up to 2 m/s, turning
     that gives the wheels no more than 2 m/s, 15 rad/s2, 8 m/s2, looking ahead by 1 m and 0.5 s,
-    and a deviation up to 2 m, and keeps to these where more is asked for.
+    a deviation up to 2 m, and a least speed up to 0.2 m/s, and keeps to these where more is asked
+    for.
     """
 
     track_m: float = 0.12
@@ -27,6 +41,10 @@ class DriveSettings:
     lookahead_m: float = 0.04
     lookahead_s: float = 0.15
     max_deviation_m: float = 0.15
+    least_wheel_m_s: float = 0.01
+    """The slowest that a wheel at rest is sure to turn; what is slower is driven in pulses of it.
+    No robot is driven straight more slowly than 10 mm/s (``CRAWL``), and pulses of that turn one
+    whose wheels are 120 mm apart by half of what its heading may be off: so it costs nothing."""
 
     def whole_numbers(self) -> tuple[int, ...]:
         """``cw_settings`` of the firmware: um, then mm, mrad and ms, each in its range."""
@@ -41,7 +59,9 @@ class DriveSettings:
             (self.lookahead_s, 500),
             (self.max_deviation_m, 2_000),
         )
-        return track_um, *(max(1, min(most, round(value * 1e3))) for value, most in thousandths)
+        least_mm_s = max(0, min(LEAST_WHEEL_MAX_MM_S, round(self.least_wheel_m_s * 1e3)))
+        others = (max(1, min(most, round(value * 1e3))) for value, most in thousandths)
+        return track_um, *others, least_mm_s
 
 
 class DriveConstants(NamedTuple):
@@ -68,15 +88,20 @@ class DriveConstants(NamedTuple):
     """Turned for a micrometre that the wheels differ by."""
     turning_per_spin: int
     """256 times mrad/s for an eighth of mm/s of spin."""
+    least_wheel: int
+    """What is slower is driven in pulses of this."""
+    heading_tolerance: int
+    """How far from the heading that is asked for the robot may stand, 2**16 a turn."""
 
     @classmethod
     def of(cls, settings: DriveSettings) -> Self:
         """From SI units, by way of the firmware's own settings."""
         numbers = settings.whole_numbers()
         track_um, speed, acceleration, lateral, turn, turn_acceleration = numbers[:6]
-        lookahead_mm, lookahead_ms, deviation_mm = numbers[6:]
+        lookahead_mm, lookahead_ms, deviation_mm, least_mm_s = numbers[6:]
         hundredths = track_um // 100
         spin_brake = turn_acceleration * hundredths // 20_000
+        angle_per_um = (683_565_276 + track_um // 2) // track_um
         return cls(
             track=track_um // 64,
             max_speed_mm_s=speed,
@@ -91,6 +116,8 @@ class DriveConstants(NamedTuple):
             lookahead=lookahead_mm * 1000 // 64,
             lookahead_ms=lookahead_ms,
             max_deviation=deviation_mm * 1000 // 64,
-            angle_per_um=(683_565_276 + track_um // 2) // track_um,
+            angle_per_um=angle_per_um,
             turning_per_spin=64_000_000 // track_um,
+            least_wheel=least_mm_s * 8,
+            heading_tolerance=max(HEADING_TOLERANCE, least_mm_s * AIM_MS * angle_per_um >> 16),
         )

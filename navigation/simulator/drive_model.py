@@ -1,5 +1,7 @@
 """How a differential-drive robot really moves: slow motors, wrong wheels, slip, coarse encoders.
 
+Wheels do not turn however slowly they are ordered to: an order in the dead zone does nothing, one
+that sets out from rest has to overcome the stiction too, and orders may go in steps only.
 The motors' controller regulates what the encoders measure; the wheels' true radii, and slip,
 decide what becomes of it on the floor. Metres, radians, seconds; the random generator is
 passed in.
@@ -9,11 +11,17 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from typing import NamedTuple
+from typing import Final, NamedTuple
 
 import numpy as np
 
 from firmware_protocol.robot.controller import WheelSpeeds
+
+AT_REST_M_S: Final = 0.001
+"""A slower wheel sticks: it has to break loose again."""
+STANDS_M_S: Final = 1e-5
+ROUNDING: Final = 1e-9
+"""An order of a whole number of steps is that many, whatever its last bit says."""
 
 
 class TruePose(NamedTuple):
@@ -29,7 +37,10 @@ class DriveModel:
     """The robot's body. ``*_scale`` is the true radius of a wheel over the nominal one.
 
     ``slip`` is the standard deviation of the part of each wheel's travel that is lost or
-    gained, changing over about ``slip_time_s``; ``ticks_per_m`` is the encoders' resolution.
+    gained, changing over about ``slip_time_s``; ``ticks_per_m`` is the encoders' resolution. A
+    wheel that turns stops at orders below ``dead_zone_m_s``, and one at rest stays there up to an
+    order that is larger by the part ``stiction``. Orders are rounded towards zero to whole
+    ``step_m_s``; 0: to none.
     """
 
     track_m: float = 0.12
@@ -40,6 +51,18 @@ class DriveModel:
     slip_time_s: float = 0.3
     ticks_per_m: float = 4000.0
     max_wheel_m_s: float = 0.8
+    dead_zone_m_s: float = 0.005
+    stiction: float = 0.2
+    step_m_s: float = 0.0
+
+    def driven(self, order_m_s: float, *, at_rest: bool) -> float:
+        """The speed that an order makes a wheel aim at."""
+        size = min(self.max_wheel_m_s, abs(order_m_s))
+        if self.step_m_s > 0.0:
+            size = math.floor(size / self.step_m_s + ROUNDING) * self.step_m_s
+        if size < self.dead_zone_m_s * (1.0 + self.stiction if at_rest else 1.0):
+            return 0.0
+        return math.copysign(size, order_m_s)
 
 
 class Drive:
@@ -67,7 +90,7 @@ class Drive:
     @property
     def moving(self) -> bool:
         """Whether a wheel turns faster than 1 mm/s."""
-        return max(abs(self._speed[0]), abs(self._speed[1])) > 0.001
+        return max(abs(self._speed[0]), abs(self._speed[1])) > AT_REST_M_S
 
     def step(self, dt_s: float, wanted: WheelSpeeds) -> None:
         """Move for ``dt_s`` while the motors are told ``wanted``."""
@@ -78,10 +101,10 @@ class Drive:
         ground = [0.0, 0.0]
         powered = wanted.powered and self.has_power
         for side, scale in enumerate((model.left_scale, model.right_scale)):
-            limit = model.max_wheel_m_s
-            target = max(-limit, min(limit, wanted[side])) if powered else 0.0
+            at_rest = abs(self._speed[side]) < AT_REST_M_S
+            target = model.driven(wanted[side], at_rest=at_rest) if powered else 0.0
             self._speed[side] += blend * (target - self._speed[side])
-            if abs(self._speed[side]) < 1e-5:
+            if abs(self._speed[side]) < STANDS_M_S:
                 self._speed[side] = 0.0
                 continue
             self._slip[side] = keep * self._slip[side] + kick * float(self._rng.standard_normal())

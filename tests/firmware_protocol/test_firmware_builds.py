@@ -35,8 +35,8 @@ def test_the_default_settings_are_those_of_the_python_robot() -> None:
 
 
 def test_the_firmware_keeps_to_the_ranges_it_can_compute_with() -> None:
-    greedy = DriveSettings(3.0, 99.0, 99.0, 99.0, 99.0, 99.0, 99.0, 99.0, 99.0).whole_numbers()
-    assert greedy == (1_000_000, 2000, 8000, 8000, 4000, 15_000, 1000, 500, 2000)
+    greedy = DriveSettings(3.0, *[99.0] * 9).whole_numbers()
+    assert greedy == (1_000_000, 2000, 8000, 8000, 4000, 15_000, 1000, 500, 2000, 200)
 
 
 @needs_avr

@@ -14,9 +14,9 @@ from .wire import HEADING_FREE, get_i16, get_place, get_u16
 
 TRACK, TURN, SETTLE, DOCK, ALIGN, DWELL = 0, 1, 2, 3, 4, 5
 NO_TROUBLE, OFF_PATH, STUCK = 0, 1, 2
-# angles of 2^16 a turn: 0.8, 0.2, 0.04, 0.006, 0.15, 0.03 rad
+# angles of 2^16 a turn: 0.8, 0.2, 0.04, 0.15, 0.03 rad
 TURN_ENTER, TURN_STANDING, TURN_EXIT = 8344, 2086, 417
-HEADING_TOLERANCE, DOCK_BEARING, TURNED = 62, 1564, 312
+DOCK_BEARING, TURNED = 1564, 312
 STANDING, CRAWL, DOCK_SPEED = 160, 80, 480
 PASS_RADIUS, START_RADIUS = 5000 // 64, 20000 // 64
 STOP_TOLERANCE, TURNED_TOLERANCE = 3000 // 64, 4500 // 64
@@ -374,7 +374,7 @@ class Follower:
                 self._leave(at)
         elif self.phase == ALIGN:
             off = heading_of(data, at + 8) - self._pose[TOP] & 0xFFFF
-            if aside(off) > HEADING_TOLERANCE:
+            if aside(off) > self._set.heading_tolerance:
                 self._still_us = 0
                 self._turn_towards(off)
             elif self._has_settled(ahead_um, at, TURNED_TOLERANCE):

@@ -10,6 +10,7 @@ from .estimate import TIME, Estimate
 from .fixed import clip, part
 from .follower import CLEARLY, NO_TROUBLE, STUCK, Follower, smooth
 from .native import micropython
+from .pulses import pulsed
 from .settings import Settings
 from .waypoints import QUEUE_SIZE, Queue
 from .wire import WAYPOINT_BYTES, check_bytes, get_time, get_u16
@@ -56,6 +57,9 @@ class Robot:
         self.numbers = array("H", bytes(20))
         """Mission, accepted, executed, and the CRC of both: halves, the lower first."""
         self._turning_per_spin = settings.turning_per_spin
+        self._least_wheel = settings.least_wheel
+        self._owed = array("i", (0, 0))
+        """What the wheels were ordered and not driven."""
         self._ended = False
         self._session_after_estop = False
         self._stepped = False
@@ -248,6 +252,7 @@ class Robot:
         self.follower.spin = 0
         self.left = 0
         self.right = 0
+        self._owed[0] = self._owed[1] = 0
         self.powered = False
 
     @micropython.native
@@ -306,6 +311,9 @@ class Robot:
         self.tick(now_us)
         if self.state == ESTOP:
             return
+        owed = self._owed
+        owed[0] += (follower.speed - follower.spin - self.left) * dt_us
+        owed[1] += (follower.speed + follower.spin - self.right) * dt_us
         if self.state == RUN:
             if abs(self.speed) >= TURNING:
                 ahead = CLEARLY
@@ -314,10 +322,18 @@ class Robot:
                 self._halt(STUCK_REASON if follower.trouble == STUCK else OFF_PATH)
         else:
             self._execute(follower.halt())
-        self.left = follower.speed - follower.spin
-        self.right = follower.speed + follower.spin
+        if self.state != RUN:
+            owed[0] = owed[1] = 0
+        self.left = self._turned(follower.speed - follower.spin, self.left, owed[0], True)
+        self.right = self._turned(follower.speed + follower.spin, self.right, owed[1], False)
         moves = follower.speed != 0 or follower.spin != 0
         self.powered = moves or self.state == RUN or self.state == HOLD
+
+    @micropython.native
+    def _turned(self, order: int, driven: int, owed: int, ahead: bool) -> int:
+        """What a wheel is driven at; a robot that stops is not kept moving by pulses."""
+        wheel = pulsed(self._least_wheel, order, driven, owed, ahead)
+        return wheel if self.state == RUN or wheel == order else 0
 
     # what STATUS reports
 

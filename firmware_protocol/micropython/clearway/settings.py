@@ -1,5 +1,9 @@
 """What the robot is and can do, and what follows from it for the follower."""
 
+HEADING_TOLERANCE = 62
+"""6 mrad, 2^16 a turn."""
+AIM_MS = 15
+
 
 class Settings:
     """The same numbers, units and limits as ``settings.h``."""
@@ -15,6 +19,7 @@ class Settings:
         lookahead_mm: int = 40,
         lookahead_ms: int = 150,
         max_deviation_mm: int = 150,
+        least_wheel_mm_s: int = 10,
     ) -> None:
         hundredths = track_um // 100
         self.track_um = track_um
@@ -33,3 +38,7 @@ class Settings:
         self.bend_limit = lateral_mm_s2 * (track_um // 2000)
         """In 1024."""
         self.turning_per_spin = 64000000 // track_um
+        self.least_wheel = least_wheel_mm_s * 8
+        angle_per_um = (683565276 + track_um // 2) // track_um
+        half_a_pulse = least_wheel_mm_s * AIM_MS * angle_per_um >> 16
+        self.heading_tolerance = max(HEADING_TOLERANCE, half_a_pulse)

@@ -165,7 +165,8 @@ class DrivenRobot:
             moves = (heard.left_m - self._given[0], heard.right_m - self._given[1])
             parts = max(left, *(abs(move) / most_m for move in moves))
             self._given = (self._given[0] + moves[0] / parts, self._given[1] + moves[1] / parts)
-            self.controller.step(now_s - (left - 1) * since_s / count, *self._given)
+            self.controller.follow(now_s - (left - 1) * since_s / count, *self._given)
+        self.controller.turn_wheels(now_s)
         self._stepped_s, self._report_s = now_s, heard.odometry_s
 
     def _is_time_for_a_step(self, now_s: float) -> bool:
@@ -180,7 +181,7 @@ class DrivenRobot:
         control = self.controller
         if control.state is RobotState.RUN:
             control.pause()
-        control.follower.freeze()
+        control.freeze()
         control.wheels = control.wheels._replace(left_m_s=0.0, right_m_s=0.0, powered=False)
         self.driver.drive(0.0, 0.0)
 

@@ -17,12 +17,13 @@ from firmware_protocol.micropython.clearway import fixed, link, wire
 from firmware_protocol.robot.connection import Identity
 from firmware_protocol.wire import fixed_point
 from firmware_protocol.wire.crc import crc32c
+from firmware_protocol.wire.drive_settings import DriveSettings
 from firmware_protocol.wire.messages import ESTOP_FRAME, ResetEstop, RobotState
 from tests.firmware_protocol.test_c_firmware import random_deed
 from tests.support.robots.c_robot import missing_tool
 from tests.support.robots.micropython_interpreter import interpreter
 from tests.support.robots.micropython_robot import MicroRobot, Process, in_this_process
-from tests.support.robots.robot_pair import Pair
+from tests.support.robots.robot_pair import IDENTITY, Pair
 from tests.support.wire.fault_scenarios import SCENARIOS, robot_maker
 
 needs_micropython = pytest.mark.skipif(
@@ -43,8 +44,11 @@ class MicroPair(Pair):
     """The Python twin and the MicroPython robot."""
 
     def __init__(self, commands: object) -> None:
-        super().__init__()
-        self.c = MicroRobot(commands, Identity(boot_id=0xCAFE))  # type: ignore[arg-type, assignment]
+        self._commands = commands
+        super().__init__(DriveSettings(least_wheel_m_s=0.03))
+
+    def other(self) -> MicroRobot:  # type: ignore[override]
+        return MicroRobot(self._commands, IDENTITY, self.settings)  # type: ignore[arg-type]
 
 
 def compare(pair: MicroPair, seed: int, deeds: int) -> int:

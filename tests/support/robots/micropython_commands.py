@@ -6,7 +6,7 @@ A command is a letter, the time (u32 microseconds), a length (u16) and so many b
 a length (u16) and bytes. Under MicroPython every call of the robot runs with the heap locked, so
 that one that allocates ends with an exception. Numbers are little-endian.
 
-I  boot id, reset cause, schema, nine settings: a robot that has just started
+I  boot id, reset cause, schema, ten settings: a robot that has just started
 R  bytes of the line        F  -> the frame that is due        S  left and right travel (i32, um)
 T  a tick                   E  reason: an emergency stop       V  -> its state, as VIEW says
 M  -> bytes of the heap in use, after a collection; calls of S, their total and longest time (us)
@@ -18,7 +18,7 @@ import sys
 import time
 
 ticks_us = getattr(time, "ticks_us", lambda: 0)
-SETTINGS = "<IBII8H"
+SETTINGS = "<IBII9H"
 VIEW = "<10Hiihh3H7B"
 TIME = 0x3FFFFFFF
 

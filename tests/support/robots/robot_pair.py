@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from firmware_protocol.robot.connection import Identity, RobotConnection
 from firmware_protocol.robot.controller import RobotController
+from firmware_protocol.wire.drive_settings import DriveSettings
 from firmware_protocol.wire.framing import Frame, FrameParser, Sender, encode_frame
 from firmware_protocol.wire.messages import (
     RELIABLE,
@@ -18,17 +19,23 @@ from tests.support.robots.c_robot import CRobot
 TICK_S = 0.000998
 """No multiple of it is a limit of the protocol: float and integer clocks agree."""
 
+IDENTITY = Identity(boot_id=0xCAFE)
+
 
 class Pair:
     """Both robots, fed with the same bytes at the same times."""
 
-    def __init__(self) -> None:
-        identity = Identity(boot_id=0xCAFE)
-        self.python = RobotConnection(identity, RobotController())
-        self.c = CRobot(identity)
+    def __init__(self, settings: DriveSettings | None = None) -> None:
+        self.settings = settings or DriveSettings()
+        self.python = RobotConnection(IDENTITY, RobotController(self.settings))
+        self.c = self.other()
         self.ticks = 5000
         self.wheels_m = [0.0, 0.0]
         self.session, self.sequence = 0, 0
+
+    def other(self) -> CRobot:
+        """The robot that is compared."""
+        return CRobot(IDENTITY, self.settings)
 
     @property
     def now_s(self) -> float:
@@ -82,6 +89,7 @@ class Pair:
         left, right = (round(m * 1e6) / 1e6 for m in self.wheels_m)
         self.python.controller.step(self.now_s, left, right)
         self.c.controller.step(self.now_s, left, right)
+        assert self.c.controller.wheels == self.python.controller.wheels
 
     def compare(self) -> None:
         while True:

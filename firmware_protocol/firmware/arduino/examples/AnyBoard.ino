@@ -11,7 +11,7 @@ const cw_arduino_board cw_robot_board = {
 // What this robot is and can do: the wheels' distance in um, then highest speed (mm/s),
 // acceleration (mm/s2), acceleration in bends (mm/s2), turning (mrad/s), turn acceleration
 // (mrad/s2), and how it follows: look ahead by mm and ms, hold beyond mm beside the line.
-const cw_settings cw_robot_settings = {120000ul, 500, 500, 600, 2500, 8000, 40, 150, 150};
+const cw_settings cw_robot_settings = {120000ul, 500, 500, 600, 2500, 8000, 40, 150, 150, 10};
 
 void setup()
 {
