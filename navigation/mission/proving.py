@@ -7,12 +7,17 @@ Metres, radians, seconds.
 from __future__ import annotations
 
 import math
-from typing import NamedTuple
+from typing import Final, NamedTuple
 
 from navigation.mission.cycle import RobotReport, Sight
 from navigation.mission.mission import Event
 from navigation.mission.targets import Target
 from navigation.mission.trust import NEAR_M, Proof, Trust, Verdict
+from navigation.witness import Evidence
+
+LATE_S: Final = 1.0
+"""A turn that pictures show later than this is not told from one that the wheels did not make; what
+is less late is found to be so meanwhile, and said."""
 
 
 class ProofStep(NamedTuple):
@@ -36,6 +41,8 @@ class Proving:
     def __init__(self, trust: Trust) -> None:
         self._trust = trust
         self._proof: Proof | None = None
+        self._stood_s = self._asked_s = -math.inf
+        """Since when the wheels stand, and when that was looked at last."""
 
     def begin(
         self, now_s: float, mission_id: int, sight: Sight, robot: RobotReport, *, turns: bool
@@ -46,7 +53,9 @@ class Proving:
         where its wheels brought it.
         """
         trust, evidence = self._trust, sight.evidence
-        if sight.pose is None or robot.place_m is None or not evidence.wheels_stand:
+        if not self._pictures_have_caught_up(now_s, evidence):
+            return _NOTHING
+        if sight.pose is None or robot.place_m is None:
             return _NOTHING
         stop = trust.moved(evidence)
         if stop is not None:
@@ -62,6 +71,13 @@ class Proving:
             f"{trust.why}: the robot turns a little to prove itself",
             targets=trust.turn(robot.place_m, sight.pose[2]),
         )
+
+    def _pictures_have_caught_up(self, now_s: float, evidence: Evidence) -> bool:
+        """True if the wheels have stood for so long that pictures show them so."""
+        if not evidence.wheels_stand or now_s - self._asked_s > LATE_S:
+            self._stood_s = now_s
+        self._asked_s = now_s
+        return now_s - self._stood_s >= LATE_S
 
     def judge(self, now_s: float, sight: Sight, robot: RobotReport) -> ProofStep:
         """What the turn under way has shown by now."""
