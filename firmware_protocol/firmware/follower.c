@@ -7,7 +7,7 @@
 #define TURN_ENTER CW_MRAD(800)
 #define TURN_STANDING CW_MRAD(200)
 #define TURN_EXIT CW_MRAD(40)
-#define AIM_MS 15u
+#define AIM_MS 16u
 #define DOCK_BEARING CW_MRAD(150)
 #define STANDING (20 * 8)
 #define CRAWL (10 * 8)
@@ -15,8 +15,8 @@
 #define LENGTH(um) ((um) / 64)
 #define PASS_RADIUS LENGTH(5000)
 #define START_RADIUS LENGTH(20000)
-#define STOP_TOLERANCE LENGTH(3000)
-#define TURNED_TOLERANCE LENGTH(4500)
+#define STOP_TOLERANCE LENGTH(2000)
+#define TURNED_TOLERANCE LENGTH(3000)
 #define SIDEWAYS LENGTH(900)
 #define DOCKED LENGTH(700)
 #define SHORT LENGTH(1000)  /* a line shorter than this has no direction */

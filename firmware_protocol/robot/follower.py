@@ -58,8 +58,8 @@ PASS_RADIUS: Final = length(5_000)
 START_RADIUS: Final = length(20_000)
 """The first waypoint after START counts as passed within this distance: a plan begins where
 the robot stood a moment ago."""
-STOP_TOLERANCE: Final = length(3_000)
-TURNED_TOLERANCE: Final = length(4_500)
+STOP_TOLERANCE: Final = length(2_000)
+TURNED_TOLERANCE: Final = length(3_000)
 SETTLE_US: Final = 250_000
 STOOD_UM: Final = 1_000
 """A robot that travels further while it settles does not stand: 4 mm/s. One late step of both

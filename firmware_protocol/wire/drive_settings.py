@@ -16,9 +16,9 @@ PULSE_US: Final = 25_000
 """A wheel that is to turn more slowly than it can owes this much at its least speed when a pulse
 begins, and nothing when it ends: so a pulse lasts three cycles, in which a wheel breaks loose."""
 HEADING_TOLERANCE: Final = mrad(6)
-AIM_MS: Final = 15
-"""Half of a pulse of three cycles. A heading that is nearer than half a pulse of one wheel is the
-nearest that there is."""
+AIM_MS: Final = 16
+"""A little more than half of a pulse of three cycles. A heading that is nearer than half a pulse of
+one wheel is the nearest that there is."""
 
 
 @dataclass(frozen=True, slots=True)

@@ -2,7 +2,7 @@
 
 HEADING_TOLERANCE = 62
 """6 mrad, 2^16 a turn."""
-AIM_MS = 15
+AIM_MS = 16
 
 
 class Settings:

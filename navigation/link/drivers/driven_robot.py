@@ -118,7 +118,7 @@ class DrivenRobot:
         if self._is_time_for_a_step(now_s):
             self._step(now_s)
         control.tick(now_s)
-        wheels = control.wheels
+        wheels = control.turn_wheels(now_s)
         if wheels.powered:
             self.driver.drive(*self._bent_alike(wheels.left_m_s, wheels.right_m_s))
         else:
@@ -166,7 +166,6 @@ class DrivenRobot:
             parts = max(left, *(abs(move) / most_m for move in moves))
             self._given = (self._given[0] + moves[0] / parts, self._given[1] + moves[1] / parts)
             self.controller.follow(now_s - (left - 1) * since_s / count, *self._given)
-        self.controller.turn_wheels(now_s)
         self._stepped_s, self._report_s = now_s, heard.odometry_s
 
     def _is_time_for_a_step(self, now_s: float) -> bool:

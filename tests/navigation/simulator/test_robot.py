@@ -59,6 +59,24 @@ def test_encoders_count_whole_ticks_of_the_nominal_wheel() -> None:
     assert (left * 1000.0) % 1.0 == pytest.approx(0.0, abs=1e-6)
 
 
+def test_a_wheel_in_its_dead_zone_stands_and_one_at_rest_has_to_break_loose() -> None:
+    model = DriveModel(dead_zone_m_s=0.01, stiction=0.5, slip=0.0)
+    for order, driven in ((0.0099, 0.0), (0.0149, 0.0), (0.0151, 0.0151), (-0.0151, -0.0151)):
+        body = drive(model)
+        push(body, order, order, 2.05)
+        assert body.pose.x_m == pytest.approx(2.0 * driven, abs=1e-4)
+    push(body, -0.0101, -0.0101, 1.0)  # it turns already
+    assert body.moving
+    push(body, -0.0099, -0.0099, 1.0)
+    assert not body.moving
+
+
+def test_orders_in_steps_are_rounded_towards_zero() -> None:
+    model = DriveModel(dead_zone_m_s=0.0, step_m_s=0.1)
+    driven = [model.driven(order, at_rest=False) for order in (0.3, 0.29, -0.29, 0.09)]
+    assert driven == pytest.approx([0.3, 0.2, -0.2, 0.0])
+
+
 def test_motors_without_power_come_to_rest() -> None:
     body = drive(DriveModel())
     push(body, 0.3, 0.3, 1.0)
