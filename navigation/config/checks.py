@@ -58,6 +58,15 @@ def _robot_fits_together(robot: Any) -> _Found:
         yield ("robot", "track_m"), f"must be <= {limit:g}, the body's width, not {robot.track_m:g}"
 
 
+def _wheels_can_crawl(robot: Any) -> _Found:
+    least, limit = robot.least_wheel_m_s, robot.speed_m_s
+    if least is not None and least >= limit:
+        yield (
+            ("robot", "least_wheel_m_s"),
+            f"must be < {limit:g}, robot.speed_m_s, not {least:g}",
+        )
+
+
 def _driver_can_drive_it(robot: Any, serial: Any) -> _Found:
     """What its maker says of the robot, compared with what is asked of it."""
     models = () if robot.driver == CLEARWAY else KNOWN_ROBOTS[robot.driver].models
@@ -332,6 +341,7 @@ CHECKS: tuple[tuple[tuple[str, ...], Callable[..., _Found]], ...] = (
     (("cameras", "simulation"), camera_checks.simulated_cameras_are_known),
     (("vision",), _fixed_has_a_threshold),
     (("robot",), _robot_fits_together),
+    (("robot",), _wheels_can_crawl),
     (("robot", "serial"), _driver_can_drive_it),
     (("robot", "robots", "other_robots"), _robots_differ),
     (("robot", "other_robots"), _dictionary_holds_the_markers),

@@ -13,6 +13,7 @@ from navigation.config.values import (
     DriverUnits,
     ExposureTime,
     Kelvin,
+    LeastWheelSpeed,
     Length,
     Name,
     NeighbourFile,
@@ -44,6 +45,9 @@ class RobotEntry(Section):
     acceleration_m_s2: Rate | None = Field(default=None, description="highest acceleration")
     angular_rate_rad_s: Rate | None = Field(default=None, description="highest turning rate")
     track_m: Length | None = Field(default=None, description="distance between the driven wheels")
+    least_wheel_m_s: LeastWheelSpeed | None = Field(
+        default=None, description="the slowest that a wheel at rest is sure to turn"
+    )
 
 
 class RobotMissionSection(Section):

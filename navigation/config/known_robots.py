@@ -17,6 +17,10 @@ ModelName: TypeAlias = Literal["ugv01", "ugv_rover", "rasp_rover"]
 CLEARWAY: Final = "clearway"
 """The driver of robots with our own firmware, which need none."""
 
+OWN_LEAST_WHEEL_M_S: Final = 0.01
+"""Below which wheels are driven in pulses where nobody has said otherwise: small motors stand up to
+5 mm/s or so, and pulses of twice that cost no accuracy (`DriveSettings`)."""
+
 
 @dataclass(frozen=True, slots=True)
 class KnownRobot:
@@ -28,6 +32,7 @@ class KnownRobot:
     reports speeds. ``watchdog_s``: its own motors stop so long after the last order, None where
     they never do. ``help`` is what to look at when it does not answer. ``models``: which of the
     maker's robots `robot.model` may name, the first if it is empty; none where the robot says it.
+    ``least_wheel_m_s`` is as in `robot.least_wheel_m_s`.
     """
 
     title: str
@@ -46,6 +51,7 @@ class KnownRobot:
     watchdog_s: float | None
     help: str
     models: tuple[ModelName, ...] = ()
+    least_wheel_m_s: float = OWN_LEAST_WHEEL_M_S
 
 
 KNOWN_ROBOTS: Final[Mapping[str, KnownRobot]] = {
@@ -64,6 +70,7 @@ KNOWN_ROBOTS: Final[Mapping[str, KnownRobot]] = {
         metres_per_count=3.14159265 * 0.072 / 508.8,
         watchdog_s=None,
         help="press CLEAN to wake it, and look at the cable",
+        least_wheel_m_s=0.0,  # `Create2Wheel` shares out the steps that its wheels have
     ),
     "turtlebot3": KnownRobot(
         title="TurtleBot3",
@@ -80,6 +87,7 @@ KNOWN_ROBOTS: Final[Mapping[str, KnownRobot]] = {
         metres_per_count=2 * 3.14159265 * 0.033 / 4_096,
         watchdog_s=0.5,
         help="is its battery switched on, and the OpenCR board plugged in by USB?",
+        least_wheel_m_s=0.02,  # of one wheel alone is a linear speed of 1 cm/s, a whole step
     ),
     "epuck2": KnownRobot(
         title="e-puck2",
@@ -116,3 +124,10 @@ KNOWN_ROBOTS: Final[Mapping[str, KnownRobot]] = {
     ),
 }
 """By the name in `robot.driver`."""
+
+
+def least_wheel_m_s(driver: DriverName, chosen_m_s: float | None) -> float:
+    """`robot.least_wheel_m_s`, the robot's own where it is empty."""
+    if chosen_m_s is not None:
+        return chosen_m_s
+    return OWN_LEAST_WHEEL_M_S if driver == CLEARWAY else KNOWN_ROBOTS[driver].least_wheel_m_s

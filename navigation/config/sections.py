@@ -15,7 +15,7 @@ from pydantic import Field, StrictBool
 
 from navigation.config.dashboard import DashboardSection
 from navigation.config.entries import CameraEntry, RobotEntry, RobotMissionSection
-from navigation.config.known_robots import DriverName, ModelName
+from navigation.config.known_robots import OWN_LEAST_WHEEL_M_S, DriverName, ModelName
 from navigation.config.simulation import SimulationSection
 from navigation.config.values import (
     MOST_CAMERAS,
@@ -30,6 +30,7 @@ from navigation.config.values import (
     Fine,
     Fraction,
     Kelvin,
+    LeastWheelSpeed,
     Length,
     NeighbourFile,
     NotNegative,
@@ -167,6 +168,12 @@ class RobotSection(MarkerSection):
         default=6.0, description="highest turning acceleration"
     )
     track_m: Length = Field(default=0.12, description="distance between the driven wheels")
+    least_wheel_m_s: LeastWheelSpeed | None = Field(
+        default=None,
+        description="the slowest that a wheel at rest is sure to turn, measured on the floor: what "
+        "is slower is driven in pulses of it; 0: wheels turn however slowly they are ordered to; "
+        f"empty: {OWN_LEAST_WHEEL_M_S:g}, or what the driver's robot needs",
+    )
     turns_on_spot: StrictBool = Field(
         default=True, description="whether it can turn without driving"
     )

@@ -150,6 +150,17 @@ class SimulatedRobotSection(Section):
         default=4000.0, description="resolution of the encoders"
     )
     wheel_speed_m_s: Rate = Field(default=0.8, description="highest speed of a wheel")
+    dead_zone_m_s: Annotated[NotNegative, Field(le=1)] = Field(
+        default=0.005, description="a wheel that turns stops at slower orders"
+    )
+    stiction: Annotated[NotNegative, Field(le=10)] = Field(
+        default=0.2,
+        description="a wheel at rest needs an order that is larger than the dead zone by this part",
+    )
+    speed_step_m_s: Annotated[NotNegative, Field(le=1)] = Field(
+        default=0.0,
+        description="orders are rounded towards zero to whole steps of this; 0: to none",
+    )
     faults: str = Field(
         default="", description="faults of the line, as in `clearway robot --faults`"
     )

@@ -54,6 +54,8 @@ Fine = Annotated[Positive, Field(le=10), _from(1e-6)]
 """A small length: what a pixel shows of the floor, how far a chord may leave its path."""
 Rate = Annotated[Positive, Field(le=1000), _from(0.001)]
 """A speed, an acceleration or a frequency that is divided by."""
+LeastWheelSpeed = Annotated[NotNegative, Field(le=0.2)]
+"""As fast as the firmware's pulses may be (`LEAST_WHEEL_MAX_MM_S`)."""
 Fraction = Annotated[float, Field(strict=True, allow_inf_nan=False, ge=0, lt=1)]
 RelativeError = Annotated[float, Field(strict=True, allow_inf_nan=False, gt=-0.5, lt=0.5)]
 

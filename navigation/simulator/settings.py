@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from firmware_protocol.wire.drive_settings import DriveSettings
 from navigation.config import Config
+from navigation.config.known_robots import least_wheel_m_s
 from navigation.simulator.drive_model import DriveModel, TruePose
 from navigation.simulator.line_faults import FaultSpec
 
@@ -22,6 +23,9 @@ def drive_model_of(config: Config) -> DriveModel:
         slip=errors.slip,
         ticks_per_m=errors.encoder_ticks_per_m,
         max_wheel_m_s=errors.wheel_speed_m_s,
+        dead_zone_m_s=errors.dead_zone_m_s,
+        stiction=errors.stiction,
+        step_m_s=errors.speed_step_m_s,
     )
 
 
@@ -35,6 +39,7 @@ def drive_settings_of(config: Config) -> DriveSettings:
         lateral_m_s2=robot.lateral_acceleration_m_s2,
         max_turn_rad_s=robot.angular_rate_rad_s,
         turn_acceleration_rad_s2=robot.angular_acceleration_rad_s2,
+        least_wheel_m_s=least_wheel_m_s(robot.driver, robot.least_wheel_m_s),
     )
 
 

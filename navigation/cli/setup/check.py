@@ -12,7 +12,7 @@ import click
 
 from navigation.config import Config, load_config
 from navigation.config.errors import ConfigError, Problem, in_order, mark_of
-from navigation.config.known_robots import CLEARWAY, KNOWN_ROBOTS, KnownRobot
+from navigation.config.known_robots import CLEARWAY, KNOWN_ROBOTS, KnownRobot, least_wheel_m_s
 from navigation.config.load import read_source
 from navigation.config.marks import Location, read_document
 from navigation.config.secrecy.secrets import hide
@@ -238,6 +238,7 @@ def _simulation_problems(config: Config) -> Iterator[tuple[Location, str]]:
         FaultSpec.parse(config.simulation.robot.faults)
     except FaultSpecError as error:
         yield ("simulation", "robot", "faults"), str(error)
+    yield from _wheels_start(config)
     place = "arena" if config.simulation.arena is not None else "arena_text"
     try:
         arena = load_arena(config)
@@ -262,6 +263,21 @@ def _simulation_problems(config: Config) -> Iterator[tuple[Location, str]]:
                 "robot.radius_m + planning.margin_m",
             )
     yield from _places_of_each(config, arena)
+
+
+def _wheels_start(config: Config) -> Iterator[tuple[Location, str]]:
+    """A simulated wheel that no pulse sets turning never comes to its target."""
+    assert config.simulation is not None
+    robot, wheels = config.robot, config.simulation.robot
+    starts_m_s = wheels.dead_zone_m_s * (1.0 + wheels.stiction)
+    least = least_wheel_m_s(robot.driver, robot.least_wheel_m_s)
+    driver_knows = robot.least_wheel_m_s is None and least == 0.0
+    if least < starts_m_s and not driver_knows:
+        yield (
+            ("robot", "least_wheel_m_s"),
+            f"must be >= {starts_m_s:g}, at which the simulated wheels begin to turn "
+            f"(simulation.robot: dead_zone_m_s and stiction), not {least:g}",
+        )
 
 
 def summary(config: Config) -> Iterator[tuple[str, str]]:

@@ -13,6 +13,7 @@ from navigation.config import Config, ConfigError, load_config
 from navigation.config.known_robots import CLEARWAY, KNOWN_ROBOTS
 from navigation.config.load import parse_config
 from navigation.config.reference import starter_yaml
+from navigation.simulator.settings import drive_settings_of
 
 NAMES = (CLEARWAY, *KNOWN_ROBOTS)
 
@@ -100,3 +101,31 @@ def test_a_robot_without_a_watchdog_is_known_as_one() -> None:
         "create2",
         "epuck2",
     }
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_wheels_are_driven_in_pulses_where_their_driver_does_not_see_to_it(name: str) -> None:
+    chosen = drive_settings_of(loaded(demo_values(name))).least_wheel_m_s
+    assert chosen == {"create2": 0.0, "turtlebot3": 0.02}.get(name, 0.01)
+    values = demo_values(name)
+    values["robot"]["least_wheel_m_s"] = 0.04
+    assert drive_settings_of(loaded(values)).least_wheel_m_s == 0.04
+
+
+def test_a_least_speed_that_is_the_robot_s_highest_is_refused() -> None:
+    values = demo_values("epuck2")
+    values["robot"]["least_wheel_m_s"] = values["robot"]["speed_m_s"]
+    with pytest.raises(ConfigError, match=r"robot\.least_wheel_m_s: must be < 0\.1"):
+        loaded(values)
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_a_simulated_wheel_that_no_pulse_sets_turning_is_found(name: str) -> None:
+    values = demo_values(name)
+    values["robot"]["least_wheel_m_s"] = 0.02
+    values["simulation"]["robot"] = {"dead_zone_m_s": 0.018, "stiction": 0.2}
+    ((where, told),) = file_problems(loaded(values))
+    assert where == ("robot", "least_wheel_m_s")
+    assert told.startswith("must be >= 0.0216, at which the simulated wheels begin to turn")
+    values["robot"]["least_wheel_m_s"] = 0.022
+    assert list(file_problems(loaded(values))) == []

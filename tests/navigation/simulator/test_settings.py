@@ -29,6 +29,9 @@ simulation:
     motor_time_s: 0.08
     encoder_ticks_per_m: 1000
     wheel_speed_m_s: 0.6
+    dead_zone_m_s: 0.012
+    stiction: 0.3
+    speed_step_m_s: 0.004
     faults: drop=0.001
 """
 
@@ -44,6 +47,7 @@ def test_the_drive_has_the_configured_errors(config: Config) -> None:
     assert (model.left_scale, model.right_scale) == (1.03, 0.98)
     assert (model.slip, model.lag_s) == (0.04, 0.08)
     assert (model.ticks_per_m, model.max_wheel_m_s) == (1000, 0.6)
+    assert (model.dead_zone_m_s, model.stiction, model.step_m_s) == (0.012, 0.3, 0.004)
 
 
 def test_the_firmware_is_told_the_nominal_robot(config: Config) -> None:

@@ -40,6 +40,7 @@ def settings_of(name: str) -> DriveSettings:
         max_speed_m_s=0.8 * known.speed_m_s,
         max_turn_rad_s=0.4 * known.turn_rad_s,
         turn_acceleration_rad_s2=known.turn_acceleration_rad_s2,
+        least_wheel_m_s=known.least_wheel_m_s,
     )
 
 
@@ -58,6 +59,9 @@ class DrivenBench:
     """Another one than the ordinary of its kind."""
     model: str | None = None
     """As ``robot.model``."""
+    dead_zone_m_s: float = 0.005
+    least_wheel_m_s: float | None = None
+    """As ``robot.least_wheel_m_s``."""
 
     def __post_init__(self) -> None:
         self.speaks = self.speaks or self.driver
@@ -69,13 +73,17 @@ class DrivenBench:
             lag_s=self.lag_s,
             left_scale=1.005,
             slip=self.slip,
+            dead_zone_m_s=self.dead_zone_m_s,
         )
         self.drive = Drive(wheels_of(self.twin, model), TruePose(0.0, 0.0, 0.0), rng)
         self.ticks_per_m = self.twin.body.ticks_per_m
         self.baud = self.baud or self.known.baud
+        settings = replace(settings_of(self.driver), track_m=self.twin.body.track_m)
+        if self.least_wheel_m_s is not None:
+            settings = replace(settings, least_wheel_m_s=self.least_wheel_m_s)
         self.robot = DrivenRobot(
             new_driver(self.driver, self.model),
-            replace(settings_of(self.driver), track_m=self.twin.body.track_m),
+            settings,
             Identity(77),
             PORT,
             self.baud,
