@@ -3,12 +3,14 @@
     python -m benchmarks.robots             whole runs: configs/create2.yaml and so on
     python -m benchmarks.robots --stops     who stops the robot, and after how long
     python -m benchmarks.robots --hung      how far it drives when its driver's process hangs
+    python -m benchmarks.robots --dead      a stop with a heading on wheels with a dead zone
 
 A run takes about forty seconds of real time, a stop about five. ``--only create2`` measures one;
 ``--load 6`` keeps six busy processes beside ``--hung``.
 The times of stops are from the event to wheels at rest, at the robot's ordinary speed, and how far
 it went meanwhile; they hold the robot's braking. How far it drives when its driver hangs is counted
-from the driver's last beat, and may be 0.3 s at its speed and its motors' lag.
+from the driver's last beat, and may be 0.3 s at its speed and its motors' lag. Dead zones are
+measured in virtual time: `benchmarks.dead_zones`.
 """
 
 from __future__ import annotations
@@ -28,6 +30,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from benchmarks.dead_zones import show_dead_zones
 from firmware_protocol.wire.drive_settings import DriveSettings
 from firmware_protocol.wire.messages import Waypoint, WaypointFlag
 from navigation.config.known_robots import CLEARWAY, KNOWN_ROBOTS
@@ -242,9 +245,12 @@ def main() -> None:
     parser.add_argument("--only", choices=[*RUNS], action="append")
     parser.add_argument("--hung", action="store_true")
     parser.add_argument("--load", type=int, default=0, metavar="N", help="busy processes beside")
+    parser.add_argument("--dead", action="store_true")
     options = parser.parse_args()
     names = options.only or [*RUNS]
-    if options.hung:
+    if options.dead:
+        show_dead_zones(names)
+    elif options.hung:
         show_hung([name for name in names if name != CLEARWAY], options.load)
     else:
         (show_stops if options.stops else show_runs)(names)
