@@ -12,12 +12,12 @@ uint32_t cw_size(int32_t a)
     return a < 0 ? 0ul - (uint32_t)a : (uint32_t)a;
 }
 
-uint16_t cw_short_size(int16_t a)
+CW_APART uint16_t cw_short_size(int16_t a)
 {
     return a < 0 ? (uint16_t)(0u - (uint16_t)a) : (uint16_t)a;
 }
 
-int16_t cw_clip(int32_t a, int16_t most)
+CW_APART int16_t cw_clip(int32_t a, int16_t most)
 {
     if (a > most) {
         return most;

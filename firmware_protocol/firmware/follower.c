@@ -2,6 +2,7 @@
 
 #include <string.h>
 
+#include "flash.h"
 #include "wire.h"
 
 #define TURN_ENTER CW_MRAD(800)
@@ -51,7 +52,7 @@ static int16_t length_of(int32_t quarters)
     return cw_clip(quarters >> 4, FAR);
 }
 
-static uint16_t heading_of(const int32_t *pose)
+CW_APART static uint16_t heading_of(const int32_t *pose)
 {
     return (uint16_t)(pose[2] >> 16);
 }
@@ -61,7 +62,7 @@ static uint16_t aside(uint16_t angle)
     return cw_short_size((int16_t)angle);
 }
 
-static void look(cw_follower *follower, const int32_t *pose, const int32_t *at)
+CW_APART static void look(cw_follower *follower, const int32_t *pose, const int32_t *at)
 {
     int32_t vector[2];
     uint16_t bearing;
@@ -110,14 +111,14 @@ static void new_target(cw_follower *follower)
     follower->docking = false;
 }
 
-static void leave(cw_follower *follower, const cw_waypoint *at)
+CW_APART static void leave(cw_follower *follower, const cw_waypoint *at)
 {
     memcpy(follower->from, at->place, sizeof follower->from);
     follower->from_speed_mm_s = at->speed_mm_s;
     new_target(follower);
 }
 
-static void progress(cw_follower *follower, const int32_t *pose)
+CW_APART static void progress(cw_follower *follower, const int32_t *pose)
 {
     follower->progress[0] = (uint16_t)(pose[0] >> 8);
     follower->progress[1] = (uint16_t)(pose[1] >> 8);
@@ -143,10 +144,17 @@ void cw_follower_begin(cw_follower *follower, const int32_t *pose)
 
 /* Speeds. */
 
-static void slew(int16_t *speed, int16_t wanted, uint16_t dt_us, uint16_t per_cycle)
+/* No two speeds differ by more than 16 bits hold. */
+CW_APART static void slew(int16_t *speed, int16_t wanted, uint16_t dt_us, uint16_t per_cycle)
 {
-    *speed = (int16_t)(*speed +
-                       cw_clip((int32_t)wanted - *speed, (int16_t)cw_part(dt_us, per_cycle)));
+    int16_t most = (int16_t)cw_part(dt_us, per_cycle);
+    wanted = (int16_t)(wanted - *speed);
+    if (wanted > most) {
+        wanted = most;
+    } else if (wanted < -most) {
+        wanted = (int16_t)-most;
+    }
+    *speed = (int16_t)(*speed + wanted);
 }
 
 static void slew_speed(cw_follower *follower, int16_t speed)
@@ -186,7 +194,7 @@ static uint32_t braked(uint16_t distance, uint16_t brake_mm_s2)
 
 /* The speed towards a stop: the square root alone would arrive with a jerk that slow motors
  * cannot follow, so near it the speed is four times the distance left, a second. */
-static int16_t approach(uint32_t square, uint16_t distance)
+CW_APART static int16_t approach(uint32_t square, uint16_t distance)
 {
     uint16_t speed = (uint16_t)(cw_root(square) << 3);
     if (distance < speed >> 1) {

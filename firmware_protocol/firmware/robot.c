@@ -138,7 +138,7 @@ CW_APART static uint32_t pose_age_us(const cw_robot *robot)
     return robot->estimate.fix_recent ? robot->now_us - robot->estimate.fix_us : UINT32_MAX;
 }
 
-static bool pose_is_stale(const cw_robot *robot)
+CW_APART static bool pose_is_stale(const cw_robot *robot)
 {
     return robot->lease.pose_age_ms > CW_POSE_STALE_US / 1000u ||
            pose_age_us(robot) > CW_POSE_STALE_US;

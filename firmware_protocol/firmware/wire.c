@@ -4,6 +4,7 @@
 #include <string.h>
 
 #include "fixed.h"
+#include "flash.h"
 
 /* Bit by bit, reflected: on small processors as fast as a table of half bytes, whose shifts and
  * reads take as long, and 128 bytes of flash shorter. */
@@ -44,13 +45,13 @@ uint8_t *cw_put_u16(uint8_t *to, uint16_t value)
     return to + sizeof value;
 }
 
-uint8_t *cw_put_u32(uint8_t *to, uint32_t value)
+CW_APART uint8_t *cw_put_u32(uint8_t *to, uint32_t value)
 {
     memcpy(to, &value, sizeof value);
     return to + sizeof value;
 }
 
-uint16_t cw_angle_of(int16_t heading)
+CW_APART uint16_t cw_angle_of(int16_t heading)
 {
     return (uint16_t)cw_scale(heading, 17089); /* 32768 over 31416 */
 }
