@@ -217,11 +217,11 @@ def _auto(look: Look, classes: Classes | None, side: Literal["dark", "light"]) -
         and not leaves_out(look, even, side)
     ):
         return _even(look, even, side)
-    support = Support(look, side)
+    support = Support(look, side, even=even is not None)
     best, across = support.best_level(look.counts, even)
     if across < FEWEST:
         # what is so rare the sample may have missed
-        support = Support(look, side, 2 * look.grey.size)
+        support = Support(look, side, 2 * look.grey.size, even is not None)
         best, _ = support.best_level(look.counts, even)
     why = f"uneven light: free pixels spread by {spread:.0f} grey levels"
     judged = [(support.judge.real(one), 1.0) for one in _divided(look, side, why)]

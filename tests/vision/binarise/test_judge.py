@@ -15,8 +15,7 @@ from vision.binarise.binarise import binarise
 from vision.binarise.grey_picture import Look
 from vision.binarise.light import FREE_LEVEL, without_light
 from vision.binarise.regions.edge_evidence import Support
-from vision.binarise.regions.edge_evidence_kernels import steps_of_regions
-from vision.binarise.regions.judge import LEAST_SHARP
+from vision.binarise.regions.edge_evidence_kernels import LEAST_SHARP, steps_of_regions
 
 SIZE = (480, 360)
 NINE = [CircleRecord((80.0 + 160 * i, 60.0 + 120 * j), 32.0) for i in range(3) for j in range(3)]

@@ -11,9 +11,9 @@ Rules and units
   light and in a shadow of 70 %.
 - The edges that are neither in nor near the mask are asked once more for their best levels, and
   what lies below one of them is an obstacle too where it touches nothing of the mask, and where
-  its border is sharp, stands out of the noise and has at least ``LEAST_SHARE`` of the light: a
-  shadow's rim is soft, and noise has less.
-- What is thin besides has to have ``THIN_SHARE``: the joints of a floor look like faint cables.
+  its border is sharp and stands out of the noise: a shadow's rim is soft.
+- In uneven light and on a floor with a pattern of its own it needs a share of the light too
+  (``judge.py``).
 """
 
 from __future__ import annotations
@@ -42,6 +42,7 @@ from vision.binarise.regions.edge_evidence_kernels import (
     steps_off_level,
     support_by_level,
 )
+from vision.binarise.regions.floor_pattern import has_pattern
 from vision.binarise.regions.judge import (
     FAINT,
     LEAST_SHARE,
@@ -49,7 +50,6 @@ from vision.binarise.regions.judge import (
     THIN_SHARE,
     Judge,
     Judged,
-    faint_obstacles,
 )
 
 FIRST_PAIRS = SAMPLE // 2
@@ -108,23 +108,36 @@ def leaves_out(look: Look, classes: Classes, side: Literal["dark", "light"]) -> 
         return False
     least = max(LEAST_CONTRAST, CLEAR_SIGMAS * look.noise)
     end, sign = (0.0, 1.0) if side == "dark" else (255.0, -1.0)
-    clear = tuple(np.float32(v) for v in (THIN_SHARE, least, end, sign))
-    left = steps_off_level(look.grey, np.float32(classes.level), clear, FIRST_PAIRS)
-    return bool(left >= FEWEST_CLEAR)
+
+    def clear_steps(share: float) -> bool:
+        clear = tuple(np.float32(v) for v in (share, least, end, sign))
+        left = steps_off_level(look.grey, np.float32(classes.level), clear, FIRST_PAIRS)
+        return bool(left >= FEWEST_CLEAR)
+
+    if not clear_steps(0.0):
+        return False
+    # only a pattern of the floor's own has to be told from obstacles by its share of the light
+    calming = look.calming()
+    grey, noise = look.grey_after(calming), look.noise * calming.left
+    return not has_pattern(grey, noise, side) or clear_steps(THIN_SHARE)
 
 
 class Support:
     """What a picture's edges say for one level or another: sums, larger is better.
 
     Sums are comparable for one picture only; nothing speaks for what has none or less.
-    ``pairs``: how many are looked at, about. ``grey`` is the picture, smoothed where it is noisy,
-    ``noise`` what is left of it there.
+    ``pairs``: how many are looked at, about. ``even``: the light is known to be.
+    ``grey`` is the picture, smoothed where it is noisy, ``noise`` what is left of it there.
     """
 
     def __init__(
-        self, look: Look, side: Literal["dark", "light"], pairs: int = SAMPLED_PAIRS
+        self,
+        look: Look,
+        side: Literal["dark", "light"],
+        pairs: int = SAMPLED_PAIRS,
+        even: bool = False,
     ) -> None:
-        self.judge = Judge.of(look, side, pairs)
+        self.judge = Judge.of(look, side, pairs, even)
         calming = look.calming()
         self.grey, self.noise = look.grey_after(calming), look.noise * calming.left
         self._cost = max(FAINT * self.judge.typical(pairs), self.judge.least)
@@ -153,7 +166,7 @@ class Support:
 
         However faint those edges are beside the others, as far as noise has none like them.
         """
-        believed, _ = self._believed(shut, FAINT * self.judge.least, LEFT_PAIRS)
+        believed, _ = self._believed(shut, FAINT * self.judge.faintest, LEFT_PAIRS)
         most = float(believed.max())
         if most <= 0.0:
             return None
@@ -203,7 +216,7 @@ def with_left_out(judged: Judged, others: Iterable[Judged], support: Support) ->
     look = Look(flat)
     look.noise = max(look.noise, stronger * support.noise)
     found = 0
-    for asked in (Support(look, support.judge.side), support):
+    for asked in (Support(look, support.judge.side, even=support.judge.even), support):
         # each level is asked for what the others have not found
         while (level := asked.level_outside(shut)) is not None:
             below = (asked.grey < level).astype(np.uint8)
@@ -253,7 +266,7 @@ def _add_obstacles(
     specks[labels[cv2.distanceTransform(inside, cv2.DIST_L2, 3) >= THICK_PX]] = False
     free = ~touching | specks
     free[0] = False
-    kept = free & faint_obstacles(regions, below)
+    kept = free & judge.faint_obstacles(regions, below)
     left |= (regions.stand_out & free & ~kept)[labels]
     more = kept[labels]
     inside[more] = 1

@@ -25,6 +25,10 @@ then, a sharp edge all of it."""
 SOFT = 0.4
 """Share of the outer step that a light that changes evenly has, and some more for one that does
 not: chosen, beyond a quarter."""
+LEAST_SHARP = 0.2
+"""How much of a border's step is sharp at least: derived, half-way between what a lens makes of an
+edge (0.35 at a blur of 2 px, 0.54 at 0.7) and what light makes of one (0.06 at 3.5 px, -0.26 at 7),
+over the pairs of a straight border (``tests/vision/binarise/test_judge.py``)."""
 SAMPLED_PAIRS = 2 * SAMPLE
 """Pairs of pixels that are looked at, about, where a whole picture is judged: derived, every pixel
 of a sample begins two, to the right and down."""
@@ -123,6 +127,11 @@ def _clear_steps(rows, first, length, level, clear):
         across |= (np.float32(before[2 * REACH, x]) < level) != side
         across |= (np.float32(here[x + 2 * REACH]) < level) != side
         across |= (np.float32(beyond[x]) < level) != side
+        # and across the corners: an edge may run aslant
+        across |= (np.float32(before[0, x]) < level) != side
+        across |= (np.float32(above[x + 2 * REACH]) < level) != side
+        across |= (np.float32(before[3 * REACH, x]) < level) != side
+        across |= (np.float32(beyond[x + 2 * REACH]) < level) != side
         lit = max(sign * value, sign * right) - sign * end
         steep = abs(value - right) >= max(share * lit, least)
         lit = max(sign * value, sign * down) - sign * end
@@ -249,3 +258,30 @@ def steps_of_regions(grey, labels, count, end, sign):
                 sharp[region] += inward * (b - a) - SOFT * max(inward * outer, 0.0)
                 pairs[region, side] += 1
     return steps, light, sharp, pairs
+
+
+@njit(**OWNING)
+def mark_sharp_steps(grey, least, strong, end, sign):
+    """The pixels that begin a sharp step: 1 where it is faint, 2 where it is strong (h, w).
+
+    A step is at least ``least`` grey levels, strong where it has a share ``strong`` of the light.
+    """
+    height, width = grey.shape
+    marks = np.zeros((height, width), np.uint8)
+    for y in range(height):
+        for down in (False, True):
+            if down and y + REACH >= height:
+                continue
+            for x in range(width if down else width - REACH):
+                there = grey[y + REACH, x] if down else grey[y, x + REACH]
+                a, b = np.float64(grey[y, x]), np.float64(there)
+                if abs(b - a) < least:
+                    continue
+                before, _, _, behind = _pair(grey, y, x, down)
+                along = 1.0 if b > a else -1.0
+                step = along * (b - a)
+                outer = along * (np.float64(behind) - np.float64(before))
+                if step - SOFT * max(outer, 0.0) >= LEAST_SHARP * step:
+                    lit = max(sign * a, sign * b) - sign * end
+                    marks[y, x] = max(marks[y, x], 2 if step >= strong * lit else 1)
+    return marks

@@ -11,15 +11,18 @@ Rules and units
 - A lens blurs all borders alike. In a picture out of focus no edge is sharp over ``REACH`` pixels,
   and steps are looked at in a picture half as large, whose blur is half as wide.
 - A region is real where its border stands out of the noise (``SIGMAS``) on all sides but short
-  ones, is sharp (``LEAST_SHARP``), and is of the stuff that the others are (``FAINT``); or else
-  thick, with a border that has ``LEAST_SHARE`` of the light, or ``THIN_SHARE``: the joints of a
-  floor look like faint cables.
+  ones, is sharp (``LEAST_SHARP``), and is of the stuff that the others are (``FAINT``), or has the
+  contrast that two classes need (``least_step``), however little of the light that is.
+- In uneven light, and on a floor with a pattern of its own (``floor_pattern.py``), contrast is not
+  enough: the border of what is fainter than the others needs ``THIN_SHARE`` of the light, or
+  ``LEAST_SHARE`` where it is thick. The joints of a floor look like faint cables.
 """
 
 from __future__ import annotations
 
 import math
 from dataclasses import dataclass, replace
+from functools import cached_property
 from typing import Any, Literal
 
 import cv2
@@ -28,8 +31,14 @@ from numpy.typing import NDArray
 
 from vision.binarise.binarise_kernels import REACH, SIGMAS
 from vision.binarise.grey_classes import LEAST_CONTRAST_SIGMAS
-from vision.binarise.grey_picture import LEAST_CONTRAST, Binary, Look
-from vision.binarise.regions.edge_evidence_kernels import OUTER, steps_of_regions, typical_step
+from vision.binarise.grey_picture import LEAST_CONTRAST, NO_CALMING, Binary, Look
+from vision.binarise.regions.edge_evidence_kernels import (
+    LEAST_SHARP,
+    OUTER,
+    steps_of_regions,
+    typical_step,
+)
+from vision.binarise.regions.floor_pattern import has_pattern, least_step
 
 SELECTED = 3.0
 """The step, in standard deviations, that noise has at the borders that a level draws in it:
@@ -38,10 +47,6 @@ are short."""
 ALIKE = 4.0
 """How many pairs of pixels share their noise: derived, every pixel is in two pairs to the right and
 down, and the picture that is judged may be smoothed by the binomial, over two pixels each way."""
-LEAST_SHARP = 0.2
-"""How much of a border's step is sharp at least: derived, half-way between what a lens makes of an
-edge (0.35 at a blur of 2 px, 0.54 at 0.7) and what light makes of one (0.06 at 3.5 px, -0.26 at 7),
-over the pairs of a straight border (``tests/vision/binarise/test_judge.py``)."""
 OUT_OF_FOCUS = 2.0
 """By how much the sharp steps of a picture grow when it is halved, where it is out of focus:
 derived, at a blur of 2 px, before borders are no longer sharp (``benchmarks.vision.regions
@@ -55,14 +60,14 @@ SHORT_SIDE = 0.15
 """Share of a border's pairs from which one of its sides is asked: chosen, tips of triangles that
 blur rounds have 0.13, and whole bars were no obstacles for their ends."""
 LEAST_SHARE = 0.1
-"""Share of the light that a faint border has at least: chosen, for an obstacle of 180 on a floor of
-215 has 0.11."""
+"""Share of the light that a faint border has at least where light or floor is not even:
+chosen, for an obstacle of 180 on a floor of 215 has 0.11."""
 THICK_PX = 3.0
-"""How far the middle of a faint obstacle lies from its border at least: chosen, joints are
+"""How far the middle of a faint obstacle lies from its border at least there: chosen, joints are
 thinner."""
 THIN_SHARE = 0.15
-"""Share of the light that the border of a faint and thin one has at least, and a step off the level
-that is an edge of its own: chosen, cables of half
+"""Share of the light that the border of a faint and thin one has at least there, and
+a step off the level that is an edge of its own there: chosen, cables of half
 the contrast have 0.12 to 0.3, joints of a floor 0.1 (``benchmarks.vision.regions --tuning``: 60 of
 80 cables found; 44 with 0.18, and 69 with 0.12, where a soft step has as much)."""
 
@@ -76,6 +81,7 @@ class Regions:
     mean is worth more than the least (``beyond``), and whether they are ``sharp``.
     """
 
+    steps: NDArray[np.float64]
     shares: NDArray[np.float64]
     pairs: NDArray[np.int64]
     stand_out: NDArray[np.bool_]
@@ -109,34 +115,40 @@ class Judged:
         return self.shares - FAINT * typical * self.pairs
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True)
 class Judge:
     """Judges borders in ``grey`` (h', w'), of which ``noise`` is the standard deviation.
 
-    ``every``: how many rows and columns of a mask one of it stands for.
+    ``every``: how many rows and columns of a mask one of it stands for. ``smoothed``: it is not
+    the picture as it came. ``even``: the light is known to be even.
     """
 
     grey: NDArray[Any]
     noise: float
     side: Literal["dark", "light"]
     every: int = 1
+    smoothed: bool = False
+    even: bool = False
 
     @classmethod
-    def of(cls, look: Look, side: Literal["dark", "light"], pairs: int) -> Judge:
+    def of(
+        cls, look: Look, side: Literal["dark", "light"], pairs: int, even: bool = False
+    ) -> Judge:
         """The judge of a picture, smoothed where it is noisy and halved where it is out of focus.
 
         About so many ``pairs`` of pixels are looked at for that. O(pixels).
         """
-        judge = cls._seeing(look, side, 1)
+        judge = cls._seeing(look, side, 1, even)
         if min(look.grey.shape) < 2 * LEAST_HALF_PX:
             return judge
-        other = cls._seeing(look.halved(), side, 2)
+        other = cls._seeing(look.halved(), side, 2, even)
         return other if other.typical(pairs) >= OUT_OF_FOCUS * judge.typical(pairs) else judge
 
     @classmethod
-    def _seeing(cls, look: Look, side: Literal["dark", "light"], every: int) -> Judge:
+    def _seeing(cls, look: Look, side: Literal["dark", "light"], every: int, even: bool) -> Judge:
         calming = look.calming()
-        return cls(look.grey_after(calming), look.noise * calming.left, side, every)
+        grey, noise = look.grey_after(calming), look.noise * calming.left
+        return cls(grey, noise, side, every, calming is not NO_CALMING, even)
 
     def worth(self, light: NDArray[np.float64]) -> NDArray[np.float64]:
         """What grey values are worth, whose differences are compared.
@@ -160,9 +172,26 @@ class Judge:
     @property
     def least(self) -> float:
         """What the step of a border is worth at least: the least contrast, and noise, in light."""
-        step = min(LEAST_CONTRAST + 2.0 * LEAST_CONTRAST_SIGMAS * self.noise, 128.0)
-        light, less = self.worth(np.array([255.0, 255.0 - math.ceil(step)]))
+        return self._worth_in_light(LEAST_CONTRAST + 2.0 * LEAST_CONTRAST_SIGMAS * self.noise)
+
+    @property
+    def faintest(self) -> float:
+        """The same of what is fainter than the others, where contrast alone is enough.
+
+        Of a picture as it is: what is left of noise by smoothing has edges as wide as a lens makes.
+        """
+        if self.smoothed or self.needs_share:
+            return self.least
+        return self._worth_in_light(least_step(self.noise))
+
+    def _worth_in_light(self, step: float) -> float:
+        light, less = self.worth(np.array([255.0, 255.0 - math.ceil(min(step, 128.0))]))
         return float(light - less)
+
+    @cached_property
+    def needs_share(self) -> bool:
+        """True if contrast is not enough: light is uneven, or the floor has its own pattern."""
+        return not self.even or has_pattern(self.grey, self.noise, self.side)
 
     def typical(self, pairs: int) -> float:
         """What the step of the strongest sharp edges is worth; about so many pairs are seen."""
@@ -185,7 +214,7 @@ class Judge:
         sides = steps_of_regions(self.grey, self.seen(labels), count, end, sign)
         steps, light, pairs = (sides[k].sum(axis=1) for k in (0, 1, 3))
         step, lit = steps / np.maximum(pairs, 1), light / np.maximum(pairs, 1)
-        beyond = self.worth(lit) - self.worth(np.maximum(lit - step, 0.0)) - self.least
+        beyond = self.worth(lit) - self.worth(np.maximum(lit - step, 0.0)) - self.faintest
         # a standard deviation of a sum of so many steps
         error = self.noise * np.sqrt(2.0 * ALIKE * sides[3])
         chance = SELECTED * pairs + SIGMAS * np.sqrt(2.0 * ALIKE * pairs)
@@ -196,7 +225,24 @@ class Judge:
         # a wall's end is no longer than what blur rounds
         around = ~(weak & (sides[3] >= SHORT_SIDE * pairs[:, None])).any(axis=1)
         sharp = sides[2] >= LEAST_SHARP * steps
-        return Regions(shares, pairs, stand_out & around, beyond, sharp, labels)
+        return Regions(step, shares, pairs, stand_out & around, beyond, sharp, labels)
+
+    def faint_obstacles(self, regions: Regions, inside: NDArray[Any]) -> NDArray[np.bool_]:
+        """Which regions (n,) are real though those of other stuff have far more of the light.
+
+        ``inside`` (h, w) is not 0 where they are looked for. Contrast over noise is enough, but a
+        floor's own pattern has that too: there they need a share of the light.
+        """
+        found = regions.stand_out & regions.sharp
+        few = found & (regions.shares < THIN_SHARE)
+        if not few[1:].any():
+            return found
+        if not self.needs_share:
+            return found & (~few | (regions.steps >= least_step(self.noise)))
+        away = cv2.distanceTransform(inside, cv2.DIST_L2, 3)
+        thick = np.zeros(found.size, dtype=np.bool_)
+        thick[regions.labels[away >= THICK_PX]] = True
+        return found & (~few | (thick & (regions.shares >= LEAST_SHARE)))
 
     def real(self, binary: Binary) -> Judged:
         """The mask without the objects whose borders do not count. O(pixels)."""
@@ -205,27 +251,13 @@ class Judge:
         shares, pairs = objects.shares, objects.pairs
         typical = _typical(shares, pairs)
         kept = objects.stand_out & objects.sharp
-        kept &= (shares >= FAINT * typical) | faint_obstacles(objects, inside)
+        kept &= (shares >= FAINT * typical) | self.faint_obstacles(objects, inside)
         left_out = (objects.stand_out & ~kept)[objects.labels]
         inside[~kept[objects.labels]] = 0
         total, across = float((shares * pairs)[kept].sum()), float(pairs[kept].sum())
         cleaned = binary if kept[1:].all() else replace(binary, by_level=False)
         speaks = float((objects.beyond * pairs)[kept].sum())
         return Judged(cleaned, across, total, typical, speaks, left_out)
-
-
-def faint_obstacles(regions: Regions, inside: NDArray[Any]) -> NDArray[np.bool_]:
-    """Which regions (n,) are real though those of other stuff have far more of the light.
-
-    ``inside`` (h, w) is not 0 where they are looked for.
-    """
-    found = regions.stand_out & regions.sharp & (regions.shares >= LEAST_SHARE)
-    if found[1:].any():
-        away = cv2.distanceTransform(inside, cv2.DIST_L2, 3)
-        thick = np.zeros(found.size, dtype=np.bool_)
-        thick[regions.labels[away >= THICK_PX]] = True
-        found &= thick | (regions.shares >= THIN_SHARE)
-    return found
 
 
 def _typical(shares: NDArray[np.float64], pairs: NDArray[np.int64]) -> float:

@@ -1,0 +1,70 @@
+"""Whether the floor has a pattern of its own: faint, sharp edges nearly everywhere on it.
+
+Rules and units
+- Joints, a weave or grain are spread over the floor; an obstacle as faint as they are lies in one
+  place. The picture is divided into ``TILES`` x ``TILES`` tiles, and those with faint edges are
+  counted.
+- An edge is faint where its step has less than ``STRONG_SHARE`` of the light. Within two
+  ``REACH`` of a stronger one, which blur leaves a faint foot, nothing is counted.
+"""
+
+from __future__ import annotations
+
+from typing import Any, Literal
+
+import cv2
+import numpy as np
+from numpy.typing import NDArray
+
+from vision.binarise.binarise_kernels import REACH
+from vision.binarise.grey_classes import LEAST_CONTRAST_SIGMAS
+from vision.binarise.grey_picture import LEAST_CONTRAST
+from vision.binarise.regions.edge_evidence_kernels import mark_sharp_steps
+
+TILES = 8
+"""Tiles along each side: chosen, joints of a floor are as near as an eighth of the picture."""
+MOST_OF_IT = 0.5
+"""The share of the tiles with faint edges from which they are the floor's own: chosen, more than
+half."""
+STRONG_SHARE = 0.3
+"""Share of the light that no pattern of a floor has: chosen, dark joints have up to 0.22."""
+CROSSED = 0.25
+"""Share of a tile's shorter side that its faint pairs are at least: chosen, a line through it has
+twice that side."""
+BY_CHANCE = 0.002
+"""Share of a tile's pixels that noise alone makes faint pairs of: derived, two to each pixel beyond
+``LEAST_CONTRAST_SIGMAS``, which the difference of two pixels is in 0.04 %, and as many again."""
+
+
+FAINT_STEP, STRONG = 1, 2
+"""The marks of ``mark_sharp_steps``: defined."""
+
+
+def least_step(noise: float) -> float:
+    """The step, in grey levels, that a border has at least: as two classes of grey values have."""
+    return max(LEAST_CONTRAST, LEAST_CONTRAST_SIGMAS * noise)
+
+
+def has_pattern(grey: NDArray[Any], noise: float, side: Literal["dark", "light"]) -> bool:
+    """Whether most of the floor in a grey picture (h, w) has faint, sharp edges. O(pixels)."""
+    height, width = grey.shape
+    if min(height, width) < TILES:
+        return False
+    end, sign = (0.0, 1.0) if side == "dark" else (255.0, -1.0)
+    marks = mark_sharp_steps(grey, least_step(noise), STRONG_SHARE, end, sign)
+    near = np.ones((4 * REACH + 1, 4 * REACH + 1), np.uint8)
+    floor = cv2.dilate((marks == STRONG).astype(np.uint8), near) == 0
+    free, crossed = _by_tile(floor), _by_tile(floor & (marks == FAINT_STEP))
+    area = height * width / TILES**2
+    counted = free >= 0.5 * area
+    least = CROSSED * min(height, width) / TILES + BY_CHANCE * area
+    patterned = int(np.count_nonzero(crossed[counted] >= least))
+    return patterned > MOST_OF_IT * int(np.count_nonzero(counted))
+
+
+def _by_tile(marks: NDArray[np.bool_]) -> NDArray[np.int64]:
+    """How many pixels of each tile are marked (TILES, TILES)."""
+    counts = marks.astype(np.int64)
+    for axis, length in enumerate(marks.shape):
+        counts = np.add.reduceat(counts, np.arange(TILES) * length // TILES, axis=axis)
+    return counts
