@@ -245,7 +245,7 @@ class ControlServer:
             self.refused += not job.answer["ok"]
             self._hang_up(client, job.answer)
         elif job is not None and _is_due(job, now_s):
-            self._hang_up(client, STOP_SENT)
+            self._hang_up(client, {**STOP_SENT, **_trouble_of(job)})
         elif (sentence := client.late(now_s)) is not None:
             self._refuse(client, sentence)
 
@@ -255,3 +255,8 @@ def _is_due(job: Job, now_s: float) -> bool:
     if not job.is_stop or now_s - job.came_s < STOP_ANSWER_S:
         return False
     return job.answer is not None and bool(job.answer["ok"])
+
+
+def _trouble_of(job: Job) -> dict[str, Any]:
+    """The part of a stop's answer that says it is not on the disk; empty if it is."""
+    return {key: said for key, said in (job.answer or {}).items() if key == "trouble"}

@@ -103,9 +103,10 @@ class KeptStops:
 
     def settled(self) -> str:
         """The disk's trouble, once it has taken what was asked for; empty if there is none."""
-        if not self._wait(ANSWER_S):
-            return f"{self._folder}: not on the disk after {ANSWER_S:g} s"
-        return self.trouble
+        with self._news:
+            if not self._wait(ANSWER_S):  # in force until the disk answers
+                self.trouble = f"{self._folder}: not on the disk after {ANSWER_S:g} s"
+            return self.trouble
 
     def _wait(self, seconds: float) -> bool:
         with self._news:
