@@ -42,8 +42,9 @@ from vision.binarise.regions.edge_evidence_kernels import (
     steps_off_level,
     support_by_level,
 )
-from vision.binarise.regions.floor_pattern import has_pattern
+from vision.binarise.regions.floor_pattern import faint_edges_apart, has_pattern
 from vision.binarise.regions.judge import (
+    BLOCK_PX,
     FAINT,
     LEAST_SHARE,
     THICK_PX,
@@ -116,10 +117,12 @@ def leaves_out(look: Look, classes: Classes, side: Literal["dark", "light"]) -> 
 
     if not clear_steps(0.0):
         return False
-    # only a pattern of the floor's own has to be told from obstacles by its share of the light
+    # what compression leaves around edges, and a floor's own pattern, are told from obstacles by
+    # their share of the light
     calming = look.calming()
     grey, noise = look.grey_after(calming), look.noise * calming.left
-    return not has_pattern(grey, noise, side) or clear_steps(THIN_SHARE)
+    apart = faint_edges_apart(grey, noise, side, BLOCK_PX) >= FEWEST_CLEAR
+    return (apart and not has_pattern(grey, noise, side)) or clear_steps(THIN_SHARE)
 
 
 class Support:

@@ -45,21 +45,46 @@ def least_step(noise: float) -> float:
     return max(LEAST_CONTRAST, LEAST_CONTRAST_SIGMAS * noise)
 
 
+def faint_edges_apart(
+    grey: NDArray[Any], noise: float, side: Literal["dark", "light"], reach: int
+) -> int:
+    """How many faint, sharp steps lie more than ``reach`` pixels from every strong one."""
+    marks = _marks(grey, noise, side)
+    return int(np.count_nonzero((marks == FAINT_STEP) & ~_near(marks, reach)))
+
+
+def near_strong_edges(
+    grey: NDArray[Any], noise: float, side: Literal["dark", "light"], reach: int
+) -> NDArray[np.bool_]:
+    """What lies within ``reach`` pixels of a step that no pattern of a floor has (h, w)."""
+    return _near(_marks(grey, noise, side), reach)
+
+
 def has_pattern(grey: NDArray[Any], noise: float, side: Literal["dark", "light"]) -> bool:
     """Whether most of the floor in a grey picture (h, w) has faint, sharp edges. O(pixels)."""
     height, width = grey.shape
     if min(height, width) < TILES:
         return False
-    end, sign = (0.0, 1.0) if side == "dark" else (255.0, -1.0)
-    marks = mark_sharp_steps(grey, least_step(noise), STRONG_SHARE, end, sign)
-    near = np.ones((4 * REACH + 1, 4 * REACH + 1), np.uint8)
-    floor = cv2.dilate((marks == STRONG).astype(np.uint8), near) == 0
+    marks = _marks(grey, noise, side)
+    floor = ~_near(marks, 2 * REACH)
     free, crossed = _by_tile(floor), _by_tile(floor & (marks == FAINT_STEP))
     area = height * width / TILES**2
     counted = free >= 0.5 * area
     least = CROSSED * min(height, width) / TILES + BY_CHANCE * area
     patterned = int(np.count_nonzero(crossed[counted] >= least))
     return patterned > MOST_OF_IT * int(np.count_nonzero(counted))
+
+
+def _marks(grey: NDArray[Any], noise: float, side: Literal["dark", "light"]) -> NDArray[np.uint8]:
+    end, sign = (0.0, 1.0) if side == "dark" else (255.0, -1.0)
+    marks: NDArray[np.uint8] = mark_sharp_steps(grey, least_step(noise), STRONG_SHARE, end, sign)
+    return marks
+
+
+def _near(marks: NDArray[np.uint8], reach: int) -> NDArray[np.bool_]:
+    around = np.ones((2 * reach + 1, 2 * reach + 1), np.uint8)
+    near: NDArray[np.bool_] = cv2.dilate((marks == STRONG).astype(np.uint8), around) > 0
+    return near
 
 
 def _by_tile(marks: NDArray[np.bool_]) -> NDArray[np.int64]:

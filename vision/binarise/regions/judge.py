@@ -38,7 +38,7 @@ from vision.binarise.regions.edge_evidence_kernels import (
     steps_of_regions,
     typical_step,
 )
-from vision.binarise.regions.floor_pattern import has_pattern, least_step
+from vision.binarise.regions.floor_pattern import has_pattern, least_step, near_strong_edges
 
 SELECTED = 3.0
 """The step, in standard deviations, that noise has at the borders that a level draws in it:
@@ -65,6 +65,9 @@ chosen, for an obstacle of 180 on a floor of 215 has 0.11."""
 THICK_PX = 3.0
 """How far the middle of a faint obstacle lies from its border at least there: chosen, joints are
 thinner."""
+BLOCK_PX = 8
+"""How far from a strong edge a compressed picture has faint ones of its own: derived, the side of
+the blocks of pixels that JPEG rounds together."""
 THIN_SHARE = 0.15
 """Share of the light that the border of a faint and thin one has at least there, and
 a step off the level that is an edge of its own there: chosen, cables of half
@@ -238,11 +241,21 @@ class Judge:
         if not few[1:].any():
             return found
         if not self.needs_share:
-            return found & (~few | (regions.steps >= least_step(self.noise)))
+            enough = (regions.steps >= least_step(self.noise)) & self._away_from_edges(regions)
+            few &= ~enough
         away = cv2.distanceTransform(inside, cv2.DIST_L2, 3)
         thick = np.zeros(found.size, dtype=np.bool_)
         thick[regions.labels[away >= THICK_PX]] = True
         return found & (~few | (thick & (regions.shares >= LEAST_SHARE)))
+
+    def _away_from_edges(self, regions: Regions) -> NDArray[np.bool_]:
+        """Which regions (n,) lie for the most part where compression leaves nothing of an edge."""
+        near = near_strong_edges(self.grey, self.noise, self.side, BLOCK_PX // self.every)
+        count = regions.steps.size
+        labels = self.seen(regions.labels)
+        pixels = np.bincount(labels.ravel(), minlength=count)
+        beside: NDArray[np.bool_] = np.bincount(labels[near], minlength=count) < 0.5 * pixels
+        return beside
 
     def real(self, binary: Binary) -> Judged:
         """The mask without the objects whose borders do not count. O(pixels)."""
