@@ -65,6 +65,9 @@ chosen, for an obstacle of 180 on a floor of 215 has 0.11."""
 THICK_PX = 3.0
 """How far the middle of a faint obstacle lies from its border at least there: chosen, joints are
 thinner."""
+SPECK_PX = 12
+"""Pixels of a faint region from which noise has not made it: chosen, twice what noise has that is
+twice as strong in one part of the picture (``tests/vision/joined``)."""
 BLOCK_PX = 8
 """How far from a strong edge a compressed picture has faint ones of its own: derived, the side of
 the blocks of pixels that JPEG rounds together."""
@@ -241,21 +244,26 @@ class Judge:
         if not few[1:].any():
             return found
         if not self.needs_share:
-            enough = (regions.steps >= least_step(self.noise)) & self._away_from_edges(regions)
+            enough = (regions.steps >= least_step(self.noise)) & self._is_no_speck(regions)
             few &= ~enough
         away = cv2.distanceTransform(inside, cv2.DIST_L2, 3)
         thick = np.zeros(found.size, dtype=np.bool_)
         thick[regions.labels[away >= THICK_PX]] = True
         return found & (~few | (thick & (regions.shares >= LEAST_SHARE)))
 
-    def _away_from_edges(self, regions: Regions) -> NDArray[np.bool_]:
-        """Which regions (n,) lie for the most part where compression leaves nothing of an edge."""
+    def _is_no_speck(self, regions: Regions) -> NDArray[np.bool_]:
+        """Which regions (n,) are neither what noise nor what compression makes.
+
+        Noise is not everywhere as strong as it is on the whole: it has specks of a few pixels. What
+        compression leaves of an edge lies for the most part beside it.
+        """
         near = near_strong_edges(self.grey, self.noise, self.side, BLOCK_PX // self.every)
         count = regions.steps.size
         labels = self.seen(regions.labels)
         pixels = np.bincount(labels.ravel(), minlength=count)
-        beside: NDArray[np.bool_] = np.bincount(labels[near], minlength=count) < 0.5 * pixels
-        return beside
+        apart = np.bincount(labels[near], minlength=count) < 0.5 * pixels
+        large: NDArray[np.bool_] = np.bincount(regions.labels.ravel(), minlength=count) >= SPECK_PX
+        return large & apart
 
     def real(self, binary: Binary) -> Judged:
         """The mask without the objects whose borders do not count. O(pixels)."""
