@@ -27,8 +27,10 @@ PATIENCE_MS = 1000.0 * PATIENCE_S
 expect.set_options(timeout=PATIENCE_MS)
 
 
-@pytest.fixture(scope="session")
+@pytest.fixture(scope="module")
 def browser() -> Iterator[Browser]:
+    """One for each file: Playwright keeps an event loop running in this thread meanwhile, and the
+    files that a worker gets next may want one of their own."""
     if not Path(CHROMIUM).exists():
         pytest.skip(f"{CHROMIUM} is missing: apt-get install --no-install-recommends chromium")
     with sync_playwright() as playwright:

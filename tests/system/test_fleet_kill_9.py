@@ -14,7 +14,7 @@ from navigation.recording.reader import read_recording
 from tests.navigation.loop.test_fleet_kill import hall
 from tests.system.test_kill_9 import PROGRAM, kill_when_said
 
-pytestmark = pytest.mark.slow
+pytestmark = [pytest.mark.slow, pytest.mark.timed]  # the kill has to come in time
 
 
 def run(folder: Path) -> subprocess.Popen[str]:
