@@ -35,8 +35,9 @@ run: $(VENV)/.installed ## the whole loop on a simulated arena
 	$(BIN)/clearway run $(CONFIG) --once
 
 # A worker takes one file of tests after the other, slow ones first; there is one worker more than
-# cores, as many tests wait for a child. What drives in real time, and tests of time, run alone,
-# and once more where the machine stumbled: what fails twice fails.
+# cores, as many tests wait for a child. What says how long something may take, and what drives by
+# drivers or emulators, which live by the wall's clock, runs alone, and once more where the machine
+# stumbled: what fails twice fails.
 WORKERS ?= $(shell expr $$(nproc) + 1)
 TIMED = $(shell grep -rlE "mark\.timed" tests --include='test_*.py')
 test: $(VENV)/.installed-dev ## every test
