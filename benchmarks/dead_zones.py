@@ -32,7 +32,7 @@ ABOVE: Final = 1.05
 
 
 class Stop(NamedTuple):
-    """What became of one run."""
+    """The result of one run."""
 
     done: bool
     goal_mm: float
@@ -42,7 +42,7 @@ class Stop(NamedTuple):
 
 
 def least_for(name: str, zone_m_s: float) -> float:
-    """What the owner of such a robot would write as `robot.least_wheel_m_s`."""
+    """The `robot.least_wheel_m_s` that the owner of such a robot would configure."""
     starts_m_s = ABOVE * zone_m_s * (1.0 + DriveModel().stiction)
     own = least_wheel_m_s(name, None)  # type: ignore[arg-type]
     steps: list[float] = []

@@ -64,7 +64,7 @@ class Outcome:
     stood_s: float = 0.0
     """From the stop order until the robot stood."""
     drove_s: float = 0.0
-    """How long after its last valid permit it drove without braking; a robot behind a driver,
+    """Time that it drove without braking after its last valid permit; a robot behind a driver,
     after its driver's last sign of life.
     """
     blind_m: float = 0.0
@@ -187,7 +187,7 @@ def stood_after_s(rows: FloatArray, moment_s: float) -> float:
 
 
 def judge_driver(outcome: Outcome, ended: bool) -> None:
-    """As `judge`, of a robot behind a driver; ``ended``: its stop was the end of the program."""
+    """`judge` for a robot behind a driver; ``ended``: its stop was the end of the program."""
     found = outcome.failures
     if outcome.drove_s > DRIVER_LIMIT_S:
         found.append(f"drove {outcome.drove_s:.2f} s after its driver's last sign of life")

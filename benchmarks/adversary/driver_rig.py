@@ -31,14 +31,14 @@ from planner.scene import FloatArray
 from tests.support.waiting import wait_until
 
 SPEED_SHARE = 0.8
-"""Of its configured speed: so fast it is when its driver comes into trouble."""
+"""Share of its configured speed that the robot has reached when its driver is attacked."""
 RESTS_WITHIN_S = 0.1
 """A robot that is said to be stopped: the last millimetre, and the judge's own sampling."""
 GONE_WITHIN_S = 2.0
 
 
 class DriverRig(Rig):
-    """As `Rig`, for attacks whose needs name a driver."""
+    """A `Rig` for attacks whose needs name a driver."""
 
     def __init__(self, folder: Path, errand: Errand, needs: Needs, seed: int) -> None:
         super().__init__(folder, errand, needs, seed)

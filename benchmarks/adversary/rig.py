@@ -291,7 +291,7 @@ class Rig:
         return outcome
 
     def judge(self, outcome: Outcome, rows: FloatArray) -> None:
-        """What only this rig's robot has to keep, and every bar."""
+        """Every bar, and those of this rig's robot alone."""
         moment = Moment(self.line.permits_s(), self.truth.by_hand, self.halted_s)
         outcome.drove_s = drove_without_permit_s(rows, moment)
         judge(outcome)

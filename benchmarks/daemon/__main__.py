@@ -165,7 +165,7 @@ def _tour_under_fire(seed: int) -> Campaign:
 
 
 def with_and_without_pictures() -> Rows:
-    """How fast virtual time goes, and that both kinds end alike."""
+    """Virtual time against processor time, with and without pictures; both have to end alike."""
     config = load_config(CONFIGS / "simulation.yaml", {})
     for pictures, wanted in ((True, 0.0), (False, 20.0)):
         began_s = time.process_time()

@@ -1,4 +1,4 @@
-"""The places of the values of unknown keys: nobody knows what they are, so nobody is shown them.
+"""Places of the values of unknown keys in a file: any of them may be a secret, so none is shown.
 
 `tokn: ...` is a token all the same. The tree of YAML nodes is followed beside the model, so that a
 key that is there twice, or in a section that is refused as a whole, is found too.

@@ -76,7 +76,7 @@ class SlowingClock:
         """Return when so much of the simulated world's time has passed."""
         end_s = self() + seconds
         while (left_s := end_s - self()) > 0.0:
-            time.sleep(left_s)
+            time.sleep(left_s)  # the wall has to go on that long at least
 
     @property
     def lost_s(self) -> float:

@@ -133,7 +133,7 @@ def bench(program: Path) -> Iterator[Bench]:
     bench.close()
 
 
-@pytest.mark.timed
+@pytest.mark.timed  # the program goes by the wall's clock
 def test_a_mission_is_driven_to_its_end(bench: Bench) -> None:
     mission = bench.drive(25)
     bench.until(lambda: MissionDone(5) in bench.events, 10.0)
@@ -143,7 +143,7 @@ def test_a_mission_is_driven_to_its_end(bench: Bench) -> None:
     assert abs(status.x_m - 0.48) < 0.01
 
 
-@pytest.mark.timed
+@pytest.mark.timed  # the program goes by the wall's clock
 def test_the_emergency_stop_stops_and_stays(bench: Bench) -> None:
     bench.drive(50)
     bench.host.estop()
@@ -155,7 +155,7 @@ def test_the_emergency_stop_stops_and_stays(bench: Bench) -> None:
     assert bench.status_x_m() - stopped_m < 0.05, "the wheels roll out"
 
 
-@pytest.mark.timed
+@pytest.mark.timed  # the program goes by the wall's clock
 def test_the_button_takes_the_power_away_at_once(bench: Bench) -> None:
     bench.drive(50)
     assert bench.hand("press") == [0, 0]
@@ -168,7 +168,7 @@ def test_the_button_takes_the_power_away_at_once(bench: Bench) -> None:
     assert bench.state() is RobotState.ESTOP, "releasing the button does not re-arm"
 
 
-@pytest.mark.timed
+@pytest.mark.timed  # the program goes by the wall's clock
 def test_the_dead_man_stops_the_motors(bench: Bench) -> None:
     bench.drive(50)
     bench.lease = False

@@ -153,7 +153,7 @@ def test_an_order_is_answered_with_what_it_led_to(write: Callable[..., Path]) ->
             process.communicate(timeout=30)
 
 
-@pytest.mark.timed
+@pytest.mark.timed  # says how long the end takes
 def test_ctrl_c_in_mid_run_ends_it_in_order(tmp_path: Path, write: Callable[..., Path]) -> None:
     program = Path(sys.executable).with_name("clearway")
     report_file = tmp_path / "report.json"

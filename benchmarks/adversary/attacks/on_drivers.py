@@ -43,7 +43,7 @@ def _frozen_at_the_end(rig: Rig) -> None:
 
 
 def _frozen_over_a_stop(rig: Rig) -> None:
-    """A person stops the robot at once; the states that are told then have to be true."""
+    """A person stops the robot at once; every state reported afterwards has to be true."""
     _driver(rig).hurt(signal.SIGSTOP)
     rig.stop()
     for _ in range(40):

@@ -255,7 +255,7 @@ def _latest_wakeup_s() -> float:
 
     wakeups = Wakeups(time.monotonic)
     wakeups.start()
-    time.sleep(WAKEUPS_SEEN_S)
+    time.sleep(WAKEUPS_SEEN_S)  # the thread looks meanwhile
     wakeups.stop()
     return wakeups.worst_s()
 

@@ -1,4 +1,4 @@
-"""A simulated run that draws no picture: what its eye is told comes from the simulation's truth.
+"""A simulated run without pictures: its eye gets the simulation's truth, as a camera would see it.
 
 `sights` is the camera: a frame's picture is tiny and holds a number, by which the eye finds what
 was to be seen. `true_tracker`, `true_watcher` and `true_eye` take the place of the parts that look

@@ -1,4 +1,4 @@
-"""The eyes that are told what there is to be seen: of one camera, and of several.
+"""Eyes that look at no picture and get the simulation's truth: for one camera, and for several.
 
 All that decides is `Eye`'s and `JoinedEye`'s: when a scene is new, which camera is lost, what is
 held. People are shown a blank picture. Metres, radians, seconds.

@@ -225,7 +225,7 @@ def test_an_order_that_fails_in_the_program_is_answered_and_the_next_is_taken(
     assert_a_stop_is_taken(server, robot)
 
 
-@pytest.mark.timed
+@pytest.mark.timed  # says how long a stop takes
 def test_a_stop_passes_hundreds_of_clients_that_drip(server: ControlServer, robot: Robot) -> None:
     with flood("unix", str(server.path), 300):
         assert wait_until(lambda: server.refused > 300), "they are dropped and come again"
@@ -255,7 +255,7 @@ def test_a_request_has_its_time_as_a_whole(tmp_path: Path, robot: Robot) -> None
         assert wait_until(lambda: server.refused == 1)
 
 
-@pytest.mark.timed
+@pytest.mark.timed  # says how long a stop takes
 def test_an_order_that_hangs_holds_up_no_stop_and_is_given_up(tmp_path: Path, robot: Robot) -> None:
     clock = Clock()
     robot.hanging = {"pause"}
@@ -348,7 +348,7 @@ with ControlServer(Path(sys.argv[1]), Robot()):
 """
 
 
-@pytest.mark.timed
+@pytest.mark.timed  # says how long a stop takes
 def test_a_stop_arrives_where_no_descriptor_is_left(tmp_path: Path) -> None:
     path = tmp_path / "run" / "c.sock"
     with subprocess.Popen(

@@ -143,7 +143,7 @@ def stop_over_http(site: OwnSite) -> float:
     return time.monotonic() - began_s
 
 
-@pytest.mark.timed
+@pytest.mark.timed  # says how long a stop takes
 def test_stop_passes_eleven_hundred_connections_that_send_no_request(site: OwnSite) -> None:
     places = site.dashboard.places
     assert places is not None

@@ -253,7 +253,7 @@ def test_what_is_no_serial_port_is_never_waited_for(tmp_path: Path, wait_for_por
         SerialLink("ttyUSB0", wait_for_port=wait_for_port).open()
 
 
-@pytest.mark.timed
+@pytest.mark.timed  # a robot drives by the wall's clock
 def test_closing_is_quick_and_frees_the_port() -> None:
     with robot() as there:
         link = SerialLink(there.port)
@@ -312,7 +312,7 @@ def test_a_port_that_goes_away_is_found_again_by_its_name(tmp_path: Path) -> Non
             link.close()
 
 
-@pytest.mark.timed
+@pytest.mark.timed  # a robot drives by the wall's clock
 def test_a_new_process_goes_on_with_the_robots_mission() -> None:
     with robot() as there:
         with SerialLink(there.port) as first, controlled(first, there):

@@ -43,7 +43,7 @@ def wait_for(
     pytest.fail(f"still {reader.status()}")
 
 
-@pytest.mark.timed
+@pytest.mark.timed  # says how fast or how soon
 def test_frames_come_in_order_at_the_rate_served(server: MjpegServer) -> None:
     camera = camera_for(server.url, clock=time.monotonic)
     camera.open()
@@ -79,7 +79,7 @@ def test_the_burst_that_a_stream_begins_with_is_not_its_rate(server: MjpegServer
     assert abs(camera.rate_hz - 25.0) < 0.01
 
 
-@pytest.mark.timed
+@pytest.mark.timed  # says how fast or how soon
 def test_a_stream_that_falls_silent_is_noticed_at_once_and_taken_up_again(
     server: MjpegServer,
 ) -> None:

@@ -180,7 +180,7 @@ def test_buffer_errors_and_an_unplugged_camera_are_failed_reads(node: Path) -> N
     assert told["said"] == f"camera {node}: unplugged ({node} is gone)"
 
 
-@pytest.mark.timed
+@pytest.mark.timed  # says how long it takes
 @pytest.mark.parametrize("fault", ["wrap", "future"])
 def test_stamps_of_no_clock_are_replaced_by_the_arrival(node: Path, fault: str) -> None:
     told = read(node, 10, asked={"controls": {}}, V4L2_MODES=WEBCAM, V4L2_FAULT=fault)
@@ -190,7 +190,7 @@ def test_stamps_of_no_clock_are_replaced_by_the_arrival(node: Path, fault: str) 
     assert stamps == sorted(stamps)
 
 
-@pytest.mark.timed
+@pytest.mark.timed  # says how long it takes
 def test_a_camera_that_delivers_nothing_is_a_failed_read_before_it_counts_as_hung(
     node: Path,
 ) -> None:
@@ -244,7 +244,7 @@ print(json.dumps(told))
 """
 
 
-@pytest.mark.timed
+@pytest.mark.timed  # says how long it takes
 def test_a_camera_that_falls_silent_is_noticed_in_a_second_and_opened_again(node: Path) -> None:
     told = run(STALL, [node], node, V4L2_DELIVER="1")
     assert told["noticed_s"] < 2.5, told
