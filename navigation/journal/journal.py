@@ -89,11 +89,11 @@ class Journal:
     def keep(self, mission: Mission, sent: SentPlan | None, now_s: float) -> None:
         """Keep the mission with its progress, and ``sent``, what the robot is about to be given.
 
-        A plan is kept until the next one, or another mission, is. Where nothing changed nothing
-        is written. Never raises: see `trouble`.
+        A plan is kept until the next one, another mission or another errand is. Where nothing
+        changed nothing is written. Never raises: see `trouble`.
         """
         known = self._failed or self._kept
-        if sent is None and known is not None and known.mission.stations is mission.stations:
+        if sent is None and known is not None and _is_for(known.mission, mission):
             sent = known.plan
         wanted = Contents(self.owner, mission, sent)
         if self._failed is None and self._kept is not None and _is_same(wanted, self._kept):
@@ -137,13 +137,18 @@ def _has_work(mission: Mission) -> bool:
     return mission.state in _GOES_ON and bool(mission.remaining)
 
 
+def _is_for(one: Mission, other: Mission) -> bool:
+    """True if a plan of the one leads through the places of the other."""
+    return one.stations is other.stations and one.errand is other.errand
+
+
 def _is_same(one: Contents, other: Contents) -> bool:
     """Whether a restart would do the same: sentences differ every moment."""
     return one.plan is other.plan and _progress(one.mission) == _progress(other.mission)
 
 
 def _progress(m: Mission) -> tuple[tuple[Station, ...], int, bool, State, bool]:
-    return m.stations, m.visited, m.any_order, m.state, m.paused
+    return m.places, m.visited, m.any_order, m.state, m.paused
 
 
 def _in_words(error: JournalError) -> str:

@@ -135,6 +135,7 @@ class _Mission(_Record):
     state: _Text
     reason: _Text
     paused: bool
+    errand: _Station | None = None
 
 
 class _Target(_Record):
@@ -197,16 +198,22 @@ def _mission_of(read: _Mission, owner: Owner) -> Mission:
         count = len(read.stations)
         raise RecordError(f"mission.visited = {read.visited}: must be <= {count}, its stations")
     stations = tuple(Station(**one.model_dump()) for one in read.stations)
-    _are_inside(stations, owner)
+    errand = None if read.errand is None else Station(**read.errand.model_dump())
+    if errand is not None and read.visited < len(stations):
+        raise RecordError("mission.errand: must be null until all stations are visited")
     state = State[read.state]
-    return Mission(stations, read.visited, read.any_order, state, read.reason, read.paused)
+    mission = Mission(
+        stations, read.visited, read.any_order, state, read.reason, read.paused, errand
+    )
+    _are_inside(mission.places, owner)
+    return mission
 
 
 def _plan_of(read: _Plan, mission: Mission) -> SentPlan:
     targets = tuple(Target(**one.model_dump()) for one in read.targets)
     plan = SentPlan(read.mission_id, read.visited_before, targets)
-    if plan.visited_after(len(targets)) > len(mission.stations):
-        count = len(mission.stations)
+    if plan.visited_after(len(targets)) > len(mission.places):
+        count = len(mission.places)
         raise RecordError(f"plan: visits more stations than the mission has, {count}")
     return plan
 

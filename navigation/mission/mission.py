@@ -105,11 +105,18 @@ class Mission:
     reason: str = "no mission was given"
     paused: bool = False
     """Whether the operator has paused it; a restart of the program keeps that."""
+    errand: Station | None = None
+    """The place that a robot comes back to which has visited all and steps aside for another."""
+
+    @property
+    def places(self) -> tuple[Station, ...]:
+        """The stations, and behind them the place of an errand."""
+        return self.stations if self.errand is None else (*self.stations, self.errand)
 
     @property
     def remaining(self) -> tuple[Station, ...]:
-        """The stations that are still to be visited, in order."""
-        return self.stations[self.visited :]
+        """The places that are still to be visited, in order."""
+        return self.places[self.visited :]
 
     @property
     def is_over(self) -> bool:
@@ -137,8 +144,22 @@ class Mission:
         if not stations:
             raise MissionError("a mission needs at least one station")
         return replace(
-            self.after(Event.GIVEN, reason), stations=stations, visited=0, any_order=any_order
+            self.after(Event.GIVEN, reason),
+            stations=stations,
+            visited=0,
+            any_order=any_order,
+            errand=None,
         )
+
+    def stepping_aside(self, place: Station, reason: str) -> Mission:
+        """The same, which was over, with an errand: aside for another robot, and back."""
+        if self.remaining:
+            raise MissionError("a robot that has stations to visit steps aside for no other")
+        return replace(self.after(Event.GIVEN, reason), errand=place)
+
+    def arrived(self, reason: str) -> Mission:
+        """The mission at its end; an errand is over too."""
+        return replace(self.after(Event.ARRIVED, reason), visited=len(self.stations), errand=None)
 
     def settled(self, order: tuple[int, ...]) -> Mission:
         """The same with its stations but the last in this order, which then stays."""

@@ -92,6 +92,7 @@ class Pilot:
             visited=mission.visited,
             any_order=mission.any_order,
             paused=mission.paused,
+            errand=mission.errand,
         )
 
     def give(self, stations: tuple[Station, ...], *, any_order: bool = False) -> None:
@@ -104,6 +105,12 @@ class Pilot:
                     f"station {number} at ({station.x:g}, {station.y:g}) m: outside the arena"
                 )
         self.mission = self.mission.given(stations, "a mission was given", any_order=any_order)
+        self._forget_plan()
+        self._begin_again()
+
+    def step_aside(self, place: Station) -> None:
+        """Let a robot whose mission is over make room for another one and come back to a place."""
+        self.mission = self.mission.stepping_aside(place, "stepping aside for another robot")
         self._forget_plan()
         self._begin_again()
 
@@ -120,7 +127,11 @@ class Pilot:
             return
         given = self.mission.given(mission.stations, "continuing after a restart")
         self.mission = replace(
-            given, visited=mission.visited, any_order=mission.any_order, paused=mission.paused
+            given,
+            visited=mission.visited,
+            any_order=mission.any_order,
+            paused=mission.paused,
+            errand=mission.errand,
         )
         self._forget_plan()
 
@@ -302,7 +313,7 @@ class Pilot:
         executed = max(self.plan.executed, min(robot.executed, len(self.plan.targets)))
         self.waypoints_executed += executed - self.plan.executed
         self.plan = replace(self.plan, executed=executed)
-        last = len(self.mission.stations) - 1
+        last = len(self.mission.places) - 1
         # the last station counts when the camera has seen the robot stand there
         visited = min(self.plan.visited, last)
         if visited > self.mission.visited:
@@ -408,14 +419,15 @@ class Pilot:
         if robot.executed < len(self.plan.targets) or sight.pose is None:
             self._arrival.moves()
             return
-        if self.plan.visited < len(self.mission.stations):
+        if self.plan.visited < len(self.mission.places):
             return self._replan("on to the next station")  # the plan ended at one on the way
-        end = self._arrival.stands(now_s, sight.pose, self.mission.stations[-1])
+        end = self._arrival.stands(now_s, sight.pose, self.mission.places[-1])
         if end is None:
             return
         event, sentence = end
         if event is Event.ARRIVED:
-            self.mission = self.mission.with_visited(len(self.mission.stations))
+            self.mission = self.mission.arrived(sentence)
+            return
         self.mission = self.mission.after(event, sentence)
         if event is Event.REPLAN:
             self._forget_plan()

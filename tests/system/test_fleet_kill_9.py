@@ -14,7 +14,9 @@ from navigation.recording.reader import read_recording
 from tests.navigation.loop.test_fleet_kill import hall
 from tests.system.test_kill_9 import PROGRAM, kill_when_said
 
-pytestmark = [pytest.mark.slow, pytest.mark.timed]  # the kill has to come in time
+pytestmark = pytest.mark.slow
+STAY_S = 8.0
+"""At their last stations: a kill that a busy machine makes late still comes before the end."""
 
 
 def run(folder: Path) -> subprocess.Popen[str]:
@@ -29,6 +31,8 @@ def test_a_killed_run_of_two_robots_continues_both_missions(tmp_path: Path) -> N
     config = hall(tmp_path / "journal", "ab").model_dump(mode="json", exclude_none=True)
     config["camera"]["rate_hz"] = 10.0  # which a busy machine keeps up with
     config["simulation"]["time_limit_s"] = 90.0
+    for one in config["mission"]["robots"]:
+        one["stations"][-1]["dwell_s"] = STAY_S
     (tmp_path / "hall.yaml").write_text(yaml.safe_dump(config))
     kill_when_said(run(tmp_path), "to 1 station,")
     with run(tmp_path) as last:

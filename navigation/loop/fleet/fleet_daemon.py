@@ -134,7 +134,7 @@ class FleetDaemon(ControlLoop[FleetState, FleetRequest, FleetAnswer]):
                 self.seats[name].pilot.replan(why, holding=True)
         for name, station in fleet.errands.items():
             with self.lock, suppress(MissionError):  # a person may have stopped it just now
-                self.seats[name].pilot.give((station,))
+                self.seats[name].pilot.step_aside(station)
         self.waits, self._waits_for = fleet.waits, fleet.waits_for
         if fleet.request is not None:
             self._news.gets_request(now_s)

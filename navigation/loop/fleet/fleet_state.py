@@ -28,12 +28,12 @@ class FleetState:
     @property
     def is_over(self) -> bool:
         """Whether nothing more will happen without a new order."""
-        return all(one.mission.is_over or not one.mission.stations for one in self.robots.values())
+        return all(one.mission.is_over or not one.mission.places for one in self.robots.values())
 
     @property
     def state(self) -> State:
         """Of all robots together: the worst end, and before it that of one that is under way."""
-        states = [one.mission.state for one in self.robots.values() if one.mission.stations]
+        states = [one.mission.state for one in self.robots.values() if one.mission.places]
         for state in (State.DRIVING, State.PROVING, State.PLANNING, State.HOLDING):
             if state in states:
                 return state
@@ -48,7 +48,7 @@ class FleetState:
         told = {
             name: self.waits.get(name) or one.sentence
             for name, one in self.robots.items()
-            if one.mission.stations and one.mission.state is not State.DONE
+            if one.mission.places and one.mission.state is not State.DONE
         }
         if not told:
             return "all robots are at rest at their goals"

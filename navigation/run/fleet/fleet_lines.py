@@ -34,7 +34,7 @@ class FleetLines:
                 said is not None and mission.state is not State.HOLDING and said[1] != one.sentence
             )
             # a robot without a mission has nothing to say until it is stopped
-            silent = not mission.stations and said is None and mission.state is not State.STOPPED
+            silent = not mission.places and said is None and mission.state is not State.STOPPED
             if not news or silent:
                 continue
             self._said[name] = mission.state, one.sentence

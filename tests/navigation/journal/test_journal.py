@@ -19,7 +19,7 @@ stations = st.builds(Station, numbers, numbers, headings, dwells)
 targets = st.builds(
     Target, numbers, numbers, st.floats(0.0, 5.0), st.booleans(), headings, dwells, st.none()
 )
-missions = st.lists(stations, min_size=1, max_size=5).flatmap(
+under_way = st.lists(stations, min_size=1, max_size=5).flatmap(
     lambda s: st.builds(
         Mission,
         st.just(tuple(s)),
@@ -29,6 +29,12 @@ missions = st.lists(stations, min_size=1, max_size=5).flatmap(
         st.text(max_size=20),
     )
 )
+on_errands = st.builds(
+    lambda mission, place: replace(mission, visited=len(mission.stations), errand=place),
+    under_way,
+    stations,
+)
+missions = under_way | on_errands
 
 
 @given(missions, st.lists(targets, max_size=5), st.integers(1, 2**32 - 1))
@@ -61,6 +67,22 @@ def test_the_robot_s_progress_counts_stations_of_the_plan_it_holds() -> None:
     )
     plan = SentPlan(7, 3, row)
     assert [plan.visited_after(n) for n in range(5)] == [3, 3, 4, 4, 5]
+
+
+def test_the_plan_of_an_errand_is_forgotten_with_it(path: Path) -> None:
+    """The robot has driven to one place more than the mission has: no record may say so."""
+    over = DRIVING.arrived("there")
+    aside = over.stepping_aside(TWO[1], "aside")
+    there = SentPlan(10, 2, (Target(2.0, 1.0, 0.0, True, station=1),))
+    with Journal(path, OWNER) as journal:
+        journal.keep(aside, there, 0.0)
+    with Journal(path, OWNER) as journal:
+        assert (journal.remark, journal.unfinished(), journal.plan()) == ("", aside, there)
+        back = aside.after(Event.PLANNED, "driving").arrived("back")
+        journal.keep(back, None, 0.0)
+    with Journal(path, OWNER) as journal:
+        assert (journal.remark, journal.mission(), journal.plan()) == ("", back, None)
+        assert journal.unfinished() is None
 
 
 def test_the_plan_of_another_mission_is_forgotten_with_it(path: Path) -> None:

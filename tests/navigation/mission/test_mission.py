@@ -60,6 +60,23 @@ def test_visited_stations_are_never_unvisited() -> None:
             mission.with_visited(count)
 
 
+def test_an_errand_changes_nothing_of_what_was_visited() -> None:
+    place = Station(3.0, 1.0)
+    for over in (
+        Mission(),
+        Mission().given(TWO, "go").after(Event.PLANNED, "driving").arrived("there"),
+    ):
+        aside = over.stepping_aside(place, "aside")
+        assert aside.state is State.PLANNING
+        assert (aside.stations, aside.visited) == (over.stations, over.visited)
+        assert aside.remaining == (place,)
+        back = aside.after(Event.PLANNED, "driving").arrived("back")
+        assert (back.stations, back.visited, back.remaining) == (over.stations, over.visited, ())
+        assert aside.given(TWO, "a new one").remaining == TWO
+    with pytest.raises(MissionError, match="stations to visit"):
+        Mission().given(TWO, "go").stepping_aside(place, "aside")
+
+
 def test_a_mission_without_stations_is_refused() -> None:
     with pytest.raises(MissionError, match="at least one station"):
         Mission().given((), "nothing")

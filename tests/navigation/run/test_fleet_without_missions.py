@@ -1,11 +1,14 @@
-"""Robots without a mission of their own: they get tasks, and step aside for those that have one."""
+"""Robots whose mission is over, or that have none: they get tasks, and step aside for others."""
 
+import math
 from pathlib import Path
 
 from navigation.config import Config, load_config
 from navigation.loop.fleet.fleet_daemon import FleetDaemon
 from navigation.loop.fleet.fleet_state import FleetState
+from navigation.mission.mission import State
 from navigation.run.fleet.fleet_virtual_run import run_fleet_virtually
+from tests.support.runs.fleet_kills import drive_fleet_under_fire
 
 CONFIGS = Path(__file__).parents[3] / "configs"
 ALCOVE = load_config(CONFIGS / "alcove.yaml", {})
@@ -31,22 +34,80 @@ def test_one_that_stands_in_the_corridor_steps_into_the_niche_and_comes_back() -
         },
     )
     highest_m = 0.0
+    ended_m = (0.0, 0.0)
 
     def look(daemon: FleetDaemon, _now: FleetState) -> bool:
-        nonlocal highest_m
+        nonlocal highest_m, ended_m
         pose = daemon.seats["right"].pose
         highest_m = max(highest_m, 0.0 if pose is None else pose.y)
+        ended_m = ended_m if pose is None else (pose.x, pose.y)
         return False
 
     report = run_fleet_virtually(config, look=look, pictures=False)
     assert report.robots["left"].state == "done"
     assert report.robots["right"].state == "done"
     assert highest_m > 1.05  # in the niche
-    error_m = report.robots["right"].goal_error_m
-    assert error_m is not None
-    assert error_m < CLOSE_M  # back where it stood
+    assert math.dist(ended_m, (1.2, 0.9)) < CLOSE_M  # back where it stood
+    assert report.robots["right"].stations == 0
     assert report.least_gap_m is not None
     assert report.least_gap_m > 0.0
+
+
+TOURS = {
+    "robots": [
+        {"name": "left", "stations": [{"x_m": 0.7, "y_m": 0.9}, {"x_m": 1.2, "y_m": 0.9}]},
+        {
+            "name": "right",
+            "stations": [{"x_m": 2.2, "y_m": 0.9, "dwell_s": 10.0}, {"x_m": 0.2, "y_m": 0.9}],
+        },
+    ]
+}
+"""``left`` ends below the niche, in the path of ``right``, which stays where it is until then."""
+
+
+def test_one_that_has_finished_its_mission_and_steps_aside_keeps_it() -> None:
+    was_over, highest_m = False, 0.0
+
+    def look(daemon: FleetDaemon, now: FleetState) -> bool:
+        nonlocal was_over, highest_m
+        left, pose = now.robots["left"].mission, daemon.seats["left"].pose
+        was_over |= left.state is State.DONE
+        assert len(left.stations) == 2
+        if was_over:
+            assert left.visited == 2
+            highest_m = max(highest_m, 0.0 if pose is None else pose.y)
+        return False
+
+    report = run_fleet_virtually(changed(ALCOVE, mission=TOURS), look=look, pictures=False)
+    assert highest_m > 1.05  # it has been in the niche
+    for one in report.robots.values():
+        assert (one.state, one.stations, one.stations_visited) == ("done", 2, 2)
+        assert one.goal_error_m is not None
+        assert one.goal_error_m < CLOSE_M
+
+
+def test_a_kill_while_one_steps_aside_costs_it_neither_its_mission_nor_its_place(
+    tmp_path: Path,
+) -> None:
+    journal = {"journal": str(tmp_path / "journal")}
+    killed = False
+
+    def look(daemon: FleetDaemon, now: FleetState) -> None:
+        nonlocal killed
+        pose = daemon.seats["left"].pose
+        in_niche = pose is not None and pose.y > 1.0
+        if in_niche and not killed and now.robots["left"].mission.visited == 2:
+            killed = True
+            daemon.world.reaper.arm(1)  # type: ignore[attr-defined]
+
+    told = drive_fleet_under_fire(
+        changed(ALCOVE, mission=TOURS, recording=journal), 1, 0, look=look
+    )
+    assert told.kills == 1
+    assert "left continues: 2 of 2 stations were visited" in told.said
+    assert told.states == {"left": State.DONE, "right": State.DONE}
+    assert told.visits["left"] == [1, 1]  # it has come back
+    assert told.least_gap_m > 0.0
 
 
 def test_tasks_go_where_the_drive_is_short_not_where_the_air_is() -> None:
