@@ -91,6 +91,26 @@ def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item
         items[:] = [item for item in items if item not in with_data]
 
 
+_spent_s = pytest.StashKey[float]()
+
+
+def processor_s() -> float:
+    """The processor time of this process and of all its children that have ended."""
+    return sum(os.times()[:4])
+
+
+@pytest.hookimpl(tryfirst=True)
+def pytest_runtest_setup(item: pytest.Item) -> None:
+    item.stash[_spent_s] = processor_s()
+
+
+@pytest.hookimpl(tryfirst=True)
+def pytest_runtest_makereport(item: pytest.Item, call: pytest.CallInfo[None]) -> None:
+    """Leave each test's processor time in ``--junitxml``, for ``benchmarks.suite``."""
+    if call.when == "teardown":
+        item.user_properties.append(("processor_s", processor_s() - item.stash[_spent_s]))
+
+
 @pytest.hookimpl(trylast=True)
 def pytest_sessionfinish(session: pytest.Session, exitstatus: int) -> None:
     """With CLEARWAY_FAIL_ON_SKIP a skipped test fails the run."""
