@@ -42,8 +42,9 @@ def light_surface(
     surface = values
     far = 0.75 if side == "dark" else 1.0 / 0.75
     for round_ in range(16):
-        root = np.sqrt(weights)[:, None]
-        surface = terms @ np.linalg.lstsq(terms * root, values * root[:, 0], rcond=None)[0]
+        # six equations instead of one for each pixel; a picture one pixel wide leaves some unknown
+        weighted = terms.T * weights
+        surface = terms @ np.linalg.lstsq(weighted @ terms, weighted @ values, rcond=None)[0]
         weights = np.where(values > surface, 1.0, 0.03)
         if round_ >= 8:
             weights = np.where(values > far * surface, 1.0, 1e-4)
