@@ -19,6 +19,8 @@ from numpy.typing import NDArray
 from vision.calibration.calibration import Calibration
 
 LIGHT, DARK = 200.0, 35.0
+Extent = tuple[float, float, float, float]
+"""The least and the greatest x and y, in pixels: x0, y0, x1, y1."""
 
 
 @dataclass(frozen=True)
@@ -80,19 +82,35 @@ def render(
     """
     width, height = calibration.size
     x0, y0, w, h = window or (0, 0, width, height)
-    total = np.zeros((h, w))
-    ys, xs = np.mgrid[y0 : y0 + h, x0 : x0 + w].astype(np.float64)
-    for i in range(samples):
-        for j in range(samples):
-            dx, dy = (i + 0.5) / samples - 0.5, (j + 0.5) / samples - 0.5
-            total += _paint(calibration, patches, xs + dx, ys + dy)
-    part = total / samples**2
     image = np.full((height, width), LIGHT)
-    image[y0 : y0 + h, x0 : x0 + w] = part
+    image[y0 : y0 + h, x0 : x0 + w] = sharp(calibration, patches, (x0, y0, w, h), samples)
     if blur > 0.0:
         image = cv2.GaussianBlur(image, (0, 0), blur)
     if rng is not None and noise > 0.0:
         image = image + rng.normal(0.0, noise, image.shape)
+    return rounded(image)
+
+
+def sharp(
+    calibration: Calibration,
+    patches: Sequence[Patch],
+    window: tuple[int, int, int, int],
+    samples: int,
+) -> NDArray[np.float64]:
+    """The part ``window`` (x, y, width, height) of a picture without blur, noise and rounding."""
+    x0, y0, w, h = window
+    total = np.zeros((h, w))
+    ys, xs = np.mgrid[y0 : y0 + h, x0 : x0 + w].astype(np.float64)
+    extents = [_extent(calibration, patch) for patch in patches]
+    for i in range(samples):
+        for j in range(samples):
+            dx, dy = (i + 0.5) / samples - 0.5, (j + 0.5) / samples - 0.5
+            total += _paint(calibration, patches, extents, xs + dx, ys + dy)
+    return total / samples**2
+
+
+def rounded(image: NDArray[np.float64]) -> NDArray[np.uint8]:
+    """The grey values that a sensor gives for an exposed picture (h, w)."""
     return np.clip(np.round(image), 0, 255).astype(np.uint8)
 
 
@@ -128,14 +146,14 @@ def pose_bound(
 def _paint(
     calibration: Calibration,
     patches: Sequence[Patch],
+    extents: Sequence[Extent],
     xs: NDArray[np.float64],
     ys: NDArray[np.float64],
 ) -> NDArray[np.float64]:
     grey = np.full(xs.shape, LIGHT)
-    for patch in patches:
+    for patch, (x0, y0, x1, y1) in zip(patches, extents, strict=True):
         c, s = math.cos(patch.heading_rad), math.sin(patch.heading_rad)
         rows, columns = patch.cells.shape
-        x0, y0, x1, y1 = _extent(calibration, patch)
         near = (xs[0] >= x0) & (xs[0] <= x1), (ys[:, 0] >= y0) & (ys[:, 0] <= y1)
         part = np.ix_(near[1], near[0])
         if xs[part].size == 0:
@@ -152,7 +170,7 @@ def _paint(
     return grey
 
 
-def _extent(calibration: Calibration, patch: Patch) -> tuple[float, float, float, float]:
+def _extent(calibration: Calibration, patch: Patch) -> Extent:
     """The pixels that a patch can reach: its rim's, and a little for what a lens bends."""
     rows, columns = patch.cells.shape
     along = np.linspace(-0.5, 0.5, 9)

@@ -4,10 +4,11 @@ from __future__ import annotations
 
 import math
 
+import cv2
 import numpy as np
 import pytest
 
-from tests.support.drawn.boards import render
+from tests.support.drawn.boards import rounded, sharp
 from tests.vision.markers.test_markers import BENT, DICTIONARY, SIZE, marker_patch, overhead
 from vision.calibration.calibration import Calibration
 from vision.camera.camera import Frame, Image
@@ -17,6 +18,8 @@ from vision.markers.tracking import Pose, wrap
 ROLLING_S = 0.02
 PERIOD_S = 1.0 / 30.0
 STRIP_PX = 6
+BLUR_PX, MARGIN_PX = 0.7, 4
+"""The blur, and the rows beside a strip that reach into it."""
 ROBOT = MarkedRobot(3, 0.09, marker_height_m=0.1)
 
 
@@ -36,17 +39,18 @@ class Motion:
 
 def rolled(calibration: Calibration, motion: Motion, last_s: float, seed: int) -> Image:
     """The picture whose last row is exposed at ``last_s``: every strip of rows at its own time."""
-    rng = np.random.default_rng(seed)
     strips = []
     for top in range(0, SIZE[1], STRIP_PX):
         middle = top + 0.5 * (STRIP_PX - 1)
         time_s = last_s - ROLLING_S * (SIZE[1] - 1 - middle) / (SIZE[1] - 1)
         marker = marker_pose(motion.at(time_s), ROBOT)
         patch = marker_patch(DICTIONARY, ROBOT.id, ROBOT.marker_size_m, marker, 0.1)
-        window = (0, top, SIZE[0], STRIP_PX)
-        image = render(calibration, [patch], rng=rng, noise=2.0, window=window, samples=3)
-        strips.append(image[top : top + STRIP_PX])
-    return np.vstack(strips)
+        first, end = max(0, top - MARGIN_PX), min(SIZE[1], top + STRIP_PX + MARGIN_PX)
+        rows = sharp(calibration, [patch], (0, first, SIZE[0], end - first), samples=3)
+        blurred = cv2.GaussianBlur(rows, (0, 0), BLUR_PX)
+        strips.append(blurred[top - first : top - first + STRIP_PX])
+    image = np.vstack(strips)
+    return rounded(image + np.random.default_rng(seed).normal(0.0, 2.0, image.shape))
 
 
 def followed(

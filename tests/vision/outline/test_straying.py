@@ -36,9 +36,9 @@ def straight(a: FloatArray, b: FloatArray) -> FloatArray:
     return np.asarray(a + np.arange(count)[:, None] / count * (b - a))
 
 
-@settings(max_examples=400, deadline=None)
+@settings(max_examples=250, deadline=None)
 @given(
-    radius=st.floats(0.6, 80.0),
+    radius=st.floats(0.6, 40.0),
     sweep=st.floats(0.05, math.tau - 0.01),
     gap_px=st.none() | st.floats(0.05, 10.0),
     begin=st.floats(-math.pi, math.pi),

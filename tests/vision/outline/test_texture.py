@@ -102,12 +102,16 @@ class Outlines:
 
 
 def is_inside(rim: NDArray[np.float32], points: NDArray[np.float64]) -> Mask:
-    """Whether a ray from each point crosses the rim an odd number of times."""
+    """Whether a ray from each point, sorted by y, crosses the rim an odd number of times."""
     odd = np.zeros(len(points), np.bool_)
     x, y = points.T
-    for (ax, ay), (bx, by) in zip(rim.tolist(), np.roll(rim, -1, axis=0).tolist(), strict=True):
-        if ay != by:
-            odd ^= ((ay > y) != (by > y)) & (x < ax + (bx - ax) * (y - ay) / (by - ay))
+    begins = np.searchsorted(y, rim[:, 1].astype(np.float64))
+    nexts = (np.roll(one, -1, axis=0).tolist() for one in (rim, begins))
+    for (ax, ay), begin, (bx, by), end in zip(rim.tolist(), begins.tolist(), *nexts, strict=True):
+        # the points on whose height the edge runs
+        beside = slice(min(begin, end), max(begin, end))
+        if beside.start < beside.stop:
+            odd[beside] ^= x[beside] < ax + (bx - ax) * (y[beside] - ay) / (by - ay)
     return odd
 
 

@@ -146,11 +146,9 @@ def test_no_line_passes_between_pixels_with_more_room(
     normal = np.array([way[1], -way[0]])
     bright, dark = middle + free - middle[0], middle - free - middle[0]
 
-    def room(tilt: float) -> float:
-        heights = [side @ normal - tilt * (side @ way) for side in (bright, dark)]
-        return float(heights[0].min() - heights[1].max())
-
-    best = max(room(tilt) for tilt in np.linspace(-0.5, 0.5, 2001))
+    tilts = np.linspace(-0.5, 0.5, 2001)[:, None]
+    heights = [side @ normal - tilts * (side @ way) for side in (bright, dark)]
+    best = float((heights[0].min(axis=1) - heights[1].max(axis=1)).max())
     if best < 0.0:
         assert gap < 1e-3
         return
