@@ -1,13 +1,10 @@
 """What wheels compile ahead is found by running it: the rehearsal itself has to go through."""
 
-import os
 import subprocess
 import sys
 from pathlib import Path
 
 import pytest
-
-pytestmark = pytest.mark.slow
 
 RUN = """
 import navigation.run.kernels.rehearsal as rehearsal
@@ -20,7 +17,6 @@ rehearsal.{part}()
 def test_the_rehearsal_goes_through(part: str) -> None:
     told = subprocess.run(
         [sys.executable, "-c", RUN.format(part=part)],
-        env={**os.environ, "NUMBA_DISABLE_JIT": "1"},  # quick: nothing is compiled
         cwd=Path(__file__).parents[4],
         capture_output=True,
         text=True,
