@@ -53,6 +53,7 @@ from vision.binarise.regions.edge_evidence import (
     leaves_out,
     with_left_out,
 )
+from vision.binarise.unresolved import Unresolved, unresolved_structure
 from vision.errors import PictureError
 from vision.shared.scratch import Room
 
@@ -118,7 +119,8 @@ def binarise(
     if first_row[0] and first_row.all() and cv2.countNonZero(binary.mask) == grey.size:
         raise PictureError(
             f"the picture has no free space: all {grey.shape[1]} x {grey.shape[0]} pixels are "
-            f"{'black' if side == 'dark' else 'white'}, which is what obstacles are"
+            f"{'black' if side == 'dark' else 'white'}, which is what obstacles are: "
+            f"{binary.how.reason}"
         )
     return binary
 
@@ -197,12 +199,15 @@ def _by_otsu(look: Look, classes: Classes | None, side: Literal["dark", "light"]
 
 def _auto(look: Look, classes: Classes | None, side: Literal["dark", "light"]) -> Binary:
     """One level where the light is even; else the level or the division that edges speak for."""
-    spread = grey_spread(look.counts) if classes is None else classes.light_spread
-    if classes is None and spread <= 1.5 * look.noise + LEAST_CONTRAST / 4.0:
-        return _uniform(look, side)
     if classes is not None and look.fine is not None:
         # no edge has its plateaus, by which edges are judged
         return _even(look, classes, side)
+    too_fine = unresolved_structure(look, classes, side)
+    if too_fine is not None:
+        return _unresolved(look, side, too_fine)
+    spread = grey_spread(look.counts) if classes is None else classes.light_spread
+    if classes is None and spread <= 1.5 * look.noise + LEAST_CONTRAST / 4.0:
+        return _uniform(look, side)
     even = classes
     uneven = math.inf if classes is None else unevenness(look, classes, side)
     if uneven > MOST_UNEVEN:
@@ -272,6 +277,21 @@ def _edgeless(look: Look, side: Literal["dark", "light"]) -> Binary:
     running = np.cumsum(look.counts)
     lit = float(np.searchsorted(running, LIT_SHARE * running[-1]))
     return _all_alike(look, side, lit, f"no edges: the light runs up to {lit:.0f} and is uneven")
+
+
+def _unresolved(look: Look, side: Literal["dark", "light"], found: Unresolved) -> Binary:
+    """Ground whose walls and ways run together is no floor: it is obstacle, all of it."""
+    why = (
+        "walls and ways may be too fine for the picture: the ground's grey varies by "
+        f"{found.spread:.0f} levels from pixel to pixel, more than noise does, so that all of it "
+        "counts as obstacle; focus the camera, bring it closer, use more pixels, or more light"
+    )
+    how = Binarisation("fixed", _shown(found.level, side), side, why)
+    margin = found.level - found.middle
+    binary = black_and_white(
+        look, found.level, 2.0 * margin, how, strongest_noise=found.spread, margin=margin
+    )
+    return replace(binary, remarks=(*binary.remarks, why))
 
 
 def _all_alike(look: Look, side: Literal["dark", "light"], grey: float, why: str) -> Binary:
