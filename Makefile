@@ -112,8 +112,8 @@ browser: $(VENV)/.installed-dev ## the dashboard in a real browser; screenshots 
 	bash .ci/packages browser
 	$(BIN)/python -m pytest tests/browser
 
-# adversary, paper and figures have targets of their own; house measures no time
-BENCHES = $(filter-out __init__ adversary paper house figures,$(sort \
+# adversary, paper and figures have targets of their own; house and same_runs measure no time
+BENCHES = $(filter-out __init__ adversary paper house figures same_runs,$(sort \
   $(patsubst benchmarks/%.py,%,$(wildcard benchmarks/*.py)) \
   $(patsubst benchmarks/%/__main__.py,%,$(wildcard benchmarks/*/__main__.py))))
 bench: $(VENV)/.installed-dev ## every benchmark, into benchmarks/results/

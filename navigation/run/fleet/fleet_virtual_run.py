@@ -34,6 +34,7 @@ def run_fleet_virtually(
     record: Path | None = None,
     bodies: Mapping[str, Config] | None = None,
     pictures: bool = True,
+    make_world: Callable[..., FleetVirtualWorld] = FleetVirtualWorld,
 ) -> FleetReport:
     """Drive the configured missions until all are over or the time limit; the run's report.
 
@@ -41,10 +42,11 @@ def run_fleet_virtually(
     change its troubles; ``look`` after each cycle, and ends the run where it is True. The run ends
     ``linger_s`` after all missions are over. ``record`` is a folder for recordings, ``bodies``
     what the simulated robots really are. Without ``pictures`` none is drawn or looked at.
+    ``make_world`` makes the world from the same arguments as `FleetVirtualWorld`.
     """
     if config.simulation is None:
         raise ValueError("a run in virtual time needs a section 'simulation'")
-    world = FleetVirtualWorld(config, times, bodies, pictures=pictures)
+    world = make_world(config, times, bodies, pictures=pictures)
     if meet is not None:
         world.meet = lambda since_s: meet(world, since_s)
     with ExitStack() as open_things:

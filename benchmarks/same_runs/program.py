@@ -1,0 +1,195 @@
+"""The program as these runs see it: the one file that knows how a run is made, of one or several.
+
+It uses the public functions of runs in virtual time, the world's links, and the troubles that the
+simulated world offers. When the program changes, this file follows it and the hashes stay.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from typing import Any, Final
+
+from benchmarks.same_runs.trace import Trace
+from firmware_protocol.robot.connection import Identity, RobotConnection
+from firmware_protocol.robot.controller import RobotController
+from firmware_protocol.wire.drive_settings import DriveSettings
+from navigation.config import Config
+from navigation.config.known_robots import CLEARWAY
+from navigation.config.several.each_camera import each_camera
+from navigation.config.several.each_robot import each_robot
+from navigation.loop.daemon import Daemon
+from navigation.loop.daemon_state import DaemonState
+from navigation.loop.fleet.fleet_daemon import FleetDaemon
+from navigation.loop.fleet.people import People
+from navigation.mission.mission import Station
+from navigation.run.fleet.fleet_virtual_run import run_fleet_virtually
+from navigation.run.fleet.fleet_virtual_world import FleetVirtualWorld
+from navigation.run.troubled_camera import CameraTroubles
+from navigation.run.virtual_link import VirtualLink
+from navigation.run.virtual_run import run_virtually
+from navigation.run.virtual_troubles import Troubles
+from navigation.run.virtual_world import VirtualWorld
+from navigation.simulator.virtual_loop import VirtualLoop
+from navigation.simulator.virtual_robot import VirtualRobot
+
+# fmt: off
+CALLS: Final = frozenset((
+    "open", "close", "restart", "upload", "release", "pause", "clear", "lease", "pose_fix",
+    "estop", "reset_estop",
+))
+"""What a link is ordered to do; asking it for its state changes nothing."""
+HEARD: Final = (
+    "open_session", "accept", "start", "pause", "clear", "lease", "pose_fix", "emergency_stop",
+    "reset_estop",
+)
+# fmt: on
+"""What the robot's end of the line orders its controller to do."""
+
+
+@dataclass(frozen=True, slots=True)
+class Body:
+    """A simulated robot, its line, and what may go wrong with both."""
+
+    robot: VirtualRobot
+    loop: VirtualLoop
+    troubles: Troubles
+
+
+@dataclass(frozen=True, slots=True)
+class Stage:
+    """A running program and its simulated world; robots are numbered as in the configuration."""
+
+    bodies: Sequence[Body]
+    cameras: Sequence[CameraTroubles]
+    clock: Callable[[], float]
+    _people: Any
+    _names: Sequence[str]
+    """Empty where there is one robot: it has no name."""
+
+    def order(self, name: str, robot: int | None, *given: object) -> None:
+        """``stop``, ``pause``, ``resume``, ``replan``: to one robot, or to all (None)."""
+        of = (self._names[robot],) if self._names and robot is not None else ()
+        getattr(self._people, name)(*given, *of)
+
+    def give(self, robot: int, stations: tuple[Station, ...]) -> None:
+        """Give a robot a new mission."""
+        self.order("give", robot, stations)
+
+
+Look = Callable[[Stage, Sequence[DaemonState]], bool]
+"""Called after each cycle with the state of each robot; True ends the run."""
+
+
+@dataclass(frozen=True, slots=True)
+class End:
+    """The end of a run."""
+
+    state: str
+    duration_s: float
+
+
+def runs_virtually(config: Config) -> bool:
+    """True if the configuration is one of a simulation that needs no real time."""
+    robots = each_robot(config) or {"": config}
+    return config.simulation is not None and all(
+        one.robot.driver == CLEARWAY for one in robots.values()
+    )
+
+
+def robots_of(config: Config) -> int:
+    """The number of robots that the program drives."""
+    return len(config.robots) or 1
+
+
+def run(config: Config, trace: Trace, look: Look, *, linger_s: float, pictures: bool) -> End:
+    """Drive a configuration to its end and note everything in the trace."""
+    stages: list[Stage] = []
+
+    def seen(daemon: Any, now: Any) -> bool:
+        if not stages:
+            stages.append(_stage_of(daemon))
+        states = list(now.robots.values()) if config.robots else [now]
+        return look(stages[0], states)
+
+    report: Any
+    if config.robots:
+        report = run_fleet_virtually(
+            config,
+            look=seen,
+            linger_s=linger_s,
+            pictures=pictures,
+            make_world=lambda *a, **k: _NotedWorldOfSeveral(trace, *a, **k),
+        )
+    else:
+        report = run_virtually(
+            config,
+            look=seen,
+            linger_s=linger_s,
+            pictures=pictures,
+            make_world=lambda *a, **k: _NotedWorld(trace, *a, **k),
+        )
+    trace.keep(report.to_json(), [body.robot.track() for body in stages[0].bodies])
+    return End(report.state, report.duration_s)
+
+
+def _stage_of(daemon: Daemon | FleetDaemon) -> Stage:
+    names: list[Any] = list(each_camera(daemon.config))
+    if isinstance(daemon, FleetDaemon):
+        assert isinstance(daemon.world, FleetVirtualWorld)
+        cameras = [daemon.world.troubles[name] for name in names or [None]]
+        bodies = [Body(one.robot, one.loop, one.troubles) for one in daemon.world.bodies.values()]
+        return Stage(bodies, cameras, daemon.world.clock, People(daemon), list(daemon.seats))
+    world = daemon.world
+    assert isinstance(world, VirtualWorld)
+    cameras = [world.troubles.cameras[name] for name in names] or [world.troubles]
+    return Stage([Body(world.robot, world.loop, world.troubles)], cameras, world.clock, daemon, ())
+
+
+class _NotedWorld(VirtualWorld):
+    def __init__(self, trace: Trace, *given: Any, **named: Any) -> None:
+        super().__init__(*given, **named)
+        self._trace, trace.clock = trace, self.clock
+        _hear(self.loop, trace, 0)
+
+    def make_link(self) -> Any:
+        return _NotedLink(super().make_link(), self._trace, 0)
+
+
+class _NotedWorldOfSeveral(FleetVirtualWorld):
+    def __init__(self, trace: Trace, *given: Any, **named: Any) -> None:
+        super().__init__(*given, **named)
+        self._trace, trace.clock = trace, self.clock
+        for number, body in enumerate(self.bodies.values()):
+            _hear(body.loop, trace, number)
+
+    def make_link(self, name: str) -> Any:
+        number = list(self.bodies).index(name)
+        return _NotedLink(super().make_link(name), self._trace, number)
+
+
+class _NotedLink:
+    """A link whose orders are noted before they are carried out."""
+
+    def __init__(self, link: VirtualLink, trace: Trace, robot: int) -> None:
+        self._link, self._trace, self._robot = link, trace, robot
+
+    def __getattr__(self, name: str) -> Any:
+        member = getattr(self._link, name)
+        if name not in CALLS:
+            return member
+        return self._trace.noted(name, member, "calls", self._robot)
+
+
+def _hear(loop: VirtualLoop, trace: Trace, robot: int) -> None:
+    """Note what the robot hears, from its present boot on."""
+
+    def make(identity: Identity, settings: DriveSettings) -> RobotConnection:
+        controller = RobotController(settings)
+        for name in HEARD:
+            call = getattr(controller, name)
+            setattr(controller, name, trace.noted(name, call, "heard", robot))
+        return RobotConnection(identity, controller)
+
+    loop.make_robot = make
+    loop.robot = make(loop.robot.identity, loop.settings)
