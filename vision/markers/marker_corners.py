@@ -12,8 +12,9 @@ Rules and units
   raw picture, so that a pixel's error is one of a pixel everywhere.
 - What covers a part of a side, at a corner or between two, has no edge on its line: the line goes
   through the points that most agree on, and a covered corner is where two lines meet. Its error
-  grows with what is covered. A marker of which a third of a side is covered, or that has no
-  straight edge, is refused: a corner would be invented otherwise.
+  grows with what is covered. Sides of which a third is covered, or that have no straight edge, are
+  refused: a corner would be invented otherwise. What covers a side from end to end looks like one:
+  only the cells inside show that (``vision.markers.marker_pattern``).
 """
 
 from __future__ import annotations
@@ -30,8 +31,10 @@ from vision.markers.marker_kernels import (
     FITTED,
     FOLDED,
     HIDDEN,
+    NO_FLOOR,
     PARALLEL,
     ROUGH,
+    UNREAD,
     fit_quad,
 )
 
@@ -62,6 +65,8 @@ _REFUSALS = {
     HIDDEN: Refused("a side is partly hidden or has no contrast"),
     PARALLEL: Refused("two of its sides are parallel"),
     APART: Refused("its sides do not meet near its corners"),
+    NO_FLOOR: Refused("it lies where no floor is seen"),
+    UNREAD: Refused("its cells are not where its sides are"),
 }
 
 

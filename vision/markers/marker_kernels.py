@@ -50,8 +50,8 @@ _MIN_SINE = 0.1
 
 _MAX_ROUGHNESS_PX = 0.7
 
-FITTED, AT_EDGE, FOLDED, HIDDEN, PARALLEL, APART, ROUGH = 0, 1, 2, 3, 4, 5, 6
-"""What became of a quadrilateral."""
+FITTED, AT_EDGE, FOLDED, HIDDEN, PARALLEL, APART, ROUGH, NO_FLOOR, UNREAD = range(9)
+"""What became of a quadrilateral; the last two only where its pattern is laid on a floor."""
 
 
 @njit(cache=True, nogil=True, fastmath=False)

@@ -47,31 +47,29 @@ def settle_pattern(
     bits: NDArray[np.float64],
     state: NDArray[np.float64],
     metric: NDArray[np.float64],
-    cell_px: float,
 ) -> bool:
     """Gauss-Newton until nothing moves; whether the pattern is there. Changes ``state``.
 
     ``pixels`` (n, 3) from `marker_pixels`, ``state`` (13,) with a first guess of the affine map.
     """
-    cells = len(bits)
+    if len(pixels) < LEAST_PIXELS:
+        return False
     grey = np.zeros(256, dtype=np.int64)
     for i in range(len(pixels)):
         grey[int(pixels[i, 2])] += 1
     dark, light = _quantile(grey, 0.15), _quantile(grey, 0.85)
+    state[6:] = 0.0
     state[6], state[7], state[10] = _START_BLUR_PX, dark, light - dark
-    pixels = _on_paper(pixels, state, cells, cell_px)
-    if len(pixels) < LEAST_PIXELS:
-        return False
     # cells that a pixel crosses, along u and along v
-    per_px = max(_length(state[0], state[1], metric), _length(state[3], state[4], metric))
+    per_px = max(pixel_length(state[0], state[1], metric), pixel_length(state[3], state[4], metric))
     most_blur_px = max(_MOST_BLUR_CELLS / per_px, _LEAST_BLUR_PX)
     matrix, step = np.empty((UNKNOWNS, UNKNOWNS)), np.empty(UNKNOWNS)
     limit = math.inf
     rms = size = math.inf
     for _ in range(_MOST_STEPS):
-        rms = _normal_equations(pixels, bits, state, limit, metric, matrix, step)
+        rms = normal_equations(pixels, bits, state, limit, metric, matrix, step)
         limit = _HUBER * rms
-        if not _solve(matrix, step):
+        if not solve(matrix, step):
             return False
         # A step over more than a cell would land on the next grid line.
         size = 0.0
@@ -88,27 +86,25 @@ def settle_pattern(
 
 
 @njit(cache=True, nogil=True, fastmath=False)
-def _on_paper(
+def has_light_rim(
     pixels: NDArray[np.float64], state: NDArray[np.float64], cells: int, cell_px: float
-) -> NDArray[np.float64]:
-    """The pixels, without the rim and the border's edge where the rim is not light.
+) -> bool:
+    """True if the rim is paper along each side.
 
-    A marker may be cut tightly, and the floor beside it is no part of the pattern: then the inner
-    cells alone say where it is.
+    A marker may be cut tightly, and the floor beside it is no part of the pattern.
     """
     beyond = EDGE_PX / cell_px
     inside = np.zeros(256, dtype=np.int64)
     sides = np.zeros((4, 256), dtype=np.int64)
-    outmost = np.empty(len(pixels))
     for i in range(len(pixels)):
         a, b, grey = pixels[i, 0], pixels[i, 1], int(pixels[i, 2])
         u = state[0] * a + state[1] * b + state[2]
         v = state[3] * a + state[4] * b + state[5]
         off_u, off_v = max(-u, u - cells), max(-v, v - cells)
-        outmost[i] = max(off_u, off_v)
-        if outmost[i] < -0.5:
+        outmost = max(off_u, off_v)
+        if outmost < -0.5:
             inside[grey] += 1
-        elif outmost[i] > beyond and min(off_u, off_v) <= 0.0:  # along a side, not at its corners
+        elif outmost > beyond and min(off_u, off_v) <= 0.0:  # along a side, not at its corners
             side = (0 if u < 0.0 else 1) if off_u > off_v else (2 if v < 0.0 else 3)
             sides[side, grey] += 1
     dark, paper = _quantile(inside, 0.15), _quantile(inside, 0.95)
@@ -117,8 +113,23 @@ def _on_paper(
             continue
         light = (_quantile(sides[side], 0.5) - dark) / max(paper - dark, 1.0)
         if light < _LEAST_LIGHT:
-            return pixels[outmost < -min(_BLUR_PX / cell_px, 0.5)]
-    return pixels
+            return False
+    return True
+
+
+@njit(cache=True, nogil=True, fastmath=False)
+def inner_pixels(
+    pixels: NDArray[np.float64], state: NDArray[np.float64], cells: int, cell_px: float
+) -> NDArray[np.float64]:
+    """The pixels that feel neither the rim nor the border's edge."""
+    inmost = min(_BLUR_PX / cell_px, 0.5)
+    is_inner = np.empty(len(pixels), dtype=np.bool_)
+    for i in range(len(pixels)):
+        a, b = pixels[i, 0], pixels[i, 1]
+        u = state[0] * a + state[1] * b + state[2]
+        v = state[3] * a + state[4] * b + state[5]
+        is_inner[i] = max(-u, u - cells, -v, v - cells) < -inmost
+    return pixels[is_inner]
 
 
 @njit(cache=True, nogil=True, fastmath=False)
@@ -142,7 +153,7 @@ def _quantile(counts: NDArray[np.int64], share: float) -> float:
 
 
 @njit(cache=True, nogil=True, fastmath=False)
-def _solve(matrix: NDArray[np.float64], right: NDArray[np.float64]) -> bool:
+def solve(matrix: NDArray[np.float64], right: NDArray[np.float64]) -> bool:
     """Solves a symmetric system in place, by Cholesky's factors, scaled to a diagonal of ones.
 
     False where the matrix is not positive definite to rounding: some unknown is not seen.
@@ -180,7 +191,7 @@ def _solve(matrix: NDArray[np.float64], right: NDArray[np.float64]) -> bool:
 
 
 @njit(cache=True, nogil=True, fastmath=False)
-def _normal_equations(
+def normal_equations(
     pixels: NDArray[np.float64],
     bits: NDArray[np.float64],
     state: NDArray[np.float64],
@@ -202,8 +213,8 @@ def _normal_equations(
     out_matrix[:] = 0.0
     out_right[:] = 0.0
     cells = len(bits)
-    per_px_u = _length(state[0], state[1], metric)
-    per_px_v = _length(state[3], state[4], metric)
+    per_px_u = pixel_length(state[0], state[1], metric)
+    per_px_v = pixel_length(state[3], state[4], metric)
     spread_u, spread_v = state[6] * per_px_u, state[6] * per_px_v
     rows, weighted = np.empty((UNKNOWNS + 2, _BLOCK)), np.empty(_BLOCK)
     flat = np.zeros((2, 9))
@@ -229,8 +240,8 @@ def _normal_equations(
             _add_flat(flat, int(above_left), weight, x, y, error)
             continue
         du, dv = (u - line_u) / spread_u, (v - line_v) / spread_v
-        p, slope_p = _blurred_step(du)
-        q, slope_q = _blurred_step(dv)
+        p, slope_p = blurred_step(du)
+        q, slope_q = blurred_step(dv)
         above = above_left + (above_right - above_left) * p
         below = below_left + (below_right - below_left) * p
         light = above + (below - above) * q
@@ -321,7 +332,7 @@ def _add_alike(
 
 
 @njit(cache=True, nogil=True, fastmath=False)
-def _length(p: float, q: float, metric: NDArray[np.float64]) -> float:
+def pixel_length(p: float, q: float, metric: NDArray[np.float64]) -> float:
     """How far u = p a + q b goes with one pixel along its own gradient."""
     return math.sqrt(p * p * metric[0, 0] + 2.0 * p * q * metric[0, 1] + q * q * metric[1, 1])
 
@@ -335,7 +346,7 @@ def _cell(bits: NDArray[np.float64], column: int, row: int) -> float:
 
 
 @njit(cache=True, nogil=True, fastmath=False)
-def _blurred_step(t: float) -> tuple[float, float]:
+def blurred_step(t: float) -> tuple[float, float]:
     """The normal distribution and its density, within 1e-7.
 
     Abramowitz and Stegun, Handbook of mathematical functions (1964), 26.2.17.

@@ -16,13 +16,24 @@ from numpy.typing import NDArray
 import planner.scene.compile_options  # noqa: F401 (chooses how kernels are compiled and kept)
 from vision.calibration.calibration_kernels import placed_at, seen_at
 from vision.calibration.lens_model import PlaneView
-from vision.markers.marker_kernels import FITTED, fit_quad
-from vision.markers.marker_pattern_kernels import EDGE_PX, LEAST_PIXELS, UNKNOWNS, settle_pattern
+from vision.markers.marker_agreement_kernels import (
+    LEAST_READ,
+    NOT_READ,
+    corner_error_px,
+    corners_of,
+    sides_agree,
+    worst_cells,
+)
+from vision.markers.marker_kernels import AT_EDGE, FITTED, FOLDED, NO_FLOOR, UNREAD, fit_quad
+from vision.markers.marker_pattern_kernels import (
+    UNKNOWNS,
+    has_light_rim,
+    inner_pixels,
+    settle_pattern,
+)
 
-NO_FLOOR = 7
-"""What became of a quadrilateral, beside what `fit_quad` says: it lies where no floor is seen."""
-NOT_READ = 0.0
-"""How well the cells read where they do not, or no pattern was fitted."""
+NO_SIDES = math.inf
+"""The standard error of corners that are no sides' but a guess."""
 
 _RIM_PX = 3.0
 _RIM_CELLS = 0.75
@@ -31,11 +42,13 @@ MOST_PIXELS = 12_000
 """In the box around a marker: more are thinned out. From 200 px on the centre stays within 0.01 px
 (``test_marker_pattern.py``)."""
 _MAX_MOVE_PX = 1.5
+"""How far the whole pattern's corners lie from where its sides meet at most: chosen."""
+_MAX_MOVE_CELLS = 0.5
+"""How far the inner pattern's middle lies from that of the corners it began at: derived, beyond
+half a cell the next cell's edges are nearer."""
 _STRETCH_PX = 24
 """Along a row or column, on which a pixel's place is a cubic's: within 1e-4 px of a wide lens's own
 (``test_marker_pattern.py``)."""
-_CORE = 0.3
-"""Of a cell, to each side of its middle, in which it is read: the rest may be blurred."""
 
 
 @njit(cache=True, nogil=True, fastmath=False)
@@ -59,8 +72,15 @@ def follow_marker(
     guess[1, 0], guess[1, 1] = seen_at(x + c - s, y + s + c, view)
     guess[2, 0], guess[2, 1] = seen_at(x + c + s, y + s - c, view)
     guess[3, 0], guess[3, 1] = seen_at(x - c + s, y - s - c, view)
-    became, _, error_px, read = see_marker(grey, guess, bits, view, out_m, out_px)
-    return (read if became == FITTED else NOT_READ), error_px
+    sides_m = np.empty((4, 2))
+    became, _, error_px = _sides_on_floor(grey, guess, len(bits), view, sides_m)
+    if became != FITTED:
+        return NOT_READ, error_px
+    is_there, read, error_px = place_pattern(grey, sides_m, bits, view, error_px, out_m)
+    if not is_there:
+        return NOT_READ, error_px
+    _seen_corners(out_m, view, out_px)
+    return read, error_px
 
 
 @njit(cache=True, nogil=True, fastmath=False)
@@ -71,33 +91,61 @@ def see_marker(
     view: PlaneView,
     out_m: NDArray[np.float64],
     out_px: NDArray[np.float64],
-) -> tuple[int, float, float, float]:
+) -> tuple[int, float, float]:
     """The corners of a marker near ``guess_px`` (4, 2), which is good to a few pixels.
 
-    Its sides, and within them the whole pattern, where that can be fitted. ``out_m`` (4, 2) in the
-    plane, ``out_px`` (4, 2). Returns what became of it, the sides' roughness and the worst
-    corner's standard error in pixels, and how well the cells read (`_worst_cell`), 0 where only the
-    sides were fitted.
+    Those of the pattern that lies where its sides are, or, where these are hidden, near the guess.
+    ``out_m`` (4, 2) in the plane, ``out_px`` (4, 2). Returns what became of it, the sides'
+    roughness and the worst corner's standard error in pixels.
     """
-    ideal = np.empty((4, 2))
-    became, roughness_px, error_px = fit_quad(grey, guess_px, len(bits), view.lens, ideal)
+    near_m = np.empty((4, 2))
+    became, roughness_px, error_px = _sides_on_floor(grey, guess_px, len(bits), view, near_m)
+    if became in (AT_EDGE, FOLDED, NO_FLOOR):
+        return became, roughness_px, error_px
     if became != FITTED:
-        return became, roughness_px, error_px, NOT_READ
-    sides_m = np.empty((4, 2))
+        error_px = NO_SIDES
+        for i in range(4):
+            near_m[i, 0], near_m[i, 1] = placed_at(guess_px[i, 0], guess_px[i, 1], view)
+        if not np.isfinite(near_m).all():
+            return NO_FLOOR, roughness_px, error_px
+    is_there, _, error_px = place_pattern(grey, near_m, bits, view, error_px, out_m)
+    if not is_there:
+        return (UNREAD if became == FITTED else became), roughness_px, error_px
+    _seen_corners(out_m, view, out_px)
+    return FITTED, roughness_px, error_px
+
+
+@njit(cache=True, nogil=True, fastmath=False)
+def _sides_on_floor(
+    grey: NDArray[np.uint8],
+    guess_px: NDArray[np.float64],
+    cells: int,
+    view: PlaneView,
+    out_m: NDArray[np.float64],
+) -> tuple[int, float, float]:
+    """Where a marker's sides meet in the plane, into ``out_m`` (4, 2); the rest as `fit_quad`."""
+    ideal = np.empty((4, 2))
+    became, roughness_px, error_px = fit_quad(grey, guess_px, cells, view.lens, ideal)
+    if became != FITTED:
+        return became, roughness_px, error_px
     h = view.from_pixel
     for i in range(4):
         x, y = ideal[i, 0], ideal[i, 1]
         w = h[2, 0] * x + h[2, 1] * y + h[2, 2]
         if not w * view.front > 0.0:
-            return NO_FLOOR, roughness_px, error_px, NOT_READ
-        sides_m[i, 0] = (h[0, 0] * x + h[0, 1] * y + h[0, 2]) / w
-        sides_m[i, 1] = (h[1, 0] * x + h[1, 1] * y + h[1, 2]) / w
-    is_there, read = place_pattern(grey, sides_m, bits, view, out_m)
-    if not is_there:
-        out_m[:] = sides_m
+            return NO_FLOOR, roughness_px, error_px
+        out_m[i, 0] = (h[0, 0] * x + h[0, 1] * y + h[0, 2]) / w
+        out_m[i, 1] = (h[1, 0] * x + h[1, 1] * y + h[1, 2]) / w
+    return FITTED, roughness_px, error_px
+
+
+@njit(cache=True, nogil=True, fastmath=False)
+def _seen_corners(
+    corners_m: NDArray[np.float64], view: PlaneView, out_px: NDArray[np.float64]
+) -> None:
+    """Where four corners of the plane are seen, into ``out_px`` (4, 2)."""
     for i in range(4):
-        out_px[i, 0], out_px[i, 1] = seen_at(out_m[i, 0], out_m[i, 1], view)
-    return FITTED, roughness_px, error_px, read
+        out_px[i, 0], out_px[i, 1] = seen_at(corners_m[i, 0], corners_m[i, 1], view)
 
 
 @njit(cache=True, nogil=True, fastmath=False)
@@ -106,44 +154,68 @@ def place_pattern(
     corners_m: NDArray[np.float64],
     bits: NDArray[np.float64],
     view: PlaneView,
+    sides_error_px: float,
     out_m: NDArray[np.float64],
-) -> tuple[bool, float]:
+) -> tuple[bool, float, float]:
     """The corners of the pattern that lies near ``corners_m`` (4, 2), into ``out_m``.
 
-    Returns whether it is there, and how well its cells read (`_worst_cell`).
+    ``sides_error_px`` is the standard error of the worst corner, or `NO_SIDES`. Where the sides
+    are not where the inner cells' edges have them, something covers a side from end to end, or the
+    marker is cut tightly: the inner cells alone say where it is, and how well. Returns whether the
+    pattern is there, how well its cells read, and the worst corner's standard error, pixels.
     """
     cells = len(bits)
     center, unit_m = _middle(corners_m)
     if not unit_m > 0.0:
-        return False, NOT_READ
-    state = np.zeros(UNKNOWNS)
+        return False, NOT_READ, sides_error_px
+    state, metric, seen_px = np.zeros(UNKNOWNS), np.empty((2, 2)), np.empty((4, 2))
     _affine(corners_m, center, unit_m, cells, state)
-    seen_px = np.empty((4, 2))
+    _seen_corners(corners_m, view, seen_px)
     cell_px = 0.0
-    for i in range(4):
-        seen_px[i, 0], seen_px[i, 1] = seen_at(corners_m[i, 0], corners_m[i, 1], view)
     for i in range(4):
         before = (i + 3) % 4
         dx, dy = seen_px[i, 0] - seen_px[before, 0], seen_px[i, 1] - seen_px[before, 1]
         cell_px += 0.25 * math.sqrt(dx * dx + dy * dy) / cells
-    metric = np.empty((2, 2))
     if not _metric(seen_px, unit_m, view, metric):
-        return False, NOT_READ
+        return False, NOT_READ, sides_error_px
     pixels = marker_pixels(grey, corners_m, state, view, cells, cell_px)
-    if len(pixels) < LEAST_PIXELS or not settle_pattern(pixels, bits, state, metric, cell_px):
-        return False, NOT_READ
-    determinant = state[0] * state[4] - state[1] * state[3]
-    if determinant == 0.0:
-        return False, NOT_READ
-    for i in range(4):
-        u = (cells if i == 1 or i == 2 else 0.0) - state[2]
-        v = (cells if i >= 2 else 0.0) - state[5]
-        out_m[i, 0] = center[0] + unit_m * (state[4] * u - state[1] * v) / determinant
-        out_m[i, 1] = center[1] + unit_m * (state[0] * v - state[3] * u) / determinant
-        x, y = seen_at(out_m[i, 0], out_m[i, 1], view)
-        if not max(abs(x - seen_px[i, 0]), abs(y - seen_px[i, 1])) <= _MAX_MOVE_PX:
-            return False, NOT_READ
-    return True, _worst_cell(pixels, bits, state, cell_px)
+    guess, placed_px = state.copy(), np.empty((4, 2))
+    has_sides = sides_error_px != NO_SIDES and has_light_rim(pixels, state, cells, cell_px)
+    if has_sides and settle_pattern(pixels, bits, state, metric):
+        corners_of(state, cells, center, unit_m, out_m)
+        _seen_corners(out_m, view, placed_px)
+        is_near = np.abs(placed_px - seen_px).max() <= _MAX_MOVE_PX
+        if is_near and sides_agree(pixels, bits, state, metric, sides_error_px):
+            return True, worst_cells(pixels, bits, state, cell_px)[1], sides_error_px
+    return _place_inner(pixels, bits, guess, metric, cell_px, (center, unit_m), out_m)
+
+
+@njit(cache=True, nogil=True, fastmath=False)
+def _place_inner(
+    pixels: NDArray[np.float64],
+    bits: NDArray[np.float64],
+    state: NDArray[np.float64],
+    metric: NDArray[np.float64],
+    cell_px: float,
+    unit: tuple[tuple[float, float], float],
+    out_m: NDArray[np.float64],
+) -> tuple[bool, float, float]:
+    """The corners of the pattern whose cells lie near ``state``; the rest as `place_pattern`.
+
+    ``unit`` is the marker's middle and size in metres. No cell within the border may be wrong.
+    """
+    cells = len(bits)
+    center, unit_m = unit
+    inner = inner_pixels(pixels, state, cells, cell_px)
+    if not settle_pattern(inner, bits, state, metric):
+        return False, NOT_READ, NO_SIDES
+    corners_of(state, cells, center, unit_m, out_m)
+    (x, y), placed_unit_m = _middle(out_m)
+    # a side is longer than a corner's distance from the middle by the root of two
+    moved_cells = math.hypot(x - center[0], y - center[1]) * cells / (math.sqrt(2.0) * unit_m)
+    code, read = worst_cells(pixels, bits, state, cell_px)
+    is_there = placed_unit_m > 0.0 and code >= LEAST_READ and moved_cells <= _MAX_MOVE_CELLS
+    return is_there, read, corner_error_px(inner, bits, state, metric, cell_px)
 
 
 @njit(cache=True, nogil=True, fastmath=False)
@@ -323,52 +395,3 @@ def _cubics(count: int) -> tuple[float, NDArray[np.int64], NDArray[np.float64]]:
         weights[i, 0], weights[i, 1] = far * (3.0 - t), near * (t - 2.0)
         weights[i, 2], weights[i, 3] = near * (1.0 - t), far * t
     return step, first, weights
-
-
-@njit(cache=True, nogil=True, fastmath=False)
-def _worst_cell(
-    pixels: NDArray[np.float64],
-    bits: NDArray[np.float64],
-    state: NDArray[np.float64],
-    cell_px: float,
-) -> float:
-    """How well the worst of all cells and of the light rim beside them reads.
-
-    1 where it is as light, or as dark, as the fit has light and dark there, 0.5 halfway, 0 where it
-    is the other; 0 too where a cell has no pixel to be read by.
-    """
-    cells = len(bits)
-    light = np.zeros((cells + 2, cells + 2))
-    counts = np.zeros((cells + 2, cells + 2))
-    beyond = EDGE_PX / cell_px
-    for i in range(len(pixels)):
-        a, b = pixels[i, 0], pixels[i, 1]
-        u = state[0] * a + state[1] * b + state[2]
-        v = state[3] * a + state[4] * b + state[5]
-        column, row = math.floor(u), math.floor(v)
-        across, along = abs(u - column - 0.5) <= _CORE, abs(v - row - 0.5) <= _CORE
-        if column < 0 or column >= cells:
-            across = max(-u, u - cells) > beyond
-        if row < 0 or row >= cells:
-            along = max(-v, v - cells) > beyond
-        if not (across and along and abs(u - 0.5 * cells) < 0.5 * cells + 1.0):
-            continue
-        if not abs(v - 0.5 * cells) < 0.5 * cells + 1.0:
-            continue
-        x, y = u / cells - 0.5, v / cells - 0.5
-        dark = state[7] + state[8] * x + state[9] * y
-        contrast = state[10] + state[11] * x + state[12] * y
-        light[row + 1, column + 1] += (pixels[i, 2] - dark) / contrast if contrast > 0.0 else 0.5
-        counts[row + 1, column + 1] += 1.0
-    worst = 1.0
-    for row in range(cells + 2):
-        for column in range(cells + 2):
-            outside = (row == 0 or row == cells + 1) + (column == 0 or column == cells + 1)
-            if outside == 2:
-                continue
-            if counts[row, column] == 0.0:
-                return NOT_READ
-            share = light[row, column] / counts[row, column]
-            is_light = outside == 1 or bits[row - 1, column - 1] > 0.5
-            worst = min(worst, share if is_light else 1.0 - share)
-    return float(max(worst, NOT_READ))

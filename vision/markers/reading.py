@@ -4,7 +4,7 @@ Rules and units
 - Corners (4, 2) are raw pixels, centres at integers, clockwise from the upright marker's top left
   one. They are where the fitted sides meet (``vision.markers.marker_corners``); with a calibration
   the whole pattern is fitted (``vision.markers.marker_pattern``). Where a side is hidden or not
-  straight the detector's corners stay, and ``remark`` says why.
+  straight, with a calibration the cells too, the detector's corners stay, and ``remark`` says why.
 - A dictionary goes by OpenCV's name or is a file in its format (``nmarkers``, ``markersize``,
   ``marker_0`` ...). Small dictionaries are the beginning of larger ones: where all are looked
   through, a marker is said to be of the smallest that has it.
@@ -25,8 +25,10 @@ from numpy.typing import ArrayLike
 
 from vision.calibration.calibration import Calibration, FloatArray
 from vision.camera.camera import Image
-from vision.markers.marker_corners import Refused, refine_quad
-from vision.markers.marker_pattern import fit_pattern, pattern_bits
+from vision.markers.marker_corners import Refused, refine_quad, why_refused
+from vision.markers.marker_kernels import FITTED
+from vision.markers.marker_pattern import pattern_bits
+from vision.markers.marker_place_kernels import see_marker
 from vision.markers.marker_search import (
     MarkerError,
     dictionary_by_name,
@@ -53,7 +55,7 @@ class Marker:
     for a :class:`vision.MarkedRobot` without a turn of its own; ``size_m`` is the mean side. Both
     are None without a calibration. ``remark`` is empty where the corners are refined, and
     ``error_px`` is then the standard error of the worst of them, larger where one is covered. What
-    covers a whole side looks like a side: that is in the error only with a calibration.
+    covers a whole side looks like a side: that is seen only with a calibration.
     """
 
     id: int
@@ -188,25 +190,22 @@ def _placed(
     height_m: float,
 ) -> tuple[FloatArray, str, tuple[float, float, float] | None, float | None, float | None]:
     """Corners in raw pixels, what is to be said of them, pose and side on the floor, and error."""
-    model = calibration or Calibration.from_scale(1.0, (grey.shape[1], grey.shape[0]))
-    refined = refine_quad(grey, quad, bits.shape[0], model)
-    if isinstance(refined, Refused):
-        corners_px, remark, error_px = quad, refined.reason, None
-    else:
-        corners_px, remark = model.distort_points(refined.corners_px), ""
-        error_px = refined.error_px
     if calibration is None:
-        return corners_px, remark, None, None, error_px
-    corners = calibration.arena_from_image(corners_px, height_m)
-    if not np.isfinite(corners).all():
-        return corners_px, remark or "it lies where no floor is seen", None, None, error_px
-    if not remark:
-        whole = fit_pattern(grey, corners, bits, calibration, height_m)
-        if whole is not None:
-            corners = whole
-            corners_px = calibration.image_from_arena(corners, height_m)
-    if error_px is not None:
-        error_px = max(error_px, nearest_square(corners)[2] / calibration.metres_per_pixel)
+        straight = Calibration.from_scale(1.0, (grey.shape[1], grey.shape[0]))
+        refined = refine_quad(grey, quad, bits.shape[0], straight)
+        if isinstance(refined, Refused):
+            return quad, refined.reason, None, None, None
+        return straight.distort_points(refined.corners_px), "", None, None, refined.error_px
+    corners, corners_px, remark, error_px = np.empty((4, 2)), np.empty((4, 2)), "", None
+    view, guess_px = calibration.plane_view(height_m), np.array(quad, dtype=np.float64, order="C")
+    became, roughness_px, fit_px = see_marker(grey, guess_px, bits, view, corners, corners_px)
+    if became == FITTED:
+        error_px = max(fit_px, nearest_square(corners)[2] / calibration.metres_per_pixel)
+    else:
+        corners_px, remark = quad, why_refused(became, roughness_px).reason
+        corners = calibration.arena_from_image(quad, height_m)
+        if not np.isfinite(corners).all():
+            return quad, remark, None, None, None
     sides = np.roll(corners, -1, axis=0) - corners
     center = corners.mean(axis=0)
     ahead = (corners[1] + corners[2] - corners[0] - corners[3]) / 2.0

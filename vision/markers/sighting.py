@@ -5,7 +5,7 @@ Rules and units
 - A marker is followed without being searched for: sides and pattern are fitted to the picture from
   where it should be, and every cell and the light rim must read right there. That is stricter than
   to decode it, where cells that are wrong are corrected. Whoever is not followed is searched for.
-- What has the wrong size, is not square or has a third of a side hidden is no robot.
+- What has the wrong size, is not square or whose cells do not read right is no robot.
 """
 
 from __future__ import annotations
@@ -19,17 +19,15 @@ import numpy as np
 from vision.calibration.calibration import Calibration, FloatArray
 from vision.camera.camera import Image
 from vision.markers.marked_robot import MarkedRobot, robot_pose
+from vision.markers.marker_agreement_kernels import LEAST_READ
 from vision.markers.marker_corners import why_refused
 from vision.markers.marker_kernels import FITTED
-from vision.markers.marker_place_kernels import NO_FLOOR, follow_marker, see_marker
+from vision.markers.marker_place_kernels import follow_marker, see_marker
 from vision.markers.tracking import Pose, Velocity
 
 _UNIT_CORNERS = (-0.5 + 0.5j, 0.5 + 0.5j, 0.5 - 0.5j, -0.5 - 0.5j)
 _SIZE_TOLERANCE = 0.15
 _SQUARE_TOLERANCE = 0.02
-_LEAST_READ = 0.65
-"""How well each cell of a marker that is followed has to read: 1 as printed, 0.5 halfway to the
-other. One that is wrong reads at 0 (``test_following.py``)."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -58,7 +56,7 @@ class RobotMarker:
         corners, corners_px = np.empty((4, 2)), np.empty((4, 2))
         square = (*expected, self.robot.marker_size_m)
         read, error_px = follow_marker(grey, square, self.bits, view, corners, corners_px)
-        if read < _LEAST_READ:
+        if read < LEAST_READ:
             return None
         return self._sighting(corners, corners_px, error_px, moves, [])
 
@@ -68,12 +66,9 @@ class RobotMarker:
         """A quadrilateral (4, 2) with the marker's code as a sighting, unless it cannot be one."""
         view = self.calibration.plane_view(self.robot.marker_height_m)
         corners, corners_px = np.empty((4, 2)), np.empty((4, 2))
-        became, roughness_px, error_px, _ = see_marker(
+        became, roughness_px, error_px = see_marker(
             grey, quad_px, self.bits, view, corners, corners_px
         )
-        if became == NO_FLOOR:
-            refusals.append(f"marker {self.robot.id}: it lies where no floor is seen")
-            return None
         if became != FITTED:
             reason = why_refused(became, roughness_px).reason
             refusals.append(f"marker {self.robot.id}: {reason}")
@@ -109,7 +104,7 @@ class RobotMarker:
         if residual_m > _SQUARE_TOLERANCE * wanted_m:
             refusals.append(f"{called}: not square ({1e3 * residual_m:.1f} mm)")
             return None
-        # what covers a side from end to end looks like a side, but then the corners are no square's
+        # what covers a part of the pattern draws its corners off those of a square
         error_px = max(error_px, residual_m / self.calibration.metres_per_pixel)
         pose = robot_pose((center.real, center.imag, cmath.phase(turn)), self.robot)
         return Sighting(self.robot.id, pose, corners_px, residual_m, error_px)

@@ -98,13 +98,24 @@ def test_a_quarter_of_a_side_that_is_covered_makes_the_error_larger(grey: int) -
 
 
 @pytest.mark.parametrize("grey", [220, 40])
-def test_half_a_side_that_is_covered_is_said_and_not_invented(grey: int) -> None:
+def test_half_a_side_that_is_covered_is_said_where_no_floor_is_known(grey: int) -> None:
     image, true_px = drawn(0.4, 2.0, 1)
     strip(image, true_px[0], 0.5 * (true_px[0] + true_px[1]), 10.0, grey)
     (marker,) = find_markers(image, "DICT_4X4_50")
     assert marker.remark == "a side is partly hidden or has no contrast"
     assert marker.error_px is None
-    assert tracked(image) is None
+
+
+@pytest.mark.parametrize("grey", [220, 40])
+def test_a_marker_with_half_a_side_covered_is_where_its_cells_are(grey: int) -> None:
+    image, true_px = drawn(0.4, 2.0, 1)
+    strip(image, true_px[0], 0.5 * (true_px[0] + true_px[1]), 10.0, grey)
+    pose = tracked(image)
+    assert pose is not None
+    assert np.abs(pose.corners_px - true_px).max() < min(0.1, 3.0 * pose.corner_error_px)
+    (marker,) = find_markers(image, "DICT_4X4_50", calibration=PLAN)
+    assert marker.remark == ""
+    assert marker.error_px == pytest.approx(pose.corner_error_px, rel=0.2)
 
 
 @settings(max_examples=25, deadline=None, suppress_health_check=[HealthCheck.too_slow])
@@ -138,18 +149,7 @@ def test_the_error_covers_the_truth_whatever_is_covered(
     pose = tracked(image)
     if pose is not None:
         off_px = math.dist((pose.x, pose.y), (0.2, 0.2)) / PIXEL_M
-        assert off_px < 4.0 * max(pose.corner_error_px, 0.05)
-
-
-@pytest.mark.parametrize("grey", [220, 40])
-@pytest.mark.parametrize("wide_px", [4.0, 8.0, 14.0])
-def test_a_pose_from_a_side_that_is_covered_whole_has_its_error(wide_px: float, grey: int) -> None:
-    image, true_px = drawn(-0.7, 2.0, 3)
-    strip(image, true_px[1], true_px[2], wide_px, grey)
-    pose = tracked(image)
-    if pose is not None:
-        off_px = math.dist((pose.x, pose.y), (0.2, 0.2)) / PIXEL_M
-        assert off_px < 3.0 * max(pose.corner_error_px, 0.05)
+        assert off_px < 3.0 * pose.corner_error_px
 
 
 def test_a_pose_with_a_larger_error_weighs_less_beside_another_camera_s() -> None:

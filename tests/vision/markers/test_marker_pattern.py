@@ -15,8 +15,13 @@ from numpy.typing import NDArray
 from tests.support.drawn.boards import LIGHT, Patch, marker_patch, pose_bound, render
 from vision.calibration.calibration import Calibration
 from vision.markers import marker_pattern_kernels
-from vision.markers.marker_pattern import fit_pattern, pattern_bits
-from vision.markers.marker_place_kernels import MOST_PIXELS, collect_pixels, marker_pixels
+from vision.markers.marker_pattern import pattern_bits
+from vision.markers.marker_place_kernels import (
+    MOST_PIXELS,
+    collect_pixels,
+    marker_pixels,
+    place_pattern,
+)
 from vision.markers.markers import dictionary_by_name
 
 SIZE = (160, 160)
@@ -50,6 +55,19 @@ def corners_of(patch: Patch) -> NDArray[np.float64]:
     side_m = patch.cell_m * (len(patch.cells) - 2)
     places = complex(patch.x, patch.y) + side_m * UNIT * np.exp(1j * patch.heading_rad)
     return np.column_stack([places.real, places.imag])
+
+
+def fit_pattern(
+    image: Picture,
+    corners_m: NDArray[np.float64],
+    bits: NDArray[np.float64],
+    calibration: Calibration,
+    height_m: float = 0.0,
+) -> NDArray[np.float64] | None:
+    """The corners in metres of the pattern near ``corners_m``, which are good to a pixel."""
+    placed, view = np.empty((4, 2)), calibration.plane_view(height_m)
+    is_there, _, _ = place_pattern(image, corners_m, bits, view, 0.05, placed)
+    return placed if is_there else None
 
 
 def fitted(image: Picture, patch: Patch, seed: int = 0) -> tuple[float, float] | None:
@@ -220,7 +238,7 @@ def test_equations_are_solved_as_numpy_solves_them(count: int, seed: int, scale:
     rows = rng.normal(size=(30, count)) * 10.0 ** rng.uniform(-scale, scale, count)
     matrix, right = rows.T @ rows, rows.T @ rng.normal(size=30)
     found, lower = right.copy(), np.tril(matrix)
-    assert marker_pattern_kernels._solve(lower, found)
+    assert marker_pattern_kernels.solve(lower, found)
     assert rows @ found == pytest.approx(rows @ np.linalg.solve(matrix, right), abs=1e-6)
 
 
@@ -228,14 +246,14 @@ def test_equations_of_an_unknown_that_is_not_seen_are_refused() -> None:
     rows = np.random.default_rng(0).normal(size=(30, 4))
     rows[:, 3] = rows[:, 1]
     for matrix in (rows.T @ rows, np.zeros((3, 3)), np.full((2, 2), np.nan)):
-        assert not marker_pattern_kernels._solve(matrix.copy(), np.ones(len(matrix)))
+        assert not marker_pattern_kernels.solve(matrix.copy(), np.ones(len(matrix)))
 
 
 @settings(max_examples=100, deadline=None)
 @given(st.floats(-40.0, 40.0))
 def test_a_blurred_step_is_the_normal_distribution(t: float) -> None:
     """Within the 1e-7 that its source promises."""
-    share, density = marker_pattern_kernels._blurred_step(t)
+    share, density = marker_pattern_kernels.blurred_step(t)
     assert share == pytest.approx(0.5 * math.erfc(-t / math.sqrt(2.0)), abs=1.1e-7)
     assert density == pytest.approx(math.exp(-0.5 * t * t) / math.sqrt(math.tau), abs=1e-7)
 
