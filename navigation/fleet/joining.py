@@ -40,6 +40,7 @@ from planner.fleet.schedule import FleetSchedule
 from planner.motion.trajectory import TrajectoryError
 from planner.roadmap.roadmap import Roadmap
 from planner.scene import FloatArray, Scene
+from planner.shared.search_clock import Clock, search_clock_s
 
 TIME_LIMIT_S: Final = 1.0
 """For moving others aside. Meanwhile nobody is sent more than it has: 2 m, or 8 s, as a rule."""
@@ -56,6 +57,8 @@ class _Party:
     driving: tuple[Driving, ...]
     asking: tuple[Traveller, ...]
     idle: tuple[Traveller, ...]
+    clock: Clock
+    """Limits each search."""
 
     @property
     def standing(self) -> tuple[Traveller, ...]:
@@ -72,13 +75,17 @@ class _Party:
 
 
 def join_promises(
-    roadmap: Roadmap, scene: Scene, request: FleetRequest, keep_m: float
+    roadmap: Roadmap,
+    scene: Scene,
+    request: FleetRequest,
+    keep_m: float,
+    clock: Clock = search_clock_s,
 ) -> FleetAnswer:
     """Promises for those that ask, and new gates for those that drive; see the module's text.
 
-    ``roadmap`` is of the smallest robot in ``scene``.
+    ``roadmap`` is of the smallest robot in ``scene``; ``clock`` limits each search.
     """
-    party = _Party(request.driving, request.travellers, request.idle)
+    party = _Party(request.driving, request.travellers, request.idle, clock)
     everybody = [*(one.as_traveller for one in party.driving), *party.standing]
     here = roadmap
     if request.taken:
@@ -166,7 +173,7 @@ def _with_goals_at_once(
 ) -> FleetSchedule | NoFleetPlan:
     """Nobody else is to step aside for it: who drives, or has no path of its own."""
     try:
-        found = schedule.with_goals(goals, sent=sent, time_limit_s=TIME_LIMIT_S)
+        found = schedule.with_goals(goals, sent=sent, time_limit_s=TIME_LIMIT_S, clock=party.clock)
     except ValueError as error:
         raise CannotJoinError(str(error)) from error
     if isinstance(found, NoFleetPlan):

@@ -42,6 +42,7 @@ from planner.motion.trajectory import TrajectoryError
 from planner.path import Limits, Path, Trajectory
 from planner.roadmap.roadmap import Roadmap
 from planner.scene import CircleRecord, FloatArray, Scene, SceneObject
+from planner.shared.search_clock import Clock, search_clock_s
 
 PIECE_M: Final = 0.05
 """Between two targets: as `planning.waypoint_spacing_m` is where nothing is said."""
@@ -63,18 +64,22 @@ NOT_LIVE: Final = "every plan that was found has robots wait for each other in a
 
 
 def plan_promises(
-    roadmap: Roadmap, scene: Scene, request: FleetRequest, keep_m: float
+    roadmap: Roadmap,
+    scene: Scene,
+    request: FleetRequest,
+    keep_m: float,
+    clock: Clock = search_clock_s,
 ) -> FleetAnswer:
     """Promises for all travellers that can move, two bodies ``keep_m`` apart where there is room.
 
     Where one cannot because of robots that stand without a mission, these step aside and come back.
-    ``roadmap`` is of the smallest robot in ``scene``.
+    ``roadmap`` is of the smallest robot in ``scene``; ``clock`` limits each search.
     """
     idle = [Taken(one.name, one.start[0], one.start[1], one.radius_m) for one in request.idle]
-    answer = _plan_for(roadmap, scene, request, [*request.taken, *idle], (), keep_m)
+    answer = _plan_for(roadmap, scene, request, [*request.taken, *idle], (), keep_m, clock)
     if not answer.refused or not idle:
         return answer
-    more = _plan_for(roadmap, scene, request, request.taken, request.idle, keep_m)
+    more = _plan_for(roadmap, scene, request, request.taken, request.idle, keep_m, clock)
     asked = {one.name for one in request.travellers}
     if len(asked & more.refused.keys()) >= len(answer.refused):
         return answer
@@ -95,12 +100,13 @@ def _plan_for(
     kept: Sequence[Taken],
     idle: Sequence[Traveller],
     keep_m: float,
+    clock: Clock,
 ) -> FleetAnswer:
     moving, taken = [*request.travellers, *idle], list(kept)
     refused: dict[str, str] = {}
     while moving:
         here = roadmap.updated(with_taken(scene, taken, moving)) if taken else roadmap
-        found = _try(here, moving, taken, keep_m)
+        found = _try(here, moving, taken, keep_m, clock)
         if isinstance(found, dict):
             return FleetAnswer(request.id, request.scene_revision, found, refused)
         blocking, reason = found
@@ -111,7 +117,11 @@ def _plan_for(
 
 
 def _try(
-    here: Roadmap, moving: Sequence[Traveller], taken: Sequence[Taken], keep_m: float
+    here: Roadmap,
+    moving: Sequence[Traveller],
+    taken: Sequence[Taken],
+    keep_m: float,
+    clock: Clock,
 ) -> dict[str, Promise] | tuple[int, str]:
     """Promises for all of them, or which of them to leave out and why."""
     for i, one in enumerate(moving):
@@ -119,7 +129,7 @@ def _try(
             gap_m = math.dist((one.station.x, one.station.y), (other.x_m, other.y_m))
             if gap_m < one.radius_m + other.radius_m:
                 return i, f"{other.name} is at its goal"
-    found = _ordered(here, moving, keep_m)
+    found = _ordered(here, moving, keep_m, clock)
     if isinstance(found, NoFleetPlan):
         around = f" around {listed([one.name for one in taken])}" if taken else ""
         who = found.blocking or tuple(range(len(moving)))
@@ -143,7 +153,7 @@ def _try(
 
 
 def _ordered(
-    here: Roadmap, moving: Sequence[Traveller], keep_m: float
+    here: Roadmap, moving: Sequence[Traveller], keep_m: float, clock: Clock
 ) -> tuple[list[CutTrack], list[Dependency], list[float]] | NoFleetPlan:
     """Tracks in short pieces, an order at shared places in which nobody waits in a circle, and the
     radii that they were planned with.
@@ -162,6 +172,7 @@ def _ordered(
             time_limit_s=TIME_LIMIT_S,
             improve=ROUNDS,
             seed=seed,
+            clock=clock,
         )
         if isinstance(plan, FleetPlan):
             as_planned = [CutTrack.of(track, PIECE_M) for track in plan.tracks]

@@ -52,11 +52,16 @@ VIRTUAL_LIMITS = WatchLimits(read_timeout_s=WATCH_EVERY_S)
 
 @dataclass(frozen=True, slots=True)
 class VirtualTimes:
-    """What the parts take in virtual time: a picture's vision, a new scene, a plan."""
+    """What the parts take in virtual time: a picture's vision, a new scene, a plan.
+
+    ``search_s`` is what a search for several robots takes between two looks at its clock.
+    """
 
     look_s: float = 0.008
     scene_s: float = 0.03
     plan_s: float = 0.03
+    search_s: float = 0.001
+    """0.4 to 1.8 ms of processor time in the shipped configurations, per look."""
 
 
 _Q = TypeVar("_Q")

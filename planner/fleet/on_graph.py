@@ -14,7 +14,7 @@ from planner.fleet.fleet_plan import FleetPlan, NoFleetPlan
 from planner.fleet.search.fleet_search import ROUNDS, Effort, search, touching
 from planner.fleet.search.team import edges_of, make_graph, make_robot
 from planner.scene import FloatArray
-from planner.shared.search_clock import search_clock_s
+from planner.shared.search_clock import Clock, search_clock_s
 
 
 def plan_on_graph(
@@ -27,6 +27,7 @@ def plan_on_graph(
     *,
     improve: int = ROUNDS,
     seed: int = 0,
+    clock: Clock = search_clock_s,
 ) -> FleetPlan | NoFleetPlan:
     """Tracks for discs of one radius on a graph, no two of which ever touch.
 
@@ -34,10 +35,10 @@ def plan_on_graph(
     along straight edges at speed 1 and may wait at nodes. ``starts`` and ``goals`` are node
     numbers. The sum of arrivals is shortened in ``improve`` rounds, the more the better, 0 for the
     first plan as it is. Equal input and ``seed`` give equal plans, unless ``time_limit_s``, which
-    includes setting up, cuts in.
+    includes setting up, cuts in; ``clock`` gives the seconds that it counts.
     ``ValueError`` on input that makes no sense. The method: :mod:`planner.fleet.search.solver`.
     """
-    effort = check_effort(time_limit_s, improve, seed)
+    effort = check_effort(time_limit_s, improve, seed, clock)
     places = _numbers("nodes", nodes)
     rows = _edges(edges, len(places))
     size = _positive("radius", radius, zero=True)
@@ -59,7 +60,9 @@ def plan_on_graph(
     return search(robots, junctions, effort)
 
 
-def check_effort(time_limit_s: float, improve: int, seed: int) -> Effort:
+def check_effort(
+    time_limit_s: float, improve: int, seed: int, clock: Clock = search_clock_s
+) -> Effort:
     """The effort, whose time limit counts from here; ``ValueError`` on what makes no sense."""
     limit = _positive("time_limit_s", time_limit_s)
     rounds, number = operator.index(improve), operator.index(seed)
@@ -67,7 +70,7 @@ def check_effort(time_limit_s: float, improve: int, seed: int) -> Effort:
         raise ValueError(f"improve = {rounds}: must be >= 0")
     if number < 0:
         raise ValueError(f"seed = {number}: must be >= 0")
-    return Effort(limit, search_clock_s() + limit, rounds, number, search_clock_s)
+    return Effort(limit, clock() + limit, rounds, number, clock)
 
 
 def _shared(what: str, chosen: Sequence[int]) -> NoFleetPlan | None:

@@ -19,6 +19,7 @@ from planner.motion.trajectory import default_limits
 from planner.path import Limits, NoPath
 from planner.roadmap.roadmap import Roadmap, build_roadmap
 from planner.scene import FloatArray
+from planner.shared.search_clock import Clock, search_clock_s
 
 ROUNDING = 1e-9
 """A track keeps the radius within this share of the coordinates' extent."""
@@ -34,6 +35,7 @@ def plan_fleet(
     time_limit_s: float = 30.0,
     improve: int = ROUNDS,
     seed: int = 0,
+    clock: Clock = search_clock_s,
 ) -> FleetPlan | NoFleetPlan:
     """Tracks for several discs among the roadmap's obstacles, no two of which ever touch.
 
@@ -43,11 +45,11 @@ def plan_fleet(
     ``limits`` is one for all or one each: a robot drives at ``limits.speed`` or stands, changes
     of speed and turns take no time here; None means
     :func:`planner.motion.trajectory.default_limits` of its radius, one diameter a second.
-    ``time_limit_s``, ``improve`` and ``seed`` are as in
+    ``time_limit_s``, ``improve``, ``seed`` and ``clock`` are as in
     :func:`planner.fleet.on_graph.plan_on_graph`. Every track keeps its robot's radius from all
     borders. ``ValueError`` on input that makes no sense.
     """
-    effort = replace(check_effort(time_limit_s, improve, seed), live=True)
+    effort = replace(check_effort(time_limit_s, improve, seed, clock), live=True)
     begin, end = check_places("starts", starts), check_places("goals", goals)
     if len(begin) != len(end):
         raise ValueError(f"{len(begin)} starts and {len(end)} goals: must be as many")

@@ -39,6 +39,7 @@ from planner.motion.trajectory import default_limits
 from planner.path import Limits, NoPath
 from planner.roadmap.roadmap import Roadmap
 from planner.scene import CircleRecord, FloatArray, Scene, SceneObject
+from planner.shared.search_clock import Clock, search_clock_s
 
 ZONE = 8.0
 """Discs that keep a piece free that was sent, in the gap's length: 0.2 % wider than the piece."""
@@ -115,12 +116,13 @@ class FleetSchedule:
         sent: Sequence[int] | None = None,
         *,
         time_limit_s: float = 30.0,
+        clock: Clock = search_clock_s,
     ) -> FleetSchedule | NoFleetPlan:
         """The schedule from now on with a new goal for one robot, or why there is none.
 
         Options and errors are those of :meth:`with_goals`.
         """
-        return self.with_goals({robot: goal}, passed, sent, time_limit_s=time_limit_s)
+        return self.with_goals({robot: goal}, passed, sent, time_limit_s=time_limit_s, clock=clock)
 
     def with_goals(
         self,
@@ -129,6 +131,7 @@ class FleetSchedule:
         sent: Sequence[int] | None = None,
         *,
         time_limit_s: float = 30.0,
+        clock: Clock = search_clock_s,
     ) -> FleetSchedule | NoFleetPlan:
         """The schedule from now on with new goals for some robots at once, or why there is none.
 
@@ -137,9 +140,10 @@ class FleetSchedule:
         ``passed`` is the row that each robot reached last, ``sent`` the last that it was given; the
         new tracks begin at ``passed`` and are the same up to ``sent``. None means all are
         at their starts, and nothing was sent beyond ``passed``. ``ValueError`` where
-        :func:`planner.fleet.execution.releases` did not allow what was sent.
+        :func:`planner.fleet.execution.releases` did not allow what was sent. ``clock`` gives the
+        seconds that the time limit counts.
         """
-        check_effort(time_limit_s, 0, 0)
+        check_effort(time_limit_s, 0, 0, clock)
         places = {robot: check_places("goal", [goal]) for robot, goal in goals.items()}
         for robot in places:
             if not 0 <= robot < len(self.radii):
@@ -165,7 +169,7 @@ class FleetSchedule:
                 return alone
             if len(places) == 1:
                 new = self._among_promises(robot, tracks, kept, alone)
-        return new or self._after_promises(tracks, kept, ends, time_limit_s)
+        return new or self._after_promises(tracks, kept, ends, time_limit_s, clock)
 
     def cut_off_by(self, robot: int, goal: Sequence[float]) -> tuple[int, ...]:
         """The parked robots that cut a robot off from a goal: none where it is well-formed.
@@ -253,6 +257,7 @@ class FleetSchedule:
         kept: tuple[int, ...],
         ends: FloatArray,
         time_limit_s: float,
+        clock: Clock,
     ) -> FleetSchedule | NoFleetPlan:
         """All promises kept to their ends, then the whole fleet planned from there."""
         parked = [track[-1, 1:].tolist() for track in tracks]
@@ -261,7 +266,13 @@ class FleetSchedule:
             for size, speed in zip(self.radii, self.speeds, strict=True)
         ]
         later = plan_fleet(
-            self.roadmap, parked, ends.tolist(), self.radii, limits, time_limit_s=time_limit_s
+            self.roadmap,
+            parked,
+            ends.tolist(),
+            self.radii,
+            limits,
+            time_limit_s=time_limit_s,
+            clock=clock,
         )
         if isinstance(later, NoFleetPlan):
             return later

@@ -9,11 +9,14 @@ had begun, and it would say that it found no plan.
 from __future__ import annotations
 
 import time
-from typing import Any
+from collections.abc import Callable
+from typing import Any, TypeAlias
 
 from numba.core import event
 
 COMPILING = "numba:compile"
+Clock: TypeAlias = Callable[[], float]
+"""Gives seconds; a search may be given another one than this process's."""
 
 
 class _Compiling(event.Listener):

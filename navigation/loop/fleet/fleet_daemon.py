@@ -52,7 +52,7 @@ class FleetDaemon(ControlLoop[FleetState, FleetRequest, FleetAnswer]):
         }
         driven = [one.robot for one in configs.values()]
         super().__init__(config, world, self.seats, Witnesses(self.seats), driven, recorder)
-        self._fleet_planner = FleetPlanner(configs)
+        self._fleet_planner = FleetPlanner(configs, world.search_clock)
         self._set_planner(
             self._fleet_planner, partial(world.make_fleet_planner, self._fleet_planner)
         )

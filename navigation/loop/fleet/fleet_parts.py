@@ -21,6 +21,10 @@ class FleetSurroundings(AnySurroundings, Protocol):
         """The link to one robot."""
         ...
 
+    def search_clock(self) -> float:
+        """The seconds by which a search for plans is limited."""
+        ...
+
     def make_fleet_planner(
         self,
         planner: FleetPlanner,

@@ -16,12 +16,17 @@ from navigation.shared.supervisor import in_words
 from planner.path import Limits
 from planner.roadmap.roadmap import Roadmap
 from planner.scene import FloatArray, Scene, Vec
+from planner.shared.search_clock import Clock, search_clock_s
 
 
 class FleetPlanner:
-    """Keeps the roadmap of the smallest robot in the newest scene, and answers with it."""
+    """Keeps the roadmap of the smallest robot in the newest scene, and answers with it.
 
-    def __init__(self, configs: dict[str, Config]) -> None:
+    ``clock`` gives the seconds that limit a search.
+    """
+
+    def __init__(self, configs: dict[str, Config], clock: Clock = search_clock_s) -> None:
+        self._clock = clock
         smallest = min(configs.values(), key=lambda config: config.robot.radius_m)
         self._arena = ArenaPlanner(plan_settings(smallest))
         self._keep_m = min(config.safety.other_robots_m for config in configs.values())
@@ -69,7 +74,7 @@ class FleetPlanner:
         revision = self._arena.revision
         try:
             plan = join_promises if request.driving else plan_promises
-            answer = plan(self.roadmap, self._scene, request, self._keep_m)
+            answer = plan(self.roadmap, self._scene, request, self._keep_m, self._clock)
         except Exception as error:  # noqa: BLE001 - said where the answer is, which is asked again
             why = f"the planner failed on this request ({in_words(error)})"
             return FleetAnswer(request.id, revision, {}, dict.fromkeys(names, why))

@@ -22,6 +22,7 @@ from navigation.run.world import floor_plan_of, shown_calibration
 from navigation.simulator.arena import load_arena
 from navigation.simulator.happenings import arenas_over_time
 from navigation.simulator.truth import Truth
+from planner.shared.search_clock import search_clock_s
 from vision.camera.camera import Camera
 from vision.camera.latest_frame import LatestFrame
 from vision.camera.several_frames import SeveralFrames
@@ -92,6 +93,10 @@ class FleetWorld:
         return SerialLink(
             self.ports[name], baud, clock=self.clock, wait_for_port=self._wait_for_port
         )
+
+    def search_clock(self) -> float:
+        """The seconds by which a search for plans is limited: compiling is left out."""
+        return search_clock_s()
 
     def make_fleet_planner(
         self,

@@ -28,6 +28,7 @@ from planner.fleet.search.pair_proof import PAIRS_FEW, PAIRS_MOST, can_never_pas
 from planner.fleet.search.solver import Solver
 from planner.fleet.search.team import Robot, Route, cut_off
 from planner.scene import FloatArray
+from planner.shared.search_clock import Clock
 
 ROUNDS = 30
 """Of shortening: ``python -m benchmarks.fleet`` says what they gain and cost."""
@@ -49,8 +50,6 @@ NOT_LIVE = (
     "some robots pass shared places at the same time, each before another:"
     " this plan needs its timing, its dependencies alone would wait in a circle"
 )
-
-Clock = Callable[[], float]
 
 
 @dataclass(frozen=True, slots=True)

@@ -1,7 +1,9 @@
 """Several robots through the whole running program, in virtual time and judged by ground truth."""
 
 from collections.abc import Callable
+from itertools import count
 from pathlib import Path
+from types import SimpleNamespace
 
 import pytest
 
@@ -13,6 +15,7 @@ from navigation.mission.mission import State as MissionState
 from navigation.mission.mission import Station
 from navigation.run.fleet.fleet_virtual_run import run_fleet_virtually
 from navigation.run.fleet.fleet_virtual_world import FleetVirtualWorld
+from navigation.run.virtual_world import VirtualTimes
 
 CONFIGS = Path(__file__).parents[3] / "configs"
 ALCOVE = load_config(CONFIGS / "alcove.yaml", {})
@@ -143,6 +146,22 @@ def test_two_runs_are_the_same() -> None:
     config = open_hall("a", "b", time_limit_s=4.0)
     first, second = (run_fleet_virtually(config, pictures=False) for _ in range(2))
     assert first.as_json() == second.as_json()
+
+
+def test_a_computer_that_is_too_slow_for_any_plan_makes_no_other_run(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    config = open_hall("a", "b", time_limit_s=4.0)
+    first = run_fleet_virtually(config, pictures=False)
+    busy = SimpleNamespace(monotonic=count(0.0, 10.0).__next__)
+    monkeypatch.setattr("planner.shared.search_clock.time", busy)
+    assert run_fleet_virtually(config, pictures=False).as_json() == first.as_json()
+
+
+def test_a_search_in_virtual_time_ends_at_its_limit_of_work_and_says_so() -> None:
+    config = open_hall("a", "b", time_limit_s=4.0)
+    report = run_fleet_virtually(config, VirtualTimes(search_s=4.0), pictures=False)
+    assert "no plan was found within 3 s" in report.reason
 
 
 @pytest.mark.parametrize("name", ["fleet", "crossing", "alcove"])

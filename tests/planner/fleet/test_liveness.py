@@ -17,7 +17,6 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 import planner
-from planner.fleet import on_graph
 from planner.fleet.search import solver, team
 from planner.scene import Bounds, Scene
 
@@ -83,7 +82,6 @@ class Asked:
             return find_way(*arguments)
 
         monkeypatch.setattr(solver, "find_way", counted)
-        monkeypatch.setattr(on_graph, "search_clock_s", self)
 
     def __call__(self) -> float:
         self.count += 1
@@ -98,7 +96,7 @@ def test_it_ends_at_its_limit_and_says_that_nothing_is_proved(
 ) -> None:
     task = HOPELESS[name]
     clock = Asked(monkeypatch)
-    plan = planner.plan_on_graph(*task, time_limit_s=3.0)
+    plan = planner.plan_on_graph(*task, time_limit_s=3.0, clock=clock)
     assert isinstance(plan, planner.NoFleetPlan)
     if plan.proved:
         assert "proved" in plan.reason
@@ -133,7 +131,7 @@ def test_any_graph_s_search_ends_when_its_clock_says_so(count: int, seed: int, a
     with pytest.MonkeyPatch.context() as patched:
         clock = Asked(patched)
         plan = planner.plan_on_graph(
-            nodes, edges, 0.2, starts, goals, time_limit_s=TICK_S * asks, improve=1000
+            nodes, edges, 0.2, starts, goals, TICK_S * asks, improve=1000, clock=clock
         )
     assert clock.count <= asks + 30
     assert bool(plan) or isinstance(plan, planner.NoFleetPlan)
@@ -153,7 +151,7 @@ def test_the_time_limit_includes_setting_up(asks: int, monkeypatch: pytest.Monke
     clock = Asked(monkeypatch)
     nodes, edges, radius, starts, goals = lane(120, 60)
     plan = planner.plan_on_graph(
-        nodes, edges, radius, starts, goals, time_limit_s=TICK_S * (asks - 0.5)
+        nodes, edges, radius, starts, goals, TICK_S * (asks - 0.5), clock=clock
     )
     assert isinstance(plan, planner.NoFleetPlan)
     assert not plan.proved
@@ -172,7 +170,9 @@ def test_the_time_limit_of_a_fleet_among_obstacles_includes_setting_up(
     roadmap = planner.build_roadmap(Scene("m", Bounds(0.0, 0.0, 10.0, 4.0), ()), 0.1)
     starts = [(1.0 + 0.5 * i, 1.0) for i in range(12)]
     goals = [(1.0 + 0.5 * i, 3.0) for i in range(12)][::-1]
-    plan = planner.plan_fleet(roadmap, starts, goals, time_limit_s=TICK_S * (asks - 0.5))
+    plan = planner.plan_fleet(
+        roadmap, starts, goals, time_limit_s=TICK_S * (asks - 0.5), clock=clock
+    )
     assert isinstance(plan, planner.NoFleetPlan)
     assert plan.blocking == tuple(range(asks - 1 if asks <= 12 else 0, 12))
     assert not plan.proved
@@ -182,9 +182,7 @@ def test_the_time_limit_of_a_fleet_among_obstacles_includes_setting_up(
 
 @pytest.mark.timed
 @pytest.mark.parametrize("name", HOPELESS)
-def test_what_is_done_between_two_looks_at_the_clock_is_short(
-    name: str, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_what_is_done_between_two_looks_at_the_clock_is_short(name: str) -> None:
     planner.plan_on_graph(*puzzle(3, 2), time_limit_s=1.0)  # compiles
     longest_s, last_s = 0.0, math.inf
 
@@ -195,9 +193,8 @@ def test_what_is_done_between_two_looks_at_the_clock_is_short(
         last_s = now_s
         return now_s
 
-    monkeypatch.setattr(on_graph, "search_clock_s", clock)
     began_s = time.process_time()
-    plan = planner.plan_on_graph(*HOPELESS[name], time_limit_s=1.0)
+    plan = planner.plan_on_graph(*HOPELESS[name], time_limit_s=1.0, clock=clock)
     took_s = time.process_time() - began_s
     assert isinstance(plan, planner.NoFleetPlan)
     assert longest_s < 0.5
