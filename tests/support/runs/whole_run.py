@@ -1,0 +1,127 @@
+"""The whole program in virtual time: a run as the command line makes it, to its exit code.
+
+Only the world, the waiting and the kernels' warm-up are others than in `clearway run`: journal,
+log of events, control socket, notes to systemd and report are those of the program.
+"""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field
+from functools import partial
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from navigation.config import Config
+from navigation.control import send_order
+from navigation.machine.sd_notify import Notifier
+from navigation.run import runner
+from navigation.run.fleet import fleet_runner
+from navigation.run.fleet.fleet_runner import FleetRunner
+from navigation.run.fleet.fleet_virtual_world import FleetVirtualWorld
+from navigation.run.runner import EVENTS_FILE, Runner
+from navigation.run.virtual_world import VirtualWorld
+
+AnyWorld = VirtualWorld | FleetVirtualWorld
+Happening = Callable[[AnyWorld], None]
+
+
+@dataclass(slots=True)
+class WholeRun:
+    """What a run left behind, and what it said meanwhile."""
+
+    exit_code: int = 0
+    report: dict[str, Any] = field(default_factory=dict)
+    events: list[dict[str, Any]] = field(default_factory=list)
+    said: list[str] = field(default_factory=list)
+    notified: list[str] = field(default_factory=list)
+    """To systemd."""
+    answers: list[dict[str, Any]] = field(default_factory=list)
+    """Of the control socket, in the order of the questions."""
+
+    def events_called(self, name: str) -> list[dict[str, Any]]:
+        """Those of one name."""
+        return [one for one in self.events if one["event"] == name]
+
+
+class Told(Notifier):
+    """Keeps what is sent to systemd."""
+
+    def __init__(self, kept: list[str]) -> None:
+        super().__init__(None)
+        self._kept = kept
+
+    def send(self, *assignments: str) -> bool:
+        """Keep it."""
+        self._kept.extend(assignments)
+        return True
+
+
+class _Clock:
+    lost_s = 0.0
+
+    def __init__(self, now: Callable[[], float]) -> None:
+        self._now = now
+
+    def __call__(self) -> float:
+        return self._now()
+
+
+def run_whole(
+    config: Config,
+    folder: Path,
+    patch: pytest.MonkeyPatch,
+    at: Mapping[float, Happening | dict[str, Any]] | None = None,
+) -> WholeRun:
+    """Run the configuration with ``once``; ``at`` seconds something happens, or an order is given.
+
+    What the run leaves behind is in ``folder``.
+    """
+    ran, socket = WholeRun(), folder / "control.sock"
+
+    def happen(world: AnyWorld, what: Happening | dict[str, Any]) -> None:
+        if isinstance(what, dict):
+            ran.answers.append(send_order(socket, what))
+        else:
+            what(world)
+
+    def opened(world: AnyWorld) -> AnyWorld:
+        for after_s, what in (at or {}).items():
+            world.after(after_s, partial(happen, world, what))
+        names = [one.name for one in config.robots]
+        for member, value in (
+            ("clock", _Clock(world.clock)),
+            ("doubts", []),
+            ("ports", dict.fromkeys(names, "virtual")),
+        ):
+            setattr(world, member, value)
+        return world
+
+    def alone(config: Config, **_: Any) -> AnyWorld:
+        return opened(VirtualWorld(config, pictures=False))
+
+    def several(config: Config, **_: Any) -> AnyWorld:
+        return opened(FleetVirtualWorld(config, pictures=False))
+
+    patch.setattr(runner, "World", alone)
+    patch.setattr(fleet_runner, "FleetWorld", several)
+    patch.setattr(runner, "warm_up", lambda *_: None)
+    patch.setattr(fleet_runner, "warm_up_fleet", lambda *_: None)
+    recording = config.recording.model_copy(update={"runs_dir": folder / "runs"})
+    config = config.model_copy(update={"recording": recording})
+    make = FleetRunner if config.robots else Runner
+    driven = make(
+        config, once=True, say=ran.said.append, socket=socket, dashboard=False,
+        notifier=Told(ran.notified),
+    )  # fmt: skip
+    if isinstance(driven, FleetRunner):
+        _, _, ran.exit_code = driven.run_fleet()
+    else:
+        ran.exit_code = driven.run().exit_code
+    (left,) = (folder / "runs").iterdir()
+    ran.report = json.loads((left / "report.json").read_text())
+    ran.events = [json.loads(line) for line in (left / EVENTS_FILE).read_text().splitlines()]
+    return ran
