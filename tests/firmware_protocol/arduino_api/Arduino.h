@@ -1,20 +1,20 @@
 /* Stands in for Arduino's API on a Linux host, in one header: a board with two geared motors, their
- * encoders, a stop button and a serial port on a new pseudo-terminal. Test only.
+ * encoders, a stop button and a serial port, which is a socket that the parent leaves open. Test
+ * only.
  *
- * Time is real. begin_board() prints the port's path; run_board() lets the motors turn and raises
- * the interrupts that are due: call it between two rounds of loop(). Lines on stdin are what hands
- * do: "press", "release".
+ * Time is the parent's: "run 1000" on stdin lets 1000 microseconds pass in rounds of ROUND_US. The
+ * other lines are what hands do: "press", "release". Each line is answered by the PWM of both motors.
+ * run_board() lets a round pass, the motors turn, and raises the interrupts that are due: call it
+ * between two rounds of loop().
  */
 #ifndef ARDUINO_STAND_IN_H
 #define ARDUINO_STAND_IN_H
 
 #include <fcntl.h>
-#include <poll.h>
 #include <stdint.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include <termios.h>
 #include <time.h>
 #include <unistd.h>
 
@@ -22,6 +22,7 @@ enum { LOW, HIGH };
 enum { INPUT, OUTPUT, INPUT_PULLUP };
 enum { CHANGE = 1, FALLING, RISING };
 enum { A0 = 14, STAND_IN_PINS = 20 };
+enum { ROUND_US = 250 };
 
 struct StandInBoard {
     int level[STAND_IN_PINS];
@@ -29,6 +30,9 @@ struct StandInBoard {
     void (*handler[STAND_IN_PINS])();
     int edge[STAND_IN_PINS];
     bool masked;
+    uint32_t now_us;
+    long left_us; /* of what may pass */
+    bool asked;   /* a line waits for its answer */
 };
 
 inline StandInBoard &board()
@@ -37,12 +41,17 @@ inline StandInBoard &board()
     return the_board;
 }
 
-inline unsigned long micros()
+/* Of the wall's clock: no two boots are alike. */
+inline uint32_t wall_us()
 {
     timespec now;
     clock_gettime(CLOCK_MONOTONIC, &now);
-    return static_cast<unsigned long>(
-        static_cast<uint32_t>(now.tv_sec * 1000000 + now.tv_nsec / 1000));
+    return static_cast<uint32_t>(now.tv_sec * 1000000 + now.tv_nsec / 1000);
+}
+
+inline unsigned long micros()
+{
+    return board().now_us;
 }
 
 inline void pinMode(uint8_t pin, uint8_t mode)
@@ -70,7 +79,7 @@ inline void analogWrite(uint8_t pin, int duty)
 
 inline int analogRead(uint8_t)
 {
-    return static_cast<int>(micros() * 2654435761u >> 22 & 1023u);
+    return static_cast<int>(wall_us() * 2654435761u >> 22 & 1023u);
 }
 
 inline uint8_t digitalPinToInterrupt(uint8_t pin)
@@ -131,25 +140,16 @@ public:
     size_t write(const uint8_t *data, size_t length)
     {
         while (availableForWrite() < 63) {
-            usleep(50); /* as the real one waits */
+            board().now_us += 50; /* as the real one waits */
         }
         written_us_ = static_cast<uint32_t>(micros());
         queued_ = length;
         return ::write(line_, data, length) < 0 ? 0u : length;
     }
-    const char *open()
+    void open(int line)
     {
-        line_ = posix_openpt(O_RDWR | O_NOCTTY | O_NONBLOCK);
-        if (line_ < 0 || grantpt(line_) != 0 || unlockpt(line_) != 0) {
-            exit(2);
-        }
-        const char *name = ptsname(line_);
-        int other = ::open(name, O_RDWR | O_NOCTTY); /* stays open: the line outlives its user */
-        termios mode;
-        tcgetattr(other, &mode);
-        cfmakeraw(&mode);
-        tcsetattr(other, TCSANOW, &mode);
-        return name;
+        line_ = line;
+        fcntl(line_, F_SETFL, O_NONBLOCK);
     }
 
 private:
@@ -201,27 +201,35 @@ struct StandInMotor {
     }
 };
 
-inline void begin_board()
+inline void begin_board(int line)
 {
-    printf("%s\n", stand_in_serial().open());
-    fflush(stdout);
+    stand_in_serial().open(line);
+    board().now_us = wall_us();
 }
 
-/* Until stdin ends: let `seconds` pass for the motors; returns whether to go on. */
-inline bool run_board(StandInMotor *motors, double seconds, int stop_pin)
+/* The next round; false where stdin has ended. */
+inline bool run_board(StandInMotor *motors, int stop_pin)
 {
-    for (int side = 0; side < 2; side++) {
-        motors[side].run(seconds);
-    }
-    pollfd hands = {STDIN_FILENO, POLLIN, 0};
-    if (poll(&hands, 1, 0) > 0) {
+    while (board().left_us <= 0) {
+        if (board().asked) {
+            printf("%d %d\n", board().pwm[motors[0].pwm_pin], board().pwm[motors[1].pwm_pin]);
+            fflush(stdout);
+        }
         char line[80];
         if (fgets(line, sizeof line, stdin) == nullptr) {
             return false;
         }
-        set_pin(stop_pin, strncmp(line, "press", 5) == 0 ? LOW : HIGH);
-        printf("%d %d\n", board().pwm[motors[0].pwm_pin], board().pwm[motors[1].pwm_pin]);
-        fflush(stdout);
+        board().asked = true;
+        if (strncmp(line, "run ", 4) == 0) {
+            board().left_us += strtol(line + 4, nullptr, 10);
+        } else {
+            set_pin(stop_pin, strncmp(line, "press", 5) == 0 ? LOW : HIGH);
+        }
+    }
+    board().left_us -= ROUND_US;
+    board().now_us += ROUND_US;
+    for (int side = 0; side < 2; side++) {
+        motors[side].run(ROUND_US * 1e-6);
     }
     return true;
 }
