@@ -6,12 +6,13 @@ speed that it had, and what its motors' lag makes of an order. Metres, seconds.
 
 from __future__ import annotations
 
+import itertools
 import math
 import os
 import signal
 import threading
 import time
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from contextlib import ExitStack, contextmanager, suppress
 from functools import partial
 from itertools import pairwise
@@ -41,11 +42,15 @@ LOADED_S: Final = 0.5
 """So long busy processes have had before the trouble begins."""
 TURN_S: Final = 0.3
 """Each turn of a driver that is slow."""
+STARTS: Final = 3
+"""On a busy computer a driver may be ended before its robot has its speed: then again."""
+BEGINS_S: Final = 1.0
+"""A robot that was given a mission begins to drive within this."""
 END = WaypointFlag.STOP | WaypointFlag.END
 
 
 class Bench(NamedTuple):
-    """A robot that has a mission, its driver, and the link to it."""
+    """A robot, its driver, and the link to it."""
 
     twin: TwinRobot
     driver: DriverProcess
@@ -59,7 +64,7 @@ class Bench(NamedTuple):
 
 @contextmanager
 def driven(name: str, work: Work = serve) -> Iterator[Bench]:
-    """A robot with a mission, and a loop that gives poses and leases."""
+    """A robot that can be driven, and a loop that gives poses and leases."""
     with TwinRobot(name, rng=np.random.default_rng(3)) as twin:
         baud = KNOWN_ROBOTS[name].baud
         driver = DriverProcess(name, twin.port, baud, settings_of(name), work=work)
@@ -78,14 +83,28 @@ def driven(name: str, work: Work = serve) -> Iterator[Bench]:
             link.open()
             thread.start()
             assert wait_until(lambda: link.snapshot().clock_offset_s is not None, PATIENCE_S)
-            speed_m_s = SPEED_SHARE * KNOWN_ROBOTS[name].speed_m_s
-            link.upload(5, [Waypoint(3.0, 0.0, speed_m_s), Waypoint(6.0, 0.0, 0.0, flags=END)])
             yield Bench(twin, driver, link)
         finally:
             over.set()
             thread.join()
             link.close()
             driver.stop()
+
+
+def set_off(bench: Bench, name: str, ended: Callable[[], bool] = lambda: False) -> None:
+    """Give the robot a mission, and another one where a busy machine has let it stop.
+
+    Returns when it has its speed, or when it has ``ended``.
+    """
+    end_s = time.monotonic() + PATIENCE_S
+    numbers = itertools.count(5 + 100 * bench.driver.restarts)
+    while not (drives(bench, name) or ended()):
+        assert time.monotonic() < end_s, bench.link.snapshot().standing_reason
+        x_m, speed_m_s = bench.twin.pose().x_m, SPEED_SHARE * KNOWN_ROBOTS[name].speed_m_s
+        way = [Waypoint(x_m + 3.0, 0.0, speed_m_s), Waypoint(x_m + 6.0, 0.0, 0.0, flags=END)]
+        bench.link.upload(next(numbers), way)
+        wait_until(lambda: bench.twin.moving or ended(), BEGINS_S)
+        wait_until(lambda: drives(bench, name) or not bench.twin.moving or ended(), PATIENCE_S)
 
 
 def drives(bench: Bench, name: str) -> bool:
@@ -126,23 +145,33 @@ def drive_into(trouble: str, name: str, load: int = 0) -> Measured:
     work = serve if trouble in ("frozen", "killed") else partial(_in_trouble, name, trouble)
     with ExitStack() as until:
         bench = until.enter_context(driven(name, work))
-        assert wait_until(lambda: drives(bench, name) or bench.driver.restarts > 0, PATIENCE_S)
-        since_s = bench.driver.beat_s
+        for _ in range(STARTS):
+            measured = _drive_once_into(trouble, name, bench, load)
+            if measured.speed_m_s > 0.5 * SPEED_SHARE * KNOWN_ROBOTS[name].speed_m_s:
+                break
+            assert wait_until(lambda: bench.link.snapshot().down_reason is None, PATIENCE_S)
+        return measured
 
-        def look() -> bool:
-            nonlocal since_s
-            if bench.driver.restarts == 0:
-                since_s = bench.driver.beat_s
-            return bench.driver.restarts > 0
 
-        until.enter_context(busy(load))
+def _drive_once_into(trouble: str, name: str, bench: Bench, load: int) -> Measured:
+    restarts, since_s = bench.driver.restarts, bench.driver.beat_s
+
+    def look() -> bool:
+        nonlocal since_s
+        if bench.driver.restarts == restarts:
+            since_s = bench.driver.beat_s
+        return bench.driver.restarts > restarts
+
+    set_off(bench, name, look)
+    with busy(load):
         # a load alone may keep a driver from its beat: then that is what is measured
-        if work is serve and not wait_until(look, LOADED_S if load else 0.0):
+        hangs = look() or wait_until(look, LOADED_S if load else 0.0)
+        if not hangs and trouble in ("frozen", "killed"):
             os.kill(bench.pid, signal.SIGSTOP if trouble == "frozen" else signal.SIGKILL)
         assert wait_until(look, PATIENCE_S)
         assert wait_until(lambda: not bench.twin.moving, PATIENCE_S)
-        speed_m_s = fastest_m_s(bench.twin, since_s + STOPPED_AFTER_S)
-        return Measured(speed_m_s, driven_since_m(bench.twin, since_s))
+    speed_m_s = fastest_m_s(bench.twin, since_s + STOPPED_AFTER_S)
+    return Measured(speed_m_s, driven_since_m(bench.twin, since_s))
 
 
 def _in_trouble(name: str, trouble: str, *arguments: Any) -> None:
