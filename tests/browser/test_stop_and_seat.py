@@ -41,7 +41,7 @@ def press_stop(page: Page, by: str) -> None:
         page.keyboard.press("Space")
 
 
-@pytest.mark.timed
+@pytest.mark.timed  # says how long a stop takes
 def test_stop_is_with_the_program_at_once(open_page: OpenPage, program: ShownProgram) -> None:
     page = open_page()
     wait_for_picture(page)

@@ -5,6 +5,7 @@ Real time on a shared machine: bounds are those of the robot plus what a late pr
 
 from __future__ import annotations
 
+import contextlib
 import re
 import socket
 import struct
@@ -19,12 +20,13 @@ from firmware_protocol.wire.mission import Mission
 from tests.support.robots.avr_bench import AvrBench
 from tests.support.robots.cortex_robot import CortexBoard, CortexBuild, missing_tools
 
-pytestmark = [
-    pytest.mark.timed,  # the emulated processor has to keep up with the clock
-    pytest.mark.skipif(missing_tools() is not None, reason=f"needs {missing_tools()}"),
-]
+pytestmark = pytest.mark.skipif(missing_tools() is not None, reason=f"needs {missing_tools()}")
+keeps_up = pytest.mark.timed
+"""The emulated processor has to keep up with the clock: this emulator has no time of its own."""
 LATE_S = 0.1
-"""What this machine may be late by."""
+"""What this machine may be late by, and a processor that is well may be silent for."""
+STARTS = 10
+"""A robot whose lease a busy machine has let lapse refuses to start: it is asked again."""
 
 
 @pytest.fixture(scope="module")
@@ -45,9 +47,18 @@ def bench(build: CortexBuild) -> Iterator[AvrBench]:
 def drive(bench: AvrBench, count: int) -> Mission:
     mission = Mission(5, [Waypoint(0.02 * i, 0.0, 0.4) for i in range(count)])
     bench.host.upload(mission, bench.now_s)
-    bench.until(lambda: bench.motors.left_m_s > 0.1, 3.0)
+    for _ in range(STARTS):
+        with contextlib.suppress(TimeoutError):
+            bench.until(lambda: bench.motors.left_m_s > 0.1, 1.0)
+            break
+        bench.host.start(bench.now_s)
     assert bench.state() is RobotState.RUN
     return mission
+
+
+def late_s(bench: AvrBench) -> float:
+    """The time that the machine may have kept from the emulated processor, which then is silent."""
+    return max(LATE_S, bench.silence_s)
 
 
 def test_it_fits_into_a_small_microcontroller(build: CortexBuild) -> None:
@@ -63,6 +74,7 @@ def test_a_board_that_is_closed_leaves_no_folder(
     assert list(tmp_path.iterdir()) == []
 
 
+@keeps_up
 def test_a_mission_is_driven_to_its_end(bench: AvrBench) -> None:
     mission = drive(bench, 25)
     bench.until(lambda: MissionDone(5) in bench.events, 10.0)
@@ -73,26 +85,31 @@ def test_a_mission_is_driven_to_its_end(bench: AvrBench) -> None:
     assert status.counters.overruns == 0
 
 
+@keeps_up
 def test_the_emergency_stop_takes_the_power_away_and_stays(bench: AvrBench) -> None:
     drive(bench, 50)
     assert bench.motors.powered
     asked_s = bench.motors.now_s
+    bench.silence_s = 0.0
     bench.host.estop()
-    bench.until(lambda: not bench.motors.powered, 0.2)
-    assert 0.0 <= bench.motors.off_s - asked_s < 0.015 + LATE_S
+    bench.until(lambda: not bench.motors.powered, 1.0)
+    assert 0.0 <= bench.motors.off_s - asked_s < 0.015 + late_s(bench)
     bench.until(lambda: bench.state() is RobotState.ESTOP, 0.5)
     bench.run(0.5)
     assert not bench.motors.powered
 
 
+@keeps_up
 def test_the_dead_man_stops_the_motors(bench: AvrBench) -> None:
     drive(bench, 50)
     bench.lease = False
-    bench.until(lambda: bench.state() is RobotState.HOLD, 1.0)
-    assert 0.5 <= bench.now_s - bench.leased_s < 0.525 + LATE_S
+    bench.silence_s = 0.0
+    bench.until(lambda: bench.state() is RobotState.HOLD, 1.5)
+    assert 0.5 <= bench.now_s - bench.leased_s < 0.525 + late_s(bench)
     bench.until(lambda: bench.motors.left_m_s == 0.0 and bench.motors.right_m_s == 0.0, 1.5)
 
 
+@keeps_up
 def test_a_reset_forgets_the_mission_and_is_noticed(bench: AvrBench) -> None:
     drive(bench, 50)
     assert bench.host.status is not None
@@ -131,6 +148,7 @@ def ask(line: socket.socket, text: str) -> str:
     return answer[1].decode()
 
 
+@keeps_up
 def test_a_program_that_hangs_is_stopped_and_reset_by_the_watchdog(
     build: CortexBuild, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:

@@ -13,10 +13,7 @@ from tests.support.robots.emulated_run import assert_run_reaches_its_goal
 from tests.support.robots.micropython_interpreter import interpreter
 
 BRIDGE = Path(__file__).with_name("micropython_bridge.py")
-pytestmark = [
-    pytest.mark.timed,  # the emulated processor has to keep up with the clock
-    pytest.mark.skipif(interpreter() is None, reason="needs MicroPython: .ci/micropython"),
-]
+pytestmark = pytest.mark.skipif(interpreter() is None, reason="needs MicroPython: .ci/micropython")
 
 
 def command() -> list[str]:
@@ -26,6 +23,7 @@ def command() -> list[str]:
     return [found, str(BRIDGE), str(Path(package.__file__).parent)]
 
 
+@pytest.mark.timed  # the emulated processor has to keep up with the wall's clock
 def test_clearway_run_drives_the_micropython_robot_to_its_goal(tmp_path: Path) -> None:
     assert_run_reaches_its_goal(tmp_path, command())
 

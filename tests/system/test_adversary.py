@@ -142,7 +142,7 @@ def compiled() -> None:
     prepare()
 
 
-@pytest.mark.timed  # a robot drives by the wall's clock
+@pytest.mark.timed  # says how far a robot drives, in real time
 @pytest.mark.usefixtures("compiled")
 @pytest.mark.parametrize("attack", QUICK, ids=lambda one: f"{one.kind}: {one.name}")
 def test_the_program_holds_every_bar(attack: Attack) -> None:

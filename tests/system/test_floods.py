@@ -25,7 +25,7 @@ from navigation.control import send_order
 from tests.support.processes.floods import flood
 from tests.support.waiting import wait_until
 
-pytestmark = pytest.mark.timed
+pytestmark = pytest.mark.timed  # says how long a stop takes
 
 CONFIGS = Path(__file__).parents[2] / "configs"
 DESCRIPTORS = 1024

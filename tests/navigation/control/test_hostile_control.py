@@ -255,7 +255,6 @@ def test_a_request_has_its_time_as_a_whole(tmp_path: Path, robot: Robot) -> None
         assert wait_until(lambda: server.refused == 1)
 
 
-@pytest.mark.timed  # says how long a stop takes
 def test_an_order_that_hangs_holds_up_no_stop_and_is_given_up(tmp_path: Path, robot: Robot) -> None:
     clock = Clock()
     robot.hanging = {"pause"}

@@ -85,7 +85,7 @@ def test_the_answer_says_what_is_not_known_even_if_the_control_loop_is_late(
     assert "a restart would not know of this stop" in answer["trouble"]
 
 
-@pytest.mark.timed
+@pytest.mark.timed  # says how long a stop takes
 def test_a_stop_is_answered_in_time(driving: Daemon, disk: Disk, tmp_path: Path) -> None:
     took_s: list[float] = []
     with ControlServer(tmp_path / "run" / "c.sock", driving) as control:

@@ -16,7 +16,8 @@ from navigation.simulator.emulated_robot import EmulatedRobot
 from navigation.simulator.own_time import BEHIND_MAX_S, OwnTime
 from navigation.simulator.robot import SimulatedRobot
 
-pytestmark = pytest.mark.timed
+stalls = pytest.mark.timed
+"""The stalls are real ones, of a real thread and a real process."""
 
 STALLING = """
 import struct, sys, time
@@ -47,6 +48,7 @@ def stalling_robot(folder: Path) -> EmulatedRobot:
     return EmulatedRobot(command, rng=np.random.default_rng(1), model=model)
 
 
+@stalls
 def test_a_pose_is_that_of_the_moment_it_is_asked_for_though_the_emulator_stalls(
     tmp_path: Path,
 ) -> None:
@@ -64,6 +66,7 @@ def test_a_pose_is_that_of_the_moment_it_is_asked_for_though_the_emulator_stalls
     assert len(behind_m) > 10
 
 
+@stalls
 def test_bytes_do_not_reach_a_stalled_emulator_before_their_time(tmp_path: Path) -> None:
     robot = stalling_robot(tmp_path)
     began_s = time.monotonic()
@@ -79,6 +82,7 @@ def test_bytes_do_not_reach_a_stalled_emulator_before_their_time(tmp_path: Path)
     assert step * STEP_S > sent_s - robot.lost_s - 0.01
 
 
+@stalls
 def test_a_simulated_robot_whose_thread_is_held_up_is_waited_for() -> None:
     """Its thread is kept from going on; a pose that is asked for meanwhile comes afterwards."""
     held = threading.Lock()
@@ -120,6 +124,9 @@ def test_a_robot_that_is_off_is_not_waited_for() -> None:
     own = OwnTime(STEP_S)
     own.begin(0.0)
     own.end()
-    before_s = time.perf_counter()
-    own.wait_for(100.0)
-    assert time.perf_counter() - before_s < BEHIND_MAX_S
+    took_s = []
+    for _ in range(3):
+        before_s = time.perf_counter()
+        own.wait_for(100.0)
+        took_s.append(time.perf_counter() - before_s)
+    assert min(took_s) < BEHIND_MAX_S, "the machine may have held up one of them"

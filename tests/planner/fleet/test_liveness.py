@@ -180,9 +180,9 @@ def test_the_time_limit_of_a_fleet_among_obstacles_includes_setting_up(
     assert clock.searches == 0
 
 
-@pytest.mark.timed
 @pytest.mark.parametrize("name", HOPELESS)
 def test_what_is_done_between_two_looks_at_the_clock_is_short(name: str) -> None:
+    """By the processor's time, in which nobody else's work counts."""
     planner.plan_on_graph(*puzzle(3, 2), time_limit_s=1.0)  # compiles
     longest_s, last_s = 0.0, math.inf
 

@@ -39,6 +39,9 @@ class AvrBench:
         """Ticks by which the leases come earlier."""
         self.leased_s = 0.0
         """When the last lease had come through the line."""
+        self.silence_s = 0.0
+        """The longest time in which the processor said nothing, since a test set it to 0."""
+        self._heard_s = 0.0
         self.events: list[Event] = []
         self.motors = Motors(0.0, 0.0, False, 0.0, 0.0)
         self._leases = FrameParser(Sender.HOST)
@@ -52,6 +55,9 @@ class AvrBench:
         for side in (0, 1):
             self.speed[side] += TICK_S / LAG_S * (self.motors[side] - self.speed[side])
         self.now_s += TICK_S
+        self.silence_s = max(self.silence_s, self.now_s - self._heard_s)
+        if data:
+            self._heard_s = self.now_s
         tick = round(self.now_s / TICK_S) + self.lease_phase
         if tick % LEASE_EVERY == 0 and self.lease:
             self.host.lease(self.now_s, 0.5, True, odometry=True)

