@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import replace
+from functools import cache
 from itertools import pairwise
 
 import numpy as np
@@ -53,8 +54,10 @@ def _plans(seed: int) -> list[tuple[Scene, float, Path, Limits, Trajectory]]:
     return made
 
 
-SEEDS = range(30)
-PLANS = [plan for seed in SEEDS for plan in _plans(seed)]
+@cache
+def every_plan() -> list[tuple[Scene, float, Path, Limits, Trajectory]]:
+    """The plans of 30 scenes, made once."""
+    return [plan for seed in range(30) for plan in _plans(seed)]
 
 
 def _drives(timed: Trajectory) -> list[tuple[Waypoint, Waypoint, float, float, float]]:
@@ -80,18 +83,18 @@ def _places(timed: Trajectory) -> FloatArray:
 
 
 def test_there_are_plans_of_every_preference_to_look_at() -> None:
-    assert len(PLANS) >= 60
+    assert len(every_plan()) >= 60
 
 
 def test_no_straight_line_between_waypoints_comes_nearer_than_the_radius() -> None:
-    for scene, radius, path, _, timed in PLANS:
+    for scene, radius, path, _, timed in every_plan():
         assert path.min_clearance >= radius * (1.0 - SECOND)
         nearest = slow_distance(scene, _dense(_places(timed), 0.05 * radius)).min()
         assert nearest >= radius * (1.0 - SECOND)
 
 
 def test_waypoints_leave_the_path_by_no_more_than_the_tolerance() -> None:
-    for _, radius, path, limits, timed in PLANS:
+    for _, radius, path, limits, timed in every_plan():
         for point in _dense(_places(timed), 0.5 * radius):
             a, d = path.points[:-1], np.diff(path.points, axis=0)
             t = np.clip(((point - a) * d).sum(1) / np.maximum((d * d).sum(1), 1e-300), 0.0, 1.0)
@@ -100,12 +103,12 @@ def test_waypoints_leave_the_path_by_no_more_than_the_tolerance() -> None:
 
 
 def test_waypoints_are_no_further_apart_than_the_spacing() -> None:
-    for *_, limits, timed in PLANS:
+    for *_, limits, timed in every_plan():
         assert max(way for *_, way, _ in _drives(timed)) <= limits.spacing * TIGHT
 
 
 def test_speed_and_acceleration_hold() -> None:
-    for *_, limits, timed in PLANS:
+    for *_, limits, timed in every_plan():
         for a, b, seconds, way, _ in _drives(timed):
             assert max(a.speed, b.speed) <= limits.speed * TIGHT
             assert way <= limits.speed * seconds * TIGHT + SECOND
@@ -114,7 +117,7 @@ def test_speed_and_acceleration_hold() -> None:
 
 def test_jerk_holds() -> None:
     """Means of an acceleration over two stretches differ by at most jerk times their middles'."""
-    for *_, limits, timed in PLANS:
+    for *_, limits, timed in every_plan():
         drives = _drives(timed)
         for (a, b, first, way, _), (_, c, second, after, _) in pairwise(drives):
             if min(first, second) <= SECOND or min(way, after) == 0.0 or b.dwell_s > 0.0:
@@ -124,7 +127,7 @@ def test_jerk_holds() -> None:
 
 
 def test_angular_rate_and_lateral_acceleration_hold() -> None:
-    for *_, limits, timed in PLANS:
+    for *_, limits, timed in every_plan():
         for a, b, seconds, way, turn in _drives(timed):
             assert turn <= limits.angular_rate_rad_s * seconds * TIGHT + 1e-6
             if way > 0.0 and seconds > 0.0:
@@ -134,7 +137,7 @@ def test_angular_rate_and_lateral_acceleration_hold() -> None:
 
 def test_curves_are_driven_no_tighter_than_the_slower_end_allows() -> None:
     """Curvature times speed is the angular rate: where the robot moves, it is bounded by that."""
-    for *_, limits, timed in PLANS:
+    for *_, limits, timed in every_plan():
         for a, b, _, way, turn in _drives(timed):
             slower = min(a.speed, b.speed)
             if way > 0.0 and slower > 0.0:
@@ -142,7 +145,7 @@ def test_curves_are_driven_no_tighter_than_the_slower_end_allows() -> None:
 
 
 def test_narrow_places_are_driven_slowly() -> None:
-    for scene, radius, _, limits, timed in PLANS:
+    for scene, radius, _, limits, timed in every_plan():
         spare = slow_distance(scene, _places(timed)) - radius
         room = limits.slow_clearance - radius
         allowed = limits.slow_speed + (limits.speed - limits.slow_speed) * np.clip(
@@ -153,7 +156,7 @@ def test_narrow_places_are_driven_slowly() -> None:
 
 
 def test_plans_begin_and_end_standing_with_the_heading_asked_for() -> None:
-    for *_, path, _, timed in PLANS:
+    for *_, path, _, timed in every_plan():
         first, last = timed.waypoints[0], timed.waypoints[-1]
         assert first.speed == last.speed == 0.0
         assert (last.x, last.y) == pytest.approx(tuple(path.points[-1]), abs=1e-9)

@@ -2,6 +2,7 @@
 
 import ast
 import importlib
+from functools import cache
 from pathlib import Path
 from typing import Any
 
@@ -34,6 +35,7 @@ P (85,15)
 """
 
 
+@cache
 def _functions() -> dict[str, tuple[ast.FunctionDef, bool]]:
     """Every kernel by its dotted name: its code, and whether it borrows."""
     found = {}
@@ -46,9 +48,6 @@ def _functions() -> dict[str, tuple[ast.FunctionDef, bool]]:
     return found
 
 
-FUNCTIONS = _functions()
-
-
 def _compiled(name: str) -> Any:
     module, function = name.rsplit(".", 1)
     return getattr(importlib.import_module(module), function)
@@ -58,7 +57,7 @@ def _called(name: str) -> set[str]:
     """What a kernel calls: kernels by their dotted names, all else by its last name."""
     around = _compiled(name).py_func.__globals__
     found = set()
-    for call in ast.walk(FUNCTIONS[name][0]):
+    for call in ast.walk(_functions()[name][0]):
         if not isinstance(call, ast.Call):
             continue
         last = ast.unparse(call.func).rsplit(".", 1)[-1]
@@ -70,8 +69,8 @@ def _called(name: str) -> set[str]:
 
 
 def test_borrowing_kernels_make_no_arrays_and_call_their_like_only() -> None:
-    borrowing = [name for name, (_, yes) in FUNCTIONS.items() if yes]
-    others = FUNCTIONS.keys() - set(borrowing) | MAKERS
+    borrowing = [name for name, (_, yes) in _functions().items() if yes]
+    others = _functions().keys() - set(borrowing) | MAKERS
     wrong = [f"{name} calls {c}" for name in borrowing for c in _called(name) & others]
     assert len(borrowing) > 80
     assert not wrong
@@ -87,7 +86,7 @@ def test_borrowing_kernels_return_numbers() -> None:
     roadmap = planner.build_roadmap(read_scene_text(SCENE), 3.0)
     assert not isinstance(roadmap.plan((5, 5), (95, 75)), planner.NoPath)
     returned = {}
-    for name, (_, yes) in FUNCTIONS.items():
+    for name, (_, yes) in _functions().items():
         if yes:
             for compiled in _compiled(name).overloads.values():
                 returned[name] = compiled.signature.return_type

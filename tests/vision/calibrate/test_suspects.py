@@ -26,14 +26,14 @@ def drawn_mirrored(view: BoardView) -> BoardView:
     return BoardView(view.name, view.size, corners * (-1.0, 1.0) + (639.0, 0.0), view.points_m)
 
 
-@pytest.mark.parametrize("seed", range(4))
+@pytest.mark.parametrize("seed", range(2))
 def test_pictures_of_one_camera_are_not_suspected(seed: int) -> None:
     assert suspects(views(14, seed=seed), plain_estimate) == []
     assert suspects(views(6, noise_px=0.3, seed=seed), plain_estimate) == []
     assert suspects(views(4, seed=seed), plain_estimate) == []
 
 
-@pytest.mark.parametrize("count", [1, 2, 4])
+@pytest.mark.parametrize("count", [1, 4])
 @pytest.mark.parametrize(
     ("turned_over", "word"), [(drawn_mirrored, "mirrored"), (upside_down, "upside down")]
 )

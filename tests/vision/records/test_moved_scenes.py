@@ -58,7 +58,7 @@ TURNED_PX = 0.01
 @pytest.mark.parametrize("axis", [0, 1])
 def test_scenes_moved_by_shares_of_a_pixel_are_found_where_they_are(axis: int) -> None:
     survey = Survey()
-    for seed in range(270):
+    for seed in range(135):
         share = 0.1 * (1 + seed % 9)
         shift = (share, 0.0) if axis == 0 else (1.0 - share, share)
         things = Move(shift=shift).things(arena(seed))
@@ -67,7 +67,7 @@ def test_scenes_moved_by_shares_of_a_pixel_are_found_where_they_are(axis: int) -
     survey.errors.check_crisp()
 
 
-@pytest.mark.parametrize(("scale", "count"), [(0.5, 150), (2.0, 60), (3.0, 30)])
+@pytest.mark.parametrize(("scale", "count"), [(0.5, 90), (2.0, 40), (3.0, 20)])
 def test_scenes_drawn_at_another_scale_are_found_at_that_scale(scale: float, count: int) -> None:
     survey = Survey()
     for seed in range(count):
@@ -85,7 +85,7 @@ def test_noise_adds_and_takes_no_records_and_moves_corners_as_little_as_promised
     noise: float,
 ) -> None:
     survey = Survey()
-    for seed in range(200):
+    for seed in range(100):
         things = arena(seed)
         picture = picture_of(things, room_for(things), noise=noise, seed=seed)
         survey.look(extract(picture), things, seed)
@@ -109,7 +109,7 @@ def from_stadium(found: Record, true: Outline) -> float:
 
 def test_outlines_of_stadia_moved_and_scaled_stay_on_them() -> None:
     """Their kinds of edges are not asked for: one in nine has a very flat arc for a side."""
-    for seed in range(150):
+    for seed in range(90):
         scale = (1.0, 2.0, 3.0)[seed % 3]
         shift = (0.1 * (seed % 10), 0.1 * (seed // 10 % 10))
         things = Move(scale, shift).things(arena(seed, (stadium,)))
@@ -142,7 +142,7 @@ def test_a_straight_side_without_blur_is_no_arc() -> None:
 # --- where the picture itself is moved, or stored otherwise
 
 SEEDS = st.integers(0, 2**32 - 1)
-IN_PICTURES = settings(max_examples=80)
+IN_PICTURES = settings(max_examples=40)
 
 
 @IN_PICTURES
