@@ -240,10 +240,9 @@ def robust_homography(
     scale = math.sqrt(abs(float(np.linalg.det(np.cov(places.T)) / np.linalg.det(np.cov(pixels.T)))))
     floor_m = _LEAST_SPREAD_PX * math.sqrt(scale)
     best, best_median = plain, math.inf
-    for chosen in _minimal_sets(n):
-        if not _well_spread(pixels[list(chosen)]) or not _well_spread(places[list(chosen)]):
-            continue
-        candidate = _homography(pixels[list(chosen)], places[list(chosen)])
+    sets = np.array(_minimal_sets(n))
+    for chosen in sets[_well_spread(pixels[sets]) & _well_spread(places[sets])]:
+        candidate = _homography(pixels[chosen], places[chosen])
         if candidate is None:
             continue
         distances = np.linalg.norm(_errors(candidate, pixels, places), axis=1)
@@ -296,14 +295,15 @@ def _minimal_sets(n: int) -> list[tuple[int, ...]]:
     return [tuple(rng.choice(n, 4, replace=False).tolist()) for _ in range(_MOST_SETS)]
 
 
-def _well_spread(points: FloatArray) -> bool:
-    """Whether no three of four points lie nearly in one line."""
-    extent = float(np.ptp(points, axis=0).max())
-    for a, b, c in itertools.combinations(points, 3):
-        (ux, uy), (vx, vy) = b - a, c - a
-        if abs(ux * vy - uy * vx) < _LEAST_AREA * extent * extent:
-            return False
-    return True
+def _well_spread(sets: FloatArray) -> NDArray[np.bool_]:
+    """True (m,) for sets of four points (m, 4, 2) of which no three lie nearly in one line."""
+    extent = np.ptp(sets, axis=1).max(axis=1)
+    spread = np.ones(len(sets), dtype=np.bool_)
+    for a, b, c in itertools.combinations(range(4), 3):
+        u, v = sets[:, b] - sets[:, a], sets[:, c] - sets[:, a]
+        area = np.abs(u[:, 0] * v[:, 1] - u[:, 1] * v[:, 0])
+        spread &= area >= _LEAST_AREA * extent * extent
+    return spread
 
 
 def _left_out_residuals(
