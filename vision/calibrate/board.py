@@ -233,14 +233,22 @@ def find_boards(
 def refuse_part(pictures: Sequence[Image], spec: BoardSpec) -> None:
     """``CalibrationError`` where what was found is a part of a larger chessboard.
 
-    A part is as good a board to the search, with its first corner anywhere. Grey pictures are
-    looked at until most of them agree: a shadow beside a board may be taken for one more row of it.
+    A part is as good a board to the search, with its first corner anywhere. Most of the grey
+    pictures have to agree, for a shadow beside a board may be taken for one more row of it; where
+    half of them show no larger board, the others are not looked at.
     """
     if spec.kind != "chessboard":
         return
-    larger = [_larger_board(grey, *spec.inner) for grey in pictures[:MOST_LOOKED_AT]]
-    for size in {size for size in larger if size is not None}:
-        if 2 * larger.count(size) > len(larger):
+    looked_at = pictures[:MOST_LOOKED_AT]
+    larger: list[tuple[int, int]] = []
+    for number, grey in enumerate(looked_at, start=1):
+        size = _larger_board(grey, *spec.inner)
+        if size is not None:
+            larger.append(size)
+        elif 2 * (number - len(larger)) >= len(looked_at):
+            return
+    for size in set(larger):
+        if 2 * larger.count(size) > len(looked_at):
             columns, rows = spec.inner
             raise CalibrationError(
                 f"the board has more corners than {columns}x{rows}: is it {size[0]}x{size[1]}?"
