@@ -34,6 +34,7 @@ class WholeRun:
     """What a run left behind, and what it said meanwhile."""
 
     exit_code: int = 0
+    folder: Path = Path()
     report: dict[str, Any] = field(default_factory=dict)
     events: list[dict[str, Any]] = field(default_factory=list)
     said: list[str] = field(default_factory=list)
@@ -75,10 +76,13 @@ def run_whole(
     folder: Path,
     patch: pytest.MonkeyPatch,
     at: Mapping[float, Happening | dict[str, Any]] | None = None,
+    *,
+    dashboard: bool = False,
+    interrupted: bool = False,
 ) -> WholeRun:
     """Run the configuration with ``once``; ``at`` seconds something happens, or an order is given.
 
-    What the run leaves behind is in ``folder``.
+    What the run leaves behind is in ``folder``. ``interrupted``: before it has begun.
     """
     ran, socket = WholeRun(), folder / "control.sock"
 
@@ -114,14 +118,21 @@ def run_whole(
     config = config.model_copy(update={"recording": recording})
     make = FleetRunner if config.robots else Runner
     driven = make(
-        config, once=True, say=ran.said.append, socket=socket, dashboard=False,
+        config,
+        once=True,
+        say=ran.said.append,
+        socket=socket,
+        dashboard=dashboard,
         notifier=Told(ran.notified),
-    )  # fmt: skip
+    )
+    if interrupted:
+        driven.interrupt.set()
     if isinstance(driven, FleetRunner):
         _, _, ran.exit_code = driven.run_fleet()
     else:
         ran.exit_code = driven.run().exit_code
     (left,) = (folder / "runs").iterdir()
+    ran.folder = left
     ran.report = json.loads((left / "report.json").read_text())
     ran.events = [json.loads(line) for line in (left / EVENTS_FILE).read_text().splitlines()]
     return ran
