@@ -168,7 +168,7 @@ class RunLog:
 
     def __init__(self, *logs: EventLog) -> None:
         self.logs = list(logs)
-        self._last: dict[str, Any] = {}
+        self._last: dict[tuple[str, str], Any] = {}
 
     def write(self, level: Level, event: str, **fields: Any) -> None:
         """One event into every log."""
@@ -180,14 +180,27 @@ class RunLog:
         """Which of the logs cannot be written, and why; empty where all can."""
         return "; ".join(log.trouble for log in self.logs if log.trouble)
 
-    def cycle(self, now: Any, camera: Any) -> None:
-        """After a cycle: ``now`` is the `DaemonState`, ``camera`` the `CameraStatus`."""
+    def cycle(self, robots: Mapping[str, Any], camera: Any) -> None:
+        """After a cycle: the `DaemonState` of each robot by its name, and the `CameraStatus`.
+
+        A robot that is alone has the empty name, and its events name no robot.
+        """
+        for name, now in robots.items():
+            self._robot(name, now)
+        if self._is_news("camera", "", (camera.state, _timeless(camera.reason))):
+            fine = camera.state in ("running", "starting")
+            reason = camera.reason or None
+            self.write("info" if fine else "warning", "camera", state=camera.state, reason=reason)
+
+    def _robot(self, name: str, now: Any) -> None:
+        of = {"robot": name} if name else {}
         mission = now.mission
-        if self._is_news("state", (mission.state, _timeless(now.sentence))):
+        if self._is_news("state", name, (mission.state, _timeless(now.sentence))):
             pose = now.pose
             self.write(
                 STATE_LEVELS.get(mission.state, "info"),
                 "state",
+                **of,
                 state=mission.state.value,
                 reason=now.sentence,
                 x_m=None if pose is None else pose.x,
@@ -195,25 +208,23 @@ class RunLog:
                 heading_rad=None if pose is None else pose.heading_rad,
                 clearance_m=now.clearance_m,
             )
-        if self._is_news("station", (mission.stations, mission.visited)) and mission.visited:
-            count = len(mission.stations)
-            self.write("info", "station", visited=mission.visited, stations=count)
-        if self._is_news("plan", now.path) and now.path is not None:
-            path = now.path
-            self.write("info", "plan", length_m=path.length, min_clearance_m=path.min_clearance)
+        visited, count = mission.visited, len(mission.stations)
+        if self._is_news("station", name, (mission.stations, visited)) and visited:
+            self.write("info", "station", **of, visited=visited, stations=count)
+        path = now.path
+        if self._is_news("plan", name, path) and path is not None:
+            clearance_m = path.min_clearance
+            self.write("info", "plan", **of, length_m=path.length, min_clearance_m=clearance_m)
         down = now.link.down_reason
-        if self._is_news("link", (_timeless(down),)):
+        if self._is_news("link", name, (_timeless(down),)):
             level: Level = "info" if down is None else "warning"
-            self.write(level, "link", state="up" if down is None else "down", reason=down)
-        if self._is_news("camera", (camera.state, _timeless(camera.reason))):
-            fine = camera.state in ("running", "starting")
-            reason = camera.reason or None
-            self.write("info" if fine else "warning", "camera", state=camera.state, reason=reason)
+            self.write(level, "link", **of, state="up" if down is None else "down", reason=down)
 
-    def _is_news(self, name: str, value: Any) -> bool:
-        if name in self._last and self._same(self._last[name], value):
+    def _is_news(self, event: str, robot: str, value: Any) -> bool:
+        key = event, robot
+        if key in self._last and self._same(self._last[key], value):
             return False
-        self._last[name] = value
+        self._last[key] = value
         return True
 
     @staticmethod

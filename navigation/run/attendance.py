@@ -5,8 +5,8 @@ It decides nothing and opens nothing; every sentence is said once, when it becom
 
 from __future__ import annotations
 
-from collections.abc import Callable
-from typing import TYPE_CHECKING, Final
+from collections.abc import Callable, Iterable, Mapping
+from typing import TYPE_CHECKING, Any, Final
 
 from firmware_protocol.host.state import LinkState
 from navigation.machine.logs import Level, RunLog
@@ -14,7 +14,7 @@ from navigation.machine.sd_notify import Watchdog
 from navigation.run.trouble_lines import TroubleLines
 
 if TYPE_CHECKING:
-    from navigation.loop.daemon import Daemon
+    from navigation.loop.control_loop import ControlLoop
     from navigation.loop.daemon_state import DaemonState
     from navigation.loop.recorder import Recorder
     from vision.camera.latest_frame import CameraStatus
@@ -33,7 +33,7 @@ class Attendance:
 
     def __init__(
         self,
-        daemon: Daemon,
+        daemon: ControlLoop[Any, Any, Any],
         log: RunLog,
         watchdog: Watchdog,
         recorder: Recorder | None,
@@ -47,17 +47,25 @@ class Attendance:
         self._said_end = False
         self._said_silence = False
         self._troubles = TroubleLines(log, say)
-        self._waits_for_robot = self._waits_for_camera = False
+        self._waits_for: dict[str, bool] = {}
+        self._waits_for_camera = False
         self._recorder_turns = -1
         self._recorder_turned_s = 0.0
 
-    def cycle(self, now: DaemonState, time_s: float) -> None:
-        """After a cycle that ended with ``now`` at ``time_s`` of the run's clock."""
+    def cycle(
+        self, robots: Mapping[str, DaemonState], troubles: Iterable[str], time_s: float
+    ) -> None:
+        """After a cycle that ended with these states at ``time_s`` of the run's clock.
+
+        ``robots`` by name, which is empty where there is one; ``troubles`` of all of them.
+        """
         camera = self._daemon.camera.status()
-        self._log.cycle(now, camera)
-        self._look_at_devices(now, camera)
+        self._log.cycle(robots, camera)
+        for name, now in robots.items():
+            self._look_at_robot(name, now)
+        self._look_at_camera(camera)
         self._daemon.troubles["log"] = self._log.trouble
-        self._troubles.cycle(now.troubles)
+        self._troubles.cycle(troubles)
         self._watchdog.tick(time_s)
         if self._watchdog.hanging != self._hanging:
             self._hanging = self._watchdog.hanging
@@ -65,15 +73,16 @@ class Attendance:
         if self._recorder is not None and not self._said_end:
             self._look_at_the_recording(self._recorder, time_s)
 
-    def _look_at_devices(self, now: DaemonState, camera: CameraStatus) -> None:
-        """Say which device is waited for, and when it is there; the log says it as news anyway."""
-        waits = now.link.state is LinkState.CLOSED
-        if waits != self._waits_for_robot:
-            self._waits_for_robot = waits
+    def _look_at_robot(self, name: str, now: DaemonState) -> None:
+        """Say that a robot is waited for, and when it is there; the log says it as news anyway."""
+        waits, who = now.link.state is LinkState.CLOSED, name or "the robot"
+        if waits != self._waits_for.get(name, False):
+            self._waits_for[name] = waits
             reason = now.link.down_reason
-            self._say(
-                f"waiting for the robot: {reason}" if waits else "the robot's serial port is open"
-            )
+            self._say(f"waiting for {who}: {reason}" if waits else f"{who}'s serial port is open")
+
+    def _look_at_camera(self, camera: CameraStatus) -> None:
+        """The same of the camera."""
         if camera.state == ("running" if self._waits_for_camera else "lost"):
             self._waits_for_camera = not self._waits_for_camera
             self._say(

@@ -372,7 +372,7 @@ class Runner:
             now = daemon.cycle()
             self._tell(now)
             taking.cycle()
-            attendance.cycle(now, time.monotonic())
+            attendance.cycle({"": now}, now.troubles, time.monotonic())
             if self.interrupt.is_set():
                 stopped = now.mission.state is State.STOPPED
                 return State.STOPPED, self.why_interrupted(now.sentence if stopped else None)

@@ -10,22 +10,25 @@ from collections.abc import Callable
 from typing import Final
 
 from navigation.loop.fleet.fleet_state import FleetState
-from navigation.machine.logs import STATE_LEVELS, RunLog
 from navigation.mission.mission import State
 
 PROGRESS_EVERY_S: Final = 1.0
 
 
 class FleetLines:
-    """Says and logs what is news after each cycle; `cycle`. ``say`` gets lines for a terminal."""
+    """Says what is news after each cycle; `cycle`.
 
-    def __init__(self, log: RunLog, say: Callable[[str], None]) -> None:
-        self._log, self._say = log, say
+    ``say`` gets lines for a terminal, and ``status`` the state of all robots in one.
+    """
+
+    def __init__(self, say: Callable[[str], None], status: Callable[[str], object]) -> None:
+        self._say, self._status = say, status
         self._said: dict[str, tuple[State, str]] = {}
         self._said_s = -math.inf
 
     def cycle(self, now: FleetState) -> None:
         """After a cycle that ended with ``now``."""
+        any_news = False
         for name, one in now.robots.items():
             mission = one.mission
             said = self._said.get(name)
@@ -41,8 +44,9 @@ class FleetLines:
             self._said_s = now.time_s
             state = mission.state.value
             self._say(f"{now.time_s:6.1f} s  {name:<8} {state:<8}  {one.sentence}")
-            level = STATE_LEVELS.get(mission.state, "info")
-            self._log.write(level, "state", robot=name, state=state, reason=one.sentence)
+            any_news = True
+        if any_news:
+            self._status(f"{now.state.value}: {now.sentence}")
         if now.time_s - self._said_s >= PROGRESS_EVERY_S and not now.is_over:
             self._said_s = now.time_s
             self._say(f"{now.time_s:6.1f} s  {now.state.value:<8} {_to_go(now)}")

@@ -9,6 +9,7 @@ import random
 import time
 from contextlib import ExitStack
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 from navigation.config import Config
 from navigation.config.sections import SIMULATED
@@ -19,8 +20,10 @@ from navigation.journal.journal import Journal, owner_of
 from navigation.link.serial_port import PortNotReadyError, look_for_port
 from navigation.loop.fleet.fleet_daemon import FleetDaemon
 from navigation.loop.fleet.people import People
+from navigation.loop.stages import stations_of
 from navigation.machine.sd_notify import Watchdog
 from navigation.mission.mission import State
+from navigation.run.attendance import Attendance
 from navigation.run.devices.world_clock import slowness
 from navigation.run.fleet.fleet_lines import FleetLines, why_stopped
 from navigation.run.fleet.fleet_picture import write_picture
@@ -30,9 +33,12 @@ from navigation.run.fleet.fleet_world import FleetWorld
 from navigation.run.fleet.give_missions import GiveMissions
 from navigation.run.runner import DONE, FAILED, NO_PATH, Runner
 from navigation.run.taking_orders import TakingOrders
-from navigation.run.trouble_lines import TroubleLines, troubles_of
+from navigation.run.trouble_lines import troubles_of
 from navigation.run.world import camera_words
 from navigation.shared.whole_file import UnwrittenFileError
+
+if TYPE_CHECKING:
+    from navigation.loop.recorder import Recorder
 
 
 class FleetRunner(Runner):
@@ -50,7 +56,9 @@ class FleetRunner(Runner):
             if not self._warm_up():
                 report = _of_nothing(self.config, f"{self.interrupt_reason} before anything moved")
                 self._write(folder, report)
-                return report, folder, FAILED if self._once else DONE
+                has_missions = any(map(stations_of, each_robot(self.config).values()))
+                failed = self._once and (has_missions or bool(self.config.tasks))
+                return report, folder, FAILED if failed else DONE
             warm_up_fleet(self.config)
             world = FleetWorld(self.config, wait_for_port=not self._once)
             ports = ", ".join(f"{name} on {port}" for name, port in world.ports.items())
@@ -76,7 +84,7 @@ class FleetRunner(Runner):
             self._notifier.send("READY=1")
             self._log.write("info", "ready", camera=seen_by.partition(" ")[2], port=ports)
             open_things.callback(self._notifier.send, "STOPPING=1")
-            state, reason = self._drive_all(daemon, missions, taking)
+            state, reason = self._drive_all(daemon, missions, taking, recorder)
             daemon.halt()
             if page is not None and self.interrupt.is_set():
                 page.begin_closing()  # while the robots brake
@@ -134,19 +142,22 @@ class FleetRunner(Runner):
         return journals
 
     def _drive_all(
-        self, daemon: FleetDaemon, missions: GiveMissions, taking: TakingOrders
+        self,
+        daemon: FleetDaemon,
+        missions: GiveMissions,
+        taking: TakingOrders,
+        recorder: Recorder | None,
     ) -> tuple[State, str]:
         limit_s, give_up_s = self._time_limit_s(), self.config.safety.give_up_s
         watchdog = Watchdog(self._notifier, self._watchdog_s, daemon.turns)
-        lines = FleetLines(self._log, self._say)
-        troubles = TroubleLines(self._log, self._say)
+        attendance = Attendance(daemon, self._log, watchdog, recorder, self._say)
+        lines = FleetLines(self._say, lambda told: self._notifier.send(f"STATUS={told}"))
         while True:
             missions.cycle()
             now = daemon.cycle()
             lines.cycle(now)
             taking.cycle()
-            troubles.cycle(troubles_of(now))
-            watchdog.tick(time.monotonic())
+            attendance.cycle(now.robots, troubles_of(now), time.monotonic())
             if self.interrupt.is_set():
                 return State.STOPPED, self.why_interrupted(why_stopped(now))
             waits = daemon.stopping.waits_for_rearm

@@ -138,10 +138,10 @@ def events_of(stream: io.StringIO) -> list[tuple[str, str]]:
 
 def test_a_cycle_without_news_writes_nothing() -> None:
     run, stream = run_log()
-    run.cycle(DRIVING, FINE)
+    run.cycle({"": DRIVING}, FINE)
     assert events_of(stream) == [("info", "state"), ("info", "link"), ("info", "camera")]
     for _ in range(100):
-        run.cycle(DRIVING, FINE)
+        run.cycle({"": DRIVING}, FINE)
     assert events_of(stream) == []
 
 
@@ -152,20 +152,20 @@ def test_that_something_lasts_longer_by_now_is_no_news() -> None:
         sentence = f"no picture from the camera for {ms} ms"
         down = replace(DRIVING.link, down_reason=f"no byte for {ms / 1e3:.1f} s: is it on?")
         lost = replace(FINE, state="lost", reason=f"unplugged; trying again in {ms / 1e3:g} s")
-        run.cycle(replace(DRIVING, mission=held, sentence=sentence, link=down), lost)
+        run.cycle({"": replace(DRIVING, mission=held, sentence=sentence, link=down)}, lost)
     assert events_of(stream) == [("warning", "state"), ("warning", "link"), ("warning", "camera")]
-    run.cycle(replace(DRIVING, mission=held, sentence="the pose is old", link=down), lost)
+    run.cycle({"": replace(DRIVING, mission=held, sentence="the pose is old", link=down)}, lost)
     assert events_of(stream) == [("warning", "state")]
 
 
 def test_a_hold_a_station_a_lost_link_and_a_lost_camera_are_news() -> None:
     run, stream = run_log()
-    run.cycle(DRIVING, FINE)
+    run.cycle({"": DRIVING}, FINE)
     events_of(stream)
     held = replace(DRIVING.mission, state=State.HOLDING, visited=1)
     down = replace(DRIVING.link, down_reason="the port broke")
     now = replace(DRIVING, mission=held, sentence="the link is down", link=down)
-    run.cycle(now, replace(FINE, state="lost", reason="unplugged"))
+    run.cycle({"": now}, replace(FINE, state="lost", reason="unplugged"))
     assert events_of(stream) == [
         ("warning", "state"),
         ("info", "station"),
@@ -209,6 +209,17 @@ class FullDisk(io.StringIO):
         return super().write(text)
 
 
+def test_the_events_of_several_robots_name_them_and_are_news_of_each() -> None:
+    run, stream = run_log()
+    run.cycle({"ada": DRIVING, "bob": DRIVING}, FINE)
+    stopped = replace(DRIVING.mission, state=State.STOPPED)
+    stream.seek(0)
+    stream.truncate()
+    run.cycle({"ada": DRIVING, "bob": replace(DRIVING, mission=stopped)}, FINE)
+    (one,) = (json.loads(line) for line in stream.getvalue().splitlines())
+    assert (one["event"], one["level"], one["robot"]) == ("state", "warning", "bob")
+
+
 def test_a_log_that_cannot_be_written_says_so_and_ends_nothing() -> None:
     stream = FullDisk()
     events = EventLog(stream, "json", now=lambda: NOW)
@@ -236,7 +247,7 @@ def test_a_trouble_is_said_once_and_so_is_its_end() -> None:
     troubled: Any = replace(DRIVING, troubles=("the journal: no room",))
     well: Any = DRIVING
     for now in (well, troubled, troubled, troubled, well, well):
-        attendance.cycle(now, 0.0)
+        attendance.cycle({"": now}, now.troubles, 0.0)
     assert [e for e in events_of(stream) if e[1] == "trouble"] == [
         ("error", "trouble"),
         ("info", "trouble"),
@@ -251,15 +262,15 @@ def test_a_recording_that_drops_and_one_that_ends_are_told_once() -> None:
     recording = Recording(RecordingCounts())
     attendance, stream, said = attendance_of(recording)
     now: Any = DRIVING
-    attendance.cycle(now, 0.0)
+    attendance.cycle({"": now}, now.troubles, 0.0)
     events_of(stream)
     for dropped in (1, 2):
         recording.now = RecordingCounts(dropped=dropped)
-        attendance.cycle(now, 0.1)
+        attendance.cycle({"": now}, now.troubles, 0.1)
     assert events_of(stream) == [("warning", "recording")]
     recording.now = RecordingCounts(dropped=2, failed="the disk is full")
-    attendance.cycle(now, 0.2)
-    attendance.cycle(now, 0.3)
+    attendance.cycle({"": now}, now.troubles, 0.2)
+    attendance.cycle({"": now}, now.troubles, 0.3)
     assert events_of(stream) == [("error", "recording")]
     assert said[-1] == "recording: ended early: the disk is full"
     assert len(said) == 2
@@ -270,16 +281,16 @@ def test_a_recorder_that_hangs_or_dies_is_told_once_each_time() -> None:
     attendance, _, said = attendance_of(recording)
     now: Any = DRIVING
     for tenth in range(100):
-        attendance.cycle(now, 0.1 * tenth)
+        attendance.cycle({"": now}, now.troubles, 0.1 * tenth)
     assert said == ["recording: hangs: nothing written for 3 s, 7 wait"]
     recording.turns += 1
-    attendance.cycle(now, 10.0)
+    attendance.cycle({"": now}, now.troubles, 10.0)
     assert len(said) == 1, "it gets on again"
-    attendance.cycle(now, 14.0)
+    attendance.cycle({"": now}, now.troubles, 14.0)
     assert len(said) == 2
     recording.alive = False
-    attendance.cycle(now, 14.1)
-    attendance.cycle(now, 14.2)
+    attendance.cycle({"": now}, now.troubles, 14.1)
+    attendance.cycle({"": now}, now.troubles, 14.2)
     assert said[2:] == ["recording: ended early: its thread has died"]
 
 

@@ -97,19 +97,19 @@ def with_simulated(config: Config, **robot: Any) -> Config:
 # The log of events, and what the terminal and systemd are told.
 
 
-@several_lack("a run of several robots logs no event 'camera'")
+@BOTH
 def test_a_lost_camera_is_a_warning_in_the_log(troubled: Any, make: Make) -> None:
     levels = {one["state"]: one["level"] for one in troubled(make).events_called("camera")}
     assert levels.items() >= {"lost": "warning", "running": "info"}.items()
 
 
-@several_lack("a run of several robots logs no event 'link'")
+@BOTH
 def test_a_link_that_is_down_is_a_warning_in_the_log(troubled: Any, make: Make) -> None:
     levels = {one["state"]: one["level"] for one in troubled(make).events_called("link")}
     assert levels.items() >= {"down": "warning", "up": "info"}.items()
 
 
-@several_lack("a run of several robots logs no event 'plan'")
+@BOTH
 def test_each_new_plan_is_in_the_log_with_its_length_and_clearance(
     troubled: Any, make: Make
 ) -> None:
@@ -118,12 +118,12 @@ def test_each_new_plan_is_in_the_log_with_its_length_and_clearance(
     assert all(one["length_m"] > 0.0 < one["min_clearance_m"] for one in plans)
 
 
-@several_lack("a run of several robots logs no event 'station'")
+@BOTH
 def test_each_visited_station_is_in_the_log(troubled: Any, make: Make) -> None:
     assert len(troubled(make).events_called("station")) == 2
 
 
-@several_lack("the events 'state' of several robots have no place and no clearance")
+@BOTH
 def test_each_state_is_in_the_log_with_the_robot_s_place(troubled: Any, make: Make) -> None:
     states = troubled(make).events_called("state")
     assert all({"x_m", "y_m", "heading_rad", "clearance_m"} <= one.keys() for one in states)
@@ -136,7 +136,7 @@ def test_a_stop_is_a_warning_in_the_log(run: Run, make: Make) -> None:
     assert levels["stopped"] == "warning"
 
 
-@several_lack("a stage that hangs is not logged in a run of several robots")
+@BOTH
 def test_a_stage_that_hangs_is_an_error_in_the_log(
     run: Run, make: Make, monkeypatch: pytest.MonkeyPatch
 ) -> None:
@@ -147,7 +147,7 @@ def test_a_stage_that_hangs_is_an_error_in_the_log(
     assert [(one["level"], one["stages"]) for one in logged] == [("error", "planner")]
 
 
-@several_lack("a recording that has ended early is not said in a run of several robots")
+@BOTH
 def test_a_recording_that_has_ended_is_said_and_an_error_in_the_log(
     run: Run, make: Make, monkeypatch: pytest.MonkeyPatch
 ) -> None:
@@ -163,14 +163,14 @@ def test_a_recording_that_has_ended_is_said_and_an_error_in_the_log(
     assert "recording: ended early: the disk is gone" in ran.said
 
 
-@several_lack("a run of several robots does not say which device it waits for")
+@BOTH
 def test_a_camera_that_is_waited_for_is_said(troubled: Any, make: Make) -> None:
     said = troubled(make).said
     assert any(one.startswith("waiting for the camera: ") for one in said)
     assert "the camera gives pictures" in said
 
 
-@several_lack("a run of several robots sends systemd no STATUS")
+@BOTH
 def test_systemd_is_told_what_the_run_does(troubled: Any, make: Make) -> None:
     told = [one for one in troubled(make).notified if one.startswith("STATUS=")]
     assert any("driving" in one for one in told)
@@ -195,7 +195,7 @@ def nothing_to_do(make: Make) -> Config:
     return Config.model_validate(values)
 
 
-@several_lack("an interrupt before the beginning is a failure where several robots had no mission")
+@BOTH
 def test_an_interrupt_before_the_beginning_of_a_run_without_missions_is_no_failure(
     run: Run, make: Make
 ) -> None:
