@@ -354,9 +354,9 @@ class HostConnection:
 
     def tick(self, now_s: float) -> None:
         """Timeouts: call at least every 20 ms, and before :meth:`bytes_to_send`."""
-        if self.state is LinkState.REFUSED and now_s - self._refused_s > REFUSED_S:
-            self._change(LinkEvent.SILENCE, f"no answer for {REFUSED_S:g} s")
-        if self.state is LinkState.CLOSED or self.state.is_asking:
+        if self.state.is_asking or self.state is LinkState.CLOSED:
+            if self.state is LinkState.REFUSED and now_s - self._refused_s > REFUSED_S:
+                self._change(LinkEvent.SILENCE, f"no answer for {REFUSED_S:g} s")
             return
         if now_s - self._heard_s > SILENCE_S:
             self.counters.links_lost += 1

@@ -45,9 +45,9 @@ class Freshest:
 
     def take(self, now_s: float, clock: ClockEstimate) -> Lease | PoseFix | None:
         """What goes out now, the lease first; None where nothing waits or the clock is unknown."""
-        self._drop_stale(now_s)
         if self._lease is None and self._pose is None:
             return None
+        self._drop_stale(now_s)
         error_s = clock.error_s(now_s)
         if error_s > ERROR_MAX_S:
             return None

@@ -31,12 +31,12 @@ class LinkState(Enum):
     @property
     def is_up(self) -> bool:
         """Whether frames of the session flow both ways."""
-        return self in (LinkState.STREAM, LinkState.DRAIN, LinkState.REBOOTED)
+        return self in _UP
 
     @property
     def is_asking(self) -> bool:
         """Whether no robot has answered yet, or none that can be used."""
-        return self in (LinkState.HELLO, LinkState.LINK_LOST, LinkState.REFUSED)
+        return self in _ASKING
 
 
 class LinkEvent(Enum):
@@ -57,6 +57,7 @@ class LinkEvent(Enum):
 _EMPTIED: Final = (LinkState.DRAIN, LinkState.REBOOTED)
 """What is over here leaves a link on which a mission may be sent."""
 _UP: Final = (LinkState.STREAM, LinkState.DRAIN, LinkState.REBOOTED)
+_ASKING: Final = (LinkState.HELLO, LinkState.LINK_LOST, LinkState.REFUSED)
 
 TRANSITIONS: Final[dict[tuple[LinkState, LinkEvent], LinkState]] = {
     (LinkState.CLOSED, LinkEvent.OPEN): LinkState.HELLO,

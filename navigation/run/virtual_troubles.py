@@ -49,7 +49,7 @@ class Troubles(CameraTroubles):
         loop.knobs.to_robot = not self.wire_to_robot_cut
         loop.drive.has_power = not self.motors_dead
         if self.carried_to is not None:
-            loop.drive.pose = TruePose(*self.carried_to)
+            loop.drive.put_down(TruePose(*self.carried_to))
             self.carried_to = None
         if self.stuck:
             self.stuck_at = self.stuck_at or loop.drive.pose

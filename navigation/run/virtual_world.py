@@ -131,10 +131,15 @@ class VirtualWorld:
         while self.loop.now_s < end_s - 1e-9:
             self._meet_troubles()
             self.loop.tick()
-            for item in [item for item in self._due if item[0] <= self.loop.now_s]:
-                self._due.remove(item)
-                item[1]()
+            if self._due:
+                self._do_what_is_due()
         self.robot.keep_track()
+
+    def _do_what_is_due(self) -> None:
+        now_s = self.clock()
+        for item in [item for item in self._due if item[0] <= now_s]:
+            self._due.remove(item)
+            item[1]()
 
     def late_s(self) -> float:
         """There is no thread that could be late."""

@@ -65,57 +65,91 @@ class DriveModel:
         return math.copysign(size, order_m_s)
 
 
+class _Wheel:
+    """One wheel: it follows its motor, and slips. What is the same in every step is kept."""
+
+    def __init__(self, model: DriveModel, scale: float, rng: np.random.Generator) -> None:
+        self.speed_m_s = 0.0
+        self.travel_m = 0.0
+        """From the nominal radius."""
+        self._slip = 0.0
+        self._model, self._scale = model, scale
+        self._standard_normal = rng.standard_normal
+        self._dt_s = math.nan
+        self._order = (math.nan, False)
+        self._target_m_s = 0.0
+
+    def _take_steps_of(self, dt_s: float) -> None:
+        model = self._model
+        self._dt_s = dt_s
+        self._blend = -math.expm1(-dt_s / model.lag_s)
+        self._keep = math.exp(-dt_s / model.slip_time_s)
+        self._kick = model.slip * math.sqrt(1.0 - self._keep * self._keep)
+
+    def turn(self, dt_s: float, order_m_s: float) -> float:
+        """Turn for ``dt_s``; how far that moves it over the floor."""
+        if dt_s != self._dt_s:
+            self._take_steps_of(dt_s)
+        speed_m_s = self.speed_m_s
+        order = (order_m_s, abs(speed_m_s) < AT_REST_M_S)
+        if order != self._order:
+            self._order = order
+            self._target_m_s = self._model.driven(order_m_s, at_rest=order[1])
+        speed_m_s += self._blend * (self._target_m_s - speed_m_s)
+        if abs(speed_m_s) < STANDS_M_S:
+            self.speed_m_s = 0.0
+            return 0.0
+        self.speed_m_s = speed_m_s
+        self._slip = slip = self._keep * self._slip + self._kick * self._standard_normal()
+        travel_m = speed_m_s * dt_s
+        self.travel_m += travel_m
+        return travel_m * self._scale * (1.0 - slip)
+
+
 class Drive:
     """The moving robot: :meth:`step` it in steps of at most a few milliseconds."""
 
     def __init__(self, model: DriveModel, pose: TruePose, rng: np.random.Generator) -> None:
         self.model = model
-        self.pose = pose
+        self.put_down(pose)
         self.has_power = True
         """Whether the motors have; without it the wheels run down, whatever is ordered."""
-        self._rng = rng
-        self._speed = [0.0, 0.0]
-        self._travel = [0.0, 0.0]
-        self._slip = [0.0, 0.0]
+        self._left = _Wheel(model, model.left_scale, rng)
+        self._right = _Wheel(model, model.right_scale, rng)
+
+    def put_down(self, pose: TruePose) -> None:
+        """Put the robot there by hand; its wheels turn as before."""
+        self.pose = pose._replace(heading_rad=math.remainder(pose.heading_rad, math.tau))
 
     @property
     def encoders_m(self) -> tuple[float, float]:
         """The wheels' travel as the encoders count it, from the nominal radius."""
         ticks = self.model.ticks_per_m
         return (
-            math.floor(self._travel[0] * ticks) / ticks,
-            math.floor(self._travel[1] * ticks) / ticks,
+            math.floor(self._left.travel_m * ticks) / ticks,
+            math.floor(self._right.travel_m * ticks) / ticks,
         )
 
     @property
     def moving(self) -> bool:
         """Whether a wheel turns faster than 1 mm/s."""
-        return max(abs(self._speed[0]), abs(self._speed[1])) > AT_REST_M_S
+        return max(abs(self._left.speed_m_s), abs(self._right.speed_m_s)) > AT_REST_M_S
 
     def step(self, dt_s: float, wanted: WheelSpeeds) -> None:
         """Move for ``dt_s`` while the motors are told ``wanted``."""
-        model = self.model
-        blend = -math.expm1(-dt_s / model.lag_s)
-        keep = math.exp(-dt_s / model.slip_time_s)
-        kick = model.slip * math.sqrt(1.0 - keep * keep)
-        ground = [0.0, 0.0]
-        powered = wanted.powered and self.has_power
-        for side, scale in enumerate((model.left_scale, model.right_scale)):
-            at_rest = abs(self._speed[side]) < AT_REST_M_S
-            target = model.driven(wanted[side], at_rest=at_rest) if powered else 0.0
-            self._speed[side] += blend * (target - self._speed[side])
-            if abs(self._speed[side]) < STANDS_M_S:
-                self._speed[side] = 0.0
-                continue
-            self._slip[side] = keep * self._slip[side] + kick * float(self._rng.standard_normal())
-            self._travel[side] += self._speed[side] * dt_s
-            ground[side] = self._speed[side] * dt_s * scale * (1.0 - self._slip[side])
-        travel = (ground[0] + ground[1]) / 2.0
-        turn = (ground[1] - ground[0]) / model.track_m
-        x, y, heading = self.pose
-        middle = heading + turn / 2.0
+        left_m_s, right_m_s, powered = wanted
+        if not (powered and self.has_power):
+            left_m_s = right_m_s = 0.0
+        left_m = self._left.turn(dt_s, left_m_s)
+        right_m = self._right.turn(dt_s, right_m_s)
+        if left_m == 0.0 and right_m == 0.0:
+            return
+        travel_m = (left_m + right_m) / 2.0
+        turn_rad = (right_m - left_m) / self.model.track_m
+        x_m, y_m, heading_rad = self.pose
+        middle_rad = heading_rad + turn_rad / 2.0
         self.pose = TruePose(
-            x + travel * math.cos(middle),
-            y + travel * math.sin(middle),
-            math.remainder(heading + turn, math.tau),
+            x_m + travel_m * math.cos(middle_rad),
+            y_m + travel_m * math.sin(middle_rad),
+            math.remainder(heading_rad + turn_rad, math.tau),
         )

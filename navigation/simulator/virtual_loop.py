@@ -8,6 +8,7 @@ leases. Twenty seconds take about a second.
 
 from __future__ import annotations
 
+import math
 import random
 from collections import deque
 from collections.abc import Callable
@@ -25,7 +26,8 @@ from navigation.simulator.drive_model import Drive, DriveModel, TruePose
 from navigation.simulator.line_faults import FaultSpec, FaultyLine
 
 TICK_S = 0.001
-CONTROL_S = 0.01
+CONTROL_TICKS = 10
+"""To one control cycle: 10 ms."""
 
 
 class PacedLine:
@@ -35,6 +37,8 @@ class PacedLine:
         self._byte_s = 10.0 / baud
         self._bytes: deque[tuple[float, bytes]] = deque()
         self._free_s = 0.0
+        self.arrives_s = math.inf
+        """When the next bytes arrive; infinity where none are on their way."""
 
     def free(self, now_s: float) -> bool:
         """Whether the sender may put the next byte."""
@@ -47,12 +51,16 @@ class PacedLine:
         for at in range(0, len(data), 8):
             part = data[at : at + 8]
             self._bytes.append((start + (at + len(part)) * self._byte_s, part))
+        self.arrives_s = self._bytes[0][0] if self._bytes else math.inf
 
     def take(self, now_s: float) -> bytes:
         """What has arrived."""
+        if now_s < self.arrives_s:
+            return b""
         out = bytearray()
         while self._bytes and self._bytes[0][0] <= now_s:
             out += self._bytes.popleft()[1]
+        self.arrives_s = self._bytes[0][0] if self._bytes else math.inf
         return bytes(out)
 
 
@@ -119,9 +127,13 @@ class VirtualLoop:
     _seen: deque[tuple[float, TruePose]] = field(default_factory=deque, init=False)
     _captured_s: float = field(default=0.0, init=False)
     _ticks: int = field(default=0, init=False)
+    _lease_ticks: int = field(init=False)
+    _camera_ticks: int = field(init=False)
 
     def __post_init__(self) -> None:
         self.now_s = self.start_s
+        self._lease_ticks = round(1.0 / self.lease_hz / TICK_S)
+        self._camera_ticks = round(1.0 / self.camera.rate_hz / TICK_S)
         self._rng = np.random.default_rng(self.seed)
         self.to_robot, self.to_host = PacedLine(self.baud), PacedLine(self.baud)
         self._faulty = (FaultyLine(self.faults, self._rng), FaultyLine(self.faults, self._rng))
@@ -154,36 +166,51 @@ class VirtualLoop:
     def tick(self) -> None:
         """One millisecond."""
         self._ticks += 1
-        self.now_s += TICK_S
-        self._move_bytes()
-        if not self.knobs.frozen:
-            self.robot.controller.tick(self.robot_s)
-            if self._ticks % 10 == 0:
-                self.robot.controller.step(self.robot_s, *self.drive.encoders_m)
-            self.wheels = self.robot.controller.wheels
+        self.now_s = now_s = self.now_s + TICK_S
+        knobs, cycle_ends = self.knobs, self._ticks % CONTROL_TICKS == 0
+        if knobs.frozen:
+            self._bytes_to_robot(now_s, None)
+        else:
+            robot_s = self.robot_s
+            self._bytes_to_robot(now_s, robot_s)
+            self._bytes_of_robot(now_s, robot_s)
+            controller = self.robot.controller
+            if cycle_ends:
+                controller.step(robot_s, *self.drive.encoders_m)
+            self.wheels = controller.wheels
+        self._host_turn(now_s)
         self.drive.step(TICK_S, self.wheels)
-        if self._ticks % 10 == 0:
-            self.track.append((self.now_s, *self.drive.pose))
-        self._look()
-        if self.knobs.lease and self._ticks % round(1.0 / self.lease_hz / TICK_S) == 0:
-            age_s = self.now_s - self._captured_s
-            self.host.lease(self.now_s, 0.5, self.knobs.permit, age_s)
+        if cycle_ends:
+            self.track.append((now_s, *self.drive.pose))
+        if knobs.camera or self._seen:
+            self._look()
+        if knobs.lease and self._ticks % self._lease_ticks == 0:
+            self.host.lease(now_s, 0.5, knobs.permit, now_s - self._captured_s)
         while (event := self.host.next_event()) is not None:
             self.events.append(event)
 
-    def _move_bytes(self) -> None:
-        now_s, cable = self.now_s, self.knobs.cable
+    def _bytes_to_robot(self, now_s: float, robot_s: float | None) -> None:
+        """What arrives; ``robot_s`` is None where the robot's processor does not look."""
         arrived = self._faulty[0].carry(self.to_robot.take(now_s), now_s)
-        if arrived and cable and self.knobs.to_robot and not self.knobs.frozen:
-            self.robot.receive_bytes(arrived, self.robot_s)
-        if self.knobs.echo and arrived:
+        if not arrived:
+            return
+        if robot_s is not None and self.knobs.cable and self.knobs.to_robot:
+            self.robot.receive_bytes(arrived, robot_s)
+        if self.knobs.echo:
             self.to_host.put(arrived, now_s)
-        if self.to_host.free(now_s) and not self.knobs.frozen:
-            frame = self.robot.next_frame(self.robot_s)
-            if frame:
-                self.to_host.put(frame, now_s)
+
+    def _bytes_of_robot(self, now_s: float, robot_s: float) -> None:
+        """The robot's next frame; either way its controller watches the lease."""
+        if not self.to_host.free(now_s):
+            self.robot.controller.tick(robot_s)
+            return
+        frame = self.robot.next_frame(robot_s)
+        if frame:
+            self.to_host.put(frame, now_s)
+
+    def _host_turn(self, now_s: float) -> None:
         arrived = self._faulty[1].carry(self.to_host.take(now_s), now_s)
-        if arrived and cable:
+        if arrived and self.knobs.cable:
             self.host.receive_bytes(arrived, now_s)
         self.host.tick(now_s)
         data = self.host.bytes_to_send(now_s)
@@ -191,7 +218,7 @@ class VirtualLoop:
             self.to_robot.put(data, now_s)
 
     def _look(self) -> None:
-        if self._ticks % round(1.0 / self.camera.rate_hz / TICK_S) == 0 and self.knobs.camera:
+        if self.knobs.camera and self._ticks % self._camera_ticks == 0:
             x, y, heading = self.drive.pose
             x += self.camera.noise_m * float(self._rng.standard_normal())
             y += self.camera.noise_m * float(self._rng.standard_normal())

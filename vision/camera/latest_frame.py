@@ -147,7 +147,8 @@ class LatestFrame:
         """
         self._leave_hung_reader()
         with self._news:
-            self._news.wait_for(lambda: self._woken or not self._taken, timeout_s)
+            if timeout_s > 0.0:
+                self._news.wait_for(lambda: self._woken or not self._taken, timeout_s)
             self._woken = False
             if self._taken:
                 return None

@@ -35,10 +35,6 @@ class _Sample:
     error_s: float
     """The true offset was no further away than this, then."""
 
-    def error_at(self, host_s: float, offset_s: float) -> float:
-        """How far another offset may be from the truth at that time."""
-        return abs(offset_s - self.offset_s) + self.error_s + _DRIFT_MAX * abs(host_s - self.host_s)
-
 
 class ClockEstimate:
     """Offset of the robot's clock: ``robot_s = host_s + offset_s(host_s)``."""
@@ -100,7 +96,11 @@ class ClockEstimate:
         Half of the best round trip, and what the clocks may have drifted since.
         """
         offset_s = self.offset_s(host_s)
-        return min((s.error_at(host_s, offset_s) for s in self._samples), default=math.inf)
+        errors_s = [
+            abs(offset_s - s.offset_s) + s.error_s + _DRIFT_MAX * abs(host_s - s.host_s)
+            for s in self._samples
+        ]
+        return min(errors_s, default=math.inf)
 
     def robot_us(self, host_s: float) -> int:
         """The robot's clock at that time of the host, modulo 2**32."""

@@ -114,12 +114,16 @@ class FleetVirtualWorld:
                 self.meet(self.clock() - self._began_s)
             for body in self.bodies.values():
                 body.tick()
-            now_s = self.clock()
-            for item in [item for item in self._due if item[0] <= now_s]:
-                self._due.remove(item)
-                item[1]()
+            if self._due:
+                self._do_what_is_due()
         for body in self.bodies.values():
             body.robot.keep_track()
+
+    def _do_what_is_due(self) -> None:
+        now_s = self.clock()
+        for item in [item for item in self._due if item[0] <= now_s]:
+            self._due.remove(item)
+            item[1]()
 
     def late_s(self) -> float:
         """There is no thread that could be late."""
