@@ -137,12 +137,15 @@ class Agreement:
         self.slip_m, self.slip_rad = (0.0, 0.0), 0.0
         """Where the camera saw the robot last, less where its wheels have brought it."""
         self._anchors: deque[_Anchor] = deque(maxlen=ANCHORS)
+        self._table: FloatArray | None = None
+        """The anchors by column; None where one has come since."""
         self._lesson: tuple[_Anchor, WheelMotion] | None = None
 
     def begin_again(self) -> None:
         """Compare with what was until now no more; the slip so far stays."""
         self._lesson = None
         self._anchors.clear()
+        self._table = None
 
     def break_off(self) -> None:
         """The wheels lost count: what they did meanwhile is unknown."""
@@ -168,6 +171,7 @@ class Agreement:
             self._learn(here, wheels)
         if not self._anchors or time_s - self._anchors[-1].time_s >= ANCHOR_EVERY_S:
             self._anchors.append(here)
+            self._table = None
         return parting
 
     def _roll(self, pose: tuple[float, float, float], wheels: WheelMotion) -> float:
@@ -205,7 +209,9 @@ class Agreement:
         )  # fmt: skip
 
     def _worst(self, here: _Anchor, latency_error_s: float) -> Parting | None:
-        table = np.array(self._anchors).T
+        table = self._table
+        if table is None:
+            table = self._table = np.array(self._anchors).T
         driven = here.driven_m - table[4]
         turned = here.turned_rad - table[5]
         late_m = latency_error_s * np.hypot(here.vx_m_s - table[6], here.vy_m_s - table[7])

@@ -77,7 +77,7 @@ class LatencyEstimate:
         turned = math.remainder(pose[2] - heading, math.tau)
         middle = heading + turned / 2.0
         moved = (pose[0] - x) * math.cos(middle) + (pose[1] - y) * math.sin(middle)
-        later, earlier = wheels.at_times(time_s - GRID_S), wheels.at_times(then_s - GRID_S)
+        later, earlier = wheels.ways_at(time_s - GRID_S), wheels.ways_at(then_s - GRID_S)
         ways, turns = later[0] - earlier[0], later[1] - earlier[1]
         still = max(abs(moved), float(np.abs(ways).max())) < STILL_M
         if still and max(abs(turned), float(np.abs(turns).max())) < STILL_RAD:

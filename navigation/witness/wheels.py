@@ -8,6 +8,7 @@ in a longer gap is unknown: a new stretch begins there. Metres, radians, seconds
 
 from __future__ import annotations
 
+from bisect import bisect_right
 from collections import deque
 from typing import Final, NamedTuple
 
@@ -65,6 +66,7 @@ class WheelTrack:
         self._robot_s = 0.0
         self._knots: deque[tuple[float, WheelMotion]] = deque()
         self._table: FloatArray | None = None
+        """Of the knots, as `ways_at` needs them; None where a knot has come since."""
         self.stretch = 0
         """Counts the stretches without a gap; sums of different stretches cannot be compared."""
         self.turn_rad = 0.0
@@ -139,14 +141,24 @@ class WheelTrack:
         """The motion at a time; None where it lies outside of what is known."""
         if not self.oldest_s <= time_s <= self.newest_s:
             return None
-        return WheelMotion(*(float(v[0]) for v in self.at_times(np.array([time_s]))))
+        after = bisect_right(self._knots, time_s, key=_time_of)
+        before_s, before = self._knots[after - 1]
+        if before_s == time_s:
+            return before
+        after_s, motion = self._knots[after]
+        span_s, since_s = after_s - before_s, time_s - before_s
+        return WheelMotion(
+            *((b - a) / span_s * since_s + a for a, b in zip(before, motion, strict=True))
+        )
 
-    def at_times(self, times_s: FloatArray) -> FloatArray:
-        """The motions (6, n) at times; beyond what is known, those at its ends."""
+    def ways_at(self, times_s: FloatArray) -> tuple[FloatArray, FloatArray]:
+        """``way_m`` and ``turn_rad`` (n,) at times; beyond what is known, those at its ends."""
         table = self._table
         if table is None:
-            table = self._table = np.array([(t, *motion) for t, motion in self._knots]).T
-        return np.array([np.interp(times_s, table[0], row) for row in table[1:]])
+            knots = [(t, motion.way_m, motion.turn_rad) for t, motion in self._knots]
+            table = self._table = np.array(knots).T
+        knots_s, ways_m, turns_rad = table
+        return np.interp(times_s, knots_s, ways_m), np.interp(times_s, knots_s, turns_rad)
 
     def since(self, time_s: float, now_s: float) -> tuple[float, float]:
         """How far the wheels went and turned from a time up to now; zeros where unknown.
@@ -174,3 +186,7 @@ class WheelTrack:
         while self._knots[0][0] < at_s - KEPT_S:
             self._knots.popleft()
         self._table = None
+
+
+def _time_of(knot: tuple[float, WheelMotion]) -> float:
+    return knot[0]
