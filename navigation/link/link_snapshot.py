@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass, field, replace
-from typing import Final
+from typing import Final, TypedDict
 
 from firmware_protocol.host.connection import HostConnection
 from firmware_protocol.host.counters import HostCounters
@@ -89,10 +89,26 @@ def doubt_of_stop(snapshot: LinkSnapshot) -> str | None:
     return f"the emergency stop was sent, and it is not known yet that the robot stands: {why}"
 
 
+class _OfLink(TypedDict):
+    """The part of a snapshot that needs no report of the robot."""
+
+    state: LinkState
+    down_reason: str | None
+    heard_age_s: float
+    boot_id: int | None
+    rtt_s: float | None
+    clock_offset_s: float | None
+    clock_error_s: float | None
+    sent: HostCounters
+    received: ParserCounters
+    estop_pending: bool
+    leaving_estop: bool
+
+
 def snapshot_of(
     host: HostConnection, now_s: float, *, port_fault: str, estop_waits: bool
 ) -> LinkSnapshot:
-    """The present state, its ages not yet counted.
+    """The present state.
 
     ``port_fault`` is the reason while the port is closed; ``estop_waits``: an emergency stop
     was asked for that the host's end does not know of yet.
@@ -101,10 +117,10 @@ def snapshot_of(
     if host.state is LinkState.CLOSED:
         reason = port_fault
     known = host.clock.ready
-    snapshot = LinkSnapshot(
+    of_link = _OfLink(
         state=host.state,
         down_reason=reason,
-        heard_age_s=0.0,
+        heard_age_s=now_s - host.heard_s,
         boot_id=None if host.robot is None else host.robot.boot_id,
         rtt_s=host.rtt.smoothed_s if host.rtt.samples else None,
         clock_offset_s=host.clock.offset_s(now_s) if known else None,
@@ -114,21 +130,16 @@ def snapshot_of(
         estop_pending=host.estop_pending or estop_waits,
         leaving_estop=host.leaving_estop,
     )
-    if host.status is None:
-        return snapshot
+    status = host.status
+    if status is None:
+        return LinkSnapshot(**of_link)
     no_permit = host.why_no_permit(now_s) if host.state.is_up else None
-    taken_s = host.clock.host_s(host.status.time_us, host.status_s) if known else None
-    return _with_status(snapshot, host.status, no_permit, taken_s)
-
-
-def _with_status(
-    snapshot: LinkSnapshot, status: Status, no_permit: str | None, taken_s: float | None
-) -> LinkSnapshot:
     running = status.state is RobotState.RUN
-    return replace(
-        snapshot,
+    return LinkSnapshot(
+        **of_link,
         status=status,
-        status_taken_s=taken_s,
+        status_age_s=now_s - host.status_s,
+        status_taken_s=host.clock.host_s(status.time_us, host.status_s) if known else None,
         mission_id=status.mission or None,
         accepted=status.accept_next,
         executed=status.exec_next,

@@ -101,13 +101,9 @@ class VirtualLink:
 
     def snapshot(self) -> LinkSnapshot:
         """The present state."""
-        host, now_s = self.loop.host, self.loop.now_s
-        snapshot = snapshot_of(host, now_s, port_fault="the port is not open", estop_waits=False)
-        broken = self.troubles.port_broken
-        reason = "the port virtual broke" if broken else snapshot.down_reason
-        return replace(
-            snapshot,
-            down_reason=reason,
-            heard_age_s=now_s - host.heard_s,
-            status_age_s=now_s - host.status_s,
+        snapshot = snapshot_of(
+            self.loop.host, self.loop.now_s, port_fault="the port is not open", estop_waits=False
         )
+        if self.troubles.port_broken:
+            return replace(snapshot, down_reason="the port virtual broke")
+        return snapshot
