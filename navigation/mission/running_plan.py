@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
+from typing import Final
 
 import numpy as np
 
@@ -14,6 +15,9 @@ from navigation.mission.cycle import PlanRequest
 from navigation.mission.targets import Target
 from planner.path import NoPath, Path, Trajectory
 from planner.scene import FloatArray
+
+TINY: Final = float(np.finfo(float).tiny)
+"""Stands in for the length, squared, of a piece that has none."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -68,7 +72,7 @@ def distance_to_polyline(points: FloatArray, position: tuple[float, float]) -> f
     dx, dy = np.diff(x), np.diff(y)
     x, y = x[:-1], y[:-1]
     squared = dx * dx + dy * dy
-    t = -(x * dx + y * dy) / np.maximum(squared, np.finfo(float).tiny)
+    t = -(x * dx + y * dy) / np.maximum(squared, TINY)
     t = np.minimum(np.maximum(t, 0.0), 1.0)
     x, y = x + t * dx, y + t * dy
     return math.sqrt((x * x + y * y).min())

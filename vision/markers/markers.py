@@ -220,8 +220,9 @@ class MarkerTracker:
         if expected is None or track.last_s is None:
             return None
         marker = marker_pose(expected, robot)
-        center = self._calibration.image_from_arena([marker[:2]], robot.marker_height_m)[0]
-        if not np.isfinite(center).all():
+        seen_px = self._calibration.image_from_arena([marker[:2]], robot.marker_height_m)
+        center = seen_px[0].tolist()
+        if not all(map(math.isfinite, center)):
             return None
         side_px = self._side_px(robot)
         reach_m = robot.limits.slack_m + 0.5 * robot.limits.max_speed_m_s * (now_s - track.last_s)

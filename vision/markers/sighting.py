@@ -12,7 +12,7 @@ from __future__ import annotations
 
 import cmath
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import numpy as np
 
@@ -49,6 +49,10 @@ class RobotMarker:
     bits: FloatArray
     calibration: Calibration
     row_s: float
+    _pixel_m: float = field(init=False, repr=False)
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "_pixel_m", self.calibration.metres_per_pixel)
 
     def follow(self, grey: Image, expected: Pose, moves: Velocity) -> Sighting | None:
         """The marker at the pose at which it should be, where it surely is there."""
@@ -105,7 +109,7 @@ class RobotMarker:
             refusals.append(f"{called}: not square ({1e3 * residual_m:.1f} mm)")
             return None
         # what covers a part of the pattern draws its corners off those of a square
-        error_px = max(error_px, residual_m / self.calibration.metres_per_pixel)
+        error_px = max(error_px, residual_m / self._pixel_m)
         pose = robot_pose((center.real, center.imag, cmath.phase(turn)), self.robot)
         return Sighting(self.robot.id, pose, corners_px, residual_m, error_px)
 

@@ -118,8 +118,11 @@ class SightCamera(TimedCamera[Scene]):
         self._bodies = tuple(body for body in bodies if not body.lies)
         self._rng = np.random.default_rng(config.simulation.seed)
         self._corner_px = CORNER_PX * max(1.0, settings.noise_grey / QUIET_GREY)
-        self._sizes = np.array([body.marker_size_m for body in self._bodies])
-        self._heights = np.array([body.marker_height_m for body in self._bodies])
+        sizes = np.array([body.marker_size_m for body in self._bodies])
+        self._upright = sizes[:, None, None] * _UNIT_CORNERS
+        heights = np.array([body.marker_height_m for body in self._bodies])
+        self._heights = np.repeat(heights, 4)
+        self._limit_px = np.array(pinhole.size_px) - 1.0 - RIM_PX
         self._turns = np.array([body.marker_turn_rad for body in self._bodies])
         self._radii = np.array([body.radius_m for body in self._bodies])
         self._flattest = _flattest(pinhole)
@@ -134,28 +137,29 @@ class SightCamera(TimedCamera[Scene]):
         poses = np.array([body.pose_now() for body in self._bodies]).reshape(-1, 3)
         floor = self._marker_corners(poses)
         markers = self._seen(floor, poses)
-        bodies = np.column_stack([poses[:, :2], self._radii])
+        bodies = poses.copy()
+        bodies[:, 2] = self._radii
         return self._sights.keep(Sight(prepared, bodies, markers))
 
     def _marker_corners(self, poses: FloatArray) -> FloatArray:
         """The markers' corners (n, 4, 2) in metres, each at its marker's height."""
         angle = poses[:, 2] + self._turns
         c, s = np.cos(angle), np.sin(angle)
-        turned = np.stack([np.stack([c, -s], axis=-1), np.stack([s, c], axis=-1)], axis=-2)
-        units = self._sizes[:, None, None] * _UNIT_CORNERS
-        return np.asarray(poses[:, None, :2] + units @ turned.swapaxes(1, 2))
+        turned = np.empty((len(poses), 2, 2))
+        turned[:, 0, 0] = turned[:, 1, 1] = c
+        turned[:, 0, 1], turned[:, 1, 0] = -s, s
+        return np.asarray(poses[:, None, :2] + self._upright @ turned.swapaxes(1, 2))
 
     def _seen(self, floor: FloatArray, poses: FloatArray) -> tuple[tuple[int, FloatArray], ...]:
         """The markers that can be read, with their corners in the picture."""
         count = len(self._bodies)
-        heights = np.repeat(self._heights, 4)[:, None]
-        points = np.hstack([floor.reshape(-1, 2), heights])
-        pixels = self._pinhole.image_from_arena(points)
+        points = np.empty((4 * count, 3))
+        points[:, :2], points[:, 2] = floor.reshape(-1, 2), self._heights
+        in_camera = self._pinhole.camera_from_points(points)
+        pixels = self._pinhole.image_from_camera(in_camera)
         pixels = pixels.reshape(count, 4, 2) + self._rng.normal(0.0, self._corner_px, (count, 4, 2))
-        in_camera = (points - self._pinhole.position_m) @ self._pinhole.camera_from_arena.T
         flat = np.hypot(in_camera[:, 0], in_camera[:, 1]) <= self._flattest * in_camera[:, 2]
-        limit = np.array(self._pinhole.size_px) - 1.0 - RIM_PX
-        inside = ((pixels >= RIM_PX) & (pixels <= limit)).all(axis=(1, 2))
+        inside = ((pixels >= RIM_PX) & (pixels <= self._limit_px)).all(axis=(1, 2))
         shown = inside & flat.reshape(count, 4).all(axis=1) & ~self._hidden(floor, poses)
         return tuple((self._bodies[i].marker_id, pixels[i]) for i in np.flatnonzero(shown))
 

@@ -43,7 +43,7 @@ class TrueTracker(MarkerTracker):
         near = [
             one
             for one in self._sightings(grey, robot, refusals)
-            if (one.corners_px >= (x0, y0)).all() and (one.corners_px < (x1, y1)).all()
+            if all(x0 <= x < x1 and y0 <= y < y1 for x, y in one.corners_px.tolist())
         ]
         return self._best(near, robot.id, now_s)
 

@@ -62,12 +62,19 @@ class Pinhole:
         points = points.reshape(-1, points.shape[-1])
         if points.shape[1] == 2:
             points = np.column_stack([points, np.full(len(points), height_m)])
-        in_camera = (points - self.position_m) @ self.camera_from_arena.T
+        return self.image_from_camera(self.camera_from_points(points))
+
+    def camera_from_points(self, points_m: FloatArray) -> FloatArray:
+        """Arena points (n, 3) in the camera's frame."""
+        return np.asarray((points_m - self.position_m) @ self.camera_from_arena.T)
+
+    def image_from_camera(self, in_camera: FloatArray) -> FloatArray:
+        """Pixels (n, 2) of points (n, 3) of the camera's frame, as `image_from_arena`."""
         if self.lens_model == "fisheye":
             distorted = fisheye_distort(in_camera, self.distortion)
         else:
             distorted = distort(in_camera[:, :2] / in_camera[:, 2:], self.distortion)
-        return distorted @ self.matrix[:2, :2].T + self.matrix[:2, 2]
+        return np.asarray(distorted @ self.matrix[:2, :2].T + self.matrix[:2, 2])
 
     def rays(self, points_px: FloatArray) -> FloatArray:
         """Normalised camera coordinates (n, 2), free of distortion, that pixels look along.
