@@ -266,7 +266,7 @@ class Pilot:
 
     def _look_at_traffic(self, sight: Sight) -> Encounter | None:
         """What other robots ask for; while holding for one, the way that it had closed counts."""
-        if sight.pose is None:
+        if sight.pose is None or not sight.others:
             return None
         left = self.plan.left
         way = left if len(left) else self._closed_way
@@ -311,8 +311,9 @@ class Pilot:
         if not self.plan.targets or robot.mission_id != self._mission_id:
             return
         executed = max(self.plan.executed, min(robot.executed, len(self.plan.targets)))
-        self.waypoints_executed += executed - self.plan.executed
-        self.plan = replace(self.plan, executed=executed)
+        if executed > self.plan.executed:
+            self.waypoints_executed += executed - self.plan.executed
+            self.plan = replace(self.plan, executed=executed)
         last = len(self.mission.places) - 1
         # the last station counts when the camera has seen the robot stand there
         visited = min(self.plan.visited, last)

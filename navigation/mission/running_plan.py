@@ -6,7 +6,7 @@ Nothing in it changes: progress and the next plan replace it whole. Metres, seco
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Final
 
 import numpy as np
@@ -36,12 +36,14 @@ class RunningPlan:
     """The mission's stations that were visited when it was made."""
     executed: int = 0
     """How many targets the robot has reached."""
+    left: FloatArray = field(init=False, repr=False, compare=False)
+    """The places (n, 2) of the targets that are left."""
 
-    @property
-    def left(self) -> FloatArray:
-        """The places (n, 2) of the targets that are left."""
+    def __post_init__(self) -> None:
         places = [(t.x_m, t.y_m) for t in self.targets[self.executed :]]
-        return np.array(places, dtype=np.float64).reshape(-1, 2)
+        left = np.array(places, dtype=np.float64).reshape(-1, 2)
+        left.setflags(write=False)
+        object.__setattr__(self, "left", left)
 
     @property
     def visited(self) -> int:
