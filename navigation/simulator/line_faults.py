@@ -98,7 +98,8 @@ class FaultyLine:
         self._rng = rng
         self._frame = bytearray()
         self._kept = b""
-        self._stalled = bytearray()
+        self.held = bytearray()
+        """What a stall keeps back; while nothing is, :meth:`carry` of nothing is nothing."""
         per_frame = (spec.dup, spec.swap, spec.span)
         self._by_frame = any(rate > 0.0 for rate in per_frame)
 
@@ -110,11 +111,11 @@ class FaultyLine:
             data = self._damage_bytes(data)
         if self.spec.stall_s == 0.0:
             return data
-        self._stalled += data
+        self.held += data
         if now_s % self.spec.stall_every_s < self.spec.stall_s:
             return b""
-        data = bytes(self._stalled)
-        self._stalled.clear()
+        data = bytes(self.held)
+        self.held.clear()
         return data
 
     def _damage_frames(self, data: bytes) -> bytes:

@@ -168,11 +168,10 @@ class VirtualLoop:
         self._ticks += 1
         self.now_s = now_s = self.now_s + TICK_S
         knobs, cycle_ends = self.knobs, self._ticks % CONTROL_TICKS == 0
-        if knobs.frozen:
-            self._bytes_to_robot(now_s, None)
-        else:
+        if self.to_robot.arrives_s <= now_s or self._faulty[0].held:
+            self._bytes_to_robot(now_s)
+        if not knobs.frozen:
             robot_s = self.robot_s
-            self._bytes_to_robot(now_s, robot_s)
             self._bytes_of_robot(now_s, robot_s)
             controller = self.robot.controller
             if cycle_ends:
@@ -189,14 +188,12 @@ class VirtualLoop:
         while (event := self.host.next_event()) is not None:
             self.events.append(event)
 
-    def _bytes_to_robot(self, now_s: float, robot_s: float | None) -> None:
-        """What arrives; ``robot_s`` is None where the robot's processor does not look."""
+    def _bytes_to_robot(self, now_s: float) -> None:
+        knobs = self.knobs
         arrived = self._faulty[0].carry(self.to_robot.take(now_s), now_s)
-        if not arrived:
-            return
-        if robot_s is not None and self.knobs.cable and self.knobs.to_robot:
-            self.robot.receive_bytes(arrived, robot_s)
-        if self.knobs.echo:
+        if arrived and knobs.cable and knobs.to_robot and not knobs.frozen:
+            self.robot.receive_bytes(arrived, self.robot_s)
+        if arrived and knobs.echo:
             self.to_host.put(arrived, now_s)
 
     def _bytes_of_robot(self, now_s: float, robot_s: float) -> None:
@@ -209,9 +206,10 @@ class VirtualLoop:
             self.to_host.put(frame, now_s)
 
     def _host_turn(self, now_s: float) -> None:
-        arrived = self._faulty[1].carry(self.to_host.take(now_s), now_s)
-        if arrived and self.knobs.cable:
-            self.host.receive_bytes(arrived, now_s)
+        if self.to_host.arrives_s <= now_s or self._faulty[1].held:
+            arrived = self._faulty[1].carry(self.to_host.take(now_s), now_s)
+            if arrived and self.knobs.cable:
+                self.host.receive_bytes(arrived, now_s)
         self.host.tick(now_s)
         data = self.host.bytes_to_send(now_s)
         if data:
