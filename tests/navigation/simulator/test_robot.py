@@ -86,6 +86,27 @@ def test_motors_without_power_come_to_rest() -> None:
     assert not body.moving
 
 
+def test_steps_of_changing_length_move_a_robot_as_far_as_equal_ones() -> None:
+    equal, mixed = drive(DriveModel(slip=0.0)), drive(DriveModel(slip=0.0))
+    for _ in range(200):
+        for body, steps_s in ((equal, (0.004, 0.004)), (mixed, (0.002, 0.006))):
+            for step_s in steps_s:
+                body.step(step_s, WheelSpeeds(0.2, 0.25, True))
+    assert mixed.pose == pytest.approx(equal.pose, abs=0.002)
+    assert equal.pose.x_m > 0.2
+
+
+def test_a_robot_that_is_put_down_stays_there_until_its_wheels_turn() -> None:
+    body = drive(DriveModel())
+    body.put_down(TruePose(1.0, 2.0, 1.5 * math.pi))
+    assert body.pose == pytest.approx((1.0, 2.0, -0.5 * math.pi))
+    there = body.pose
+    push(body, 0.0, 0.0, 0.1)
+    assert body.pose == there
+    push(body, 0.2, 0.2, 1.0)
+    assert body.pose.y_m < 1.9
+
+
 @pytest.mark.parametrize(
     ("text", "what"),
     [
@@ -142,7 +163,9 @@ def test_a_stall_delivers_everything_afterwards() -> None:
     line = FaultyLine(FaultSpec.parse("stall=1@10"), np.random.default_rng(0))
     assert line.carry(b"a", 0.5) == b""
     assert line.carry(b"b", 0.9) == b""
+    assert line.held
     assert line.carry(b"", 1.1) == b"ab"
+    assert not line.held
 
 
 def test_a_paced_line_takes_ten_bits_a_byte() -> None:
@@ -152,6 +175,17 @@ def test_a_paced_line_takes_ten_bits_a_byte() -> None:
     assert not line.free(0.0999)
     assert len(line.take(0.1)) + 576 == pytest.approx(1152, abs=8)
     assert line.free(0.1)
+
+
+def test_a_paced_line_says_when_its_next_bytes_arrive() -> None:
+    line = PacedLine(10_000)
+    assert line.arrives_s == math.inf
+    line.put(bytes(12), 1.0)
+    for arrives_s in (1.008, 1.012):
+        assert line.arrives_s == pytest.approx(arrives_s)
+        assert line.take(line.arrives_s - 1e-6) == b""
+        assert line.take(line.arrives_s) != b""
+    assert line.arrives_s == math.inf
 
 
 def test_a_robot_sits_on_an_existing_port() -> None:
