@@ -142,8 +142,8 @@ class Drive:
             left_m_s = right_m_s = 0.0
         left_m = self._left.turn(dt_s, left_m_s)
         right_m = self._right.turn(dt_s, right_m_s)
-        if left_m == 0.0 and right_m == 0.0:
-            return
+        if not (left_m or right_m):
+            return  # both wheels stand: that is exactly zero
         travel_m = (left_m + right_m) / 2.0
         turn_rad = (right_m - left_m) / self.model.track_m
         x_m, y_m, heading_rad = self.pose
