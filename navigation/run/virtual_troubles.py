@@ -5,12 +5,15 @@ Metres, radians.
 
 from __future__ import annotations
 
+import math
 from collections import defaultdict
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
+from firmware_protocol.wire.messages import ResetCause
 from navigation.config import Config
 from navigation.run.troubled_camera import CameraTroubles
 from navigation.simulator.drive_model import TruePose
+from navigation.simulator.line_faults import FaultSpec
 from navigation.simulator.settings import (
     drive_model_of,
     drive_settings_of,
@@ -56,6 +59,20 @@ class Troubles(CameraTroubles):
             loop.drive.pose = self.stuck_at
         else:
             self.stuck_at = None
+
+
+@dataclass(slots=True)
+class ProcessorFaults:
+    """The configured faults of a robot's processor, at their times: it hangs, and it restarts."""
+
+    faults: FaultSpec
+
+    def meet(self, loop: VirtualLoop, since_s: float) -> None:
+        """Do to the processor what is due ``since_s`` after the beginning."""
+        loop.knobs.frozen = 0.0 <= since_s - self.faults.freeze_at_s < self.faults.freeze_s
+        if since_s >= self.faults.reset_at_s:
+            self.faults = replace(self.faults, reset_at_s=math.inf)
+            loop.boot(ResetCause.EXTERNAL)
 
 
 def virtual_loop_of(config: Config) -> VirtualLoop:

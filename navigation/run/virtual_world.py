@@ -8,15 +8,13 @@ run is the same on every machine and every time. Metres, radians, seconds.
 
 from __future__ import annotations
 
-import math
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from functools import partial
 from typing import Generic, Protocol, TypeVar
 
 import numpy as np
 
-from firmware_protocol.wire.messages import ResetCause
 from navigation.config import Config
 from navigation.config.sections import RobotSection
 from navigation.config.several.each_camera import each_camera
@@ -30,7 +28,7 @@ from navigation.run.troubled_camera import (
     seen_pose,
 )
 from navigation.run.virtual_link import VirtualLink
-from navigation.run.virtual_troubles import Troubles, virtual_loop_of
+from navigation.run.virtual_troubles import ProcessorFaults, Troubles, virtual_loop_of
 from navigation.run.without_pictures.looking import looking_of
 from navigation.run.world import camera_over, floor_plan_of, others_of, shown_calibration
 from navigation.shared.supervisor import in_words
@@ -117,7 +115,7 @@ class VirtualWorld:
         self.truth = Truth(self._arenas, self.robot, others_of(config, self._tracks))
         self.port = "virtual"
         self._due: list[tuple[float, Callable[[], None]]] = []
-        self._faults_to_come = faults_of(config)
+        self.processor = ProcessorFaults(faults_of(config))
 
     # Time.
 
@@ -150,13 +148,8 @@ class VirtualWorld:
         self._due.append((self.loop.now_s + seconds, call))
 
     def _meet_troubles(self) -> None:
-        loop, faults = self.loop, self._faults_to_come
-        since_s = loop.now_s - self.truth.began_s
-        loop.knobs.frozen = 0.0 <= since_s - faults.freeze_at_s < faults.freeze_s
-        if since_s >= faults.reset_at_s:
-            self._faults_to_come = replace(faults, reset_at_s=math.inf)
-            loop.boot(ResetCause.EXTERNAL)
-        self.troubles.meet(loop)
+        self.processor.meet(self.loop, self.loop.now_s - self.truth.began_s)
+        self.troubles.meet(self.loop)
 
     # The parts.
 

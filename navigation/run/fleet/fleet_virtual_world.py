@@ -22,12 +22,13 @@ from navigation.loop.planning import SceneCheck
 from navigation.loop.seeing.vision_stage import KnowsLatency, VisionStage
 from navigation.run.troubled_camera import CameraTroubles, Memory, TroubledCamera, seen_pose
 from navigation.run.virtual_link import VirtualLink
-from navigation.run.virtual_troubles import Troubles, virtual_loop_of
+from navigation.run.virtual_troubles import ProcessorFaults, Troubles, virtual_loop_of
 from navigation.run.virtual_world import VirtualFrames, VirtualPlanner, VirtualTimes
 from navigation.run.without_pictures.looking import looking_of
 from navigation.run.world import camera_over, floor_plan_of, shown_calibration
 from navigation.simulator.arena import load_arena
 from navigation.simulator.happenings import arenas_over_time, tracks_of
+from navigation.simulator.settings import faults_of
 from navigation.simulator.truth import Truth
 from navigation.simulator.virtual_loop import VirtualLoop
 from navigation.simulator.virtual_robot import VirtualRobot
@@ -41,16 +42,18 @@ class Body:
     config: Config
     loop: VirtualLoop
     robot: VirtualRobot
+    processor: ProcessorFaults
     troubles: Troubles = field(default_factory=Troubles)
     frozen: bool = False
     """Its processor does nothing, and its wheels turn on as they did."""
     off: bool = False
     """It has no power."""
 
-    def tick(self) -> None:
-        """One millisecond."""
+    def tick(self, since_s: float) -> None:
+        """One millisecond, ``since_s`` after the beginning."""
         loop = self.loop
-        loop.knobs.frozen = self.frozen or self.off
+        self.processor.meet(loop, since_s)
+        loop.knobs.frozen |= self.frozen or self.off
         if self.off:
             loop.wheels = WheelSpeeds(0.0, 0.0, powered=False)
         self.troubles.meet(loop)
@@ -59,7 +62,7 @@ class Body:
 
 def _body(config: Config) -> Body:
     loop = virtual_loop_of(config)
-    return Body(config, loop, VirtualRobot(loop))
+    return Body(config, loop, VirtualRobot(loop), ProcessorFaults(faults_of(config)))
 
 
 class FleetVirtualWorld:
@@ -110,10 +113,11 @@ class FleetVirtualWorld:
         """Let time pass: bytes travel, the robots drive, and what is due is done."""
         end_s = self.clock() + seconds
         while self.clock() < end_s - 1e-9:
+            since_s = self.clock() - self._began_s
             if self.meet is not None:
-                self.meet(self.clock() - self._began_s)
+                self.meet(since_s)
             for body in self.bodies.values():
-                body.tick()
+                body.tick(since_s)
             if self._due:
                 self._do_what_is_due()
         for body in self.bodies.values():

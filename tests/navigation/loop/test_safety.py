@@ -18,6 +18,7 @@ from navigation.loop.daemon_state import DaemonState
 from navigation.loop.stages import stations_of
 from navigation.mission.mission import State
 from navigation.run.virtual_world import VirtualWorld
+from navigation.simulator.line_faults import FaultSpec
 from planner.scene import Scene
 from tests.support.runs.virtual import cycle_until, is_driving, short_config
 
@@ -227,9 +228,8 @@ def test_a_stop_on_the_robot_is_said_without_a_mission_too_until_it_is_re_armed(
 
 
 def test_a_robot_whose_processor_hangs_is_said_and_goes_on_when_it_is_back(arena: Arena) -> None:
-    arena.world._faults_to_come = arena.world._faults_to_come.__class__(
-        freeze_at_s=arena.world.clock() - arena.world.truth.began_s, freeze_s=1.0
-    )
+    since_s = arena.world.clock() - arena.world.truth.began_s
+    arena.world.processor.faults = FaultSpec(freeze_at_s=since_s, freeze_s=1.0)
     now = arena.until(State.HOLDING)
     assert "did not report" in now.sentence or "link to the robot is down" in now.sentence
     assert cycle_until(arena.daemon, lambda now: now.mission.is_over).mission.state is State.DONE

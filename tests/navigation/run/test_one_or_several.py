@@ -210,7 +210,7 @@ def test_an_interrupt_before_the_beginning_of_a_mission_is_a_failure(run: Run, m
 # Simulated faults.
 
 
-@several_lack("simulation.robot.faults: reset= and freeze= do nothing to several virtual robots")
+@BOTH
 def test_a_simulated_processor_restarts_when_its_faults_say_so(run: Run, make: Make) -> None:
     boots: list[int] = []
 
@@ -221,7 +221,7 @@ def test_a_simulated_processor_restarts_when_its_faults_say_so(run: Run, make: M
     assert boots[0] != boots[1]
 
 
-@several_lack("simulation.robot.faults: reset= and freeze= do nothing to several virtual robots")
+@BOTH
 def test_a_simulated_processor_hangs_when_its_faults_say_so(run: Run, make: Make) -> None:
     frozen: list[bool] = []
 
