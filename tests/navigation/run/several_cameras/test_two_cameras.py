@@ -1,7 +1,8 @@
 """A run with two cameras in virtual time: what one of them sees is closed while it is lost.
 
 Ground truth decides: the robot never drives into what no camera sees, touches nothing, and drives
-on when the camera is back.
+on when the camera is back. Three runs draw pictures too: the seam, a picture that is the same
+again, and obstacles of a part are theirs to show; a camera that is gone shows none.
 """
 
 from __future__ import annotations
@@ -31,20 +32,27 @@ def stage_of(config: Config, *, pictures: bool) -> Iterator[Stage]:
         yield stage
 
 
-@pytest.fixture(params=[True, False], ids=["drawn", "without_pictures"])
+def drawn_too(stage: str) -> pytest.MarkDecorator:
+    """A test that runs with pictures and without."""
+    names = ["drawn", "without_pictures"]
+    return pytest.mark.parametrize(stage, [True, False], ids=names, indirect=True)
+
+
+@pytest.fixture
 def across(request: pytest.FixtureRequest) -> Iterator[Stage]:
     """From what only the left camera sees to what only the right one sees."""
-    yield from stage_of(config_of((2.2, 1.6), start=(0.72, 1.52)), pictures=request.param)
+    config = config_of((2.2, 1.6), start=(0.72, 1.52))
+    yield from stage_of(config, pictures=getattr(request, "param", False))
 
 
-@pytest.fixture(params=[True, False], ids=["drawn", "without_pictures"])
+@pytest.fixture
 def on_the_right(request: pytest.FixtureRequest) -> Iterator[Stage]:
     """Within what the right camera sees."""
-    yield from stage_of(
-        config_of((2.2, 1.6), (1.42, 0.95), start=(1.42, 0.95)), pictures=request.param
-    )
+    config = config_of((2.2, 1.6), (1.42, 0.95), start=(1.42, 0.95))
+    yield from stage_of(config, pictures=getattr(request, "param", False))
 
 
+@drawn_too("across")
 def test_a_mission_across_the_seam_is_driven(across: Stage) -> None:
     across.set_off()
     assert across.until(State.DONE, State.FAILED, State.STOPPED).mission.state is State.DONE
@@ -72,7 +80,12 @@ def test_the_robot_does_not_enter_what_a_lost_camera_saw(across: Stage, how: str
     assert across.clearance_m() > 0.0
 
 
-@pytest.mark.parametrize("how", ["camera_silent", "camera_frozen"])
+@pytest.mark.parametrize(
+    ("across", "how"),
+    [(True, "camera_frozen"), (False, "camera_frozen"), (False, "camera_silent")],
+    ids=["drawn-camera_frozen", "without_pictures-camera_frozen", "without_pictures-camera_silent"],
+    indirect=["across"],
+)
 def test_a_robot_in_what_a_lost_camera_saw_stops_and_drives_on_when_it_is_back(
     across: Stage, how: str
 ) -> None:
@@ -104,6 +117,7 @@ def test_a_robot_outside_what_a_lost_camera_saw_drives_on(on_the_right: Stage) -
     assert on_the_right.clearance_m() > 0.0
 
 
+@drawn_too("on_the_right")
 def test_a_camera_that_is_missing_from_the_start_closes_its_part(on_the_right: Stage) -> None:
     on_the_right.world.troubles.cameras["left"].camera_lost = True
     on_the_right.set_off()
