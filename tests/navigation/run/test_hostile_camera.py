@@ -225,7 +225,12 @@ def test_a_robot_that_was_hidden_proves_itself_slowly_before_it_drives_on(stage:
     assert ended.mission.state is State.DONE, ended.sentence
 
 
-@pytest.mark.parametrize("latency_s", [0.05, 0.1, 0.2])
+@pytest.mark.parametrize(
+    ("stage", "latency_s"),
+    [(True, 0.1), (False, 0.05), (False, 0.1), (False, 0.2)],
+    ids=["drawn-0.1", "without_pictures-0.05", "without_pictures-0.1", "without_pictures-0.2"],
+    indirect=["stage"],
+)
 def test_a_late_stream_is_measured_and_driven_with(stage: Stage, latency_s: float) -> None:
     stage.world.troubles.stream_latency_s = latency_s
     stage.daemon.give(stations_of(stage.daemon.config))
@@ -237,7 +242,12 @@ def test_a_late_stream_is_measured_and_driven_with(stage: Stage, latency_s: floa
     assert math.dist(stage.world.robot.pose()[:2], GOAL) < 0.01
 
 
-@pytest.mark.parametrize("latency_s", [0.35, 0.6, 0.9])
+@pytest.mark.parametrize(
+    ("stage", "latency_s"),
+    [(True, 0.6), (False, 0.35), (False, 0.6), (False, 0.9)],
+    ids=["drawn-0.6", "without_pictures-0.35", "without_pictures-0.6", "without_pictures-0.9"],
+    indirect=["stage"],
+)
 def test_a_stream_that_is_too_late_is_not_driven_with(stage: Stage, latency_s: float) -> None:
     stage.world.troubles.stream_latency_s = latency_s
     stage.daemon.give(stations_of(stage.daemon.config))
