@@ -60,7 +60,7 @@ def test_a_notebook_runs_and_leaves_its_picture(
     name: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setenv("PYTHONPATH", str(ROOT))
-    monkeypatch.setenv("RUNS", "2")
+    monkeypatch.setenv("RUNS", "1")
     monkeypatch.setenv("MPLBACKEND", "agg")
     book = nbformat.read(EXAMPLES / name, as_version=4)
     NotebookClient(
