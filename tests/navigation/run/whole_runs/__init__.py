@@ -1,0 +1,1 @@
+"""Runs of the whole program in virtual time, from the configuration to the exit code."""
