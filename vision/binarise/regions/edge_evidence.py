@@ -112,7 +112,7 @@ def leaves_out(look: Look, classes: Classes, side: Literal["dark", "light"]) -> 
 
     def clear_steps(share: float) -> bool:
         clear = tuple(np.float32(v) for v in (share, least, end, sign))
-        left = steps_off_level(look.grey, np.float32(classes.level), clear, FIRST_PAIRS)
+        left = steps_off_level(look.grey, np.float32(classes.level), clear, FEWEST_CLEAR)
         return bool(left >= FEWEST_CLEAR)
 
     if not clear_steps(0.0):
