@@ -86,13 +86,18 @@ def test_a_bar_that_is_seen_alone_is_seen_beside_a_block_of_any_darkness(side: s
     assert seen_alone >= 55
 
 
-@pytest.mark.parametrize(("length", "width"), [(6.0, 2.0), (12.0, 2.0), (30.0, 1.5)])
-def test_a_faint_bar_of_twelve_pixels_is_seen_wherever_it_lies(length: float, width: float) -> None:
+@pytest.mark.parametrize(
+    ("length", "width", "darker"),
+    [(6.0, 2.0, 40.0), (12.0, 2.0, 40.0), (30.0, 1.5, 40.0), (30.0, 1.5, 90.0)],
+)
+def test_a_faint_bar_of_twelve_pixels_is_seen_wherever_it_lies(
+    length: float, width: float, darker: float
+) -> None:
     for seed in range(12):
         rng = np.random.default_rng([35, seed])
         middle, angle = (rng.uniform(40.0, 400.0), rng.uniform(40.0, 440.0)), rng.uniform(0.0, 3.1)
-        cover = Bar(middle, length, width, angle, 40.0).cover((640, 480))
-        grey = FLOOR - 40.0 * cover
+        cover = Bar(middle, length, width, angle, darker).cover((640, 480))
+        grey = FLOOR - darker * cover
         grey[100:300, 450:600] = 45.0
         assert found(picture(grey, 0.7, 2.0, seed), cover) > SEEN, seed
 

@@ -263,7 +263,7 @@ def steps_of_regions(grey, labels, count, end, sign):
 
 @njit(**OWNING)
 def mark_sharp_steps(grey, least, strong, end, sign):
-    """The pixels that begin a sharp step: 1 where it is faint, 2 where it is strong (h, w).
+    """1 where a faint, sharp step begins, 2 at the dark end of a strong one (h, w).
 
     A step is at least ``least`` grey levels, strong where it has a share ``strong`` of the light.
     """
@@ -284,5 +284,10 @@ def mark_sharp_steps(grey, least, strong, end, sign):
                 outer = along * (np.float64(behind) - np.float64(before))
                 if step - SOFT * max(outer, 0.0) >= LEAST_SHARP * step:
                     lit = max(sign * a, sign * b) - sign * end
-                    marks[y, x] = max(marks[y, x], 2 if step >= strong * lit else 1)
+                    if step < strong * lit:
+                        marks[y, x] = max(marks[y, x], 1)
+                    elif a < b:
+                        marks[y, x] = 2
+                    else:
+                        marks[y + (REACH if down else 0), x + (0 if down else REACH)] = 2
     return marks

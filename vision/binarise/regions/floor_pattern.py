@@ -54,10 +54,19 @@ def faint_edges_apart(
 
 
 def near_strong_edges(
-    grey: NDArray[Any], noise: float, side: Literal["dark", "light"], reach: int
+    grey: NDArray[Any],
+    noise: float,
+    side: Literal["dark", "light"],
+    reach: int,
+    own: NDArray[np.bool_],
 ) -> NDArray[np.bool_]:
-    """What lies within ``reach`` pixels of a step that no pattern of a floor has (h, w)."""
-    return _near(_marks(grey, noise, side), reach)
+    """What lies within ``reach`` pixels of a step that no pattern of a floor has (h, w).
+
+    Steps whose dark end lies in ``own`` (h, w) do not count: it is asked what lies beside it.
+    """
+    marks = _marks(grey, noise, side)
+    marks[own] = 0
+    return _near(marks, reach)
 
 
 def has_pattern(grey: NDArray[Any], noise: float, side: Literal["dark", "light"]) -> bool:

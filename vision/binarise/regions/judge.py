@@ -244,22 +244,23 @@ class Judge:
         if not few[1:].any():
             return found
         if not self.needs_share:
-            enough = (regions.steps >= least_step(self.noise)) & self._is_no_speck(regions)
+            enough = (regions.steps >= least_step(self.noise)) & self._is_no_speck(regions, few)
             few &= ~enough
         away = cv2.distanceTransform(inside, cv2.DIST_L2, 3)
         thick = np.zeros(found.size, dtype=np.bool_)
         thick[regions.labels[away >= THICK_PX]] = True
         return found & (~few | (thick & (regions.shares >= LEAST_SHARE)))
 
-    def _is_no_speck(self, regions: Regions) -> NDArray[np.bool_]:
-        """Which regions (n,) are neither what noise nor what compression makes.
+    def _is_no_speck(self, regions: Regions, few: NDArray[np.bool_]) -> NDArray[np.bool_]:
+        """Which regions (n,), of the ``few`` asked, are not what noise or compression makes.
 
         Noise is not everywhere as strong as it is on the whole: it has specks of a few pixels. What
         compression leaves of an edge lies for the most part beside it.
         """
-        near = near_strong_edges(self.grey, self.noise, self.side, BLOCK_PX // self.every)
         count = regions.steps.size
         labels = self.seen(regions.labels)
+        reach = BLOCK_PX // self.every
+        near = near_strong_edges(self.grey, self.noise, self.side, reach, few[labels])
         pixels = np.bincount(labels.ravel(), minlength=count)
         apart = np.bincount(labels[near], minlength=count) < 0.5 * pixels
         large: NDArray[np.bool_] = np.bincount(regions.labels.ravel(), minlength=count) >= SPECK_PX
