@@ -219,7 +219,7 @@ def _auto(look: Look, classes: Classes | None, side: Literal["dark", "light"]) -
         even is not None
         and surely
         and follows_edges(look, even)
-        and not leaves_out(look, even, side)
+        and not leaves_out(look, even.level, side)
     ):
         return _even(look, even, side)
     support = Support(look, side, even=even is not None)

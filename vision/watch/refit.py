@@ -6,7 +6,8 @@ Rules and units
 - Each changed rectangle grows until it cuts no known object; what lies in it is extracted again
   at the scene's own level, everything else keeps its very records, to the bit, and its id.
 - Where that cannot be trusted (uneven light, half of the picture changed, an object that runs
-  out of its part), there is no answer, and the caller extracts the whole picture.
+  out of its part, edges that the scene's level does not separate, as a faint obstacle has), there
+  is no answer, and the caller extracts the whole picture.
 """
 
 from __future__ import annotations
@@ -19,6 +20,7 @@ from numpy.typing import NDArray
 
 from planner.scene import Arc, Binarisation, PointRecord, Scene, SceneObject, record_edges
 from vision.binarise import ONE_LEVEL
+from vision.binarise.earlier_level import level_leaves_out
 from vision.calibration.calibration import Calibration, FloatArray
 from vision.camera.camera import Image
 from vision.doubts import doubts_about, with_doubts
@@ -127,6 +129,8 @@ class KnownScene:
 
     def _extract(self, image: Image, part: _Box, how: Binarisation) -> Scene | None:
         x0, y0, x1, y1 = part
+        if level_leaves_out(image[y0:y1, x0:x1], how):
+            return None
         blind = blind_of(self.calibration)
         part_blind = None if blind is None else blind[y0:y1, x0:x1]
         try:

@@ -265,3 +265,21 @@ def test_ragged_obstacles_are_as_simple_when_they_are_fitted_again() -> None:
 
 def edge_count(scene: Scene) -> int:
     return sum(len(record_edges(record)) for obj in scene.objects for record in obj.records)
+
+
+@pytest.mark.parametrize("angle", [0.0, 0.5, 1.5])
+def test_a_faint_bar_is_no_change_that_the_scene_s_own_level_can_show(angle: float) -> None:
+    """At that level the floor with the bar on it is as empty as before."""
+    c, s = np.cos(angle), np.sin(angle)
+    corners = [(-15.0, -1.3), (15.0, -1.3), (15.0, 1.3), (-15.0, 1.3)]
+    bar = polygon([(150.0 + x * c - y * s, 180.0 + x * s + y * c) for x, y in corners])
+    before = picture(FIXED)
+    faint = before - np.rint(0.2 * (picture([]).astype(float) - picture([bar]))).astype(np.uint8)
+    scene = seen(before)
+    assert len(scene.objects) == len(FIXED)
+    assert refit(scene, faint, changed(before, faint), PLAN) is None
+    with_bar = seen(faint)
+    assert len(with_bar.objects) == len(FIXED) + 1
+    added = picture([*FIXED, box(150.0, 150.0, 20.0, 20.0)])
+    assert refit(scene, added, changed(before, added), PLAN) is not None
+    assert refit(with_bar, before, changed(before, faint), PLAN) is not None

@@ -102,8 +102,8 @@ def follows_edges(look: Look, classes: Classes) -> bool:
         pairs *= 16
 
 
-def leaves_out(look: Look, classes: Classes, side: Literal["dark", "light"]) -> bool:
-    """Whether clear edges, fainter than the classes' own, lie off the classes' level."""
+def leaves_out(look: Look, level: float, side: Literal["dark", "light"]) -> bool:
+    """True if clear edges, fainter than those across a level, lie off it."""
     height, width = look.grey.shape
     if min(height, width) <= 4 * REACH:
         return False
@@ -112,7 +112,7 @@ def leaves_out(look: Look, classes: Classes, side: Literal["dark", "light"]) -> 
 
     def clear_steps(share: float) -> bool:
         clear = tuple(np.float32(v) for v in (share, least, end, sign))
-        left = steps_off_level(look.grey, np.float32(classes.level), clear, FEWEST_CLEAR)
+        left = steps_off_level(look.grey, np.float32(level), clear, FEWEST_CLEAR)
         return bool(left >= FEWEST_CLEAR)
 
     if not clear_steps(0.0):

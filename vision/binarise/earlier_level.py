@@ -1,0 +1,29 @@
+"""A picture looked at with the level that an earlier picture of the same scene had."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import cv2
+import numpy as np
+from numpy.typing import NDArray
+
+from planner.scene import Binarisation
+from vision.binarise.grey_picture import Look, as_array, as_grey, scaled_threshold
+from vision.binarise.regions.edge_evidence import leaves_out
+
+
+def level_leaves_out(image: NDArray[Any], how: Binarisation) -> bool:
+    """True if ``image`` (h, w) shows clear edges that the level of ``how`` does not separate.
+
+    True too where there was no level. O(pixels).
+    """
+    if how.threshold is None:
+        return True
+    image = as_array(image)
+    grey, level = as_grey(image), scaled_threshold(how.threshold, image)
+    if how.polarity == "light":
+        grey = cv2.bitwise_not(grey) if grey.dtype == np.uint8 else 255 - grey
+        level = 255.0 - level
+        return leaves_out(Look(grey), level, "light")
+    return leaves_out(Look(grey), level, "dark")
