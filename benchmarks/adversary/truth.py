@@ -5,13 +5,14 @@ from __future__ import annotations
 import math
 import threading
 import time
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 
 from navigation.simulator.arena import SimulatedArena
 from navigation.simulator.shared_pose import PoseFileError, PoseReader
-from planner.scene import FloatArray
+from planner.scene import FloatArray, PolygonRecord, SceneObject, Segment
 
 SAMPLE_S = 0.005
 LOOK_EVERY = 10
@@ -61,6 +62,14 @@ class TruthWatch:
     def rows(self) -> FloatArray:
         """(n, 4) of monotonic seconds, x_m, y_m, heading_rad."""
         return np.array(self._rows, dtype=np.float64).reshape(-1, 4)
+
+    def lay(self, corners_m: FloatArray) -> None:
+        """One more obstacle, a polygon (n, 2), from now on; nobody has been there yet."""
+        corners = [(float(x), float(y)) for x, y in corners_m]
+        sides = tuple(Segment(corners[i - 1], corners[i]) for i in range(len(corners)))
+        scene = self.arena.scene
+        laid = SceneObject(len(scene.objects), (PolygonRecord(sides),))
+        self.arena = SimulatedArena(replace(scene, objects=(*scene.objects, laid)))
 
     @property
     def pose(self) -> tuple[float, float, float] | None:

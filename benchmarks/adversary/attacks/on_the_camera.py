@@ -3,14 +3,21 @@
 from __future__ import annotations
 
 import math
+import time
 from typing import Any
 
+import numpy as np
+
 from benchmarks.adversary.attacks.attack import Act, Attack
+from benchmarks.adversary.processes import ProcessError
 from benchmarks.adversary.rig import Needs, Rig
 
 WATCH_S = 7.5
 ROOM_M = 0.09
 """What braking from full speed takes."""
+LAID_AHEAD_M, LAID_LONG_M, LAID_WIDE_M = 0.38, 0.12, 0.01
+"""From the robot's middle; the bar is 30 x 2.5 pixels of the camera's."""
+LAID_WITHIN_S = 20.0
 HTTP = Needs(http_camera=True)
 HANDLED = Needs(http_camera=True, handled=True)
 
@@ -148,12 +155,36 @@ def _pushed_camera(rig: Rig) -> None:
     rig.watch_mission(WATCH_S)
 
 
+def _laid_in_the_way(rig: Rig) -> None:
+    """A faint bar across the robot's heading, where it has room to brake; the camera sees it."""
+    deadline_s = time.monotonic() + LAID_WITHIN_S
+    while time.monotonic() < deadline_s and rig.watch(0.05):
+        assert rig.truth.pose is not None
+        x, y, heading_rad = rig.truth.pose
+        ahead = np.array([math.cos(heading_rad), math.sin(heading_rad)])
+        across = np.array([-ahead[1], ahead[0]])
+        middle = np.array([x, y]) + LAID_AHEAD_M * ahead
+        along_m, wide_m = 0.5 * LAID_LONG_M * across, 0.5 * LAID_WIDE_M * ahead
+        half_m = [along_m + wide_m, along_m - wide_m, -along_m - wide_m, wide_m - along_m]
+        corners_m = middle + np.array(half_m)
+        far_m = np.hypot(*(rig.truth.rows()[:, 1:3] - middle).T).min() - 0.5 * LAID_LONG_M
+        is_free = float(rig.truth.arena.clearances(corners_m).min()) > ROOM_M / 2
+        if is_free and far_m > rig.truth.radius_m + ROOM_M:
+            rig.truth.lay(corners_m)
+            rig.show(laid=corners_m.ravel().tolist())
+            break
+    else:
+        raise ProcessError("there was no free floor ahead of the robot to lay a bar on")
+    rig.watch_mission(2.0 * WATCH_S)
+
+
 def _late(latency_s: float) -> Attack:
     return Attack("camera", f"pictures {latency_s:g} s late", _shows(latency_s=latency_s), HTTP)
 
 
 ATTACKS = (
     Attack("camera", "nothing is wrong", _shows(), HTTP),
+    Attack("camera", "a faint bar laid in the way", _laid_in_the_way, HTTP, (0.05, 0.3)),
     Attack("camera", "frozen, to the bit", _shows(frozen="exact"), HTTP),
     Attack("camera", "frozen with a running clock", _shows(frozen="clock"), HTTP),
     Attack("camera", "frozen with fresh noise", _shows(frozen="noise"), HTTP),

@@ -17,12 +17,17 @@ from navigation.simulator.arena import SimulatedArena, load_arena
 from navigation.simulator.picture.camera import SimulatedBody, SimulatedCamera, TruePose
 from navigation.simulator.picture.drawing import Look
 from navigation.simulator.picture.pinhole import Pinhole, pinhole_of
+from planner.scene import FloatArray
 from vision.camera.camera import Image
 
 AWAY: TruePose = (-50.0, -50.0, 0.0)
 """Out of every picture."""
+SHIFT_BITS = 6
+"""Of a pixel, to which a bar's corners are drawn."""
 CARD_RADIUS_M = 0.08
 CARD_GREY = 120.0
+LAID_SHARE = 0.2
+"""Of the floor's light, that a bar laid on it takes away; obstacles take four fifths."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -33,6 +38,7 @@ class Faults:
     ``lie_m_s`` (0.0: at once). ``shown_at``: it is shown standing there (x, y, heading_rad).
     ``every``: such a lie is told in one picture of so many. ``double_at``: a second robot with
     the same marker; ``covered``: a card lies on the true marker. ``blink``: (seen_s, hidden_s).
+    ``laid``: the corners of a faint bar on the floor (x0, y0, x1, y1 ...), which no fault is.
     """
 
     frozen: str = ""
@@ -45,6 +51,7 @@ class Faults:
     every: int = 1
     double_at: TruePose | None = None
     covered: bool = False
+    laid: tuple[float, ...] = ()
     blink: tuple[float, float] | None = None
     turned: bool = False
     moved_m: tuple[float, float] = (0.0, 0.0)
@@ -78,6 +85,8 @@ class Film:
         camera = self._camera(faults.moved_m)
         upright, turned = (AWAY, shown) if faults.turned else (shown, AWAY)
         picture = camera.render([upright, faults.double_at or AWAY, turned], self._rng)
+        if faults.laid:
+            self._lay(picture, np.reshape(faults.laid, (-1, 2)))
         if faults.covered or _is_hidden(faults.blink, since_s):
             self._cover(picture, shown)
         if faults.size_px is not None:
@@ -107,6 +116,16 @@ class Film:
             cv2.rectangle(picture, (2, 2), (150, 22), 200, -1)
             cv2.putText(picture, text, (5, 18), cv2.FONT_HERSHEY_SIMPLEX, 0.5, 150, 1)
         return picture
+
+    def _lay(self, picture: Image, corners_m: FloatArray) -> None:
+        """A faint bar on the floor, over what of a robot's body is seen there."""
+        assert self._config.simulation is not None
+        seen = self._pinhole.image_from_arena(corners_m)
+        bar = np.zeros(picture.shape, np.float32)
+        at = np.rint(seen * (1 << SHIFT_BITS)).astype(np.int32)
+        cv2.fillConvexPoly(bar, at, 1.0, cv2.LINE_AA, SHIFT_BITS)
+        darker = LAID_SHARE * cv2.GaussianBlur(bar, (0, 0), self._config.simulation.camera.blur_px)
+        picture[:] = np.rint(picture * (1.0 - darker))
 
     def _cover(self, picture: Image, pose: TruePose) -> None:
         """A plain card on the robot's top."""
