@@ -16,10 +16,8 @@ from vision.binarise.regions.edge_evidence import leaves_out
 def level_leaves_out(image: NDArray[Any], how: Binarisation) -> bool:
     """True if ``image`` (h, w) shows clear edges that the level of ``how`` does not separate.
 
-    True too where there was no level. O(pixels).
+    O(pixels).
     """
-    if how.threshold is None:
-        return True
     image = as_array(image)
     grey, level = as_grey(image), scaled_threshold(how.threshold, image)
     if how.polarity == "light":

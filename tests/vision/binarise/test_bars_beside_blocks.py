@@ -11,6 +11,7 @@ import pytest
 
 from tests.support.drawn.render import coverage, outline_points, polygon
 from vision.binarise.binarise import binarise
+from vision.binarise.earlier_level import level_leaves_out
 from vision.binarise.regions.floor_pattern import has_pattern
 
 FLOOR = 214.0
@@ -100,6 +101,19 @@ def test_a_faint_bar_of_twelve_pixels_is_seen_wherever_it_lies(
         grey = FLOOR - darker * cover
         grey[100:300, 450:600] = 45.0
         assert found(picture(grey, 0.7, 2.0, seed), cover) > SEEN, seed
+
+
+@pytest.mark.parametrize("side", ["dark", "light"])
+def test_the_level_of_an_earlier_picture_leaves_a_faint_bar_out_and_no_dark_block(side) -> None:
+    bare = np.full(SIZE[::-1], FLOOR)
+    block = bare + (40.0 - FLOOR) * coverage([outline_points(polygon(BLOCK))], SIZE)
+    bar = block - 40.0 * Bar((70.0, 80.0), 12.0, 2.0, 0.4, 40.0).cover(SIZE)
+    pictures = [picture(grey, 0.7, 2.0, 1) for grey in (block, bare, bar)]
+    block_seen, bare_seen, bar_seen = pictures if side == "dark" else [255 - p for p in pictures]
+    how = binarise(block_seen, polarity=side).how
+    assert not level_leaves_out(block_seen, how)
+    assert not level_leaves_out(bare_seen, how)
+    assert level_leaves_out(bar_seen, how)
 
 
 @pytest.mark.parametrize("blur", [0.5, 1.2])
