@@ -21,7 +21,7 @@ from numpy.typing import NDArray
 from planner.scene import Bounds, Scene, SceneObject
 from vision.binarise import Method, Polarity
 from vision.binarise.colour import binarise_by_colour
-from vision.binarise.grey_picture import Binary, as_array
+from vision.binarise.grey_picture import CALM_NOISE, Binary, as_array
 from vision.borders.contours import Borders, follow_borders, laplacian_border, locate_edges
 from vision.doubts import with_doubts
 from vision.errors import PictureError
@@ -108,8 +108,8 @@ def extract(
             fitted, points, starts, borders.owner, stretches, texture_px
         )
     fitted = fitted if even else fitted.stretched(stretches)
-    if binary.fine:
-        fitted = keep_thin_walls(fitted, borders, placement.rectified)
+    if binary.fine or drawn or binary.noise >= CALM_NOISE:
+        fitted = keep_thin_walls(fitted, borders, placement.rectified, fine=binary.fine)
     specks = find_specks(borders, binary.noise, binary.contrast if binary.doubtful else math.inf)
     objects = build_objects(borders, fitted, placement, specks.borders)
     objects, outside = drop_outside(objects, placement)

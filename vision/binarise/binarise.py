@@ -201,7 +201,7 @@ def _auto(look: Look, classes: Classes | None, side: Literal["dark", "light"]) -
     """One level where the light is even; else the level or the division that edges speak for."""
     if classes is not None and look.fine is not None:
         # no edge has its plateaus, by which edges are judged
-        return _even(look, classes, side)
+        return _fine(look, classes, side)
     too_fine = unresolved_structure(look, classes, side)
     if too_fine is not None:
         return _unresolved(look, side, too_fine)
@@ -254,6 +254,20 @@ def _even(look: Look, classes: Classes, side: Literal["dark", "light"]) -> Binar
     return black_and_white(look, classes.level, classes.contrast, how)
 
 
+def _fine(look: Look, classes: Classes, side: Literal["dark", "light"]) -> Binary:
+    """Walls of a few pixels, at a level that noise seldom takes their pixels over."""
+    if SIGMAS * look.noise <= 0.5 * classes.contrast:
+        return _even(look, classes, side)
+    level = classes.level + look.noise
+    reason = (
+        f"walls or ways of a few pixels: obstacles at {classes.dark:.0f}, free at "
+        f"{classes.light:.0f}, noise {look.noise:.1f} grey levels; the level lies that much nearer "
+        "to free than half-way"
+    )
+    how = Binarisation("otsu", _shown(level, side), side, reason)
+    return black_and_white(look, level, classes.contrast, how)
+
+
 def _level(look: Look, classes: Classes, side: Literal["dark", "light"]) -> Binary:
     reason = (
         f"uneven light, but edges are sharpest at one level: obstacles at {classes.dark:.0f}, "
@@ -286,7 +300,8 @@ def _unresolved(look: Look, side: Literal["dark", "light"], found: Unresolved) -
         f"{found.spread:.0f} levels from pixel to pixel, more than noise does, so that all of it "
         "counts as obstacle; focus the camera, bring it closer, use more pixels, or more light"
     )
-    how = Binarisation("fixed", _shown(found.level, side), side, why)
+    # no level of a method that a part of a later picture could be seen by
+    how = Binarisation("unresolved", _shown(found.level, side), side, why)
     margin = found.level - found.middle
     binary = black_and_white(
         look, found.level, 2.0 * margin, how, strongest_noise=found.spread, margin=margin

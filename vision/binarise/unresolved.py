@@ -22,7 +22,7 @@ from numpy.typing import NDArray
 
 from vision.binarise.binarise_kernels import REACH, SAMPLE
 from vision.binarise.grey_classes import Classes, grey_spread
-from vision.binarise.grey_picture import BINOMIAL, FEWEST, LEAST_CONTRAST, NO_CALMING, Look
+from vision.binarise.grey_picture import BINOMIAL, FEWEST, LEAST_CONTRAST, Look
 
 LEAST_SHARE = 0.045
 """How much of the light, and of the contrast of plain obstacles, the structure's standard deviation
@@ -42,6 +42,9 @@ alone has 1.07 in a picture of 500 pixels; walls of 1 px have 1.2 in noise of 10
 FULL_APART = 1.25
 """How much stronger those over ``REACH`` pixels are than those over two, at most: chosen, walls of
 1 px have 1.0, pictures of rooms 1.5 to 2."""
+APART = 4.0
+"""How far two classes are apart at least, in standard deviations of the larger one: chosen, two
+parts of one hump are up to 2.7, and a block on unresolved walls 8."""
 ALL = 256.0
 """The level below which all grey values lie: defined."""
 FINE = 2
@@ -102,18 +105,23 @@ class _Ground(NamedTuple):
     @classmethod
     def of(cls, look: Look, classes: Classes | None) -> _Ground:
         counts = look.counts
-        if classes is None or not 0.0 < classes.dark_share < 1.0:
-            # rare pixels are no class
-            middle = float(np.searchsorted(np.cumsum(counts), 0.5 * counts.sum()))
-            return cls(0.0, ALL, middle, grey_spread(counts), 0.0)
-        level, contrast = classes.level, classes.contrast
-        if classes.dark_share > 0.5:
-            spread = grey_spread(counts[: math.ceil(level)])
-            return cls(0.0, level, classes.dark, spread, contrast)
-        spread = classes.light_spread
-        if look.calming() is not NO_CALMING:
-            spread = grey_spread(counts[math.ceil(level) :])
-        return cls(level, ALL, classes.light, spread, contrast)
+        if classes is not None and 0.0 < classes.dark_share < 1.0:
+            level, contrast = classes.level, classes.contrast
+            if classes.dark_share > 0.5:
+                spread = grey_spread(counts[: math.ceil(level)])
+                ground = cls(0.0, level, classes.dark, spread, contrast)
+            else:
+                spread = classes.light_spread
+                left = look.noise * look.calming().left
+                # seen through smoothing, which leaves little of what is fine
+                if spread**2 > look.noise**2 + (HINT * left) ** 2 and left < look.noise:
+                    spread = grey_spread(counts[math.ceil(level) :])
+                ground = cls(level, ALL, classes.light, spread, contrast)
+            if contrast >= APART * spread:
+                return ground
+        # neither rare pixels nor parts of one hump are classes
+        middle = float(np.searchsorted(np.cumsum(counts), 0.5 * counts.sum()))
+        return cls(0.0, ALL, middle, grey_spread(counts), 0.0)
 
 
 def change_over(grey: NDArray[Any], seen: NDArray[np.bool_], apart: int) -> float:

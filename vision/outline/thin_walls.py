@@ -3,9 +3,10 @@
 Rules and units
 - Pixels, y down. A wall of a few pixels lies amid the blur of both of its sides: edges that fit
   their points well may still leave some of its pixels out, and a path would lead through there.
-- Pictures whose histogram holds fine structure (``vision.binarise.humps``), and there objects
-  thinner than ``THIN_PX``; where they are wider, what an edge leaves out
-  is less than a wall (``vision.outline.check``).
+- Objects thinner than ``THIN_PX``: what an edge leaves out of wider ones is less than a wall
+  (``vision.outline.check``). Of pictures whose histogram holds fine structure
+  (``vision.binarise.humps``) all of them; of drawings without grey and of noisy pictures those
+  beside holes narrower than ``NARROW_PX``, for a bar alone is no wall taken for a way.
 """
 
 from __future__ import annotations
@@ -26,9 +27,11 @@ Place: TypeAlias = Callable[[NDArray[np.float64]], NDArray[np.float64]]
 THIN_PX = 4.5
 """Mean width of an object from which it is no thin wall: chosen, outlines cut pieces off walls of
 up to 4 px, and none off those of 6 px (``python -m benchmarks.vision.fine``)."""
-LOST_PX = 0.25
-"""So far beyond an outline a pixel's centre counts as left out: chosen, half of what noise and the
-corners of a sharp drawing move an edge by at most before a pixel of a wall is lost."""
+NARROW_PX = 2.0 * THIN_PX
+"""Mean width of a hole from which it is no narrow way: chosen, of walls and ways of 6 px blur and
+noise give the ways up to 2 px more (``python -m benchmarks.vision.fine --cells 81``)."""
+MOST_LOST = 0.25
+"""The share of its width that a wall loses at most on one side: derived, half of it remains."""
 MOST_WORK = 20_000_000
 """Pixels times edges of one border that are compared: chosen, some 50 ms. Beyond that it keeps its
 pixels' outline unseen, which leaves nothing out."""
@@ -36,16 +39,29 @@ SAG_PX = 0.02
 """How far the polyline that stands for an arc may leave it: indifferent."""
 
 
-def keep_thin_walls(fitted: FittedBorders, borders: Borders, place: Place) -> FittedBorders:
+def keep_thin_walls(
+    fitted: FittedBorders, borders: Borders, place: Place, *, fine: bool
+) -> FittedBorders:
     """``fitted``, with the pixels' outline for thin walls that it cuts short.
 
-    ``place`` takes pixels (n, 2) to where the edges are. O(cracks * edges) of thin walls, at most
-    ``MOST_WORK`` a border.
+    ``place`` takes pixels (n, 2) to where the edges are. ``fine``: all thin walls count, not those
+    beside narrow ways only. O(cracks * edges) of those, at most ``MOST_WORK`` a border.
     """
+    holes = borders.owner != np.arange(len(borders.owner))
+    if not (fine or holes.any()):
+        return fitted
+    cracks = np.diff(borders.starts)
+    # a strip has two cracks for a pixel of length
+    area = np.bincount(borders.owner, borders.area, len(cracks))
+    length = np.bincount(borders.owner, cracks, len(cracks))
+    walls = (2.0 * area / np.maximum(length, 1.0))[borders.owner]
+    asked = (walls < THIN_PX) & (fitted.border_kind != TINY)
+    if not fine:
+        asked &= holes & (-2.0 * borders.area < NARROW_PX * cracks)
     lost = [
         b
-        for b in _thin(borders).tolist()
-        if fitted.border_kind[b] != TINY and _cuts_short(fitted, borders, b, place)
+        for b in np.flatnonzero(asked).tolist()
+        if _cuts_short(fitted, borders, b, place, 0.5 - MOST_LOST * float(walls[b]))
     ]
     if not lost:
         return fitted
@@ -58,16 +74,10 @@ def keep_thin_walls(fitted: FittedBorders, borders: Borders, place: Place) -> Fi
     return FittedBorders(border_kind, starts, fitted.kind[kept], fitted.data[kept])
 
 
-def _thin(borders: Borders) -> NDArray[np.int64]:
-    """The borders of objects thinner than that: a strip has two cracks for a pixel of length."""
-    cracks = np.diff(borders.starts)
-    area = np.bincount(borders.owner, borders.area, len(cracks))
-    length = np.bincount(borders.owner, cracks, len(cracks))
-    return np.flatnonzero((2.0 * area < THIN_PX * length)[borders.owner])
-
-
-def _cuts_short(fitted: FittedBorders, borders: Borders, b: int, place: Place) -> bool:
-    """True if an obstacle pixel beside border b lies beyond its outline."""
+def _cuts_short(
+    fitted: FittedBorders, borders: Borders, b: int, place: Place, least: float
+) -> bool:
+    """True if an obstacle pixel beside border b lies less than ``least`` inside its outline."""
     rim = _polyline(fitted, b).astype(np.float32)
     xs, ys, _ = borders.cracks_of(b)
     sign = 1.0 if borders.owner[b] == b else -1.0
@@ -75,7 +85,7 @@ def _cuts_short(fitted: FittedBorders, borders: Borders, b: int, place: Place) -
     if len(pixels) * len(rim) > MOST_WORK:
         return True
     return any(
-        sign * cv2.pointPolygonTest(rim, (x, y), True) < -LOST_PX for x, y in place(pixels).tolist()
+        sign * cv2.pointPolygonTest(rim, (x, y), True) < least for x, y in place(pixels).tolist()
     )
 
 

@@ -9,6 +9,7 @@ import pytest
 from benchmarks.vision.regions import FAMILIES, TUNING, drawn
 from tests.support.scenes.mazes import maze
 from vision import PictureError, extract
+from vision.binarise import ONE_LEVEL
 from vision.binarise.binarise import binarise
 from vision.binarise.grey_classes import classes_of
 from vision.binarise.grey_picture import Look
@@ -69,6 +70,8 @@ def test_where_a_robot_is_left_out_the_rest_is_obstacle_and_a_remark_says_why() 
     assert ((binary.inside == 1) == ~robot).all()
     assert any("too fine" in remark for remark in binary.remarks)
     assert any("too fine" in remark for remark in extract(picture, ignore=robot).remarks)
+    # a part of the next picture must not be seen by this one's level
+    assert binary.how.method not in ONE_LEVEL
 
 
 @pytest.mark.parametrize("noise", [0.0, 2.0, 5.0, 10.0])
