@@ -26,7 +26,7 @@ keeps_up = pytest.mark.timed
 LATE_S = 0.1
 """What this machine may be late by, and a processor that is well may be silent for."""
 STARTS = 10
-"""A robot whose lease a busy machine has let lapse refuses to start: it is asked again."""
+"""A robot whose lease a busy machine has let lapse refuses its mission: it is given it again."""
 
 
 @pytest.fixture(scope="module")
@@ -46,19 +46,30 @@ def bench(build: CortexBuild) -> Iterator[AvrBench]:
 
 def drive(bench: AvrBench, count: int) -> Mission:
     mission = Mission(5, [Waypoint(0.02 * i, 0.0, 0.4) for i in range(count)])
-    bench.host.upload(mission, bench.now_s)
     for _ in range(STARTS):
+        bench.host.upload(mission, bench.now_s)
         with contextlib.suppress(TimeoutError):
             bench.until(lambda: bench.motors.left_m_s > 0.1, 1.0)
             break
-        bench.host.start(bench.now_s)
-    assert bench.state() is RobotState.RUN
+    bench.until(lambda: bench.state() is RobotState.RUN, 1.0)
     return mission
 
 
+def measure_lateness(bench: AvrBench) -> None:
+    bench.silence_s = board_of(bench).late_s = 0.0
+
+
 def late_s(bench: AvrBench) -> float:
-    """The time that the machine may have kept from the emulated processor, which then is silent."""
-    return max(LATE_S, bench.silence_s)
+    """The time that the machine may have kept from the emulated processor, and from the test.
+
+    A processor that gets no time is silent; a test that is late sees everything later by that.
+    """
+    return max(LATE_S, bench.silence_s) + board_of(bench).late_s
+
+
+def board_of(bench: AvrBench) -> CortexBoard:
+    assert isinstance(bench.avr, CortexBoard)
+    return bench.avr
 
 
 def test_it_fits_into_a_small_microcontroller(build: CortexBuild) -> None:
@@ -90,11 +101,11 @@ def test_the_emergency_stop_takes_the_power_away_and_stays(bench: AvrBench) -> N
     drive(bench, 50)
     assert bench.motors.powered
     asked_s = bench.motors.now_s
-    bench.silence_s = 0.0
+    measure_lateness(bench)
     bench.host.estop()
-    bench.until(lambda: not bench.motors.powered, 1.0)
+    bench.until(lambda: not bench.motors.powered, 3.0)
     assert 0.0 <= bench.motors.off_s - asked_s < 0.015 + late_s(bench)
-    bench.until(lambda: bench.state() is RobotState.ESTOP, 0.5)
+    bench.until(lambda: bench.state() is RobotState.ESTOP, 3.0)
     bench.run(0.5)
     assert not bench.motors.powered
 
@@ -103,9 +114,10 @@ def test_the_emergency_stop_takes_the_power_away_and_stays(bench: AvrBench) -> N
 def test_the_dead_man_stops_the_motors(bench: AvrBench) -> None:
     drive(bench, 50)
     bench.lease = False
-    bench.silence_s = 0.0
-    bench.until(lambda: bench.state() is RobotState.HOLD, 1.5)
-    assert 0.5 <= bench.now_s - bench.leased_s < 0.525 + late_s(bench)
+    measure_lateness(bench)
+    bench.until(lambda: bench.state() is RobotState.HOLD, 3.0)
+    held_s = bench.now_s - bench.leased_s
+    assert 0.5 - board_of(bench).late_s <= held_s < 0.525 + late_s(bench)
     bench.until(lambda: bench.motors.left_m_s == 0.0 and bench.motors.right_m_s == 0.0, 1.5)
 
 
@@ -158,9 +170,10 @@ def test_a_program_that_hangs_is_stopped_and_reset_by_the_watchdog(
     bench.until(lambda: bench.host.state.is_up and bench.host.status is not None, 10.0)
     drive(bench, 50)
     hung_s = bench.now_s
+    processor.late_s = 0.0
     hang(tmp_path / "debugger")
-    bench.until(lambda: not bench.motors.powered, 1.0)
-    assert bench.now_s - hung_s < 0.125 + LATE_S
+    bench.until(lambda: not bench.motors.powered, 3.0)
+    assert bench.now_s - hung_s < 0.125 + LATE_S + processor.late_s
     bench.until(lambda: any(isinstance(event, RobotRebooted) for event in bench.events), 3.0)
     (reboot,) = (event for event in bench.events if isinstance(event, RobotRebooted))
     assert reboot.cause is ResetCause.WATCHDOG

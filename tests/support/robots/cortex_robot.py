@@ -57,6 +57,8 @@ class CortexBoard(EmulatedProcessor):
         super().__init__(build.command)
         super().run(0.0)  # it has started when this is answered
         self._due_s = time.monotonic()
+        self.late_s = 0.0
+        """The longest time by which the asker was late, since a test set it to 0."""
 
     def run(
         self,
@@ -67,5 +69,6 @@ class CortexBoard(EmulatedProcessor):
     ) -> tuple[Motors, bytes]:
         """As that of an ``EmulatedProcessor``; waits until the time has passed."""
         self._due_s += seconds
+        self.late_s = max(self.late_s, time.monotonic() - self._due_s)
         time.sleep(max(0.0, self._due_s - time.monotonic()))
         return super().run(seconds, data, wheels_m, reset)
