@@ -98,10 +98,29 @@ def steps_off_level(grey, level, clear, enough):
     found = 0.0
     for y in range(REACH, height - 2 * REACH, 2):
         rows = grey[y - REACH : y + 2 * REACH + 1]
-        found += _clear_steps(rows, REACH, width - 3 * REACH, level, clear)
+        for x in range(REACH, width - 2 * REACH, AT_A_TIME):
+            length = min(width - 2 * REACH - x, AT_A_TIME)
+            if _any_step(rows, x, length, level, clear[1]):
+                found += _clear_steps(rows, x, length, level, clear)
         if found >= enough:
             break
     return found
+
+
+@njit(**SUMS)
+def _any_step(rows, first, length, level, least):
+    """Whether a stretch has a step on the light side: most have none, and are left at that."""
+    nothing, one = np.float32(0.0), np.float32(1.0)
+    here, below = rows[REACH, first:], rows[2 * REACH, first:]
+    found = nothing
+    for x in range(length):
+        value = np.float32(here[x])
+        right = np.float32(here[x + REACH])
+        down = np.float32(below[x])
+        steep = (abs(value - right) >= least) & (right >= level)
+        steep |= (abs(value - down) >= least) & (down >= level)
+        found += one if steep & (value >= level) else nothing
+    return found > nothing
 
 
 @njit(**SUMS)
