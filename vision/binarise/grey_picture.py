@@ -87,6 +87,7 @@ class Look:
         self.grey = grey = read_only(grey)
         self.room = Room() if room is None else room
         self.counts: NDArray[np.int64] = sampled_histogram(grey)
+        self._counts_after: dict[Calming, NDArray[np.int64]] = {NO_CALMING: self.counts}
         # two values only: drawn, not taken; what looks like noise is texture
         drawn = np.count_nonzero(self.counts) <= 2
         self.noise = 0.0 if drawn else float(noise_sigma(grey))
@@ -126,13 +127,13 @@ class Look:
 
     def counts_after(self, calming: Calming) -> NDArray[np.int64]:
         """The smoothed picture's histogram (256,), from a sample."""
-        if calming is NO_CALMING:
-            return self.counts
-        if calming is BINOMIAL and self.grey.dtype == np.uint8:
-            counts: NDArray[np.int64] = calmed_histogram(self.grey)
-            return counts
-        counts = sampled_histogram(self.grey_after(calming))
-        return counts
+        known = self._counts_after.get(calming)
+        if known is None:
+            whole = calming is BINOMIAL and self.grey.dtype == np.uint8
+            count = calmed_histogram if whole else sampled_histogram
+            known = count(self.grey if whole else self.grey_after(calming))
+            self._counts_after[calming] = known
+        return known
 
     def grey_after(self, calming: Calming) -> NDArray[Any]:
         """The smoothed picture (h, w)."""

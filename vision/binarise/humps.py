@@ -13,6 +13,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from vision.binarise.binarise_kernels import halve_histogram
+
 TWO_HUMPED = 0.75
 """Share of a histogram's variance between its halves from which it has two humps: derived, what
 has one hump has at most as much, with grey values that are all equally many."""
@@ -43,23 +45,9 @@ class Humps:
     @classmethod
     def of(cls, counts: NDArray[np.int64]) -> Humps:
         """The halves of a histogram (256,) that have the least variance (Otsu, 1979)."""
-        values = np.arange(256.0)
-        number = np.cumsum(counts, dtype=np.float64)
-        total = np.cumsum(counts * values)
-        below, above = number[:-1], number[-1] - number[:-1]
-        dark = total[:-1] / np.maximum(below, 1.0)
-        light = (total[-1] - total[:-1]) / np.maximum(above, 1.0)
-        between = below * above * (light - dark) ** 2 / number[-1] ** 2
-        k = int(between.argmax())
-        mean = total[-1] / number[-1]
-        variance = float((counts * (values - mean) ** 2).sum() / number[-1])
-        return cls(
-            float(dark[k]),
-            float(light[k]),
-            float(below[k] / number[-1]),
-            math.sqrt(max(variance - float(between[k]), 0.0)),
-            float(between[k]) / variance if variance > 0.0 else 0.0,
-        )
+        dark, light, share, between, variance = halve_histogram(counts)
+        within = math.sqrt(max(variance - between, 0.0))
+        return cls(dark, light, share, within, between / variance if variance > 0.0 else 0.0)
 
 
 def deletes(as_it_came: Humps, smoothed: NDArray[np.int64]) -> bool:
