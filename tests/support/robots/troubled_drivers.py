@@ -33,7 +33,8 @@ from tests.support.robots.driven_bench import settings_of
 from tests.support.waiting import wait_until
 
 TROUBLES: Final = ("frozen", "killed", "slow", "loops")
-PATIENCE_S: Final = 20.0
+PATIENCE_S: Final = 60.0
+"""With what is waited for on a busy machine; nothing is measured by it."""
 STOPPED_AFTER_S: Final = 0.3
 LAG_S: Final = DriveModel().lag_s
 SPEED_SHARE: Final = 0.8
