@@ -117,7 +117,7 @@ def measure(live: Live, viewers: int, kind: str, seconds: float, figures: Figure
     while len(hub.viewers) < viewers and kind != SAVING:
         threading.Event().wait(0.05)
     threading.Event().wait(SETTLE_S)
-    times = live.daemon.link.capture_to_wire_s
+    times = live.daemon.robot.link.capture_to_wire_s
     times.clear()
     processed, pictures = live.daemon.processed, hub.pictures_sent
     began_s, used_s = time.monotonic(), processor_s()

@@ -189,13 +189,13 @@ def memory(hours: float) -> Rows:
         end_s = world.clock() + hours * 3600.0
         begun_s = world.clock()
         while world.clock() < end_s:
-            now = daemon.cycle()
+            now = daemon.cycle().only
             if now.mission.state in (State.IDLE, State.DONE):
-                daemon.give(stations_of(config))
+                daemon.people.give(stations_of(config))
             if not early_mb and world.clock() - begun_s > 0.1 * hours * 3600.0:
                 early_mb = resident_mb(os.getpid())
         grown_mb = resident_mb(os.getpid()) - early_mb
-        missions = daemon.pilot.plans
+        missions = daemon.robot.pilot.plans
     yield (
         f"memory grown over {hours:g} h of patrol in virtual time, {missions} plans",
         f"{grown_mb:.1f} MB, from {early_mb:.0f} MB", "<= 5 MB", grown_mb <= 5.0,

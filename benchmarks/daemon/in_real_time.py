@@ -94,20 +94,20 @@ def _measure_replan(config: Config, appears_s: float) -> tuple[float, float] | N
     shown_s = held_s = 0.0
     with Daemon(config, world, first_mission_id=1) as daemon:
         assert world.truth is not None
-        daemon.give(stations_of(config))
+        daemon.people.give(stations_of(config))
         plans = 0
         while True:
-            now = daemon.cycle()
+            now = daemon.cycle().only
             at_s = world.clock()
             frame = now.frame
             due_s = world.truth.began_s + appears_s
             if shown_s == 0.0 and frame is not None and frame.captured_s >= due_s:
                 if now.mission.state is not State.DRIVING:
                     return None
-                shown_s, plans = frame.captured_s, len(daemon.plans)
+                shown_s, plans = frame.captured_s, len(daemon.robot.plans)
             if shown_s and held_s == 0.0 and now.mission.state is not State.DRIVING:
                 held_s = at_s
-            if held_s and len(daemon.plans) > plans:
+            if held_s and len(daemon.robot.plans) > plans:
                 return (held_s - shown_s) * 1e3, (at_s - shown_s) * 1e3
             assert at_s < due_s + 10.0, f"no new plan: {now.sentence}"
 

@@ -57,8 +57,8 @@ def drive(config_file: Path = CONFIG) -> Film:
     world = VirtualWorld(config)
     with Daemon(config, world, first_mission_id=FIRST_MISSION_ID) as daemon:
         stations = stations_of(config)
-        daemon.give(stations, any_order=config.mission.order == "best")
-        while not (now := daemon.cycle()).mission.is_over:
+        daemon.people.give(stations, any_order=config.mission.order == "best")
+        while not (now := daemon.cycle().only).mission.is_over:
             pass
         if now.mission.state.value != "done":
             raise RuntimeError(f"the run was not done: {now.sentence}")
@@ -67,12 +67,12 @@ def drive(config_file: Path = CONFIG) -> Film:
         places = [
             (s.x, s.y) if s.heading_rad is None else (s.x, s.y, s.heading_rad) for s in stations
         ]
-        track = driven_track(daemon)
+        track = driven_track(daemon, daemon.robot)
         first = (float(track[0, 1]), float(track[0, 2]))
         return Film(
             daemon.scene,
             daemon.roadmap,
-            [(plan.since_s, plan.path) for plan in daemon.plans],
+            [(plan.since_s, plan.path) for plan in daemon.robot.plans],
             track,
             [first, *places],
             config.robot.radius_m,

@@ -22,12 +22,11 @@ import numpy as np
 from navigation.config import Config, load_config
 from navigation.config.several.each_robot import each_robot
 from navigation.fleet import planning
-from navigation.loop.fleet.fleet_daemon import FleetDaemon
-from navigation.loop.fleet.fleet_state import FleetState
+from navigation.loop.daemon import Daemon
+from navigation.loop.daemon_state import RunState
 from navigation.mission.mission import State
 from navigation.run.fleet.fleet_virtual_run import run_fleet_virtually
 from navigation.run.virtual_run import run_virtually
-from navigation.simulator.truth import Truth
 
 FLEET = Path(__file__).parents[2] / "configs" / "fleet.yaml"
 
@@ -43,7 +42,7 @@ class Watch:
     driven_m: dict[str, float] = field(default_factory=dict)
     before_s: float = 0.0
 
-    def look(self, daemon: FleetDaemon, now: FleetState) -> bool:
+    def look(self, daemon: Daemon, now: RunState) -> bool:
         """After each cycle; never ends the run."""
         step_s, self.before_s = now.time_s - self.before_s, now.time_s
         for name, one in now.robots.items():
@@ -51,7 +50,7 @@ class Watch:
                 continue
             if one.mission.state is State.DONE:
                 self.arrived_s[name] = now.time_s
-                truths: dict[str, Truth] = daemon.world.truths  # type: ignore[attr-defined]
+                truths = daemon.world.truths
                 track = truths[name].track()
                 self.driven_m[name] = float(np.hypot(*np.diff(track[:, 1:3], axis=0).T).sum())
                 continue

@@ -34,9 +34,8 @@ import numpy as np
 
 import planner
 from navigation.config import Config, parse_config
-from navigation.loop.fleet.fleet_daemon import FleetDaemon
-from navigation.loop.fleet.fleet_state import FleetState
-from navigation.loop.fleet.people import People
+from navigation.loop.daemon import Daemon
+from navigation.loop.daemon_state import RunState
 from navigation.mission.mission import State
 from navigation.run.fleet.fleet_virtual_run import run_fleet_virtually
 from navigation.run.fleet.fleet_virtual_world import FleetVirtualWorld
@@ -200,7 +199,7 @@ class Person:
         self.places: dict[str, Place] = {}
         """Where the camera saw each robot last."""
 
-    def look(self, daemon: FleetDaemon, now: FleetState) -> bool:
+    def look(self, daemon: Daemon, now: RunState) -> bool:
         """After each cycle; never ends the run."""
         for name, one in now.robots.items():
             if one.pose is not None:
@@ -214,7 +213,7 @@ class Person:
             if now.time_s - self._last_s.setdefault(name, now.time_s) > CALLED_S:
                 self._last_s[name] = now.time_s
                 self.called += one.mission.state is State.STOPPED
-                People(daemon).resume(name)
+                daemon.people.resume(name)
         return False
 
 

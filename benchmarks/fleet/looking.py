@@ -24,7 +24,7 @@ from typing import Any
 from unittest import mock
 
 from navigation.config import Config, load_config
-from navigation.loop.fleet.fleet_daemon import FleetDaemon
+from navigation.loop.daemon import Daemon
 from navigation.loop.seeing.vision_stage import VisionStage
 from navigation.run.fleet.fleet_virtual_run import run_fleet_virtually
 from navigation.run.virtual_world import VirtualFrames
@@ -35,7 +35,7 @@ PARTS = {
     "markers": (MarkerTracker, "update"),
     "look": (VisionStage, "look"),
     "wait": (VirtualFrames, "take"),
-    "cycle": (FleetDaemon, "cycle"),
+    "cycle": (Daemon, "cycle"),
 }
 
 
@@ -76,7 +76,7 @@ def measure(config: Config, seconds: float) -> dict[str, list[float]]:
 
         return run
 
-    def after(_daemon: FleetDaemon, now: Any) -> bool:
+    def after(_daemon: Daemon, now: Any) -> bool:
         if spent["look"]:
             rows["markers"].append(spent["markers"])
             rows["the rest of looking"].append(spent["look"] - spent["markers"])

@@ -20,8 +20,6 @@ from navigation.config.several.each_camera import each_camera
 from navigation.config.several.each_robot import each_robot
 from navigation.loop.daemon import Daemon
 from navigation.loop.daemon_state import DaemonState
-from navigation.loop.fleet.fleet_daemon import FleetDaemon
-from navigation.loop.fleet.people import People
 from navigation.mission.mission import Station
 from navigation.run.fleet.fleet_virtual_run import run_fleet_virtually
 from navigation.run.fleet.fleet_virtual_world import FleetVirtualWorld
@@ -133,17 +131,16 @@ def run(config: Config, trace: Trace, look: Look, *, linger_s: float, pictures: 
     return End(report.state, report.duration_s)
 
 
-def _stage_of(daemon: Daemon | FleetDaemon) -> Stage:
+def _stage_of(daemon: Daemon) -> Stage:
     names: list[Any] = list(each_camera(daemon.config))
-    if isinstance(daemon, FleetDaemon):
-        assert isinstance(daemon.world, FleetVirtualWorld)
-        cameras = [daemon.world.troubles[name] for name in names or [None]]
-        bodies = [Body(one.robot, one.loop, one.troubles) for one in daemon.world.bodies.values()]
-        return Stage(bodies, cameras, daemon.world.clock, People(daemon), list(daemon.seats))
-    world = daemon.world
-    assert isinstance(world, VirtualWorld)
+    world: Any = daemon.world
+    if daemon.config.robots:
+        cameras = [world.troubles[name] for name in names or [None]]
+        bodies = [Body(one.robot, one.loop, one.troubles) for one in world.bodies.values()]
+        return Stage(bodies, cameras, world.clock, daemon.people, list(daemon.robots))
     cameras = [world.troubles.cameras[name] for name in names] or [world.troubles]
-    return Stage([Body(world.robot, world.loop, world.troubles)], cameras, world.clock, daemon, ())
+    bodies = [Body(world.robot, world.loop, world.troubles)]
+    return Stage(bodies, cameras, world.clock, daemon.people, ())
 
 
 class _NotedWorld(VirtualWorld):
@@ -152,8 +149,8 @@ class _NotedWorld(VirtualWorld):
         self._trace, trace.clock = trace, self.clock
         _hear(self.loop, trace, 0)
 
-    def make_link(self) -> Any:
-        return _NotedLink(super().make_link(), self._trace, 0)
+    def make_link(self, name: str) -> Any:
+        return _NotedLink(super().make_link(name), self._trace, 0)
 
 
 class _NotedWorldOfSeveral(FleetVirtualWorld):

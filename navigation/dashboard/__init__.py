@@ -6,8 +6,7 @@
   arena.
 - `hub`: from the daemon's published state to what viewers are told; `viewer`: one of them, with its
   `attention`: what it has got and could take.
-- `shown`, `shown_fleet`: the daemon as it is looked at, of one robot or of several; `chronicles`:
-  what happened lately, of each robot.
+- `shown`: the daemon as it is looked at; `chronicles`: what happened lately, of each robot.
 - `state_message`, `geometry`, `picture`, `packed`, `rings`: what is told, and in which form.
 - `visits`: what operators read and change beside orders: `settings`, and `calibrating`, where the
   camera's lens is calibrated.
@@ -24,6 +23,5 @@ from navigation.dashboard.calibrating.bench import Bench
 from navigation.dashboard.kept.runs import KeptRuns
 from navigation.dashboard.server import Dashboard
 from navigation.dashboard.shown import ShownDaemon
-from navigation.dashboard.shown_fleet import ShownFleet
 
-__all__ = ["Bench", "Dashboard", "KeptRuns", "ShownDaemon", "ShownFleet"]
+__all__ = ["Bench", "Dashboard", "KeptRuns", "ShownDaemon"]

@@ -11,8 +11,7 @@ from collections.abc import Iterator, Mapping
 from navigation.config import Config
 from navigation.config.several.each_robot import each_robot
 from navigation.dashboard.messages.chronicle import Chronicle
-from navigation.loop.daemon_state import DaemonState
-from navigation.loop.fleet.fleet_state import FleetState
+from navigation.loop.daemon_state import DaemonState, RunState
 from vision.camera.latest_frame import CameraStatus
 
 
@@ -34,7 +33,7 @@ class Chronicles:
     def see(
         self,
         state: DaemonState,
-        fleet: FleetState | None,
+        fleet: RunState | None,
         camera: CameraStatus,
         wire_s: float | None,
         wall_s: float,

@@ -44,8 +44,7 @@ from navigation.dashboard.messages.state_message import (
     state_message,
 )
 from navigation.dashboard.shown import Shown
-from navigation.loop.daemon_state import DaemonState
-from navigation.loop.fleet.fleet_state import FleetState
+from navigation.loop.daemon_state import DaemonState, RunState
 from navigation.mission.cycle import PlanAnswer
 from navigation.mission.mission import MissionError, Station
 from planner.path import NoPath, Path
@@ -123,7 +122,7 @@ class Hub:
         self._frames: dict[str, Frame] = {}
         self._heated: Roadmap | None = None
         self._roadmap: Roadmap | None = None
-        self._fleet: FleetState | None = None
+        self._fleet: RunState | None = None
         self._paths: tuple[Path | None, ...] = ()
         self._wire_s: float | None = None
         self._others: dict[int, RobotPose] = {}
@@ -243,7 +242,7 @@ class Hub:
 
     # What is kept ready.
 
-    def _observe(self, state: DaemonState, fleet: FleetState | None) -> None:
+    def _observe(self, state: DaemonState, fleet: RunState | None) -> None:
         configs = self.chronicles.configs.values() or (self.daemon.config,)
         driven = {one.robot.marker_id for one in configs}
         self._others.update((i, pose) for i, pose in state.poses.items() if i not in driven)

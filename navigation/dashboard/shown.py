@@ -2,17 +2,18 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping
+from dataclasses import replace
 from typing import Any, Protocol
 
 from navigation.config import Config
 from navigation.control import Commanded
+from navigation.link.link_snapshot import LinkSnapshot, doubt_of_stop
 from navigation.loop.daemon import Daemon
-from navigation.loop.daemon_state import DaemonState
-from navigation.loop.fleet.fleet_state import FleetState
+from navigation.loop.daemon_state import DaemonState, RunState
 from navigation.mission.cycle import PlanAnswer
-from navigation.mission.mission import MissionError, Station
-from navigation.shared.outside import in_short
+from navigation.mission.mission import Mission, Station
 from vision.calibration.calibration import Calibration
 from vision.camera.latest_frame import CameraStatus
 
@@ -36,7 +37,7 @@ class Shown(Commanded, Protocol):
         ...
 
     @property
-    def fleet(self) -> FleetState | None:
+    def fleet(self) -> RunState | None:
         """Of several robots each, as of the same cycle as `state`; None where there is one."""
         ...
 
@@ -59,57 +60,99 @@ class Shown(Commanded, Protocol):
 class ShownDaemon:
     """A daemon as `Shown`."""
 
-    fleet = None
-
     def __init__(self, daemon: Daemon) -> None:
         self._daemon = daemon
+        self._summary: tuple[RunState, DaemonState] | None = None
         self.config: Config = daemon.config
         self.calibration: Calibration = daemon.world.calibration
 
     @property
+    def fleet(self) -> RunState | None:
+        """Of several robots each, as of the cycle that `state` was asked for last."""
+        return None if self._summary is None else self._summary[0]
+
+    @property
     def state(self) -> DaemonState | None:
-        """What the last cycle ended with."""
-        return self._daemon.state
+        """What the last cycle ended with, of several robots a summary."""
+        now = self._daemon.state
+        if now is None:
+            return None
+        if "" in now.robots:
+            return now.only
+        if self._summary is None or self._summary[0] is not now:
+            self._summary = now, summary_of(now)
+        return self._summary[1]
 
     def camera_status(self) -> CameraStatus:
         """What the camera does."""
         return self._daemon.camera.status()
 
     def last_wire_s(self) -> float | None:
-        """The newest time from capture to wire."""
-        times_s = self._daemon.link.capture_to_wire_s
-        return times_s[-1] if times_s else None
+        """The slowest of all robots' newest times from capture to wire."""
+        each = (one.link.capture_to_wire_s for one in self._daemon.robots.values())
+        return max((times_s[-1] for times_s in each if times_s), default=None)
 
     def preview(self, stations: tuple[Station, ...], robot: str | None = None) -> PlanAnswer:
-        """The plan that these stations would lead to."""
-        if robot is not None:
-            raise MissionError(f"robot {in_short(robot)}: this run has one robot, without a name")
-        return self._daemon.preview(stations)
+        """The plan that these stations would lead to if the robot were alone."""
+        return self._daemon.people.preview(stations, robot)
+
+    def of(self, robot: str) -> Commanded:
+        """One of several robots; ``MissionError`` where there is none of that name."""
+        return self._daemon.people.of(robot)
 
     def give(self, stations: tuple[Station, ...]) -> None:
-        """A new mission."""
-        self._daemon.give(stations)
+        """A new mission; refused where there are several robots: one has to be named."""
+        self._daemon.people.give(stations)
 
     def stop(self, reason: str) -> None:
-        """Emergency stop."""
-        self._daemon.stop(reason)
+        """Emergency stop of all."""
+        self._daemon.people.stop(reason)
 
     def pause(self) -> None:
-        """Hold."""
-        self._daemon.pause()
+        """Hold all."""
+        self._daemon.people.pause()
 
     def resume(self) -> None:
-        """End a pause; after a stop re-arm, and the next time go on."""
-        self._daemon.resume()
+        """End all pauses; after a stop re-arm, and the next time go on."""
+        self._daemon.people.resume()
 
     def replan(self) -> None:
-        """Plan anew."""
-        self._daemon.replan()
+        """Plan again for all."""
+        self._daemon.people.replan()
 
     def settle(self) -> None:
         """Return when the orders so far were acted on."""
-        self._daemon.settle()
+        self._daemon.people.settle()
 
     def describe(self) -> Mapping[str, Any]:
-        """The present state."""
-        return self._daemon.describe()
+        """The present state, of several robots each by name in ``robots``."""
+        return self._daemon.people.describe()
+
+
+def summary_of(fleet: RunState) -> DaemonState:
+    """All robots as one state, without a place, stations or a path of its own.
+
+    The link is that which needs looking after most.
+    """
+    each = list(fleet.robots.values())
+    # the one of which least is known, above all whether it stands after a stop
+    link = max((one.link for one in each), key=_unknown)
+    paused = all(one.mission.paused for one in each)
+    return replace(
+        each[0],
+        mission=Mission(state=fleet.state, reason=fleet.sentence, paused=paused),
+        sentence=fleet.sentence,
+        pose=None,
+        link=link,
+        to_go_m=None,
+        clearance_m=None,
+        path=None,
+    )
+
+
+def _unknown(link: LinkSnapshot) -> tuple[bool, bool, float]:
+    return doubt_of_stop(link) is not None, link.down_reason is not None, _age_s(link)
+
+
+def _age_s(link: LinkSnapshot) -> float:
+    return math.inf if math.isnan(link.heard_age_s) else float(link.heard_age_s)

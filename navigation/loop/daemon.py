@@ -1,40 +1,61 @@
-"""The running program with one robot; with several it is `navigation.loop.fleet.fleet_daemon`.
+"""The running program of one robot or several: newest frame, eye, decisions, orders, once a cycle.
 
+Threads: the camera's (newest frame wins), the planner's (newest scene and request win), the
+links', each of which alone owns its port, and this one. A cycle runs once a frame, at once when
+the planner has news, and at least every ``LONGEST_CYCLE_S`` without either, so that a lost camera
+stops the robots too. The leases that let robots move are given by this loop only: should it hang,
+all stop.
+
+The clock is the world's: real, or virtual in a simulation that runs as fast as it can.
 Units: metres, radians, seconds.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable
-from functools import partial
-from typing import TYPE_CHECKING, Any
+import math
+import threading
+from collections.abc import Callable, Mapping
+from contextlib import suppress
+from typing import TYPE_CHECKING, Final
 
 from navigation.config import Config
+from navigation.config.several.each_robot import each_robot
 from navigation.journal.journal import Journal
-from navigation.loop import reports
-from navigation.loop.control_loop import ControlLoop
-from navigation.loop.daemon_state import DaemonState
-from navigation.loop.driven_robot import DrivenRobot
-from navigation.loop.parts import Surroundings
-from navigation.loop.planning import ArenaPlanner
-from navigation.loop.stages import plan_settings
-from navigation.mission.cycle import PlanAnswer, PlanRequest
-from navigation.mission.mission import Mission, MissionError, State, Station
-from navigation.recording.events import PlanAsked
-from planner.path import NoPath
-from planner.scene import FloatArray
+from navigation.loop.daemon_state import RunState, StageTimes
+from navigation.loop.parts import Surroundings, camera_part
+from navigation.loop.people import People
+from navigation.loop.planner_news import PlannerNews
+from navigation.loop.punctuality import Punctuality
+from navigation.loop.reports import camera_openings
+from navigation.loop.robot import Robot, Witnesses
+from navigation.loop.seeing.arena_view import ArenaView
+from navigation.loop.seeing.other_robots import OtherRobots
+from navigation.loop.stopping import Stopping
+from navigation.loop.traffic.alone import Alone
+from navigation.loop.traffic.coordinated import Coordinated
+from navigation.loop.traffic.traffic import Decided, Traffic, TrafficPlanner
+from navigation.mission.mission import MissionError, State
+from navigation.shared.supervisor import Part, Supervisor
+from planner.roadmap.roadmap import Roadmap
+from planner.scene import Scene
+from vision.camera.camera import Frame
 from vision.camera.latest_frame import CameraStatus
 from vision.markers.markers import RobotPose
 
 if TYPE_CHECKING:
     from navigation.loop.recorder import Recorder
 
+LONGEST_CYCLE_S: Final = 0.05
+SETTLE_S: Final = 0.3
+"""An order's answer waits so long at most for a cycle that acts on it."""
 
-class Daemon(ControlLoop[DaemonState, PlanRequest, PlanAnswer]):
-    """Runs one configuration; a context manager that opens and closes everything.
 
-    ``first_mission_id``: ids on the wire count up from the one after it. With a ``journal``
-    mission, progress and plan are kept before they take effect.
+class Daemon:
+    """Runs a configuration; a context manager that opens and closes everything.
+
+    ``first_mission_id``: ids on the wire count up from the one after it. With a robot's journal,
+    by its name, its mission, progress and plan are kept before they take effect. A ``recorder`` is
+    told all that is seen, planned and decided. People's orders go to ``people``.
     """
 
     def __init__(
@@ -43,122 +64,316 @@ class Daemon(ControlLoop[DaemonState, PlanRequest, PlanAnswer]):
         world: Surroundings,
         *,
         first_mission_id: int,
-        journal: Journal | None = None,
+        journals: Mapping[str, Journal] | None = None,
         recorder: Recorder | None = None,
     ) -> None:
-        self.world = world
-        self.robot = DrivenRobot("", config, world.make_link(), first_mission_id)
-        self.robot.journal = journal
-        self.pilot, self.link, self.witness = self.robot.pilot, self.robot.link, self.robot.witness
-        self.plans, self.sightings = self.robot.plans, self.robot.sightings
-        super().__init__(config, world, {"": self.robot}, self.witness, recorder=recorder)
-        self._arena_planner = ArenaPlanner(plan_settings(config))
-        self._set_planner(self._arena_planner, partial(world.make_planner, self._arena_planner))
-        self.reanchor: Callable[[str | None], list[str]] | None = None
+        self.config, self.world = config, world
+        self._clock = world.clock
+        self._recorder = recorder
+        several = each_robot(config)
+        self.robots = {
+            name: Robot(name, one, world.make_link(name), first_mission_id)
+            for name, one in (several or {"": config}).items()
+        }
+        for name, journal in (journals or {}).items():
+            self.robots[name].journal = journal
+        self.camera = world.make_frames()
+        vision = world.make_vision(
+            config, Witnesses(self.robots), [one.robot for one in several.values()]
+        )
+        self.newest = vision.newest
+        self.view = ArenaView(config, vision, self._clock, recorder)
+        self.traffic: Traffic = (
+            Coordinated(self.robots, world.search_clock) if several else Alone(self.robots[""])
+        )
+        planner: TrafficPlanner = self.traffic.planner
+        self._news = PlannerNews(planner, self._clock, self.camera.wake, recorder)
+        self._planner = world.make_planner(planner, self._news.on_scene, self._news.on_answer)
+        self._supervisor = Supervisor(
+            {
+                "vision": Part(vision.failure, vision.restart),
+                "camera's thread": camera_part(self.camera),
+                **{
+                    f"{_of(name)}serial link": Part(one.link.failure, one.link.restart)
+                    for name, one in self.robots.items()
+                },
+                "planner": Part(self._planner.failure, self._restart_planner),
+            }
+        )
+        self.lock = threading.Lock()
+        """Held while pilots decide or people give them orders."""
+        self.stopping = Stopping(self.lock)
+        self.people = People(self)
+        self.punctuality = Punctuality()
+        self._cycled_s, self._looked = math.inf, 0
+        self.lent: str | None = None
+        """Why the robots hold while the camera serves something else."""
+        self.state: RunState | None = None
+        """What the last cycle ended with; replaced as a whole, so any thread may read it."""
+        self.troubles: dict[str, str] = {}
+        """What people must know although the run goes on, by subject; set by the loop's thread."""
+        self.started_s = self._clock()
+        self._reopened, self._forget_latency = 0, False
+        self._cycles = self._ended = 0
+        self._further_turns: dict[str, Callable[[], int]] = {}
+        self._turned = threading.Condition()
+
+    # Life.
+
+    def __enter__(self) -> Daemon:
+        self.world.start()
+        try:
+            for one in self.robots.values():
+                one.link.open()
+            self.camera.start()
+            self._planner.start()
+        except BaseException:
+            self.__exit__()
+            raise
+        self.started_s = self._clock()
+        return self
+
+    def __exit__(self, *_error: object) -> None:
+        self.let_the_robots_stop()
+        self._planner.stop()
+        for one in self.robots.values():
+            one.link.close()
+        self.world.stop()
+
+    def halt(self) -> None:
+        """Withdraw all leases: the robots begin to brake. No `cycle` may follow."""
+        for one in self.robots.values():
+            one.orders.halt(self._clock())
+
+    def let_the_robots_stop(self) -> None:
+        """`halt`, and wait until all robots say that they stand, or should by now.
+
+        The camera is closed meanwhile; no decision needs it any more.
+        """
+        self.halt()
+        self.camera.stop()
+        for one in self.robots.values():
+            while self._clock() < one.orders.stands_s and one.link.snapshot().moving:
+                self.world.wait(0.01)
+
+    # Restarts after errors of the program; the supervisor says when.
+
+    def _restart_planner(self) -> None:
+        self._planner.restart()
+        if self.scene is not None:
+            self._planner.see(self.scene, self.view.revision, None)
+
+    def look_after(self, name: str, part: Part, turns: Callable[[], int]) -> None:
+        """Watch one more stage like those of the loop: its failures, and whether it turns."""
+        self._supervisor.add(name, part)
+        self._further_turns[name] = turns
+
+    def turns(self) -> dict[str, int]:
+        """For each stage a number that grows while it works, or waits for work as it should."""
+        turns = {
+            "control loop": self._cycles,
+            "camera": self.camera.turns,
+            "planner": self._planner.turns,
+            **{f"{_of(name)}link": one.link.turns for name, one in self.robots.items()},
+        }
+        if self._recorder is not None and not self._recorder.has_ended():
+            turns["recorder"] = self._recorder.turns
+        return turns | {name: count() for name, count in self._further_turns.items()}
+
+    # Words of people, from any thread.
+
+    def accept_arena(self) -> None:
+        """A person says that arena and camera are as they are seen now."""
+        self.view.doubt.accept()
+        self._forget_latency = True
+
+    def settle(self) -> None:
+        """Wait, in another thread, until a cycle has acted on the orders so far; not for long."""
+        wanted = self._ended + 2  # the cycle under way may have decided already
+        self.camera.wake()
+        with self._turned:
+            self._turned.wait_for(lambda: self._ended >= wanted, SETTLE_S)
+
+    # What is known; any thread may look.
 
     @property
-    def pose(self) -> RobotPose | None:
-        """Where the robot was seen last."""
-        return self.robot.pose
+    def scene(self) -> Scene | None:
+        """The newest scene."""
+        return self.view.scene
 
-    # Orders from people.
+    @property
+    def others(self) -> OtherRobots:
+        """The robots that nobody here drives."""
+        return self.view.others
 
-    def give(self, stations: tuple[Station, ...], *, any_order: bool = False) -> None:
-        """A new mission; ``MissionError`` where it cannot be."""
-        if self.lent is not None:
-            raise MissionError(self.lent)
-        with self.lock:
-            self.pilot.give(stations, any_order=any_order)
+    @property
+    def processed(self) -> int:
+        """How many pictures were looked at."""
+        return self.view.processed
 
-    def stop(self, reason: str) -> str | None:
-        """Emergency stop: straight to the link, past every queue, then latched, on disk too."""
-        return self.stopping.stop([self.robot], reason)
+    @property
+    def frame(self) -> Frame | None:
+        """The newest picture."""
+        return self.view.frame
 
-    def restore(self, mission: Mission) -> None:
-        """Go on with a mission from the journal."""
-        with self.lock:
-            self.pilot.restore(mission)
+    @property
+    def roadmap(self) -> Roadmap | None:
+        """The newest roadmap, of several robots that of the smallest, for pictures."""
+        return self.traffic.planner.roadmap
 
-    def pause(self) -> None:
-        """Hold where the robot is."""
-        with self.lock:
-            self.pilot.pause()
+    @property
+    def robot(self) -> Robot:
+        """The robot of a run of one."""
+        (robot,) = self.robots.values()
+        return robot
 
-    def resume(self) -> None:
-        """End a pause; after a stop re-arm the robot, and the next time go on."""
-        self.stopping.resume([self.robot])
-        self.accept_arena()
+    @property
+    def has_met_its_devices(self) -> bool:
+        """True if every robot and the camera have been there."""
+        return all(one.pilot.has_met_its_devices for one in self.robots.values())
 
-    def replan(self) -> None:
-        """Plan anew from where the robot is."""
-        with self.lock:
-            self.pilot.replan()
+    # The cycle.
 
-    def preview(self, stations: tuple[Station, ...]) -> PlanAnswer:
-        """What a mission through these stations would be from where the robot is; changes nothing.
+    def cycle(self) -> RunState:
+        """Wait for a frame or the planner's news, at most ``LONGEST_CYCLE_S``, and decide."""
+        self._cycles += 1
+        self._note_lateness()
+        frame = self.camera.take(LONGEST_CYCLE_S)
+        if frame is not None and self.view.see(frame, self._tell_poses):
+            assert self.scene is not None
+            self._news.gets_scene()
+            self._planner.see(self.scene, self.view.revision, self.traffic.checked_points())
+        now_s = self._clock()
+        failed = self._supervisor.look(now_s)
+        camera = self.camera.status()
+        self._look_at_camera(camera)
+        self.state = self._decide(now_s, failed, camera)
+        with self._turned:
+            self._ended += 1
+            self._turned.notify_all()
+        return self.state
 
-        Any thread may ask; the answer is the plan that `give` would lead to in this scene.
-        """
-        pose, revision = self.pose, self._news.known_revision
-        if pose is None:
-            return PlanAnswer(0, 0, NoPath("the robot was not seen yet"))
-        request = PlanRequest(0, (pose.x, pose.y, pose.heading_rad), stations, revision)
-        return self._arena_planner.answer(request, preview=True)
+    def _note_lateness(self) -> None:
+        """By how much the threads were late, this one's own look at a picture left out."""
+        now_s = self._clock()
+        looked_s = (self.view.vision.look_s or 0.0) if self.view.processed != self._looked else 0.0
+        self._looked = self.view.processed
+        cycle_s, self._cycled_s = now_s - self._cycled_s, now_s
+        note = self.punctuality.note
+        note("the control loop", cycle_s - LONGEST_CYCLE_S - looked_s, now_s)
+        note("a thread", self.world.late_s(), now_s)
+        for name, one in self.robots.items():
+            note(f"{_of(name) or 'the '}link's thread", one.link.late_s(), now_s)
 
-    def describe(self) -> dict[str, Any]:
-        """The present state as JSON takes it."""
-        with self.lock:
-            mission, pose = self.pilot.mission, self.pose
-        snapshot = self.link.snapshot()
-        return reports.describe(
-            mission,
-            None if pose is None else (pose, self._clock() - pose.captured_s),
-            reports.to_go_m(pose, self.pilot.plan.targets, snapshot.executed),
-            snapshot,
-            self.camera.status(),
-            self.robot.evidence.latency_s,
-        )
+    def _tell_poses(self, poses: Mapping[int, RobotPose]) -> None:
+        """The newest thing that anybody knows goes to the robots at once."""
+        for one in self.robots.values():
+            one.sees(poses, self.view.frame_s)
 
-    def _driven_points(self) -> FloatArray | None:
-        path = self.pilot.plan.path
-        return None if path is None else path.points
+    def _look_at_camera(self, camera: CameraStatus) -> None:
+        """Whether the camera is another one than before, for which latency counts again."""
+        reopened = camera_openings(camera)
+        forget = reopened != self._reopened or self._forget_latency
+        self._reopened, self._forget_latency = reopened, False
+        if forget:
+            for one in self.robots.values():
+                one.witness.forget_latency()
 
-    def _decide(self, now_s: float, failed: str | None, camera: CameraStatus) -> DaemonState:
-        robot, snapshot = self.robot, self.link.snapshot()
+    def _decide(self, now_s: float, failed: str | None, camera: CameraStatus) -> RunState:
+        """What follows from what is known: orders to robots and planner, and the new state."""
+        checks, answer = self._news.take()
+        for name, clearance_m in self.traffic.checked(checks):
+            with self.lock:
+                self.robots[name].pilot.new_scene(clearance_m)
+        for name, one in self.traffic.take(answer).items():
+            self.robots[name].answer = one
+        decided = {
+            name: self._decide_one(robot, now_s, failed, camera)
+            for name, robot in self.robots.items()
+        }
+        self._let_drive(now_s, decided)
+        state = self._state(now_s, decided)
+        if self._recorder is not None:
+            self._recorder.robots(state.robots, state.waits, state.waits_for, now_s)
+        return state
+
+    def _decide_one(
+        self, robot: Robot, now_s: float, failed: str | None, camera: CameraStatus
+    ) -> Decided:
+        """One pilot's cycle."""
+        snapshot = robot.link.snapshot()
         robot.hears()
         sight = robot.sight(
             now_s,
             self.view,
             camera,
             self._news.known_revision,
-            self._arena_planner.clearance_m,
+            self.traffic.planner.clearance_m,
             failed=failed,
             hold=self._hold,
             punctuality=self.punctuality,
         )
-        checks, answer = self._news.take()
+        answer, robot.answer = robot.answer, None
         with self.lock:
-            for check in checks:
-                self.pilot.new_scene(check.path_clearance_m)
-            was = self.pilot.mission.state
-            orders = self.pilot.step(now_s, sight, reports.robot_report(snapshot), answer)
-            if self.pilot.mission.state is State.STOPPED is not was:
+            was = robot.pilot.mission.state
+            orders = robot.pilot.step(now_s, sight, robot.report(snapshot), answer)
+            if robot.pilot.mission.state is State.STOPPED is not was:
                 self.stopping.stopped_itself(robot)
-        self.troubles["journal"] = robot.write_journal(orders, now_s)
-        robot.carry_out(orders, now_s, sight.pose_age_s)
-        if orders.request is not None and not orders.estop:
-            self._news.gets_request(now_s)
-            self._planner.ask(orders.request)
-            if self._recorder is not None:
-                self._recorder.put(PlanAsked(now_s, orders.request))
-        state = robot.state(
-            now_s - self.started_s,
-            self.view,
-            snapshot,
-            self.roadmap,
-            self._times(),
-            self._troubles,
+        return Decided(orders, sight, snapshot)
+
+    def _let_drive(self, now_s: float, decided: Mapping[str, Decided]) -> None:
+        """What follows for all, and everybody's orders."""
+        ordered = self.traffic.step(now_s, decided, self._news.known_revision)
+        for name, why in ordered.plan_again:
+            with self.lock:
+                self.robots[name].pilot.replan(why, holding=True)
+        for name, station in ordered.errands.items():
+            with self.lock, suppress(MissionError):  # a person may have stopped it just now
+                self.robots[name].pilot.step_aside(station)
+        if ordered.request is not None:
+            self._news.gets_request(ordered.request, now_s)
+            self._planner.ask(ordered.request)
+        for name, robot in self.robots.items():
+            robot.answer, robot.partner = ordered.answers.get(name), ordered.holds.get(name)
+            one = decided[name]
+            self.troubles[f"{_of(name)}journal"] = robot.write_journal(one.orders, now_s)
+            robot.drive(one.orders, now_s, one.sight, self.traffic.released(name))
+        if ordered.answers:
+            self.camera.wake()  # the pilots take them at once
+
+    def _state(self, now_s: float, decided: Mapping[str, Decided]) -> RunState:
+        time_s, roadmap, times = now_s - self.started_s, self.roadmap, self._times()
+        traffic, troubles = self.traffic, self._troubles
+        robots = {
+            name: robot.state(
+                time_s,
+                self.view,
+                decided[name].snapshot,
+                roadmap,
+                times,
+                troubles,
+                traffic.waits.get(name),
+            )
+            for name, robot in self.robots.items()
+        }
+        return RunState(
+            time_s, robots, dict(traffic.waits), traffic.rounds, dict(traffic.waits_for)
         )
-        if self._recorder is not None:
-            self._recorder.state(state, now_s)
-        return state
+
+    def _times(self) -> StageTimes:
+        return StageTimes(self.view.vision.look_s, self._news.roadmap_s, self._news.plan_s)
+
+    @property
+    def _hold(self) -> str | None:
+        """Why all robots have to hold; None where they need not."""
+        return self.lent or self.view.hold or self.punctuality.hold(self._clock())
+
+    @property
+    def _troubles(self) -> tuple[str, ...]:
+        troubles = self.view.troubles | self.troubles | {"stops": self.stopping.trouble}
+        return tuple(filter(None, troubles.values()))
+
+
+def _of(name: str) -> str:
+    """Whose part it is, where there are several robots."""
+    return f"{name}'s " if name else ""

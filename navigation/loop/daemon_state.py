@@ -7,10 +7,10 @@ Units: metres, radians, seconds.
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 from navigation.link.link_snapshot import LinkSnapshot
-from navigation.mission.mission import Mission
+from navigation.mission.mission import Mission, State
 from navigation.mission.trust import Level
 from navigation.mission.watch import Verdict
 from navigation.witness import NO_EVIDENCE, Evidence
@@ -34,7 +34,7 @@ class StageTimes:
 
 @dataclass(frozen=True, slots=True)
 class DaemonState:
-    """What is known after a cycle; for the command line, the dashboard and tests.
+    """What is known of one robot after a cycle; for the command line, the dashboard and tests.
 
     Nothing in it changes any more: other threads may keep it and read it at leisure.
     """
@@ -62,6 +62,58 @@ class DaemonState:
     """How far the robot's identity can be trusted."""
     troubles: tuple[str, ...] = ()
     """What people must know although the run goes on: a journal or log that cannot be written."""
+
+
+@dataclass(frozen=True, slots=True)
+class RunState:
+    """What is known after a cycle: by name each robot, and whom it waits for.
+
+    A robot that is driven alone has the empty name.
+    """
+
+    time_s: float
+    robots: Mapping[str, DaemonState]
+    waits: Mapping[str, str] = field(default_factory=dict)
+    """Who waits for whom and why, in a sentence each."""
+    rounds: int = 0
+    """How often all were planned together."""
+    waits_for: Mapping[str, str] = field(default_factory=dict)
+    """Of those in ``waits`` that wait for one other robot: for which."""
+
+    @property
+    def only(self) -> DaemonState:
+        """The robot of a run of one."""
+        (robot,) = self.robots.values()
+        return robot
+
+    @property
+    def is_over(self) -> bool:
+        """True if nothing more will happen without a new order."""
+        return all(one.mission.is_over or not one.mission.places for one in self.robots.values())
+
+    @property
+    def state(self) -> State:
+        """Of all robots together: the worst end, and before it that of one that is under way."""
+        states = [one.mission.state for one in self.robots.values() if one.mission.places]
+        for state in (State.DRIVING, State.PROVING, State.PLANNING, State.HOLDING):
+            if state in states:
+                return state
+        for state in (State.STOPPED, State.FAILED):
+            if state in states:
+                return state
+        return State.DONE if State.DONE in states else State.IDLE
+
+    @property
+    def sentence(self) -> str:
+        """What each robot has to say that is not at its end."""
+        told = {
+            name: self.waits.get(name) or one.sentence
+            for name, one in self.robots.items()
+            if one.mission.places and one.mission.state is not State.DONE
+        }
+        if not told:
+            return "all robots are at rest at their goals"
+        return "; ".join(f"{name}: {sentence}" for name, sentence in told.items())
 
 
 @dataclass(frozen=True, slots=True)

@@ -9,7 +9,7 @@ world's clock, metres, radians.
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from typing import TYPE_CHECKING, Protocol, TypeVar
 
 from firmware_protocol.host.events import Event
@@ -17,9 +17,8 @@ from firmware_protocol.wire.messages import Waypoint
 from navigation.config import Config
 from navigation.config.sections import RobotSection
 from navigation.link.link_snapshot import LinkSnapshot
-from navigation.loop.planning import ArenaPlanner, SceneCheck
+from navigation.loop.planning import Answering, SceneCheck
 from navigation.loop.seeing.vision_stage import KnowsLatency, VisionStage
-from navigation.mission.cycle import PlanAnswer, PlanRequest
 from navigation.shared.supervisor import Part
 from planner.scene import FloatArray, Scene
 from vision.calibration.calibration import Calibration
@@ -30,7 +29,8 @@ from vision.joined.floor_plan import FloorPlan
 if TYPE_CHECKING:
     from navigation.simulator.truth import Truth
 
-
+_Q = TypeVar("_Q")
+_A = TypeVar("_A")
 _Q_contra = TypeVar("_Q_contra", contravariant=True)
 
 
@@ -168,7 +168,7 @@ class PlannerPart(Protocol[_Q_contra]):
         """Start it again after an error."""
 
 
-class AnySurroundings(Protocol):
+class Surroundings(Protocol):
     """What every run is connected to; opens and closes the simulated robots."""
 
     @property
@@ -179,6 +179,11 @@ class AnySurroundings(Protocol):
     @property
     def floor_plan(self) -> FloorPlan | None:
         """The floor under several cameras; None where there is one."""
+        ...
+
+    @property
+    def truths(self) -> Mapping[str, Truth]:
+        """By name, of each simulated robot what only a simulation can know."""
         ...
 
     def clock(self) -> float:
@@ -202,35 +207,25 @@ class AnySurroundings(Protocol):
         """Vision; ``driven`` are the driven robots where there are several."""
         ...
 
+    def search_clock(self) -> float:
+        """The seconds by which a search for plans is limited."""
+        ...
+
+    def make_link(self, name: str) -> Link:
+        """The link to a robot, whose name is empty where it is alone."""
+        ...
+
+    def make_planner(
+        self,
+        planner: Answering[_Q, _A],
+        on_scene: Callable[[SceneCheck], None],
+        on_answer: Callable[[_A], None],
+    ) -> PlannerPart[_Q]:
+        """The planner beside the control loop."""
+        ...
+
     def start(self) -> None:
         """Switch simulated robots on."""
 
     def stop(self) -> None:
         """Switch them off."""
-
-
-class Surroundings(AnySurroundings, Protocol):
-    """What a run of one robot is connected to."""
-
-    @property
-    def config(self) -> Config:
-        """What was asked for."""
-        ...
-
-    @property
-    def truth(self) -> Truth | None:
-        """What only a simulation can know."""
-        ...
-
-    def make_link(self) -> Link:
-        """The link to the robot."""
-        ...
-
-    def make_planner(
-        self,
-        arena_planner: ArenaPlanner,
-        on_scene: Callable[[SceneCheck], None],
-        on_answer: Callable[[PlanAnswer], None],
-    ) -> PlannerPart[PlanRequest]:
-        """The planner."""
-        ...

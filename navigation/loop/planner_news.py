@@ -8,19 +8,22 @@ from __future__ import annotations
 import threading
 from collections import deque
 from collections.abc import Callable
-from typing import TYPE_CHECKING, Generic, Protocol, TypeVar
+from typing import TYPE_CHECKING, Protocol
 
-from navigation.fleet.request import FleetAnswer
-from navigation.loop.planning import ArenaPlanner, SceneCheck
-from navigation.mission.cycle import PlanAnswer
-from navigation.recording.events import FleetAnswered, PlanAnswered, RoadmapBuilt
+from navigation.loop.planning import SceneCheck
+from navigation.loop.traffic.traffic import Answer, Request
+from navigation.mission.cycle import PlanAnswer, PlanRequest
+from navigation.recording.events import (
+    FleetAnswered,
+    FleetAsked,
+    PlanAnswered,
+    PlanAsked,
+    RoadmapBuilt,
+)
 from planner.roadmap.roadmap import Roadmap
 
 if TYPE_CHECKING:
     from navigation.loop.recorder import Recorder
-
-
-_A = TypeVar("_A")
 
 
 class SeesScenes(Protocol):
@@ -32,12 +35,12 @@ class SeesScenes(Protocol):
         ...
 
 
-class PlannerNews(Generic[_A]):
+class PlannerNews:
     """Scenes that have a roadmap now, and the newest plan; ``wake`` calls the loop to take them."""
 
     def __init__(
         self,
-        planner: ArenaPlanner | SeesScenes,
+        planner: SeesScenes,
         clock: Callable[[], float],
         wake: Callable[[], None],
         recorder: Recorder | None,
@@ -45,7 +48,7 @@ class PlannerNews(Generic[_A]):
         self._planner, self._clock, self._wake = planner, clock, wake
         self._recorder = recorder
         self._lock = threading.Lock()
-        self._answers: deque[_A] = deque(maxlen=1)
+        self._answers: deque[Answer] = deque(maxlen=1)
         self._checks: deque[SceneCheck] = deque()
         self._scene_s = self._asked_s = 0.0
         self.known_revision = 0
@@ -61,11 +64,17 @@ class PlannerNews(Generic[_A]):
         """A scene goes to the planner now."""
         self._scene_s = self._clock()
 
-    def gets_request(self, now_s: float) -> None:
+    def gets_request(self, request: Request, now_s: float) -> None:
         """A request goes to the planner now."""
         self._asked_s = now_s
+        if self._recorder is not None:
+            self._recorder.put(
+                PlanAsked(now_s, request)
+                if isinstance(request, PlanRequest)
+                else FleetAsked(now_s, request)
+            )
 
-    def take(self) -> tuple[list[SceneCheck], _A | None]:
+    def take(self) -> tuple[list[SceneCheck], Answer | None]:
         """What is new since the last cycle."""
         with self._lock:
             checks = list(self._checks)
@@ -88,14 +97,16 @@ class PlannerNews(Generic[_A]):
             self._checks.append(check)
         self._wake()
 
-    def on_answer(self, answer: _A) -> None:
+    def on_answer(self, answer: Answer) -> None:
         """A request was answered."""
         now_s = self._clock()
         self.plan_s = now_s - self._asked_s
-        if self._recorder is not None and isinstance(answer, PlanAnswer):
-            self._recorder.put(PlanAnswered(now_s, answer))
-        elif self._recorder is not None and isinstance(answer, FleetAnswer):
-            self._recorder.put(FleetAnswered(now_s, answer))
+        if self._recorder is not None:
+            self._recorder.put(
+                PlanAnswered(now_s, answer)
+                if isinstance(answer, PlanAnswer)
+                else FleetAnswered(now_s, answer)
+            )
         with self._lock:
             self._answers.append(answer)
         self._wake()

@@ -1,4 +1,4 @@
-"""A cycle's decisions as orders on the link: the lease, what is driven, and every kind of stop.
+"""A cycle's decisions as orders on the link: the lease, and every kind of stop.
 
 The lease is given again at least every ``LEASE_EVERY_S``, and at once where it changes.
 Metres, seconds.
@@ -12,7 +12,6 @@ from typing import Final
 from navigation.config import Config
 from navigation.loop.parts import Link
 from navigation.mission.cycle import Orders
-from navigation.mission.targets import to_wire
 
 LEASE_EVERY_S: Final = 0.08
 STOP_GRACE_S: Final = 0.35
@@ -39,7 +38,7 @@ class RobotOrders:
             self.stands_s = now_s + robot.speed_m_s / robot.acceleration_m_s2 + STOP_GRACE_S
 
     def carry_out(self, orders: Orders, now_s: float, pose_age_s: float) -> None:
-        """Send what one cycle has decided; an emergency stop goes alone."""
+        """Send what one cycle has decided of lease and stops; an emergency stop goes alone."""
         if orders.estop:
             link = self._link.snapshot()
             if link.leaving_estop or not link.estopped:
@@ -52,6 +51,3 @@ class RobotOrders:
         if orders.permit != self._permitted or now_s - self._leased_s >= LEASE_EVERY_S:
             self._link.lease(orders.permit, pose_age_s, self._config.safety.lease_s)
             self._permitted, self._leased_s = orders.permit, now_s
-        if orders.upload is not None:
-            mission_id, targets = orders.upload
-            self._link.upload(mission_id, to_wire(targets))

@@ -9,7 +9,7 @@ from collections.abc import Sequence
 from threading import Lock
 
 from navigation.journal.kept_stops import KeptStops
-from navigation.loop.driven_robot import DrivenRobot
+from navigation.loop.robot import Robot
 from navigation.mission.mission import MissionError, State
 
 
@@ -31,7 +31,7 @@ class Stopping:
         trouble = "" if self.kept is None else self.kept.trouble
         return f"a restart would not know whether robots are stopped: {trouble}" if trouble else ""
 
-    def hold_from_before(self, robots: Sequence[DrivenRobot], kept: KeptStops) -> dict[str, str]:
+    def hold_from_before(self, robots: Sequence[Robot], kept: KeptStops) -> dict[str, str]:
         """Stop the robots that are held by earlier stops; the sentences by name."""
         self.kept = kept
         said = dict(kept.held)
@@ -47,7 +47,7 @@ class Stopping:
                     robot.pilot.begin_stopped(said[robot.name])
         return said
 
-    def stop(self, robots: Sequence[DrivenRobot], reason: str) -> str | None:
+    def stop(self, robots: Sequence[Robot], reason: str) -> str | None:
         """Emergency stop: to the links, past every queue, then latched and kept.
 
         The sentence where it is not on the disk.
@@ -63,12 +63,12 @@ class Stopping:
         trouble = self.kept.settled()
         return f"a restart would not know of this stop: {trouble}" if trouble else None
 
-    def stopped_itself(self, robot: DrivenRobot) -> None:
+    def stopped_itself(self, robot: Robot) -> None:
         """Keep a stop that the pilot has entered, for which the control loop does not wait."""
         if self.kept is not None:
             self.kept.stop([robot.name], robot.pilot.stopped_by)
 
-    def resume(self, robots: Sequence[DrivenRobot]) -> None:
+    def resume(self, robots: Sequence[Robot]) -> None:
         """End a pause; lift a stop and re-arm; the next time continue.
 
         ``MissionError`` where a stop came meanwhile.

@@ -6,7 +6,7 @@ It decides nothing and opens nothing; every sentence is said once, when it becom
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Mapping
-from typing import TYPE_CHECKING, Any, Final
+from typing import TYPE_CHECKING, Final
 
 from firmware_protocol.host.state import LinkState
 from navigation.machine.logs import Level, RunLog
@@ -14,7 +14,7 @@ from navigation.machine.sd_notify import Watchdog
 from navigation.run.trouble_lines import TroubleLines
 
 if TYPE_CHECKING:
-    from navigation.loop.control_loop import ControlLoop
+    from navigation.loop.daemon import Daemon
     from navigation.loop.daemon_state import DaemonState
     from navigation.loop.recorder import Recorder
     from vision.camera.latest_frame import CameraStatus
@@ -33,7 +33,7 @@ class Attendance:
 
     def __init__(
         self,
-        daemon: ControlLoop[Any, Any, Any],
+        daemon: Daemon,
         log: RunLog,
         watchdog: Watchdog,
         recorder: Recorder | None,
@@ -75,11 +75,13 @@ class Attendance:
 
     def _look_at_robot(self, name: str, now: DaemonState) -> None:
         """Say that a robot is waited for, and when it is there; the log says it as news anyway."""
-        waits, who = now.link.state is LinkState.CLOSED, name or "the robot"
+        waits = now.link.state is LinkState.CLOSED
         if waits != self._waits_for.get(name, False):
             self._waits_for[name] = waits
             reason = now.link.down_reason
-            self._say(f"waiting for {who}: {reason}" if waits else f"{who}'s serial port is open")
+            waiting = f"waiting for {name}" if name else "waiting for the robot"
+            is_open = f"{name or 'the robot'}'s serial port is open"
+            self._say(f"{waiting}: {reason}" if waits else is_open)
 
     def _look_at_camera(self, camera: CameraStatus) -> None:
         """The same of the camera."""

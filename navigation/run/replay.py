@@ -22,11 +22,11 @@ from typing import Final, Protocol
 
 from navigation.config.several.each_robot import each_robot
 from navigation.fleet.request import FleetAnswer, FleetRequest
-from navigation.loop.fleet.fleet_planner import FleetPlanner
 from navigation.loop.planning import ArenaPlanner
 from navigation.loop.seeing.eye import Eye
 from navigation.loop.seeing.eye_settings import eye_settings, marked_robots
 from navigation.loop.stages import plan_settings
+from navigation.loop.traffic.fleet_planner import FleetPlanner
 from navigation.mission.cycle import PlanAnswer, PlanRequest
 from navigation.recording.compare import (
     Difference,

@@ -32,7 +32,7 @@ def unfinished_mission(
     until_s = daemon.world.clock() + ROBOT_PATIENCE_S
     while daemon.world.clock() < until_s and not interrupted():
         daemon.cycle()
-        snapshot = daemon.link.snapshot()
+        snapshot = daemon.robot.link.snapshot()
         if snapshot.down_reason is not None or snapshot.status is None:
             continue
         if snapshot.mission_id != plan.mission_id:

@@ -17,7 +17,7 @@ from contextlib import ExitStack, closing
 from dataclasses import dataclass
 from datetime import datetime
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from navigation.config import Config
 from navigation.config.secrecy.secrets import hide
@@ -54,10 +54,8 @@ from vision.camera.camera import Frame, Image
 if TYPE_CHECKING:
     from navigation.dashboard import Dashboard
     from navigation.dashboard.settings.desk import Desk
-    from navigation.loop.control_loop import ControlLoop
-    from navigation.loop.driven_robot import DrivenRobot
-    from navigation.loop.fleet.fleet_daemon import FleetDaemon
     from navigation.loop.recorder import Recorder
+    from navigation.loop.robot import Robot
     from vision.calibrate.lens import Lens
 
 DONE, FAILED, NO_PATH = 0, 1, 3
@@ -154,12 +152,12 @@ class Runner:
                     self.config,
                     world,
                     first_mission_id=first_id,
-                    journal=journal,
+                    journals={} if journal is None else {"": journal},
                     recorder=recorder,
                 )
             )
-            daemon.reanchor = lambda camera: self.reanchor(camera, daemon.newest)
-            taking = TakingOrders(open_things, socket, daemon, daemon, self._log, self._say)
+            daemon.people.reanchor = lambda camera: self.reanchor(camera, daemon.newest)
+            taking = TakingOrders(open_things, socket, daemon, self._log, self._say)
             self._say(f"orders at {socket}: clearway go X,Y, stop, pause, resume, status")
             page = self._serve_dashboard(daemon, open_things, socket, folder)
             # after orders are taken: what was stopped before is on the disk, what comes, here
@@ -176,7 +174,7 @@ class Runner:
             prepare_picture(daemon)
             daemon.let_the_robots_stop()
             duration_s = world.clock() - daemon.started_s
-            report = summarise(daemon, state, reason, duration_s)
+            report = summarise(daemon, daemon.robot, state, reason, duration_s)
             self._log.write(
                 "info", "finished", state=report.state, reason=reason, duration_s=duration_s
             )
@@ -224,7 +222,7 @@ class Runner:
 
     def _serve_dashboard(
         self,
-        daemon: Daemon | FleetDaemon,
+        daemon: Daemon,
         open_things: ExitStack,
         socket: Path,
         folder: Path | None,
@@ -232,21 +230,17 @@ class Runner:
         if not self._dashboard:
             return None
         # here, not above: a run without a page need not load a web server
-        from navigation.dashboard import Bench, Dashboard, KeptRuns, ShownDaemon, ShownFleet
+        from navigation.dashboard import Bench, Dashboard, KeptRuns, ShownDaemon
 
-        bench = None
-        if isinstance(daemon, Daemon):
-            calibration = daemon.world.calibration
-            bench = Bench(
-                daemon,
-                self.config,
-                calibration,
-                self.take_over_lens,
-                daemon.world.clock,
-                daemon.world.wait,
-            )
-            open_things.callback(bench.close)
-
+        bench = Bench(
+            daemon,
+            self.config,
+            daemon.world.calibration,
+            self.take_over_lens,
+            daemon.world.clock,
+            daemon.world.wait,
+        )
+        open_things.callback(bench.close)
         token = None
         if self.config.dashboard.token is None:
             token = self._own_token(socket.with_name(f"{socket.name}.token"))
@@ -254,7 +248,7 @@ class Runner:
         shows_token = self._show_token or (token is not None and not in_journal)
         return open_things.enter_context(
             Dashboard(
-                ShownDaemon(daemon) if isinstance(daemon, Daemon) else ShownFleet(daemon),
+                ShownDaemon(daemon),
                 say=self._say_as_it_is if shows_token else self._say,
                 clock=daemon.world.clock,
                 own_token=token,
@@ -323,8 +317,8 @@ class Runner:
     def _hold_what_was_stopped(
         self,
         open_things: ExitStack,
-        loop: ControlLoop[Any, Any, Any],
-        robots: Sequence[DrivenRobot],
+        daemon: Daemon,
+        robots: Sequence[Robot],
         socket: Path,
     ) -> None:
         """Begin with the stops that earlier programs, or nobody's, were given."""
@@ -332,7 +326,7 @@ class Runner:
             return
         ports = {one.name: ports_of(one.config.serial.port) for one in robots}
         kept = open_things.enter_context(KeptStops(self._stops, socket, self._file, ports))
-        for name, sentence in loop.stopping.hold_from_before(robots, kept).items():
+        for name, sentence in daemon.stopping.hold_from_before(robots, kept).items():
             self._say(f"{name}: {sentence}" if name else sentence)
             self._log.write("warning", "stopped", robot=name, reason=sentence)
 
@@ -346,21 +340,18 @@ class Runner:
             left = unfinished_mission(daemon, journal, self.interrupt.is_set)
         if left is not None:
             self._say(f"continuing: {left.visited} of {len(left.stations)} stations were visited")
-            daemon.restore(left)
+            daemon.people.restore(left, "")
             return
         rearmed = None if journal is None else journal.rearmed()
         if rearmed is not None:
             self._say("re-armed before this run began: `clearway resume` continues the mission")
             with daemon.lock:
-                daemon.pilot.appoint(rearmed)
+                daemon.robot.pilot.appoint(rearmed)
             return
         stations = stations_of(self.config)
-        if stations and not self.waits and daemon.pilot.mission.state is State.STOPPED:
+        if stations and not self.waits:
             any_order = self.config.mission.order == "best"
-            with daemon.lock:
-                daemon.pilot.appoint(Mission(stations, any_order=any_order))
-        elif stations and not self.waits:
-            daemon.give(stations, any_order=self.config.mission.order == "best")
+            daemon.people.appoint(Mission(stations, any_order=any_order), "")
 
     def _drive(
         self, daemon: Daemon, recorder: Recorder | None, taking: TakingOrders
@@ -369,7 +360,7 @@ class Runner:
         watchdog = Watchdog(self._notifier, self._watchdog_s, daemon.turns)
         attendance = Attendance(daemon, self._log, watchdog, recorder, self._say)
         while True:
-            now = daemon.cycle()
+            now = daemon.cycle().only
             self._tell(now)
             taking.cycle()
             attendance.cycle({"": now}, now.troubles, time.monotonic())
@@ -377,7 +368,7 @@ class Runner:
                 stopped = now.mission.state is State.STOPPED
                 return State.STOPPED, self.why_interrupted(now.sentence if stopped else None)
             waits = daemon.stopping.waits_for_rearm
-            has_met = waits or daemon.pilot.has_met_its_devices
+            has_met = waits or daemon.has_met_its_devices
             if self._once and now.time_s > give_up_s and not has_met:
                 reason = f"given up after {give_up_s:g} s without robot and camera"
                 return State.FAILED, f"{reason}: {now.sentence}"
@@ -394,9 +385,9 @@ class Runner:
         interrupted = self.interrupt.is_set()
         if state is State.DONE or (interrupted and not self._once):
             return DONE  # nothing but an interrupt ends a run that goes on after its mission
-        if daemon.pilot.no_path:
+        if daemon.robot.pilot.no_path:
             return NO_PATH
-        return DONE if interrupted and not daemon.pilot.mission.stations else FAILED
+        return DONE if interrupted and not daemon.robot.pilot.mission.stations else FAILED
 
     def reanchor(
         self, camera: str | None, newest: Callable[[str | None], Frame | None]

@@ -7,23 +7,19 @@ from what the camera saw. Units: metres, radians, seconds.
 from __future__ import annotations
 
 import math
-from collections import deque
 from collections.abc import Sequence
 from datetime import datetime
 from itertools import pairwise
 from pathlib import Path
-from typing import Protocol
 
 import numpy as np
 
-from navigation.config import Config
 from navigation.draw import DrawError, OtherRobot, save_picture
 from navigation.loop.daemon import Daemon
 from navigation.loop.daemon_state import DrivenPlan
-from navigation.loop.parts import Frames, Link
+from navigation.loop.robot import Robot
 from navigation.loop.stages import stations_of
 from navigation.mission.mission import State
-from navigation.mission.pilot import Pilot
 from navigation.run.report import (
     FrameCounts,
     Latency,
@@ -33,7 +29,7 @@ from navigation.run.report import (
     rms_and_max,
     tracking_error,
 )
-from navigation.shared.track import Track, driven_pieces, with_breaks
+from navigation.shared.track import driven_pieces, with_breaks
 from navigation.shared.whole_file import UnwrittenFileError
 from navigation.simulator.truth import Truth
 from planner.borders.polyline import arc_lengths, points_at
@@ -48,82 +44,25 @@ STRETCH_STEP_M = 0.005
 """Driven stretches of replaced plans are drawn with a point this often."""
 
 
-class HasTruth(Protocol):
-    """A world that may be simulated."""
-
-    @property
-    def truth(self) -> Truth | None:
-        """What only a simulation can know."""
-        ...
-
-
-class Driven(Protocol):
-    """One driven robot with all that was kept of its run: the daemon, or a seat of the fleet's."""
-
-    @property
-    def config(self) -> Config:
-        """The robot's own."""
-        ...
-
-    @property
-    def link(self) -> Link:
-        """The line to it."""
-        ...
-
-    @property
-    def camera(self) -> Frames:
-        """What sees it."""
-        ...
-
-    @property
-    def pilot(self) -> Pilot:
-        """What has decided for it."""
-        ...
-
-    @property
-    def plans(self) -> deque[DrivenPlan]:
-        """What it has driven."""
-        ...
-
-    @property
-    def sightings(self) -> Track:
-        """Where the camera saw it."""
-        ...
-
-    @property
-    def world(self) -> HasTruth:
-        """What it is connected to."""
-        ...
-
-    @property
-    def roadmap(self) -> Roadmap | None:
-        """The newest."""
-        ...
-
-    @property
-    def processed(self) -> int:
-        """Pictures."""
-        ...
-
-
-def summarise(daemon: Driven, state: State, reason: str, duration_s: float) -> Report:
-    """The report of DESIGN, from everything that the daemon kept."""
-    track = driven_track(daemon)
-    pieces = driven_pieces(track, daemon.config.robot.speed_m_s)
-    snapshot, camera = daemon.link.snapshot(), daemon.camera.status()
-    mission = daemon.pilot.mission
-    goal_m, goal_deg = _goal_error(daemon, track)
+def summarise(daemon: Daemon, robot: Robot, state: State, reason: str, duration_s: float) -> Report:
+    """One robot's report, from everything that the daemon kept."""
+    track = driven_track(daemon, robot)
+    pieces = driven_pieces(track, robot.config.robot.speed_m_s)
+    snapshot, camera = robot.link.snapshot(), daemon.camera.status()
+    mission = robot.pilot.mission
+    truth = daemon.world.truths.get(robot.name)
+    goal_m, goal_deg = _goal_error(robot, track)
     return Report(
         state=state.value if state in (State.DONE, State.FAILED) else State.STOPPED.value,
         reason=reason,
         stations=len(mission.stations),
         stations_visited=mission.visited,
-        waypoints_sent=daemon.pilot.waypoints_sent,
-        waypoints_executed=daemon.pilot.waypoints_executed,
-        replans=daemon.pilot.replans,
-        min_clearance_m=_least_clearance_m(daemon, pieces),
+        waypoints_sent=robot.pilot.waypoints_sent,
+        waypoints_executed=robot.pilot.waypoints_executed,
+        replans=robot.pilot.replans,
+        min_clearance_m=_least_clearance_m(truth, daemon.roadmap, pieces),
         track_jumps=max(0, len(pieces) - 1),
-        tracking_error_m=rms_and_max(_tracking(daemon, track)),
+        tracking_error_m=rms_and_max(_tracking(robot, track)),
         goal_error_m=goal_m,
         goal_error_deg=goal_deg,
         duration_s=duration_s,
@@ -135,16 +74,15 @@ def summarise(daemon: Driven, state: State, reason: str, duration_s: float) -> R
             rtt_ms=None if snapshot.rtt_s is None else snapshot.rtt_s * 1e3,
         ),
         frames=FrameCounts(camera.captured, camera.dropped, daemon.processed),
-        latency_ms=Latency(percentiles_ms(list(daemon.link.capture_to_wire_s))),
-        ground_truth=daemon.world.truth is not None,
+        latency_ms=Latency(percentiles_ms(list(robot.link.capture_to_wire_s))),
+        ground_truth=truth is not None,
     )
 
 
-def driven_track(daemon: Driven) -> FloatArray:
+def driven_track(daemon: Daemon, robot: Robot) -> FloatArray:
     """(n, 4) of seconds, x_m, y_m, heading_rad: the truth where simulated, else the sightings."""
-    if daemon.world.truth is not None:
-        return daemon.world.truth.track()
-    return daemon.sightings.rows()
+    truth = daemon.world.truths.get(robot.name)
+    return robot.sightings.rows() if truth is None else truth.track()
 
 
 def make_run_folder(runs_dir: Path, now: datetime) -> Path:
@@ -188,14 +126,15 @@ def write_report(folder: Path, report: Report) -> list[str]:
 def _write_picture(file: Path, daemon: Daemon, report: Report) -> None:
     if daemon.scene is None:
         return
-    track = driven_track(daemon)
+    robot = daemon.robot
+    track = driven_track(daemon, robot)
     stations = [
         (s.x, s.y) if s.heading_rad is None else (s.x, s.y, s.heading_rad)
         for s in stations_of(daemon.config)
     ]
     fastest_m_s = daemon.config.robot.speed_m_s
     first = [tuple(track[0, 1:4])] if len(track) else []
-    plans = list(daemon.plans)
+    plans = list(robot.plans)
     save_picture(
         file,
         daemon.scene,
@@ -240,8 +179,9 @@ def driven_stretches(
     return stretches
 
 
-def _least_clearance_m(daemon: Driven, pieces: Sequence[FloatArray]) -> float | None:
-    truth, roadmap = daemon.world.truth, daemon.roadmap
+def _least_clearance_m(
+    truth: Truth | None, roadmap: Roadmap | None, pieces: Sequence[FloatArray]
+) -> float | None:
     if truth is not None:
         return min((truth.track_clearance(piece) for piece in pieces), default=None)
     if roadmap is None:
@@ -250,10 +190,10 @@ def _least_clearance_m(daemon: Driven, pieces: Sequence[FloatArray]) -> float | 
     return min((way.distance for way in ways), default=None)
 
 
-def _tracking(daemon: Driven, track: FloatArray) -> FloatArray:
+def _tracking(robot: Robot, track: FloatArray) -> FloatArray:
     """Each position's distance from the plan that was driven at its time."""
     errors = []
-    plans = list(daemon.plans)
+    plans = list(robot.plans)
     ends = [*(plan.since_s for plan in plans[1:]), math.inf]
     for plan, end_s in zip(plans, ends, strict=False):
         rows = track[(track[:, 0] >= plan.since_s) & (track[:, 0] < end_s)]
@@ -261,8 +201,8 @@ def _tracking(daemon: Driven, track: FloatArray) -> FloatArray:
     return np.concatenate(errors) if errors else np.empty(0)
 
 
-def _goal_error(daemon: Driven, track: FloatArray) -> tuple[float | None, float | None]:
-    stations = daemon.pilot.mission.stations
+def _goal_error(robot: Robot, track: FloatArray) -> tuple[float | None, float | None]:
+    stations = robot.pilot.mission.stations
     if not stations or not len(track):
         return None, None
     goal, (_, x, y, heading) = stations[-1], track[-1]

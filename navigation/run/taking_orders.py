@@ -5,19 +5,18 @@ from __future__ import annotations
 from collections.abc import Callable
 from contextlib import ExitStack
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from navigation.control import ControlServer
 from navigation.shared.supervisor import Part
 
 if TYPE_CHECKING:
-    from navigation.control import Commanded
-    from navigation.loop.control_loop import ControlLoop
+    from navigation.loop.daemon import Daemon
     from navigation.machine.logs import RunLog
 
 
 class TakingOrders:
-    """Takes orders for ``commanded`` at a socket until the run ends; `cycle` after each cycle.
+    """Takes orders of people at a socket until the run ends; `cycle` after each cycle.
 
     ``say`` gets a line for the terminal.
     """
@@ -26,19 +25,18 @@ class TakingOrders:
         self,
         open_things: ExitStack,
         socket: Path,
-        commanded: Commanded,
-        loop: ControlLoop[Any, Any, Any],
+        daemon: Daemon,
         log: RunLog,
         say: Callable[[str], None],
     ) -> None:
-        self._loop, self._log, self._say = loop, log, say
-        self._control = open_things.enter_context(ControlServer(socket, commanded))
+        self._daemon, self._log, self._say = daemon, log, say
+        self._control = open_things.enter_context(ControlServer(socket, daemon.people))
         part = Part(self._control.failure, self._control.restart)
-        loop.look_after("control socket", part, lambda: self._control.turns)
+        daemon.look_after("control socket", part, lambda: self._control.turns)
 
     def cycle(self) -> None:
         """Say once what a person should know; what lasts becomes one of the run's troubles."""
         for sentence in self._control.news():
             self._log.write("warning", "trouble", reason=sentence)
             self._say(sentence)
-        self._loop.troubles["control socket"] = self._control.trouble
+        self._daemon.troubles["control socket"] = self._control.trouble

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 from navigation.machine.logs import RunLog
 
 if TYPE_CHECKING:
-    from navigation.loop.fleet.fleet_state import FleetState
+    from navigation.loop.daemon_state import RunState
 
 
 class TroubleLines:
@@ -32,7 +32,7 @@ class TroubleLines:
                 self._say(f"trouble over: {sentence}")
 
 
-def troubles_of(fleet: FleetState) -> list[str]:
+def troubles_of(fleet: RunState) -> list[str]:
     """The troubles of all robots; one that not every robot has begins with whose it is."""
     robots = fleet.robots
     counts = Counter(sentence for one in robots.values() for sentence in one.troubles)

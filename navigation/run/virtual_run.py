@@ -45,10 +45,10 @@ def run_virtually(
     with Daemon(config, world, first_mission_id=FIRST_MISSION_ID) as daemon:
         stations = stations_of(config)
         if stations:
-            daemon.give(stations, any_order=config.mission.order == "best")
+            daemon.people.give(stations, any_order=config.mission.order == "best")
         under_way_s = 0.0
         while True:
-            now = daemon.cycle()
+            now = daemon.cycle().only
             if stations and not now.mission.is_over:
                 under_way_s = now.time_s
             over = under_way_s < now.time_s and now.time_s - under_way_s >= linger_s
@@ -59,4 +59,5 @@ def run_virtually(
                 limit_s = config.simulation.time_limit_s
                 state, reason = State.FAILED, f"not done within {limit_s:g} s: {now.sentence}"
                 break
-        return summarise(daemon, state, reason, world.clock() - daemon.started_s)
+        duration_s = world.clock() - daemon.started_s
+        return summarise(daemon, daemon.robot, state, reason, duration_s)

@@ -18,9 +18,8 @@ import numpy as np
 from navigation.config import Config
 from navigation.config.sections import RobotSection
 from navigation.config.several.each_camera import each_camera
-from navigation.loop.planning import Answering, ArenaPlanner, SceneCheck
+from navigation.loop.planning import Answering, SceneCheck
 from navigation.loop.seeing.vision_stage import KnowsLatency, VisionStage
-from navigation.mission.cycle import PlanAnswer, PlanRequest
 from navigation.run.troubled_camera import (
     NOWHERE,
     Memory,
@@ -113,7 +112,9 @@ class VirtualWorld:
         self.calibration = shown_calibration(config, self.floor_plan)
         self.robot = VirtualRobot(self.loop)
         self.truth = Truth(self._arenas, self.robot, others_of(config, self._tracks))
+        self.truths = {"": self.truth}
         self.port = "virtual"
+        self._searched_s = 0.0
         self._due: list[tuple[float, Callable[[], None]]] = []
         self.processor = ProcessorFaults(faults_of(config))
 
@@ -171,18 +172,23 @@ class VirtualWorld:
             self._looking.parts,
         )
 
-    def make_link(self) -> VirtualLink:
+    def make_link(self, _name: str) -> VirtualLink:
         """The link to the robot."""
         return VirtualLink(self.loop, self.troubles)
 
+    def search_clock(self) -> float:
+        """Counts the looks at it, so that equal work is limited equally on every computer."""
+        self._searched_s += self.times.search_s
+        return self._searched_s
+
     def make_planner(
         self,
-        arena_planner: ArenaPlanner,
+        planner: Answering[_Q, _A],
         on_scene: Callable[[SceneCheck], None],
-        on_answer: Callable[[PlanAnswer], None],
-    ) -> VirtualPlanner[PlanRequest, PlanAnswer]:
+        on_answer: Callable[[_A], None],
+    ) -> VirtualPlanner[_Q, _A]:
         """The planner."""
-        return VirtualPlanner(self, arena_planner, on_scene, on_answer)
+        return VirtualPlanner(self, planner, on_scene, on_answer)
 
     def open_camera(self, name: str | None = None) -> Camera:
         """A new camera over what the arena is by now; ``name`` is one of several."""

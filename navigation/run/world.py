@@ -10,16 +10,15 @@ import math
 import time
 from collections.abc import Callable, Mapping, Sequence
 from functools import cached_property
-from typing import Any
+from typing import Any, TypeVar
 
 from navigation.config import Config
 from navigation.config.sections import SIMULATED, RobotSection
 from navigation.config.several.each_camera import each_camera
 from navigation.config.simulation import SimulatedKnockSection
 from navigation.link.serial_link import SerialLink
-from navigation.loop.planning import ArenaPlanner, PlannerThread, SceneCheck
+from navigation.loop.planning import Answering, PlannerThread, SceneCheck
 from navigation.loop.seeing.vision_stage import KnowsLatency, VisionStage
-from navigation.mission.cycle import PlanAnswer, PlanRequest
 from navigation.run.devices.cameras import Cameras
 from navigation.run.devices.driven import driver_of, end_all, link_of
 from navigation.run.devices.simulated import (
@@ -38,6 +37,7 @@ from navigation.simulator.picture.pinhole import pinhole_of
 from navigation.simulator.picture.timed_camera import TimedCamera
 from navigation.simulator.truth import Truth
 from planner.scene import Bounds
+from planner.shared.search_clock import search_clock_s
 from vision.calibration.calibration import Calibration
 from vision.calibration.calibration_file import load_calibration
 from vision.camera.camera import Camera
@@ -46,6 +46,8 @@ from vision.camera.several_frames import SeveralFrames
 from vision.joined.floor_plan import FloorPlan
 
 Clock = Callable[[], float]
+_Q = TypeVar("_Q")
+_A = TypeVar("_A")
 
 
 class World:
@@ -91,6 +93,11 @@ class World:
         """Where pixels lie on the floor, of the picture that people are shown."""
         return shown_calibration(self.config, self.floor_plan)
 
+    @property
+    def truths(self) -> dict[str, Truth]:
+        """By name, of each simulated robot what only a simulation can know."""
+        return {} if self.truth is None else {"": self.truth}
+
     def wait(self, seconds: float) -> None:
         """Let time pass."""
         self.clock.wait(seconds)
@@ -109,21 +116,25 @@ class World:
         """Vision that looks at the camera's pictures."""
         return VisionStage(config, self.calibration, witness, self.clock, driven, self.floor_plan)
 
-    def make_link(self) -> SerialLink:
+    def make_link(self, _name: str) -> SerialLink:
         """The serial link in a thread of its own; it waits for a robot that is plugged in later."""
         if self._driver is not None:
             return link_of(self._driver, self.clock, wait_for_port=self._wait_for_port)
         baud = self.config.serial.baud
         return SerialLink(self.port, baud, clock=self.clock, wait_for_port=self._wait_for_port)
 
+    def search_clock(self) -> float:
+        """The seconds by which a search for plans is limited: compiling is left out."""
+        return search_clock_s()
+
     def make_planner(
         self,
-        arena_planner: ArenaPlanner,
+        planner: Answering[_Q, _A],
         on_scene: Callable[[SceneCheck], None],
-        on_answer: Callable[[PlanAnswer], None],
-    ) -> PlannerThread[PlanRequest, PlanAnswer]:
+        on_answer: Callable[[_A], None],
+    ) -> PlannerThread[_Q, _A]:
         """The planner in a thread of its own."""
-        return PlannerThread(arena_planner, on_scene, on_answer)
+        return PlannerThread(planner, on_scene, on_answer)
 
     def open_camera(self, name: str | None = None) -> Camera:
         """A new camera, closed; the same source each time. ``name`` is one of several cameras."""

@@ -77,7 +77,7 @@ def test_a_robot_is_chosen_by_click_or_number_and_the_goal_is_its_own(
     expect(page.locator("#goal-preview")).to_contain_text("clearance at least")
     page.locator("#send").click()
     until(lambda: program.state("finn") in (State.PROVING, State.PLANNING, State.DRIVING))
-    (goal,) = program.daemon.seats["finn"].pilot.mission.stations
+    (goal,) = program.daemon.robots["finn"].pilot.mission.stations
     assert math.dist((goal.x, goal.y), (1.55, 1.35)) < 0.01
     assert all(program.state(name) is State.IDLE for name in program.names if name != "finn")
     expect(page.locator("#log li", has_text="finn: GO to")).to_have_count(1)
@@ -95,7 +95,7 @@ def test_with_the_keyboard_alone_a_robot_is_chosen_sent_stopped_and_rearmed(
     expect(page.locator("#goal-preview")).to_contain_text("clearance at least")
     keep(page, "fleet_keyboard")
     page.keyboard.press("Enter")
-    until(lambda: bool(program.daemon.seats["bob"].pilot.mission.stations))
+    until(lambda: bool(program.daemon.robots["bob"].pilot.mission.stations))
     page.locator("#robot-bob").focus()
     page.keyboard.press("Tab")  # re-arming is out of reach before it is stopped
     expect(page.locator("#stop-bob")).to_be_focused()

@@ -169,7 +169,7 @@ def test_stop_stops_the_wheels_and_only_rearming_leaves_it(
     expect(page.locator("#rearm")).to_be_enabled()
     page.locator("#rearm").click()
     expect(page.locator("#stopped")).to_be_hidden()
-    until(lambda: not program.daemon.link.snapshot().estopped)
+    until(lambda: not program.daemon.robot.link.snapshot().estopped)
     assert not program.is_moving(), "re-arming moves nothing"
 
 
@@ -190,11 +190,12 @@ def test_the_robot_takes_no_order_until_it_is_cancelled_and_stop_works_all_the_t
 ) -> None:
     page = open_page()
     start_calibration(page)
-    refused = carry_out({"order": "go", "stations": [{"x_m": 1.8, "y_m": 0.5}]}, program.daemon)
+    order = {"order": "go", "stations": [{"x_m": 1.8, "y_m": 0.5}]}
+    refused = carry_out(order, program.daemon.people)
     assert refused == {"ok": False, "error": "the camera is being calibrated from the page"}
     page.locator("#stop").click()
     until(lambda: program.state is State.STOPPED)
-    until(lambda: program.daemon.link.snapshot().estopped)
+    until(lambda: program.daemon.robot.link.snapshot().estopped)
     page.locator("#calibration-cancel").click()
     expect(page.locator("#calibration-said")).to_contain_text("Cancelled: nothing was written")
     expect(page.locator("#calibration-board")).to_be_visible()

@@ -216,7 +216,7 @@ def world(config: Config) -> World:
 @pytest.fixture
 def daemon(config: Config, world: World) -> Iterator[Daemon]:
     with Daemon(config, world, first_mission_id=7) as daemon:
-        daemon.give(stations_of(config))
+        daemon.people.give(stations_of(config))
         yield daemon
 
 
@@ -229,7 +229,7 @@ def cycle_until(
     """Cycle until ``reached``, calling ``each`` after every cycle."""
     until_s = time.monotonic() + patience_s
     while True:
-        now = daemon.cycle()
+        now = daemon.cycle().only
         each(now)
         if reached(now):
             return now
@@ -276,7 +276,7 @@ def test_every_scene_seen_on_the_way_holds_the_arena_and_never_the_robot(
 def test_leaving_in_mid_run_leaves_a_robot_that_stands(config: Config, world: World) -> None:
     assert world.truth is not None
     with Daemon(config, world, first_mission_id=7) as daemon:
-        daemon.give(stations_of(config))
+        daemon.people.give(stations_of(config))
         cycle_until(daemon, is_driving)
         moving = world.truth.track()
     assert math.dist(moving[-1, 1:3], moving[0, 1:3]) > 0.005, "it had set off"
@@ -291,7 +291,7 @@ def test_a_robot_that_is_not_in_view_is_held_and_that_is_said(config: Config, wo
     assert world.truth is not None
     world.pose_now = lambda: (-5.0, -5.0, 0.0)  # type: ignore[method-assign]
     with Daemon(config, world, first_mission_id=7) as daemon:
-        daemon.give(stations_of(config))
+        daemon.people.give(stations_of(config))
         frames = cycle_until(daemon, lambda now: daemon.processed >= 20)
         assert frames.mission.state in (State.HOLDING, State.PLANNING)
         told = cycle_until(daemon, lambda now: now.mission.state is State.HOLDING)
@@ -310,7 +310,7 @@ def test_a_robot_lost_from_view_stops_and_goes_on_when_seen_again(
         lambda: (-5.0, -5.0, 0.0) if hidden[0] else robot.pose()
     )
     with Daemon(config, world, first_mission_id=7) as daemon:
-        daemon.give(stations_of(config))
+        daemon.people.give(stations_of(config))
         cycle_until(daemon, is_driving)
         hidden[0] = True
         held = cycle_until(daemon, lambda now: now.mission.state is State.HOLDING)

@@ -20,7 +20,6 @@ from navigation.config.sections import SIMULATED
 from navigation.dashboard.calibrating.frames import LentFrames
 from navigation.dashboard.calibrating.shown import as_json, jpeg_of
 from navigation.dashboard.visits import RefusedError
-from navigation.loop.daemon_state import DaemonState
 from navigation.simulator.picture.held_board import HeldBoardCamera
 from vision.calibrate.board import BoardSpec
 from vision.calibrate.lens import MIN_VIEWS, Lens, estimate_lens, plain_estimate
@@ -47,8 +46,8 @@ class LendingRun(Protocol):
     """Why the robot has to hold, None where the camera is not lent."""
 
     @property
-    def state(self) -> DaemonState | None:
-        """What the last cycle ended with, its frame in it."""
+    def frame(self) -> Frame | None:
+        """The newest picture."""
         ...
 
 
@@ -132,8 +131,7 @@ class Bench:
         with self._lock:
             if self._lens is None:
                 raise RefusedError("no lens was found yet")
-            state = self._run.state
-            frame = None if state is None else state.frame
+            frame = self._run.frame
             try:
                 said = self._save(self._lens, None if frame is None else frame.image)
             except ValueError as error:
@@ -179,17 +177,13 @@ class Bench:
 
     def _camera(self, spec: BoardSpec, session: LiveSession) -> Camera:
         if self._config.camera.source != SIMULATED:
-            return LentFrames(self._newest, self._clock, self._wait)
+            return LentFrames(lambda: self._run.frame, self._clock, self._wait)
         seed = 0 if self._config.simulation is None else self._config.simulation.seed
 
         def asked() -> HeldPose | None:
             return None if session.wanted is None else session.wanted.pose
 
         return HeldBoardCamera(self._config, spec, self._clock, self._wait, seed, asked)
-
-    def _newest(self) -> Frame | None:
-        state = self._run.state
-        return None if state is None else state.frame
 
     def _turn(self, before: Phase, after: Phase, cancelled: threading.Event) -> None:
         with self._lock:

@@ -14,8 +14,7 @@ from navigation.dashboard.hub import Hub
 from navigation.dashboard.messages.chronicle import LOG_LINES, SAMPLE_EVERY_S, SAMPLES
 from navigation.dashboard.replay.player import SPEEDS, Player
 from navigation.dashboard.replay.replayed_run import IT_IS_A_RECORDING, ReplayedRun
-from navigation.loop.daemon_state import DaemonState
-from navigation.loop.fleet.fleet_state import FleetState
+from navigation.loop.daemon_state import DaemonState, RunState
 from navigation.shared.outside import finite_number, in_short
 
 TRACK_EVERY_S: Final = 0.2
@@ -90,7 +89,7 @@ class ReplayHub(Hub):
         self.epoch += 1
         self.wake()
 
-    def _observe(self, state: DaemonState, _fleet: FleetState | None) -> None:
+    def _observe(self, state: DaemonState, _fleet: RunState | None) -> None:
         """In the run's own times: whoever plays fast has not lifted the robot."""
         super()._observe(*self.run_shown.at(state.time_s))
         self._others.update(  # as old as they are shown

@@ -5,7 +5,7 @@ Rules
   was then; ``DaemonState.time_s`` is seconds from the recording's beginning.
 - What was not recorded is unknown here too: it is None, never made up. A robot's marker is shown
   where its pose is, on the floor.
-- Of several robots there are a summary and each robot beside it, as of a run (`ShownFleet`).
+- Of several robots there are a summary and each robot beside it, as of a run (`ShownDaemon`).
 - Roadmaps are built again from the recorded scenes in a thread beside, the newest few are kept.
 """
 
@@ -24,9 +24,8 @@ from navigation.config.dashboard import DashboardSection
 from navigation.config.several.each_robot import each_robot
 from navigation.dashboard.replay.player import Player
 from navigation.dashboard.replay.taped_robot import Moment, TapedRobot
-from navigation.dashboard.shown_fleet import summary_of
-from navigation.loop.daemon_state import DaemonState
-from navigation.loop.fleet.fleet_state import FleetState
+from navigation.dashboard.shown import summary_of
+from navigation.loop.daemon_state import DaemonState, RunState
 from navigation.mission.cycle import PlanAnswer
 from navigation.mission.mission import MissionError, Station
 from navigation.recording.reader import SeenScene
@@ -65,10 +64,10 @@ class ReplayedRun:
         self._builder = ThreadPoolExecutor(1, thread_name_prefix="roadmaps")
         self._roadmaps: OrderedDict[int, Future[Roadmap]] = OrderedDict()
         self._frame: tuple[TapedPicture | None, Frame | None] = (None, None)
-        self._fleet: FleetState | None = None
+        self._fleet: RunState | None = None
 
     @property
-    def fleet(self) -> FleetState | None:
+    def fleet(self) -> RunState | None:
         """Each of several robots, as of the moment that `state` was asked for last."""
         return self._fleet
 
@@ -105,7 +104,7 @@ class ReplayedRun:
 
     def at(
         self, place_s: float, *, as_now: bool = False, in_short: bool = False
-    ) -> tuple[DaemonState, FleetState | None]:
+    ) -> tuple[DaemonState, RunState | None]:
         """The state ``place_s`` after the recording's beginning, in the run's own times.
 
         Of several robots their summary, and each of them. ``as_now``: with its picture, and with
@@ -131,7 +130,7 @@ class ReplayedRun:
             return states[0], None
         waits, waits_for = self.tape.waits_at(time_s)
         named = {robot.name: state for robot, state in zip(robots, states, strict=True)}
-        fleet = FleetState(place_s, named, waits, waits_for=waits_for)
+        fleet = RunState(place_s, named, waits, waits_for=waits_for)
         return summary_of(fleet), fleet
 
     def _time_s(self) -> float:

@@ -9,7 +9,7 @@ import math
 from collections.abc import Callable
 from typing import Final
 
-from navigation.loop.fleet.fleet_state import FleetState
+from navigation.loop.daemon_state import RunState
 from navigation.mission.mission import State
 
 PROGRESS_EVERY_S: Final = 1.0
@@ -26,7 +26,7 @@ class FleetLines:
         self._said: dict[str, tuple[State, str]] = {}
         self._said_s = -math.inf
 
-    def cycle(self, now: FleetState) -> None:
+    def cycle(self, now: RunState) -> None:
         """After a cycle that ended with ``now``."""
         any_news = False
         for name, one in now.robots.items():
@@ -52,7 +52,7 @@ class FleetLines:
             self._say(f"{now.time_s:6.1f} s  {now.state.value:<8} {_to_go(now)}")
 
 
-def why_stopped(now: FleetState) -> str | None:
+def why_stopped(now: RunState) -> str | None:
     """The cause of each robot's emergency stop; None where none is stopped."""
     causes = {
         name: one.sentence for name, one in now.robots.items() if one.mission.state is State.STOPPED
@@ -62,7 +62,7 @@ def why_stopped(now: FleetState) -> str | None:
     return "; ".join(f"{name}: {sentence}" for name, sentence in causes.items()) or None
 
 
-def _to_go(now: FleetState) -> str:
+def _to_go(now: RunState) -> str:
     """The distance that each robot has still to go."""
     parts = []
     for name, one in now.robots.items():

@@ -2,29 +2,26 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from pathlib import Path
 
 from navigation.draw import DrivenRobot, save_picture
-from navigation.loop.fleet.fleet_daemon import FleetDaemon
+from navigation.loop.daemon import Daemon
 from navigation.run.fleet.fleet_report import FleetReport
+from navigation.run.summary import driven_track
 from navigation.shared.track import driven_pieces, with_breaks
-from navigation.simulator.truth import Truth
 
 
-def write_picture(
-    file: Path, daemon: FleetDaemon, truths: Mapping[str, Truth], report: FleetReport
-) -> None:
+def write_picture(file: Path, daemon: Daemon, report: FleetReport) -> None:
     """Write it where a scene was seen; ``DrawError`` where that cannot be done.
 
-    ``truths`` of the simulated robots; tracks of others are where the camera saw them. Without the
-    roadmap, whose colours are those of clearances.
+    Tracks of robots that are not simulated are where the camera saw them. Without the roadmap,
+    whose colours are those of clearances.
     """
     if daemon.scene is None:
         return
     driven = []
-    for name, seat in daemon.seats.items():
-        track = truths[name].track() if name in truths else seat.sightings.rows()
+    for name, seat in daemon.robots.items():
+        track = driven_track(daemon, seat)
         pieces = driven_pieces(track, seat.config.robot.speed_m_s)
         stations = seat.pilot.mission.stations
         driven.append(

@@ -14,16 +14,12 @@ from typing import Any
 import numpy as np
 
 from navigation.config.secrecy.secrets import hide_in
-from navigation.loop.fleet.fleet_daemon import FleetDaemon
-from navigation.loop.fleet.seat import Seat
-from navigation.loop.parts import Frames
+from navigation.loop.daemon import Daemon
 from navigation.mission.mission import State
 from navigation.run.report import Report
-from navigation.run.summary import HasTruth, summarise
+from navigation.run.summary import summarise
 from navigation.shared.whole_file import write_whole
-from navigation.simulator.truth import Truth
 from planner.fleet.motions.track_kernels import nearest_pair
-from planner.roadmap.roadmap import Roadmap
 
 
 @dataclass(frozen=True, slots=True)
@@ -85,37 +81,13 @@ def _in_short(report: Report) -> str:
     return f"{report.state}, {visited}{goal}"
 
 
-@dataclass(frozen=True, slots=True)
-class _World:
-    truth: Truth | None
-
-
-class _Alone:
-    """One seat as `summarise` sees a robot that is driven alone."""
-
-    def __init__(self, daemon: FleetDaemon, seat: Seat, truth: Truth | None) -> None:
-        self.config, self.link, self.pilot = seat.config, seat.link, seat.pilot
-        self.plans, self.sightings = seat.plans, seat.sightings
-        self.camera: Frames = daemon.camera
-        self.world: HasTruth = _World(truth)
-        self.roadmap: Roadmap | None = daemon.roadmap
-        self.processed = daemon.processed
-
-
-def summarise_fleet(
-    daemon: FleetDaemon,
-    truths: Mapping[str, Truth],
-    state: State,
-    reason: str,
-    duration_s: float,
-) -> FleetReport:
-    """The report, from everything that the daemon kept; ``truths`` of the simulated robots."""
+def summarise_fleet(daemon: Daemon, state: State, reason: str, duration_s: float) -> FleetReport:
+    """The report, from everything that the daemon kept."""
     robots = {}
-    for name, seat in daemon.seats.items():
-        mission = seat.pilot.mission
-        alone = _Alone(daemon, seat, truths.get(name))
-        robots[name] = summarise(alone, mission.state, mission.reason, duration_s)
-    gap = least_gap(daemon, truths)
+    for name, robot in daemon.robots.items():
+        mission = robot.pilot.mission
+        robots[name] = summarise(daemon, robot, mission.state, mission.reason, duration_s)
+    gap = least_gap(daemon)
     clearances = [one.min_clearance_m for one in robots.values() if one.min_clearance_m is not None]
     return FleetReport(
         state=state.value if state in (State.DONE, State.FAILED) else State.STOPPED.value,
@@ -124,25 +96,25 @@ def summarise_fleet(
         least_gap_m=None if gap is None else gap[0],
         least_gap_between=None if gap is None else gap[1:],
         min_clearance_m=min(clearances, default=None),
-        rounds=daemon.coordinator.rounds,
+        rounds=daemon.traffic.rounds,
         robots=robots,
     )
 
 
-def least_gap(daemon: FleetDaemon, truths: Mapping[str, Truth]) -> tuple[float, str, str] | None:
+def least_gap(daemon: Daemon) -> tuple[float, str, str] | None:
     """How near two bodies came by the ground truth, and which; None with fewer than two.
 
     Between two moments at which places are known, 20 ms apart, both move straight and evenly.
     """
     names, tracks = [], []
-    for name, truth in truths.items():
+    for name, truth in daemon.world.truths.items():
         track = truth.track()
         if len(track):
             names.append(name)
             tracks.append(np.ascontiguousarray(track[:, :3]))
     if len(names) < 2:
         return None
-    radii = np.array([daemon.seats[name].config.robot.radius_m for name in names])
+    radii = np.array([daemon.robots[name].config.robot.radius_m for name in names])
     first = np.concatenate([[0], np.cumsum([len(track) for track in tracks])]).astype(np.int64)
     gap_m, i, j, _ = nearest_pair(np.concatenate(tracks), first, radii)
     return float(gap_m), names[int(i)], names[int(j)]

@@ -18,8 +18,7 @@ from navigation.control import default_socket
 from navigation.draw import DrawError
 from navigation.journal.journal import Journal, owner_of
 from navigation.link.serial_port import PortNotReadyError, look_for_port
-from navigation.loop.fleet.fleet_daemon import FleetDaemon
-from navigation.loop.fleet.people import People
+from navigation.loop.daemon import Daemon
 from navigation.loop.stages import stations_of
 from navigation.machine.sd_notify import Watchdog
 from navigation.mission.mission import State
@@ -67,19 +66,22 @@ class FleetRunner(Runner):
             first_id = random.SystemRandom().randrange(1, 1 << 32)
             recorder = self._open_recorder(open_things, world.calibration, world.clock)
             daemon = open_things.enter_context(
-                FleetDaemon(self.config, world, first_mission_id=first_id, recorder=recorder)
+                Daemon(
+                    self.config,
+                    world,
+                    first_mission_id=first_id,
+                    journals=journals,
+                    recorder=recorder,
+                )
             )
-            for name, journal in journals.items():
-                daemon.seats[name].journal = journal
             socket = self._socket or default_socket()
-            people = People(daemon)
-            people.reanchor = lambda camera: self.reanchor(camera, daemon.newest)
-            taking = TakingOrders(open_things, socket, people, daemon, self._log, self._say)
+            daemon.people.reanchor = lambda camera: self.reanchor(camera, daemon.newest)
+            taking = TakingOrders(open_things, socket, daemon, self._log, self._say)
             self._say(
                 f"orders at {socket}: clearway go X,Y --robot NAME, stop, pause, resume, status"
             )
             page = self._serve_dashboard(daemon, open_things, socket, folder)
-            self._hold_what_was_stopped(open_things, daemon, list(daemon.seats.values()), socket)
+            self._hold_what_was_stopped(open_things, daemon, list(daemon.robots.values()), socket)
             missions = GiveMissions(daemon, self._say, for_orders=self.waits)
             self._notifier.send("READY=1")
             self._log.write("info", "ready", camera=seen_by.partition(" ")[2], port=ports)
@@ -90,7 +92,7 @@ class FleetRunner(Runner):
                 page.begin_closing()  # while the robots brake
             daemon.let_the_robots_stop()
             duration_s = world.clock() - daemon.started_s
-            report = summarise_fleet(daemon, world.truths, state, reason, duration_s)
+            report = summarise_fleet(daemon, state, reason, duration_s)
             self._log.write(
                 "info", "finished", state=report.state, reason=reason, duration_s=duration_s
             )
@@ -99,7 +101,7 @@ class FleetRunner(Runner):
         self._write(folder, report)
         if folder is not None:
             try:
-                write_picture(folder / "track.svg", daemon, world.truths, report)
+                write_picture(folder / "track.svg", daemon, report)
             except DrawError as error:
                 self._say(f"trouble: {error}")
         for remark in slowness(world.clock):
@@ -143,7 +145,7 @@ class FleetRunner(Runner):
 
     def _drive_all(
         self,
-        daemon: FleetDaemon,
+        daemon: Daemon,
         missions: GiveMissions,
         taking: TakingOrders,
         recorder: Recorder | None,
@@ -170,11 +172,11 @@ class FleetRunner(Runner):
             if self._once and not waits and missions.are_given and now.is_over:
                 return now.state, now.sentence
 
-    def _exit_code_of(self, state: State, daemon: FleetDaemon) -> int:
+    def _exit_code_of(self, state: State, daemon: Daemon) -> int:
         interrupted = self.interrupt.is_set()
         if state is State.DONE or (interrupted and not self._once):
             return DONE
-        if any(seat.pilot.no_path for seat in daemon.seats.values()):
+        if any(one.pilot.no_path for one in daemon.robots.values()):
             return NO_PATH
         return FAILED
 

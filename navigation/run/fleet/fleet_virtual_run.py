@@ -9,8 +9,8 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from navigation.config import Config
-from navigation.loop.fleet.fleet_daemon import FleetDaemon
-from navigation.loop.fleet.fleet_state import FleetState
+from navigation.loop.daemon import Daemon
+from navigation.loop.daemon_state import RunState
 from navigation.mission.mission import State
 from navigation.run.fleet.fleet_report import FleetReport, summarise_fleet
 from navigation.run.fleet.fleet_virtual_world import FleetVirtualWorld
@@ -21,7 +21,7 @@ if TYPE_CHECKING:
     from navigation.loop.recorder import Recorder
 
 FIRST_MISSION_ID = 1
-Look = Callable[[FleetDaemon, FleetState], bool]
+Look = Callable[[Daemon, RunState], bool]
 
 
 def run_fleet_virtually(
@@ -54,7 +54,7 @@ def run_fleet_virtually(
         if record is not None:
             recorder = open_things.enter_context(_recorder(config, world, record))
         daemon = open_things.enter_context(
-            FleetDaemon(config, world, first_mission_id=FIRST_MISSION_ID, recorder=recorder)
+            Daemon(config, world, first_mission_id=FIRST_MISSION_ID, recorder=recorder)
         )
         missions = GiveMissions(daemon, lambda _line: None)
         under_way_s = 0.0
@@ -72,7 +72,7 @@ def run_fleet_virtually(
                 state, reason = State.FAILED, f"not done within {limit_s:g} s: {now.sentence}"
                 break
         duration_s = world.clock() - daemon.started_s
-        return summarise_fleet(daemon, world.truths, state, reason, duration_s)
+        return summarise_fleet(daemon, state, reason, duration_s)
 
 
 def _recorder(config: Config, world: FleetVirtualWorld, folder: Path) -> Recorder:

@@ -8,6 +8,7 @@ from __future__ import annotations
 from collections import defaultdict
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
+from typing import TypeVar
 
 import numpy as np
 
@@ -16,9 +17,7 @@ from navigation.config import Config
 from navigation.config.sections import RobotSection
 from navigation.config.several.each_camera import each_camera
 from navigation.config.several.each_robot import each_robot
-from navigation.fleet.request import FleetAnswer, FleetRequest
-from navigation.loop.fleet.fleet_planner import FleetPlanner
-from navigation.loop.planning import SceneCheck
+from navigation.loop.planning import Answering, SceneCheck
 from navigation.loop.seeing.vision_stage import KnowsLatency, VisionStage
 from navigation.run.troubled_camera import CameraTroubles, Memory, TroubledCamera, seen_pose
 from navigation.run.virtual_link import VirtualLink
@@ -33,6 +32,9 @@ from navigation.simulator.truth import Truth
 from navigation.simulator.virtual_loop import VirtualLoop
 from navigation.simulator.virtual_robot import VirtualRobot
 from vision.camera.camera import Camera, CameraError
+
+_Q = TypeVar("_Q")
+_A = TypeVar("_A")
 
 
 @dataclass(slots=True)
@@ -66,7 +68,7 @@ def _body(config: Config) -> Body:
 
 
 class FleetVirtualWorld:
-    """`fleet_daemon.FleetSurroundings` in virtual time.
+    """`parts.Surroundings` in virtual time.
 
     ``bodies`` by name is what the simulated robots really are, where their errors are each its
     own; else as configured. Without ``pictures`` none is drawn or looked at
@@ -165,12 +167,12 @@ class FleetVirtualWorld:
         self._searched_s += self.times.search_s
         return self._searched_s
 
-    def make_fleet_planner(
+    def make_planner(
         self,
-        planner: FleetPlanner,
+        planner: Answering[_Q, _A],
         on_scene: Callable[[SceneCheck], None],
-        on_answer: Callable[[FleetAnswer], None],
-    ) -> VirtualPlanner[FleetRequest, FleetAnswer]:
+        on_answer: Callable[[_A], None],
+    ) -> VirtualPlanner[_Q, _A]:
         """The planner."""
         return VirtualPlanner(self, planner, on_scene, on_answer)
 

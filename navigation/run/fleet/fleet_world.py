@@ -3,14 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
+from typing import TypeVar
 
 from navigation.config import Config
 from navigation.config.sections import RobotSection
 from navigation.config.several.each_robot import each_robot
-from navigation.fleet.request import FleetAnswer, FleetRequest
 from navigation.link.serial_link import SerialLink
-from navigation.loop.fleet.fleet_planner import FleetPlanner
-from navigation.loop.planning import PlannerThread, SceneCheck
+from navigation.loop.planning import Answering, PlannerThread, SceneCheck
 from navigation.loop.seeing.vision_stage import KnowsLatency, VisionStage
 from navigation.run.devices.cameras import Cameras
 from navigation.run.devices.driven import driver_of, end_all, link_of
@@ -26,6 +25,9 @@ from planner.shared.search_clock import search_clock_s
 from vision.camera.camera import Camera
 from vision.camera.latest_frame import LatestFrame
 from vision.camera.several_frames import SeveralFrames
+
+_Q = TypeVar("_Q")
+_A = TypeVar("_A")
 
 
 class FleetWorld:
@@ -98,12 +100,12 @@ class FleetWorld:
         """The seconds by which a search for plans is limited: compiling is left out."""
         return search_clock_s()
 
-    def make_fleet_planner(
+    def make_planner(
         self,
-        planner: FleetPlanner,
+        planner: Answering[_Q, _A],
         on_scene: Callable[[SceneCheck], None],
-        on_answer: Callable[[FleetAnswer], None],
-    ) -> PlannerThread[FleetRequest, FleetAnswer]:
+        on_answer: Callable[[_A], None],
+    ) -> PlannerThread[_Q, _A]:
         """The planner in a thread of its own."""
         return PlannerThread(planner, on_scene, on_answer)
 

@@ -12,10 +12,9 @@ from __future__ import annotations
 from collections.abc import Callable
 from typing import Final
 
+from navigation.config import limits_of
 from navigation.config.values import Station as ConfiguredStation
-from navigation.loop.fleet.fleet_daemon import FleetDaemon
-from navigation.loop.fleet.fleet_planner import limits_of_robot
-from navigation.loop.fleet.people import People
+from navigation.loop.daemon import Daemon
 from navigation.loop.stages import stations_of
 from navigation.mission.mission import Mission, Station
 from planner.fleet.assignment import assign_tasks
@@ -31,16 +30,16 @@ class GiveMissions:
     """
 
     def __init__(
-        self, daemon: FleetDaemon, say: Callable[[str], None], *, for_orders: bool = False
+        self, daemon: Daemon, say: Callable[[str], None], *, for_orders: bool = False
     ) -> None:
         self._daemon, self._say = daemon, say
-        self._people = People(daemon)
+        self._people = daemon.people
         self._until_s = daemon.world.clock() + ROBOT_PATIENCE_S
         self._left: dict[str, Mission] = {}
         self._kept: dict[str, Mission] = {}
         """Of a run that continues: what each journal holds, finished or not."""
         self._given: dict[str, tuple[Station, ...]] = {}
-        for name, seat in daemon.seats.items():
+        for name, seat in daemon.robots.items():
             mission = None if seat.journal is None else seat.journal.mission()
             if mission is not None:
                 self._kept[name] = mission
@@ -53,7 +52,7 @@ class GiveMissions:
         for name, mission in self._kept.items():
             if name not in self._left and name not in rearmed:
                 say(f"{name} has nothing to continue: its mission was {mission.state.value}")
-        for name, seat in daemon.seats.items():
+        for name, seat in daemon.robots.items():
             stations = stations_of(seat.config)
             if stations and name not in self._kept and not for_orders:
                 self._given[name] = stations
@@ -63,7 +62,7 @@ class GiveMissions:
     def _rearmed(self) -> set[str]:
         """The robots that were re-armed and not resumed: they wait for the second resume."""
         found = set()
-        for name, seat in self._daemon.seats.items():
+        for name, seat in self._daemon.robots.items():
             mission = None if seat.journal is None else seat.journal.rearmed()
             if mission is not None:
                 self._say(
@@ -83,7 +82,7 @@ class GiveMissions:
         tasks = self._daemon.config.tasks
         if not self._kept:
             return tasks
-        free = [name for name, seat in self._daemon.seats.items() if not stations_of(seat.config)]
+        free = [name for name, seat in self._daemon.robots.items() if not stations_of(seat.config)]
         served = [self._kept[name].stations for name in free if name in self._kept]
         if len(served) >= min(len(tasks), len(free)):
             return ()
@@ -103,7 +102,7 @@ class GiveMissions:
         for name in list(self._left):
             self._continue(name)
         for name, stations in self._given.items():
-            self._people.appoint(stations, name)
+            self._people.appoint(Mission(stations), name)
         self._given = {}
 
     def _assign(self) -> None:
@@ -111,7 +110,7 @@ class GiveMissions:
 
         Nobody moves meanwhile: paths are planned for every pair, in the control loop.
         """
-        seats = self._daemon.seats
+        seats = self._daemon.robots
         free = {
             name: seat
             for name, seat in seats.items()
@@ -128,7 +127,7 @@ class GiveMissions:
             [(seat.pose.x, seat.pose.y) for seat in free.values() if seat.pose is not None],
             [(task.x_m, task.y_m) for task in self._tasks],
             [seat.config.robot.radius_m for seat in free.values()],
-            [limits_of_robot(seat.config) for seat in free.values()],
+            [limits_of(seat.config) for seat in free.values()],
         )
         for name, number in zip(names, chosen.tasks, strict=True):
             if number is not None:
@@ -140,7 +139,7 @@ class GiveMissions:
 
     def _continue(self, name: str) -> None:
         """The journal's mission, once the robot has said how far it has come of it, or not."""
-        seat, mission = self._daemon.seats[name], self._left[name]
+        seat, mission = self._daemon.robots[name], self._left[name]
         assert seat.journal is not None
         plan = seat.journal.plan()
         snapshot = seat.link.snapshot()
@@ -154,7 +153,7 @@ class GiveMissions:
         self._say(
             f"{name} continues: {mission.visited} of {len(mission.stations)} stations were visited"
         )
-        self._people.restore(name, mission)
+        self._people.restore(mission, name)
 
 
 def _station(task: ConfiguredStation) -> Station:

@@ -13,8 +13,8 @@ from navigation.dashboard import Dashboard
 from navigation.dashboard.replay.player import Player
 from navigation.dashboard.replay.replay_hub import ReplayHub
 from navigation.dashboard.replay.replayed_run import ReplayedRun
-from navigation.loop.fleet.fleet_daemon import FleetDaemon
-from navigation.loop.fleet.fleet_state import FleetState
+from navigation.loop.daemon import Daemon
+from navigation.loop.daemon_state import RunState
 from navigation.recording.tape import Tape, read_tape
 from tests.browser.pages import Keep, OpenPage
 from tests.support.runs.recordings import record_alcove
@@ -36,7 +36,7 @@ def tape(tmp_path_factory: pytest.TempPathFactory) -> Tape:
     """Until a second after one of the two has begun to wait for the other."""
     began_s: list[float] = []
 
-    def until(_daemon: FleetDaemon, now: FleetState) -> bool:
+    def until(_daemon: Daemon, now: RunState) -> bool:
         if now.waits_for:
             began_s.append(now.time_s)
         return bool(began_s) and now.time_s > began_s[0] + AFTER_S

@@ -69,7 +69,7 @@ class Live(Served):
     @property
     def state(self) -> State:
         """The mission's state."""
-        return self.daemon.pilot.mission.state
+        return self.daemon.robot.pilot.mission.state
 
     def drives(self) -> bool:
         """True if the robot is to drive now."""
@@ -100,13 +100,13 @@ class Live(Served):
     def calm_down(self) -> None:
         """Leave no stop, pause, mission or operator behind for the next test."""
         self.hub.seat.holder = None
-        mission = self.daemon.pilot.mission
+        mission = self.daemon.robot.pilot.mission
         under_way = (State.PLANNING, State.PROVING, State.DRIVING, State.HOLDING)
         if self.state in under_way or mission.paused:
-            self.daemon.stop("the test is over")
+            self.daemon.people.stop("the test is over")
             until(lambda: self.state is State.STOPPED)
         if self.state is State.STOPPED:
-            until(lambda: self.daemon.link.snapshot().estopped)
-            self.daemon.resume()
+            until(lambda: self.daemon.robot.link.snapshot().estopped)
+            self.daemon.people.resume()
         until(lambda: self.state in (State.IDLE, State.DONE, State.FAILED))
-        until(lambda: not self.daemon.link.snapshot().estopped)
+        until(lambda: not self.daemon.robot.link.snapshot().estopped)

@@ -16,12 +16,12 @@ from typing import Any
 
 from navigation.config import Config, parse_config
 from navigation.config.several.each_robot import each_robot
-from navigation.dashboard import Dashboard, ShownFleet
+from navigation.dashboard import Dashboard, ShownDaemon
 from navigation.dashboard.hub import Hub
 from navigation.dashboard.settings.desk import Desk
-from navigation.loop.fleet.fleet_daemon import FleetDaemon
-from navigation.loop.fleet.fleet_state import FleetState
-from navigation.loop.fleet.people import People
+from navigation.loop.daemon import Daemon
+from navigation.loop.daemon_state import RunState
+from navigation.loop.people import People
 from navigation.mission.cycle import PlanAnswer
 from navigation.mission.mission import State, Station
 from navigation.run.fleet.fleet_virtual_world import FleetVirtualWorld
@@ -58,17 +58,19 @@ def fleet_config(rate_hz: int = 8, noise_grey: float | None = None) -> Config:
 class _OneAtATime(People):
     """Orders between two cycles: the virtual world is one thread's at a time."""
 
-    def __init__(self, daemon: FleetDaemon, turn: threading.Lock) -> None:
+    def __init__(self, daemon: Daemon, turn: threading.Lock) -> None:
         super().__init__(daemon)
         self._turn = turn
 
-    def give(self, stations: tuple[Station, ...], robot: str | None = None) -> None:
+    def give(
+        self, stations: tuple[Station, ...], robot: str | None = None, *, any_order: bool = False
+    ) -> None:
         with self._turn:
-            super().give(stations, robot)
+            super().give(stations, robot, any_order=any_order)
 
-    def stop(self, reason: str, robot: str | None = None) -> None:
+    def stop(self, reason: str, robot: str | None = None) -> str | None:
         with self._turn:
-            super().stop(reason, robot)
+            return super().stop(reason, robot)
 
     def pause(self, robot: str | None = None) -> None:
         with self._turn:
@@ -86,7 +88,7 @@ class _OneAtATime(People):
         with self._turn:
             return super().describe(robot)
 
-    def preview(self, stations: tuple[Station, ...], robot: str) -> PlanAnswer:
+    def preview(self, stations: tuple[Station, ...], robot: str | None = None) -> PlanAnswer:
         with self._turn:
             return super().preview(stations, robot)
 
@@ -101,16 +103,16 @@ class LiveFleet:
     def __init__(self, config: Config, desk: Desk | None = None, *, pictures: bool = False) -> None:
         self.config = config
         self.world = FleetVirtualWorld(config, pictures=pictures)
-        self.daemon = FleetDaemon(config, self.world, first_mission_id=FIRST_MISSION_ID)
+        self.daemon = Daemon(config, self.world, first_mission_id=FIRST_MISSION_ID)
         self._turn = threading.Lock()
-        self.people = _OneAtATime(self.daemon, self._turn)
+        self.daemon.people = self.people = _OneAtATime(self.daemon, self._turn)
         self.said: list[str] = []
-        self._holds: Callable[[FleetState], bool] | None = None
+        self._holds: Callable[[RunState], bool] | None = None
         self._held_since_s = math.inf
         self._stopping = threading.Event()
         self._thread = threading.Thread(target=self._cycle, name="control loop")
         self._dashboard = Dashboard(
-            ShownFleet(self.daemon, self.people),
+            ShownDaemon(self.daemon),
             say=self.said.append,
             clock=self.world.clock,
             desk=desk,
@@ -148,7 +150,7 @@ class LiveFleet:
             spare_s = self.world.clock() - then_s - (time.monotonic() - began_s)
             self._stopping.wait(max(BREATH_S, spare_s))
 
-    def hold_when(self, holds: Callable[[FleetState], bool]) -> None:
+    def hold_when(self, holds: Callable[[RunState], bool]) -> None:
         """Let time stand still once something is true and the page has heard of it."""
         self._holds = holds
 
@@ -179,7 +181,7 @@ class LiveFleet:
 
     def state(self, name: str) -> State:
         """Of one robot's mission."""
-        return self.daemon.seats[name].pilot.mission.state
+        return self.daemon.robots[name].pilot.mission.state
 
     def place(self, name: str) -> tuple[float, float]:
         """Where a robot really is."""
@@ -191,7 +193,7 @@ class LiveFleet:
         self._holds, self._held_since_s = None, math.inf
         self.hub.seat.holder = None
         self.people.stop("the test is over")
-        links = [seat.link for seat in self.daemon.seats.values()]
+        links = [seat.link for seat in self.daemon.robots.values()]
         until(lambda: all(link.snapshot().estopped for link in links))
         self.people.settle()  # whom the loop does not know to be stopped yet is not re-armed
         self.people.resume()

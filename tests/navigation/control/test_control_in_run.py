@@ -20,12 +20,12 @@ def test_a_robot_that_nobody_could_stop_holds_until_the_socket_is_read_again(
     config = short_config([{"x_m": 0.20, "y_m": 1.60}])
     with (
         Daemon(config, VirtualWorld(config), first_mission_id=7) as daemon,
-        ControlServer(tmp_path / "run" / "c.sock", daemon) as control,
+        ControlServer(tmp_path / "run" / "c.sock", daemon.people) as control,
     ):
         daemon.look_after(
             "control socket", Part(control.failure, control.restart), lambda: control.turns
         )
-        daemon.give(stations_of(config))
+        daemon.people.give(stations_of(config))
         cycle_until(daemon, is_driving)
         turns = daemon.turns()["control socket"]
         assert wait_until(lambda: daemon.turns()["control socket"] > turns)

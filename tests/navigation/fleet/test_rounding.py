@@ -12,8 +12,8 @@ from navigation.config.several.each_robot import each_robot
 from navigation.fleet import planning
 from navigation.fleet.request import FleetAnswer, FleetRequest, Traveller
 from navigation.fleet.rounding import CHORD_M, CutTrack, legs_of, rounded, split_track, thinned
-from navigation.loop.fleet.fleet_planner import FleetPlanner
 from navigation.loop.stages import stations_of
+from navigation.loop.traffic.fleet_planner import FleetPlanner
 from navigation.simulator.arena import load_arena
 from navigation.simulator.settings import true_start_of
 from tests.navigation.fleet.test_fleet_promises import RADIUS_M, places, scene_of

@@ -8,9 +8,8 @@ from typing import Any
 import pytest
 
 from navigation.config import Config, load_config
-from navigation.loop.fleet.fleet_daemon import FleetDaemon
-from navigation.loop.fleet.fleet_state import FleetState
-from navigation.loop.fleet.people import People
+from navigation.loop.daemon import Daemon
+from navigation.loop.daemon_state import RunState
 from navigation.mission.mission import State
 from tests.support.runs.fleet_kills import drive_fleet_under_fire
 
@@ -71,10 +70,10 @@ def test_one_that_was_stopped_stays_stopped_while_another_continues(tmp_path: Pa
     """A person has stopped one robot; the program dies and comes back for the other one only."""
     stopped: list[float] = []
 
-    def look(daemon: FleetDaemon, now: FleetState) -> None:
+    def look(daemon: Daemon, now: RunState) -> None:
         if not stopped and now.time_s > 1.5:
             stopped.append(now.time_s)
-            People(daemon).stop("this one is to stay where it is", "b")
+            daemon.people.stop("this one is to stay where it is", "b")
         elif len(stopped) == 1 and now.time_s > stopped[0] + 0.5:
             stopped.append(now.time_s)
             daemon.world.reaper.arm(1)  # type: ignore[attr-defined]

@@ -22,7 +22,7 @@ def driving() -> Iterator[tuple[VirtualWorld, Daemon]]:
     config = short_config(FAR)
     world = VirtualWorld(config)
     with Daemon(config, world, first_mission_id=7) as daemon:
-        daemon.give(stations_of(config))
+        daemon.people.give(stations_of(config))
         cycle_until(daemon, is_driving)
         cycle_until(daemon, lambda _: world.loop.drive.moving)
         yield world, daemon
@@ -41,7 +41,7 @@ def test_a_late_thread_holds_the_robot_which_goes_on_by_itself(
     if who == "the control loop":
         world.wait(0.4 + 0.05)
     else:
-        one = world if who == "a thread" else daemon.link
+        one = world if who == "a thread" else daemon.robot.link
         monkeypatch.setattr(type(one), "late_s", lambda _: next(late, 0.0))
     now = cycle_until(daemon, holds, 0.2)
     assert now.sentence.startswith(f"this computer is too busy: {who} was late by 0.4 s (load ")
@@ -88,7 +88,7 @@ def test_a_picture_that_freezes_while_the_computer_is_late_moves_nothing_far(
         world.wait(0.4)
         places.append(world.robot.pose()[:2])
     assert max(abs(x - places[0][0]) + abs(y - places[0][1]) for x, y in places) < 0.15
-    assert not is_driving(daemon.cycle())
+    assert not is_driving(daemon.cycle().only)
 
 
 def test_what_is_on_time_says_nothing() -> None:

@@ -58,7 +58,7 @@ def arena(request: pytest.FixtureRequest) -> Iterator[Arena]:
     config = short_config(FAR, simulation={"camera": HIGH_CAMERA})
     world = VirtualWorld(config, pictures=request.param)
     with Daemon(config, world, first_mission_id=7) as daemon:
-        daemon.give(stations_of(config))
+        daemon.people.give(stations_of(config))
         cycle_until(daemon, is_driving)
         cycle_until(daemon, lambda _: world.loop.drive.moving)
         yield Arena(world, daemon)
@@ -114,11 +114,11 @@ def press_the_button(arena: Arena) -> None:
 
 
 def press_pause(arena: Arena) -> None:
-    arena.daemon.pause()
+    arena.daemon.people.pause()
 
 
 def press_stop(arena: Arena) -> None:
-    arena.daemon.stop("the operator pressed STOP")
+    arena.daemon.people.stop("the operator pressed STOP")
 
 
 TABLE: list[tuple[Callable[[Arena], None], State, float, str]] = [
@@ -200,10 +200,10 @@ def test_a_stop_is_latched_until_re_armed_and_resumed(
     since_s = arena.world.clock()
     cycle_until(arena.daemon, lambda _: arena.world.clock() > since_s + 3.0)
     assert arena.stands()
-    arena.daemon.resume()
+    arena.daemon.people.resume()
     cycle_until(arena.daemon, lambda _: arena.world.clock() > since_s + 6.0)
     assert arena.stands(), "re-armed is not going"
-    arena.daemon.resume()
+    arena.daemon.people.resume()
     ended = cycle_until(arena.daemon, lambda now: now.mission.is_over)
     assert ended.mission.state is State.DONE, ended.sentence
 
@@ -216,7 +216,7 @@ def test_a_stop_on_the_robot_is_said_without_a_mission_too_until_it_is_re_armed(
     press_the_button(arena)
     now = cycle_until(arena.daemon, lambda now: any(words in one for one in now.troubles), 1.0)
     assert now.mission.state is State.DONE
-    arena.daemon.resume()
+    arena.daemon.people.resume()
     said = []
     since_s = arena.world.clock()
     cycle_until(
@@ -249,15 +249,15 @@ def test_a_planner_that_fails_holds_the_robot_and_is_started_again(
     arena: Arena, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     answers: list[Exception] = [ZeroDivisionError("division by zero")] * 2
-    plan = arena.daemon._arena_planner.answer
+    plan = arena.daemon.traffic.planner.answer
 
     def fragile(request):  # type: ignore[no-untyped-def]
         if answers:
             raise answers.pop()
         return plan(request)
 
-    monkeypatch.setattr(arena.daemon._arena_planner, "answer", fragile)
-    arena.daemon.replan()
+    monkeypatch.setattr(arena.daemon.traffic.planner, "answer", fragile)
+    arena.daemon.people.replan()
     now = arena.until(State.HOLDING)
     assert now.sentence == (
         "the planner failed (ZeroDivisionError: division by zero): starting it again"

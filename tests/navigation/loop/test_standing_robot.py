@@ -33,7 +33,7 @@ CAUSES = {"wire_to_robot_cut": DEAF, "motors_dead": MOTIONLESS}
 def driving_robot(config: Config) -> Iterator[tuple[VirtualWorld, Daemon]]:
     world = VirtualWorld(config, pictures=False)
     with Daemon(config, world, first_mission_id=7) as daemon:
-        daemon.give(stations_of(config))
+        daemon.people.give(stations_of(config))
         cycle_until(daemon, is_driving)
         cycle_until(daemon, lambda _: world.loop.drive.moving)
         yield world, daemon

@@ -8,8 +8,8 @@ import pytest
 from mcap.reader import make_reader
 
 from navigation.fleet.request import FleetRequest
-from navigation.loop.fleet.fleet_daemon import FleetDaemon
-from navigation.loop.fleet.fleet_state import FleetState
+from navigation.loop.daemon import Daemon
+from navigation.loop.daemon_state import RunState
 from navigation.recording.compare import Tolerances
 from navigation.recording.reader import read_recording
 from navigation.recording.tape import read_tape
@@ -56,7 +56,7 @@ def test_request_promises_and_gates_are_read_back(alcove: Path) -> None:
 def test_a_file_begins_with_every_robot_s_promise_and_who_waits(tmp_path: Path) -> None:
     waited_s = list[float]()
 
-    def waited(_daemon: FleetDaemon, now: FleetState) -> bool:
+    def waited(_daemon: Daemon, now: RunState) -> bool:
         waited_s.extend([now.time_s] if now.waits else [])
         return bool(waited_s) and now.time_s > waited_s[0] + SECONDS
 

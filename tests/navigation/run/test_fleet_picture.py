@@ -9,13 +9,12 @@ import pytest
 from navigation.config import load_config
 from navigation.draw import DrawError
 from navigation.draw.shapes import ROBOTS
-from navigation.loop.fleet.fleet_daemon import FleetDaemon
-from navigation.loop.fleet.fleet_state import FleetState
+from navigation.loop.daemon import Daemon
+from navigation.loop.daemon_state import RunState
 from navigation.run.fleet.fleet_picture import write_picture
 from navigation.run.fleet.fleet_report import summarise_fleet
 from navigation.run.fleet.fleet_runner import FleetRunner
 from navigation.run.fleet.fleet_virtual_run import run_fleet_virtually
-from navigation.run.fleet.fleet_virtual_world import FleetVirtualWorld
 
 CONFIGS = Path(__file__).parents[3] / "configs"
 ALCOVE = load_config(CONFIGS / "alcove.yaml", {})
@@ -27,15 +26,14 @@ def test_each_robot_has_its_track_in_its_own_colour_and_the_length_that_it_drove
 ) -> None:
     file, driven_m = tmp_path / "track.svg", {}
 
-    def look(daemon: FleetDaemon, now: FleetState) -> bool:
+    def look(daemon: Daemon, now: RunState) -> bool:
         if now.time_s < SECONDS:
             return False
-        assert isinstance(daemon.world, FleetVirtualWorld)
         truths = daemon.world.truths
-        report = summarise_fleet(daemon, truths, now.state, now.sentence, now.time_s)
-        write_picture(file, daemon, truths, report)
+        report = summarise_fleet(daemon, now.state, now.sentence, now.time_s)
+        write_picture(file, daemon, report)
         with pytest.raises(DrawError, match="cannot be written"):
-            write_picture(tmp_path / "no" / "track.svg", daemon, truths, report)
+            write_picture(tmp_path / "no" / "track.svg", daemon, report)
         for name, truth in truths.items():
             steps = np.diff(truth.track()[:, 1:3], axis=0)
             driven_m[name] = float(np.hypot(*steps.T).sum())

@@ -8,9 +8,9 @@ from types import SimpleNamespace
 import pytest
 
 from navigation.config import Config, load_config
-from navigation.loop.fleet.fleet_daemon import FleetDaemon
-from navigation.loop.fleet.fleet_state import FleetState
-from navigation.loop.fleet.people import People
+from navigation.loop.daemon import Daemon
+from navigation.loop.daemon_state import RunState
+from navigation.loop.people import People
 from navigation.mission.mission import State as MissionState
 from navigation.mission.mission import Station
 from navigation.run.fleet.fleet_virtual_run import run_fleet_virtually
@@ -84,14 +84,14 @@ def test_a_robot_that_runs_away_touches_nobody(since_s: float) -> None:
     assert report.least_gap_m > 0.0
 
 
-def once(at_s: float, order: Callable[[People], None]) -> Callable[[FleetDaemon, FleetState], bool]:
+def once(at_s: float, order: Callable[[People], None]) -> Callable[[Daemon, RunState], bool]:
     """A look at each cycle that gives one order at its time."""
     given = []
 
-    def look(daemon: FleetDaemon, now: FleetState) -> bool:
+    def look(daemon: Daemon, now: RunState) -> bool:
         if now.time_s > at_s and not given:
             given.append(at_s)
-            order(People(daemon))
+            order(daemon.people)
         return False
 
     return look
@@ -181,11 +181,11 @@ def test_a_knocked_camera_holds_all_robots_until_it_is_back() -> None:
     config = Config.model_validate(values)
     held: list[set[bool]] = []
 
-    def look(daemon: FleetDaemon, now: FleetState) -> bool:
+    def look(daemon: Daemon, now: RunState) -> bool:
         if 4.5 < daemon.world.clock() < 5.9:
-            reasons = [seat.pilot.mission.reason for seat in daemon.seats.values()]
+            reasons = [seat.pilot.mission.reason for seat in daemon.robots.values()]
             held.append({"the camera has moved" in reason for reason in reasons})
-            states = {seat.pilot.mission.state for seat in daemon.seats.values()}
+            states = {seat.pilot.mission.state for seat in daemon.robots.values()}
             assert states == {MissionState.HOLDING}
         return now.time_s > 15.0
 

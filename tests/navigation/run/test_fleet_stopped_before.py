@@ -10,8 +10,7 @@ import pytest
 from navigation.journal.journal import Journal, owner_of
 from navigation.journal.kept_stops import KeptStops
 from navigation.journal.stop_latch import Latch, write_latch
-from navigation.loop.fleet.fleet_daemon import FleetDaemon
-from navigation.loop.fleet.people import People
+from navigation.loop.daemon import Daemon
 from navigation.mission.mission import State
 from navigation.run.fleet.fleet_virtual_world import FleetVirtualWorld
 from navigation.run.fleet.give_missions import GiveMissions
@@ -28,9 +27,9 @@ class Run:
     def __init__(self, folder: Path) -> None:
         config = hall(folder / "journal", "ab")
         self.world = FleetVirtualWorld(config, pictures=False)
-        self.daemon = FleetDaemon(config, self.world, first_mission_id=1)
+        self.daemon = Daemon(config, self.world, first_mission_id=1)
         self.daemon.__enter__()
-        seats = self.daemon.seats
+        seats = self.daemon.robots
         self.journals = [
             Journal(folder / f"{name}.journal", owner_of(seat.config))
             for name, seat in seats.items()
@@ -73,7 +72,7 @@ def test_a_stop_holds_the_robot_that_it_names_or_all(
     run = Run(tmp_path)
     run.cycle_for(LOOKED_AT_S)
     for name in "ab":
-        state = run.daemon.seats[name].pilot.mission.state
+        state = run.daemon.robots[name].pilot.mission.state
         assert (state is State.STOPPED) == (name in held)
         assert (run.moved_m(name) < STOOD_M) == (name in held)
 
@@ -82,7 +81,7 @@ def test_robots_that_were_all_stopped_are_rearmed_one_by_one(tmp_path: Path) -> 
     stop_before(tmp_path, "")
     run = Run(tmp_path)
     run.cycle_for(1.0)
-    people = People(run.daemon)
+    people = run.daemon.people
     people.resume("a")
     run.cycle_for(1.0)
     people.resume("a")
@@ -100,7 +99,7 @@ def test_robots_that_were_rearmed_wait_in_the_next_run_too_for_the_word_to_go_on
 ) -> None:
     run = Run(tmp_path)
     run.cycle_for(3.0)
-    people = People(run.daemon)
+    people = run.daemon.people
     people.stop("a person")
     run.cycle_for(1.0)
     people.resume()
@@ -110,7 +109,7 @@ def test_robots_that_were_rearmed_wait_in_the_next_run_too_for_the_word_to_go_on
     again.cycle_for(6.0)
     assert again.moved_m("a") < STOOD_M
     assert again.moved_m("b") < STOOD_M
-    People(again.daemon).resume("a")
+    again.daemon.people.resume("a")
     again.cycle_for(LOOKED_AT_S)
     assert again.moved_m("a") > 0.1
     assert again.moved_m("b") < STOOD_M

@@ -4,8 +4,8 @@ import math
 from pathlib import Path
 
 from navigation.config import Config, load_config
-from navigation.loop.fleet.fleet_daemon import FleetDaemon
-from navigation.loop.fleet.fleet_state import FleetState
+from navigation.loop.daemon import Daemon
+from navigation.loop.daemon_state import RunState
 from navigation.mission.mission import State
 from navigation.run.fleet.fleet_virtual_run import run_fleet_virtually
 from tests.support.runs.fleet_kills import drive_fleet_under_fire
@@ -36,9 +36,9 @@ def test_one_that_stands_in_the_corridor_steps_into_the_niche_and_comes_back() -
     highest_m = 0.0
     ended_m = (0.0, 0.0)
 
-    def look(daemon: FleetDaemon, _now: FleetState) -> bool:
+    def look(daemon: Daemon, _now: RunState) -> bool:
         nonlocal highest_m, ended_m
-        pose = daemon.seats["right"].pose
+        pose = daemon.robots["right"].pose
         highest_m = max(highest_m, 0.0 if pose is None else pose.y)
         ended_m = ended_m if pose is None else (pose.x, pose.y)
         return False
@@ -68,9 +68,9 @@ TOURS = {
 def test_one_that_has_finished_its_mission_and_steps_aside_keeps_it() -> None:
     was_over, highest_m = False, 0.0
 
-    def look(daemon: FleetDaemon, now: FleetState) -> bool:
+    def look(daemon: Daemon, now: RunState) -> bool:
         nonlocal was_over, highest_m
-        left, pose = now.robots["left"].mission, daemon.seats["left"].pose
+        left, pose = now.robots["left"].mission, daemon.robots["left"].pose
         was_over |= left.state is State.DONE
         assert len(left.stations) == 2
         if was_over:
@@ -92,9 +92,9 @@ def test_a_kill_while_one_steps_aside_costs_it_neither_its_mission_nor_its_place
     journal = {"journal": str(tmp_path / "journal")}
     killed = False
 
-    def look(daemon: FleetDaemon, now: FleetState) -> None:
+    def look(daemon: Daemon, now: RunState) -> None:
         nonlocal killed
-        pose = daemon.seats["left"].pose
+        pose = daemon.robots["left"].pose
         in_niche = pose is not None and pose.y > 1.0
         if in_niche and not killed and now.robots["left"].mission.visited == 2:
             killed = True
@@ -127,8 +127,8 @@ def test_tasks_go_where_the_drive_is_short_not_where_the_air_is() -> None:
     )
     given: dict[str, int] = {}
 
-    def look(daemon: FleetDaemon, _now: FleetState) -> bool:
-        given.update({n: len(s.pilot.mission.stations) for n, s in daemon.seats.items()})
+    def look(daemon: Daemon, _now: RunState) -> bool:
+        given.update({n: len(s.pilot.mission.stations) for n, s in daemon.robots.items()})
         return any(given.values())
 
     run_fleet_virtually(config, look=look, pictures=False)

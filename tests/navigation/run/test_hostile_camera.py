@@ -55,7 +55,7 @@ class Stage:
 
     def set_off(self, cycles: int = 20) -> None:
         """Until the robot drives at full speed."""
-        self.daemon.give(stations_of(self.daemon.config))
+        self.daemon.people.give(stations_of(self.daemon.config))
         cycle_until(self.daemon, is_driving)
         for _ in range(cycles):
             self.daemon.cycle()
@@ -135,7 +135,8 @@ def test_a_lie_of_the_camera_is_a_stop_within_a_hand(
     stage: Stage, lie: Callable[[Stage], None], most_m: float, words: str
 ) -> None:
     stage.set_off()
-    stage.watch(stage.daemon.state)  # type: ignore[arg-type]
+    assert stage.daemon.state is not None
+    stage.watch(stage.daemon.state.only)
     lie(stage)
     ended = stage.until(State.STOPPED)
     stage.rest()
@@ -178,9 +179,9 @@ def test_a_robot_that_was_carried_needs_a_person_who_looks(stage: Stage) -> None
     ended = stage.until(State.STOPPED)
     assert "it was carried or is stuck" in ended.sentence
     stage.rest()
-    stage.daemon.resume()
+    stage.daemon.people.resume()
     stage.rest(1.0)
-    stage.daemon.resume()
+    stage.daemon.people.resume()
     ended = stage.until(State.DONE, State.FAILED, State.STOPPED)
     assert ended.mission.state is State.DONE, ended.sentence
 
@@ -196,11 +197,11 @@ def test_what_a_robot_was_carried_over_does_not_count_as_driven(stage: Stage) ->
     stage.until(State.STOPPED)
     for _ in range(2):
         stage.rest(1.0)
-        stage.daemon.resume()
+        stage.daemon.people.resume()
     ended = stage.until(State.DONE, State.FAILED, State.STOPPED)
     assert ended.mission.state is State.DONE, ended.sentence
     assert stage.world.truth.arena.track_clearance([(x, y), BEHIND])[0] < 0.0
-    rows = stage.daemon.sightings.rows()
+    rows = stage.daemon.robot.sightings.rows()
     pieces = driven_pieces(rows, 0.3)
     assert len(pieces) == 2
     for piece in pieces:
@@ -219,8 +220,8 @@ def test_a_robot_that_was_hidden_proves_itself_slowly_before_it_drives_on(stage:
     stood = stage.world.robot.pose()[:2]
     stage.until(State.DRIVING)
     assert math.dist(stood, stage.world.robot.pose()[:2]) < 0.01, "it turned on the spot"
-    assert stage.daemon.pilot.trust.level is Level.PROBATION
-    assert stage.daemon.pilot.plan.targets[0].speed_m_s <= 0.08
+    assert stage.daemon.robot.pilot.trust.level is Level.PROBATION
+    assert stage.daemon.robot.pilot.plan.targets[0].speed_m_s <= 0.08
     ended = stage.until(State.DONE, State.FAILED, State.STOPPED)
     assert ended.mission.state is State.DONE, ended.sentence
 
@@ -233,10 +234,10 @@ def test_a_robot_that_was_hidden_proves_itself_slowly_before_it_drives_on(stage:
 )
 def test_a_late_stream_is_measured_and_driven_with(stage: Stage, latency_s: float) -> None:
     stage.world.troubles.stream_latency_s = latency_s
-    stage.daemon.give(stations_of(stage.daemon.config))
+    stage.daemon.people.give(stations_of(stage.daemon.config))
     ended = stage.until(State.DONE, State.FAILED, State.STOPPED)
     assert ended.mission.state is State.DONE, ended.sentence
-    found_s = stage.daemon.witness.evidence().latency_s
+    found_s = stage.daemon.robot.witness.evidence().latency_s
     assert found_s == pytest.approx(latency_s, abs=0.03)
     assert stage.clearance_m() > 0.02
     assert math.dist(stage.world.robot.pose()[:2], GOAL) < 0.01
@@ -250,7 +251,7 @@ def test_a_late_stream_is_measured_and_driven_with(stage: Stage, latency_s: floa
 )
 def test_a_stream_that_is_too_late_is_not_driven_with(stage: Stage, latency_s: float) -> None:
     stage.world.troubles.stream_latency_s = latency_s
-    stage.daemon.give(stations_of(stage.daemon.config))
+    stage.daemon.people.give(stations_of(stage.daemon.config))
     ended = stage.until(State.FAILED, State.STOPPED, seconds=90.0)
     stage.rest()
     late = f"the camera's pictures are {latency_s:.1f}"
@@ -265,7 +266,7 @@ def test_a_stream_that_becomes_late_is_held_for_and_driven_with_more_slowly(stag
     stage.world.troubles.stream_latency_s = 0.22
     ended = stage.until(State.DONE, State.FAILED, State.STOPPED)
     assert ended.mission.state is State.DONE, ended.sentence
-    assert stage.daemon.pilot.plan.speed_m_s < 0.27
+    assert stage.daemon.robot.pilot.plan.speed_m_s < 0.27
     assert stage.clearance_m() > 0.02
 
 
@@ -275,7 +276,7 @@ def test_a_latency_that_is_measured_just_as_its_guess_parts_stops_nobody(stage: 
     stage.world.troubles.stream_latency_s = 0.22
     ended = stage.until(State.DONE, State.FAILED, State.STOPPED)
     assert ended.mission.state is State.DONE, ended.sentence
-    pilot, evidence = stage.daemon.pilot, stage.daemon.witness.evidence()
+    pilot, evidence = stage.daemon.robot.pilot, stage.daemon.robot.witness.evidence()
     robot = pilot.settings.traffic
     allowed_m_s = speed_with(evidence.longest_latency_s, robot.speed_m_s, robot.acceleration_m_s2)
     assert WORTH_A_PLAN * pilot.plan.speed_m_s <= allowed_m_s
@@ -284,7 +285,7 @@ def test_a_latency_that_is_measured_just_as_its_guess_parts_stops_nobody(stage: 
 
 def test_a_stamp_in_the_future_counts_as_now(stage: Stage) -> None:
     stage.world.troubles.future_s = 3600.0
-    stage.daemon.give(stations_of(stage.daemon.config))
+    stage.daemon.people.give(stations_of(stage.daemon.config))
     ended = stage.until(State.DONE, State.FAILED, State.STOPPED)
     assert ended.mission.state is State.DONE, ended.sentence
 
@@ -300,7 +301,7 @@ def test_pushed_back_time_and_again_the_mission_is_given_up() -> None:
     )
     world = VirtualWorld(config, pictures=False)
     with Daemon(config, world, first_mission_id=7) as daemon:
-        daemon.give(stations_of(config))
+        daemon.people.give(stations_of(config))
         cycle_until(daemon, is_driving)
         x0, y0, _ = world.robot.pose()
         pushes = 0
@@ -311,7 +312,7 @@ def test_pushed_back_time_and_again_the_mission_is_given_up() -> None:
             if now.mission.state is State.DRIVING and math.dist((x, y), (x0, y0)) > 0.05:
                 pushes += 1
                 world.troubles.carried_to = (x0, y0, heading)
-                daemon.pilot.trust.vouch()  # who pushes it also says that all is well
+                daemon.robot.pilot.trust.vouch()  # who pushes it also says that all is well
 
         ended = cycle_until(daemon, lambda now: now.mission.is_over, 100.0, push)
     assert ended.mission.state is State.FAILED

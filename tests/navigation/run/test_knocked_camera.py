@@ -50,7 +50,7 @@ def driving(
 ) -> Iterator[tuple[VirtualWorld, Daemon]]:
     world = world or VirtualWorld(config)
     with Daemon(config, world, first_mission_id=7) as daemon:
-        daemon.give(stations_of(config))
+        daemon.people.give(stations_of(config))
         yield world, daemon
 
 
@@ -74,7 +74,7 @@ def test_a_knock_holds_the_robot_within_a_second_until_the_camera_is_back(
         assert any(trouble.startswith("the camera has moved: ") for trouble in held.troubles)
         said = []
         cycle_until(daemon, lambda now: not now.link.moving)
-        daemon.resume()
+        daemon.people.resume()
         here = world.robot.pose()[:2]
         until_s = back_s - 0.1
         cycle_until(
@@ -153,7 +153,7 @@ def test_a_lens_found_meanwhile_is_placed_by_the_markers_and_a_new_run_drives_by
         cycle_until(daemon, lambda _: world.clock() > 4.0)
         assert math.dist(here, world.robot.pose()[:2]) < 0.001, "the robot holds"
         with pytest.raises(MissionError, match="being calibrated"):
-            daemon.give(stations_of(config))
+            daemon.people.give(stations_of(config))
         frame = cycle_until(daemon, lambda now: now.frame is not None).frame
     assert frame is not None
     now = datetime(2026, 1, 2)

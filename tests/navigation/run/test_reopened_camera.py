@@ -32,7 +32,7 @@ def lose_the_camera(
     config = short_config(FAR)
     world = VirtualWorld(config, pictures=False)
     with Daemon(config, world, first_mission_id=7) as daemon:
-        daemon.give(stations_of(config))
+        daemon.people.give(stations_of(config))
         now = cycle_until(
             daemon, lambda now: now.evidence.driven_m > 0.4 and not now.evidence.wheels_stand
         )

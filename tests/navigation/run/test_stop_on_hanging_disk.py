@@ -52,7 +52,7 @@ def driving(tmp_path: Path, disk: Disk) -> Iterator[Daemon]:
         KeptStops(tmp_path / "stops", tmp_path / "c.sock", None, {"": ()}) as stops,
     ):
         daemon.stopping.hold_from_before([daemon.robot], stops)
-        daemon.give(stations_of(config))
+        daemon.people.give(stations_of(config))
         cycle_until(daemon, is_driving)
         yield daemon
         disk.well.set()
@@ -60,12 +60,12 @@ def driving(tmp_path: Path, disk: Disk) -> Iterator[Daemon]:
 
 def test_the_robot_is_stopped_while_the_disk_hangs(driving: Daemon, disk: Disk) -> None:
     answer: list[str | None] = []
-    person = threading.Thread(target=lambda: answer.append(driving.stop("a person")))
+    person = threading.Thread(target=lambda: answer.append(driving.people.stop("a person")))
     person.start()
     assert disk.hangs.wait(60.0)
     # the disk is asked last: by now the link has the stop, and the mission too
     cycle_until(driving, lambda now: doubt_of_stop(now.link) is None, seconds=5.0)
-    assert driving.pilot.mission.state is State.STOPPED
+    assert driving.robot.pilot.mission.state is State.STOPPED
     person.join(60.0)
     assert not disk.well.is_set()
     assert "a restart would not know of this stop" in str(answer[0])
@@ -78,7 +78,7 @@ def test_the_robot_is_stopped_while_the_disk_hangs(driving: Daemon, disk: Disk) 
 def test_the_answer_says_what_is_not_known_even_if_the_control_loop_is_late(
     driving: Daemon, disk: Disk, tmp_path: Path
 ) -> None:
-    with ControlServer(tmp_path / "run" / "c.sock", driving) as control:
+    with ControlServer(tmp_path / "run" / "c.sock", driving.people) as control:
         answer = send_order(control.path, {"order": "stop", "reason": "a person"})
     assert not disk.well.is_set()
     assert answer["ok"]
@@ -88,7 +88,7 @@ def test_the_answer_says_what_is_not_known_even_if_the_control_loop_is_late(
 @pytest.mark.timed  # says how long a stop takes
 def test_a_stop_is_answered_in_time(driving: Daemon, disk: Disk, tmp_path: Path) -> None:
     took_s: list[float] = []
-    with ControlServer(tmp_path / "run" / "c.sock", driving) as control:
+    with ControlServer(tmp_path / "run" / "c.sock", driving.people) as control:
 
         def order() -> None:
             for _ in range(5):

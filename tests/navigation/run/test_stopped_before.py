@@ -37,7 +37,7 @@ def test_a_stop_is_in_force_after_a_kill_and_a_restart(
     first.__enter__()
     begin(first, tmp_path)
     cycle_until(first, is_driving)
-    assert first.stop("a person") is None
+    assert first.people.stop("a person") is None
     # killed here: not one cycle more
     if power_cut:
         world.robot.switch_off_and_on()
@@ -49,20 +49,20 @@ def test_a_stop_is_in_force_after_a_kill_and_a_restart(
     was = world.truth.track()[-1][1:3]
     end_s = world.clock() + 8.0
     while world.clock() < end_s:
-        now = second.cycle()
+        now = second.cycle().only
         assert now.mission.state is State.STOPPED
     assert "a person" in now.sentence
     assert abs(world.truth.track()[-1][1:3] - was).max() < 1e-3
-    second.resume()
+    second.people.resume()
     for _ in range(50):
-        now = second.cycle()
+        now = second.cycle().only
     assert now.mission.state is State.IDLE
     assert abs(world.truth.track()[-1][1:3] - was).max() < 1e-3
-    second.resume()
+    second.people.resume()
     cycle_until(second, is_driving)
     third = Daemon(config, VirtualWorld(config, pictures=False), first_mission_id=2000)
     begin(third, tmp_path)
-    assert third.pilot.mission.state is State.PLANNING
+    assert third.robot.pilot.mission.state is State.PLANNING
 
 
 def test_a_robot_that_was_rearmed_waits_in_the_next_run_too_for_the_word_to_go_on(
@@ -71,20 +71,20 @@ def test_a_robot_that_was_rearmed_waits_in_the_next_run_too_for_the_word_to_go_o
     config = short_config(GOAL)
     world, owner = VirtualWorld(config, pictures=False), owner_of(config)
     with Journal(tmp_path / "journal", owner) as journal:
-        first = Daemon(config, world, first_mission_id=1, journal=journal)
+        first = Daemon(config, world, first_mission_id=1, journals={"": journal})
         first.__enter__()
         begin(first, tmp_path, journal)
         cycle_until(first, is_driving)
-        assert first.stop("a person") is None
+        assert first.people.stop("a person") is None
         cycle_until(first, lambda now: now.mission.state is State.STOPPED)
-        first.resume()
+        first.people.resume()
         for _ in range(50):
             first.cycle()
     # killed here
     world.robot.switch_off_and_on()
     world.wait(2.0)
     with Journal(tmp_path / "journal", owner) as journal:
-        second = Daemon(config, world, first_mission_id=1000, journal=journal)
+        second = Daemon(config, world, first_mission_id=1000, journals={"": journal})
         second.__enter__()
         begin(second, tmp_path, journal)
         was = world.truth.track()[-1][1:3]
@@ -92,7 +92,7 @@ def test_a_robot_that_was_rearmed_waits_in_the_next_run_too_for_the_word_to_go_o
         while world.clock() < end_s:
             second.cycle()
         assert abs(world.truth.track()[-1][1:3] - was).max() < 1e-3
-        second.resume()
+        second.people.resume()
         cycle_until(second, is_driving)
 
 
@@ -101,20 +101,20 @@ def test_a_stop_of_the_pilot_s_own_is_kept_too(tmp_path: Path) -> None:
     with Daemon(config, VirtualWorld(config, pictures=False), first_mission_id=1) as daemon:
         begin(daemon, tmp_path)
         cycle_until(daemon, is_driving)
-        daemon.pilot.stop("camera and wheels parted")
+        daemon.robot.pilot.stop("camera and wheels parted")
         cycle_until(daemon, lambda now: now.mission.state is State.STOPPED)
         assert daemon.stopping.kept is not None
         daemon.stopping.kept.settled()
     with Daemon(config, VirtualWorld(config, pictures=False), first_mission_id=1) as daemon:
         begin(daemon, tmp_path)
-        assert daemon.pilot.mission.state is State.STOPPED
-        assert isinstance(daemon.pilot.mission, Mission)
+        assert daemon.robot.pilot.mission.state is State.STOPPED
+        assert isinstance(daemon.robot.pilot.mission, Mission)
 
 
 def test_a_stop_that_came_before_the_stops_were_read_is_kept(tmp_path: Path) -> None:
     config = short_config(GOAL)
     with Daemon(config, VirtualWorld(config, pictures=False), first_mission_id=1) as daemon:
-        daemon.stop("in the first moment")
+        daemon.people.stop("in the first moment")
         begin(daemon, tmp_path)
         assert daemon.stopping.kept is not None
         assert daemon.stopping.kept.settled() == ""

@@ -108,7 +108,7 @@ def test_the_driven_track_keeps_the_limits_of_turning_on_the_spot_and_on_arcs() 
     )
     world, limits = VirtualWorld(config, pictures=False), limits_of(config)
     with Daemon(config, world, first_mission_id=7) as daemon:
-        daemon.give(stations_of(config))
+        daemon.people.give(stations_of(config))
         cycle_until(daemon, lambda now: now.mission.is_over)
     time_s, _, _, heading = world.truth.track().T
     rates = np.diff(np.unwrap(heading)) / np.diff(time_s)
@@ -126,10 +126,10 @@ def test_a_robot_that_cannot_turn_on_the_spot_drives_no_bend_tighter_than_it_can
     config = load_config(CONFIGS / "wide_bends.yaml", {})
     world, tightest = VirtualWorld(config), 1.0 / config.robot.turning_radius_m
     with Daemon(config, world, first_mission_id=7) as daemon:
-        daemon.give(stations_of(config))
+        daemon.people.give(stations_of(config))
         ended = cycle_until(daemon, lambda now: now.mission.is_over)
     assert ended.mission.state is State.DONE, ended.sentence
-    (plan,) = daemon.plans
+    (plan,) = daemon.robot.plans
     assert plan.trajectory is not None
     bends = bends_of(plan.trajectory)
     assert 0.5 * tightest < max(bends) <= 1.02 * tightest
@@ -152,7 +152,7 @@ def test_where_only_a_turn_on_the_spot_would_help_the_mission_ends_with_the_plac
     )
     world = VirtualWorld(config, pictures=False)
     with Daemon(config, world, first_mission_id=7) as daemon:
-        daemon.give(stations_of(config))
+        daemon.people.give(stations_of(config))
         ended = cycle_until(daemon, lambda now: now.mission.is_over)
     assert ended.mission.state is State.FAILED
     assert "at (0.2" in ended.sentence
@@ -172,14 +172,14 @@ def test_an_obstacle_appears_at_its_time_and_the_way_leads_around_it() -> None:
     )
     world = VirtualWorld(config, pictures=False)
     with Daemon(config, world, first_mission_id=7) as daemon:
-        daemon.give(stations_of(config))
+        daemon.people.give(stations_of(config))
         cycle_until(daemon, is_driving)
         before = len(daemon.scene.objects) if daemon.scene else 0
         ended = cycle_until(daemon, lambda now: now.mission.is_over)
         assert ended.mission.state is State.DONE, ended.sentence
         assert daemon.scene is not None
         assert len(daemon.scene.objects) == before + 1
-        assert daemon.pilot.replans >= 1
+        assert daemon.robot.pilot.replans >= 1
     track = world.truth.track()
     assert world.truth.track_clearance(track) >= 0.09
     assert math.dist(track[-1, 1:3], (0.20, 1.60)) < 0.02
@@ -197,13 +197,13 @@ def test_the_planners_news_are_acted_on_at_once_not_with_the_next_picture() -> N
     world = VirtualWorld(config, pictures=False)
     slack_s = 0.015
     with Daemon(config, world, first_mission_id=7) as daemon:
-        daemon.give(stations_of(config))
+        daemon.people.give(stations_of(config))
         cycle_until(daemon, is_driving)
-        plans = daemon.pilot.plans
+        plans = daemon.robot.pilot.plans
         before = daemon.scene
         seen = cycle_until(daemon, lambda now: daemon.scene is not before)
         held = cycle_until(daemon, lambda now: now.mission.state is not State.DRIVING)
-        planned = cycle_until(daemon, lambda now: daemon.pilot.plans > plans)
+        planned = cycle_until(daemon, lambda now: daemon.robot.pilot.plans > plans)
         sent_s = planned.time_s - seen.time_s
         assert held.time_s - seen.time_s < world.times.scene_s + slack_s
         assert sent_s < world.times.scene_s + world.times.plan_s + slack_s
@@ -227,7 +227,7 @@ def test_the_configuration_with_moving_robots_runs_to_done(tmp_path: Path) -> No
     world = VirtualWorld(config, pictures=False)
     said: list[str] = []
     with Daemon(config, world, first_mission_id=7) as daemon:
-        daemon.give(stations_of(config))
+        daemon.people.give(stations_of(config))
         ended = cycle_until(
             daemon, lambda now: now.mission.is_over, 90.0, lambda now: said.append(now.sentence)
         )
@@ -246,7 +246,7 @@ def test_the_configuration_with_moving_robots_runs_to_done(tmp_path: Path) -> No
         )
         time_s, *last = seen.rows()[-1]
         assert math.dist(last[:2], scripted.pose(time_s - world.truth.began_s)[:2]) < 0.01
-    report = summarise(daemon, ended.mission.state, ended.sentence, ended.time_s)
+    report = summarise(daemon, daemon.robot, ended.mission.state, ended.sentence, ended.time_s)
     write_run(tmp_path, daemon, report)
     picture = (tmp_path / "track.svg").read_text()
     assert "robot 8" in picture

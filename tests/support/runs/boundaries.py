@@ -24,12 +24,11 @@ import pytest
 
 from navigation.config import Config
 from navigation.config.several.each_robot import each_robot
-from navigation.dashboard import ShownDaemon, ShownFleet
+from navigation.dashboard import ShownDaemon
 from navigation.dashboard.hub import Hub
 from navigation.dashboard.messages.packed import unpack
 from navigation.journal.journal import Journal, owner_of
 from navigation.loop.daemon import Daemon
-from navigation.loop.fleet.fleet_daemon import FleetDaemon
 from navigation.loop.stages import stations_of
 from navigation.run.fleet.fleet_virtual_world import FleetVirtualWorld
 from navigation.run.fleet.give_missions import GiveMissions
@@ -135,25 +134,20 @@ def _journals(config: Config) -> dict[str, Any]:
 
 def page_of(config: Config) -> dict[str, Any]:
     """The page's greeting and its messages of one cycle while the robots drive."""
-    daemon: Daemon | FleetDaemon
-    if config.robots:
-        daemon = FleetDaemon(config, FleetVirtualWorld(config, pictures=False), first_mission_id=1)
-    else:
-        daemon = Daemon(config, VirtualWorld(config, pictures=False), first_mission_id=1)
-    with daemon:
-        if isinstance(daemon, FleetDaemon):
+    make = FleetVirtualWorld if config.robots else VirtualWorld
+    with Daemon(config, make(config, pictures=False), first_mission_id=1) as daemon:
+        if config.robots:
             missions = GiveMissions(daemon, lambda _line: None)
             assert missions.are_given
         else:
-            daemon.give(stations_of(config))
+            daemon.people.give(stations_of(config))
         while daemon.world.clock() < SEEN_AT_S:
             daemon.cycle()
         return asyncio.run(_messages(daemon))
 
 
-async def _messages(daemon: Daemon | FleetDaemon) -> dict[str, Any]:
-    shown = ShownDaemon(daemon) if isinstance(daemon, Daemon) else ShownFleet(daemon)
-    hub = Hub(shown, clock=daemon.world.clock, wall_clock=lambda: 0.0)
+async def _messages(daemon: Daemon) -> dict[str, Any]:
+    hub = Hub(ShownDaemon(daemon), clock=daemon.world.clock, wall_clock=lambda: 0.0)
     hub.look(daemon.world.clock())
     while not hub.world:  # made by a thread beside the hub
         await asyncio.sleep(0.01)

@@ -16,8 +16,8 @@ import numpy as np
 from navigation.config import Config
 from navigation.config.several.each_robot import each_robot
 from navigation.journal.journal import Journal, owner_of
-from navigation.loop.fleet.fleet_daemon import FleetDaemon
-from navigation.loop.fleet.fleet_state import FleetState
+from navigation.loop.daemon import Daemon
+from navigation.loop.daemon_state import RunState
 from navigation.mission.mission import State
 from navigation.run.fleet.fleet_report import least_gap
 from navigation.run.fleet.fleet_virtual_world import FleetVirtualWorld
@@ -26,7 +26,7 @@ from tests.support.runs.kills import TIME_LIMIT_S, Killed, Reaper, stands
 
 QUESTIONS = 25_000
 """How often the clock is asked in about ten seconds: a kill comes within so many."""
-Look = Callable[[FleetDaemon, FleetState], None]
+Look = Callable[[Daemon, RunState], None]
 
 
 class MortalFleetWorld(FleetVirtualWorld):
@@ -89,7 +89,7 @@ def drive_fleet_under_fire(
                 if rng.random() < power_cycles:
                     body.robot.switch_off_and_on()
             world.wait(float(rng.uniform(0.05, 3.0)))
-    gap = least_gap(daemon, world.truths)
+    gap = least_gap(daemon)
     alone = each_robot(config)
     return FleetCampaign(
         killed,
@@ -108,13 +108,13 @@ def _run(
     first_id: int,
     say: Callable[[str], None],
     look: Look,
-) -> tuple[FleetDaemon, FleetState]:
-    daemon = FleetDaemon(config, world, first_mission_id=first_id)
+) -> tuple[Daemon, RunState]:
+    daemon = Daemon(config, world, first_mission_id=first_id)
     daemon.__enter__()
     for name, one in each_robot(config).items():
         assert one.recording.journal is not None
         journal = Journal(one.recording.journal, owner_of(one))
-        daemon.seats[name].journal = open_things.enter_context(journal)
+        daemon.robots[name].journal = open_things.enter_context(journal)
     missions = GiveMissions(daemon, say)
     while True:
         missions.cycle()

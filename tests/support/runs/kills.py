@@ -110,15 +110,15 @@ def drive_under_fire(
 
 
 def _run(config: Config, world: MortalWorld, journal: Journal, first_id: int) -> tuple[State, str]:
-    daemon = Daemon(config, world, first_mission_id=first_id, journal=journal)
+    daemon = Daemon(config, world, first_mission_id=first_id, journals={"": journal})
     daemon.__enter__()
     left = unfinished_mission(daemon, journal)
     if left is not None:
-        daemon.restore(left)
+        daemon.people.restore(left, "")
     else:
-        daemon.give(stations_of(config))
+        daemon.people.give(stations_of(config))
     while True:
-        now = daemon.cycle()
+        now = daemon.cycle().only
         if now.mission.is_over or now.time_s > TIME_LIMIT_S:
             return now.mission.state, now.sentence
 

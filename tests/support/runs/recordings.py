@@ -14,8 +14,8 @@ from tempfile import TemporaryDirectory
 from typing import Any
 
 from navigation.config import Config, load_config
-from navigation.loop.fleet.fleet_daemon import FleetDaemon
-from navigation.loop.fleet.fleet_state import FleetState
+from navigation.loop.daemon import Daemon
+from navigation.loop.daemon_state import RunState
 from navigation.loop.planning import ArenaPlanner
 from navigation.loop.recorder import Recorder
 from navigation.loop.seeing.eye import Eye
@@ -128,13 +128,13 @@ def small_recording() -> bytes:
 
 
 def record_alcove(
-    folder: Path, until: Callable[[FleetDaemon, FleetState], bool], **recording: Any
+    folder: Path, until: Callable[[Daemon, RunState], bool], **recording: Any
 ) -> list[Path]:
     """The files of a recording of two robots in a corridor with one niche, ``until`` says so."""
     config = load_config(CONFIGS / "alcove.yaml", {})
     changed = config.recording.model_copy(update=recording)
 
-    def look(daemon: FleetDaemon, now: FleetState) -> bool:
+    def look(daemon: Daemon, now: RunState) -> bool:
         # virtual time does not wait for the writer, which leaves out pictures where it is behind
         recorder = daemon._recorder
         assert recorder is not None

@@ -52,7 +52,7 @@ class Stage:
             self.said.append(now.sentence)
 
     def set_off(self) -> None:
-        self.daemon.give(stations_of(self.daemon.config))
+        self.daemon.people.give(stations_of(self.daemon.config))
         cycle_until(self.daemon, is_driving, each=self.watch)
 
     def until(self, *states: State, seconds: float = 45.0) -> DaemonState:

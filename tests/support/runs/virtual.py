@@ -43,7 +43,7 @@ def cycle_until(
     """Cycle until ``reached``, at most so many virtual seconds."""
     until_s = daemon.world.clock() + seconds
     while True:
-        now = daemon.cycle()
+        now = daemon.cycle().only
         each(now)
         if reached(now):
             return now

@@ -12,12 +12,11 @@ import pytest
 from navigation.config import Config
 from navigation.dashboard.calibrating.bench import LENT, Bench, board_of
 from navigation.dashboard.visits import RefusedError
-from navigation.loop.daemon_state import DaemonState
 from tests.support.runs.held_board import CHARUCO, VirtualTime, small_config
 from tests.support.waiting import wait_until
 from vision.calibrate.lens import Lens
 from vision.calibration.calibration import Calibration
-from vision.camera.camera import Image
+from vision.camera.camera import Frame, Image
 
 CALIBRATION = Calibration.from_scale(0.002, (640, 480))
 TYPED = {"kind": "charuco", "squares": "8x6", "square_mm": "100", "marker_mm": "75",
@@ -28,7 +27,7 @@ class Run:
     """Lends its camera; a simulated one shows a board by itself, and needs no frame."""
 
     lent: str | None = None
-    state: DaemonState | None = None
+    frame: Frame | None = None
 
 
 class Saved:

@@ -9,15 +9,14 @@ import numpy as np
 import pytest
 
 from navigation.config import load_config
-from navigation.dashboard import ShownFleet
+from navigation.dashboard import ShownDaemon
 from navigation.dashboard.chronicles import Chronicles
 from navigation.dashboard.hub import Hub
 from navigation.dashboard.messages.geometry import plans_message
 from navigation.dashboard.messages.packed import unpack
 from navigation.dashboard.orders import give
-from navigation.dashboard.shown_fleet import summary_of
-from navigation.loop.fleet.fleet_daemon import FleetDaemon
-from navigation.loop.fleet.people import People
+from navigation.dashboard.shown import summary_of
+from navigation.loop.daemon import Daemon
 from navigation.mission.mission import MissionError, State, Station
 from navigation.run.fleet.fleet_virtual_world import FleetVirtualWorld
 from tests.support.runs.shown import laboratory
@@ -27,36 +26,36 @@ A, B = (one.name for one in ALCOVE.robots)
 
 
 @pytest.fixture(scope="module")
-def fleet() -> Iterator[FleetDaemon]:
+def fleet() -> Iterator[Daemon]:
     """Two robots that were seen, in virtual time and without missions."""
-    with FleetDaemon(ALCOVE, FleetVirtualWorld(ALCOVE), first_mission_id=1) as daemon:
+    with Daemon(ALCOVE, FleetVirtualWorld(ALCOVE), first_mission_id=1) as daemon:
         run(daemon, 1.0)
         yield daemon
 
 
-def run(daemon: FleetDaemon, seconds: float) -> None:
+def run(daemon: Daemon, seconds: float) -> None:
     end_s = daemon.world.clock() + seconds
     while daemon.world.clock() < end_s:
         daemon.cycle()
 
 
-def hub_of(daemon: FleetDaemon) -> Hub:
+def hub_of(daemon: Daemon) -> Hub:
     async def look() -> Hub:
-        hub = Hub(ShownFleet(daemon), clock=daemon.world.clock, wall_clock=lambda: 0.0)
+        hub = Hub(ShownDaemon(daemon), clock=daemon.world.clock, wall_clock=lambda: 0.0)
         hub.look(daemon.world.clock())
         return hub
 
     return asyncio.run(look())
 
 
-def stopped(daemon: FleetDaemon) -> set[str]:
+def stopped(daemon: Daemon) -> set[str]:
     run(daemon, 0.5)
     return {
-        name for name, seat in daemon.seats.items() if seat.pilot.mission.state is State.STOPPED
+        name for name, seat in daemon.robots.items() if seat.pilot.mission.state is State.STOPPED
     }
 
 
-def test_the_greeting_and_the_state_name_every_robot_with_its_own_place(fleet: FleetDaemon) -> None:
+def test_the_greeting_and_the_state_name_every_robot_with_its_own_place(fleet: Daemon) -> None:
     hub = hub_of(fleet)
     assert [one["name"] for one in hub.hello["robots"]] == [A, B]
     assert [one["marker_id"] for one in hub.hello["robots"]] == [
@@ -65,16 +64,16 @@ def test_the_greeting_and_the_state_name_every_robot_with_its_own_place(fleet: F
     state = hub.state_now()
     assert state is not None
     for one in state["robots"]:
-        pose = fleet.seats[one["name"]].pose
+        pose = fleet.robots[one["name"]].pose
         assert pose is not None
-        assert one["pose"]["id"] == fleet.seats[one["name"]].config.robot.marker_id
+        assert one["pose"]["id"] == fleet.robots[one["name"]].config.robot.marker_id
         assert one["pose"]["x_m"] == pytest.approx(pose.x, abs=1e-4)
         assert one["link"]["reason"] is None
     assert state["others"] == []  # its own robots are no strangers
     assert state["pose"] is None
 
 
-def test_the_summary_takes_the_link_that_needs_looking_after(fleet: FleetDaemon) -> None:
+def test_the_summary_takes_the_link_that_needs_looking_after(fleet: Daemon) -> None:
     assert fleet.state is not None
     robots = dict(fleet.state.robots)
     assert summary_of(fleet.state).link.down_reason is None
@@ -95,9 +94,9 @@ def test_plans_are_told_apart_by_where_each_begins() -> None:
 
 
 def test_a_stop_is_for_all_or_for_the_one_that_is_named_and_only_rearming_leaves_it(
-    fleet: FleetDaemon,
+    fleet: Daemon,
 ) -> None:
-    shown = ShownFleet(fleet)
+    shown = ShownDaemon(fleet)
     assert give({"order": "stop", "robot": A}, shown, "somebody")["ok"]
     assert stopped(fleet) == {A}
     assert not give({"order": "resume", "robot": A}, shown, "somebody")["ok"]
@@ -116,18 +115,18 @@ def test_a_stop_is_for_all_or_for_the_one_that_is_named_and_only_rearming_leaves
 
 
 def test_an_order_that_names_nobody_or_somebody_unknown_is_refused_in_words(
-    fleet: FleetDaemon,
+    fleet: Daemon,
 ) -> None:
-    shown = ShownFleet(fleet)
+    shown = ShownDaemon(fleet)
     go = {"order": "go", "stations": [{"x_m": 1.0, "y_m": 0.5}]}
     assert "say which one" in give(go, shown, "x")["error"]
     assert "there are" in give({**go, "robot": "nobody"}, shown, "x")["error"]
     assert "must be a name" in give({**go, "robot": 3}, shown, "x")["error"]
 
 
-def test_a_preview_is_of_the_named_robot_from_where_it_stands(fleet: FleetDaemon) -> None:
-    shown, people = ShownFleet(fleet), People(fleet)
-    pose = fleet.seats[B].pose
+def test_a_preview_is_of_the_named_robot_from_where_it_stands(fleet: Daemon) -> None:
+    shown, people = ShownDaemon(fleet), fleet.people
+    pose = fleet.robots[B].pose
     assert pose is not None
     answer = shown.preview((Station(pose.x, pose.y),), B)
     assert answer.path
@@ -138,10 +137,10 @@ def test_a_preview_is_of_the_named_robot_from_where_it_stands(fleet: FleetDaemon
 
 
 def test_each_robot_has_its_own_charts_and_its_name_before_its_lines_in_one_log(
-    fleet: FleetDaemon,
+    fleet: Daemon,
 ) -> None:
     assert fleet.state is not None
-    shown, chronicles = ShownFleet(fleet), Chronicles(ALCOVE)
+    shown, chronicles = ShownDaemon(fleet), Chronicles(ALCOVE)
     summary = shown.state
     assert summary is not None
     chronicles.see(summary, fleet.state, shown.camera_status(), 0.004, 0.0)

@@ -10,8 +10,8 @@ import pytest
 from navigation.config.dashboard import DashboardSection
 from navigation.dashboard.replay.player import Player
 from navigation.dashboard.replay.replayed_run import IT_IS_A_RECORDING, ReplayedRun
-from navigation.loop.fleet.fleet_daemon import FleetDaemon
-from navigation.loop.fleet.fleet_state import FleetState
+from navigation.loop.daemon import Daemon
+from navigation.loop.daemon_state import RunState
 from navigation.recording.tape import Tape, read_tape
 from tests.navigation.dashboard.kept.test_replay import ReplaySite
 from tests.support.runs.recordings import record_alcove
@@ -28,10 +28,10 @@ class Lived:
     """What the run published and when, by its clock, and when somebody waited first."""
 
     def __init__(self) -> None:
-        self.states: dict[float, FleetState] = {}
+        self.states: dict[float, RunState] = {}
         self.waited_s: float | None = None
 
-    def look(self, daemon: FleetDaemon, now: FleetState) -> bool:
+    def look(self, daemon: Daemon, now: RunState) -> bool:
         clock_s = daemon.started_s + now.time_s
         self.states[clock_s] = now
         if self.waited_s is None and now.waits_for:

@@ -118,7 +118,7 @@ def test_the_only_obstacle_vanishes_while_the_robot_drives() -> None:
     config = short_config([{"x_m": 0.20, "y_m": 1.60}], simulation=ALONE)
     world = VirtualWorld(config)
     with Daemon(config, world, first_mission_id=7) as daemon:
-        daemon.give(stations_of(config))
+        daemon.people.give(stations_of(config))
         cycle_until(daemon, is_driving)
         held = cycle_until(daemon, lambda now: now.mission.state is State.HOLDING)
         assert "where 1 obstacle was seen before: look, then resume accepts it" in held.sentence
@@ -129,5 +129,5 @@ def test_the_only_obstacle_vanishes_while_the_robot_drives() -> None:
         stood = cycle_until(daemon, lambda _: world.clock() > until_s)
         assert stood.mission.state is State.HOLDING
         assert math.dist(here, world.robot.pose()[:2]) < 0.001
-        daemon.resume()
+        daemon.people.resume()
         cycle_until(daemon, lambda now: now.mission.state is State.DONE)

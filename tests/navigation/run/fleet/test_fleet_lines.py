@@ -3,9 +3,8 @@
 from __future__ import annotations
 
 from navigation.config import Config
-from navigation.loop.fleet.fleet_daemon import FleetDaemon
-from navigation.loop.fleet.fleet_state import FleetState
-from navigation.loop.fleet.people import People
+from navigation.loop.daemon import Daemon
+from navigation.loop.daemon_state import RunState
 from navigation.run.fleet.fleet_lines import FleetLines, why_stopped
 from navigation.run.fleet.fleet_virtual_run import run_fleet_virtually
 from tests.navigation.run.test_fleet_runs import CONFIGS, open_hall
@@ -22,13 +21,13 @@ def test_each_robots_stop_is_one_line_with_its_cause_and_a_status_says_it() -> N
     said: list[str] = []
     told: list[str] = []
     lines = FleetLines(said.append, told.append)
-    ends: list[FleetState] = []
+    ends: list[RunState] = []
 
-    def look(daemon: FleetDaemon, now: FleetState) -> bool:
+    def look(daemon: Daemon, now: RunState) -> bool:
         lines.cycle(now)
         ends.append(now)
         if len(ends) == 30:
-            People(daemon).stop("a cat on the table")
+            daemon.people.stop("a cat on the table")
         return len(ends) == 60
 
     run_fleet_virtually(with_one_at_rest(), look=look, pictures=False)

@@ -14,8 +14,8 @@ import pytest
 import yaml
 
 from navigation.config import Config, load_config
-from navigation.loop.fleet.fleet_daemon import FleetDaemon
-from navigation.loop.fleet.fleet_state import FleetState
+from navigation.loop.daemon import Daemon
+from navigation.loop.daemon_state import RunState
 from navigation.run.fleet.fleet_virtual_run import run_fleet_virtually
 from navigation.run.fleet.fleet_virtual_world import FleetVirtualWorld
 from navigation.run.world import floor_plan_of
@@ -73,7 +73,7 @@ def test_a_lost_camera_holds_the_robots_and_they_finish_when_it_is_back(pictures
         if BRAKED_S + 0.1 * len(where) < away_s < AWAY_S:
             where.append(places)
 
-    def look(_daemon: FleetDaemon, now: FleetState) -> bool:
+    def look(_daemon: Daemon, now: RunState) -> bool:
         for one in now.robots.values():
             troubles.update(one.troubles)
         return False
@@ -103,7 +103,7 @@ def test_a_knock_of_one_camera_holds_all_robots() -> None:
     ]
     held: dict[str, float] = {}
 
-    def look(_daemon: FleetDaemon, now: FleetState) -> bool:
+    def look(_daemon: Daemon, now: RunState) -> bool:
         for name, one in now.robots.items():
             if "camera right has moved" in " ".join(one.verdict.reasons):
                 held.setdefault(name, now.time_s)

@@ -62,7 +62,7 @@ def test_a_knock_of_either_camera_holds_the_robot_until_it_is_back(
         other = "right" if name == "left" else "left"
         assert f"camera {other}" not in " ".join(stage.troubles)
         cycle_until(stage.daemon, lambda now: not now.link.moving)
-        stage.daemon.resume()
+        stage.daemon.people.resume()
         here = stage.where()
         stage.wait(back_s - 0.2 - stage.world.clock())
         assert math.dist(here, stage.where()) < 0.001, "it stands, whoever resumes"
@@ -85,7 +85,7 @@ def test_one_that_was_knocked_before_the_run_never_lets_the_robot_drive() -> Non
     stage = Stage(knocked("right", from_s=0.0, tilt_deg=(2 * TILT_DEG, 0.0)))
     with stage.daemon:
         start = stage.where()
-        stage.daemon.give(stations_of(stage.daemon.config))
+        stage.daemon.people.give(stations_of(stage.daemon.config))
         now = stage.wait(5.0)
         assert "camera right has moved" in now.sentence
         assert "since before the run" in now.sentence
@@ -102,7 +102,7 @@ def test_the_anchoring_of_one_is_renewed_and_the_others_stays(tmp_path: Path) ->
     before = {name: file.read_text() for name, file in files.items()}
     stage = Stage(config)
     with stage.daemon:
-        stage.daemon.give(stations_of(config))
+        stage.daemon.people.give(stations_of(config))
         held = cycle_until(stage.daemon, lambda now: "camera right has moved" in now.sentence)
         assert held.mission.state is not State.DRIVING
         frame = stage.daemon.newest("right")

@@ -92,7 +92,7 @@ def test_a_robot_in_what_a_lost_camera_saw_stops_and_drives_on_when_it_is_back(
     across.set_off()
     cycle_until(across.daemon, lambda _: across.where()[0] > 0.8, each=across.watch)
     while across.where()[0] < 1.9:  # well inside what only the right camera sees
-        across.watch(across.daemon.cycle())
+        across.watch(across.daemon.cycle().only)
     lost_at = across.where()
     setattr(across.world.troubles.cameras["right"], how, True)
     now = across.wait(3.0)
@@ -156,7 +156,7 @@ def test_calibrations_of_two_floors_are_refused_with_the_number() -> None:
     wrong = VirtualWorld(config.model_copy(update={"simulation": simulation})).floor_plan
     world.floor_plan = wrong
     with Daemon(config, world, first_mission_id=1) as daemon:
-        daemon.give(stations_of(config))
+        daemon.people.give(stations_of(config))
         now = cycle_until(daemon, lambda now: "see the same outlines" in now.sentence, seconds=10.0)
         assert "cameras left and right" in now.sentence
         assert "mm apart, the limit is 20" in now.sentence

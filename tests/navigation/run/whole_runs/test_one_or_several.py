@@ -235,7 +235,7 @@ def test_a_simulated_processor_hangs_when_its_faults_say_so(run: Run, make: Make
 # The page.
 
 
-@several_lack("the page of several robots offers no calibration")
+@BOTH
 def test_the_page_can_calibrate_the_camera(
     run: Run, make: Make, monkeypatch: pytest.MonkeyPatch
 ) -> None:

@@ -118,7 +118,7 @@ def run(fault: Callable[[VirtualWorld, bool], None], *, pictures: bool, bucket: 
             if daemon.scene is not None and len(daemon.scene.objects) not in told.scenes[-1:]:
                 told.scenes.append(len(daemon.scene.objects))
 
-        daemon.give(stations_of(config))
+        daemon.people.give(stations_of(config))
         cycle_until(daemon, is_driving)
         for _ in range(20):
             daemon.cycle()

@@ -23,10 +23,10 @@ def errors_of(config: Config, *, pictures: bool) -> tuple[FloatArray, float]:
     seen: dict[float, tuple[float, float, float]] = {}
     ages: list[float] = []
     with Daemon(config, world, first_mission_id=7) as daemon:
-        daemon.give(stations_of(config))
+        daemon.people.give(stations_of(config))
 
         def note(_now: object) -> None:
-            pose = daemon.pose
+            pose = daemon.robot.pose
             if pose is not None and pose.captured_s not in seen:
                 seen[pose.captured_s] = (pose.x, pose.y, pose.heading_rad)
                 ages.append(world.clock() - pose.captured_s)

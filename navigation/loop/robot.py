@@ -8,6 +8,7 @@ from __future__ import annotations
 import math
 from collections import deque
 from collections.abc import Callable, Mapping
+from dataclasses import replace
 from typing import Final
 
 from firmware_protocol.host.events import StatusReceived
@@ -17,12 +18,15 @@ from navigation.link.link_snapshot import LinkSnapshot
 from navigation.loop.daemon_state import DaemonState, DrivenPlan, StageTimes
 from navigation.loop.parts import Link
 from navigation.loop.punctuality import Punctuality
-from navigation.loop.reports import camera_reason, to_go_m
+from navigation.loop.reports import camera_reason, robot_report, to_go_m
 from navigation.loop.robot_orders import RobotOrders
 from navigation.loop.seeing.arena_view import ArenaView
 from navigation.loop.stages import pilot_settings, witness_limits
-from navigation.mission.cycle import Orders, Sight
+from navigation.mission.cycle import Orders, PlanAnswer, RobotReport, Sight
+from navigation.mission.mission import State
 from navigation.mission.pilot import Pilot
+from navigation.mission.targets import to_wire
+from navigation.mission.traffic import STANDING_M_S
 from navigation.mission.trust import Level
 from navigation.shared.track import Track
 from navigation.witness import NO_EVIDENCE, Witness
@@ -33,7 +37,7 @@ from vision.markers.markers import RobotPose
 PLANS_KEPT: Final = 200
 
 
-class DrivenRobot:
+class Robot:
     """One robot's parts, its pose, and what it was given; ``name`` is empty where it is alone.
 
     ``first_mission_id``: ids on the wire count up from the one after it.
@@ -51,20 +55,31 @@ class DrivenRobot:
         self.evidence = NO_EVIDENCE
         self.journal: Journal | None = None
         self.clearance_m: float | None = None
+        self.answer: PlanAnswer | None = None
+        """What the pilot is told in the next cycle."""
+        self.partner: str | None = None
+        """The sentence that says which robot of the fleet is in the path."""
+        self.moved_s = math.inf
+        """When it was seen to move last."""
+        self.permitted_s = -math.inf
+        """When it was last permitted to drive."""
+        self._sent: tuple[int, int] | None = None
+        """A plan's mission on the wire, and how many of its targets may be sent, where not all."""
 
     # What comes in.
 
-    def sees(self, poses: Mapping[int, RobotPose], frame_s: float) -> RobotPose | None:
+    def sees(self, poses: Mapping[int, RobotPose], frame_s: float) -> None:
         """The newest picture's poses: the robot gets its own at once, if it is among them."""
         pose = poses.get(self.config.robot.marker_id)
         if pose is None:
-            return None
+            return
         self.link.pose_fix(pose.x, pose.y, pose.heading_rad, pose.captured_s)
         self.pose, self.pose_arrived_s = pose, frame_s
         self.witness.saw(pose, frame_s - pose.before_frame_s)
         if self.pilot.trust.level is not Level.DOUBTED:  # else something else has moved it
             self.sightings.add(pose.captured_s, pose.x, pose.y, pose.heading_rad)
-        return pose
+        if self.moved_s == math.inf or math.hypot(pose.vx, pose.vy) > STANDING_M_S:
+            self.moved_s = pose.captured_s
 
     def hears(self) -> None:
         """The wheels' side of the story: every report, for a loop that is late has several."""
@@ -84,12 +99,10 @@ class DrivenRobot:
         failed: str | None,
         hold: str | None,
         punctuality: Punctuality,
-        partner: str | None = None,
     ) -> Sight:
         """What the pilot is told of camera and arena.
 
-        ``clearance_m`` measures in the scene of ``known_revision``; ``partner`` says which
-        robot of several is in the path.
+        ``clearance_m`` measures in the scene of ``known_revision``.
         """
         place = None if self.pose is None else self.witness.carried(self.pose, now_s)
         measurable = place is not None and view.is_measurable(known_revision)
@@ -107,10 +120,22 @@ class DrivenRobot:
             doubles=() if double is None else (double,),
             evidence=self.evidence,
             scene_doubt=hold,
-            partner=partner,
+            partner=self.partner,
             late=punctuality.doubt(now_s),
             blind=punctuality.hold(now_s),
         )
+
+    def report(self, snapshot: LinkSnapshot) -> RobotReport:
+        """What the pilot is told of the robot.
+
+        One that has driven all it was given waits for another robot: it is not idle.
+        """
+        report = robot_report(snapshot)
+        if self._sent is not None and report.mission_id == self._sent[0]:
+            count = self._sent[1]
+            if report.executed >= count < len(self.pilot.plan.targets):
+                return replace(report, standing_reason=None)
+        return report
 
     # What goes out.
 
@@ -125,21 +150,41 @@ class DrivenRobot:
         self.journal.keep(mission, sent, now_s)
         return self.journal.trouble
 
-    def carry_out(self, orders: Orders, now_s: float, pose_age_s: float) -> None:
-        """Send what the cycle has decided."""
-        self.orders.carry_out(orders, now_s, pose_age_s)
+    def drive(self, orders: Orders, now_s: float, sight: Sight, released: int | None) -> None:
+        """Send what the cycle has decided: of a plan ``released`` targets, or all if it is None."""
+        if orders.permit:
+            self.permitted_s = now_s
+        self.orders.carry_out(orders, now_s, sight.pose_age_s)
         if orders.estop:
+            self._sent = None
             return
         if orders.measure_latency:
             self.witness.measure_again()
         if orders.upload is not None:
-            self.keep_plan(now_s)
+            self._upload(orders, now_s, released)
+        elif self._sent is not None and self.pilot.mission.state is State.DRIVING:
+            self._release_more(released)
+        if not orders.permit:
+            self._sent = None
 
-    def keep_plan(self, now_s: float) -> None:
-        """Remember what is driven from now on; a turn on the spot has no path."""
-        plan = self.pilot.plan
-        if plan.path is not None:
+    def _upload(self, orders: Orders, now_s: float, released: int | None) -> None:
+        assert orders.upload is not None
+        (mission_id, targets), plan = orders.upload, self.pilot.plan
+        on_the_spot = plan.path is None or orders.measure_latency
+        if plan.path is not None and not on_the_spot:
             self.plans.append(DrivenPlan(plan.path, plan.trajectory, now_s))
+        if on_the_spot or released is None:
+            self.link.upload(mission_id, to_wire(targets))
+            return
+        self._sent = mission_id, released
+        self.link.upload(mission_id, to_wire(targets), True, released)
+
+    def _release_more(self, released: int | None) -> None:
+        assert self._sent is not None
+        mission_id, before = self._sent
+        if released is not None and released > before:
+            self._sent = mission_id, released
+            self.link.release(mission_id, released)
 
     def state(
         self,
@@ -149,14 +194,17 @@ class DrivenRobot:
         roadmap: Roadmap | None,
         times: StageTimes,
         troubles: tuple[str, ...],
-        sentence: str | None = None,
+        waits: str | None,
     ) -> DaemonState:
-        """What people are told after a cycle, ``time_s`` after the start."""
+        """What people are told after a cycle, ``time_s`` after the start.
+
+        ``waits`` says for whom it waits, and why.
+        """
         mission = self.pilot.mission
         return DaemonState(
             time_s=time_s,
             mission=mission,
-            sentence=sentence or mission.reason,
+            sentence=waits or mission.reason,
             pose=self.pose,
             link=snapshot,
             to_go_m=to_go_m(self.pose, self.pilot.plan.targets, snapshot.executed),
@@ -176,3 +224,14 @@ class DrivenRobot:
         """What to do about an emergency stop of the robot's own while it has no mission."""
         why = self.pilot.stands_stopped
         return "" if why is None else f"{why}; re-arm it before it is to drive (clearway resume)"
+
+
+class Witnesses:
+    """All robots are seen by the same eye: it is as late as the one that has measured most."""
+
+    def __init__(self, robots: Mapping[str, Robot]) -> None:
+        self._robots = robots
+
+    def latency_s(self) -> float:
+        """How late the camera's pictures are, as far as that was measured."""
+        return max(one.witness.latency_s() for one in self._robots.values())

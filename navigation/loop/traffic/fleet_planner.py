@@ -5,7 +5,7 @@ from __future__ import annotations
 import threading
 from dataclasses import replace
 
-from navigation.config import Config, limits_of
+from navigation.config import Config
 from navigation.fleet.joining import join_promises
 from navigation.fleet.planning import plan_promises
 from navigation.fleet.request import FleetAnswer, FleetRequest
@@ -13,7 +13,6 @@ from navigation.loop.planning import ArenaPlanner
 from navigation.loop.stages import plan_settings
 from navigation.mission.cycle import PlanAnswer, PlanRequest
 from navigation.shared.supervisor import in_words
-from planner.path import Limits
 from planner.roadmap.roadmap import Roadmap
 from planner.scene import FloatArray, Scene, Vec
 from planner.shared.search_clock import Clock, search_clock_s
@@ -79,8 +78,3 @@ class FleetPlanner:
             why = f"the planner failed on this request ({in_words(error)})"
             return FleetAnswer(request.id, revision, {}, dict.fromkeys(names, why))
         return replace(answer, scene_revision=revision)
-
-
-def limits_of_robot(config: Config) -> Limits:
-    """What one robot can do, as the planner takes it."""
-    return limits_of(config)

@@ -12,9 +12,8 @@ from firmware_protocol.host.state import LinkState
 from navigation.config import load_config
 from navigation.link.link_snapshot import LinkSnapshot
 from navigation.loop.daemon_state import StageTimes
-from navigation.loop.driven_robot import DrivenRobot
-from navigation.loop.fleet.seat import Seat
 from navigation.loop.parts import Link
+from navigation.loop.robot import Robot
 from navigation.loop.seeing.arena_view import ArenaView
 from navigation.loop.seeing.eye import Glimpse
 from vision.markers.markers import RobotPose
@@ -40,10 +39,9 @@ class Look:
     glimpse = Glimpse(0.0, {}, None, None)
 
 
-@pytest.fixture(params=[DrivenRobot, Seat])
-def robot(request: pytest.FixtureRequest) -> DrivenRobot:
-    kind = cast("type[DrivenRobot]", request.param)
-    return kind("anna", CONFIG, cast("Link", Wire()), 1)
+@pytest.fixture
+def robot() -> Robot:
+    return Robot("anna", CONFIG, cast("Link", Wire()), 1)
 
 
 def pose(captured_s: float, before_frame_s: float = 0.0) -> RobotPose:
@@ -52,27 +50,28 @@ def pose(captured_s: float, before_frame_s: float = 0.0) -> RobotPose:
 
 
 def test_the_witness_dates_a_marker_by_the_rows_that_show_it(
-    robot: DrivenRobot, monkeypatch: pytest.MonkeyPatch
+    robot: Robot, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """A rolling shutter exposes a marker's rows before the frame's own time."""
     dated_s = list[float]()
     monkeypatch.setattr(robot.witness, "saw", lambda _pose, frame_s: dated_s.append(frame_s))
     seen = pose(10.0 - 0.02, before_frame_s=0.02)
-    assert robot.sees({seen.id: seen}, 10.0) is seen
+    robot.sees({seen.id: seen}, 10.0)
+    assert robot.pose is seen
     assert dated_s == [10.0 - 0.02]
     assert cast("Wire", robot.link).captured_s == [10.0 - 0.02]
 
 
-def test_of_other_robots_it_is_told_nothing(robot: DrivenRobot) -> None:
-    assert robot.sees({CONFIG.robot.marker_id + 1: pose(10.0)}, 10.0) is None
+def test_of_other_robots_it_is_told_nothing(robot: Robot) -> None:
+    robot.sees({CONFIG.robot.marker_id + 1: pose(10.0)}, 10.0)
     assert robot.pose is None
     assert cast("Wire", robot.link).captured_s == []
 
 
-def test_people_are_told_what_its_driver_remarks(robot: DrivenRobot) -> None:
+def test_people_are_told_what_its_driver_remarks(robot: Robot) -> None:
     snapshot = LinkSnapshot(LinkState.STREAM, None, 0.0, remark="its battery is nearly empty")
     view = cast("ArenaView", Look())
-    state = robot.state(1.0, view, snapshot, None, StageTimes(), ("the disk is full", ""))
+    state = robot.state(1.0, view, snapshot, None, StageTimes(), ("the disk is full", ""), None)
     assert state.troubles == ("the disk is full", "its battery is nearly empty")
     assert state.sentence == robot.pilot.mission.reason
     waits = robot.state(1.0, view, snapshot, None, StageTimes(), (), "waits for bob")

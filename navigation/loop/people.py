@@ -1,0 +1,204 @@
+"""Orders from people: to all robots of a run, or to the one that is named.
+
+Any thread may give them; the next cycle acts on them. Metres, radians, seconds.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from threading import Lock
+from typing import Any, Protocol
+
+from navigation.loop.daemon_state import RunState
+from navigation.loop.parts import Frames, Surroundings
+from navigation.loop.reports import describe, to_go_m
+from navigation.loop.robot import Robot
+from navigation.loop.stopping import Stopping
+from navigation.loop.traffic.traffic import Traffic
+from navigation.mission.cycle import PlanAnswer, PlanRequest
+from navigation.mission.mission import STOPPING, Mission, MissionError, State, Station
+from navigation.shared.outside import in_short
+from planner.path import NoPath
+
+
+class Run(Protocol):
+    """What orders act on: the daemon."""
+
+    robots: dict[str, Robot]
+    traffic: Traffic
+    stopping: Stopping
+    world: Surroundings
+    camera: Frames
+    lock: Lock
+    lent: str | None
+    state: RunState | None
+
+    def accept_arena(self) -> None:
+        """A person says that arena and camera are as they are seen now."""
+
+    def settle(self) -> None:
+        """Wait until a cycle has acted on the orders so far; not for long."""
+
+
+class People:
+    """Takes the orders of a run; ``robot`` is a name, None where all robots are meant.
+
+    ``reanchor`` places the camera of a name, or the only one, anew; None where a run cannot.
+    """
+
+    def __init__(self, daemon: Run) -> None:
+        self._daemon = daemon
+        self.reanchor: Callable[[str | None], list[str]] | None = None
+
+    def _chosen(self, robot: str | None) -> list[Robot]:
+        robots = self._daemon.robots
+        if robot is None:
+            return list(robots.values())
+        if robot and robot in robots:
+            return [robots[robot]]
+        if "" in robots:
+            name = in_short(robot)
+            raise MissionError(f"robot {name}: this run has one robot, which has no name")
+        raise MissionError(f"robot '{robot}': there are {', '.join(robots)}")
+
+    def _one(self, robot: str | None) -> Robot:
+        """The robot that is meant; ``MissionError`` where it could be any of several."""
+        chosen = self._chosen(robot)
+        if len(chosen) > 1:
+            names = ", ".join(self._daemon.robots)
+            raise MissionError(f"there are several robots: say which one goes (--robot: {names})")
+        return chosen[0]
+
+    def of(self, robot: str) -> OneOfSeveral:
+        """One robot, taking orders; ``MissionError`` where there is none of that name."""
+        return OneOfSeveral(self, self._one(robot).name)
+
+    def give(
+        self, stations: tuple[Station, ...], robot: str | None = None, *, any_order: bool = False
+    ) -> None:
+        """A new mission for one robot; ``MissionError`` where it cannot be."""
+        one = self._one(robot)
+        if self._daemon.lent is not None:
+            raise MissionError(self._daemon.lent)
+        with self._daemon.lock:
+            one.pilot.give(stations, any_order=any_order)
+
+    def appoint(self, mission: Mission, robot: str) -> None:
+        """The configured mission: given, or put behind the stop of a robot that is stopped."""
+        pilot = self._daemon.robots[robot].pilot
+        with self._daemon.lock:
+            if pilot.mission.state is State.STOPPED:
+                pilot.appoint(mission)
+            else:
+                pilot.give(mission.stations, any_order=mission.any_order)
+
+    def restore(self, mission: Mission, robot: str) -> None:
+        """Go on with a robot's mission from its journal."""
+        with self._daemon.lock:
+            self._daemon.robots[robot].pilot.restore(mission)
+
+    def stop(self, reason: str, robot: str | None = None) -> str | None:
+        """Emergency stop of one or all: straight to the links, past every queue, then latched."""
+        return self._daemon.stopping.stop(self._chosen(robot), reason)
+
+    def pause(self, robot: str | None = None) -> None:
+        """Hold where the robots are."""
+        chosen = self._chosen(robot)
+        with self._daemon.lock:
+            for one in chosen:
+                one.pilot.pause()
+
+    def resume(self, robot: str | None = None) -> None:
+        """End a pause; after a stop re-arm the robots, and the next time go on."""
+        self._daemon.stopping.resume(self._chosen(robot))
+        self._daemon.accept_arena()
+
+    def replan(self, robot: str | None = None) -> None:
+        """Plan again from where the robots are."""
+        chosen = self._chosen(robot)
+        with self._daemon.lock:
+            for one in chosen:
+                self._daemon.traffic.forget(one.name)
+                one.pilot.replan()
+
+    def preview(self, stations: tuple[Station, ...], robot: str | None = None) -> PlanAnswer:
+        """The plan that these stations would lead to if the robot were alone; changes nothing."""
+        one = self._one(robot)
+        pose = one.pose
+        if pose is None:
+            return PlanAnswer(0, 0, NoPath(f"{one.name or 'the robot'} was not seen yet"))
+        start = (pose.x, pose.y, pose.heading_rad)
+        return self._daemon.traffic.preview(one.name, PlanRequest(0, start, stations, 0))
+
+    def settle(self) -> None:
+        """Wait, in another thread, until a cycle has acted on the orders so far; not for long."""
+        self._daemon.settle()
+
+    def describe(self, robot: str | None = None) -> dict[str, Any]:
+        """The present state as JSON takes it: of one robot, or of several by name."""
+        chosen = self._chosen(robot)
+        told = {one.name: self._describe_one(one) for one in chosen}
+        if robot is not None or "" in told:
+            return next(iter(told.values()))
+        state = self._daemon.state
+        if state is None:
+            return {"state": "starting", "reason": "", "robots": told}
+        stopping = state.state is State.STOPPED and any(
+            one["state"] == STOPPING for one in told.values()
+        )
+        return {
+            "state": STOPPING if stopping else state.state.value,
+            "reason": state.sentence,
+            "robots": told,
+        }
+
+    def _describe_one(self, robot: Robot) -> dict[str, Any]:
+        with self._daemon.lock:
+            mission, pose = robot.pilot.mission, robot.pose
+        snapshot = robot.link.snapshot()
+        told = describe(
+            mission,
+            None if pose is None else (pose, self._daemon.world.clock() - pose.captured_s),
+            to_go_m(pose, robot.pilot.plan.targets, snapshot.executed),
+            snapshot,
+            self._daemon.camera.status(),
+            robot.evidence.latency_s,
+        )
+        if not robot.name:  # it waits for nobody
+            return told
+        return told | {"waits": self._daemon.traffic.waits.get(robot.name)}
+
+
+class OneOfSeveral:
+    """One robot of several, taking the orders that a robot alone takes."""
+
+    def __init__(self, people: People, name: str) -> None:
+        self._people, self._name = people, name
+
+    def give(self, stations: tuple[Station, ...]) -> None:
+        """A new mission; MissionError where it cannot be."""
+        self._people.give(stations, self._name)
+
+    def stop(self, reason: str) -> str | None:
+        """Emergency stop of this robot, latched."""
+        return self._people.stop(reason, self._name)
+
+    def pause(self) -> None:
+        """Hold until resumed."""
+        self._people.pause(self._name)
+
+    def resume(self) -> None:
+        """End a pause; after a stop re-arm, and the next time go on."""
+        self._people.resume(self._name)
+
+    def replan(self) -> None:
+        """Plan again from where it is."""
+        self._people.replan(self._name)
+
+    def settle(self) -> None:
+        """Return when the orders given so far were acted on, soon in any case."""
+        self._people.settle()
+
+    def describe(self) -> Mapping[str, Any]:
+        """The present state, as JSON takes it."""
+        return self._people.describe(self._name)

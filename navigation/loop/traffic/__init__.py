@@ -1,0 +1,1 @@
+"""Who plans, and how much of their paths robots may drive: one alone, or several together."""

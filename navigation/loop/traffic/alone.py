@@ -1,0 +1,54 @@
+"""One robot alone: its pilot's requests go to the planner, and it may drive all of its plan."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping, Sequence
+from typing import Final
+
+from navigation.loop.planning import ArenaPlanner, SceneCheck
+from navigation.loop.robot import Robot
+from navigation.loop.stages import plan_settings
+from navigation.loop.traffic.traffic import Answer, Decided, TrafficOrders
+from navigation.mission.cycle import PlanAnswer, PlanRequest
+from planner.scene import FloatArray
+
+
+class Alone:
+    """`Traffic` of a run with one robot."""
+
+    rounds: Final = 0
+    waits: Final[Mapping[str, str]] = {}
+    waits_for: Final[Mapping[str, str]] = {}
+
+    def __init__(self, robot: Robot) -> None:
+        self._robot = robot
+        self.planner = ArenaPlanner(plan_settings(robot.config))
+
+    def checked_points(self) -> FloatArray | None:
+        """The path that is driven."""
+        path = self._robot.pilot.plan.path
+        return None if path is None else path.points
+
+    def checked(self, checks: Sequence[SceneCheck]) -> Iterable[tuple[str, float | None]]:
+        """Every scene counts: in one of them the way may have been closed."""
+        return [(self._robot.name, check.path_clearance_m) for check in checks]
+
+    def take(self, answer: Answer | None) -> Mapping[str, PlanAnswer]:
+        """The planner's answer is the pilot's."""
+        return {self._robot.name: answer} if isinstance(answer, PlanAnswer) else {}
+
+    def step(self, _now_s: float, decided: Mapping[str, Decided], _revision: int) -> TrafficOrders:
+        """The pilot's request, unless it has stopped."""
+        orders = decided[self._robot.name].orders
+        return TrafficOrders(None if orders.estop else orders.request)
+
+    def released(self, _name: str) -> int | None:
+        """All."""
+        return None
+
+    def forget(self, _name: str) -> None:
+        """Nothing is promised that could be forgotten."""
+
+    def preview(self, _name: str, request: PlanRequest) -> PlanAnswer:
+        """The plan that such a request would lead to; any thread may ask."""
+        return self.planner.answer(request, preview=True)

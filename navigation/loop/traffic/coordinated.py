@@ -1,0 +1,146 @@
+"""Several robots: the coordinator's promises, and of each robot what it has to know.
+
+Metres, radians, seconds of the world's clock.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable, Mapping, Sequence
+from typing import Final
+
+from navigation.config import limits_of
+from navigation.fleet.coordinator import Coordinator
+from navigation.fleet.places_kept import Member
+from navigation.fleet.request import FleetAnswer
+from navigation.link.link_snapshot import LinkSnapshot
+from navigation.loop.planning import SceneCheck
+from navigation.loop.robot import Robot
+from navigation.loop.seeing.eye_settings import reach_m, stop_s
+from navigation.loop.traffic.fleet_planner import FleetPlanner
+from navigation.loop.traffic.traffic import Answer, Decided, TrafficOrders
+from navigation.mission.cycle import Orders, PlanAnswer, PlanRequest
+from navigation.mission.mission import State
+from navigation.mission.traffic import STANDING_M_S
+from planner.shared.search_clock import Clock
+
+BRAKES_S: Final = 0.3
+"""After a lease: the last one's way over the line, wheels that begin to brake, the camera."""
+STOOD_S: Final = 0.25
+"""A robot that was seen to stand for so long stands."""
+
+
+class Coordinated:
+    """`Traffic` of a run with several robots.
+
+    ``search_clock`` gives the seconds that limit a search for plans.
+    """
+
+    def __init__(self, robots: Mapping[str, Robot], search_clock: Clock) -> None:
+        self._robots = robots
+        configs = {name: one.config for name, one in robots.items()}
+        self.planner = FleetPlanner(configs, search_clock)
+        self._coordinator = Coordinator(self.planner.path_clearance_m)
+        self._answer: FleetAnswer | None = None
+        self.waits: Mapping[str, str] = {}
+        self.waits_for: Mapping[str, str] = {}
+
+    @property
+    def rounds(self) -> int:
+        """How often all were planned together."""
+        return self._coordinator.rounds
+
+    def checked_points(self) -> None:
+        """None: there are several, and `checked` measures them."""
+
+    def checked(self, checks: Sequence[SceneCheck]) -> Iterable[tuple[str, float | None]]:
+        """What the newest scene leaves of the paths that are driven."""
+        if not checks:
+            return
+        for name, one in self._robots.items():
+            path = one.pilot.plan.path
+            if path is not None:
+                yield name, self.planner.path_clearance_m(path.points)
+
+    def take(self, answer: Answer | None) -> Mapping[str, PlanAnswer]:
+        """Keep the planner's answer for the coordinator's step."""
+        self._answer = answer if isinstance(answer, FleetAnswer) else None
+        return {}
+
+    def step(self, now_s: float, decided: Mapping[str, Decided], revision: int) -> TrafficOrders:
+        """One cycle of the coordinator."""
+        members = {
+            name: member(one, now_s, decided[name].orders, decided[name].snapshot)
+            for name, one in self._robots.items()
+        }
+        fleet = self._coordinator.step(now_s, members, revision, self._answer)
+        self.waits, self.waits_for = fleet.waits, fleet.waits_for
+        return TrafficOrders(
+            fleet.request, fleet.plan_again, fleet.answers, fleet.holds, fleet.errands
+        )
+
+    def released(self, name: str) -> int | None:
+        """As many targets as the order lets it drive; none without a promise."""
+        release = self._coordinator.release(name)
+        return 0 if release is None else release.targets
+
+    def forget(self, name: str) -> None:
+        """The robot's promise is void."""
+        self._coordinator.forget(name)
+
+    def preview(self, name: str, request: PlanRequest) -> PlanAnswer:
+        """The plan of one robot as if it were alone; any thread may ask."""
+        return self.planner.preview(name, request)
+
+
+def member(robot: Robot, now_s: float, orders: Orders, snapshot: LinkSnapshot) -> Member:
+    """What the coordinator needs to know of a robot."""
+    pose, pilot = robot.pose, robot.pilot
+    body, safety = robot.config.robot, robot.config.safety
+    age_s = now_s - robot.pose_arrived_s
+    return Member(
+        state=pilot.mission.state,
+        pose=None if pose is None else (pose.x, pose.y, pose.heading_rad),
+        pose_age_s=age_s,
+        stands=_stands(robot, now_s, age_s, snapshot),
+        radius_m=body.radius_m,
+        limits=limits_of(robot.config),
+        max_deviation_m=safety.max_deviation_m,
+        reach_m=reach_m(body, safety),
+        executed=pilot.plan.executed if pilot.plan.path is not None else None,
+        request=orders.request,
+        sentence=pilot.mission.reason,
+        obliging=_is_obliging(robot, age_s, snapshot),
+        velocity=(0.0, 0.0, 0.0) if pose is None else (pose.vx, pose.vy, pose.turn_rate_rad_s),
+        obeys=_obeys(robot, now_s),
+        is_silent=snapshot.down_reason is not None,
+        keep_m=safety.other_robots_m,
+    )
+
+
+def _is_obliging(robot: Robot, age_s: float, snapshot: LinkSnapshot) -> bool:
+    mission = robot.pilot.mission
+    at_rest = mission.state in (State.IDLE, State.DONE) and not mission.remaining
+    well = snapshot.down_reason is None and not snapshot.estopped and not mission.paused
+    return at_rest and well and age_s <= robot.config.safety.pose_stale_s
+
+
+def _obeys(robot: Robot, now_s: float) -> bool:
+    """True if it is no faster than its brakes can have left it since its lease ran out."""
+    if robot.pose is None:
+        return True
+    body = robot.config.robot
+    braked_s = now_s - robot.permitted_s - robot.config.safety.lease_s - BRAKES_S
+    fastest = body.speed_m_s - body.acceleration_m_s2 * max(braked_s, 0.0)
+    return math.hypot(robot.pose.vx, robot.pose.vy) <= max(fastest, 0.0) + STANDING_M_S
+
+
+def _stands(robot: Robot, now_s: float, age_s: float, snapshot: LinkSnapshot) -> bool:
+    if robot.pose is None:
+        return True  # nobody knows: the coordinator refuses to plan
+    safety = robot.config.safety
+    if age_s > safety.pose_stale_s:
+        return age_s > stop_s(robot.config.robot, safety)  # its lease has ended, and it has braked
+    if snapshot.down_reason is None and snapshot.moving:
+        return False
+    return now_s - robot.moved_s > STOOD_S
