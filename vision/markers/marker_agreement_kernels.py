@@ -130,7 +130,8 @@ def corner_error_px(
             moved = row.copy()
             if not solve(matrix.copy(), moved):
                 return math.inf
-            variance += float(np.dot(row, moved))
+            for k in range(first, first + 3):
+                variance += row[k] * moved[k]
         worst = max(worst, scatter * math.sqrt(variance))
     return worst * cell_px
 

@@ -126,6 +126,11 @@ class FakeDaemon:
         assert self.state is not None
         return self.state.mission
 
+    @property
+    def frame(self) -> Frame | None:
+        """The newest picture."""
+        return None if self.state is None else self.state.frame
+
     def camera_status(self) -> CameraStatus:
         return self.camera
 
