@@ -1,4 +1,4 @@
-"""Whether the program does what it did: runs in virtual time, kept and compared call by call.
+"""Runs in virtual time, kept before a change and compared call by call after it.
 
     python -m benchmarks.same_runs --keep FILE       # before a change of the code
     python -m benchmarks.same_runs --compare FILE    # after it: each run that has become another

@@ -29,7 +29,7 @@ class Case:
 
     @property
     def name(self) -> str:
-        """As it is kept: ``crossing/stop/3``, with ``/drawn`` where pictures are drawn."""
+        """The name it is kept by: ``crossing/stop/3``, with ``/drawn`` where pictures are drawn."""
         words = [self.config, self.trouble, str(self.seed)]
         return "/".join([*words, "drawn"] if self.pictures else words)
 
@@ -41,7 +41,7 @@ class Case:
         return TROUBLES[self.trouble].prepare(config.model_copy(update={"simulation": seeded}))
 
     def chance(self) -> random.Random:
-        """What draws this run's robot and times: the same for the same name, in every process."""
+        """A generator for this run's robot and times: equal for equal names, in every process."""
         return random.Random(self.name)
 
 

@@ -22,7 +22,7 @@ from benchmarks.same_runs.troubles import TROUBLES
 LINGER_S: Final = 6.0
 """A mission that a stop has ended is resumed within this time."""
 LONGEST_LINE: Final = 200
-"""Of a line that is shown; `--show` prints it whole."""
+"""The length at which a line is cut where it is shown; `--show` prints it whole."""
 
 
 class KeptError(ValueError):
@@ -31,7 +31,7 @@ class KeptError(ValueError):
 
 @dataclass(frozen=True, slots=True)
 class Kept:
-    """What is kept of a run; ``hashes`` by part, ``by_block`` finds the first difference."""
+    """The record of a run: ``hashes`` by part; ``by_block`` finds the first difference."""
 
     name: str
     state: str
@@ -40,7 +40,7 @@ class Kept:
     by_block: str
 
     def line(self) -> str:
-        """As one line of JSON."""
+        """The record as one line of JSON."""
         return json.dumps(asdict(self))
 
 

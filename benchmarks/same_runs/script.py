@@ -77,7 +77,7 @@ class Script:
         return self._rng.uniform(self._steps[0].least_s, self._steps[0].most_s)
 
     def _note(self, number: int, state: DaemonState) -> None:
-        """What a person is told of a robot, where it is news."""
+        """Note the sentence that a person is told of a robot, where it is news."""
         said = f"{state.mission.state.value}: {state.sentence}; {state.troubles}"
         if self._said.get(number) != said:
             self._said[number] = said

@@ -21,8 +21,8 @@ from navigation.shared.outside import in_short
 from planner.path import NoPath
 
 
-class Run(Protocol):
-    """What orders act on: the daemon."""
+class OrderedRun(Protocol):
+    """The run that orders act on: the daemon."""
 
     robots: dict[str, Robot]
     traffic: Traffic
@@ -46,7 +46,7 @@ class People:
     ``reanchor`` places the camera of a name, or the only one, anew; None where a run cannot.
     """
 
-    def __init__(self, daemon: Run) -> None:
+    def __init__(self, daemon: OrderedRun) -> None:
         self._daemon = daemon
         self.reanchor: Callable[[str | None], list[str]] | None = None
 

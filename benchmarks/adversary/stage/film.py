@@ -23,11 +23,11 @@ from vision.camera.camera import Image
 AWAY: TruePose = (-50.0, -50.0, 0.0)
 """Out of every picture."""
 SHIFT_BITS = 6
-"""Of a pixel, to which a bar's corners are drawn."""
+"""Binary digits of a pixel to which a bar's corners are drawn."""
 CARD_RADIUS_M = 0.08
 CARD_GREY = 120.0
 LAID_SHARE = 0.2
-"""Of the floor's light, that a bar laid on it takes away; obstacles take four fifths."""
+"""The share of the floor's light that a bar takes away; obstacles take four fifths."""
 
 
 @dataclass(frozen=True, slots=True)
