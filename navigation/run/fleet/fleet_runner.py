@@ -93,22 +93,26 @@ class FleetRunner(Runner):
             daemon.let_the_robots_stop()
             duration_s = world.clock() - daemon.started_s
             report = summarise_fleet(daemon, state, reason, duration_s)
+            self._draw(folder, daemon, report)  # where simulated robots were is known until here
             self._log.write(
                 "info", "finished", state=report.state, reason=reason, duration_s=duration_s
             )
         for doubt in world.doubts:
             self._say(f"trouble: {doubt}")
         self._write(folder, report)
-        if folder is not None:
-            try:
-                write_picture(folder / "track.svg", daemon, report)
-            except DrawError as error:
-                self._say(f"trouble: {error}")
         for remark in slowness(world.clock):
             self._say(remark)
         if recorder is not None:
             self._say(recorder.summary())
         return report, folder, self._exit_code_of(state, daemon)
+
+    def _draw(self, folder: Path | None, daemon: Daemon, report: FleetReport) -> None:
+        if folder is None:
+            return
+        try:
+            write_picture(folder / "track.svg", daemon, report)
+        except DrawError as error:
+            self._say(f"trouble: {error}")
 
     def _write(self, folder: Path | None, report: FleetReport) -> None:
         if folder is None:

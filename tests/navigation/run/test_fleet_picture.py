@@ -62,4 +62,6 @@ def test_a_run_leaves_it_beside_its_report(tmp_path: Path) -> None:
     assert report.state == "failed", "there was no time to arrive"
     assert folder is not None
     assert {"report.json", "track.svg"} <= {file.name for file in folder.iterdir()}
-    assert ">2 right" in (folder / "track.svg").read_text()
+    picture = (folder / "track.svg").read_text()
+    assert ">2 right" in picture
+    assert re.search('stroke-width="5(.00)?"', picture), "no track, only the legend"
