@@ -8,14 +8,13 @@ docs/configuration.md are made from them.
 
 from __future__ import annotations
 
-from pathlib import Path
 from typing import Annotated, Literal, TypeAlias
 
 from pydantic import Field, StrictBool
 
 from navigation.config.dashboard import DashboardSection
-from navigation.config.entries import CameraEntry, RobotEntry, RobotMissionSection
 from navigation.config.known_robots import OWN_LEAST_WHEEL_M_S, DriverName, ModelName
+from navigation.config.recording import RecordingSection
 from navigation.config.simulation import SimulationSection
 from navigation.config.values import (
     MOST_CAMERAS,
@@ -32,6 +31,7 @@ from navigation.config.values import (
     Kelvin,
     LeastWheelSpeed,
     Length,
+    Name,
     NeighbourFile,
     NotNegative,
     Number,
@@ -42,6 +42,7 @@ from navigation.config.values import (
     Source,
     Station,
     Text,
+    as_in,
 )
 from vision.binarise import Method
 
@@ -106,6 +107,16 @@ class CameraSection(Section):
     rolling_shutter_ms: Annotated[NotNegative, Field(le=1000)] = Field(
         default=0.0,
         description="time from the exposure of the first row to that of the last; 0: all at once",
+    )
+
+
+@as_in(CameraSection, leave_out=("metres_per_pixel",))
+class CameraEntry(Section):
+    """One of several cameras over one arena; what is empty is as in ``camera``."""
+
+    name: Name = Field(description="what messages call it: letters, digits, _ and -")
+    calibration: NeighbourFile | None = Field(
+        default=None, description="its own file, of the same floor as the others'"
     )
 
 
@@ -234,6 +245,14 @@ class SerialSection(Section):
     )
 
 
+@as_in(SerialSection, RobotSection)
+class RobotEntry(Section):
+    """One of several driven robots; what is empty is as in ``robot`` and ``serial``."""
+
+    name: Name = Field(description="what orders and reports call it: letters, digits, _ and -")
+    marker_id: Count = Field(description="the number of the marker on this robot")
+
+
 class SafetySection(Section):
     """When the robot must hold or stop."""
 
@@ -288,6 +307,15 @@ class SafetySection(Section):
     )
 
 
+class RobotMissionSection(Section):
+    """Where one of several robots goes."""
+
+    name: Name = Field(description="which of robots it is")
+    stations: tuple[Station, ...] = Field(
+        default=(), max_length=MOST_STATIONS, description="places to visit; the last is the goal"
+    )
+
+
 class MissionSection(Section):
     """Where to go; without stations the program waits for orders."""
 
@@ -309,44 +337,6 @@ class MissionSection(Section):
     )
     tolerance_deg: Annotated[Positive, Field(le=360)] = Field(
         default=2.0, description="how near to its heading counts as turned"
-    )
-
-
-class RecordingSection(Section):
-    """What a run leaves behind."""
-
-    runs_dir: Path = Field(
-        default=Path("runs"),
-        description="each run makes a folder in this one (from the current folder)",
-    )
-    journal: Path | None = Field(
-        default=None,
-        description="file that keeps mission and progress, so that a restart resumes where it "
-        "was (from the current folder); empty: a restart begins again",
-    )
-    record: StrictBool = Field(
-        default=False,
-        description="record pictures, scenes, plans, poses and log into MCAP files, which "
-        "`clearway replay` and Foxglove read",
-    )
-    folder: Path = Field(
-        default=Path("recordings"),
-        description="where the MCAP files go (from the current folder); `run --record` overrides",
-    )
-    limit_mb: Annotated[Positive, Field(ge=1)] = Field(
-        default=2000.0, description="the oldest MCAP files there go when all are larger than this"
-    )
-    file_mb: Annotated[Positive, Field(ge=0.1)] = Field(
-        default=200.0, description="a new MCAP file is begun when one has become larger than this"
-    )
-    picture_rate_hz: Rate = Field(
-        default=10.0, description="most pictures a second that are recorded"
-    )
-    picture_format: Literal["jpeg", "png"] = Field(
-        default="jpeg", description="small, or without loss (about ten times the processor time)"
-    )
-    jpeg_quality: Annotated[int, Field(strict=True, ge=1, le=100)] = Field(
-        default=92, description="of recorded pictures"
     )
 
 

@@ -8,10 +8,19 @@ from __future__ import annotations
 
 import difflib
 import math
+from collections.abc import Callable, Collection
 from pathlib import Path
-from typing import Annotated, Any, Literal
+from typing import Annotated, Any, Literal, TypeVar
 
-from pydantic import AfterValidator, BaseModel, BeforeValidator, ConfigDict, Field, ValidationInfo
+from pydantic import (
+    AfterValidator,
+    BaseModel,
+    BeforeValidator,
+    ConfigDict,
+    Field,
+    ValidationInfo,
+    create_model,
+)
 
 MOST_STATIONS = 1000
 """Of one mission, configured or ordered."""
@@ -137,6 +146,56 @@ class Section(BaseModel):
     """A section: nothing but its own keys, and unchangeable."""
 
     model_config = ConfigDict(extra="forbid", frozen=True, arbitrary_types_allowed=False)
+
+
+_Entry = TypeVar("_Entry", bound=Section)
+
+
+def as_in(
+    *sections: type[Section], leave_out: Collection[str] = ()
+) -> Callable[[type[_Entry]], type[_Entry]]:
+    """Give a list's entry each key of ``sections`` that it lacks, with the same limits.
+
+    All of them may be empty: the section's own value holds then (`several`).
+    """
+
+    def made(entry: type[_Entry]) -> type[_Entry]:
+        keys: dict[str, Any] = {
+            key: (
+                Annotated[
+                    field.rebuild_annotation(), Field(json_schema_extra=field.json_schema_extra)
+                ]
+                | None,
+                Field(default=None, description=field.description),
+            )
+            for section in sections
+            for key, field in section.model_fields.items()
+            if key not in entry.model_fields and key not in leave_out
+        }
+        whole = create_model(
+            entry.__name__,
+            __base__=entry,
+            __module__=entry.__module__,
+            __doc__=entry.__doc__,
+            **keys,
+        )
+        whole.__qualname__ = entry.__qualname__
+        return whole
+
+    return made
+
+
+_Whole = TypeVar("_Whole", bound=Section)
+
+
+def with_own(section: _Whole, entry: Section) -> _Whole:
+    """The section with every value that the entry has for one of its keys."""
+    own = {
+        key: value
+        for key in type(section).model_fields
+        if (value := getattr(entry, key, None)) is not None
+    }
+    return section.model_copy(update=own)
 
 
 class Place(Section):

@@ -28,7 +28,7 @@ import numpy as np
 from navigation.fleet.asking import request_of
 from navigation.fleet.giving_way import GivingWay
 from navigation.fleet.orders import ON_TRACK_M, FleetOrders, ahead, holds_of, waits_of
-from navigation.fleet.places_kept import Member, comes_too_near
+from navigation.fleet.places_kept import Member, comes_too_near, why_nobody_moves
 from navigation.fleet.refusals import Refusals
 from navigation.fleet.releases import Held, Release, release_of
 from navigation.fleet.request import Driving, FleetAnswer, FleetRequest, Promise
@@ -303,9 +303,8 @@ class Coordinator:
     ) -> tuple[FleetRequest | None, dict[str, PlanAnswer]]:
         """The request for those that ask, or why nobody can be planned for."""
         wishes = {name: self._open[name] for name in asking}
-        unseen = [name for name, one in members.items() if one.pose is None]
-        if unseen:
-            why = f"{unseen[0]} was not seen yet: nobody knows where it is"
+        why = why_nobody_moves(members)
+        if why is not None:
             self._refusals.refuse(wishes, why)
             return None, {
                 name: PlanAnswer(request.id, revision, NoPath(why))

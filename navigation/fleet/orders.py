@@ -11,7 +11,7 @@ from typing import Final
 
 import numpy as np
 
-from navigation.fleet.places_kept import Member, comes_too_near
+from navigation.fleet.places_kept import Member, comes_too_near, why_nobody_moves
 from navigation.fleet.releases import Held, release_of
 from navigation.fleet.request import FleetRequest
 from navigation.mission.cycle import PlanAnswer
@@ -69,9 +69,16 @@ def waits_of(
 def holds_of(
     members: Mapping[str, Member], held: Mapping[str, Held], aside: Container[str]
 ) -> dict[str, str]:
-    """Who has another robot in what it may drive, and which; but for those that drive aside."""
+    """Who may not drive now and why: for another robot in what it may drive, or anywhere.
+
+    Those that drive aside may, unless one may be anywhere.
+    """
     holds = {}
+    astray = [name for name, one in members.items() if one.at_large]
     for name, one in members.items():
+        if one.state is State.DRIVING and astray and name not in astray:
+            holds[name] = why_nobody_moves(members) or ""
+            continue
         if name not in held or name in aside or one.state is not State.DRIVING or one.pose is None:
             continue
         near = comes_too_near(ahead(held, name, one.pose), name, members)

@@ -61,6 +61,8 @@ class Member:
     """Nothing is heard of it, so that nobody knows whether it hears."""
     keep_m: float = 0.03
     """What it keeps from the body of one that runs away."""
+    at_large: bool = False
+    """It may be anywhere: it is neither seen nor heard, and nothing of its own stops it."""
 
     def limits_at(self, request: PlanRequest) -> Limits:
         """What it can do, no faster than it asks for."""
@@ -75,6 +77,16 @@ class Member:
         if self.state is State.DRIVING:
             return "has to pass first"
         return f"is {self.state.value}: {self.sentence}" if self.sentence else "does not drive"
+
+
+def why_nobody_moves(members: Mapping[str, Member]) -> str | None:
+    """The sentence where a robot may be anywhere; None where each one's places are known."""
+    for name, one in members.items():
+        if one.pose is None:
+            return f"{name} was not seen yet: nobody knows where it is"
+        if one.at_large:
+            return f"{name} is not seen and does not answer, and nothing stops it by itself"
+    return None
 
 
 def places_kept(name: str, one: Member, held: Held | None) -> Iterator[Taken]:

@@ -27,7 +27,7 @@ from foxglove.channels import (
 )
 from foxglove.mcap import MCAPWriteOptions
 
-from navigation.config.sections import RecordingSection
+from navigation.config.recording import RecordingSection
 from navigation.recording import foxglove as messages
 from navigation.recording import json_bodies as bodies
 from navigation.recording.events import (

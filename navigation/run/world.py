@@ -119,7 +119,7 @@ class World:
     def make_link(self, _name: str) -> SerialLink:
         """The serial link in a thread of its own; it waits for a robot that is plugged in later."""
         if self._driver is not None:
-            return link_of(self._driver, self.clock, wait_for_port=self._wait_for_port)
+            return link_of(self._driver, self.clock)
         baud = self.config.serial.baud
         return SerialLink(self.port, baud, clock=self.clock, wait_for_port=self._wait_for_port)
 

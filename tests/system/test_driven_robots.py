@@ -19,9 +19,10 @@ import pytest
 
 from navigation.config import load_config
 from navigation.config.known_robots import KNOWN_ROBOTS
+from navigation.config.several.each_robot import each_robot
 from navigation.run.kernels.warm_up import warm_up
 from tests.support.pictures import call
-from tests.support.runs.light_camera import with_light_camera
+from tests.support.runs.light_camera import LENS, with_light_camera
 from tests.support.waiting import wait_until
 
 CONFIGS = Path(__file__).parents[2] / "configs"
@@ -68,6 +69,30 @@ def test_the_shipped_configuration_drives_its_robot_to_the_goal(name: str, tmp_p
     assert report["goal_error_deg"] <= 2.0
     assert report["tracking_error_m"]["rms"] <= 0.015
     assert report["min_clearance_m"] >= load_config(tmp_path / "short.yaml", {}).robot.radius_m
+
+
+@drives
+def test_robots_of_two_makers_drive_together_and_never_touch(tmp_path: Path) -> None:
+    shutil.copytree(CONFIGS, tmp_path, dirs_exist_ok=True)
+    file = tmp_path / "fleet_of_epucks.yaml"
+    text = file.read_text()
+    for old, new in (
+        ("size_px: [1280, 960]", "size_px: [640, 480]"),
+        ("    position_m: [0.462, 0.39, 1.0]\n", f"    position_m: [0.462, 0.39, 1.0]\n{LENS}"),
+        ("runs_dir: runs", f"runs_dir: {tmp_path / 'runs'}"),
+    ):
+        assert old in text
+        text = text.replace(old, new)
+    file.write_text(text)
+    told = call("run", file, "--once", "--report", tmp_path / "report.json")
+    assert (told.code, told.err) == (0, ""), told
+    report = json.loads((tmp_path / "report.json").read_text())
+    assert report["least_gap_m"] > 0.0
+    drivers = {name: one.robot.driver for name, one in each_robot(load_config(file, {})).items()}
+    assert sorted(drivers.values()) == ["clearway", "epuck2", "epuck2", "epuck2"]
+    for name in drivers:
+        assert report["robots"][name]["state"] == "done"
+        assert report["robots"][name]["goal_error_m"] <= 0.010
 
 
 class Twin:

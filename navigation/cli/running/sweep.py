@@ -83,18 +83,19 @@ def command(
 
     from navigation.cli.setup.check import load_checked
     from navigation.config.known_robots import CLEARWAY
-    from navigation.config.several.each_robot import settled
+    from navigation.config.several.each_robot import robots_of, settled
     from navigation.sweep.fleet_variations import fleet_variation
     from navigation.sweep.runs import COLUMNS, FLEET_COLUMNS, IDLE, Sweep, run_rows
     from navigation.sweep.table import SweepFile, summarise_rows
     from navigation.sweep.variations import variation
 
     loaded = settled(load_checked(config.absolute()))
-    if loaded.robot.driver != CLEARWAY:
-        raise click.UsageError(
-            f"{config}: robot.driver {loaded.robot.driver} drives in real time only; "
-            f"a sweep needs {CLEARWAY}"
-        )
+    for one in robots_of(loaded):
+        if one.robot.driver != CLEARWAY:
+            raise click.UsageError(
+                f"{config}: robot.driver {one.robot.driver} drives in real time only; "
+                f"a sweep needs {CLEARWAY}"
+            )
     if not pictures:
         _refuse_what_only_pictures_show(config, loaded)
     several = len(loaded.robots)

@@ -320,8 +320,14 @@ def _in_short(config: Config) -> str:
     robot, count = config.robot, len(config.mission.stations)
     return (
         f"marker {robot.marker_id}, radius {robot.radius_m:g} m, up to {robot.speed_m_s:g} m/s, "
-        f"{config.serial.port}, {count or 'no'} station{'s' * (count != 1)}"
+        f"{_line_of(config)}, {count or 'no'} station{'s' * (count != 1)}"
     )
+
+
+def _line_of(config: Config) -> str:
+    """Its port, and its driver where that is not our firmware."""
+    driver, port = config.robot.driver, config.serial.port
+    return port if driver == CLEARWAY else f"{driver} on {port}"
 
 
 def _places_of_each(config: Config, arena: SimulatedArena) -> Iterator[tuple[Location, str]]:

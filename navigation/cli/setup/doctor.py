@@ -205,22 +205,43 @@ def _pictures(config: Config) -> Iterator[Finding]:
 
 
 def _port(config: Config) -> Iterator[Finding]:
+    """Each robot's line, and who else takes such ports."""
+    from dataclasses import replace
+
+    from navigation.config.several.each_robot import each_robot, robots_of
+    from navigation.machine import doctor
+
+    found = [] if config.robots else list(_one_port(config))
+    for name, one in each_robot(config).items():
+        found += [replace(finding, name=f"{finding.name} {name}") for finding in _one_port(one)]
+    yield from found
+    if any(_device_of(one) is not None for one in robots_of(config)):
+        yield from doctor.check_port_takers(doctor.running_programs())
+
+
+def _one_port(config: Config) -> Iterator[Finding]:
     """Its device; with our own firmware it is not opened, since that resets some robots."""
     from navigation.config.known_robots import CLEARWAY
     from navigation.config.sections import SIMULATED
-    from navigation.link.serial_port import is_address
     from navigation.machine import doctor
 
-    port = config.serial.port
-    if port == SIMULATED:
+    if config.serial.port == SIMULATED:
         yield doctor.Finding("ok", "serial port", "simulated")
         return
     if config.robot.driver != CLEARWAY:
         yield _robot(config)
-    if is_address(port):
-        return
-    yield doctor.check_device("serial port", Path(port), "dialout", doctor.own_groups())
-    yield from doctor.check_port_takers(doctor.running_programs())
+    device = _device_of(config)
+    if device is not None:
+        yield doctor.check_device("serial port", device, "dialout", doctor.own_groups())
+
+
+def _device_of(config: Config) -> Path | None:
+    """The device of the robot's line; None where it is simulated, or an address."""
+    from navigation.config.sections import SIMULATED
+    from navigation.link.serial_port import is_address
+
+    port = config.serial.port
+    return None if port == SIMULATED or is_address(port) else Path(port)
 
 
 def _robot(config: Config) -> Finding:

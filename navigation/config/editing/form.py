@@ -18,12 +18,11 @@ from dataclasses import dataclass
 from typing import Any, Final
 
 from navigation.config.editing.in_text import present_value, value_text
-from navigation.config.entries import RobotEntry
 from navigation.config.errors import key_name
 from navigation.config.marks import Location, read_document
 from navigation.config.reference import json_schema
 from navigation.config.secrecy.secrets import is_secret_key
-from navigation.config.sections import SIMULATED, RobotSection, SerialSection
+from navigation.config.sections import SIMULATED, RobotEntry, RobotSection, SerialSection
 
 SHOWN_SECTIONS: Final = {
     "safety": "what keeps the robot from harm is changed in the file",

@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from navigation.config.entries import CameraEntry
-from navigation.config.sections import CameraSection, Config
+from navigation.config.sections import CameraEntry, CameraSection, Config
 from navigation.config.simulation import SimulationSection
+from navigation.config.values import with_own
 
 
 def camera_of(camera: CameraSection, entry: CameraEntry) -> CameraSection:
@@ -12,14 +12,8 @@ def camera_of(camera: CameraSection, entry: CameraEntry) -> CameraSection:
 
     One that has a calibration of its own has no scale, whatever ``camera`` says.
     """
-    own = {
-        key: getattr(entry, key)
-        for key in CameraEntry.model_fields
-        if key != "name" and getattr(entry, key) is not None
-    }
-    if entry.calibration is not None:
-        own["metres_per_pixel"] = None
-    return camera.model_copy(update=own)
+    own = with_own(camera, entry)
+    return own if entry.calibration is None else own.model_copy(update={"metres_per_pixel": None})
 
 
 def each_camera(config: Config) -> dict[str, Config]:
@@ -47,12 +41,7 @@ def _simulation_of(
     camera = simulation.camera
     for one in simulation.cameras:
         if one.name == entry.name:
-            own = {
-                key: getattr(one, key)
-                for key in type(one).model_fields
-                if key != "name" and getattr(one, key) is not None
-            }
-            camera = camera.model_copy(update=own)
+            camera = with_own(camera, one)
     # each sensor has noise of its own
     update = {"camera": camera, "cameras": (), "seed": simulation.seed + index}
     return simulation.model_copy(update=update)

@@ -2,26 +2,18 @@
 
 from __future__ import annotations
 
-from navigation.config.entries import RobotEntry
-from navigation.config.sections import Config, RobotSection, SerialSection
-
-_OF_SERIAL = ("port", "baud")
+from navigation.config.sections import Config, RobotEntry, RobotSection, SerialSection
+from navigation.config.values import with_own
 
 
 def robot_of(robot: RobotSection, entry: RobotEntry) -> RobotSection:
     """The section ``robot`` with what differs for one of several robots."""
-    own = {
-        key: value
-        for key, value in entry.model_dump(exclude={"name", *_OF_SERIAL}).items()
-        if value is not None
-    }
-    return robot.model_copy(update=own)
+    return with_own(robot, entry)
 
 
 def serial_of(serial: SerialSection, entry: RobotEntry) -> SerialSection:
     """The section ``serial`` with what differs for one of several robots."""
-    own = {key: getattr(entry, key) for key in _OF_SERIAL if getattr(entry, key) is not None}
-    return serial.model_copy(update=own)
+    return with_own(serial, entry)
 
 
 def each_robot(config: Config) -> dict[str, Config]:
@@ -30,6 +22,11 @@ def each_robot(config: Config) -> dict[str, Config]:
     Empty where the configuration names one robot only, in the section ``robot``.
     """
     return {entry.name: _alone(config, i, entry) for i, entry in enumerate(config.robots)}
+
+
+def robots_of(config: Config) -> tuple[Config, ...]:
+    """The configuration of each robot that is driven: of the only one itself."""
+    return tuple(each_robot(config).values()) or (config,)
 
 
 def _alone(config: Config, index: int, entry: RobotEntry) -> Config:

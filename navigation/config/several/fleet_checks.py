@@ -7,7 +7,6 @@ from collections.abc import Iterator, Sequence
 from itertools import combinations
 from typing import Any
 
-from navigation.config.known_robots import CLEARWAY
 from navigation.config.marks import Location
 from navigation.config.several.each_robot import robot_of, serial_of
 from navigation.config.values import Place
@@ -40,19 +39,25 @@ def names_markers_and_ports_differ(robots: Any, serial: Any, other_robots: Any) 
             ports.setdefault(port, f"robots[{index}] ({entry.name})")
 
 
-def drivers_are_ours(robots: Any, robot: Any) -> _Found:
-    """Of several robots each has our firmware: drivers of others are for one robot so far."""
-    if len(robots) > 1 and robot.driver != CLEARWAY:
-        yield (
-            ("robot", "driver"),
-            f"'{robot.driver}' drives one robot; several need 'clearway', our firmware",
-        )
+def markers_are_of_one_family(robots: Any, robot: Any) -> _Found:
+    """A picture is searched for one family of markers."""
+    for index, entry in enumerate(robots):
+        if entry.dictionary not in (None, robot.dictionary):
+            yield (
+                ("robots", index, "dictionary"),
+                f"must be {robot.dictionary}, as robot.dictionary, not {entry.dictionary}: a "
+                "picture is searched for one family",
+            )
 
 
 def robots_turn_on_the_spot(robots: Any, robot: Any) -> _Found:
     """Several robots wait and turn where they meet; a car's turn would take another's floor."""
-    if len(robots) > 1 and not robot.turns_on_spot:
-        yield ("robot", "turns_on_spot"), "must be true where several robots are driven"
+    for index, entry in enumerate(robots if len(robots) > 1 else ()):
+        if not robot_of(robot, entry).turns_on_spot:
+            where: Location = ("robot", "turns_on_spot")
+            if entry.turns_on_spot is not None:
+                where = ("robots", index, "turns_on_spot")
+            yield where, "must be true where several robots are driven"
 
 
 def names_are_known(robots: Any, mission: Any, simulation: Any) -> _Found:

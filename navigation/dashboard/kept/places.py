@@ -17,7 +17,7 @@ from dataclasses import asdict, dataclass, replace
 from pathlib import Path
 from typing import Any, Final
 
-from navigation.config.sections import RecordingSection
+from navigation.config.recording import RecordingSection
 from navigation.control import ControlError, read_stations
 from navigation.shared.outside import OutsideError, in_short, read_object
 from navigation.shared.whole_file import UnwrittenFileError, write_whole

@@ -24,9 +24,9 @@ class DriverLink(SerialLink):
         word: Callable[[], Word],
         *,
         clock: Callable[[], float] = time.monotonic,
-        wait_for_port: bool = False,
     ) -> None:
-        super().__init__(port, LINE_BAUD, clock=clock, wait_for_port=wait_for_port)
+        # its port goes and comes with the process, which may be just being started again
+        super().__init__(port, LINE_BAUD, clock=clock, wait_for_port=True)
         self._word_now = word
 
     def snapshot(self) -> LinkSnapshot:

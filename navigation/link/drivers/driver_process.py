@@ -70,13 +70,18 @@ class DriverProcess:
         self._ending = threading.Event()
         self._watcher: threading.Thread | None = None
 
-    def start(self) -> None:
-        """Start it, and wait until its port is there; PortNotReadyError where it never is."""
+    def begin(self) -> None:
+        """Let it begin to start; `start` waits for it."""
         self._watcher = threading.Thread(target=self._run, name="robot's driver", daemon=True)
         self._watcher.start()
+
+    def start(self) -> None:
+        """Start it, and wait until its port is there; PortNotReadyError where it never is."""
+        if self._watcher is None:
+            self.begin()
         until_s = time.monotonic() + START_S
         while not self._link.exists():
-            if time.monotonic() > until_s or not self._watcher.is_alive():
+            if time.monotonic() > until_s or self._watcher is None or not self._watcher.is_alive():
                 self.stop()
                 raise PortNotReadyError(f"the driver of the {self._title} has not started")
             time.sleep(0.01)  # the pace at which it is looked for

@@ -10,8 +10,9 @@ from collections.abc import Iterable, Mapping, Sequence
 from typing import Final
 
 from navigation.config import limits_of
+from navigation.config.known_robots import CLEARWAY, KNOWN_ROBOTS
 from navigation.fleet.coordinator import Coordinator
-from navigation.fleet.places_kept import Member
+from navigation.fleet.places_kept import SEEN_S, Member
 from navigation.fleet.request import FleetAnswer
 from navigation.link.link_snapshot import LinkSnapshot
 from navigation.loop.planning import SceneCheck
@@ -103,10 +104,11 @@ def member(robot: Robot, now_s: float, orders: Orders, snapshot: LinkSnapshot) -
         pose=None if pose is None else (pose.x, pose.y, pose.heading_rad),
         pose_age_s=age_s,
         stands=_stands(robot, now_s, age_s, snapshot),
+        at_large=_is_at_large(robot, age_s, snapshot),
         radius_m=body.radius_m,
         limits=limits_of(robot.config),
         max_deviation_m=safety.max_deviation_m,
-        reach_m=reach_m(body, safety),
+        reach_m=reach_m(body, safety) + body.speed_m_s * _drives_on_s(robot, snapshot),
         executed=pilot.plan.executed if pilot.plan.path is not None else None,
         request=orders.request,
         sentence=pilot.mission.reason,
@@ -135,12 +137,38 @@ def _obeys(robot: Robot, now_s: float) -> bool:
     return math.hypot(robot.pose.vx, robot.pose.vy) <= max(fastest, 0.0) + STANDING_M_S
 
 
+def _drives_on_s(robot: Robot, snapshot: LinkSnapshot) -> float:
+    """How long it drives on beyond its lease: a lease of our firmware ends on the robot itself,
+    that of a driver with its cable, behind which only the robot's own watchdog is left."""
+    driver = robot.config.robot.driver
+    if driver == CLEARWAY or snapshot.down_reason is None:
+        return 0.0
+    watchdog_s = KNOWN_ROBOTS[driver].watchdog_s
+    return math.inf if watchdog_s is None else watchdog_s
+
+
+def _is_at_large(robot: Robot, age_s: float, snapshot: LinkSnapshot) -> bool:
+    """True if nothing but its cable could stop it, that is out, and it is not seen.
+
+    One that was seen to stand when it had nothing to drive by still stands.
+    """
+    if age_s <= SEEN_S or math.isfinite(_drives_on_s(robot, snapshot)):
+        return False
+    seen_s, safety = robot.pose_arrived_s, robot.config.safety
+    permitted_s = robot.permitted_s + safety.lease_s + BRAKES_S
+    return seen_s < max(permitted_s, robot.moved_s + STOOD_S)
+
+
 def _stands(robot: Robot, now_s: float, age_s: float, snapshot: LinkSnapshot) -> bool:
     if robot.pose is None:
         return True  # nobody knows: the coordinator refuses to plan
     safety = robot.config.safety
     if age_s > safety.pose_stale_s:
-        return age_s > stop_s(robot.config.robot, safety)  # its lease has ended, and it has braked
+        drives_on_s = _drives_on_s(robot, snapshot)
+        if math.isinf(drives_on_s):
+            return age_s > SEEN_S  # at large, and refused as a whole, or seen to stand
+        braked_s = stop_s(robot.config.robot, safety) + drives_on_s
+        return age_s > braked_s  # its lease has ended, and it has braked
     if snapshot.down_reason is None and snapshot.moving:
         return False
     return now_s - robot.moved_s > STOOD_S

@@ -32,11 +32,18 @@ def driver_of(config: Config, robot_port: str) -> DriverProcess | None:
     )
 
 
-def link_of(
-    driver: DriverProcess, clock: Callable[[], float], *, wait_for_port: bool
-) -> DriverLink:
+def link_of(driver: DriverProcess, clock: Callable[[], float]) -> DriverLink:
     """The link to a driver's process."""
-    return DriverLink(driver.port, driver.word, clock=clock, wait_for_port=wait_for_port)
+    return DriverLink(driver.port, driver.word, clock=clock)
+
+
+def start_all(drivers: Iterable[DriverProcess]) -> None:
+    """Start them, all at the same time; PortNotReadyError where one does not."""
+    drivers = list(drivers)
+    for driver in drivers:
+        driver.begin()
+    for driver in drivers:
+        driver.start()
 
 
 def end_all(drivers: Iterable[DriverProcess]) -> list[str]:

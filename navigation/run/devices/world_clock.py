@@ -13,7 +13,7 @@ from navigation.config import Config
 from navigation.config.known_robots import CLEARWAY
 from navigation.config.sections import SIMULATED
 from navigation.config.several.each_camera import each_camera
-from navigation.config.several.each_robot import each_robot
+from navigation.config.several.each_robot import robots_of
 from navigation.run.devices.simulated import AnySimulatedRobot
 from navigation.simulator.picture.knocked_camera import KnockedCamera
 from navigation.simulator.picture.timed_camera import TimedCamera
@@ -70,9 +70,8 @@ def slowness(clock: WorldClock) -> tuple[str, ...]:
 
 def is_all_simulated(config: Config) -> bool:
     """True if no camera and no robot lives by the wall's clock, as drivers and emulators do."""
-    robots = list(each_robot(config).values()) or [config]
     cameras = list(each_camera(config).values()) or [config]
-    return all(_is_simulated(one) for one in robots) and all(
+    return all(map(_is_simulated, robots_of(config))) and all(
         one.camera.source == SIMULATED for one in cameras
     )
 

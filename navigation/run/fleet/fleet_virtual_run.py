@@ -9,6 +9,8 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from navigation.config import Config
+from navigation.config.known_robots import CLEARWAY
+from navigation.config.several.each_robot import robots_of
 from navigation.loop.daemon import Daemon
 from navigation.loop.daemon_state import RunState
 from navigation.mission.mission import State
@@ -42,10 +44,15 @@ def run_fleet_virtually(
     change its troubles; ``look`` after each cycle, and ends the run where it is True. The run ends
     ``linger_s`` after all missions are over. ``record`` is a folder for recordings, ``bodies``
     what the simulated robots really are. Without ``pictures`` none is drawn or looked at.
-    ``make_world`` makes the world from the same arguments as `FleetVirtualWorld`.
+    ``make_world`` makes the world from the same arguments as `FleetVirtualWorld`. Raises ValueError
+    without a section ``simulation``, and for a robot behind a driver, which is a process in real
+    time.
     """
     if config.simulation is None:
         raise ValueError("a run in virtual time needs a section 'simulation'")
+    drivers = {one.robot.driver for one in robots_of(config)} - {CLEARWAY}
+    if drivers:
+        raise ValueError(f"robot.driver {min(drivers)} drives in real time only")
     world = make_world(config, times, bodies, pictures=pictures)
     if meet is not None:
         world.meet = lambda since_s: meet(world, since_s)

@@ -12,7 +12,7 @@ from navigation.link.serial_link import SerialLink
 from navigation.loop.planning import Answering, PlannerThread, SceneCheck
 from navigation.loop.seeing.vision_stage import KnowsLatency, VisionStage
 from navigation.run.devices.cameras import Cameras
-from navigation.run.devices.driven import driver_of, end_all, link_of
+from navigation.run.devices.driven import driver_of, end_all, link_of, start_all
 from navigation.run.devices.wakeups import Wakeups
 from navigation.run.devices.world_clock import WallClock
 from navigation.run.fleet.simulated_fleet import is_simulated
@@ -90,7 +90,7 @@ class FleetWorld:
         """The serial link to one robot in a thread of its own."""
         driver = self._drivers.get(name)
         if driver is not None:
-            return link_of(driver, self.clock, wait_for_port=self._wait_for_port)
+            return link_of(driver, self.clock)
         baud = self._alone[name].serial.baud
         return SerialLink(
             self.ports[name], baud, clock=self.clock, wait_for_port=self._wait_for_port
@@ -121,8 +121,7 @@ class FleetWorld:
             truth.began_s = self.clock()
         if self._simulation is not None:
             self._simulation.start()
-        for driver in self._drivers.values():
-            driver.start()
+        start_all(self._drivers.values())
 
     def stop(self) -> None:
         """Switch them off."""

@@ -1,8 +1,20 @@
 """Several robots in one configuration: each as if it were alone, and doubles are refused."""
 
-import pytest
+import json
+import pickle
+from typing import Any
 
-from navigation.config import parse_config
+import pytest
+from pydantic import BaseModel
+
+from navigation.config import Config, parse_config
+from navigation.config.sections import (
+    CameraEntry,
+    CameraSection,
+    RobotEntry,
+    RobotSection,
+    SerialSection,
+)
 from navigation.config.several.each_robot import each_robot, settled
 from tests.navigation.config.texts import problems_of, the_problem
 
@@ -118,6 +130,33 @@ def test_a_list_with_one_robot_is_that_robot_alone() -> None:
             "robot.turns_on_spot",
             "must be true where several robots are driven",
         ),
+        (
+            ("marker_id: 2", "marker_id: 2, driver: epuck"),
+            "robots[1].driver",
+            "must be 'clearway', 'create2', 'turtlebot3', 'epuck2' or 'waveshare', not 'epuck'; "
+            "did you mean 'epuck2'?",
+        ),
+        (
+            ("marker_id: 2", "marker_id: 2, driver: epuck2, speed_m_s: 0.2"),
+            "robots[1].speed_m_s",
+            "must be <= 0.128, the e-puck2's, not 0.2",
+        ),
+        (
+            ("marker_id: 2", "marker_id: 2, driver: epuck2"),
+            "robot.speed_m_s",
+            "for bob: must be <= 0.128, the e-puck2's, not 0.3",
+        ),
+        (
+            ("marker_id: 2", "marker_id: 2, model: ugv01"),
+            "robots[1].model",
+            "'ugv01' is no model for robot.driver 'clearway': leave it out",
+        ),
+        (
+            ("marker_id: 2", "marker_id: 2, dictionary: DICT_5X5_50"),
+            "robots[1].dictionary",
+            "must be DICT_4X4_50, as robot.dictionary, not DICT_5X5_50: a picture is searched for "
+            "one family",
+        ),
     ],
 )
 def test_what_does_not_fit_is_said_at_its_place(
@@ -198,3 +237,67 @@ def test_an_address_is_refused_at_the_robot_whose_port_it_is() -> None:
 def test_a_default_port_that_nobody_uses_may_be_anything() -> None:
     text = REAL_PORTS + "serial: {port: 'socket://10.0.0.7:5000'}\n"
     assert len(parse_config(text).robots) == 2
+
+
+KEYS = {
+    "marker_id": 7,
+    "marker_size_m": 0.08,
+    "marker_height_m": 0.05,
+    "radius_m": 0.2,
+    "driver": "waveshare",
+    "model": "ugv_rover",
+    "dictionary": "DICT_4X4_50",
+    "marker_turn_deg": 90.0,
+    "speed_m_s": 0.25,
+    "acceleration_m_s2": 0.4,
+    "lateral_acceleration_m_s2": 0.3,
+    "jerk_m_s3": 4.0,
+    "angular_rate_rad_s": 1.5,
+    "angular_acceleration_rad_s2": 5.0,
+    "track_m": 0.14,
+    "least_wheel_m_s": 0.015,
+    "turns_on_spot": True,
+    "turning_radius_m": 0.1,
+}
+"""A value for every key of `robot`."""
+
+
+def test_every_key_of_robot_is_one_robot_s_own_where_its_entry_has_it() -> None:
+    assert KEYS.keys() == RobotSection.model_fields.keys()
+    own = ", ".join(f"{key}: {json.dumps(value)}" for key, value in KEYS.items())
+    text = FLEET.replace("{name: ada, marker_id: 1, speed_m_s: 0.2}", f"{{name: ada, {own}}}")
+    text = text.replace("{name: ada, x_m: 0.2, y_m: 0.2}", "{name: ada, x_m: 0.3, y_m: 0.3}")
+    robots = each_robot(parse_config(text))
+    assert robots["ada"].robot.model_dump() == KEYS
+    assert robots["bob"].robot == parse_config(FLEET).robot.model_copy(update={"marker_id": 2})
+
+
+@pytest.mark.parametrize(
+    ("entry", "sections", "left_out"),
+    [
+        (RobotEntry, (RobotSection, SerialSection), set()),
+        (CameraEntry, (CameraSection,), {"metres_per_pixel"}),
+    ],
+)
+def test_an_entry_has_the_limits_of_the_section_whose_keys_it_may_have(
+    entry: type[BaseModel], sections: tuple[type[BaseModel], ...], left_out: set[str]
+) -> None:
+    """Each key is optional, and else what it is in its section."""
+    whole = Config.model_json_schema()["$defs"]
+    mine = whole[entry.__name__]["properties"]
+    assert mine.keys() == {"name"} | {k for one in sections for k in one.model_fields} - left_out
+    for section in sections:
+        for key, schema in whole[section.__name__]["properties"].items():
+            held = [limits_in(way) for way in mine[key].get("anyOf", ())] if key in mine else ()
+            for way in schema.get("anyOf", [schema]) if held else ():
+                assert limits_in(way) in held, key
+
+
+def limits_in(schema: dict[str, Any]) -> dict[str, Any]:
+    words = ("title", "default", "description")
+    return {key: value for key, value in schema.items() if key not in words}
+
+
+def test_entries_survive_the_way_to_another_process() -> None:
+    config = parse_config(FLEET)
+    assert pickle.loads(pickle.dumps(config)) == config

@@ -223,3 +223,26 @@ def test_a_parked_robot_leaves_the_way_of_a_runaway_and_nobody_is_sent_more_mean
     assert at(fleet, "a", (1.8, 0.2))
     assert at(fleet, "parked", (1.0, 0.8))
     assert fleet.least_gap_m > 0.0
+
+
+def test_while_one_may_be_anywhere_nobody_drives_and_nobody_is_planned_for() -> None:
+    fleet = Fleet(HALL, {"a": (0.3, 0.3), "b": (1.7, 1.3), "c": (0.3, 1.3)}, patient=True)
+    fleet.robots["a"].go((1.7, 0.3))
+    fleet.robots["b"].go((1.0, 1.3))
+    fleet.until_driving("a", "b")
+    fleet.robots["a"].at_large = True
+    held = fleet.step().holds
+    assert held.keys() == {"b"}
+    assert held["b"] == "a is not seen and does not answer, and nothing stops it by itself"
+    place, asked = fleet.robots["b"].place, len(fleet.requests)
+    fleet.robots["a"].hold(math.inf)
+    fleet.robots["c"].go((0.8, 1.3))
+    for _ in range(100):
+        fleet.step()
+    assert fleet.robots["b"].place == place
+    assert len(fleet.requests) == asked
+    fleet.robots["a"].at_large = False
+    fleet.robots["a"].hold(fleet.now_s)
+    fleet.run()
+    assert at(fleet, "b", (1.0, 1.3))
+    assert at(fleet, "c", (0.8, 1.3))

@@ -59,6 +59,8 @@ class Robot:
     """The camera does not see it until then."""
     seen: tuple[float, float, float] = (math.nan, math.nan, -math.inf)
     """Where it was seen last, and when."""
+    at_large: bool = False
+    """It may be anywhere: not seen, not heard, and nothing stops it."""
     late_until_s: float = -math.inf
     """It stands until then, although it may drive."""
     asks_again_s: float = math.inf
@@ -153,6 +155,7 @@ class Fleet:
             executed=None if one.plan is None else one.executed, request=request,
             sentence="the cable is out" if one.dead else "", obliging=at_rest,
             velocity=(*one.runs_m_s, 0.0), obeys=one.runs_m_s == (0.0, 0.0),
+            at_large=one.at_large,
         )  # fmt: skip
 
     def _answer(self) -> FleetAnswer | None:

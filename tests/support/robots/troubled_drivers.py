@@ -71,7 +71,7 @@ def driven(name: str, work: Work = serve) -> Iterator[Bench]:
         driver = DriverProcess(name, twin.port, baud, settings_of(name), work=work)
         driver.start()
         over = threading.Event()
-        link = DriverLink(driver.port, driver.word, wait_for_port=True)
+        link = DriverLink(driver.port, driver.word)
 
         def control() -> None:
             while not over.wait(0.033):

@@ -44,7 +44,7 @@ def driven(name: str, twin: TwinRobot) -> Iterator[tuple[DriverProcess, DriverLi
                 link.lease(True, 0.01)
 
     try:
-        with DriverLink(driver.port, driver.word, wait_for_port=True) as link:
+        with DriverLink(driver.port, driver.word) as link:
             thread = threading.Thread(target=control, args=(link,))
             thread.start()
             yield driver, link
@@ -103,7 +103,7 @@ def main():
     name, port = sys.argv[1:]
     driver = DriverProcess(name, port, KNOWN_ROBOTS[name].baud, settings_of(name))
     driver.start()
-    link = DriverLink(driver.port, driver.word, wait_for_port=True)
+    link = DriverLink(driver.port, driver.word)
     link.open()
     sent = False
     while True:
