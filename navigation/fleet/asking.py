@@ -30,7 +30,14 @@ def request_of(
 ) -> FleetRequest:
     """The request of those with a wish; every robot was seen."""
     travellers = tuple(
-        Traveller(name, pose, request.stations[0], one.radius_m, one.limits_at(request))
+        Traveller(
+            name,
+            pose,
+            request.stations[0],
+            one.radius_m,
+            one.limits_at(request),
+            request.stations if request.any_order else (),
+        )
         for name, request in sorted(wishes.items())
         if (one := members[name]) and (pose := one.pose) is not None
     )

@@ -20,6 +20,8 @@ class Traveller:
     station: Station
     radius_m: float
     limits: Limits
+    open_order: tuple[Station, ...] = ()
+    """Its stations, where all but the last may be visited in any order; else empty."""
 
 
 @dataclass(frozen=True, slots=True)

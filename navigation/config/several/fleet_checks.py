@@ -104,8 +104,6 @@ def missions_fit_the_fleet(robots: Any, mission: Any, tasks: Any) -> _Found:
             ("mission", "stations"),
             "are one robot's: with several use mission.robots, by name, or tasks",
         )
-    if len(robots) > 1 and mission.order == "best":
-        yield ("mission", "order"), "'best' is for one robot; several visit stations as written"
     if not robots and (tasks or mission.robots):
         where: Location = ("tasks",) if tasks else ("mission", "robots")
         yield where, "needs a list 'robots'"

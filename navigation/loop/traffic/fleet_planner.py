@@ -8,11 +8,12 @@ from dataclasses import replace
 from navigation.config import Config
 from navigation.fleet.joining import join_promises
 from navigation.fleet.planning import plan_promises
-from navigation.fleet.request import FleetAnswer, FleetRequest
+from navigation.fleet.request import FleetAnswer, FleetRequest, Traveller
 from navigation.loop.planning import ArenaPlanner
 from navigation.loop.stages import plan_settings
 from navigation.mission.cycle import PlanAnswer, PlanRequest
 from navigation.shared.supervisor import in_words
+from planner.path import NoPath
 from planner.roadmap.roadmap import Roadmap
 from planner.scene import FloatArray, Scene, Vec
 from planner.shared.search_clock import Clock, search_clock_s
@@ -72,9 +73,30 @@ class FleetPlanner:
             return FleetAnswer(request.id, 0, {}, dict.fromkeys(names, "no scene was seen yet"))
         revision = self._arena.revision
         try:
+            orders = {one.name: self._best_order(one) for one in request.travellers}
+            travellers = tuple(_bound_first(one, orders[one.name]) for one in request.travellers)
+            request = replace(request, travellers=travellers)
             plan = join_promises if request.driving else plan_promises
             answer = plan(self.roadmap, self._scene, request, self._keep_m, self._clock)
         except Exception as error:  # noqa: BLE001 - said where the answer is, which is asked again
             why = f"the planner failed on this request ({in_words(error)})"
             return FleetAnswer(request.id, revision, {}, dict.fromkeys(names, why))
-        return replace(answer, scene_revision=revision)
+        promises = {
+            name: replace(one, path=replace(one.path, order=orders.get(name, ())))
+            for name, one in answer.promises.items()
+        }
+        return replace(answer, promises=promises, scene_revision=revision)
+
+    def _best_order(self, one: Traveller) -> tuple[int, ...]:
+        """The shortest order of its stations but the last, if it were alone; else as written."""
+        stations = one.open_order
+        if len(stations) < 3:
+            return tuple(range(len(stations) - 1))
+        request = PlanRequest(0, one.start, stations, self.revision, any_order=True)
+        path = self.preview(one.name, request).path
+        return tuple(range(len(stations) - 1)) if isinstance(path, NoPath) else path.order
+
+
+def _bound_first(one: Traveller, order: tuple[int, ...]) -> Traveller:
+    """The traveller, on its way to the first station of this order."""
+    return replace(one, station=one.open_order[order[0]]) if order else one

@@ -102,7 +102,8 @@ class GiveMissions:
         for name in list(self._left):
             self._continue(name)
         for name, stations in self._given.items():
-            self._people.appoint(Mission(stations), name)
+            any_order = self._daemon.config.mission.order == "best"
+            self._people.appoint(Mission(stations, any_order=any_order), name)
         self._given = {}
 
     def _assign(self) -> None:

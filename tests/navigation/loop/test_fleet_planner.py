@@ -1,0 +1,62 @@
+"""The planner of several robots: in which order each of them visits its stations."""
+
+from __future__ import annotations
+
+import math
+from itertools import pairwise, permutations
+from pathlib import Path
+
+import pytest
+
+from navigation.config import limits_of, load_config
+from navigation.config.several.each_robot import each_robot
+from navigation.fleet.request import FleetAnswer, FleetRequest, Traveller
+from navigation.loop.traffic.fleet_planner import FleetPlanner
+from navigation.mission.mission import Station
+from planner.formats.scene_io import read_scene_text
+from planner.scene import Bounds
+from tests.support.robots.obedient_fleet import HALL
+
+CONFIG = load_config(Path(__file__).parents[3] / "configs" / "fleet.yaml", {})
+STATIONS = (Station(2.0, 0.4), Station(0.5, 0.4), Station(1.2, 0.4), Station(2.2, 0.4))
+START = (0.2, 0.4, 0.0)
+
+
+def answer(open_order: tuple[Station, ...], first: Station) -> FleetAnswer:
+    alone = {name: one for name, one in each_robot(CONFIG).items() if name in ("ada", "bob")}
+    fleet = FleetPlanner(alone)
+    fleet.see(read_scene_text(HALL, "hall").with_bounds(Bounds(0.0, 0.0, 2.4, 1.8)), 1)
+    limits = limits_of(alone["ada"])
+    travellers = (
+        Traveller("ada", START, first, 0.07, limits, open_order),
+        Traveller("bob", (1.2, 1.2, 0.0), Station(1.2, 1.6), 0.07, limits),
+    )
+    return fleet.answer(FleetRequest(1, 1, travellers))
+
+
+def test_a_robot_whose_order_is_open_goes_to_the_nearest_first_and_is_told_the_order() -> None:
+    ada = answer(STATIONS, STATIONS[0]).promises["ada"]
+    *vias, goal = STATIONS
+
+    def length_m(order: tuple[int, ...]) -> float:
+        places = [START[:2], *((vias[i].x, vias[i].y) for i in order), (goal.x, goal.y)]
+        return sum(math.dist(a, b) for a, b in pairwise(places))
+
+    assert ada.path.order == min(permutations(range(3)), key=length_m)
+    assert ada.station == STATIONS[ada.path.order[0]]
+
+
+@pytest.mark.parametrize("open_order", [(), STATIONS[:1], STATIONS[:2]])
+def test_where_nothing_is_to_choose_the_stations_stay_as_written(
+    open_order: tuple[Station, ...],
+) -> None:
+    ada = answer(open_order, STATIONS[0]).promises["ada"]
+    assert ada.station == STATIONS[0]
+    assert ada.path.order == tuple(range(max(len(open_order) - 1, 0)))
+
+
+def test_a_station_without_a_path_leaves_the_order_as_written() -> None:
+    """It is refused when its turn comes, as in a mission whose order is fixed."""
+    unreachable = (STATIONS[0], Station(0.01, 0.01), STATIONS[2], STATIONS[3])
+    ada = answer(unreachable, STATIONS[0]).promises["ada"]
+    assert (ada.station, ada.path.order) == (STATIONS[0], (0, 1, 2))
