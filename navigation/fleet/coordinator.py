@@ -89,7 +89,8 @@ class Coordinator:
         if answer is not None and self._asked is not None and answer.id == self._asked.id:
             answers |= self._take(now_s, answer, members)
             errands = {n: one.promise.station for n, one in self.held.items() if one.errand}
-        self._runaways = runaways_of(members, self.held)
+        astray = any(one.at_large for one in members.values())
+        self._runaways = [] if astray else runaways_of(members, self.held)
         aside = self._giving_way.step(now_s, members, self.held, self._open, self._runaways)
         for name in (*aside.errands, *aside.answers, *(name for name, _ in aside.plan_again)):
             self.forget(name)
@@ -100,7 +101,8 @@ class Coordinator:
         if self._giving_way.aside:
             pass  # where it drives to is not promised: the others wait until it asks
         elif self._gathering_s is None and self._asked is None:
-            answers |= self._continued(members, revision)
+            if not astray:
+                answers |= self._continued(members, revision)
             if self._begin_round(now_s, members, revision, answers):
                 request, told = self._joining(members, revision, answers)
                 answers |= told
