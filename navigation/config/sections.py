@@ -115,6 +115,7 @@ class CameraEntry(Section):
     """One of several cameras over one arena; what is empty is as in ``camera``."""
 
     name: Name = Field(description="what messages call it: letters, digits, _ and -")
+    source: Source | None = Field(default=None, description="where its pictures come from")
     calibration: NeighbourFile | None = Field(
         default=None, description="its own file, of the same floor as the others'"
     )
