@@ -76,15 +76,8 @@ def command(
     --once an interrupt is the ordinary end, and the code is 0. SIGHUP reads
     CONFIG again: if the new file is valid, it is run; if not, all errors are reported.
     """
-    from navigation.config.last_good import state_folder
-    from navigation.config.several.each_robot import settled
-    from navigation.journal.stop_latch import FOLDER
     from navigation.machine.descriptors import set_descriptor_limit
     from navigation.machine.logs import EventLog
-    from navigation.machine.sd_notify import Notifier, watchdog_period_s
-    from navigation.run.fleet.fleet_runner import FleetRunner
-    from navigation.run.runner import Runner
-    from navigation.shared.whole_file import UnwrittenFileError
 
     set_descriptor_limit()
     voice = Voice(quiet=quiet)
@@ -96,6 +89,15 @@ def command(
         priorities="JOURNAL_STREAM" in os.environ,
     )
     loaded: Config | None = load_or_go_back(config, last_good, log)
+    # after the configuration: one that is refused need not wait a second for the kernels' compiler
+    from navigation.config.last_good import state_folder
+    from navigation.config.several.each_robot import settled
+    from navigation.journal.stop_latch import FOLDER
+    from navigation.machine.sd_notify import Notifier, watchdog_period_s
+    from navigation.run.fleet.fleet_runner import FleetRunner
+    from navigation.run.runner import Runner
+    from navigation.shared.whole_file import UnwrittenFileError
+
     log.write("info", "started", config=str(config), version=version("clearway"))
     notifier = Notifier.from_environment(os.environ)
     waits = False

@@ -175,6 +175,16 @@ def test_help_imports_nothing_heavy() -> None:
     assert (done.returncode, done.stderr) == (0, "")
 
 
+def test_a_run_is_refused_before_the_kernels_compiler_is_imported() -> None:
+    refused = ended(
+        "import atexit, sys\natexit.register(lambda: print('numba' in sys.modules))",
+        "run",
+        "gone.yaml",
+    )
+    assert (refused.returncode, refused.stdout) == (78, "False\n")
+    assert "gone.yaml" in refused.stderr
+
+
 def test_help_is_quick() -> None:
     """Imports are what it takes its time for: beyond click's own, a handful."""
     script = (
