@@ -3,7 +3,8 @@
 A picture is made by asking, for each of several points within each pixel, where its ray meets
 the floor (``Calibration.arena_from_image``) and what is painted there: perspective and lens
 are those of the calibration, edges are area-averaged, and nothing is drawn with OpenCV's own
-anti-aliasing. Then blur, noise and rounding, as a sensor would.
+anti-aliasing. A pixel that lies within one cell is looked at once. Then blur, noise and rounding,
+as a sensor would.
 """
 
 from __future__ import annotations
@@ -99,14 +100,17 @@ def sharp(
 ) -> NDArray[np.float64]:
     """The part ``window`` (x, y, width, height) of a picture without blur, noise and rounding."""
     x0, y0, w, h = window
-    total = np.zeros((h, w))
     ys, xs = np.mgrid[y0 : y0 + h, x0 : x0 + w].astype(np.float64)
     extents = [_extent(calibration, patch) for patch in patches]
+    grey, mixed = _at_centres(calibration, patches, extents, xs, ys)
+    across, down = xs[mixed], ys[mixed]
+    total = np.zeros(across.size)
     for i in range(samples):
         for j in range(samples):
             dx, dy = (i + 0.5) / samples - 0.5, (j + 0.5) / samples - 0.5
-            total += _paint(calibration, patches, extents, xs + dx, ys + dy)
-    return total / samples**2
+            total += _paint(calibration, patches, extents, across + dx, down + dy)
+    grey[mixed] = total / samples**2
+    return grey
 
 
 def rounded(image: NDArray[np.float64]) -> NDArray[np.uint8]:
@@ -143,6 +147,35 @@ def pose_bound(
     return position_m / calibration.metres_per_pixel, math.degrees(math.sqrt(spread[2, 2]))
 
 
+def _at_centres(
+    calibration: Calibration,
+    patches: Sequence[Patch],
+    extents: Sequence[Extent],
+    xs: NDArray[np.float64],
+    ys: NDArray[np.float64],
+) -> tuple[NDArray[np.float64], NDArray[np.bool_]]:
+    """The grey of each pixel's centre (h, w), and which pixels may have more than one grey."""
+    grey, mixed = np.full(xs.shape, LIGHT), np.zeros(xs.shape, dtype=bool)
+    for patch, (x0, y0, x1, y1) in zip(patches, extents, strict=True):
+        # a pixel's samples may be within the extent where its centre is not
+        near = (xs[0] >= x0 - 1) & (xs[0] <= x1 + 1), (ys[:, 0] >= y0 - 1) & (ys[:, 0] <= y1 + 1)
+        part = np.ix_(near[1], near[0])
+        if min(xs[part].shape) < 2:  # no slope: every sample counts
+            mixed[part] = True
+            continue
+        column, row = (
+            place.reshape(xs[part].shape)
+            for place in _cell_of(calibration, patch, xs[part].ravel(), ys[part].ravel())
+        )
+        for place in (column, row):
+            reach = sum(np.abs(slope) for slope in np.gradient(place))
+            mixed[part] |= np.abs(place - np.round(place)) <= 0.6 * reach + 0.02
+        painted = grey[part]
+        _fill(patch, column, row, painted)
+        grey[part] = painted
+    return grey, mixed
+
+
 def _paint(
     calibration: Calibration,
     patches: Sequence[Patch],
@@ -150,24 +183,40 @@ def _paint(
     xs: NDArray[np.float64],
     ys: NDArray[np.float64],
 ) -> NDArray[np.float64]:
+    """The grey of points of the picture (n,)."""
     grey = np.full(xs.shape, LIGHT)
     for patch, (x0, y0, x1, y1) in zip(patches, extents, strict=True):
-        c, s = math.cos(patch.heading_rad), math.sin(patch.heading_rad)
-        rows, columns = patch.cells.shape
-        near = (xs[0] >= x0) & (xs[0] <= x1), (ys[:, 0] >= y0) & (ys[:, 0] <= y1)
-        part = np.ix_(near[1], near[0])
-        if xs[part].size == 0:
-            continue
-        pixels = np.stack([xs[part].ravel(), ys[part].ravel()], axis=1)
-        floor = calibration.arena_from_image(pixels, patch.height_m)
-        dx, dy = floor[:, 0] - patch.x, floor[:, 1] - patch.y
-        column = np.floor((c * dx + s * dy) / patch.cell_m + columns / 2).astype(int)
-        row = np.floor((s * dx - c * dy) / patch.cell_m + rows / 2).astype(int)
-        inside = (column >= 0) & (column < columns) & (row >= 0) & (row < rows)
-        painted = grey[part].ravel()
-        painted[inside] = patch.cells[row[inside], column[inside]]
-        grey[part] = painted.reshape(grey[part].shape)
+        part = np.flatnonzero((xs >= x0) & (xs <= x1) & (ys >= y0) & (ys <= y1))
+        painted = grey[part]
+        _fill(patch, *_cell_of(calibration, patch, xs[part], ys[part]), painted)
+        grey[part] = painted
     return grey
+
+
+def _cell_of(
+    calibration: Calibration, patch: Patch, xs: NDArray[np.float64], ys: NDArray[np.float64]
+) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """The columns and rows of the patch's grid in which points of the picture (n,) lie."""
+    floor = calibration.arena_from_image(np.stack([xs, ys], axis=1), patch.height_m)
+    dx, dy = floor[:, 0] - patch.x, floor[:, 1] - patch.y
+    c, s = math.cos(patch.heading_rad), math.sin(patch.heading_rad)
+    rows, columns = patch.cells.shape
+    return (
+        (c * dx + s * dy) / patch.cell_m + columns / 2,
+        (s * dx - c * dy) / patch.cell_m + rows / 2,
+    )
+
+
+def _fill(
+    patch: Patch,
+    column: NDArray[np.float64],
+    row: NDArray[np.float64],
+    grey: NDArray[np.float64],
+) -> None:
+    """Paint the cells over the grey values that lie in them."""
+    rows, columns = patch.cells.shape
+    inside = (column >= 0) & (column < columns) & (row >= 0) & (row < rows)
+    grey[inside] = patch.cells[row[inside].astype(int), column[inside].astype(int)]
 
 
 def _extent(calibration: Calibration, patch: Patch) -> Extent:
