@@ -2,9 +2,8 @@
 
 from __future__ import annotations
 
+import contextlib
 import json
-import subprocess
-import sys
 from pathlib import Path
 
 import cv2
@@ -12,6 +11,7 @@ import numpy as np
 import pytest
 
 from tests.support.drawn.boards import marker_patch, render
+from tests.support.pictures import Told, call
 from vision.calibration.calibration import Calibration
 from vision.calibration.calibration_file import save_calibration
 
@@ -31,17 +31,15 @@ def folder(tmp_path: Path) -> Path:
     return tmp_path
 
 
-def markers(folder: Path, *arguments: str) -> subprocess.CompletedProcess[str]:
-    program = Path(sys.executable).with_name("clearway")
-    return subprocess.run(
-        [program, "markers", *arguments], cwd=folder, capture_output=True, text=True, check=False
-    )
+def markers(folder: Path, *arguments: str) -> Told:
+    with contextlib.chdir(folder):
+        return call("markers", *arguments)
 
 
 def test_json_has_ids_corners_and_poses(folder: Path) -> None:
     told = markers(folder, "two.png", "--calibration", "calibration.yaml", "--format", "json")
-    assert told.returncode == 0, told.stderr
-    body = json.loads(told.stdout)
+    assert told.code == 0, told.err
+    body = json.loads(told.out)
     assert body["schema"] == "clearway.markers/1"
     assert body["size"] == [640, 480]
     assert [(m["dictionary"], m["id"]) for m in body["markers"]] == [
@@ -57,9 +55,9 @@ def test_json_has_ids_corners_and_poses(folder: Path) -> None:
 
 def test_a_line_a_marker_and_a_picture(folder: Path) -> None:
     told = markers(folder, "two.png", "--dictionary", "4X4_50", "--render", "seen.png")
-    assert told.returncode == 0, told.stderr
-    assert told.stdout.startswith("DICT_4X4_50 7: (")
-    assert told.stdout.count("\n") == 1
+    assert told.code == 0, told.err
+    assert told.out.startswith("DICT_4X4_50 7: (")
+    assert told.out.count("\n") == 1
     drawn, before = cv2.imread(str(folder / "seen.png")), cv2.imread(str(folder / "two.png"))
     assert drawn.shape == before.shape
     assert 100 < np.any(drawn != before, axis=2).sum() < 20_000
@@ -67,8 +65,8 @@ def test_a_line_a_marker_and_a_picture(folder: Path) -> None:
 
 def test_no_marker_is_said_with_its_own_exit_code(folder: Path) -> None:
     told = markers(folder, "empty.png")
-    assert (told.returncode, told.stdout) == (3, "")
-    assert told.stderr == "clearway: empty.png: no marker found\n"
+    assert (told.code, told.out) == (3, "")
+    assert told.err == "clearway: empty.png: no marker found\n"
 
 
 @pytest.mark.parametrize(
@@ -86,7 +84,7 @@ def test_no_marker_is_said_with_its_own_exit_code(folder: Path) -> None:
 )
 def test_bad_input_is_one_sentence(arguments: tuple[str, ...], sentence: str, folder: Path) -> None:
     told = markers(folder, *arguments)
-    assert told.returncode in (2, 78)
-    assert sentence in told.stderr
-    assert "Traceback" not in told.stderr
-    assert told.stdout == ""
+    assert told.code in (2, 78)
+    assert sentence in told.err
+    assert "Traceback" not in told.err
+    assert told.out == ""
