@@ -67,7 +67,7 @@ def own_stop(zone_m_s: float, seed: int) -> Stop:
             "CLEARWAY_SIMULATION__SEED": str(seed),
         },
     )
-    report = run_virtually(config)
+    report = run_virtually(config).only
     if report.goal_error_m is None or report.goal_error_deg is None:
         return Stop(False, math.inf, math.inf, report.duration_s, 1e3 * least)
     done = report.state == "done"

@@ -22,7 +22,7 @@ sys.path.insert(0, str(Path(__file__).parents[1]))
 
 from navigation.config import Config, load_config
 from navigation.run.kernels.warm_up import warm_up
-from navigation.sweep.runs import Row, Sweep, run_one
+from navigation.sweep.runs import Row, Sweep, run_rows
 from navigation.sweep.variations import Variation, variation
 from navigation.sweep.workers import local_executor
 from tests.support.runs.virtual import CONFIGS, short_config
@@ -54,7 +54,7 @@ class _Kept(Executor):
 def _settle(number: int) -> None:
     """Load the program and its kernels: a whole run."""
     config = short_config(STATIONS[:1])
-    run_one(config, variation(config, 1, number))
+    run_rows(config, variation(config, 1, number))
 
 
 def main() -> int:

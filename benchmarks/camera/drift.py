@@ -64,7 +64,9 @@ def configured(markers: bool) -> Config:
 def camera_of(config: Config, knock: SimulatedKnockSection | None = None) -> SimulatedCamera:
     """The simulated camera, where a knock has left it."""
     start = true_start_of(config)
-    return make_camera(config, load_arena(config), lambda: start, time.monotonic, knock=knock)
+    return make_camera(
+        config, load_arena(config), [(config.robot, lambda: start)], time.monotonic, knock=knock
+    )
 
 
 class Noisy:

@@ -25,7 +25,7 @@ from navigation.loop.seeing.eye import Eye
 from navigation.loop.seeing.eye_settings import eye_settings, marked_robots
 from navigation.loop.seeing.joined.joined_eye import JoinedEye
 from navigation.loop.seeing.joined.joined_parts import joined_eye
-from navigation.run.world import floor_plan_of
+from navigation.run.calibrations import floor_plan_of
 from navigation.simulator.arena import load_arena
 from navigation.simulator.picture.camera import SimulatedCamera, make_camera
 from navigation.simulator.picture.pinhole import pinhole_of
@@ -72,7 +72,7 @@ class Filmed:
         arena = load_arena(config)
         place = (0.2, 0.2, 0.0)
         self.camera: SimulatedCamera = make_camera(
-            config, arena, lambda: place, clock=lambda: 0.0, wait=lambda _: None
+            config, arena, [(config.robot, lambda: place)], clock=lambda: 0.0, wait=lambda _: None
         )
         self.eye, self.name, self.delay_s = eye, name, delay_s
         assert config.simulation is not None

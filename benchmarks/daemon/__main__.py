@@ -95,7 +95,7 @@ def _kept_reports(path: Path) -> dict[int, Report]:
 
 
 def _drive_arena(seed: int) -> Report:
-    return run_virtually(random_config(seed))
+    return run_virtually(random_config(seed)).only
 
 
 def accuracy(seeds: int, workers: int) -> Rows:
@@ -115,7 +115,7 @@ def _drive_simulation(seed: int) -> Report:
         update={"wheel_radius_error": (0.03 * sign, -0.03 * sign), "slip": 0.02}
     )
     simulation = config.simulation.model_copy(update={"seed": seed, "robot": robot})
-    return run_virtually(config.model_copy(update={"simulation": simulation}))
+    return run_virtually(config.model_copy(update={"simulation": simulation})).only
 
 
 def _accuracy_rows(reports: list[Report], where: str) -> Rows:

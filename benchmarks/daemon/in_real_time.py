@@ -93,14 +93,14 @@ def _measure_replan(config: Config, appears_s: float) -> tuple[float, float] | N
     world = World(config)
     shown_s = held_s = 0.0
     with Daemon(config, world, first_mission_id=1) as daemon:
-        assert world.truth is not None
+        assert world.truths[""] is not None
         daemon.people.give(stations_of(config))
         plans = 0
         while True:
             now = daemon.cycle().only
             at_s = world.clock()
             frame = now.frame
-            due_s = world.truth.began_s + appears_s
+            due_s = world.truths[""].began_s + appears_s
             if shown_s == 0.0 and frame is not None and frame.captured_s >= due_s:
                 if now.mission.state is not State.DRIVING:
                     return None

@@ -25,7 +25,6 @@ from navigation.fleet import planning
 from navigation.loop.daemon import Daemon
 from navigation.loop.daemon_state import RunState
 from navigation.mission.mission import State
-from navigation.run.fleet.fleet_virtual_run import run_fleet_virtually
 from navigation.run.virtual_run import run_virtually
 
 FLEET = Path(__file__).parents[2] / "configs" / "fleet.yaml"
@@ -62,7 +61,7 @@ class Watch:
 def measure(config: Config) -> list[str]:
     """A row for each robot, and the sums."""
     watch = Watch()
-    report = run_fleet_virtually(config, look=watch.look)
+    report = run_virtually(config, look=watch.look)
     rows, together_s, alone_s = [], 0.0, 0.0
     for name, one in each_robot(config).items():
         alone = run_virtually(one)

@@ -37,8 +37,8 @@ from navigation.config import Config, parse_config
 from navigation.loop.daemon import Daemon
 from navigation.loop.daemon_state import RunState
 from navigation.mission.mission import State
-from navigation.run.fleet.fleet_virtual_run import run_fleet_virtually
-from navigation.run.fleet.fleet_virtual_world import FleetVirtualWorld
+from navigation.run.virtual_run import run_virtually
+from navigation.run.virtual_world import VirtualWorld
 from navigation.simulator.arena import load_arena
 from planner.scene import CircleRecord, SceneObject
 
@@ -176,7 +176,7 @@ class Troubles:
             if rng.random() < DIES:
                 self.dies_s[entry.name] = float(rng.uniform(3.0, 25.0))
 
-    def meet(self, world: FleetVirtualWorld, since_s: float) -> None:
+    def meet(self, world: VirtualWorld, since_s: float) -> None:
         """What is wrong at this moment."""
         for name, body in world.bodies.items():
             body.off = since_s >= self.dies_s.get(name, math.inf)
@@ -245,7 +245,7 @@ def drive(seed: int, least: int, most: int) -> Outcome:
     troubles = Troubles(config, seed)
     began_s = time.perf_counter()
     person = Person(set(troubles.dies_s))
-    report = run_fleet_virtually(config, meet=troubles.meet, look=person.look, linger_s=LINGER_S)
+    report = run_virtually(config, meet=troubles.meet, look=person.look, linger_s=LINGER_S)
     dead = set(troubles.dies_s)
     living = [name for name in report.robots if name not in dead]
     arrived = sum(report.robots[name].state == "done" for name in living)

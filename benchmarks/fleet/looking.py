@@ -26,7 +26,7 @@ from unittest import mock
 from navigation.config import Config, load_config
 from navigation.loop.daemon import Daemon
 from navigation.loop.seeing.vision_stage import VisionStage
-from navigation.run.fleet.fleet_virtual_run import run_fleet_virtually
+from navigation.run.virtual_run import run_virtually
 from navigation.run.virtual_world import VirtualFrames
 from vision.markers.markers import MarkerTracker
 
@@ -88,7 +88,7 @@ def measure(config: Config, seconds: float) -> dict[str, list[float]]:
         for part, (owner, name) in PARTS.items():
             call = timed(part, getattr(owner, name))
             patched.enter_context(mock.patch.object(owner, name, call))
-        run_fleet_virtually(config, look=after)
+        run_virtually(config, look=after)
     return rows
 
 

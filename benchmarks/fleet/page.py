@@ -30,8 +30,8 @@ from websockets.asyncio.client import ClientConnection, connect
 
 from navigation.config import Config, load_config
 from navigation.dashboard.messages.packed import unpack
-from navigation.run.fleet.fleet_report import FleetReport
-from navigation.run.fleet.fleet_runner import FleetRunner
+from navigation.run.run_report import RunReport
+from navigation.run.runner import Runner
 
 CROSSING = Path(__file__).parents[2] / "configs" / "crossing.yaml"
 RESULT = Path(__file__).parents[1] / "results" / "fleet_page.md"
@@ -89,8 +89,8 @@ class Drive:
         changed = config.model_copy(update={"recording": recording, "dashboard": page})
         self.address = ""
         self.serves, self.drives = threading.Event(), threading.Event()
-        self.report: FleetReport | None = None
-        self.runner = FleetRunner(changed, once=True, say=self._hear, socket=folder / "c.sock")
+        self.report: RunReport | None = None
+        self.runner = Runner(changed, once=True, say=self._hear, socket=folder / "c.sock")
         self._thread = threading.Thread(target=self._run, name="control loop")
 
     def _hear(self, line: str) -> None:
@@ -103,7 +103,7 @@ class Drive:
 
     def _run(self) -> None:
         try:
-            self.report, _, _ = self.runner.run_fleet()
+            self.report = self.runner.run().report
         finally:
             self.serves.set()  # whoever waits need not wait any longer
             self.drives.set()

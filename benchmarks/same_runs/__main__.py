@@ -21,7 +21,7 @@ from functools import partial
 from pathlib import Path
 
 from benchmarks.same_runs.cases import Case, all_cases, sample
-from benchmarks.same_runs.kept import Kept, KeptError, differences, machine, play, read, write
+from benchmarks.same_runs.kept import Kept, KeptError, machine, play, play_and_compare, read, write
 from navigation.machine.child import FRESH, end_with_parent
 
 SEEDS = 20
@@ -89,18 +89,12 @@ def _played(
     cases: Sequence[Case], before: dict[str, Kept], workers: int
 ) -> Iterator[tuple[Kept, list[str]]]:
     """Each run, in the order of the cases, and how it differs from the one before."""
-    one_of = partial(_play_and_compare, before)
+    one_of = partial(play_and_compare, before)
     if workers <= 1:
         yield from map(one_of, cases)
         return
     with ProcessPoolExecutor(workers, mp_context=FRESH, initializer=end_with_parent) as pool:
         yield from pool.map(one_of, cases)
-
-
-def _play_and_compare(before: dict[str, Kept], case: Case) -> tuple[Kept, list[str]]:
-    now, trace = play(case)
-    kept = before.get(case.name)
-    return now, [] if kept is None else differences(kept, now, trace)
 
 
 if __name__ == "__main__":

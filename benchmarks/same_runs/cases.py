@@ -9,7 +9,7 @@ from functools import lru_cache
 from pathlib import Path
 from typing import Final
 
-from benchmarks.same_runs.program import robots_of, runs_virtually
+from benchmarks.same_runs.program import count_robots, runs_virtually
 from benchmarks.same_runs.troubles import TROUBLES, Trouble
 from navigation.config import Config, load_config
 
@@ -49,7 +49,7 @@ def all_cases(seeds: int) -> list[Case]:
     """Every run: without pictures with each seed, with pictures with one."""
     cases: list[Case] = []
     for config in _configs():
-        robots = robots_of(_loaded(config))
+        robots = count_robots(_loaded(config))
         for name, trouble in TROUBLES.items():
             if trouble.least_robots <= robots <= trouble.most_robots:
                 cases += _of_trouble(config, name, trouble, seeds)

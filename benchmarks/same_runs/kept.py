@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import json
 import platform
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
 from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import Final
@@ -54,6 +54,13 @@ def play(case: Case) -> tuple[Kept, Trace]:
     end = run(config, trace, script.look, linger_s=linger_s, pictures=case.pictures)
     hashes = trace.hashes()
     return Kept(case.name, end.state, end.duration_s, hashes, trace.by_block()), trace
+
+
+def play_and_compare(before: Mapping[str, Kept], case: Case) -> tuple[Kept, list[str]]:
+    """Drive one run; how it differs from the one of its name that was kept before."""
+    now, trace = play(case)
+    kept = before.get(case.name)
+    return now, [] if kept is None else differences(kept, now, trace)
 
 
 def machine() -> dict[str, str]:

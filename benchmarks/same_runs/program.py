@@ -17,19 +17,16 @@ from firmware_protocol.wire.drive_settings import DriveSettings
 from navigation.config import Config
 from navigation.config.known_robots import CLEARWAY
 from navigation.config.several.each_camera import each_camera
-from navigation.config.several.each_robot import each_robot
+from navigation.config.several.each_robot import robots_of
 from navigation.loop.daemon import Daemon
-from navigation.loop.daemon_state import DaemonState
+from navigation.loop.daemon_state import DaemonState, RunState
 from navigation.mission.mission import Station
-from navigation.run.fleet.fleet_virtual_run import run_fleet_virtually
-from navigation.run.fleet.fleet_virtual_world import FleetVirtualWorld
 from navigation.run.troubled_camera import CameraTroubles
+from navigation.run.troubled_robot import TroubledRobot
 from navigation.run.virtual_link import VirtualLink
 from navigation.run.virtual_run import run_virtually
-from navigation.run.virtual_troubles import Troubles
 from navigation.run.virtual_world import VirtualWorld
 from navigation.simulator.virtual_loop import VirtualLoop
-from navigation.simulator.virtual_robot import VirtualRobot
 
 # fmt: off
 CALLS: Final = frozenset((
@@ -46,19 +43,10 @@ HEARD: Final = (
 
 
 @dataclass(frozen=True, slots=True)
-class Body:
-    """A simulated robot, its line, and what may go wrong with both."""
-
-    robot: VirtualRobot
-    loop: VirtualLoop
-    troubles: Troubles
-
-
-@dataclass(frozen=True, slots=True)
 class Stage:
     """A running program and its simulated world; robots are numbered as in the configuration."""
 
-    bodies: Sequence[Body]
+    bodies: Sequence[TroubledRobot]
     cameras: Sequence[CameraTroubles]
     clock: Callable[[], float]
     _people: Any
@@ -89,13 +77,13 @@ class End:
 
 def runs_virtually(config: Config) -> bool:
     """True if the configuration is one of a simulation that needs no real time."""
-    robots = each_robot(config) or {"": config}
+    robots = robots_of(config)
     return config.simulation is not None and all(
         one.robot.driver == CLEARWAY for one in robots.values()
     )
 
 
-def robots_of(config: Config) -> int:
+def count_robots(config: Config) -> int:
     """The number of robots that the program drives."""
     return len(config.robots) or 1
 
@@ -104,29 +92,18 @@ def run(config: Config, trace: Trace, look: Look, *, linger_s: float, pictures: 
     """Drive a configuration to its end and note everything in the trace."""
     stages: list[Stage] = []
 
-    def seen(daemon: Any, now: Any) -> bool:
+    def seen(daemon: Daemon, now: RunState) -> bool:
         if not stages:
             stages.append(_stage_of(daemon))
-        states = list(now.robots.values()) if config.robots else [now]
-        return look(stages[0], states)
+        return look(stages[0], list(now.robots.values()))
 
-    report: Any
-    if config.robots:
-        report = run_fleet_virtually(
-            config,
-            look=seen,
-            linger_s=linger_s,
-            pictures=pictures,
-            make_world=lambda *a, **k: _NotedWorldOfSeveral(trace, *a, **k),
-        )
-    else:
-        report = run_virtually(
-            config,
-            look=seen,
-            linger_s=linger_s,
-            pictures=pictures,
-            make_world=lambda *a, **k: _NotedWorld(trace, *a, **k),
-        )
+    report = run_virtually(
+        config,
+        look=seen,
+        linger_s=linger_s,
+        pictures=pictures,
+        make_world=lambda *a, **k: _NotedWorld(trace, *a, **k),
+    )
     trace.keep(report.to_json(), [body.robot.track() for body in stages[0].bodies])
     return End(report.state, report.duration_s)
 
@@ -134,26 +111,14 @@ def run(config: Config, trace: Trace, look: Look, *, linger_s: float, pictures: 
 def _stage_of(daemon: Daemon) -> Stage:
     names: list[Any] = list(each_camera(daemon.config))
     world: Any = daemon.world
-    if daemon.config.robots:
-        cameras = [world.troubles[name] for name in names or [None]]
-        bodies = [Body(one.robot, one.loop, one.troubles) for one in world.bodies.values()]
-        return Stage(bodies, cameras, world.clock, daemon.people, list(daemon.robots))
-    cameras = [world.troubles.cameras[name] for name in names] or [world.troubles]
-    bodies = [Body(world.robot, world.loop, world.troubles)]
-    return Stage(bodies, cameras, world.clock, daemon.people, ())
+    cameras = [world.cameras[name] for name in names or [None]]
+    bodies = list(world.bodies.values())
+    return Stage(
+        bodies, cameras, world.clock, daemon.people, [name for name in world.bodies if name]
+    )
 
 
 class _NotedWorld(VirtualWorld):
-    def __init__(self, trace: Trace, *given: Any, **named: Any) -> None:
-        super().__init__(*given, **named)
-        self._trace, trace.clock = trace, self.clock
-        _hear(self.loop, trace, 0)
-
-    def make_link(self, name: str) -> Any:
-        return _NotedLink(super().make_link(name), self._trace, 0)
-
-
-class _NotedWorldOfSeveral(FleetVirtualWorld):
     def __init__(self, trace: Trace, *given: Any, **named: Any) -> None:
         super().__init__(*given, **named)
         self._trace, trace.clock = trace, self.clock

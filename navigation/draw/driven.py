@@ -1,4 +1,4 @@
-"""Several robots that were driven: where each was to go, its track, and where it was last.
+"""Several robots that were driven: where each was to go, its plan, its track, and its last place.
 
 Each has the colour that the page gives it, its number from 1, and its name.
 """
@@ -6,7 +6,8 @@ Each has the colour that the page gives it, its number from 1, and its name.
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
+from typing import Final
 
 import numpy as np
 
@@ -14,23 +15,36 @@ from navigation.draw.robot_marks import lines_of, name_beside, nose
 from navigation.draw.shapes import PAGE, ROBOTS, Colour, Disc, Screen, Shape, Strokes
 from planner.scene import FloatArray
 
+PLAN_WIDTH: Final = 4.0
+PLAN_DASH: Final = (3.0, 5.0)
+
 
 @dataclass(frozen=True, slots=True)
 class DrivenRobot:
     """One of several: its track (n, 3) of x, y, heading_rad, which breaks at a row of NaN.
 
-    ``goals`` (x, y) are the stations of its last mission.
+    ``goals`` (x, y) are the stations of its last mission, ``plan`` (n, 2) the path that was
+    planned last.
     """
 
     name: str
     radius: float
     track: FloatArray
     goals: Sequence[tuple[float, float]]
+    plan: FloatArray = field(default_factory=lambda: np.empty((0, 2)))
 
 
 def colour_of(number: int) -> Colour:
     """The colour of a robot by its number from 0."""
     return ROBOTS[number % len(ROBOTS)]
+
+
+def plan_shapes(robots: Sequence[DrivenRobot], screen: Screen) -> Iterator[Shape]:
+    """The last plan of each, dashed: a track that follows it covers it."""
+    for number, robot in enumerate(robots):
+        if len(robot.plan) > 1:
+            line = (screen.points(robot.plan),)
+            yield Strokes(line, colour_of(number), PLAN_WIDTH, dash=PLAN_DASH)
 
 
 def driven_shapes(robots: Sequence[DrivenRobot], screen: Screen) -> Iterator[Shape]:

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from navigation.draw.driven import DrivenRobot, driven_shapes
+from navigation.draw.driven import DrivenRobot, driven_shapes, plan_shapes
 from navigation.draw.numbers import costs, obstacle_labels
 from navigation.draw.robot_marks import lines_of, name_beside, nose
 from navigation.draw.shapes import (
@@ -153,7 +153,7 @@ def layers(content: Content, screen: Screen) -> tuple[Layer, ...]:
         Layer("other robots", tuple(_others(content, screen))),
         Layer("alternatives", tuple(_alternatives(content, screen))),
         Layer("earlier plans", tuple(_earlier(content, screen))),
-        Layer("path", tuple(_path(content, screen))),
+        Layer("path", (*_path(content, screen), *plan_shapes(content.driven, screen))),
         Layer("driven track", tuple(_track(content, screen))),
         Layer("driven robots", tuple(driven_shapes(content.driven, screen))),
         Layer("waypoints", tuple(_waypoints(content, screen))),

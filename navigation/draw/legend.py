@@ -7,7 +7,7 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from navigation.draw.driven import colour_of
+from navigation.draw.driven import PLAN_DASH, PLAN_WIDTH, colour_of
 from navigation.draw.layers import Content
 from navigation.draw.numbers import MOST_BESIDE
 from navigation.draw.robot_marks import lines_of
@@ -130,6 +130,9 @@ def _rows(content: Content, left: float, first_y: float) -> Iterator[tuple[list[
         length = sum(arc_lengths(line[:, :2])[-1] for line in lines_of(one.track))
         line: list[Shape] = [Strokes((bar(y),), colour_of(number), 2.5)]
         yield line, f"{number + 1} {one.name}, {sized(length, units)}"
+        y += ROW
+    if any(len(one.plan) > 1 for one in content.driven):
+        yield [Strokes((bar(y),), INK, PLAN_WIDTH, dash=PLAN_DASH)], "what was planned last"
         y += ROW
     if any(one.goals for one in content.driven):
         yield [Disc(left + 16.0, y, 7.0, stroke=INK, width=1.5)], "where each was to go"

@@ -19,7 +19,7 @@ from contextlib import suppress
 from typing import TYPE_CHECKING, Final
 
 from navigation.config import Config
-from navigation.config.several.each_robot import each_robot
+from navigation.config.several.each_robot import robots_of
 from navigation.journal.journal import Journal
 from navigation.loop.daemon_state import RunState, StageTimes
 from navigation.loop.parts import Surroundings, camera_part
@@ -70,21 +70,23 @@ class Daemon:
         self.config, self.world = config, world
         self._clock = world.clock
         self._recorder = recorder
-        several = each_robot(config)
+        configs = robots_of(config)
         self.robots = {
             name: Robot(name, one, world.make_link(name), first_mission_id)
-            for name, one in (several or {"": config}).items()
+            for name, one in configs.items()
         }
         for name, journal in (journals or {}).items():
             self.robots[name].journal = journal
         self.camera = world.make_frames()
         vision = world.make_vision(
-            config, Witnesses(self.robots), [one.robot for one in several.values()]
+            config, Witnesses(self.robots), [one.robot for one in configs.values()]
         )
         self.newest = vision.newest
         self.view = ArenaView(config, vision, self._clock, recorder)
         self.traffic: Traffic = (
-            Coordinated(self.robots, world.search_clock) if several else Alone(self.robots[""])
+            Coordinated(self.robots, world.search_clock)
+            if config.robots
+            else Alone(self.robots[""])
         )
         planner: TrafficPlanner = self.traffic.planner
         self._news = PlannerNews(planner, self._clock, self.camera.wake, recorder)

@@ -94,6 +94,8 @@ class RunState:
     @property
     def state(self) -> State:
         """Of all robots together: the worst end, and before it that of one that is under way."""
+        if "" in self.robots:
+            return self.only.mission.state
         states = [one.mission.state for one in self.robots.values() if one.mission.places]
         for state in (State.DRIVING, State.PROVING, State.PLANNING, State.HOLDING):
             if state in states:
@@ -105,7 +107,9 @@ class RunState:
 
     @property
     def sentence(self) -> str:
-        """What each robot has to say that is not at its end."""
+        """The sentence of a robot that is alone, or of each that is not at its end."""
+        if "" in self.robots:
+            return self.only.sentence
         told = {
             name: self.waits.get(name) or one.sentence
             for name, one in self.robots.items()

@@ -1,21 +1,21 @@
-"""What a run tells the machine it runs on, after each cycle: log, watchdog, troubles recording.
+"""News of a run for the machine it runs on, after each cycle: log, watchdog, troubles, recording.
 
 It decides nothing and opens nothing; every sentence is said once, when it becomes true.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Callable
 from typing import TYPE_CHECKING, Final
 
 from firmware_protocol.host.state import LinkState
 from navigation.machine.logs import Level, RunLog
 from navigation.machine.sd_notify import Watchdog
-from navigation.run.trouble_lines import TroubleLines
+from navigation.run.trouble_lines import TroubleLines, troubles_of
 
 if TYPE_CHECKING:
     from navigation.loop.daemon import Daemon
-    from navigation.loop.daemon_state import DaemonState
+    from navigation.loop.daemon_state import DaemonState, RunState
     from navigation.loop.recorder import Recorder
     from vision.camera.latest_frame import CameraStatus
 
@@ -52,20 +52,15 @@ class Attendance:
         self._recorder_turns = -1
         self._recorder_turned_s = 0.0
 
-    def cycle(
-        self, robots: Mapping[str, DaemonState], troubles: Iterable[str], time_s: float
-    ) -> None:
-        """After a cycle that ended with these states at ``time_s`` of the run's clock.
-
-        ``robots`` by name, which is empty where there is one; ``troubles`` of all of them.
-        """
+    def cycle(self, now: RunState, time_s: float) -> None:
+        """After a cycle that ended with ``now`` at ``time_s`` of the run's clock."""
         camera = self._daemon.camera.status()
-        self._log.cycle(robots, camera)
-        for name, now in robots.items():
-            self._look_at_robot(name, now)
+        self._log.cycle(now.robots, camera)
+        for name, one in now.robots.items():
+            self._look_at_robot(name, one)
         self._look_at_camera(camera)
         self._daemon.troubles["log"] = self._log.trouble
-        self._troubles.cycle(troubles)
+        self._troubles.cycle(troubles_of(now))
         self._watchdog.tick(time_s)
         if self._watchdog.hanging != self._hanging:
             self._hanging = self._watchdog.hanging

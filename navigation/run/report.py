@@ -1,20 +1,16 @@
-"""The report of a run: what DESIGN lists, as a JSON file and as lines for a person.
+"""The report of one robot's run: what DESIGN lists, and as lines for a person.
 
 Units: metres, degrees, seconds; latencies in milliseconds.
 """
 
 from __future__ import annotations
 
-import json
 import math
-from dataclasses import asdict, dataclass, field
-from pathlib import Path
+from dataclasses import dataclass, field
 
 import numpy as np
 
-from navigation.config.secrecy.secrets import hide_in
 from navigation.mission.running_plan import distance_to_polyline
-from navigation.shared.whole_file import write_whole
 from planner.scene import FloatArray
 
 
@@ -63,7 +59,7 @@ class Latency:
 
 @dataclass(frozen=True, slots=True)
 class Report:
-    """The summary of one run; None where a thing could not be known."""
+    """The summary of one robot's run; None where a thing could not be known."""
 
     state: str
     reason: str
@@ -108,13 +104,11 @@ class Report:
             ground_truth=False,
         )
 
-    def to_json(self) -> str:
-        """As one JSON object; numbers are finite or null."""
-        return json.dumps(hide_in(asdict(self)), indent=2, allow_nan=False)
-
-    def write(self, path: Path) -> None:
-        """Write the JSON file; ``UnwrittenFileError`` where that cannot be done."""
-        write_whole(path, self.to_json() + "\n")
+    def in_short(self) -> str:
+        """One of several robots, in a line."""
+        off = self.goal_error_m
+        goal = "" if off is None else f", {off * 1e3:.1f} mm from its goal"
+        return f"{self.state}, {self.stations_visited} of {self.stations} stations{goal}"
 
     def _jumps(self) -> list[tuple[str, str]]:
         if not self.track_jumps:

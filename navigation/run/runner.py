@@ -12,7 +12,7 @@ import random
 import sys
 import threading
 import time
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from contextlib import ExitStack, closing
 from dataclasses import dataclass
 from datetime import datetime
@@ -22,32 +22,28 @@ from typing import TYPE_CHECKING
 from navigation.config import Config
 from navigation.config.secrecy.secrets import hide
 from navigation.config.sections import SIMULATED
+from navigation.config.several.each_camera import each_camera
+from navigation.config.several.each_robot import robots_of
 from navigation.control import default_socket
 from navigation.journal.journal import Journal, owner_of
 from navigation.journal.kept_stops import KeptStops
 from navigation.journal.stop_latch import ports_of
 from navigation.link.serial_port import PortNotReadyError, look_for_port
 from navigation.loop.daemon import Daemon
-from navigation.loop.daemon_state import DaemonState
 from navigation.loop.stages import stations_of
 from navigation.machine.logs import EventLog, RunLog
 from navigation.machine.sd_notify import Notifier, Watchdog
-from navigation.mission.mission import Mission, State
+from navigation.mission.mission import State
 from navigation.run.anchoring import renew_while_running, take_over_lens
 from navigation.run.attendance import Attendance
 from navigation.run.devices.world_clock import slowness
+from navigation.run.give_missions import GiveMissions
 from navigation.run.kernels.warm_up import warm_up
-from navigation.run.report import Report
-from navigation.run.restart import unfinished_mission
-from navigation.run.summary import (
-    make_run_folder,
-    prepare_picture,
-    summarise,
-    write_report,
-    write_run,
-)
+from navigation.run.progress import ProgressLines, why_stopped
+from navigation.run.run_folder import make_run_folder, prepare_picture, write_report, write_run
+from navigation.run.run_report import RunReport, summarise_run
 from navigation.run.taking_orders import TakingOrders
-from navigation.run.world import World, camera_words
+from navigation.run.world import World
 from vision.calibration.calibration import Calibration
 from vision.camera.camera import Frame, Image
 
@@ -55,13 +51,11 @@ if TYPE_CHECKING:
     from navigation.dashboard import Dashboard
     from navigation.dashboard.settings.desk import Desk
     from navigation.loop.recorder import Recorder
-    from navigation.loop.robot import Robot
     from vision.calibrate.lens import Lens
 
 DONE, FAILED, NO_PATH = 0, 1, 3
 NO_ROOM = frozenset((errno.ENOSPC, errno.EDQUOT, errno.EFBIG))
 """What a write says where the disk, or the share of it, is full."""
-PROGRESS_EVERY_S = 1.0
 EVENTS_FILE = "events.jsonl"
 """In a run's folder: the log of its events."""
 
@@ -73,7 +67,7 @@ class RunResult:
     ``folder`` is None where there was no room for one.
     """
 
-    report: Report
+    report: RunReport
     folder: Path | None
     exit_code: int
 
@@ -108,6 +102,7 @@ class Runner:
         stops: Path | None = None,
     ) -> None:
         self.config = config
+        self._robots = robots_of(config)
         self.interrupt = threading.Event()
         self._once, self._file = once, file
         self._socket, self._stops = socket, stops
@@ -129,21 +124,19 @@ class Runner:
         """The same, and the run that begins again waits for orders."""
         self._say: Callable[[str], None] = lambda line: say(hide(line))
         self._say_as_it_is = say
-        self._said_state: State | None = None
-        self._said_sentence = ""
-        self._said_s = -math.inf
 
     def run(self) -> RunResult:
-        """Until the mission is over (``once``), the time limit, or an interrupt."""
+        """Until all missions are over (``once``), the time limit, or an interrupt."""
         self._refuse_what_is_no_port()  # before the user has waited for the kernels
         with ExitStack() as open_things:
-            journal = self._open_journal(open_things)  # first: a second program is refused here
+            journals = self._open_journals(open_things)  # first: a second program is refused here
             folder = self._open_folder(open_things)
             if not self._warm_up():
                 return self._end_before_the_start(folder)
             world = World(self.config, wait_for_port=not self._once)
             seen_by = camera_words(self.config)
-            self._say(f"{seen_by}, robot on {world.port}")
+            ports = {name or "robot": f"on {port}" for name, port in world.ports.items()}
+            self._say(", ".join((seen_by, *map(" ".join, ports.items()))))
             socket = self._socket or default_socket()
             recorder = self._open_recorder(open_things, world.calibration, world.clock)
             first_id = random.SystemRandom().randrange(1, 1 << 32)
@@ -152,40 +145,51 @@ class Runner:
                     self.config,
                     world,
                     first_mission_id=first_id,
-                    journals={} if journal is None else {"": journal},
+                    journals=journals,
                     recorder=recorder,
                 )
             )
             daemon.people.reanchor = lambda camera: self.reanchor(camera, daemon.newest)
             taking = TakingOrders(open_things, socket, daemon, self._log, self._say)
-            self._say(f"orders at {socket}: clearway go X,Y, stop, pause, resume, status")
+            named = " --robot NAME" if self.config.robots else ""
+            self._say(f"orders at {socket}: clearway go X,Y{named}, stop, pause, resume, status")
             page = self._serve_dashboard(daemon, open_things, socket, folder)
             # after orders are taken: what was stopped before is on the disk, what comes, here
-            self._hold_what_was_stopped(open_things, daemon, [daemon.robot], socket)
-            self._begin_mission(daemon, journal)
+            self._hold_what_was_stopped(open_things, daemon, socket)
+            missions = GiveMissions(daemon, self._say, for_orders=self.waits)
             self._notifier.send("READY=1")
-            self._log.write("info", "ready", camera=seen_by.partition(" ")[2], port=world.port)
+            self._log.write(
+                "info", "ready", camera=seen_by.partition(" ")[2], port=_port_words(world)
+            )
             open_things.callback(self._notifier.send, "STOPPING=1")
-            state, reason = self._drive(daemon, recorder, taking)
+            state, reason = self._drive(daemon, missions, recorder, taking)
             daemon.halt()
-            # while the robot brakes
+            # while the robots brake
             if page is not None and self.interrupt.is_set():
                 page.begin_closing()
             prepare_picture(daemon)
             daemon.let_the_robots_stop()
             duration_s = world.clock() - daemon.started_s
-            report = summarise(daemon, daemon.robot, state, reason, duration_s)
-            self._log.write(
-                "info", "finished", state=report.state, reason=reason, duration_s=duration_s
-            )
-        written = () if folder is None else write_run(folder, daemon, report)
-        for trouble in (*world.doubts, *written):
+            report = summarise_run(daemon, state, reason, duration_s)
+            # here, as the tracks of simulated robots end with their simulation
+            unwritten = [] if folder is None else write_run(folder, daemon, report)
+            self._log_end(report)
+        for trouble in (*world.doubts, *unwritten):
             self._say(f"trouble: {trouble}")
         for remark in slowness(world.clock):
             self._say(remark)
         if recorder is not None:
             self._say(recorder.summary())
         return RunResult(report, folder, self._exit_code(state, daemon))
+
+    def _log_end(self, report: RunReport) -> None:
+        self._log.write(
+            "info",
+            "finished",
+            state=report.state,
+            reason=report.reason,
+            duration_s=report.duration_s,
+        )
 
     def _warm_up(self) -> bool:
         """Compile or load the kernels; whether that came to its end."""
@@ -200,25 +204,27 @@ class Runner:
         return not self.interrupt.is_set()
 
     def _end_before_the_start(self, folder: Path | None) -> RunResult:
-        """The result of a run that was interrupted before it had a robot."""
-        stations = stations_of(self.config)
+        """The result of a run that was interrupted before it had robots."""
+        stations = {name: len(stations_of(one)) for name, one in self._robots.items()}
         reason = f"{self.interrupt_reason} before anything was driven"
-        report = Report.of_nothing(reason, len(stations))
-        self._log.write("info", "finished", state=report.state, reason=reason, duration_s=0.0)
+        report = RunReport.of_nothing(reason, stations)
+        self._log_end(report)
         for trouble in () if folder is None else write_report(folder, report):
             self._say(f"trouble: {trouble}")
-        return RunResult(report, folder, FAILED if self._once and stations else DONE)
+        has_missions = any(stations.values()) or bool(self.config.tasks)
+        return RunResult(report, folder, FAILED if self._once and has_missions else DONE)
 
     def _refuse_what_is_no_port(self) -> None:
         """``PortError`` where waiting would not help, and with ``once`` where nobody waits."""
-        if self.config.serial.port == SIMULATED:
-            return
-        try:
-            look_for_port(self.config.serial.port)
-        except PortNotReadyError:
-            if self._once:
-                raise
-            # else it is waited for: the link opens it, and says so until it can
+        for one in self._robots.values():
+            if one.serial.port == SIMULATED:
+                continue
+            try:
+                look_for_port(one.serial.port)
+            except PortNotReadyError:
+                if self._once:
+                    raise
+                # else it is waited for: the link opens it, and says so until it can
 
     def _serve_dashboard(
         self,
@@ -274,15 +280,19 @@ class Runner:
             self._say(f"the page's token holds for this run only: {file}: {reason}")
             return new_token()
 
-    def _open_journal(self, open_things: ExitStack) -> Journal | None:
-        path = self.config.recording.journal
-        if path is None:
-            return None
-        journal = open_things.enter_context(Journal(path, owner_of(self.config, self._file)))
-        for sentence in filter(None, (journal.remark, journal.trouble)):
-            self._log.write("warning", "trouble", reason=sentence)
-            self._say(sentence)
-        return journal
+    def _open_journals(self, open_things: ExitStack) -> dict[str, Journal]:
+        """A journal for each robot, beside each other."""
+        journals = {}
+        for name, one in self._robots.items():
+            path = one.recording.journal
+            if path is None:
+                continue
+            journal = open_things.enter_context(Journal(path, owner_of(one, self._file)))
+            journals[name] = journal
+            for sentence in filter(None, (journal.remark, journal.trouble)):
+                self._log.write("warning", "trouble", reason=sentence)
+                self._say(f"{name}: {sentence}" if name else sentence)
+        return journals
 
     def _open_folder(self, open_things: ExitStack) -> Path | None:
         """The run's folder with its log of events; None where the disk has no room for it."""
@@ -314,59 +324,36 @@ class Runner:
         self._say(f"recording into {recorder.path}")
         return recorder
 
-    def _hold_what_was_stopped(
-        self,
-        open_things: ExitStack,
-        daemon: Daemon,
-        robots: Sequence[Robot],
-        socket: Path,
-    ) -> None:
+    def _hold_what_was_stopped(self, open_things: ExitStack, daemon: Daemon, socket: Path) -> None:
         """Begin with the stops that earlier programs, or nobody's, were given."""
         if self._stops is None:
             return
-        ports = {one.name: ports_of(one.config.serial.port) for one in robots}
+        ports = {name: ports_of(one.serial.port) for name, one in self._robots.items()}
         kept = open_things.enter_context(KeptStops(self._stops, socket, self._file, ports))
+        robots = list(daemon.robots.values())
         for name, sentence in daemon.stopping.hold_from_before(robots, kept).items():
             self._say(f"{name}: {sentence}" if name else sentence)
             self._log.write("warning", "stopped", robot=name, reason=sentence)
 
-    def _begin_mission(self, daemon: Daemon, journal: Journal | None) -> None:
-        """The journal's unfinished mission, else the configured one.
-
-        A robot that was re-armed and has not been resumed waits for the second resume.
-        """
-        left = None
-        if journal is not None:
-            left = unfinished_mission(daemon, journal, self.interrupt.is_set)
-        if left is not None:
-            self._say(f"continuing: {left.visited} of {len(left.stations)} stations were visited")
-            daemon.people.restore(left, "")
-            return
-        rearmed = None if journal is None else journal.rearmed()
-        if rearmed is not None:
-            self._say("re-armed before this run began: `clearway resume` continues the mission")
-            with daemon.lock:
-                daemon.robot.pilot.appoint(rearmed)
-            return
-        stations = stations_of(self.config)
-        if stations and not self.waits:
-            any_order = self.config.mission.order == "best"
-            daemon.people.appoint(Mission(stations, any_order=any_order), "")
-
     def _drive(
-        self, daemon: Daemon, recorder: Recorder | None, taking: TakingOrders
+        self,
+        daemon: Daemon,
+        missions: GiveMissions,
+        recorder: Recorder | None,
+        taking: TakingOrders,
     ) -> tuple[State, str]:
         limit_s, give_up_s = self._time_limit_s(), self.config.safety.give_up_s
         watchdog = Watchdog(self._notifier, self._watchdog_s, daemon.turns)
         attendance = Attendance(daemon, self._log, watchdog, recorder, self._say)
+        lines = ProgressLines(self._say, lambda told: self._notifier.send(f"STATUS={told}"))
         while True:
-            now = daemon.cycle().only
-            self._tell(now)
+            missions.cycle()
+            now = daemon.cycle()
+            lines.cycle(now)
             taking.cycle()
-            attendance.cycle({"": now}, now.troubles, time.monotonic())
+            attendance.cycle(now, time.monotonic())
             if self.interrupt.is_set():
-                stopped = now.mission.state is State.STOPPED
-                return State.STOPPED, self.why_interrupted(now.sentence if stopped else None)
+                return State.STOPPED, self.why_interrupted(why_stopped(now))
             waits = daemon.stopping.waits_for_rearm
             has_met = waits or daemon.has_met_its_devices
             if self._once and now.time_s > give_up_s and not has_met:
@@ -374,8 +361,8 @@ class Runner:
                 return State.FAILED, f"{reason}: {now.sentence}"
             if now.time_s > limit_s:
                 return State.FAILED, f"not done within {limit_s:g} s: {now.sentence}"
-            if self._once and not waits and (now.mission.is_over or not now.mission.stations):
-                return now.mission.state, now.sentence
+            if self._once and not waits and missions.are_given and now.is_over:
+                return now.state, now.sentence
 
     def why_interrupted(self, stopped: str | None) -> str:
         """The reason of a run that was interrupted, after an emergency stop for that cause."""
@@ -385,9 +372,11 @@ class Runner:
         interrupted = self.interrupt.is_set()
         if state is State.DONE or (interrupted and not self._once):
             return DONE  # nothing but an interrupt ends a run that goes on after its mission
-        if daemon.robot.pilot.no_path:
+        pilots = [one.pilot for one in daemon.robots.values()]
+        if any(pilot.no_path for pilot in pilots):
             return NO_PATH
-        return DONE if interrupted and not daemon.robot.pilot.mission.stations else FAILED
+        had_missions = bool(self.config.tasks) or any(pilot.mission.stations for pilot in pilots)
+        return FAILED if had_missions or not interrupted else DONE
 
     def reanchor(
         self, camera: str | None, newest: Callable[[str | None], Frame | None]
@@ -407,31 +396,14 @@ class Runner:
         simulation = self.config.simulation
         return math.inf if simulation is None or not self._once else simulation.time_limit_s
 
-    def _tell(self, now: DaemonState) -> None:
-        news = now.mission.state is not self._said_state
-        news |= now.mission.state is not State.HOLDING and now.sentence != self._said_sentence
-        if not news and now.time_s - self._said_s < PROGRESS_EVERY_S:
-            return
-        if not news and now.mission.is_over:
-            return
-        self._said_state, self._said_sentence = now.mission.state, now.sentence
-        self._said_s = now.time_s
-        if news:
-            self._notifier.send(f"STATUS={now.mission.state.value}: {now.sentence}")
-        self._say(progress_line(now, news))
+
+def _port_words(world: World) -> str:
+    """The port of a robot that is alone, or each robot's."""
+    named = (f"{name} on {port}" if name else port for name, port in world.ports.items())
+    return ", ".join(named)
 
 
-def progress_line(now: DaemonState, with_sentence: bool) -> str:
-    """One line: time, state, place, what is left, and the sentence where it is news."""
-    parts = [f"{now.time_s:6.1f} s  {now.mission.state.value:<8}"]
-    if with_sentence or now.mission.state is State.HOLDING:
-        parts.append(now.sentence)
-    elif now.pose is not None:
-        turned_deg = math.degrees(now.pose.heading_rad)
-        parts.append(f"at ({now.pose.x:.3f}, {now.pose.y:.3f}) m, {turned_deg:4.0f} deg")
-        if now.to_go_m is not None:
-            parts.append(f"{now.to_go_m:.2f} m to go")
-        if now.clearance_m is not None:
-            parts.append(f"clearance {now.clearance_m:.3f} m")
-        parts.append(f"station {now.mission.visited}/{len(now.mission.stations)}")
-    return "  ".join(parts)
+def camera_words(config: Config) -> str:
+    """The camera, or each of several with its name, as a run says it."""
+    named = [f"{name} {one.camera.source}" for name, one in each_camera(config).items()]
+    return f"cameras {', '.join(named)}" if named else f"camera {config.camera.source}"

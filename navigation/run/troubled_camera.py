@@ -1,27 +1,20 @@
 """The simulated camera with everything that goes wrong with real ones, for runs in virtual time.
 
 A test switches `CameraTroubles` while a run goes on. Nothing but the picture and its stamp changes:
-the program sees what it would see of a camera that is frozen, late, swapped or lied to. Seconds,
-metres, radians.
+the program sees what it would see of a camera that is frozen, late or swapped. Seconds.
 """
 
 from __future__ import annotations
 
-import math
 from collections import deque
 from collections.abc import Callable
 from dataclasses import dataclass, replace
-from typing import TypeAlias
 
 import cv2
 import numpy as np
 
-from navigation.simulator.drive_model import TruePose
 from vision.camera.camera import Camera, CameraError, Frame, Image, SourceState
 
-Place: TypeAlias = tuple[float, float, float]
-NOWHERE: Place = (-9.0, -9.0, 0.0)
-"""So far from the arena that nothing of a robot there is in the picture."""
 NOISE_GREY = 2.0
 
 
@@ -45,15 +38,6 @@ class CameraTroubles:
     """Pictures are stamped so far in the future."""
     looping: bool = False
     """It plays its last three seconds again and again."""
-    marker_hidden: bool = False
-    marker_at: Place | None = None
-    """The picture shows the robot here: another picture, or another robot with its marker."""
-    marker_shift_m: tuple[float, float] = (0.0, 0.0)
-    """The robot is seen so far from where it is."""
-    marker_turned: bool = False
-    """Its marker sits the wrong way round."""
-    double_at: Place | None = None
-    """A second marker with its id lies here."""
 
 
 RECORDED = 90
@@ -161,14 +145,3 @@ def with_clock(image: Image, time_s: float) -> Image:
     cv2.rectangle(shown, (0, 0), (120, 14), 230, -1)
     cv2.putText(shown, f"12:00:{time_s:06.3f}", (2, 11), cv2.FONT_HERSHEY_PLAIN, 0.9, 20, 1)
     return shown
-
-
-def seen_pose(true: TruePose, troubles: CameraTroubles) -> Place:
-    """Where the picture shows the robot."""
-    if troubles.marker_hidden:
-        return NOWHERE
-    if troubles.marker_at is not None:
-        return troubles.marker_at
-    dx, dy = troubles.marker_shift_m
-    turn = math.pi if troubles.marker_turned else 0.0
-    return true.x_m + dx, true.y_m + dy, true.heading_rad + turn

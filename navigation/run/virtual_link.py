@@ -15,7 +15,7 @@ from firmware_protocol.wire.messages import Waypoint
 from firmware_protocol.wire.mission import Mission
 from navigation.link.link_snapshot import LinkSnapshot, snapshot_of
 from navigation.link.parts_of_missions import give_mission, release_mission
-from navigation.run.virtual_troubles import Troubles
+from navigation.run.troubled_robot import RobotTroubles
 from navigation.simulator.virtual_loop import VirtualLoop
 
 LATENCIES_KEPT = 10_000
@@ -26,7 +26,7 @@ class VirtualLink:
     """`SerialLink` without its thread and its port, on the virtual loop's line."""
 
     loop: VirtualLoop
-    troubles: Troubles
+    troubles: RobotTroubles
     capture_to_wire_s: deque[float] = field(default_factory=lambda: deque(maxlen=LATENCIES_KEPT))
     turns: int = 0
 

@@ -1,42 +1,39 @@
 """The running program's world in virtual time: the same parts without threads or waiting.
 
-Time passes only where the control loop waits for a frame: then bytes travel, the robot drives,
-and the simulated camera gives its pictures, through the same `LatestFrame`, host's end, robot's
+Time passes only where the control loop waits for a frame: then bytes travel, the robots drive,
+and the simulated cameras give their pictures, through the same `LatestFrame`, host's end, robot's
 end and drive model as in real time. What computing takes is given in `VirtualTimes`, so that a
 run is the same on every machine and every time. Metres, radians, seconds.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections import defaultdict
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import partial
-from typing import Generic, Protocol, TypeVar
+from typing import Generic, TypeVar
 
 import numpy as np
 
 from navigation.config import Config
 from navigation.config.sections import RobotSection
 from navigation.config.several.each_camera import each_camera
+from navigation.config.several.each_robot import robots_of
 from navigation.loop.planning import Answering, SceneCheck
 from navigation.loop.seeing.vision_stage import KnowsLatency, VisionStage
-from navigation.run.troubled_camera import (
-    NOWHERE,
-    Memory,
-    TroubledCamera,
-    seen_pose,
-)
+from navigation.run.calibrations import floor_plan_of, shown_calibration
+from navigation.run.simulated_camera import camera_over, others_of
+from navigation.run.troubled_camera import CameraTroubles, Memory, TroubledCamera
+from navigation.run.troubled_robot import TroubledRobot
 from navigation.run.virtual_link import VirtualLink
-from navigation.run.virtual_troubles import ProcessorFaults, Troubles, virtual_loop_of
 from navigation.run.without_pictures.looking import looking_of
-from navigation.run.world import camera_over, floor_plan_of, others_of, shown_calibration
 from navigation.shared.supervisor import in_words
 from navigation.simulator.arena import load_arena
 from navigation.simulator.happenings import arenas_over_time, tracks_of
-from navigation.simulator.settings import faults_of
+from navigation.simulator.picture.camera import Driven
 from navigation.simulator.truth import Truth
 from navigation.simulator.virtual_loop import TICK_S
-from navigation.simulator.virtual_robot import VirtualRobot
 from planner.scene import FloatArray, Scene
 from vision.camera.camera import Camera, CameraError, Frame
 from vision.camera.latest_frame import CameraStatus, LatestFrame, WatchLimits
@@ -65,74 +62,78 @@ _Q = TypeVar("_Q")
 _A = TypeVar("_A")
 
 
-class VirtualTime(Protocol):
-    """A world whose time passes only where somebody waits."""
-
-    times: VirtualTimes
-
-    def clock(self) -> float:
-        """Virtual seconds."""
-        ...
-
-    def wait(self, seconds: float) -> None:
-        """Let time pass."""
-
-    def after(self, seconds: float, call: Callable[[], None]) -> None:
-        """Have something done when so much time has passed."""
-
-    def open_camera(self, name: str | None = None) -> Camera:
-        """A new camera, closed; ``name`` is one of several."""
-        ...
-
-
 class VirtualWorld:
     """`parts.Surroundings` in virtual time.
 
-    The robot and the line stay when a daemon ends: another may come, as after a restart. Without
-    ``pictures`` none is drawn or looked at (`navigation.run.without_pictures`).
+    Robots and lines stay when a daemon ends: another may come, as after a restart. ``bodies`` by
+    name is what the simulated robots really are, where their errors are each its own; else as
+    configured. Without ``pictures`` none is drawn or looked at
+    (`navigation.run.without_pictures`).
     """
 
     def __init__(
-        self, config: Config, times: VirtualTimes | None = None, *, pictures: bool = True
+        self,
+        config: Config,
+        times: VirtualTimes | None = None,
+        bodies: Mapping[str, Config] | None = None,
+        *,
+        pictures: bool = True,
     ) -> None:
         assert config.simulation is not None
         self.config = config
         self.times = times or VirtualTimes()
-        self.troubles = Troubles()
-        self._cameras = each_camera(config)
+        self.cameras: defaultdict[str | None, CameraTroubles] = defaultdict(CameraTroubles)
+        """What may go wrong with the camera, or with each of several by name."""
+        alone = bodies or robots_of(config)
+        self.bodies = {name: TroubledRobot.of(one) for name, one in alone.items()}
+        """The robots by name; one that is alone has none."""
+        self.ports = dict.fromkeys(self.bodies, "virtual")
+        self._configs_of_cameras = each_camera(config)
         self._memories = {
             name: Memory(np.random.default_rng(config.simulation.seed + i))
-            for i, name in enumerate(self._cameras or [None])
+            for i, name in enumerate(self._configs_of_cameras or [None])
         }
-        self.loop = virtual_loop_of(config)
         self._arenas = arenas_over_time(config, load_arena(config))
         self._looking = looking_of(config, self._arenas, pictures=pictures)
         self._tracks = tracks_of(config)
         self.floor_plan = floor_plan_of(config)
         self.calibration = shown_calibration(config, self.floor_plan)
-        self.robot = VirtualRobot(self.loop)
-        self.truth = Truth(self._arenas, self.robot, others_of(config, self._tracks))
-        self.truths = {"": self.truth}
-        self.port = "virtual"
-        self._searched_s = 0.0
+        others = others_of(config, self._tracks)
+        self.truths = {
+            name: Truth(self._arenas, body.robot, others) for name, body in self.bodies.items()
+        }
+        self._time = next(iter(self.bodies.values())).loop
+        self._began_s = self._searched_s = 0.0
         self._due: list[tuple[float, Callable[[], None]]] = []
-        self.processor = ProcessorFaults(faults_of(config))
+        self.meet: Callable[[float], None] | None = None
+        """Called every millisecond with the time since the start: a test's troubles."""
+
+    @property
+    def body(self) -> TroubledRobot:
+        """The robot of a run of one."""
+        (body,) = self.bodies.values()
+        return body
 
     # Time.
 
     def clock(self) -> float:
         """Virtual seconds."""
-        return self.loop.now_s
+        return self._time.now_s
 
     def wait(self, seconds: float) -> None:
-        """Let time pass: bytes travel, the robot drives, and what is due is done."""
-        end_s = self.loop.now_s + seconds
-        while self.loop.now_s < end_s - 1e-9:
-            self._meet_troubles()
-            self.loop.tick()
+        """Let time pass: bytes travel, the robots drive, and what is due is done."""
+        end_s = self._time.now_s + seconds
+        bodies = list(self.bodies.values())
+        while self._time.now_s < end_s - 1e-9:
+            since_s = self._time.now_s - self._began_s
+            if self.meet is not None:
+                self.meet(since_s)
+            for body in bodies:
+                body.tick(since_s)
             if self._due:
                 self._do_what_is_due()
-        self.robot.keep_track()
+        for body in bodies:
+            body.robot.keep_track()
 
     def _do_what_is_due(self) -> None:
         now_s = self.clock()
@@ -146,17 +147,13 @@ class VirtualWorld:
 
     def after(self, seconds: float, call: Callable[[], None]) -> None:
         """Have something done when so much time has passed."""
-        self._due.append((self.loop.now_s + seconds, call))
-
-    def _meet_troubles(self) -> None:
-        self.processor.meet(self.loop, self.loop.now_s - self.truth.began_s)
-        self.troubles.meet(self.loop)
+        self._due.append((self.clock() + seconds, call))
 
     # The parts.
 
     def make_frames(self) -> VirtualFrames:
         """The camera, or several as one."""
-        return VirtualFrames(self, tuple(self._cameras))
+        return VirtualFrames(self, tuple(self._configs_of_cameras))
 
     def make_vision(
         self, config: Config, witness: KnowsLatency, driven: Sequence[RobotSection]
@@ -172,9 +169,10 @@ class VirtualWorld:
             self._looking.parts,
         )
 
-    def make_link(self, _name: str) -> VirtualLink:
-        """The link to the robot."""
-        return VirtualLink(self.loop, self.troubles)
+    def make_link(self, name: str) -> VirtualLink:
+        """The link to one robot."""
+        body = self.bodies[name]
+        return VirtualLink(body.loop, body.troubles)
 
     def search_clock(self) -> float:
         """Counts the looks at it, so that equal work is limited equally on every computer."""
@@ -192,30 +190,36 @@ class VirtualWorld:
 
     def open_camera(self, name: str | None = None) -> Camera:
         """A new camera over what the arena is by now; ``name`` is one of several."""
-        config = self.config if name is None else self._cameras[name]
-        troubles = self.troubles if name is None else self.troubles.cameras[name]
+        troubles = self.cameras[name]
         if troubles.camera_lost:
             raise CameraError("simulated camera: is unplugged")
         camera = camera_over(
-            config,
+            self.config if name is None else self._configs_of_cameras[name],
             self._arenas,
             self._tracks,
-            lambda: seen_pose(self.robot.pose(), self.troubles),
+            self._driven(),
             self.clock,
-            self.truth.began_s,
+            self._began_s,
             self.wait,
-            doubles=[lambda: self.troubles.double_at or NOWHERE],
-            make=self._looking.make_camera,
+            self._looking.make_camera,
         )
         return TroubledCamera(camera, troubles, self._memories[name], self.clock, self.wait)
 
+    def _driven(self) -> Driven:
+        """The robots, and the second markers that may lie beside them."""
+        bodies = list(self.bodies.values())
+        doubles = [(body.config.robot, body.double) for body in bodies if len(bodies) == 1]
+        return [*((body.config.robot, body.seen) for body in bodies), *doubles]
+
     def start(self) -> None:
         """What happens in the arena counts from the first start."""
-        if self.truth.began_s == 0.0:
-            self.truth.began_s = self.loop.now_s
+        if self._began_s == 0.0:
+            self._began_s = self.clock()
+            for truth in self.truths.values():
+                truth.began_s = self._began_s
 
     def stop(self) -> None:
-        """The robot stays switched on."""
+        """The robots stay switched on."""
 
 
 class VirtualFrames:
@@ -224,7 +228,7 @@ class VirtualFrames:
     ``names`` are those of several cameras.
     """
 
-    def __init__(self, world: VirtualTime, names: Sequence[str] = ()) -> None:
+    def __init__(self, world: VirtualWorld, names: Sequence[str] = ()) -> None:
         self._world = world
         openers = {name: partial(world.open_camera, name) for name in names}
         self._latest = (
@@ -277,7 +281,7 @@ class VirtualPlanner(Generic[_Q, _A]):
 
     def __init__(
         self,
-        world: VirtualTime,
+        world: VirtualWorld,
         arena_planner: Answering[_Q, _A],
         on_scene: Callable[[SceneCheck], None],
         on_answer: Callable[[_A], None],

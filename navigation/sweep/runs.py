@@ -19,8 +19,7 @@ from dataclasses import asdict, dataclass, fields, replace
 from typing import TYPE_CHECKING, Final, TypeAlias
 
 from navigation.config import Config
-from navigation.sweep.fleet_variations import FleetVariation, fleet_varied
-from navigation.sweep.variations import Variation, varied
+from navigation.sweep.variations import RobotVariation, Variation, varied
 
 if TYPE_CHECKING:
     from navigation.run.report import Report
@@ -28,7 +27,7 @@ if TYPE_CHECKING:
 MOST_ATTEMPTS: Final = 3
 IN_HAND_PER_WORKER: Final = 2
 IDLE: Final = "idle"
-"""The state in the row of one of several robots that had no mission."""
+"""The state in the row of a robot that had no mission."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -65,31 +64,20 @@ class Row:
     """Of several robots: between the two bodies that came nearest in the run."""
 
 
-Chosen: TypeAlias = Variation | FleetVariation
-Work: TypeAlias = Callable[[Config, Chosen], tuple[Row, ...]]
+Work: TypeAlias = Callable[[Config, Variation], tuple[Row, ...]]
 FLEET_COLUMNS: Final = tuple(field.name for field in fields(Row))
 COLUMNS: Final = tuple(name for name in FLEET_COLUMNS if name not in ("robot", "least_gap_m"))
 
 
-def run_one(config: Config, v: Variation, *, pictures: bool = True) -> Row:
-    """One run of the sweep, in a worker."""
+def run_rows(config: Config, v: Variation, *, pictures: bool = True) -> tuple[Row, ...]:
+    """One run of a sweep, in a worker: a row for each robot."""
     import cv2
 
     from navigation.run.virtual_run import run_virtually
 
     cv2.setNumThreads(1)  # the other cores have runs of their own
-    return _row(run_virtually(varied(config, v), pictures=pictures), v)
-
-
-def run_several(config: Config, v: FleetVariation, *, pictures: bool = True) -> tuple[Row, ...]:
-    """One run of a sweep over several robots, in a worker: a row for each of them."""
-    import cv2
-
-    from navigation.run.fleet.fleet_virtual_run import run_fleet_virtually
-
-    cv2.setNumThreads(1)
-    whole, bodies = fleet_varied(config, v)
-    report = run_fleet_virtually(whole, bodies=bodies, pictures=pictures)
+    whole, bodies = varied(config, v)
+    report = run_virtually(whole, bodies=bodies, pictures=pictures)
     rows = {
         name: _row(one, v.robots[name], name, report.least_gap_m)
         for name, one in report.robots.items()
@@ -100,14 +88,7 @@ def run_several(config: Config, v: FleetVariation, *, pictures: bool = True) -> 
     )
 
 
-def run_rows(config: Config, v: Chosen, *, pictures: bool = True) -> tuple[Row, ...]:
-    """One run of one robot or several, with drawn pictures or without."""
-    if isinstance(v, FleetVariation):
-        return run_several(config, v, pictures=pictures)
-    return (run_one(config, v, pictures=pictures),)
-
-
-def _row(report: Report, v: Variation, robot: str = "", least_gap_m: float | None = None) -> Row:
+def _row(report: Report, v: RobotVariation, robot: str, least_gap_m: float | None) -> Row:
     return Row(
         robot=robot,
         least_gap_m=least_gap_m,
@@ -138,14 +119,14 @@ class Sweep:
     def __init__(
         self,
         config: Config,
-        variations: Sequence[Chosen],
+        variations: Sequence[Variation],
         open_executor: Callable[[], Executor],
         workers: int,
         work: Work = run_rows,
     ) -> None:
         self._config = config
         self._left = deque(variations)
-        self._suspects: deque[Chosen] = deque()
+        self._suspects: deque[Variation] = deque()
         self._open_executor = open_executor
         self._most_in_hand = max(1, workers * IN_HAND_PER_WORKER)
         self._work = work
@@ -157,7 +138,7 @@ class Sweep:
         """A row for every variation, of several robots one for each, in the order in which they
         are done."""
         executor = self._open_executor()
-        running: dict[Future[tuple[Row, ...]], Chosen] = {}
+        running: dict[Future[tuple[Row, ...]], Variation] = {}
         try:
             while self._left or self._suspects or running:
                 for chosen in self._next(len(running)):
@@ -186,7 +167,7 @@ class Sweep:
                 future.cancel()
             executor.shutdown(wait=False)
 
-    def _next(self, running: int) -> Iterator[Chosen]:
+    def _next(self, running: int) -> Iterator[Variation]:
         """What to hand out now; one that was at work when a worker died goes alone."""
         if self._suspects:
             if running == 0:
@@ -196,7 +177,7 @@ class Sweep:
             running += 1
             yield self._left.popleft()
 
-    def _again(self, chosen: Chosen) -> Iterator[Row]:
+    def _again(self, chosen: Variation) -> Iterator[Row]:
         """Try a variation again whose worker died; a row where that was too often."""
         attempts = self._attempts[chosen.run] = self._attempts.get(chosen.run, 0) + 1
         if attempts < MOST_ATTEMPTS:
@@ -214,7 +195,6 @@ def _is_death(error: BaseException | None) -> bool:
     )
 
 
-def _failed_rows(chosen: Chosen, state: str, reason: str) -> Iterator[Row]:
-    robots = chosen.robots if isinstance(chosen, FleetVariation) else {"": chosen}
-    for name, one in robots.items():
+def _failed_rows(chosen: Variation, state: str, reason: str) -> Iterator[Row]:
+    for name, one in chosen.robots.items():
         yield Row(state=state, reason=reason, robot=name, **asdict(one))

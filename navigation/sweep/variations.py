@@ -1,18 +1,22 @@
-"""Draws the variations of a sweep and makes each one's configuration.
+"""Variations of a sweep and their configurations: each robot has a start and wheels of its own.
 
+Several robots share the camera's errors.
 Variation k of a seed is always the same, whatever is asked of the sweep besides.
 Units: metres, radians; degrees in configurations.
 """
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+import math
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Final
 
 import numpy as np
 
 from navigation.config import Config
+from navigation.config.several.each_robot import each_robot, robots_of
+from navigation.config.simulation import RobotStartSection
 from navigation.config.values import Pose
 from navigation.simulator.arena import SimulatedArena, load_arena
 from navigation.simulator.happenings import arenas_over_time
@@ -27,6 +31,8 @@ START_M: Final = 0.02
 START_DEG: Final = 30.0
 MOST_SPREAD: Final = 16.0
 """A wheel's error is then 0.48: a configuration takes less than 0.5."""
+APART_M: Final = 0.02
+"""Between two bodies at their starts, or what the configuration leaves where that is less."""
 HALVINGS: Final = 10
 """After so many the start has moved by a few hundredths of a millimetre: it stays."""
 
@@ -36,8 +42,8 @@ class SweepError(ValueError):
 
 
 @dataclass(frozen=True, slots=True)
-class Variation:
-    """What one run of a sweep changes: everything random, and the world's errors."""
+class RobotVariation:
+    """What one run of a sweep changes for a robot: everything random, and the world's errors."""
 
     run: int
     seed: int
@@ -51,33 +57,96 @@ class Variation:
     noise_grey: float
     blur_px: float
 
-    def with_run_of(self, other: Variation) -> Variation:
+    def with_run_of(self, other: RobotVariation) -> RobotVariation:
         """The same robot in another one's run: its seed and its camera."""
         return replace(self, seed=other.seed, noise_grey=other.noise_grey, blur_px=other.blur_px)
+
+
+@dataclass(frozen=True, slots=True)
+class Variation:
+    """One run's variation of each robot, by name; the seed and the camera's errors are the same."""
+
+    run: int
+    robots: Mapping[str, RobotVariation]
 
 
 def variation(config: Config, seed: int, run: int, spread: float = 1.0) -> Variation:
     """Variation ``run`` (from 0) of a sweep's ``seed``; ``spread`` 0 changes the seed only.
 
-    Errors are uniform up to the limits above times ``spread``, around the configured start; a
-    start that would not be free is drawn towards the configured one. ``SweepError`` without a
+    Errors are uniform up to the limits above times ``spread``, around the configured starts; a
+    start that would not be free is drawn towards the configured one, and none is nearer to another
+    robot's than ``APART_M`` between their bodies, or than configured. ``SweepError`` without a
     simulation and for a spread outside [0, 16], beyond which no configuration allows the errors.
     """
     if config.simulation is None:
         raise SweepError("a sweep needs a section 'simulation'")
-    return draw(
-        config, np.random.default_rng([seed, run]), run, spread, arena_at_the_start(config), ()
+    alone = robots_of(config)
+    starts = {name: _start(one) for name, one in alone.items()}
+    arena = arenas_over_time(config, load_arena(config))[0][1]
+    drawn: dict[str, RobotVariation] = {}
+    for number, (name, one) in enumerate(alone.items()):
+        others = [
+            (at, _least_m(one, alone[other], math.dist(starts[name], _start(alone[other]))))
+            for other, at in starts.items()
+            if other != name
+        ]
+        rng = np.random.default_rng([seed, run, number])
+        drawn[name] = _draw(one, rng, run, spread, arena, others)
+        starts[name] = drawn[name].start_x_m, drawn[name].start_y_m
+    first = next(iter(drawn.values()))
+    return Variation(run, {name: v.with_run_of(first) for name, v in drawn.items()})
+
+
+def varied(config: Config, v: Variation) -> tuple[Config, dict[str, Config] | None]:
+    """The configuration of one run, and what each of several simulated robots really is."""
+    first = next(iter(v.robots.values()))
+    whole = _varied_one(config, first)
+    if not config.robots:
+        return whole, None
+    assert config.simulation is not None
+    assert whole.simulation is not None
+    starts = tuple(
+        RobotStartSection(
+            name=name, x_m=one.start_x_m, y_m=one.start_y_m, heading_deg=one.start_heading_deg
+        )
+        for name, one in v.robots.items()
     )
+    of_all = whole.simulation.model_copy(
+        update={"start": None, "starts": starts, "robot": config.simulation.robot}
+    )
+    whole = config.model_copy(update={"simulation": of_all})
+    return whole, {name: _body(one, v.robots[name]) for name, one in each_robot(whole).items()}
 
 
-def draw(
+def _body(alone: Config, v: RobotVariation) -> Config:
+    """One robot with the wheels that were drawn for it, and its own seed."""
+    assert alone.simulation is not None
+    seed = alone.simulation.seed
+    simulation = _varied_one(alone, v).simulation
+    assert simulation is not None
+    return alone.model_copy(update={"simulation": simulation.model_copy(update={"seed": seed})})
+
+
+def _start(config: Config) -> tuple[float, float]:
+    assert config.simulation is not None
+    start = config.simulation.start
+    if start is None:
+        raise SweepError("a sweep needs a simulated start for each robot")
+    return start.x_m, start.y_m
+
+
+def _least_m(one: Config, other: Config, configured_m: float) -> float:
+    return min(configured_m, one.robot.radius_m + other.robot.radius_m + APART_M)
+
+
+def _draw(
     config: Config,
     rng: np.random.Generator,
     run: int,
     spread: float,
     arena: SimulatedArena,
     others: Sequence[tuple[Vec, float]],
-) -> Variation:
+) -> RobotVariation:
     """One robot's variation; ``others`` are places, and how far its start must be from each."""
     assert config.simulation is not None
     if not 0.0 <= spread <= MOST_SPREAD:
@@ -88,7 +157,7 @@ def draw(
     simulation, camera, robot = config.simulation, config.simulation.camera, config.simulation.robot
     start = simulation.start
     if start is None:
-        raise SweepError("a sweep needs simulation.start")
+        raise SweepError("a sweep needs a simulated start for each robot")
     start_x_m, start_y_m = _free_start(config, START_M * spread * unit[:2], arena, others)
     if spread == 0.0:
         left, right = robot.wheel_radius_error
@@ -102,7 +171,7 @@ def draw(
             NOISE_GREY * spread * share[7],
             BLUR_PX * spread * share[8],
         )
-    return Variation(
+    return RobotVariation(
         run,
         int(rng.integers(0, 1 << 31)),
         start_x_m,
@@ -135,13 +204,8 @@ def _free_start(
     return float(x_m), float(y_m)
 
 
-def arena_at_the_start(config: Config) -> SimulatedArena:
-    """What the simulated arena is when a run begins."""
-    return arenas_over_time(config, load_arena(config))[0][1]
-
-
-def varied(config: Config, v: Variation) -> Config:
-    """The configuration of one run of the sweep."""
+def _varied_one(config: Config, v: RobotVariation) -> Config:
+    """The configuration with one robot's variation."""
     assert config.simulation is not None
     camera = config.simulation.camera.model_copy(
         update={"noise_grey": v.noise_grey, "blur_px": v.blur_px}

@@ -50,8 +50,8 @@ def test_the_configuration_puts_the_emulator_behind_the_port(tmp_path: Path) -> 
         world = World(load_config(short_configuration(tmp_path, avr.command)))
         world.start()
         try:
-            assert world.truth is not None
-            robot = world.truth.robot
+            assert world.truths[""] is not None
+            robot = world.truths[""].robot
             assert isinstance(robot, EmulatedRobot)
             assert wait_until(lambda: robot.motors.now_s >= 0.2, 20.0), "the emulated clock goes"
             assert not robot.motors.powered, "nobody has told it to drive"

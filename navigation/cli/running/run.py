@@ -21,11 +21,8 @@ if TYPE_CHECKING:
     from navigation.config import Config
     from navigation.dashboard.settings.desk import Desk
     from navigation.machine.logs import EventLog, Level
-    from navigation.run.fleet.fleet_report import FleetReport
-    from navigation.run.report import Report
+    from navigation.run.run_report import RunReport
     from navigation.run.runner import Runner
-
-PROGRESS_EVERY_S = 1.0
 
 
 @click.command(short_help="Drive the robot: camera, planning, serial link.")
@@ -94,7 +91,6 @@ def command(
     from navigation.config.several.each_robot import settled
     from navigation.journal.stop_latch import FOLDER
     from navigation.machine.sd_notify import Notifier, watchdog_period_s
-    from navigation.run.fleet.fleet_runner import FleetRunner
     from navigation.run.runner import Runner
     from navigation.shared.whole_file import UnwrittenFileError
 
@@ -103,8 +99,7 @@ def command(
     waits = False
     while loaded is not None:
         loaded = settled(loaded)
-        fleet = len(loaded.robots) > 1
-        runner = (FleetRunner if fleet else Runner)(
+        runner = Runner(
             loaded,
             once=once,
             file=config,
@@ -124,22 +119,15 @@ def command(
         if not no_dashboard:
             runner.desk = _desk(config, reload)
         with signals_heard(runner, reload):
-            done, folder, exit_code = (
-                runner.run_fleet() if isinstance(runner, FleetRunner) else _run_one(runner)
-            )
+            result = runner.run()
         loaded, waits = reload.fresh, reload.reloader.waits
     if report is not None:
         try:
-            done.write(report)
+            result.report.write(report)
         except UnwrittenFileError as error:
             complain(f"clearway: {error}")
-    show(voice, done, str(folder or "nothing: no room"))
-    return exit_code
-
-
-def _run_one(runner: Runner) -> tuple[Report, Path | None, int]:
-    result = runner.run()
-    return result.report, result.folder, result.exit_code
+    show(voice, result.report, str(result.folder or "nothing: no room"))
+    return result.exit_code
 
 
 def load_or_go_back(file: Path, last_good: bool, log: EventLog) -> Config:
@@ -229,7 +217,7 @@ class _Reload:
         self._runner.interrupt.set()
 
 
-def show(voice: Voice, report: Report | FleetReport, kept_in: str) -> None:
+def show(voice: Voice, report: RunReport, kept_in: str) -> None:
     """Print the report as two columns, and where it is kept."""
     width = max(len(label) for label, _ in report.lines())
     voice.tell("")

@@ -84,13 +84,12 @@ def command(
     from navigation.cli.setup.check import load_checked
     from navigation.config.known_robots import CLEARWAY
     from navigation.config.several.each_robot import robots_of, settled
-    from navigation.sweep.fleet_variations import fleet_variation
     from navigation.sweep.runs import COLUMNS, FLEET_COLUMNS, IDLE, Sweep, run_rows
     from navigation.sweep.table import SweepFile, summarise_rows
     from navigation.sweep.variations import variation
 
     loaded = settled(load_checked(config.absolute()))
-    for one in robots_of(loaded):
+    for one in robots_of(loaded).values():
         if one.robot.driver != CLEARWAY:
             raise click.UsageError(
                 f"{config}: robot.driver {one.robot.driver} drives in real time only; "
@@ -99,8 +98,7 @@ def command(
     if not pictures:
         _refuse_what_only_pictures_show(config, loaded)
     several = len(loaded.robots)
-    draw = fleet_variation if several else variation
-    chosen = [draw(loaded, seed, run, spread) for run in range(runs)]
+    chosen = [variation(loaded, seed, run, spread) for run in range(runs)]
     open_executor, count = _executors(loaded, scheduler, workers)
     sweep = Sweep(loaded, chosen, open_executor, count, partial(run_rows, pictures=pictures))
     begin_s = time.monotonic()
@@ -136,15 +134,12 @@ def _executors(
 ) -> tuple[Callable[[], Executor], int]:
     """What makes an executor, and how many workers it has."""
     if scheduler is None:
-        from navigation.run.fleet.fleet_warm_up import warm_up_fleet
         from navigation.run.kernels.warm_up import kernels_are_cold, warm_up
         from navigation.sweep.workers import local_executor
 
         count = workers or os.cpu_count() or 1
         if kernels_are_cold():  # once here, and not in every worker at the same time
             warm_up(config, lambda line: click.echo(line, err=True))
-            if config.robots:
-                warm_up_fleet(config)
         return lambda: local_executor(count), count
     from navigation.sweep.workers import Cluster
 

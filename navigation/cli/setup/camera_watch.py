@@ -14,8 +14,9 @@ from numpy.typing import NDArray
 from navigation.config import Config
 from navigation.config.sections import SIMULATED, CameraSection
 from navigation.machine.camera_findings import Judged
+from navigation.run.calibrations import calibration_of
 from navigation.run.devices.device_settings import device_settings
-from navigation.run.world import World, calibration_of
+from navigation.run.world import World
 from vision.calibration.calibration import Calibration
 from vision.camera.camera import Camera, CameraError, Image
 from vision.camera.capture import StreamCamera

@@ -215,7 +215,7 @@ def _port(config: Config) -> Iterator[Finding]:
     for name, one in each_robot(config).items():
         found += [replace(finding, name=f"{finding.name} {name}") for finding in _one_port(one)]
     yield from found
-    if any(_device_of(one) is not None for one in robots_of(config)):
+    if any(_device_of(one) is not None for one in robots_of(config).values()):
         yield from doctor.check_port_takers(doctor.running_programs())
 
 

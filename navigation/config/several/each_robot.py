@@ -24,9 +24,9 @@ def each_robot(config: Config) -> dict[str, Config]:
     return {entry.name: _alone(config, i, entry) for i, entry in enumerate(config.robots)}
 
 
-def robots_of(config: Config) -> tuple[Config, ...]:
-    """The configuration of each robot that is driven: of the only one itself."""
-    return tuple(each_robot(config).values()) or (config,)
+def robots_of(config: Config) -> dict[str, Config]:
+    """By name the configuration of each robot that is driven; one that is alone has no name."""
+    return each_robot(config) or {"": config}
 
 
 def _alone(config: Config, index: int, entry: RobotEntry) -> Config:

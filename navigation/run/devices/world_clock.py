@@ -71,7 +71,7 @@ def slowness(clock: WorldClock) -> tuple[str, ...]:
 def is_all_simulated(config: Config) -> bool:
     """True if no camera and no robot lives by the wall's clock, as drivers and emulators do."""
     cameras = list(each_camera(config).values()) or [config]
-    return all(map(_is_simulated, robots_of(config))) and all(
+    return all(map(_is_simulated, robots_of(config).values())) and all(
         one.camera.source == SIMULATED for one in cameras
     )
 

@@ -23,6 +23,7 @@ from navigation.mission.cycle import PlanRequest
 from navigation.mission.mission import Station
 from navigation.mission.traffic import Disc
 from navigation.run.kernels.compiling import CompileProgress, compile_parts
+from navigation.run.kernels.plan_together import plan_together
 from planner.delaunay.insertion_kernels import triangulate
 from planner.motion.trajectory import default_limits
 from planner.path import NoPath
@@ -73,6 +74,8 @@ def warm_up(config: Config, say: Callable[[str], None]) -> None:
         say(f"  {progress.done} kernels compiled after {progress.passed_s:.0f} s")
     # loads what has been compiled, and compiles what could not be
     _run_planner(_see(config))
+    if config.robots:
+        plan_together(config)
 
 
 def compile_kernels(config: Config) -> Iterator[CompileProgress]:

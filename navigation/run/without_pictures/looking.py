@@ -15,10 +15,10 @@ import numpy as np
 from navigation.config import Config
 from navigation.config.several.each_camera import each_camera
 from navigation.loop.seeing.vision_stage import EyeParts
+from navigation.run.calibrations import calibration_of
 from navigation.run.without_pictures.sights import Sights, make_sight_camera
 from navigation.run.without_pictures.true_eye import TrueEye, TrueJoinedEye
 from navigation.run.without_pictures.true_tracker import TrueTracker
-from navigation.run.world import calibration_of
 from navigation.simulator.arena import SimulatedArena
 from navigation.simulator.picture.camera import make_camera
 from navigation.simulator.picture.pinhole import pinhole_of

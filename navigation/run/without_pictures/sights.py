@@ -21,7 +21,7 @@ import numpy as np
 
 from navigation.config import Config
 from navigation.simulator.arena import SimulatedArena
-from navigation.simulator.picture.camera import NOISY_PX, SimulatedBody, bodies_of
+from navigation.simulator.picture.camera import NOISY_PX, Driven, SimulatedBody, bodies_of
 from navigation.simulator.picture.pinhole import Pinhole, pinhole_of
 from navigation.simulator.picture.timed_camera import TimedCamera
 from planner.scene import FloatArray, Scene
@@ -177,17 +177,15 @@ def make_sight_camera(
     sights: Sights,
     config: Config,
     arena: SimulatedArena,
-    pose_now: Callable[[], tuple[float, float, float]],
+    driven: Driven,
     clock: Callable[[], float],
     wait: Callable[[float], None],
     others: Sequence[Callable[[], tuple[float, float, float]] | None] = (),
     scenes: Sequence[tuple[float, Scene]] = (),
-    doubles: Sequence[Callable[[], tuple[float, float, float]]] = (),
-    fleet: Sequence[Any] = (),
     _knock: None = None,
 ) -> SightCamera:
     """The camera of a configuration that draws nothing; the arguments as `make_camera`'s."""
-    bodies = bodies_of(config, pose_now, others, doubles, fleet)
+    bodies = bodies_of(config, driven, others)
     over_time = [(-math.inf, arena.scene), *sorted(scenes, key=lambda item: item[0])]
     return SightCamera(sights, pinhole_of(config), over_time, bodies, config, clock, wait)
 

@@ -207,30 +207,30 @@ def _lying_at(marker: FloorMarkerSection) -> PoseNow:
     return lambda: pose
 
 
+Driven: TypeAlias = Sequence[tuple[RobotSection, PoseNow]]
+"""The robots that are driven, and where each is seen."""
+
+
 def make_camera(
     config: Config,
     arena: SimulatedArena,
-    pose_now: PoseNow,
+    driven: Driven,
     clock: Clock,
     wait: Wait = time.sleep,
     others: Sequence[PoseNow | None] = (),
     scenes: Sequence[tuple[float, Scene]] = (),
-    doubles: Sequence[PoseNow] = (),
-    fleet: Sequence[tuple[RobotSection, PoseNow]] = (),
     knock: SimulatedKnockSection | None = None,
 ) -> SimulatedCamera:
     """The simulated camera of a configuration, where a ``knock`` has left it.
 
     ``others`` say where each of ``config.other_robots`` is, None: not there; without them none
     is drawn. ``scenes`` take the arena's place, each from its moment of the clock on.
-    ``doubles`` say where else something looks like the robot. Where several robots are driven
-    ``fleet`` is all of them, in place of the robot.
     Raises ``ValueError`` without a section ``simulation`` and for another number of robots.
     """
     pinhole = pinhole_of(config, knock)
     assert config.simulation is not None
     settings = config.simulation.camera
-    bodies = bodies_of(config, pose_now, others, doubles, fleet)
+    bodies = bodies_of(config, driven, others)
     look = Look(settings.blur_px, settings.noise_grey, settings.light_fall, config.vision.polarity)
     camera = SimulatedCamera(
         pinhole, arena.scene, bodies, look, clock, wait,
@@ -241,23 +241,16 @@ def make_camera(
 
 
 def bodies_of(
-    config: Config,
-    pose_now: PoseNow,
-    others: Sequence[PoseNow | None] = (),
-    doubles: Sequence[PoseNow] = (),
-    fleet: Sequence[tuple[RobotSection, PoseNow]] = (),
+    config: Config, driven: Driven, others: Sequence[PoseNow | None] = ()
 ) -> list[SimulatedBody]:
     """All that stands or lies in the arena with a marker on it; the arguments as `make_camera`'s.
 
     Raises ``ValueError`` for another number of other robots than the configuration's.
     """
     robot = config.robot
-    turn_rad = float(np.deg2rad(robot.marker_turn_deg))
     seen: list[tuple[MarkerSection, PoseNow, float]] = [
-        (one, pose, float(np.deg2rad(one.marker_turn_deg)))
-        for one, pose in fleet or [(robot, pose_now)]
+        (one, pose, float(np.deg2rad(one.marker_turn_deg))) for one, pose in driven
     ]
-    seen += [(robot, pose, turn_rad) for pose in doubles]
     seen += [
         (other, pose, 0.0)
         for other, pose in zip(config.other_robots, others, strict=bool(others))

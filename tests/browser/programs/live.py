@@ -77,8 +77,8 @@ class Live(Served):
 
     def place(self) -> tuple[float, float, float]:
         """Where the robot really is."""
-        assert self.world.truth is not None
-        x, y, heading = self.world.truth.robot.pose()
+        assert self.world.truths[""] is not None
+        x, y, heading = self.world.truths[""].robot.pose()
         return x, y, heading
 
     def is_moving(self) -> bool:

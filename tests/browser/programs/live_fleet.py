@@ -24,9 +24,9 @@ from navigation.loop.daemon_state import RunState
 from navigation.loop.people import People
 from navigation.mission.cycle import PlanAnswer
 from navigation.mission.mission import State, Station
-from navigation.run.fleet.fleet_virtual_world import FleetVirtualWorld
-from navigation.run.fleet.fleet_warm_up import warm_up_fleet
+from navigation.run.kernels.plan_together import plan_together
 from navigation.run.kernels.warm_up import warm_up
+from navigation.run.virtual_world import VirtualWorld
 from tests.browser.programs.live import CONFIGS
 from tests.browser.programs.served import until
 
@@ -102,7 +102,7 @@ class LiveFleet:
 
     def __init__(self, config: Config, desk: Desk | None = None, *, pictures: bool = False) -> None:
         self.config = config
-        self.world = FleetVirtualWorld(config, pictures=pictures)
+        self.world = VirtualWorld(config, pictures=pictures)
         self.daemon = Daemon(config, self.world, first_mission_id=FIRST_MISSION_ID)
         self._turn = threading.Lock()
         self.daemon.people = self.people = _OneAtATime(self.daemon, self._turn)
@@ -120,7 +120,7 @@ class LiveFleet:
 
     def __enter__(self) -> LiveFleet:
         warm_up(self.config, self.said.append)
-        warm_up_fleet(self.config)
+        plan_together(self.config)
         self.daemon.__enter__()
         self._thread.start()
         self._dashboard.__enter__()

@@ -24,7 +24,7 @@ def driving() -> Iterator[tuple[VirtualWorld, Daemon]]:
     with Daemon(config, world, first_mission_id=7) as daemon:
         daemon.people.give(stations_of(config))
         cycle_until(daemon, is_driving)
-        cycle_until(daemon, lambda _: world.loop.drive.moving)
+        cycle_until(daemon, lambda _: world.body.loop.drive.moving)
         yield world, daemon
 
 
@@ -57,11 +57,11 @@ def test_no_report_is_lost_on_a_loop_that_is_late(driving: tuple[VirtualWorld, D
     world, daemon = driving
     wheels, stretch = daemon.robot.witness.wheels, daemon.robot.witness.wheels.stretch
     before_m = wheels.driven_m
-    true_m = world.truth.track()[:, 1:3]
+    true_m = world.truths[""].track()[:, 1:3]
     world.wait(0.4)
     daemon.cycle()
     assert wheels.stretch == stretch, "what the wheels did meanwhile is known"
-    rows = world.truth.track()[len(true_m) - 1 :, 1:3]
+    rows = world.truths[""].track()[len(true_m) - 1 :, 1:3]
     driven_m = float(abs(rows[-1] - rows[0]).max())
     assert wheels.driven_m - before_m == pytest.approx(driven_m, abs=0.015)
 
@@ -70,8 +70,8 @@ def test_a_robot_that_is_carried_while_the_computer_is_late_waits_for_a_person(
     driving: tuple[VirtualWorld, Daemon],
 ) -> None:
     world, daemon = driving
-    pose = world.robot.pose()
-    world.troubles.carried_to = (pose.x_m, pose.y_m + 0.3, pose.heading_rad)
+    pose = world.body.robot.pose()
+    world.body.troubles.carried_to = (pose.x_m, pose.y_m + 0.3, pose.heading_rad)
     world.wait(0.6)
     now = cycle_until(daemon, lambda now: now.mission.state is State.STOPPED, 10.0)
     assert "it was carried or is stuck" in now.sentence
@@ -81,12 +81,12 @@ def test_a_picture_that_freezes_while_the_computer_is_late_moves_nothing_far(
     driving: tuple[VirtualWorld, Daemon],
 ) -> None:
     world, daemon = driving
-    world.troubles.camera_frozen = world.troubles.frozen_noise = True
+    world.cameras[None].camera_frozen = world.cameras[None].frozen_noise = True
     places = []
     for _ in range(60):
         daemon.cycle()
         world.wait(0.4)
-        places.append(world.robot.pose()[:2])
+        places.append(world.body.robot.pose()[:2])
     assert max(abs(x - places[0][0]) + abs(y - places[0][1]) for x, y in places) < 0.15
     assert not is_driving(daemon.cycle().only)
 

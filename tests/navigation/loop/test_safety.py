@@ -20,7 +20,7 @@ from navigation.mission.mission import State
 from navigation.run.virtual_world import VirtualWorld
 from navigation.simulator.line_faults import FaultSpec
 from planner.scene import Scene
-from tests.support.runs.virtual import cycle_until, is_driving, short_config
+from tests.support.runs.virtual import cycle_until, is_driving, set_trouble, short_config
 
 pytestmark = pytest.mark.slow
 
@@ -49,7 +49,7 @@ class Arena:
         return cycle_until(self.daemon, lambda now: now.mission.state is state, seconds)
 
     def stands(self) -> bool:
-        return not self.world.loop.drive.moving
+        return not self.world.body.loop.drive.moving
 
 
 @pytest.fixture(params=[True, False], ids=["drawn", "without_pictures"])
@@ -60,57 +60,57 @@ def arena(request: pytest.FixtureRequest) -> Iterator[Arena]:
     with Daemon(config, world, first_mission_id=7) as daemon:
         daemon.people.give(stations_of(config))
         cycle_until(daemon, is_driving)
-        cycle_until(daemon, lambda _: world.loop.drive.moving)
+        cycle_until(daemon, lambda _: world.body.loop.drive.moving)
         yield Arena(world, daemon)
 
 
 def hide_marker(arena: Arena) -> None:
-    arena.world.troubles.marker_hidden = True
+    arena.world.body.troubles.marker_hidden = True
 
 
 def silence_camera(arena: Arena) -> None:
-    arena.world.troubles.camera_silent = True
+    arena.world.cameras[None].camera_silent = True
 
 
 def freeze_camera(arena: Arena) -> None:
-    arena.world.troubles.camera_frozen = True
+    arena.world.cameras[None].camera_frozen = True
 
 
 def unplug_camera(arena: Arena) -> None:
-    arena.world.troubles.camera_lost = True
+    arena.world.cameras[None].camera_lost = True
 
 
 def cut_cable(arena: Arena) -> None:
-    arena.world.troubles.cable_out = True
+    arena.world.body.troubles.cable_out = True
 
 
 def break_port(arena: Arena) -> None:
-    arena.world.troubles.port_broken = True
+    arena.world.body.troubles.port_broken = True
 
 
 def freeze_robot(arena: Arena) -> None:
-    arena.world.loop.knobs.frozen = True
+    arena.world.body.loop.knobs.frozen = True
 
 
 def carry_outside(arena: Arena) -> None:
-    arena.world.troubles.carried_to = (-0.05, 0.9, 0.0)
+    arena.world.body.troubles.carried_to = (-0.05, 0.9, 0.0)
 
 
 def carry_into_an_obstacle(arena: Arena) -> None:
-    arena.world.troubles.carried_to = (0.42, 1.05, 0.0)
+    arena.world.body.troubles.carried_to = (0.42, 1.05, 0.0)
 
 
 def carry_near_an_obstacle(arena: Arena) -> None:
-    arena.world.troubles.carried_to = (0.225, 1.16, math.pi / 2)
+    arena.world.body.troubles.carried_to = (0.225, 1.16, math.pi / 2)
 
 
 def carry_off_the_path(arena: Arena) -> None:
-    x, y, heading = arena.world.robot.pose()
-    arena.world.troubles.carried_to = (x + 0.07, y, heading)
+    x, y, heading = arena.world.body.robot.pose()
+    arena.world.body.troubles.carried_to = (x + 0.07, y, heading)
 
 
 def press_the_button(arena: Arena) -> None:
-    arena.world.robot.press_estop()
+    arena.world.body.robot.press_estop()
 
 
 def press_pause(arena: Arena) -> None:
@@ -159,10 +159,10 @@ def test_each_broken_rule_stops_the_robot_within_one_cycle_and_says_why(
     if break_it is carry_off_the_path:
         return  # the cause has passed with the old plan: the robot goes on before it stands
     cycle_until(arena.daemon, lambda _: arena.stands(), LEASE_S + 0.1 + BRAKING_S)
-    stood = arena.world.robot.pose()
+    stood = arena.world.body.robot.pose()
     later = cycle_until(arena.daemon, lambda _: arena.world.clock() > broken_s + 3.0)
     assert later.mission.state is state
-    assert math.dist(stood[:2], arena.world.robot.pose()[:2]) < 0.002
+    assert math.dist(stood[:2], arena.world.body.robot.pose()[:2]) < 0.002
 
 
 HEAL = {
@@ -184,10 +184,10 @@ def test_what_passes_by_itself_lets_the_mission_go_on(
     arena.until(State.HOLDING)
     cycle_until(arena.daemon, lambda _: arena.stands())
     for name, value in HEAL[break_it].items():
-        setattr(arena.world.troubles, name, value)
+        set_trouble(arena.world, name, value)
     ended = cycle_until(arena.daemon, lambda now: now.mission.is_over)
     assert ended.mission.state is State.DONE, ended.sentence
-    assert math.dist(arena.world.robot.pose()[:2], (0.20, 1.60)) < 0.01
+    assert math.dist(arena.world.body.robot.pose()[:2], (0.20, 1.60)) < 0.01
 
 
 @pytest.mark.parametrize("break_it", [press_the_button, press_stop])
@@ -228,8 +228,8 @@ def test_a_stop_on_the_robot_is_said_without_a_mission_too_until_it_is_re_armed(
 
 
 def test_a_robot_whose_processor_hangs_is_said_and_goes_on_when_it_is_back(arena: Arena) -> None:
-    since_s = arena.world.clock() - arena.world.truth.began_s
-    arena.world.processor.faults = FaultSpec(freeze_at_s=since_s, freeze_s=1.0)
+    since_s = arena.world.clock() - arena.world.truths[""].began_s
+    arena.world.body.processor.faults = FaultSpec(freeze_at_s=since_s, freeze_s=1.0)
     now = arena.until(State.HOLDING)
     assert "did not report" in now.sentence or "link to the robot is down" in now.sentence
     assert cycle_until(arena.daemon, lambda now: now.mission.is_over).mission.state is State.DONE
@@ -237,9 +237,9 @@ def test_a_robot_whose_processor_hangs_is_said_and_goes_on_when_it_is_back(arena
 
 def test_a_control_loop_that_hangs_stops_the_robot_by_its_lease(arena: Arena) -> None:
     arena.world.wait(LEASE_S + BRAKING_S + DRIVE_LAG_S)
-    before = arena.world.robot.pose()
+    before = arena.world.body.robot.pose()
     arena.world.wait(0.01)
-    assert math.dist(before[:2], arena.world.robot.pose()[:2]) <= 0.01 * 0.01, "creeps at most"
+    assert math.dist(before[:2], arena.world.body.robot.pose()[:2]) <= 0.01 * 0.01, "creeps at most"
     arena.world.wait(2 * DRIVE_LAG_S)
     assert arena.stands()
     assert cycle_until(arena.daemon, lambda now: now.mission.is_over).mission.state is State.DONE
@@ -281,7 +281,7 @@ def test_vision_that_fails_holds_the_robot_and_is_made_anew(
 
 
 def test_a_camera_that_stays_away_is_tried_with_growing_pauses(arena: Arena) -> None:
-    arena.world.troubles.camera_lost = True
+    arena.world.cameras[None].camera_lost = True
     since_s = arena.world.clock()
     cycle_until(arena.daemon, lambda _: arena.world.clock() > since_s + 25.0, 30.0)
     reopened = arena.daemon.camera.status().reopened
@@ -299,7 +299,7 @@ def test_no_scene_ever_holds_the_robot_while_things_break(arena: Arena) -> None:
     hide_marker(arena)
     since_s = arena.world.clock()
     cycle_until(arena.daemon, lambda _: arena.world.clock() > since_s + 1.0, each=keep)
-    arena.world.troubles.marker_hidden = False
+    arena.world.body.troubles.marker_hidden = False
     cycle_until(arena.daemon, lambda now: now.mission.is_over, each=keep)
     assert {len(scene.objects) for scene in scenes} == {7}
-    assert np.isfinite(arena.world.truth.track()).all()
+    assert np.isfinite(arena.world.truths[""].track()).all()

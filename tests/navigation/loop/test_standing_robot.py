@@ -14,11 +14,10 @@ from navigation.loop.daemon import Daemon
 from navigation.loop.daemon_state import DaemonState
 from navigation.loop.stages import stations_of
 from navigation.mission.mission import State
-from navigation.run.fleet.fleet_virtual_run import run_fleet_virtually
-from navigation.run.fleet.fleet_virtual_world import FleetVirtualWorld
+from navigation.run.virtual_run import run_virtually
 from navigation.run.virtual_world import VirtualWorld
 from tests.navigation.run.test_fleet_runs import open_hall
-from tests.support.runs.virtual import cycle_until, is_driving, short_config
+from tests.support.runs.virtual import cycle_until, is_driving, set_trouble, short_config
 
 pytestmark = pytest.mark.slow
 
@@ -35,7 +34,7 @@ def driving_robot(config: Config) -> Iterator[tuple[VirtualWorld, Daemon]]:
     with Daemon(config, world, first_mission_id=7) as daemon:
         daemon.people.give(stations_of(config))
         cycle_until(daemon, is_driving)
-        cycle_until(daemon, lambda _: world.loop.drive.moving)
+        cycle_until(daemon, lambda _: world.body.loop.drive.moving)
         yield world, daemon
 
 
@@ -70,7 +69,7 @@ def test_within_3_s_it_is_said_once_and_the_robot_is_not_said_to_drive_again(
     trouble: str, driving: tuple[VirtualWorld, Daemon]
 ) -> None:
     world, daemon = driving
-    setattr(world.troubles, trouble, True)
+    set_trouble(world, trouble, True)
     found = stretches(said_after(world, daemon, WATCHED_S))
     assert [state for state, *_ in found].count(State.DRIVING) == 1, found
     _, _, driven_s, _ = found[0]
@@ -86,19 +85,19 @@ def test_the_mission_goes_on_once_the_cause_is_gone(
     trouble: str, driving: tuple[VirtualWorld, Daemon]
 ) -> None:
     world, daemon = driving
-    setattr(world.troubles, trouble, True)
+    set_trouble(world, trouble, True)
     said_after(world, daemon, 6.0)
-    setattr(world.troubles, trouble, False)
+    set_trouble(world, trouble, False)
     ended = cycle_until(daemon, lambda now: now.mission.is_over, 60.0)
     assert ended.mission.state is State.DONE, ended.sentence
-    assert math.dist(world.robot.pose()[:2], (0.20, 1.60)) < 0.01
+    assert math.dist(world.body.robot.pose()[:2], (0.20, 1.60)) < 0.01
 
 
 def test_a_robot_that_cannot_turn_on_the_spot_is_tried_again_more_and_more_seldom() -> None:
     ahead = {"start": {"x_m": 0.20, "y_m": 0.20, "heading_deg": 90.0}}
     config = short_config(FAR, robot={"turns_on_spot": False}, simulation=ahead)
     for world, daemon in driving_robot(config):
-        world.troubles.motors_dead = True
+        world.body.troubles.motors_dead = True
         found = stretches(said_after(world, daemon, WATCHED_S))
         drives = [to_s - from_s for state, from_s, to_s, _ in found if state is State.DRIVING]
         assert max(drives) < SAID_WITHIN_S
@@ -125,21 +124,21 @@ def test_a_robot_that_stays_at_a_station_as_ordered_is_not_taken_for_motionless(
         assert holds == []
 
 
-def dead_motors(world: FleetVirtualWorld) -> None:
+def dead_motors(world: VirtualWorld) -> None:
     world.bodies["a"].troubles.motors_dead = True
 
 
-def cut_wire(world: FleetVirtualWorld) -> None:
+def cut_wire(world: VirtualWorld) -> None:
     world.bodies["a"].troubles.wire_to_robot_cut = True
 
 
 @pytest.mark.parametrize(("break_it", "words"), [(dead_motors, MOTIONLESS), (cut_wire, DEAF)])
 def test_of_several_robots_each_says_so_for_itself(
-    break_it: Callable[[FleetVirtualWorld], None], words: str
+    break_it: Callable[[VirtualWorld], None], words: str
 ) -> None:
     rows: list[tuple[float, State, str]] = []
 
-    def meet(world: FleetVirtualWorld, since_s: float) -> None:
+    def meet(world: VirtualWorld, since_s: float) -> None:
         if since_s > 3.0:
             break_it(world)
 
@@ -148,9 +147,7 @@ def test_of_several_robots_each_says_so_for_itself(
         rows.append((now.time_s, one.mission.state, one.mission.reason))
         return bool(now.time_s > 12.0)
 
-    run_fleet_virtually(
-        open_hall("a", "b", time_limit_s=20.0), meet=meet, look=look, pictures=False
-    )
+    run_virtually(open_hall("a", "b", time_limit_s=20.0), meet=meet, look=look, pictures=False)
     after = [row for row in rows if row[0] > 3.0 + SAID_WITHIN_S]
     assert after
     assert all(state is not State.DRIVING for _, state, _ in after)

@@ -13,6 +13,7 @@ from typing import Any
 import pytest
 
 from navigation.link.serial_link import LinkSnapshot, LinkState
+from navigation.loop.daemon_state import RunState
 from navigation.loop.recorder import RecordingCounts
 from navigation.machine import logs
 from navigation.machine.logs import EventLog, RunLog
@@ -247,7 +248,7 @@ def test_a_trouble_is_said_once_and_so_is_its_end() -> None:
     troubled: Any = replace(DRIVING, troubles=("the journal: no room",))
     well: Any = DRIVING
     for now in (well, troubled, troubled, troubled, well, well):
-        attendance.cycle({"": now}, now.troubles, 0.0)
+        attendance.cycle(RunState(0.0, {"": now}), 0.0)
     assert [e for e in events_of(stream) if e[1] == "trouble"] == [
         ("error", "trouble"),
         ("info", "trouble"),
@@ -262,15 +263,15 @@ def test_a_recording_that_drops_and_one_that_ends_are_told_once() -> None:
     recording = Recording(RecordingCounts())
     attendance, stream, said = attendance_of(recording)
     now: Any = DRIVING
-    attendance.cycle({"": now}, now.troubles, 0.0)
+    attendance.cycle(RunState(0.0, {"": now}), 0.0)
     events_of(stream)
     for dropped in (1, 2):
         recording.now = RecordingCounts(dropped=dropped)
-        attendance.cycle({"": now}, now.troubles, 0.1)
+        attendance.cycle(RunState(0.0, {"": now}), 0.1)
     assert events_of(stream) == [("warning", "recording")]
     recording.now = RecordingCounts(dropped=2, failed="the disk is full")
-    attendance.cycle({"": now}, now.troubles, 0.2)
-    attendance.cycle({"": now}, now.troubles, 0.3)
+    attendance.cycle(RunState(0.0, {"": now}), 0.2)
+    attendance.cycle(RunState(0.0, {"": now}), 0.3)
     assert events_of(stream) == [("error", "recording")]
     assert said[-1] == "recording: ended early: the disk is full"
     assert len(said) == 2
@@ -281,16 +282,16 @@ def test_a_recorder_that_hangs_or_dies_is_told_once_each_time() -> None:
     attendance, _, said = attendance_of(recording)
     now: Any = DRIVING
     for tenth in range(100):
-        attendance.cycle({"": now}, now.troubles, 0.1 * tenth)
+        attendance.cycle(RunState(0.0, {"": now}), 0.1 * tenth)
     assert said == ["recording: hangs: nothing written for 3 s, 7 wait"]
     recording.turns += 1
-    attendance.cycle({"": now}, now.troubles, 10.0)
+    attendance.cycle(RunState(0.0, {"": now}), 10.0)
     assert len(said) == 1, "it gets on again"
-    attendance.cycle({"": now}, now.troubles, 14.0)
+    attendance.cycle(RunState(0.0, {"": now}), 14.0)
     assert len(said) == 2
     recording.alive = False
-    attendance.cycle({"": now}, now.troubles, 14.1)
-    attendance.cycle({"": now}, now.troubles, 14.2)
+    attendance.cycle(RunState(0.0, {"": now}), 14.1)
+    attendance.cycle(RunState(0.0, {"": now}), 14.2)
     assert said[2:] == ["recording: ended early: its thread has died"]
 
 

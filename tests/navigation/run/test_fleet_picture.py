@@ -11,10 +11,10 @@ from navigation.draw import DrawError
 from navigation.draw.shapes import ROBOTS
 from navigation.loop.daemon import Daemon
 from navigation.loop.daemon_state import RunState
-from navigation.run.fleet.fleet_picture import write_picture
-from navigation.run.fleet.fleet_report import summarise_fleet
-from navigation.run.fleet.fleet_runner import FleetRunner
-from navigation.run.fleet.fleet_virtual_run import run_fleet_virtually
+from navigation.run.run_folder import write_picture
+from navigation.run.run_report import summarise_run
+from navigation.run.runner import Runner
+from navigation.run.virtual_run import run_virtually
 
 CONFIGS = Path(__file__).parents[3] / "configs"
 ALCOVE = load_config(CONFIGS / "alcove.yaml", {})
@@ -30,7 +30,7 @@ def test_each_robot_has_its_track_in_its_own_colour_and_the_length_that_it_drove
         if now.time_s < SECONDS:
             return False
         truths = daemon.world.truths
-        report = summarise_fleet(daemon, now.state, now.sentence, now.time_s)
+        report = summarise_run(daemon, now.state, now.sentence, now.time_s)
         write_picture(file, daemon, report)
         with pytest.raises(DrawError, match="cannot be written"):
             write_picture(tmp_path / "no" / "track.svg", daemon, report)
@@ -39,7 +39,7 @@ def test_each_robot_has_its_track_in_its_own_colour_and_the_length_that_it_drove
             driven_m[name] = float(np.hypot(*steps.T).sum())
         return True
 
-    run_fleet_virtually(ALCOVE, look=look)
+    run_virtually(ALCOVE, look=look)
     picture = file.read_text()
     for number, (name, length_m) in enumerate(driven_m.items()):
         assert length_m > 0.2
@@ -57,8 +57,9 @@ def test_a_run_leaves_it_beside_its_report(tmp_path: Path) -> None:
     recording = ALCOVE.recording.model_copy(update={"runs_dir": tmp_path, "journal": None})
     config = ALCOVE.model_copy(update={"simulation": simulation, "recording": recording})
     socket = tmp_path / "socket"
-    runner = FleetRunner(config, once=True, say=lambda _: None, socket=socket, dashboard=False)
-    report, folder, _ = runner.run_fleet()
+    runner = Runner(config, once=True, say=lambda _: None, socket=socket, dashboard=False)
+    result = runner.run()
+    report, folder = result.report, result.folder
     assert report.state == "failed", "there was no time to arrive"
     assert folder is not None
     assert {"report.json", "track.svg"} <= {file.name for file in folder.iterdir()}

@@ -13,9 +13,8 @@ from navigation.loop.daemon_state import RunState
 from navigation.loop.people import People
 from navigation.mission.mission import State as MissionState
 from navigation.mission.mission import Station
-from navigation.run.fleet.fleet_virtual_run import run_fleet_virtually
-from navigation.run.fleet.fleet_virtual_world import FleetVirtualWorld
-from navigation.run.virtual_world import VirtualTimes
+from navigation.run.virtual_run import run_virtually
+from navigation.run.virtual_world import VirtualTimes, VirtualWorld
 
 CONFIGS = Path(__file__).parents[3] / "configs"
 ALCOVE = load_config(CONFIGS / "alcove.yaml", {})
@@ -45,7 +44,7 @@ def open_hall(*names: str, **simulation: object) -> Config:
 
 def test_two_robots_meet_in_a_corridor_and_one_gives_way_in_the_niche() -> None:
     """With pictures: that each robot's marker is told from the other's, side by side."""
-    report = run_fleet_virtually(ALCOVE)
+    report = run_virtually(ALCOVE)
     assert report.state == "done"
     assert {one.state for one in report.robots.values()} == {"done"}
     assert report.least_gap_m is not None
@@ -56,12 +55,10 @@ def test_two_robots_meet_in_a_corridor_and_one_gives_way_in_the_niche() -> None:
 
 
 def test_a_robot_that_dies_is_driven_around() -> None:
-    def meet(world: FleetVirtualWorld, since_s: float) -> None:
+    def meet(world: VirtualWorld, since_s: float) -> None:
         world.bodies["c"].off = since_s > 3.5
 
-    report = run_fleet_virtually(
-        open_hall("a", "b", "c", time_limit_s=80.0), meet=meet, pictures=False
-    )
+    report = run_virtually(open_hall("a", "b", "c", time_limit_s=80.0), meet=meet, pictures=False)
     assert (report.robots["a"].state, report.robots["b"].state) == ("done", "done")
     assert report.robots["c"].state == "failed"
     assert report.least_gap_m is not None
@@ -72,12 +69,10 @@ def test_a_robot_that_dies_is_driven_around() -> None:
 def test_a_robot_that_runs_away_touches_nobody(since_s: float) -> None:
     """From 3.4, 2.1 and 1.5 s before it would hit one that stands, or drives as promised."""
 
-    def meet(world: FleetVirtualWorld, now_s: float) -> None:
+    def meet(world: VirtualWorld, now_s: float) -> None:
         world.bodies["c"].frozen = now_s > since_s
 
-    report = run_fleet_virtually(
-        open_hall("a", "b", "c", time_limit_s=80.0), meet=meet, pictures=False
-    )
+    report = run_virtually(open_hall("a", "b", "c", time_limit_s=80.0), meet=meet, pictures=False)
     assert (report.robots["a"].state, report.robots["b"].state) == ("done", "done")
     assert report.robots["c"].state in ("stopped", "failed")
     assert report.least_gap_m is not None
@@ -99,14 +94,14 @@ def once(at_s: float, order: Callable[[People], None]) -> Callable[[Daemon, RunS
 
 def test_stop_stops_all() -> None:
     look = once(2.5, lambda people: people.stop("everybody stops"))
-    report = run_fleet_virtually(open_hall("a", "b", time_limit_s=10.0), look=look, pictures=False)
+    report = run_virtually(open_hall("a", "b", time_limit_s=10.0), look=look, pictures=False)
     assert {one.state for one in report.robots.values()} == {"stopped"}
     assert all("everybody stops" in one.reason for one in report.robots.values())
 
 
 def test_one_that_is_stopped_alone_is_driven_around_by_the_other() -> None:
     look = once(2.5, lambda people: people.stop("just this one", "b"))
-    report = run_fleet_virtually(open_hall("a", "b", time_limit_s=60.0), look=look, pictures=False)
+    report = run_virtually(open_hall("a", "b", time_limit_s=60.0), look=look, pictures=False)
     assert (report.robots["a"].state, report.robots["b"].state) == ("done", "stopped")
     assert report.least_gap_m is not None
     assert report.least_gap_m > 0.0
@@ -114,7 +109,7 @@ def test_one_that_is_stopped_alone_is_driven_around_by_the_other() -> None:
 
 def test_a_new_goal_while_another_drives_brings_both_to_their_goals() -> None:
     look = once(3.0, lambda people: people.give((Station(0.3, 1.5), Station(0.6, 0.3)), "b"))
-    report = run_fleet_virtually(open_hall("a", "b", time_limit_s=80.0), look=look, pictures=False)
+    report = run_virtually(open_hall("a", "b", time_limit_s=80.0), look=look, pictures=False)
     assert report.state == "done"
     assert report.robots["b"].stations_visited == 2
     assert report.least_gap_m is not None
@@ -122,10 +117,10 @@ def test_a_new_goal_while_another_drives_brings_both_to_their_goals() -> None:
 
 
 def test_a_hidden_marker_keeps_its_place_and_its_robot_drives_on_when_it_is_seen() -> None:
-    def meet(world: FleetVirtualWorld, since_s: float) -> None:
+    def meet(world: VirtualWorld, since_s: float) -> None:
         world.bodies["b"].troubles.marker_hidden = 3.0 < since_s < 7.0
 
-    report = run_fleet_virtually(open_hall("a", "b", time_limit_s=80.0), meet=meet, pictures=False)
+    report = run_virtually(open_hall("a", "b", time_limit_s=80.0), meet=meet, pictures=False)
     assert report.state == "done"
     assert report.least_gap_m is not None
     assert report.least_gap_m > 0.0
@@ -135,7 +130,7 @@ def test_tasks_are_given_once_all_are_seen_and_driven_to_the_end() -> None:
     config = open_hall("a", "b", time_limit_s=60.0)
     tasks = [one.stations[0].model_copy(update={"y_m": 0.6}) for one in config.mission.robots]
     mission = config.mission.model_copy(update={"robots": ()})
-    report = run_fleet_virtually(
+    report = run_virtually(
         config.model_copy(update={"mission": mission, "tasks": tasks}), pictures=False
     )
     assert report.state == "done"
@@ -144,7 +139,7 @@ def test_tasks_are_given_once_all_are_seen_and_driven_to_the_end() -> None:
 
 def test_two_runs_are_the_same() -> None:
     config = open_hall("a", "b", time_limit_s=4.0)
-    first, second = (run_fleet_virtually(config, pictures=False) for _ in range(2))
+    first, second = (run_virtually(config, pictures=False) for _ in range(2))
     assert first.as_json() == second.as_json()
 
 
@@ -152,15 +147,15 @@ def test_a_computer_that_is_too_slow_for_any_plan_makes_no_other_run(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
     config = open_hall("a", "b", time_limit_s=4.0)
-    first = run_fleet_virtually(config, pictures=False)
+    first = run_virtually(config, pictures=False)
     busy = SimpleNamespace(monotonic=count(0.0, 10.0).__next__)
     monkeypatch.setattr("planner.shared.search_clock.time", busy)
-    assert run_fleet_virtually(config, pictures=False).as_json() == first.as_json()
+    assert run_virtually(config, pictures=False).as_json() == first.as_json()
 
 
 def test_a_search_in_virtual_time_ends_at_its_limit_of_work_and_says_so() -> None:
     config = open_hall("a", "b", time_limit_s=4.0)
-    report = run_fleet_virtually(config, VirtualTimes(search_s=4.0), pictures=False)
+    report = run_virtually(config, VirtualTimes(search_s=4.0), pictures=False)
     assert "no plan was found within 3 s" in report.reason
 
 
@@ -189,7 +184,7 @@ def test_a_knocked_camera_holds_all_robots_until_it_is_back() -> None:
             assert states == {MissionState.HOLDING}
         return now.time_s > 15.0
 
-    report = run_fleet_virtually(config, look=look)
+    report = run_virtually(config, look=look)
     assert held
     assert all(each == {True} for each in held)
     assert report.least_gap_m is not None

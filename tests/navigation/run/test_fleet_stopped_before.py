@@ -12,8 +12,8 @@ from navigation.journal.kept_stops import KeptStops
 from navigation.journal.stop_latch import Latch, write_latch
 from navigation.loop.daemon import Daemon
 from navigation.mission.mission import State
-from navigation.run.fleet.fleet_virtual_world import FleetVirtualWorld
-from navigation.run.fleet.give_missions import GiveMissions
+from navigation.run.give_missions import GiveMissions
+from navigation.run.virtual_world import VirtualWorld
 from tests.navigation.loop.test_fleet_kill import STARTS, hall
 
 LOOKED_AT_S = 12.0
@@ -26,7 +26,7 @@ class Run:
 
     def __init__(self, folder: Path) -> None:
         config = hall(folder / "journal", "ab")
-        self.world = FleetVirtualWorld(config, pictures=False)
+        self.world = VirtualWorld(config, pictures=False)
         self.daemon = Daemon(config, self.world, first_mission_id=1)
         self.daemon.__enter__()
         seats = self.daemon.robots

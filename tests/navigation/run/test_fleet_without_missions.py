@@ -7,7 +7,7 @@ from navigation.config import Config, load_config
 from navigation.loop.daemon import Daemon
 from navigation.loop.daemon_state import RunState
 from navigation.mission.mission import State
-from navigation.run.fleet.fleet_virtual_run import run_fleet_virtually
+from navigation.run.virtual_run import run_virtually
 from tests.support.runs.fleet_kills import drive_fleet_under_fire
 
 CONFIGS = Path(__file__).parents[3] / "configs"
@@ -43,7 +43,7 @@ def test_one_that_stands_in_the_corridor_steps_into_the_niche_and_comes_back() -
         ended_m = ended_m if pose is None else (pose.x, pose.y)
         return False
 
-    report = run_fleet_virtually(config, look=look, pictures=False)
+    report = run_virtually(config, look=look, pictures=False)
     assert report.robots["left"].state == "done"
     assert report.robots["right"].state == "done"
     assert highest_m > 1.05  # in the niche
@@ -78,7 +78,7 @@ def test_one_that_has_finished_its_mission_and_steps_aside_keeps_it() -> None:
             highest_m = max(highest_m, 0.0 if pose is None else pose.y)
         return False
 
-    report = run_fleet_virtually(changed(ALCOVE, mission=TOURS), look=look, pictures=False)
+    report = run_virtually(changed(ALCOVE, mission=TOURS), look=look, pictures=False)
     assert highest_m > 1.05  # it has been in the niche
     for one in report.robots.values():
         assert (one.state, one.stations, one.stations_visited) == ("done", 2, 2)
@@ -131,5 +131,5 @@ def test_tasks_go_where_the_drive_is_short_not_where_the_air_is() -> None:
         given.update({n: len(s.pilot.mission.stations) for n, s in daemon.robots.items()})
         return any(given.values())
 
-    run_fleet_virtually(config, look=look, pictures=False)
+    run_virtually(config, look=look, pictures=False)
     assert given == {"left": 1, "right": 0}

@@ -47,7 +47,7 @@ class Stage:
     _last: tuple[float, float] | None = None
 
     def watch(self, now: DaemonState) -> None:
-        here = self.world.robot.pose()[:2]
+        here = self.world.body.robot.pose()[:2]
         self.driven_m += math.dist(here, self._last or here)
         self._last = here
         if now.sentence not in self.said[-1:]:
@@ -72,7 +72,7 @@ class Stage:
 
     def clearance_m(self) -> float:
         """The least true clearance of the whole track, above the radius."""
-        truth = self.world.truth
+        truth = self.world.truths[""]
         return truth.track_clearance(truth.track()) - RADIUS_M
 
 
@@ -86,35 +86,35 @@ def stage(request: pytest.FixtureRequest) -> Iterator[Stage]:
 
 
 def freeze_with_a_clock(stage: Stage) -> None:
-    stage.world.troubles.camera_frozen = stage.world.troubles.clock_in_the_corner = True
+    stage.world.cameras[None].camera_frozen = stage.world.cameras[None].clock_in_the_corner = True
 
 
 def freeze_with_noise(stage: Stage) -> None:
-    stage.world.troubles.camera_frozen = stage.world.troubles.frozen_noise = True
+    stage.world.cameras[None].camera_frozen = stage.world.cameras[None].frozen_noise = True
 
 
 def play_a_loop(stage: Stage) -> None:
-    stage.world.troubles.looping = True
+    stage.world.cameras[None].looping = True
 
 
 def show_another_robot(stage: Stage) -> None:
-    stage.world.troubles.marker_at = (1.2, 0.5, 0.3)
+    stage.world.body.troubles.marker_at = (1.2, 0.5, 0.3)
 
 
 def lay_a_second_marker(stage: Stage) -> None:
-    stage.world.troubles.double_at = (1.2, 0.5, 0.3)
+    stage.world.body.troubles.double_at = (1.2, 0.5, 0.3)
 
 
 def turn_the_marker(stage: Stage) -> None:
-    stage.world.troubles.marker_turned = True
+    stage.world.body.troubles.marker_turned = True
 
 
 def shift_the_marker(stage: Stage) -> None:
-    stage.world.troubles.marker_shift_m = (0.5, 0.0)
+    stage.world.body.troubles.marker_shift_m = (0.5, 0.0)
 
 
 def hold_the_robot(stage: Stage) -> None:
-    stage.world.troubles.stuck = True
+    stage.world.body.troubles.stuck = True
 
 
 LIES: list[tuple[Callable[[Stage], None], float, str]] = [
@@ -154,7 +154,7 @@ def test_a_marker_that_drifts_is_found_before_it_leads_the_robot_into_anything(
 
     def drift(now: DaemonState) -> None:
         shift_m = min(0.3, 0.03 * (stage.world.clock() - since_s))
-        stage.world.troubles.marker_shift_m = (shift_m, 0.0)
+        stage.world.body.troubles.marker_shift_m = (shift_m, 0.0)
         stage.watch(now)
 
     ended = cycle_until(stage.daemon, lambda now: now.mission.state is State.STOPPED, 30.0, drift)
@@ -165,17 +165,17 @@ def test_a_marker_that_drifts_is_found_before_it_leads_the_robot_into_anything(
 
 def test_a_robot_that_was_knocked_proves_itself_and_goes_on(stage: Stage) -> None:
     stage.set_off()
-    x, y, heading = stage.world.robot.pose()
-    stage.world.troubles.carried_to = (x + 0.06, y, heading)
+    x, y, heading = stage.world.body.robot.pose()
+    stage.world.body.troubles.carried_to = (x + 0.06, y, heading)
     ended = stage.until(State.DONE, State.FAILED, State.STOPPED)
     assert ended.mission.state is State.DONE, ended.sentence
     assert any(said.endswith("the robot turns a little to prove itself") for said in stage.said)
-    assert math.dist(stage.world.robot.pose()[:2], GOAL) < 0.01
+    assert math.dist(stage.world.body.robot.pose()[:2], GOAL) < 0.01
 
 
 def test_a_robot_that_was_carried_needs_a_person_who_looks(stage: Stage) -> None:
     stage.set_off()
-    stage.world.troubles.carried_to = (0.2, 0.75, 1.0)
+    stage.world.body.troubles.carried_to = (0.2, 0.75, 1.0)
     ended = stage.until(State.STOPPED)
     assert "it was carried or is stuck" in ended.sentence
     stage.rest()
@@ -189,10 +189,10 @@ def test_a_robot_that_was_carried_needs_a_person_who_looks(stage: Stage) -> None
 def test_what_a_robot_was_carried_over_does_not_count_as_driven(stage: Stage) -> None:
     """Over an obstacle, in steps that the camera sees, and set down behind it."""
     stage.set_off()
-    x, y, _ = stage.world.robot.pose()
+    x, y, _ = stage.world.body.robot.pose()
     for share in np.linspace(0.0, 1.0, 60):
         place = (x + share * (BEHIND[0] - x), y + share * (BEHIND[1] - y), 1.0)
-        stage.world.troubles.carried_to = place
+        stage.world.body.troubles.carried_to = place
         stage.daemon.cycle()
     stage.until(State.STOPPED)
     for _ in range(2):
@@ -200,26 +200,26 @@ def test_what_a_robot_was_carried_over_does_not_count_as_driven(stage: Stage) ->
         stage.daemon.people.resume()
     ended = stage.until(State.DONE, State.FAILED, State.STOPPED)
     assert ended.mission.state is State.DONE, ended.sentence
-    assert stage.world.truth.arena.track_clearance([(x, y), BEHIND])[0] < 0.0
+    assert stage.world.truths[""].arena.track_clearance([(x, y), BEHIND])[0] < 0.0
     rows = stage.daemon.robot.sightings.rows()
     pieces = driven_pieces(rows, 0.3)
     assert len(pieces) == 2
     for piece in pieces:
-        assert stage.world.truth.arena.track_clearance(piece[:, 1:3])[0] > RADIUS_M
+        assert stage.world.truths[""].arena.track_clearance(piece[:, 1:3])[0] > RADIUS_M
     length_m = sum(arc_lengths(piece[:, 1:3])[-1] for piece in pieces)
     assert arc_lengths(rows[:, 1:3])[-1] - length_m > 0.8 * math.dist((x, y), BEHIND)
 
 
 def test_a_robot_that_was_hidden_proves_itself_slowly_before_it_drives_on(stage: Stage) -> None:
     stage.set_off()
-    stage.world.troubles.marker_hidden = True
+    stage.world.body.troubles.marker_hidden = True
     stage.until(State.HOLDING)
     stage.rest()
-    stage.world.troubles.marker_hidden = False
+    stage.world.body.troubles.marker_hidden = False
     stage.until(State.PROVING)
-    stood = stage.world.robot.pose()[:2]
+    stood = stage.world.body.robot.pose()[:2]
     stage.until(State.DRIVING)
-    assert math.dist(stood, stage.world.robot.pose()[:2]) < 0.01, "it turned on the spot"
+    assert math.dist(stood, stage.world.body.robot.pose()[:2]) < 0.01, "it turned on the spot"
     assert stage.daemon.robot.pilot.trust.level is Level.PROBATION
     assert stage.daemon.robot.pilot.plan.targets[0].speed_m_s <= 0.08
     ended = stage.until(State.DONE, State.FAILED, State.STOPPED)
@@ -233,14 +233,14 @@ def test_a_robot_that_was_hidden_proves_itself_slowly_before_it_drives_on(stage:
     indirect=["stage"],
 )
 def test_a_late_stream_is_measured_and_driven_with(stage: Stage, latency_s: float) -> None:
-    stage.world.troubles.stream_latency_s = latency_s
+    stage.world.cameras[None].stream_latency_s = latency_s
     stage.daemon.people.give(stations_of(stage.daemon.config))
     ended = stage.until(State.DONE, State.FAILED, State.STOPPED)
     assert ended.mission.state is State.DONE, ended.sentence
     found_s = stage.daemon.robot.witness.evidence().latency_s
     assert found_s == pytest.approx(latency_s, abs=0.03)
     assert stage.clearance_m() > 0.02
-    assert math.dist(stage.world.robot.pose()[:2], GOAL) < 0.01
+    assert math.dist(stage.world.body.robot.pose()[:2], GOAL) < 0.01
 
 
 @pytest.mark.parametrize(
@@ -250,7 +250,7 @@ def test_a_late_stream_is_measured_and_driven_with(stage: Stage, latency_s: floa
     indirect=["stage"],
 )
 def test_a_stream_that_is_too_late_is_not_driven_with(stage: Stage, latency_s: float) -> None:
-    stage.world.troubles.stream_latency_s = latency_s
+    stage.world.cameras[None].stream_latency_s = latency_s
     stage.daemon.people.give(stations_of(stage.daemon.config))
     ended = stage.until(State.FAILED, State.STOPPED, seconds=90.0)
     stage.rest()
@@ -263,7 +263,7 @@ def test_a_stream_that_is_too_late_is_not_driven_with(stage: Stage, latency_s: f
 
 def test_a_stream_that_becomes_late_is_held_for_and_driven_with_more_slowly(stage: Stage) -> None:
     stage.set_off(14)
-    stage.world.troubles.stream_latency_s = 0.22
+    stage.world.cameras[None].stream_latency_s = 0.22
     ended = stage.until(State.DONE, State.FAILED, State.STOPPED)
     assert ended.mission.state is State.DONE, ended.sentence
     assert stage.daemon.robot.pilot.plan.speed_m_s < 0.27
@@ -273,7 +273,7 @@ def test_a_stream_that_becomes_late_is_held_for_and_driven_with_more_slowly(stag
 def test_a_latency_that_is_measured_just_as_its_guess_parts_stops_nobody(stage: Stage) -> None:
     """Measured while the robot drives: its plan stays if it is hardly faster than is allowed."""
     stage.set_off(20)
-    stage.world.troubles.stream_latency_s = 0.22
+    stage.world.cameras[None].stream_latency_s = 0.22
     ended = stage.until(State.DONE, State.FAILED, State.STOPPED)
     assert ended.mission.state is State.DONE, ended.sentence
     pilot, evidence = stage.daemon.robot.pilot, stage.daemon.robot.witness.evidence()
@@ -284,7 +284,7 @@ def test_a_latency_that_is_measured_just_as_its_guess_parts_stops_nobody(stage: 
 
 
 def test_a_stamp_in_the_future_counts_as_now(stage: Stage) -> None:
-    stage.world.troubles.future_s = 3600.0
+    stage.world.cameras[None].future_s = 3600.0
     stage.daemon.people.give(stations_of(stage.daemon.config))
     ended = stage.until(State.DONE, State.FAILED, State.STOPPED)
     assert ended.mission.state is State.DONE, ended.sentence
@@ -303,15 +303,15 @@ def test_pushed_back_time_and_again_the_mission_is_given_up() -> None:
     with Daemon(config, world, first_mission_id=7) as daemon:
         daemon.people.give(stations_of(config))
         cycle_until(daemon, is_driving)
-        x0, y0, _ = world.robot.pose()
+        x0, y0, _ = world.body.robot.pose()
         pushes = 0
 
         def push(now: DaemonState) -> None:
             nonlocal pushes
-            x, y, heading = world.robot.pose()
+            x, y, heading = world.body.robot.pose()
             if now.mission.state is State.DRIVING and math.dist((x, y), (x0, y0)) > 0.05:
                 pushes += 1
-                world.troubles.carried_to = (x0, y0, heading)
+                world.body.troubles.carried_to = (x0, y0, heading)
                 daemon.robot.pilot.trust.vouch()  # who pushes it also says that all is well
 
         ended = cycle_until(daemon, lambda now: now.mission.is_over, 100.0, push)

@@ -10,20 +10,19 @@ from navigation.journal.journal import Journal, owner_of
 from navigation.journal.kept_stops import KeptStops
 from navigation.loop.daemon import Daemon
 from navigation.mission.mission import Mission, State
-from navigation.run.runner import Runner
+from navigation.run.give_missions import GiveMissions
 from navigation.run.virtual_world import VirtualWorld
 from tests.support.runs.virtual import cycle_until, is_driving, short_config
 
 GOAL = [{"x_m": 0.9, "y_m": 0.3}]
 
 
-def begin(daemon: Daemon, folder: Path, journal: Journal | None = None, **other: object) -> None:
+def begin(daemon: Daemon, folder: Path, **other: object) -> None:
     """What the runner does, in virtual time."""
     given: dict[str, object] = {"socket": folder / "c.sock", "configuration": folder / "a.yaml"}
     stops = KeptStops(folder / "stops", ports={"": ("/dev/ttyA",)}, **(given | other))  # type: ignore[arg-type]
     daemon.stopping.hold_from_before([daemon.robot], stops)
-    runner = Runner(daemon.config, once=False, say=print, dashboard=False)
-    runner._begin_mission(daemon, journal)
+    GiveMissions(daemon, print)
 
 
 @pytest.mark.parametrize("power_cut", [False, True], ids=["robot runs on", "robot lost power too"])
@@ -40,24 +39,24 @@ def test_a_stop_is_in_force_after_a_kill_and_a_restart(
     assert first.people.stop("a person") is None
     # killed here: not one cycle more
     if power_cut:
-        world.robot.switch_off_and_on()
+        world.body.robot.switch_off_and_on()
     world.wait(2.0)
     other = {name: tmp_path / "other" for name in ("socket", "configuration") if name != again}
     second = Daemon(config, world, first_mission_id=1000)
     second.__enter__()
     begin(second, tmp_path, **other)
-    was = world.truth.track()[-1][1:3]
+    was = world.truths[""].track()[-1][1:3]
     end_s = world.clock() + 8.0
     while world.clock() < end_s:
         now = second.cycle().only
         assert now.mission.state is State.STOPPED
     assert "a person" in now.sentence
-    assert abs(world.truth.track()[-1][1:3] - was).max() < 1e-3
+    assert abs(world.truths[""].track()[-1][1:3] - was).max() < 1e-3
     second.people.resume()
     for _ in range(50):
         now = second.cycle().only
     assert now.mission.state is State.IDLE
-    assert abs(world.truth.track()[-1][1:3] - was).max() < 1e-3
+    assert abs(world.truths[""].track()[-1][1:3] - was).max() < 1e-3
     second.people.resume()
     cycle_until(second, is_driving)
     third = Daemon(config, VirtualWorld(config, pictures=False), first_mission_id=2000)
@@ -73,7 +72,7 @@ def test_a_robot_that_was_rearmed_waits_in_the_next_run_too_for_the_word_to_go_o
     with Journal(tmp_path / "journal", owner) as journal:
         first = Daemon(config, world, first_mission_id=1, journals={"": journal})
         first.__enter__()
-        begin(first, tmp_path, journal)
+        begin(first, tmp_path)
         cycle_until(first, is_driving)
         assert first.people.stop("a person") is None
         cycle_until(first, lambda now: now.mission.state is State.STOPPED)
@@ -81,17 +80,17 @@ def test_a_robot_that_was_rearmed_waits_in_the_next_run_too_for_the_word_to_go_o
         for _ in range(50):
             first.cycle()
     # killed here
-    world.robot.switch_off_and_on()
+    world.body.robot.switch_off_and_on()
     world.wait(2.0)
     with Journal(tmp_path / "journal", owner) as journal:
         second = Daemon(config, world, first_mission_id=1000, journals={"": journal})
         second.__enter__()
-        begin(second, tmp_path, journal)
-        was = world.truth.track()[-1][1:3]
+        begin(second, tmp_path)
+        was = world.truths[""].track()[-1][1:3]
         end_s = world.clock() + 8.0
         while world.clock() < end_s:
             second.cycle()
-        assert abs(world.truth.track()[-1][1:3] - was).max() < 1e-3
+        assert abs(world.truths[""].track()[-1][1:3] - was).max() < 1e-3
         second.people.resume()
         cycle_until(second, is_driving)
 

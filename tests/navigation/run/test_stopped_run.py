@@ -12,7 +12,6 @@ import pytest
 from navigation.config import load_config
 from navigation.control import send_order
 from navigation.machine.logs import EventLog
-from navigation.run.fleet.fleet_runner import FleetRunner
 from navigation.run.runner import Runner
 from tests.support.waiting import wait_until
 
@@ -20,13 +19,9 @@ CONFIGS = Path(__file__).parents[3] / "configs"
 
 
 @pytest.mark.parametrize(
-    ("name", "kind"),
-    [("simulation.yaml", Runner), ("alcove.yaml", FleetRunner)],
-    ids=["one robot", "several robots"],
+    "name", ["simulation.yaml", "alcove.yaml"], ids=["one robot", "several robots"]
 )
-def test_an_emergency_stop_is_said_with_its_cause(
-    name: str, kind: type[Runner], tmp_path: Path
-) -> None:
+def test_an_emergency_stop_is_said_with_its_cause(name: str, tmp_path: Path) -> None:
     shutil.copytree(CONFIGS, tmp_path, dirs_exist_ok=True)
     config = load_config(tmp_path / name, {})
     config = config.model_copy(
@@ -35,16 +30,13 @@ def test_an_emergency_stop_is_said_with_its_cause(
     said: list[str] = []
     reasons: list[str] = []
     with (tmp_path / "log").open("w") as out:
-        runner = kind(
+        runner = Runner(
             config, once=False, say=said.append, socket=tmp_path / "socket" / "s", dashboard=False,
             log=EventLog(out, "text", now=datetime.now),
         )  # fmt: skip
 
         def drive() -> None:
-            report = (
-                runner.run_fleet()[0] if isinstance(runner, FleetRunner) else runner.run().report
-            )
-            reasons.append(report.reason)
+            reasons.append(runner.run().report.reason)
 
         thread = threading.Thread(target=drive)
         thread.start()

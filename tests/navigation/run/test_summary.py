@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from navigation.loop.daemon_state import DrivenPlan
-from navigation.run.summary import driven_stretches
+from navigation.run.run_folder import driven_stretches
 from planner.formats.scene_io import read_scene_text
 from planner.path import Path
 from planner.roadmap.roadmap import build_roadmap

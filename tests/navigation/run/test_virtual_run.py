@@ -15,7 +15,8 @@ from navigation.config import limits_of, load_config
 from navigation.loop.daemon import Daemon
 from navigation.loop.stages import stations_of
 from navigation.mission.mission import State
-from navigation.run.summary import summarise, write_run
+from navigation.run.run_folder import write_run
+from navigation.run.run_report import summarise_run
 from navigation.run.virtual_run import run_virtually
 from navigation.run.virtual_world import VirtualWorld
 from tests.support.oracles.bends import bends_of
@@ -28,7 +29,7 @@ NEAR = [{"x_m": 0.20, "y_m": 0.60}, {"x_m": 0.20, "y_m": 1.00, "heading_deg": 90
 
 def test_a_run_in_virtual_time_reaches_its_goal_as_one_in_real_time_does() -> None:
     """With pictures: that the eye finds marker and obstacles as well as the truth tells them."""
-    report = run_virtually(short_config(NEAR))
+    report = run_virtually(short_config(NEAR)).only
     assert (report.state, report.stations_visited) == ("done", 2)
     assert report.goal_error_m is not None
     assert report.goal_error_m < 0.005
@@ -61,7 +62,7 @@ def test_a_run_under_a_fisheye_reaches_its_goal_as_well() -> None:
             camera={"size_px": (1280, 960)},
             robot={"marker_size_m": 0.12},
         )
-    )
+    ).only
     assert (report.state, report.stations_visited) == ("done", 2)
     assert report.goal_error_m is not None
     assert report.goal_error_m < 0.005
@@ -110,7 +111,7 @@ def test_the_driven_track_keeps_the_limits_of_turning_on_the_spot_and_on_arcs() 
     with Daemon(config, world, first_mission_id=7) as daemon:
         daemon.people.give(stations_of(config))
         cycle_until(daemon, lambda now: now.mission.is_over)
-    time_s, _, _, heading = world.truth.track().T
+    time_s, _, _, heading = world.truths[""].track().T
     rates = np.diff(np.unwrap(heading)) / np.diff(time_s)
     accelerations = np.diff(rates) / np.diff(time_s)[1:]
     assert 1.0 < np.abs(rates).max() <= 1.05 * limits.angular_rate_rad_s
@@ -133,7 +134,7 @@ def test_a_robot_that_cannot_turn_on_the_spot_drives_no_bend_tighter_than_it_can
     assert plan.trajectory is not None
     bends = bends_of(plan.trajectory)
     assert 0.5 * tightest < max(bends) <= 1.02 * tightest
-    time_s, x, y, heading = world.truth.track().T
+    time_s, x, y, heading = world.truths[""].track().T
     speeds = np.hypot(np.diff(x), np.diff(y)) / np.diff(time_s)
     rates = np.abs(np.diff(np.unwrap(heading))) / np.diff(time_s)
     drives = speeds > 0.05
@@ -157,7 +158,7 @@ def test_where_only_a_turn_on_the_spot_would_help_the_mission_ends_with_the_plac
     assert ended.mission.state is State.FAILED
     assert "at (0.2" in ended.sentence
     assert "cannot turn on the spot" in ended.sentence
-    track = world.truth.track()
+    track = world.truths[""].track()
     assert np.max(np.abs(np.unwrap(track[:, 3]) - track[0, 3])) < 0.01, "the robot was not moved"
 
 
@@ -180,8 +181,8 @@ def test_an_obstacle_appears_at_its_time_and_the_way_leads_around_it() -> None:
         assert daemon.scene is not None
         assert len(daemon.scene.objects) == before + 1
         assert daemon.robot.pilot.replans >= 1
-    track = world.truth.track()
-    assert world.truth.track_clearance(track) >= 0.09
+    track = world.truths[""].track()
+    assert world.truths[""].track_clearance(track) >= 0.09
     assert math.dist(track[-1, 1:3], (0.20, 1.60)) < 0.02
 
 
@@ -234,19 +235,19 @@ def test_the_configuration_with_moving_robots_runs_to_done(tmp_path: Path) -> No
     assert ended.mission.state is State.DONE, ended.sentence
     assert any("robot 8 comes too near" in sentence for sentence in said)
     assert any("an obstacle leaves the path" in sentence for sentence in said)
-    track = world.truth.track()
-    assert world.truth.track_clearance(track) >= config.robot.radius_m
-    assert world.truth.others_clearance(track) >= config.robot.radius_m
+    track = world.truths[""].track()
+    assert world.truths[""].track_clearance(track) >= config.robot.radius_m
+    assert world.truths[""].others_clearance(track) >= config.robot.radius_m
     assert daemon.scene is not None
     assert len(daemon.scene.objects) == 8, "the other robots are not in the scene"
     for other in config.other_robots:
         seen, (scripted, _) = (
             daemon.others.tracks[other.marker_id],
-            world.truth.others[other.marker_id],
+            world.truths[""].others[other.marker_id],
         )
         time_s, *last = seen.rows()[-1]
-        assert math.dist(last[:2], scripted.pose(time_s - world.truth.began_s)[:2]) < 0.01
-    report = summarise(daemon, daemon.robot, ended.mission.state, ended.sentence, ended.time_s)
+        assert math.dist(last[:2], scripted.pose(time_s - world.truths[""].began_s)[:2]) < 0.01
+    report = summarise_run(daemon, ended.mission.state, ended.sentence, ended.time_s)
     write_run(tmp_path, daemon, report)
     picture = (tmp_path / "track.svg").read_text()
     assert "robot 8" in picture

@@ -11,7 +11,6 @@ import pytest
 from navigation.cli.running.run import _Reload
 from navigation.config import Config, load_config
 from navigation.machine.logs import EventLog
-from navigation.run.fleet.fleet_runner import FleetRunner
 from navigation.run.runner import Runner
 from tests.support.waiting import wait_until
 
@@ -24,8 +23,8 @@ def file(tmp_path: Path) -> Path:
     return tmp_path / "simulation.yaml"
 
 
-def runner_of(config: Config, folder: Path, kind: type[Runner] = Runner) -> Runner:
-    return kind(
+def runner_of(config: Config, folder: Path) -> Runner:
+    return Runner(
         config.model_copy(
             update={"recording": config.recording.model_copy(update={"runs_dir": folder / "runs"})}
         ),
@@ -42,7 +41,7 @@ def test_a_run_that_waits_does_not_drive_the_configured_mission(file: Path) -> N
     runner = runner_of(config, file.parent)
     runner.waits = True
     report = runner.run().report
-    assert report.waypoints_sent == 0
+    assert report.only.waypoints_sent == 0
     assert report.state != "done"
 
 
@@ -55,15 +54,13 @@ def test_several_robots_that_wait_drive_neither_missions_nor_tasks(file: Path) -
     config = load_config(file.parent / "alcove.yaml", {})
     assert config.tasks
     assert config.mission.robots[0].stations
-    runner = runner_of(config, file.parent, FleetRunner)
-    assert isinstance(runner, FleetRunner)
+    runner = runner_of(config, file.parent)
     runner.waits = True
-    report, _, _ = runner.run_fleet()
+    report = runner.run().report
     assert {name: one.stations for name, one in report.robots.items()} == {"left": 0, "right": 0}
     assert sum(one.waypoints_sent for one in report.robots.values()) == 0
 
 
-@pytest.mark.parametrize("kind", [Runner, FleetRunner], ids=["one robot", "several robots"])
 @pytest.mark.parametrize(
     ("asked", "waits"),
     [
@@ -76,9 +73,9 @@ def test_several_robots_that_wait_drive_neither_missions_nor_tasks(file: Path) -
     ids=["page", "HUP", "page then HUP", "HUP then page", "page then HUP twice"],
 )
 def test_settings_of_the_page_wait_for_orders_whatever_asks_at_the_same_time(
-    file: Path, asked: list[str], waits: bool, kind: type[Runner]
+    file: Path, asked: list[str], waits: bool
 ) -> None:
-    runner = runner_of(load_config(file, {}), file.parent, kind)
+    runner = runner_of(load_config(file, {}), file.parent)
     with (file.parent / "log").open("w") as out:
         log = EventLog(out, None, now=datetime.now)
         reload = _Reload(file, runner.config, runner, log)

@@ -54,7 +54,9 @@ def test_pictures_may_repeat_where_their_noise_changes_hardly_a_pixel(
     noisy = config.simulation.model_copy(update={"camera": look})
     clock = Clock()
     changed = config.model_copy(update={"simulation": noisy})
-    camera = make_camera(changed, arena, lambda: (0.2, 0.2, 0.0), clock, clock.wait)
+    camera = make_camera(
+        changed, arena, [(changed.robot, lambda: (0.2, 0.2, 0.0))], clock, clock.wait
+    )
     assert camera.may_repeat == repeats
     frames = LatestFrame(lambda: camera, clock)
     pictures = []
@@ -82,7 +84,9 @@ def test_the_floor_is_lit_unevenly_as_configured(config: Config) -> None:
 def test_the_same_seed_gives_the_same_pictures(config: Config, arena: SimulatedArena) -> None:
     def pictures() -> list[Image]:
         clock = Clock()
-        camera = make_camera(config, arena, lambda: (0.3, 0.3, 0.1), clock, clock.wait)
+        camera = make_camera(
+            config, arena, [(config.robot, lambda: (0.3, 0.3, 0.1))], clock, clock.wait
+        )
         camera.open()
         frames = [camera.read(1.0) for _ in range(3)]
         return [frame.image for frame in frames if frame is not None]
@@ -103,7 +107,13 @@ def _camera(
     simulation = config.simulation.model_copy(update={"camera": lens})
     small = config.camera.model_copy(update={"size_px": (320, 240)})
     changed = config.model_copy(update={"simulation": simulation, "camera": small})
-    return make_camera(changed, arena, lambda: (clock.now_s - 100.0, 0.5, 0.0), clock, clock.wait)
+    return make_camera(
+        changed,
+        arena,
+        [(changed.robot, lambda: (clock.now_s - 100.0, 0.5, 0.0))],
+        clock,
+        clock.wait,
+    )
 
 
 def test_frames_come_at_the_rate_and_are_numbered(config: Config, arena: SimulatedArena) -> None:
@@ -212,7 +222,12 @@ def test_other_robots_are_drawn_where_they_are(config: Config, arena: SimulatedA
     two = config.model_copy(update={"other_robots": (other,)})
     clock = Clock()
     camera = make_camera(
-        two, arena, lambda: (0.25, 0.25, 0.0), clock, clock.wait, [lambda: (1.4, 1.0, 1.0)]
+        two,
+        arena,
+        [(two.robot, lambda: (0.25, 0.25, 0.0))],
+        clock,
+        clock.wait,
+        [lambda: (1.4, 1.0, 1.0)],
     )
     camera.open()
     frame = camera.read(1.0)
@@ -238,7 +253,9 @@ def test_who_is_nearer_to_the_lens_covers_the_other_whatever_their_order(
     inner = (x_m - 0.6, y_m - 0.45, 0.0)
     outer = (inner[0] - 0.8 * reach_m, inner[1] - 0.6 * reach_m, 0.0)
     poses = (outer, inner) if outer_first else (inner, outer)
-    camera = make_camera(two, arena, lambda: poses[0], Clock(), others=[lambda: poses[1]])
+    camera = make_camera(
+        two, arena, [(two.robot, lambda: poses[0])], Clock(), others=[lambda: poses[1]]
+    )
     away = (x_m + 0.5, y_m + 0.4, 0.0)
     alone = camera.render([away, inner] if outer_first else [inner, away], None)
     corners, ids, _ = detector().detectMarkers(alone)
@@ -253,5 +270,9 @@ def test_who_is_nearer_to_the_lens_covers_the_other_whatever_their_order(
 def test_every_other_robot_needs_its_place(config: Config, arena: SimulatedArena) -> None:
     with pytest.raises(ValueError, match="zip"):
         make_camera(
-            config, arena, lambda: (0.2, 0.2, 0.0), Clock(), others=[lambda: (1.0, 1.0, 0.0)]
+            config,
+            arena,
+            [(config.robot, lambda: (0.2, 0.2, 0.0))],
+            Clock(),
+            others=[lambda: (1.0, 1.0, 0.0)],
         )

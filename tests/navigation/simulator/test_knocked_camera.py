@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from navigation.config import Config
-from navigation.run.world import camera_over
+from navigation.run.simulated_camera import camera_over
 from navigation.simulator.arena import SimulatedArena
 from navigation.simulator.picture.camera import SimulatedCamera
 from navigation.simulator.picture.knocked_camera import KnockedCamera
@@ -27,7 +27,9 @@ def knocked(config: Config, *knocks: dict[str, object]) -> Config:
 
 
 def over(config: Config, arena: SimulatedArena, clock: Clock) -> Camera:
-    return camera_over(config, [(0.0, arena)], {}, lambda: POSE, clock, clock(), clock.wait)
+    return camera_over(
+        config, [(0.0, arena)], {}, [(config.robot, lambda: POSE)], clock, clock(), clock.wait
+    )
 
 
 def floor_marker(frame: Frame) -> np.ndarray:

@@ -12,9 +12,8 @@ import pytest
 
 from navigation.config import Config, load_config
 from navigation.simulator.arena import load_arena
-from navigation.sweep.fleet_variations import APART_M, fleet_variation, fleet_varied
 from navigation.sweep.runs import MOST_ATTEMPTS, Sweep
-from navigation.sweep.variations import MOST_SPREAD
+from navigation.sweep.variations import APART_M, MOST_SPREAD, variation, varied
 from navigation.sweep.workers import local_executor
 from tests.support.pictures import call
 from tests.support.runs import sweeps
@@ -56,13 +55,14 @@ def crossing(tmp_path: Path) -> Config:
 
 
 def test_each_robot_has_a_start_and_wheels_of_its_own_and_all_one_camera(crossing: Config) -> None:
-    one = fleet_variation(crossing, 5, 3)
-    assert one == fleet_variation(crossing, 5, 3)
+    one = variation(crossing, 5, 3)
+    assert one == variation(crossing, 5, 3)
     assert list(one.robots) == [entry.name for entry in crossing.robots]
     drawn = one.robots.values()
     assert len({v.wheel_error_left for v in drawn}) == len(crossing.robots)
     assert len({(v.seed, v.noise_grey, v.blur_px) for v in drawn}) == 1
-    _, bodies = fleet_varied(crossing, one)
+    _, bodies = varied(crossing, one)
+    assert bodies is not None
     for name, body in bodies.items():
         assert body.simulation is not None
         assert body.simulation.robot.wheel_radius_error[0] == one.robots[name].wheel_error_left
@@ -71,10 +71,10 @@ def test_each_robot_has_a_start_and_wheels_of_its_own_and_all_one_camera(crossin
 
 def test_every_start_is_free_and_apart_from_all_others(crossing: Config) -> None:
     arena = load_arena(crossing)
-    configured = fleet_variation(crossing, 2, 0, 0.0).robots
+    configured = variation(crossing, 2, 0, 0.0).robots
     moved = 0
     for run in range(30):
-        whole, _ = fleet_varied(crossing, fleet_variation(crossing, 2, run, MOST_SPREAD))
+        whole, _ = varied(crossing, variation(crossing, 2, run, MOST_SPREAD))
         assert whole.simulation is not None
         places = {one.name: (one.x_m, one.y_m) for one in whole.simulation.starts}
         assert arena.clearances(list(places.values())).min() >= crossing.robot.radius_m
@@ -91,7 +91,7 @@ def test_every_start_is_free_and_apart_from_all_others(crossing: Config) -> None
 
 
 def test_a_run_that_kills_its_worker_has_a_row_for_each_robot(crossing: Config) -> None:
-    chosen = [fleet_variation(crossing, 5, run) for run in range(5)]
+    chosen = [variation(crossing, 5, run) for run in range(5)]
     sweep = Sweep(crossing, chosen, lambda: local_executor(2), 2, sweeps.always_killed)
     rows = list(sweep.rows())
     assert len(rows) == 5 * len(crossing.robots)

@@ -16,12 +16,14 @@ import pytest
 
 from navigation.config import Config, load_config
 from navigation.simulator.arena import load_arena
-from navigation.sweep.runs import MOST_ATTEMPTS, Row, Sweep, Work, run_one
+from navigation.sweep.runs import MOST_ATTEMPTS, Row, Sweep, Work, run_rows
 from navigation.sweep.table import SweepFile, summarise_rows, write_rows
 from navigation.sweep.variations import (
     MOST_SPREAD,
     WHEEL_ERROR,
+    RobotVariation,
     SweepError,
+    Variation,
     variation,
     varied,
 )
@@ -82,25 +84,29 @@ def swept(
 # Variations.
 
 
+def one_robot(config: Config, seed: int, run: int, spread: float = 1.0) -> RobotVariation:
+    return variation(config, seed, run, spread).robots[""]
+
+
 def test_a_variation_is_the_same_every_time_and_unlike_all_others(config: Config) -> None:
-    first = [variation(config, 5, run) for run in range(20)]
-    assert first == [variation(config, 5, run) for run in range(20)]
+    first = [one_robot(config, 5, run) for run in range(20)]
+    assert first == [one_robot(config, 5, run) for run in range(20)]
     assert len({v.seed for v in first}) == 20
-    assert first[0] != variation(config, 6, 0)
+    assert first[0] != one_robot(config, 6, 0)
 
 
 def test_errors_are_spread_up_to_their_limits(config: Config) -> None:
-    many = [variation(config, 1, run) for run in range(300)]
+    many = [one_robot(config, 1, run) for run in range(300)]
     assert max(abs(v.wheel_error_left) for v in many) == pytest.approx(WHEEL_ERROR, rel=0.03)
     assert all(abs(v.wheel_error_right) <= WHEEL_ERROR for v in many)
     assert all(v.slip >= 0.0 and v.noise_grey >= 0.0 and v.blur_px >= 0.0 for v in many)
-    wide = variation(config, 1, 7, 2.0)
+    wide = one_robot(config, 1, 7, 2.0)
     assert wide.track_error == pytest.approx(2.0 * many[7].track_error)
 
 
 def test_without_spread_only_the_seed_varies(config: Config) -> None:
     assert config.simulation is not None
-    one = varied(config, variation(config, 5, 0, 0.0)).simulation
+    one = varied(config, variation(config, 5, 0, 0.0))[0].simulation
     assert one is not None
     assert one.seed != config.simulation.seed
     assert one.model_copy(update={"seed": config.simulation.seed}) == config.simulation
@@ -111,7 +117,7 @@ def test_every_start_is_free(config: Config) -> None:
     arena = load_arena(config)
     wanted_m = config.robot.radius_m + config.planning.margin_m
     for spread in (1.0, MOST_SPREAD):
-        many = [variation(config, 2, run, spread) for run in range(60)]
+        many = [one_robot(config, 2, run, spread) for run in range(60)]
         starts = np.array([(v.start_x_m, v.start_y_m) for v in many])
         assert arena.clearances(starts).min() >= wanted_m
         assert len({tuple(start) for start in starts}) == 60
@@ -123,7 +129,7 @@ def test_a_tight_start_varies_only_as_far_as_it_gets_no_tighter(config: Config) 
     start = config.simulation.start.model_copy(update={"x_m": 0.1, "y_m": 0.1})
     tight = config.simulation.model_copy(update={"start": start})
     changed = config.model_copy(update={"simulation": tight})
-    many = [variation(changed, 2, run) for run in range(60)]
+    many = [one_robot(changed, 2, run) for run in range(60)]
     assert all(v.start_x_m >= 0.1 and v.start_y_m >= 0.1 for v in many)
     assert any(v.start_x_m > 0.1 for v in many)
 
@@ -138,7 +144,7 @@ def test_a_spread_beyond_what_a_configuration_takes_is_refused(
 
 def test_the_widest_spread_makes_legal_configurations(config: Config) -> None:
     for run in range(60):
-        widest = varied(config, variation(config, 2, run, MOST_SPREAD)).simulation
+        widest = varied(config, variation(config, 2, run, MOST_SPREAD))[0].simulation
         assert widest is not None
         assert type(widest).model_validate(widest.model_dump()) == widest
 
@@ -222,7 +228,7 @@ def test_the_same_seeds_give_the_same_rows_in_one_process_or_in_two(
     assert [row["run"] for row in rows] == ["0", "1", "2"]
     config = load_config(small, {})
     for number in (0, 2):
-        here = run_one(config, variation(config, 4, number))
+        (here,) = run_rows(config, variation(config, 4, number))
         values = {name: getattr(here, name) for name in rows[number]}
         written = {name: "" if value is None else str(value) for name, value in values.items()}
         assert written == rows[number]
@@ -232,9 +238,9 @@ def test_the_same_seeds_give_the_same_rows_in_one_process_or_in_two(
 def test_a_run_with_hardly_any_noise_is_driven(noise_grey: float, small: Path) -> None:
     """Its robot stands in the beginning: the pictures repeat, and the camera is not frozen."""
     config = load_config(small, {})
-    quiet = replace(variation(config, 4, 0), noise_grey=noise_grey)
+    quiet = Variation(0, {"": replace(one_robot(config, 4, 0), noise_grey=noise_grey)})
     for pictures in (True, False):
-        row = run_one(config, quiet, pictures=pictures)
+        (row,) = run_rows(config, quiet, pictures=pictures)
         assert row.state == "done", row.reason
 
 
@@ -250,7 +256,8 @@ def test_a_sweep_without_pictures_has_the_rows_of_runs_without_pictures(
         (row,) = csv.DictReader(file)
     config = load_config(small, {})
     without, drawn = (
-        run_one(config, variation(config, 4, 0), pictures=pictures) for pictures in (False, True)
+        run_rows(config, variation(config, 4, 0), pictures=pictures)[0]
+        for pictures in (False, True)
     )
     assert row["goal_error_m"] == str(without.goal_error_m) != str(drawn.goal_error_m)
     assert (without.state, without.stations_visited) == (drawn.state, drawn.stations_visited)

@@ -23,18 +23,16 @@ import numpy as np
 import pytest
 
 from navigation.config import Config
-from navigation.config.several.each_robot import each_robot
+from navigation.config.several.each_robot import robots_of
 from navigation.dashboard import ShownDaemon
 from navigation.dashboard.hub import Hub
 from navigation.dashboard.messages.packed import unpack
 from navigation.journal.journal import Journal, owner_of
 from navigation.loop.daemon import Daemon
-from navigation.loop.stages import stations_of
-from navigation.run.fleet.fleet_virtual_world import FleetVirtualWorld
-from navigation.run.fleet.give_missions import GiveMissions
+from navigation.run.give_missions import GiveMissions
 from navigation.run.virtual_world import VirtualWorld
 from tests.support.runs.virtual import short_config
-from tests.support.runs.whole_run import AnyWorld, run_whole
+from tests.support.runs.whole_run import run_whole
 
 GOLDEN: Final = Path(__file__).parents[2] / "golden" / "boundaries"
 SEEN_AT_S: Final = 2.0
@@ -103,12 +101,11 @@ def seen_of(config: Config) -> dict[str, Any]:
         }
 
 
-def camera_lost(lost: bool) -> Callable[[AnyWorld], None]:
+def camera_lost(lost: bool) -> Callable[[VirtualWorld], None]:
     """Unplugs the camera, or plugs it in again."""
 
-    def happen(world: AnyWorld) -> None:
-        of_camera = world.troubles if isinstance(world, VirtualWorld) else world.troubles[None]
-        of_camera.camera_lost = lost
+    def happen(world: VirtualWorld) -> None:
+        world.cameras[None].camera_lost = lost
 
     return happen
 
@@ -120,7 +117,7 @@ def without_repeats(lines: list[Any]) -> list[Any]:
 
 def _journals(config: Config) -> dict[str, Any]:
     left = {}
-    for name, one in (each_robot(config) or {"": config}).items():
+    for name, one in robots_of(config).items():
         assert one.recording.journal is not None
         with Journal(one.recording.journal, owner_of(one, None)) as journal:
             mission, plan = journal.mission(), journal.plan()
@@ -134,13 +131,8 @@ def _journals(config: Config) -> dict[str, Any]:
 
 def page_of(config: Config) -> dict[str, Any]:
     """The page's greeting and its messages of one cycle while the robots drive."""
-    make = FleetVirtualWorld if config.robots else VirtualWorld
-    with Daemon(config, make(config, pictures=False), first_mission_id=1) as daemon:
-        if config.robots:
-            missions = GiveMissions(daemon, lambda _line: None)
-            assert missions.are_given
-        else:
-            daemon.people.give(stations_of(config))
+    with Daemon(config, VirtualWorld(config, pictures=False), first_mission_id=1) as daemon:
+        assert GiveMissions(daemon, lambda _line: None).are_given
         while daemon.world.clock() < SEEN_AT_S:
             daemon.cycle()
         return asyncio.run(_messages(daemon))

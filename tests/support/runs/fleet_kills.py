@@ -19,9 +19,9 @@ from navigation.journal.journal import Journal, owner_of
 from navigation.loop.daemon import Daemon
 from navigation.loop.daemon_state import RunState
 from navigation.mission.mission import State
-from navigation.run.fleet.fleet_report import least_gap
-from navigation.run.fleet.fleet_virtual_world import FleetVirtualWorld
-from navigation.run.fleet.give_missions import GiveMissions
+from navigation.run.give_missions import GiveMissions
+from navigation.run.run_report import least_gap
+from navigation.run.virtual_world import VirtualWorld
 from tests.support.runs.kills import TIME_LIMIT_S, Killed, Reaper, stands
 
 QUESTIONS = 25_000
@@ -29,7 +29,7 @@ QUESTIONS = 25_000
 Look = Callable[[Daemon, RunState], None]
 
 
-class MortalFleetWorld(FleetVirtualWorld):
+class MortalFleetWorld(VirtualWorld):
     """A world of several robots whose clock kills."""
 
     def __init__(self, config: Config) -> None:

@@ -17,9 +17,8 @@ import numpy as np
 from navigation.config import Config
 from navigation.journal.journal import Journal, owner_of
 from navigation.loop.daemon import Daemon
-from navigation.loop.stages import stations_of
 from navigation.mission.mission import State
-from navigation.run.restart import unfinished_mission
+from navigation.run.give_missions import GiveMissions
 from navigation.run.virtual_world import VirtualWorld
 from planner.scene import FloatArray
 
@@ -103,24 +102,21 @@ def drive_under_fire(
             first_id += 1000
             world.bury()
             if rng.random() < power_cycles:
-                world.robot.switch_off_and_on()
+                world.body.robot.switch_off_and_on()
             world.wait(float(rng.uniform(0.05, 3.0)))
-    track = world.truth.track()
-    return Campaign(killed, *end, stands(track, config), world.truth.track_clearance(track))
+    track = world.truths[""].track()
+    return Campaign(killed, *end, stands(track, config), world.truths[""].track_clearance(track))
 
 
 def _run(config: Config, world: MortalWorld, journal: Journal, first_id: int) -> tuple[State, str]:
     daemon = Daemon(config, world, first_mission_id=first_id, journals={"": journal})
     daemon.__enter__()
-    left = unfinished_mission(daemon, journal)
-    if left is not None:
-        daemon.people.restore(left, "")
-    else:
-        daemon.people.give(stations_of(config))
+    missions = GiveMissions(daemon, lambda _line: None)
     while True:
-        now = daemon.cycle().only
-        if now.mission.is_over or now.time_s > TIME_LIMIT_S:
-            return now.mission.state, now.sentence
+        missions.cycle()
+        now = daemon.cycle()
+        if (missions.are_given and now.is_over) or now.time_s > TIME_LIMIT_S:
+            return now.state, now.sentence
 
 
 def stands(track: FloatArray, config: Config) -> list[int]:

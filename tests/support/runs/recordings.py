@@ -24,7 +24,7 @@ from navigation.loop.stages import plan_settings
 from navigation.mission.cycle import PlanRequest
 from navigation.mission.mission import Station
 from navigation.recording.events import PlanAnswered, PlanAsked, RoadmapBuilt, SceneSeen
-from navigation.run.fleet.fleet_virtual_run import run_fleet_virtually
+from navigation.run.virtual_run import run_virtually
 from navigation.simulator.arena import load_arena
 from navigation.simulator.picture.camera import make_camera
 from navigation.simulator.settings import true_start_of
@@ -55,7 +55,8 @@ class RecordedBench:
         calibration = load_calibration(config.camera.calibration)
         self.arena = load_arena(config)
         self.start = true_start_of(config)
-        self.camera = make_camera(config, self.arena, lambda: self.start, self.clock, self.wait)
+        driven = [(config.robot, lambda: self.start)]
+        self.camera = make_camera(config, self.arena, driven, self.clock, self.wait)
         tracker = MarkerTracker(calibration, marked_robots(config), config.robot.dictionary)
         self.eye = Eye(calibration, tracker, eye_settings(config))
         self.planner = ArenaPlanner(plan_settings(config))
@@ -141,5 +142,5 @@ def record_alcove(
         assert wait_until(lambda: not recorder.counts().waiting or bool(recorder.counts().failed))
         return until(daemon, now)
 
-    run_fleet_virtually(config.model_copy(update={"recording": changed}), look=look, record=folder)
+    run_virtually(config.model_copy(update={"recording": changed}), look=look, record=folder)
     return sorted(folder.glob("*.mcap"))

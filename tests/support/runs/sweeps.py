@@ -8,20 +8,19 @@ from dataclasses import asdict
 from pathlib import Path
 
 from navigation.config import Config
-from navigation.sweep.fleet_variations import FleetVariation
-from navigation.sweep.runs import Chosen, Row
+from navigation.sweep.runs import Row
+from navigation.sweep.variations import Variation
 
 
-def quick(_config: Config, v: Chosen) -> tuple[Row, ...]:
+def quick(_config: Config, v: Variation) -> tuple[Row, ...]:
     """A row for each robot without a run."""
-    robots = v.robots if isinstance(v, FleetVariation) else {"": v}
     return tuple(
         Row(state="done", reason="", duration_s=10.0 + v.run, robot=name, **asdict(one))
-        for name, one in robots.items()
+        for name, one in v.robots.items()
     )
 
 
-def once_killed(config: Config, v: Chosen) -> tuple[Row, ...]:
+def once_killed(config: Config, v: Variation) -> tuple[Row, ...]:
     """As if somebody had killed the worker at run 3: the first time only."""
     mark = config.recording.runs_dir / "killed"
     if v.run == 3 and not mark.exists():
@@ -30,7 +29,7 @@ def once_killed(config: Config, v: Chosen) -> tuple[Row, ...]:
     return quick(config, v)
 
 
-def always_killed(config: Config, v: Chosen) -> tuple[Row, ...]:
+def always_killed(config: Config, v: Variation) -> tuple[Row, ...]:
     """Run 3 kills its worker whenever it is tried; each try leaves a mark."""
     if v.run == 3:
         tries = config.recording.runs_dir
@@ -39,7 +38,7 @@ def always_killed(config: Config, v: Chosen) -> tuple[Row, ...]:
     return quick(config, v)
 
 
-def broken(config: Config, v: Chosen) -> tuple[Row, ...]:
+def broken(config: Config, v: Variation) -> tuple[Row, ...]:
     """Run 3 has a bug."""
     if v.run == 3:
         raise RuntimeError("a bug in run 3")

@@ -67,8 +67,8 @@ class Stage:
         )
 
     def where(self) -> tuple[float, float]:
-        pose = self.world.robot.pose()
+        pose = self.world.body.robot.pose()
         return pose.x_m, pose.y_m
 
     def clearance_m(self) -> float:
-        return self.world.truth.track_clearance(self.world.truth.track()) - RADIUS_M
+        return self.world.truths[""].track_clearance(self.world.truths[""].track()) - RADIUS_M

@@ -19,14 +19,10 @@ from navigation.config import Config
 from navigation.control import send_order
 from navigation.machine.sd_notify import Notifier
 from navigation.run import runner
-from navigation.run.fleet import fleet_runner
-from navigation.run.fleet.fleet_runner import FleetRunner
-from navigation.run.fleet.fleet_virtual_world import FleetVirtualWorld
 from navigation.run.runner import EVENTS_FILE, Runner
 from navigation.run.virtual_world import VirtualWorld
 
-AnyWorld = VirtualWorld | FleetVirtualWorld
-Happening = Callable[[AnyWorld], None]
+Happening = Callable[[VirtualWorld], None]
 
 
 @dataclass(slots=True)
@@ -86,38 +82,27 @@ def run_whole(
     """
     ran, socket = WholeRun(), folder / "control.sock"
 
-    def happen(world: AnyWorld, what: Happening | dict[str, Any]) -> None:
+    def happen(world: VirtualWorld, what: Happening | dict[str, Any]) -> None:
         if isinstance(what, dict):
             ran.answers.append(send_order(socket, what))
         else:
             what(world)
 
-    def opened(world: AnyWorld) -> AnyWorld:
+    def opened(world: VirtualWorld) -> VirtualWorld:
         for after_s, what in (at or {}).items():
             world.after(after_s, partial(happen, world, what))
-        names = [one.name for one in config.robots]
-        for member, value in (
-            ("clock", _Clock(world.clock)),
-            ("doubts", []),
-            ("ports", dict.fromkeys(names, "virtual")),
-        ):
+        for member, value in (("clock", _Clock(world.clock)), ("doubts", [])):
             setattr(world, member, value)
         return world
 
-    def alone(config: Config, **_: Any) -> AnyWorld:
+    def make(config: Config, **_: Any) -> VirtualWorld:
         return opened(VirtualWorld(config, pictures=False))
 
-    def several(config: Config, **_: Any) -> AnyWorld:
-        return opened(FleetVirtualWorld(config, pictures=False))
-
-    patch.setattr(runner, "World", alone)
-    patch.setattr(fleet_runner, "FleetWorld", several)
+    patch.setattr(runner, "World", make)
     patch.setattr(runner, "warm_up", lambda *_: None)
-    patch.setattr(fleet_runner, "warm_up_fleet", lambda *_: None)
     recording = config.recording.model_copy(update={"runs_dir": folder / "runs"})
     config = config.model_copy(update={"recording": recording})
-    make = FleetRunner if config.robots else Runner
-    driven = make(
+    driven = Runner(
         config,
         once=True,
         say=ran.said.append,
@@ -127,10 +112,7 @@ def run_whole(
     )
     if interrupted:
         driven.interrupt.set()
-    if isinstance(driven, FleetRunner):
-        _, _, ran.exit_code = driven.run_fleet()
-    else:
-        ran.exit_code = driven.run().exit_code
+    ran.exit_code = driven.run().exit_code
     (left,) = (folder / "runs").iterdir()
     ran.folder = left
     ran.report = json.loads((left / "report.json").read_text())

@@ -18,7 +18,7 @@ from navigation.dashboard.orders import give
 from navigation.dashboard.shown import summary_of
 from navigation.loop.daemon import Daemon
 from navigation.mission.mission import MissionError, State, Station
-from navigation.run.fleet.fleet_virtual_world import FleetVirtualWorld
+from navigation.run.virtual_world import VirtualWorld
 from tests.support.runs.shown import laboratory
 
 ALCOVE = load_config(Path(__file__).parents[4] / "configs" / "alcove.yaml", {})
@@ -28,7 +28,7 @@ A, B = (one.name for one in ALCOVE.robots)
 @pytest.fixture(scope="module")
 def fleet() -> Iterator[Daemon]:
     """Two robots that were seen, in virtual time and without missions."""
-    with Daemon(ALCOVE, FleetVirtualWorld(ALCOVE), first_mission_id=1) as daemon:
+    with Daemon(ALCOVE, VirtualWorld(ALCOVE), first_mission_id=1) as daemon:
         run(daemon, 1.0)
         yield daemon
 

@@ -27,7 +27,11 @@ class Arena:
     def __init__(self) -> None:
         self.pose = (0.2, 0.2, 0.8)
         self.camera: SimulatedCamera = make_camera(
-            CONFIG, TRUTH, lambda: self.pose, clock=lambda: 0.0, wait=lambda _s: None
+            CONFIG,
+            TRUTH,
+            [(CONFIG.robot, lambda: self.pose)],
+            clock=lambda: 0.0,
+            wait=lambda _s: None,
         )
         calibration = pinhole_of(CONFIG).calibration()
         tracker = MarkerTracker(calibration, marked_robots(CONFIG), CONFIG.robot.dictionary)

@@ -19,7 +19,7 @@ from navigation.config.several.each_camera import each_camera
 from navigation.loop.seeing.eye import Glimpse
 from navigation.loop.seeing.joined.joined_eye import MISSED_FRAMES, START_S
 from navigation.loop.seeing.joined.joined_parts import joined_eye
-from navigation.run.world import floor_plan_of
+from navigation.run.calibrations import floor_plan_of
 from navigation.simulator.arena import SimulatedArena, load_arena
 from navigation.simulator.picture.camera import make_camera
 from planner.scene import CircleRecord, Scene, SceneObject
@@ -45,7 +45,9 @@ class Stage:
         self.pose = IN_BOTH
         self.eye = joined_eye(CONFIG, PLAN)
         self.cameras = {
-            name: make_camera(one, ARENA, lambda: self.pose, lambda: 0.0, lambda _: None)
+            name: make_camera(
+                one, ARENA, [(one.robot, lambda: self.pose)], lambda: 0.0, lambda _: None
+            )
             for name, one in each_camera(CONFIG).items()
         }
         self.rng = np.random.default_rng(5)

@@ -96,7 +96,7 @@ config = short_config(
 warm_up(config, print)
 before = loaded()
 report = run_virtually(config)
-print(report.state, report.replans > 0, *sorted(loaded() - before), sep="\\n")
+print(report.state, report.only.replans > 0, *sorted(loaded() - before), sep="\\n")
 """
 
 

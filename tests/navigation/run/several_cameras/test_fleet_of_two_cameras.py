@@ -16,9 +16,9 @@ import yaml
 from navigation.config import Config, load_config
 from navigation.loop.daemon import Daemon
 from navigation.loop.daemon_state import RunState
-from navigation.run.fleet.fleet_virtual_run import run_fleet_virtually
-from navigation.run.fleet.fleet_virtual_world import FleetVirtualWorld
-from navigation.run.world import floor_plan_of
+from navigation.run.calibrations import floor_plan_of
+from navigation.run.virtual_run import run_virtually
+from navigation.run.virtual_world import VirtualWorld
 from tests.support.runs.virtual import CONFIGS
 
 pytestmark = pytest.mark.slow
@@ -43,7 +43,7 @@ def values() -> dict[str, Any]:
 def test_robots_cross_the_seam_and_never_touch() -> None:
     """With pictures: that two cameras' pictures make one scene and one pose of each robot."""
     config = Config.model_validate(values())
-    report = run_fleet_virtually(config)
+    report = run_virtually(config)
     assert report.state == "done", report.reason
     assert {one.state for one in report.robots.values()} == {"done"}
     assert report.least_gap_m is not None
@@ -64,12 +64,12 @@ def test_a_lost_camera_holds_the_robots_and_they_finish_when_it_is_back(pictures
     where: list[list[tuple[float, float]]] = []
     troubles: set[str] = set()
 
-    def meet(world: FleetVirtualWorld, since_s: float) -> None:
+    def meet(world: VirtualWorld, since_s: float) -> None:
         places = [body.robot.pose()[:2] for body in world.bodies.values()]
         if not lost_s and since_s > 3.0 and places[0][0] > 2.02:  # ada, where only one camera sees
             lost_s.append(since_s)
         away_s = since_s - lost_s[0] if lost_s else 0.0
-        world.troubles["right"].camera_lost = 0.0 < away_s < AWAY_S
+        world.cameras["right"].camera_lost = 0.0 < away_s < AWAY_S
         if BRAKED_S + 0.1 * len(where) < away_s < AWAY_S:
             where.append(places)
 
@@ -78,7 +78,7 @@ def test_a_lost_camera_holds_the_robots_and_they_finish_when_it_is_back(pictures
             troubles.update(one.troubles)
         return False
 
-    report = run_fleet_virtually(config, meet=meet, look=look, pictures=pictures)
+    report = run_virtually(config, meet=meet, look=look, pictures=pictures)
     assert any("camera right is lost" in one for one in troubles)
     tracks = np.array(where).swapaxes(0, 1)
     within = [plan.is_unknown(closed, *track[0], RADIUS_M) for track in tracks]
@@ -109,7 +109,7 @@ def test_a_knock_of_one_camera_holds_all_robots() -> None:
                 held.setdefault(name, now.time_s)
         return False
 
-    report = run_fleet_virtually(Config.model_validate(base), look=look)
+    report = run_virtually(Config.model_validate(base), look=look)
     assert set(held) == {"ada", "bob", "cleo"}
     assert all(5.0 < at_s < 6.0 for at_s in held.values())
     assert report.state == "done", report.reason

@@ -64,7 +64,7 @@ def test_a_mission_across_the_seam_is_driven(across: Stage) -> None:
 @pytest.mark.parametrize("how", ["camera_lost", "camera_frozen"])
 def test_the_robot_does_not_enter_what_a_lost_camera_saw(across: Stage, how: str) -> None:
     across.set_off()
-    setattr(across.world.troubles.cameras["right"], how, True)
+    setattr(across.world.cameras["right"], how, True)
     across.wait(6.0)
     plan = across.world.floor_plan
     assert plan is not None
@@ -73,7 +73,7 @@ def test_the_robot_does_not_enter_what_a_lost_camera_saw(across: Stage, how: str
     assert not plan.is_unknown(closed, *across.where(), RADIUS_M)
     assert any("camera right is lost" in one for one in across.troubles)
     assert "camera left" not in " ".join(across.troubles)
-    setattr(across.world.troubles.cameras["right"], how, False)
+    setattr(across.world.cameras["right"], how, False)
     now = across.until(State.DONE, State.FAILED, State.STOPPED, seconds=60.0)
     assert now.mission.state is State.DONE
     assert not now.troubles
@@ -94,7 +94,7 @@ def test_a_robot_in_what_a_lost_camera_saw_stops_and_drives_on_when_it_is_back(
     while across.where()[0] < 1.9:  # well inside what only the right camera sees
         across.watch(across.daemon.cycle().only)
     lost_at = across.where()
-    setattr(across.world.troubles.cameras["right"], how, True)
+    setattr(across.world.cameras["right"], how, True)
     now = across.wait(3.0)
     assert now.mission.state is State.HOLDING
     assert math.dist(across.where(), lost_at) < BRAKING_M
@@ -102,7 +102,7 @@ def test_a_robot_in_what_a_lost_camera_saw_stops_and_drives_on_when_it_is_back(
     across.wait(2.0)
     assert math.dist(across.where(), stood) < 0.002
     assert any("no camera sees the floor: right is lost" in one for one in across.said)
-    setattr(across.world.troubles.cameras["right"], how, False)
+    setattr(across.world.cameras["right"], how, False)
     now = across.until(State.DONE, State.FAILED, State.STOPPED, seconds=60.0)
     assert now.mission.state is State.DONE
     assert across.clearance_m() > 0.0
@@ -110,7 +110,7 @@ def test_a_robot_in_what_a_lost_camera_saw_stops_and_drives_on_when_it_is_back(
 
 def test_a_robot_outside_what_a_lost_camera_saw_drives_on(on_the_right: Stage) -> None:
     on_the_right.set_off()
-    on_the_right.world.troubles.cameras["left"].camera_lost = True
+    on_the_right.world.cameras["left"].camera_lost = True
     now = on_the_right.until(State.DONE, State.FAILED, State.STOPPED)
     assert now.mission.state is State.DONE
     assert any("camera left is lost" in one for one in now.troubles)
@@ -119,7 +119,7 @@ def test_a_robot_outside_what_a_lost_camera_saw_drives_on(on_the_right: Stage) -
 
 @drawn_too("on_the_right")
 def test_a_camera_that_is_missing_from_the_start_closes_its_part(on_the_right: Stage) -> None:
-    on_the_right.world.troubles.cameras["left"].camera_lost = True
+    on_the_right.world.cameras["left"].camera_lost = True
     on_the_right.set_off()
     now = on_the_right.until(State.DONE, State.FAILED, State.STOPPED)
     assert now.mission.state is State.DONE
@@ -132,7 +132,7 @@ def test_without_any_camera_the_robot_stands(across: Stage) -> None:
     across.set_off()
     across.wait(1.0)
     for name in ("left", "right"):
-        across.world.troubles.cameras[name].camera_lost = True
+        across.world.cameras[name].camera_lost = True
     now = across.wait(3.0)
     assert now.mission.state is State.HOLDING
     assert "no picture from the camera" in now.sentence

@@ -17,14 +17,13 @@ import pytest
 from navigation.config import Config, ConfigError, parse_config
 from navigation.config.sections import RobotEntry, RobotSection
 from navigation.run import runner
-from navigation.run.fleet import fleet_runner
-from navigation.run.virtual_troubles import Troubles
+from navigation.run.troubled_robot import RobotTroubles
 from navigation.run.virtual_world import VirtualWorld
 from navigation.simulator.virtual_loop import VirtualLoop
 from tests.navigation.config.test_several_robots import FLEET
 from tests.support.runs.boundaries import camera_lost, one_robot, several_robots
 from tests.support.runs.virtual import short_config
-from tests.support.runs.whole_run import AnyWorld, WholeRun, run_whole
+from tests.support.runs.whole_run import WholeRun, run_whole
 
 pytestmark = pytest.mark.slow
 
@@ -72,16 +71,14 @@ def troubled(tmp_path_factory: pytest.TempPathFactory) -> Callable[[Make], Whole
     return of
 
 
-def first_robot(world: AnyWorld) -> tuple[VirtualLoop, Troubles]:
+def first_robot(world: VirtualWorld) -> tuple[VirtualLoop, RobotTroubles]:
     """The line of the first robot, and its troubles."""
-    if isinstance(world, VirtualWorld):
-        return world.loop, world.troubles
     body = next(iter(world.bodies.values()))
     return body.loop, body.troubles
 
 
-def cable_out(out: bool) -> Callable[[AnyWorld], None]:
-    def happen(world: AnyWorld) -> None:
+def cable_out(out: bool) -> Callable[[VirtualWorld], None]:
+    def happen(world: VirtualWorld) -> None:
         first_robot(world)[1].cable_out = out
 
     return happen
@@ -141,8 +138,7 @@ def test_a_stage_that_hangs_is_an_error_in_the_log(
     run: Run, make: Make, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     hangs = MagicMock(hanging=("planner",))
-    for module in (runner, fleet_runner):
-        monkeypatch.setattr(module, "Watchdog", lambda *_: hangs)
+    monkeypatch.setattr(runner, "Watchdog", lambda *_: hangs)
     logged = run(make()).events_called("watchdog")
     assert [(one["level"], one["stages"]) for one in logged] == [("error", "planner")]
 
@@ -180,7 +176,7 @@ def test_systemd_is_told_what_the_run_does(troubled: Any, make: Make) -> None:
 # What a run leaves behind, and how it ends.
 
 
-@several_lack("the picture of several robots shows neither the roadmap nor the plans")
+@BOTH
 @pytest.mark.parametrize("layer", ["roadmap", "path"])
 def test_the_picture_shows_the_roadmap_and_what_was_planned(
     troubled: Any, make: Make, layer: str
@@ -214,7 +210,7 @@ def test_an_interrupt_before_the_beginning_of_a_mission_is_a_failure(run: Run, m
 def test_a_simulated_processor_restarts_when_its_faults_say_so(run: Run, make: Make) -> None:
     boots: list[int] = []
 
-    def note(world: AnyWorld) -> None:
+    def note(world: VirtualWorld) -> None:
         boots.append(first_robot(world)[0].robot.identity.boot_id)
 
     run(with_simulated(make(), faults="reset=2"), {1.5: note, 2.5: note})
@@ -225,7 +221,7 @@ def test_a_simulated_processor_restarts_when_its_faults_say_so(run: Run, make: M
 def test_a_simulated_processor_hangs_when_its_faults_say_so(run: Run, make: Make) -> None:
     frozen: list[bool] = []
 
-    def note(world: AnyWorld) -> None:
+    def note(world: VirtualWorld) -> None:
         frozen.append(first_robot(world)[0].knobs.frozen)
 
     run(with_simulated(make(), faults="freeze=0.5@2"), {1.9: note, 2.3: note, 2.7: note})
@@ -260,7 +256,7 @@ def test_the_best_order_of_stations_is_driven(run: Run, make: Make) -> None:
             one["stations"] = stations
     heights_m: list[float] = []
 
-    def note(world: AnyWorld) -> None:
+    def note(world: VirtualWorld) -> None:
         heights_m.append(first_robot(world)[0].drive.pose[1])
 
     ran = run(Config.model_validate(values), {0.1 * k: note for k in range(1, 200)})
@@ -312,9 +308,9 @@ def test_what_one_robot_may_be_configured_to_do_several_may(before: str, after: 
     reason="all robots hold where one of several cameras is lost, wherever they are",
 )
 def test_a_robot_that_another_camera_sees_drives_on_where_one_camera_is_lost(run: Run) -> None:
-    def right_lost(lost: bool) -> Callable[[AnyWorld], None]:
-        def happen(world: AnyWorld) -> None:
-            world.troubles["right"].camera_lost = lost  # type: ignore[index]
+    def right_lost(lost: bool) -> Callable[[VirtualWorld], None]:
+        def happen(world: VirtualWorld) -> None:
+            world.cameras["right"].camera_lost = lost  # type: ignore[index]
 
         return happen
 

@@ -14,7 +14,7 @@ from navigation.loop.daemon_state import DaemonState
 from navigation.loop.stages import stations_of
 from navigation.mission.mission import State
 from navigation.run.virtual_world import VirtualWorld
-from tests.support.runs.virtual import cycle_until, is_driving, short_config
+from tests.support.runs.virtual import cycle_until, is_driving, set_trouble, short_config
 
 pytestmark = pytest.mark.slow
 
@@ -49,17 +49,17 @@ def break_and_heal(
     name: str, broken: object, healed: object
 ) -> Callable[[VirtualWorld, bool], None]:
     """A trouble that is there for a while."""
-    return lambda world, is_broken: setattr(world.troubles, name, broken if is_broken else healed)
+    return lambda world, is_broken: set_trouble(world, name, broken if is_broken else healed)
 
 
 def freeze_with_a_clock(world: VirtualWorld, is_broken: bool) -> None:
     """Every picture is another one, and all show what was long ago."""
-    world.troubles.camera_frozen = world.troubles.clock_in_the_corner = is_broken
+    world.cameras[None].camera_frozen = world.cameras[None].clock_in_the_corner = is_broken
 
 
 def freeze_with_noise(world: VirtualWorld, is_broken: bool) -> None:
     """As if only the sensor were alive."""
-    world.troubles.camera_frozen = world.troubles.frozen_noise = is_broken
+    world.cameras[None].camera_frozen = world.cameras[None].frozen_noise = is_broken
 
 
 def carry(
@@ -68,9 +68,9 @@ def carry(
     """Take the robot and put it elsewhere, once."""
 
     def take(world: VirtualWorld, is_broken: bool) -> None:
-        x, y, heading = world.robot.pose()
+        x, y, heading = world.body.robot.pose()
         if is_broken:
-            world.troubles.carried_to = (*to(x, y), heading)
+            world.body.troubles.carried_to = (*to(x, y), heading)
 
     return take
 
@@ -108,7 +108,7 @@ def run(fault: Callable[[VirtualWorld, bool], None], *, pictures: bool, bucket: 
         last: list[tuple[float, float]] = []
 
         def note(now: DaemonState) -> None:
-            x, y, _ = world.robot.pose()
+            x, y, _ = world.body.robot.pose()
             if last:
                 told.driven_m += math.dist(last.pop(), (x, y))
             last.append((x, y))
@@ -122,7 +122,7 @@ def run(fault: Callable[[VirtualWorld, bool], None], *, pictures: bool, bucket: 
         cycle_until(daemon, is_driving)
         for _ in range(20):
             daemon.cycle()
-        told.broken_at = world.robot.pose()[:2]
+        told.broken_at = world.body.robot.pose()[:2]
         fault(world, True)
         broken_s = world.clock()
         cycle_until(daemon, lambda _: world.clock() > broken_s + BROKEN_S, 3.0, note)

@@ -32,7 +32,7 @@ def errors_of(config: Config, *, pictures: bool) -> tuple[FloatArray, float]:
                 ages.append(world.clock() - pose.captured_s)
 
         cycle_until(daemon, lambda now: now.mission.is_over, each=note)
-        track = world.truth.track()
+        track = world.truths[""].track()
     at_s = np.array(list(seen))
     x, y, heading = np.array(list(seen.values())).T
     true = [np.interp(at_s, track[:, 0], column) for column in track[:, 1:3].T]

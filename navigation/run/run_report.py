@@ -1,4 +1,4 @@
-"""The report of a run of several robots: each robot's own, and how near any two came.
+"""The report of a run: each robot's own, and how near any two came.
 
 Units: metres, degrees, seconds; latencies in milliseconds.
 """
@@ -23,23 +23,41 @@ from planner.fleet.motions.track_kernels import nearest_pair
 
 
 @dataclass(frozen=True, slots=True)
-class FleetReport:
-    """The summary of one run; None where a thing could not be known."""
+class RunReport:
+    """The summary of one run; None where a thing could not be known.
+
+    A robot that is driven alone has the empty name; files and people are given its report, as a
+    run of one robot has no other.
+    """
 
     state: str
     reason: str
     duration_s: float
-    least_gap_m: float | None
-    """Between the bodies of the two robots that came nearest; below 0 they touched."""
-    least_gap_between: tuple[str, str] | None
-    min_clearance_m: float | None
-    """Of the robot that came nearest to an obstacle: from its centre."""
-    rounds: int
-    """How often all were planned together."""
     robots: Mapping[str, Report]
+    least_gap_m: float | None = None
+    """Between the bodies of the two robots that came nearest; below 0 they touched."""
+    least_gap_between: tuple[str, str] | None = None
+    min_clearance_m: float | None = None
+    """Of the robot that came nearest to an obstacle: from its centre."""
+    rounds: int = 0
+    """How often all were planned together."""
+
+    @classmethod
+    def of_nothing(cls, reason: str, stations: Mapping[str, int]) -> RunReport:
+        """Of a run that was ended before it had robots and a camera."""
+        robots = {name: Report.of_nothing(reason, count) for name, count in stations.items()}
+        return cls(State.STOPPED.value, reason, 0.0, robots)
+
+    @property
+    def only(self) -> Report:
+        """The report of the robot of a run of one."""
+        (report,) = self.robots.values()
+        return report
 
     def as_json(self) -> dict[str, Any]:
         """As JSON takes it."""
+        if "" in self.robots:
+            return asdict(self.only)
         return {
             "state": self.state,
             "reason": self.reason,
@@ -61,6 +79,8 @@ class FleetReport:
 
     def lines(self) -> list[tuple[str, str]]:
         """Label and value, for a person."""
+        if "" in self.robots:
+            return self.only.lines()
         gap = "unknown"
         if self.least_gap_m is not None and self.least_gap_between is not None:
             a, b = self.least_gap_between
@@ -70,34 +90,29 @@ class FleetReport:
             ("least gap", gap),
             ("duration", f"{self.duration_s:.1f} s"),
             ("planned together", f"{self.rounds} times"),
-            *((name, _in_short(report)) for name, report in self.robots.items()),
+            *((name, report.in_short()) for name, report in self.robots.items()),
         ]
 
 
-def _in_short(report: Report) -> str:
-    off = report.goal_error_m
-    goal = "" if off is None else f", {off * 1e3:.1f} mm from its goal"
-    visited = f"{report.stations_visited} of {report.stations} stations"
-    return f"{report.state}, {visited}{goal}"
-
-
-def summarise_fleet(daemon: Daemon, state: State, reason: str, duration_s: float) -> FleetReport:
+def summarise_run(daemon: Daemon, state: State, reason: str, duration_s: float) -> RunReport:
     """The report, from everything that the daemon kept."""
+    alone = "" in daemon.robots
     robots = {}
     for name, robot in daemon.robots.items():
         mission = robot.pilot.mission
-        robots[name] = summarise(daemon, robot, mission.state, mission.reason, duration_s)
+        ended = (state, reason) if alone else (mission.state, mission.reason)
+        robots[name] = summarise(daemon, robot, *ended, duration_s)
     gap = least_gap(daemon)
     clearances = [one.min_clearance_m for one in robots.values() if one.min_clearance_m is not None]
-    return FleetReport(
+    return RunReport(
         state=state.value if state in (State.DONE, State.FAILED) else State.STOPPED.value,
         reason=reason,
         duration_s=duration_s,
+        robots=robots,
         least_gap_m=None if gap is None else gap[0],
         least_gap_between=None if gap is None else gap[1:],
         min_clearance_m=min(clearances, default=None),
         rounds=daemon.traffic.rounds,
-        robots=robots,
     )
 
 

@@ -1,31 +1,33 @@
-"""The simulated robots of one arena and the simulated camera above it, in real time.
+"""The simulated robots of one arena and the simulated cameras above it, in real time.
 
-Whoever runs it hands out ports and pictures only; `fleet_world` has it in a process of its own.
-Metres, radians, seconds of the clock that is passed in.
+Only ports and pictures of it are handed out. Of several robots it runs in a process of its own
+(`simulation_apart`). Metres, radians, seconds of the clock that is passed in.
 """
 
 from __future__ import annotations
 
 import threading
 from functools import partial
+from typing import Any
 
 from navigation.config import Config
 from navigation.config.sections import SIMULATED
 from navigation.config.several.each_camera import each_camera
-from navigation.config.several.each_robot import each_robot
+from navigation.config.several.each_robot import robots_of
 from navigation.run.devices.simulated import pose_of, shared_pose, simulated_robot
 from navigation.run.devices.world_clock import WorldClock, wait_for_camera, wait_for_robot
-from navigation.run.world import camera_over
+from navigation.run.simulated_camera import camera_over
 from navigation.simulator.arena import load_arena
 from navigation.simulator.happenings import arenas_over_time, tracks_of
+from navigation.simulator.picture.knocked_camera import KnockedCamera
+from navigation.simulator.picture.timed_camera import TimedCamera
 from navigation.simulator.robot import SimulatedRobot, wait_until_due
 from planner.scene import FloatArray
-from vision.camera.camera import Camera
 
 
 def is_simulated(config: Config) -> bool:
-    """Whether a robot or a camera is."""
-    ports = [one.serial.port for one in each_robot(config).values()]
+    """True if a robot or a camera is."""
+    ports = [one.serial.port for one in robots_of(config).values()]
     return SIMULATED in (*(one.camera.source for one in cameras_of(config).values()), *ports)
 
 
@@ -35,18 +37,25 @@ def cameras_of(config: Config) -> dict[str | None, Config]:
     return {name: several[name] for name in several} if several else {None: config}
 
 
-class SimulatedFleet:
+class Simulation:
     """Everything of a configuration that is simulated, switched off until `start`."""
 
     def __init__(self, config: Config, clock: WorldClock) -> None:
-        self._config, self._clock = config, clock
+        self.clock = clock
+        self._configs = robots_of(config)
+        self._cameras = cameras_of(config)
         self._robots = {
             name: simulated_robot(one, clock)
-            for name, one in each_robot(config).items()
+            for name, one in self._configs.items()
             if one.serial.port == SIMULATED
         }
         for name, robot in self._robots.items():
             wait_for_robot(clock, name, robot)
+        self._shared = {
+            name: shared_pose(one)
+            for name, one in self._configs.items()
+            if name not in self._robots
+        }
         self._together = [one for one in self._robots.values() if isinstance(one, SimulatedRobot)]
         self._thread: threading.Thread | None = None
         self._stop = threading.Event()
@@ -60,36 +69,30 @@ class SimulatedFleet:
         return {name: robot.port for name, robot in self._robots.items()}
 
     def track(self, name: str) -> FloatArray:
-        """Where the robot has been: (n, 4) of the clock's seconds, x_m, y_m, heading_rad."""
+        """Where a robot has been: (n, 4) of the clock's seconds, x_m, y_m, heading_rad."""
         return self._robots[name].track()
 
     def pose(self, name: str) -> tuple[float, float, float]:
-        """Where the robot is now."""
-        return self._robots[name].pose()
+        """Where a robot is now, as the simulated camera sees it."""
+        return pose_of(self._configs[name], self._robots.get(name), self._shared.get(name))
 
-    def open_camera(self, name: str | None = None) -> Camera:
+    def open_camera(self, name: str | None = None) -> TimedCamera[Any] | KnockedCamera:
         """A new camera, closed; the same source each time. ``name`` is one of several cameras."""
-        fleet = []
-        for who, one in each_robot(self._config).items():
-            robot = self._robots.get(who)
-            shared = shared_pose(one) if robot is None else None
-            fleet.append((one.robot, partial(pose_of, one, robot, shared)))
         camera = camera_over(
-            cameras_of(self._config)[name],
+            self._cameras[name],
             self._arenas,
             self._tracks,
-            fleet[0][1],
-            self._clock,
+            [(one.robot, partial(self.pose, who)) for who, one in self._configs.items()],
+            self.clock,
             self._began_s,
-            self._clock.wait,
-            fleet=fleet,
+            self.clock.wait,
         )
-        wait_for_camera(self._clock, name, camera)
+        wait_for_camera(self.clock, name, camera)
         return camera
 
     def start(self) -> None:
         """Switch the robots on; what happens in the arena counts from here."""
-        self._began_s = self._clock()
+        self._began_s = self.clock()
         for robot in self._robots.values():
             if robot not in self._together:
                 robot.start()

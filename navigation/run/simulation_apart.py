@@ -1,4 +1,4 @@
-"""The simulated fleet in a process of its own: what is simulated takes no time from the daemon.
+"""The simulation in a process of its own: what is simulated takes no time from the daemon.
 
 Robots' processors and a camera's sensor work beside a real daemon, not in it; in one process their
 threads would share one interpreter with the control loop, which then is late. Only what a cable
@@ -20,8 +20,7 @@ import numpy as np
 from navigation.config import Config
 from navigation.machine.child import FRESH, start_child
 from navigation.run.devices.world_clock import world_clock
-from navigation.run.fleet.simulated_fleet import SimulatedFleet, cameras_of
-from navigation.simulator.drive_model import TruePose
+from navigation.run.simulation import Simulation, cameras_of
 from navigation.simulator.slowing_clock import SHARED_VALUES
 from planner.scene import FloatArray
 from vision.camera.camera import Camera, CameraError, Frame, Image, SourceState
@@ -55,7 +54,7 @@ class _Asked:
 
 
 class SimulationApart:
-    """`SimulatedFleet` in another process; the methods are the same. ``clock`` is this one's."""
+    """`Simulation` in another process; the methods are the same. ``clock`` is this one's."""
 
     def __init__(self, config: Config) -> None:
         shared = FRESH.RawArray("d", SHARED_VALUES)
@@ -99,21 +98,6 @@ class SimulationApart:
             return
         self.process.join(END_S)
         self.process.kill()
-
-
-class RobotApart:
-    """One robot of the simulation, for those who ask for the truth."""
-
-    def __init__(self, simulation: SimulationApart, name: str) -> None:
-        self._simulation, self._name = simulation, name
-
-    def pose(self) -> TruePose:
-        """Where it is now."""
-        return TruePose(*self._simulation.pose(self._name))
-
-    def track(self) -> FloatArray:
-        """Where it has been."""
-        return self._simulation.track(self._name)
 
 
 class CameraApart:
@@ -161,25 +145,25 @@ def _simulate(
     shared: MutableSequence[float],
     config: Config,
 ) -> None:
-    """The process: answer until the fleet is stopped, or nobody asks any more."""
-    fleet = SimulatedFleet(config, world_clock(config, shared, side=1))
+    """The process: answer until the simulation is stopped, or nobody asks any more."""
+    simulation = Simulation(config, world_clock(config, shared, side=1))
     for name, side in pictures.items():
-        camera = _CameraHere(fleet, name)
+        camera = _CameraHere(simulation, name)
         threading.Thread(target=_answer, args=(side, camera), name="camera", daemon=True).start()
-    _answer(pipe, fleet, last="stop")
+    _answer(pipe, simulation, last="stop")
 
 
 class _CameraHere:
     """The camera's side of the pipe: one camera at a time."""
 
-    def __init__(self, fleet: SimulatedFleet, name: str | None) -> None:
-        self._fleet, self._name = fleet, name
+    def __init__(self, simulation: Simulation, name: str | None) -> None:
+        self._simulation, self._name = simulation, name
         self._camera: Camera | None = None
 
     def make(self) -> tuple[str, bool]:
         """A new camera's name, and whether its pictures may repeat."""
         self.close()
-        self._camera = self._fleet.open_camera(self._name)
+        self._camera = self._simulation.open_camera(self._name)
         return self._camera.name, self._camera.may_repeat
 
     def open(self) -> None:

@@ -1,4 +1,4 @@
-"""Load or compile the fleet's kernels before any robot may move: two discs pass each other."""
+"""Kernels that several robots need besides those of one: two discs pass each other."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from planner.scene import Bounds, Scene
 RADIUS_M = 0.1
 
 
-def warm_up_fleet(config: Config) -> None:
+def plan_together(config: Config) -> None:
     """Plan for two robots in an empty arena, and around a third."""
     scene = Scene("m", Bounds(0.0, 0.0, 2.0, 1.0), ())
     roadmap = build_roadmap(scene, RADIUS_M)

@@ -5,8 +5,8 @@ from __future__ import annotations
 from navigation.config import Config
 from navigation.loop.daemon import Daemon
 from navigation.loop.daemon_state import RunState
-from navigation.run.fleet.fleet_lines import FleetLines, why_stopped
-from navigation.run.fleet.fleet_virtual_run import run_fleet_virtually
+from navigation.run.progress import ProgressLines, why_stopped
+from navigation.run.virtual_run import run_virtually
 from tests.navigation.run.test_fleet_runs import CONFIGS, open_hall
 
 
@@ -20,7 +20,7 @@ def with_one_at_rest() -> Config:
 def test_each_robots_stop_is_one_line_with_its_cause_and_a_status_says_it() -> None:
     said: list[str] = []
     told: list[str] = []
-    lines = FleetLines(said.append, told.append)
+    lines = ProgressLines(said.append, told.append)
     ends: list[RunState] = []
 
     def look(daemon: Daemon, now: RunState) -> bool:
@@ -30,7 +30,7 @@ def test_each_robots_stop_is_one_line_with_its_cause_and_a_status_says_it() -> N
             daemon.people.stop("a cat on the table")
         return len(ends) == 60
 
-    run_fleet_virtually(with_one_at_rest(), look=look, pictures=False)
+    run_virtually(with_one_at_rest(), look=look, pictures=False)
     stops = [line.split(maxsplit=4)[2:] for line in said if " stopped " in line]
     assert sorted(stops) == [[name, "stopped", "a cat on the table"] for name in "ab"]
     assert told[-1] == "stopped: a: a cat on the table"

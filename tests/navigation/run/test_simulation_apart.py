@@ -14,12 +14,12 @@ import pytest
 from navigation.config import Config, load_config
 from navigation.link.serial_link import SerialLink
 from navigation.run.devices.world_clock import WallClock
-from navigation.run.fleet.simulated_fleet import SimulatedFleet
-from navigation.run.fleet.simulation_apart import SimulationApart
+from navigation.run.simulation import Simulation
+from navigation.run.simulation_apart import SimulationApart
 from tests.support.waiting import wait_until
 from vision.camera.camera import CameraError
 
-CONFIGS = Path(__file__).parents[4] / "configs"
+CONFIGS = Path(__file__).parents[3] / "configs"
 
 
 @pytest.fixture(scope="module")
@@ -38,7 +38,7 @@ def test_its_camera_shows_what_the_camera_of_this_process_shows(
     config: Config, apart: SimulationApart
 ) -> None:
     clock = WallClock()
-    here = SimulatedFleet(config, clock)
+    here = Simulation(config, clock)
     cameras = [apart.open_camera(), here.open_camera()]
     pictures = []
     for camera in cameras:
@@ -97,7 +97,7 @@ def test_it_ends_with_the_process_that_asks_for_it() -> None:
 import os
 from pathlib import Path
 from navigation.config import load_config
-from navigation.run.fleet.simulation_apart import SimulationApart
+from navigation.run.simulation_apart import SimulationApart
 if __name__ == "__main__":
     simulation = SimulationApart(load_config(Path({str(CONFIGS / "crossing.yaml")!r})))
     print(simulation.process.pid, flush=True)

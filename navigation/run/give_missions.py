@@ -51,7 +51,7 @@ class GiveMissions:
             self._kept = {}
         for name, mission in self._kept.items():
             if name not in self._left and name not in rearmed:
-                say(f"{name} has nothing to continue: its mission was {mission.state.value}")
+                say(f"{_who(name)} has nothing to continue: its mission was {mission.state.value}")
         for name, seat in daemon.robots.items():
             stations = stations_of(seat.config)
             if stations and name not in self._kept and not for_orders:
@@ -66,7 +66,8 @@ class GiveMissions:
             mission = None if seat.journal is None else seat.journal.rearmed()
             if mission is not None:
                 self._say(
-                    f"{name} was re-armed before this run began: it waits for `clearway resume`"
+                    f"{_who(name)} was re-armed before this run began: "
+                    "it waits for `clearway resume`"
                 )
                 with self._daemon.lock:
                     seat.pilot.appoint(mission)
@@ -102,7 +103,7 @@ class GiveMissions:
         for name in list(self._left):
             self._continue(name)
         for name, stations in self._given.items():
-            any_order = self._daemon.config.mission.order == "best"
+            any_order = self._daemon.robots[name].config.mission.order == "best"
             self._people.appoint(Mission(stations, any_order=any_order), name)
         self._given = {}
 
@@ -152,10 +153,16 @@ class GiveMissions:
             mission = mission.with_visited(max(mission.visited, visited))
         del self._left[name]
         self._say(
-            f"{name} continues: {mission.visited} of {len(mission.stations)} stations were visited"
+            f"{_who(name)} continues: {mission.visited} of {len(mission.stations)} stations "
+            "were visited"
         )
         self._people.restore(mission, name)
 
 
 def _station(task: ConfiguredStation) -> Station:
     return Station(task.x_m, task.y_m, task.heading_rad, task.dwell_s)
+
+
+def _who(name: str) -> str:
+    """A robot in a sentence; one that is alone has no name."""
+    return name or "the robot"

@@ -1,0 +1,38 @@
+"""Where the pixels of a run's cameras lie on the floor, as configured. Metres, pixels."""
+
+from __future__ import annotations
+
+from navigation.config import Config
+from navigation.config.several.each_camera import each_camera
+from navigation.simulator.picture.pinhole import pinhole_of
+from planner.scene import Bounds
+from vision.calibration.calibration import Calibration
+from vision.calibration.calibration_file import load_calibration
+from vision.joined.floor_plan import FloorPlan
+
+
+def calibration_of(config: Config) -> Calibration:
+    """The configured calibration; a simulated camera's true values where there is none."""
+    camera = config.camera
+    if camera.calibration is not None:
+        return load_calibration(camera.calibration)
+    if camera.metres_per_pixel is not None:
+        return Calibration.from_scale(camera.metres_per_pixel, camera.size_px)
+    return pinhole_of(config).calibration()
+
+
+def floor_plan_of(config: Config) -> FloorPlan | None:
+    """The floor under the configuration's several cameras; None where there is one.
+
+    Raises ``CalibrationError`` with the camera's name where one sees nothing of the arena.
+    """
+    cameras = each_camera(config)
+    if not cameras:
+        return None
+    calibrations = [calibration_of(one) for one in cameras.values()]
+    return FloorPlan.of(calibrations, Bounds(*config.arena.bounds_m), tuple(cameras))
+
+
+def shown_calibration(config: Config, plan: FloorPlan | None) -> Calibration:
+    """Where the pixels of the picture that people are shown lie on the floor."""
+    return calibration_of(config) if plan is None else plan.calibration
