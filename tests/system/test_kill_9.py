@@ -76,11 +76,11 @@ def kill_when_said(process: subprocess.Popen[str], words: str) -> list[str]:
 def test_a_killed_run_goes_on_where_it_was(folder: Path) -> None:
     kill_when_said(run(folder), "driving")
     again = kill_when_said(run(folder), "station 1/3")
-    assert any("continuing: 0 of 3 stations were visited" in line for line in again)
+    assert any("continues: 0 of 3 stations were visited" in line for line in again)
     with run(folder) as last:
         said, _ = last.communicate(timeout=120)
     assert last.returncode == 0, said
-    assert "continuing: 1 of 3 stations were visited" in said
+    assert "continues: 1 of 3 stations were visited" in said
     report = json.loads((folder / "report.json").read_text())
     assert (report["state"], report["stations_visited"]) == ("done", 3)
     assert report["goal_error_m"] < 0.02

@@ -21,29 +21,11 @@ from navigation.loop.daemon_state import RunState
 from navigation.mission.mission import State
 from navigation.run.give_missions import GiveMissions
 from navigation.run.run_report import least_gap
-from navigation.run.virtual_world import VirtualWorld
-from tests.support.runs.kills import TIME_LIMIT_S, Killed, Reaper, stands
+from tests.support.runs.kills import TIME_LIMIT_S, Killed, MortalWorld, stands
 
-QUESTIONS = 25_000
+QUESTIONS = 10_000
 """How often the clock is asked in about ten seconds: a kill comes within so many."""
 Look = Callable[[Daemon, RunState], None]
-
-
-class MortalFleetWorld(VirtualWorld):
-    """A world of several robots whose clock kills."""
-
-    def __init__(self, config: Config) -> None:
-        self.reaper = Reaper()
-        super().__init__(config, pictures=False)
-
-    def clock(self) -> float:
-        """Virtual seconds, or death."""
-        self.reaper.ask()
-        return super().clock()
-
-    def bury(self) -> None:
-        """Nothing that the dead program had under way happens any more."""
-        self._due.clear()
 
 
 @dataclass(frozen=True, slots=True)
@@ -72,7 +54,7 @@ def drive_fleet_under_fire(
     ``config`` names the journal.
     """
     rng = np.random.default_rng(seed)
-    world = MortalFleetWorld(config)
+    world = MortalWorld(config)
     first_id, killed = 1, 0
     said: list[str] = []
     while True:
@@ -103,7 +85,7 @@ def drive_fleet_under_fire(
 
 def _run(
     config: Config,
-    world: MortalFleetWorld,
+    world: MortalWorld,
     open_things: ExitStack,
     first_id: int,
     say: Callable[[str], None],
