@@ -39,11 +39,11 @@ class GiveMissions:
         self._kept: dict[str, Mission] = {}
         """Of a run that continues: what each journal holds, finished or not."""
         self._given: dict[str, tuple[Station, ...]] = {}
-        for name, seat in daemon.robots.items():
-            mission = None if seat.journal is None else seat.journal.mission()
+        for name, robot in daemon.robots.items():
+            mission = None if robot.journal is None else robot.journal.mission()
             if mission is not None:
                 self._kept[name] = mission
-            unfinished = None if seat.journal is None else seat.journal.unfinished()
+            unfinished = None if robot.journal is None else robot.journal.unfinished()
             if unfinished is not None:
                 self._left[name] = unfinished
         rearmed = self._rearmed()
@@ -52,8 +52,8 @@ class GiveMissions:
         for name, mission in self._kept.items():
             if name not in self._left and name not in rearmed:
                 say(f"{_who(name)} has nothing to continue: its mission was {mission.state.value}")
-        for name, seat in daemon.robots.items():
-            stations = stations_of(seat.config)
+        for name, robot in daemon.robots.items():
+            stations = stations_of(robot.config)
             if stations and name not in self._kept and not for_orders:
                 self._given[name] = stations
         self._tasks = () if for_orders else self._open_tasks()
@@ -62,15 +62,15 @@ class GiveMissions:
     def _rearmed(self) -> set[str]:
         """The robots that were re-armed and not resumed: they wait for the second resume."""
         found = set()
-        for name, seat in self._daemon.robots.items():
-            mission = None if seat.journal is None else seat.journal.rearmed()
+        for name, robot in self._daemon.robots.items():
+            mission = None if robot.journal is None else robot.journal.rearmed()
             if mission is not None:
                 self._say(
                     f"{_who(name)} was re-armed before this run began: "
                     "it waits for `clearway resume`"
                 )
                 with self._daemon.lock:
-                    seat.pilot.appoint(mission)
+                    robot.pilot.appoint(mission)
                 found.add(name)
         return found
 
@@ -83,7 +83,9 @@ class GiveMissions:
         tasks = self._daemon.config.tasks
         if not self._kept:
             return tasks
-        free = [name for name, seat in self._daemon.robots.items() if not stations_of(seat.config)]
+        free = [
+            name for name, robot in self._daemon.robots.items() if not stations_of(robot.config)
+        ]
         served = [self._kept[name].stations for name in free if name in self._kept]
         if len(served) >= min(len(tasks), len(free)):
             return ()
@@ -112,24 +114,24 @@ class GiveMissions:
 
         Nobody moves meanwhile: paths are planned for every pair, in the control loop.
         """
-        seats = self._daemon.robots
+        robots = self._daemon.robots
         free = {
-            name: seat
-            for name, seat in seats.items()
+            name: robot
+            for name, robot in robots.items()
             if name not in self._given
             and name not in self._kept
-            and not seat.pilot.mission.stations
+            and not robot.pilot.mission.stations
         }
         roadmap = self._daemon.roadmap
-        if roadmap is None or any(seat.pose is None for seat in free.values()):
+        if roadmap is None or any(robot.pose is None for robot in free.values()):
             return
         names = list(free)
         chosen = assign_tasks(
             roadmap,
-            [(seat.pose.x, seat.pose.y) for seat in free.values() if seat.pose is not None],
+            [(robot.pose.x, robot.pose.y) for robot in free.values() if robot.pose is not None],
             [(task.x_m, task.y_m) for task in self._tasks],
-            [seat.config.robot.radius_m for seat in free.values()],
-            [limits_of(seat.config) for seat in free.values()],
+            [robot.config.robot.radius_m for robot in free.values()],
+            [limits_of(robot.config) for robot in free.values()],
         )
         for name, number in zip(names, chosen.tasks, strict=True):
             if number is not None:
@@ -141,10 +143,10 @@ class GiveMissions:
 
     def _continue(self, name: str) -> None:
         """The journal's mission, once the robot has said how far it has come of it, or not."""
-        seat, mission = self._daemon.robots[name], self._left[name]
-        assert seat.journal is not None
-        plan = seat.journal.plan()
-        snapshot = seat.link.snapshot()
+        robot, mission = self._daemon.robots[name], self._left[name]
+        assert robot.journal is not None
+        plan = robot.journal.plan()
+        snapshot = robot.link.snapshot()
         silent = snapshot.down_reason is not None or snapshot.status is None
         if plan is not None and silent and self._daemon.world.clock() < self._until_s:
             return

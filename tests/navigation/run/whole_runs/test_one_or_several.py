@@ -200,7 +200,12 @@ def test_an_interrupt_before_the_beginning_of_a_run_without_missions_is_no_failu
 
 @BOTH
 def test_an_interrupt_before_the_beginning_of_a_mission_is_a_failure(run: Run, make: Make) -> None:
-    assert run(make(), interrupted=True).exit_code == runner.FAILED
+    ran = run(make(), interrupted=True)
+    assert ran.exit_code == runner.FAILED
+    assert [one["state"] for one in ran.events_called("finished")] == ["stopped"]
+    each = ran.report.get("robots", {"": ran.report})
+    assert list(each) == ([one.name for one in make().robots] or [""])
+    assert {one["state"] for one in each.values()} == {"stopped"}
 
 
 # Simulated faults.
