@@ -19,7 +19,7 @@ def test_a_robot_that_nobody_could_stop_holds_until_the_socket_is_read_again(
 ) -> None:
     config = short_config([{"x_m": 0.20, "y_m": 1.60}])
     with (
-        Daemon(config, VirtualWorld(config), first_mission_id=7) as daemon,
+        Daemon(config, VirtualWorld(config, pictures=False), first_mission_id=7) as daemon,
         ControlServer(tmp_path / "run" / "c.sock", daemon.people) as control,
     ):
         daemon.look_after(

@@ -20,7 +20,7 @@ FAR = [{"x_m": 0.20, "y_m": 1.60}]
 @pytest.fixture
 def driving() -> Iterator[tuple[VirtualWorld, Daemon]]:
     config = short_config(FAR)
-    world = VirtualWorld(config)
+    world = VirtualWorld(config, pictures=False)
     with Daemon(config, world, first_mission_id=7) as daemon:
         daemon.people.give(stations_of(config))
         cycle_until(daemon, is_driving)

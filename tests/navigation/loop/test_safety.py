@@ -2,6 +2,8 @@
 
 Each test lets the robot drive, breaks one thing, and wants the permit gone within one cycle of
 the moment at which the daemon can know, the robot standing soon after, and the sentence.
+Where the pictures say what is broken, they are drawn too; that all else is decided alike with them
+is what `tests/navigation/run/without_pictures/test_both_kinds.py` says.
 """
 
 from __future__ import annotations
@@ -52,16 +54,20 @@ class Arena:
         return not self.world.body.loop.drive.moving
 
 
-@pytest.fixture(params=[True, False], ids=["drawn", "without_pictures"])
+@pytest.fixture
 def arena(request: pytest.FixtureRequest) -> Iterator[Arena]:
-    """What decides about safety decides alike, whether pictures are drawn or not."""
+    """A robot that drives; with drawn pictures where the parameter is ``True``."""
     config = short_config(FAR, simulation={"camera": HIGH_CAMERA})
-    world = VirtualWorld(config, pictures=request.param)
+    world = VirtualWorld(config, pictures=getattr(request, "param", False))
     with Daemon(config, world, first_mission_id=7) as daemon:
         daemon.people.give(stations_of(config))
         cycle_until(daemon, is_driving)
         cycle_until(daemon, lambda _: world.body.loop.drive.moving)
         yield Arena(world, daemon)
+
+
+drawn = pytest.mark.parametrize("arena", [True], ids=["drawn"], indirect=True)
+"""Only the pictures show it."""
 
 
 def hide_marker(arena: Arena) -> None:
@@ -144,8 +150,16 @@ TABLE: list[tuple[Callable[[Arena], None], State, float, str]] = [
 ]
 
 
+SHOWN = (hide_marker, silence_camera, freeze_camera, unplug_camera, carry_outside)
+SHOWN += (carry_into_an_obstacle, carry_near_an_obstacle, carry_off_the_path)
+"""What the pictures say, or their absence."""
+
+
 @pytest.mark.parametrize(
-    ("break_it", "state", "known_s", "words"), TABLE, ids=[row[0].__name__ for row in TABLE]
+    ("arena", "break_it", "state", "known_s", "words"),
+    [(drawn, *row) for row in TABLE for drawn in ([True, False] if row[0] in SHOWN else [False])],
+    indirect=["arena"],
+    ids=lambda one: getattr(one, "__name__", None),
 )
 def test_each_broken_rule_stops_the_robot_within_one_cycle_and_says_why(
     arena: Arena, break_it: Callable[[Arena], None], state: State, known_s: float, words: str
@@ -266,6 +280,7 @@ def test_a_planner_that_fails_holds_the_robot_and_is_started_again(
     assert arena.daemon._supervisor.restarts == 2
 
 
+@drawn
 def test_vision_that_fails_holds_the_robot_and_is_made_anew(
     arena: Arena, monkeypatch: pytest.MonkeyPatch
 ) -> None:
@@ -289,6 +304,7 @@ def test_a_camera_that_stays_away_is_tried_with_growing_pauses(arena: Arena) -> 
     assert "unplugged" in arena.daemon.camera.status().reason
 
 
+@drawn
 def test_no_scene_ever_holds_the_robot_while_things_break(arena: Arena) -> None:
     scenes: list[Scene] = []
 

@@ -39,7 +39,7 @@ def test_each_robot_has_its_track_in_its_own_colour_and_the_length_that_it_drove
             driven_m[name] = float(np.hypot(*steps.T).sum())
         return True
 
-    run_virtually(ALCOVE, look=look)
+    run_virtually(ALCOVE, look=look, pictures=False)
     picture = file.read_text()
     for number, (name, length_m) in enumerate(driven_m.items()):
         assert length_m > 0.2

@@ -76,13 +76,20 @@ class Stage:
         return truth.track_clearance(truth.track()) - RADIUS_M
 
 
-@pytest.fixture(params=[True, False], ids=["drawn", "without_pictures"])
+@pytest.fixture
 def stage(request: pytest.FixtureRequest) -> Iterator[Stage]:
-    """What decides about safety decides alike, whether pictures are drawn or not."""
+    """A robot at its start; with drawn pictures where the parameter is ``True``."""
     config = short_config(FAR, simulation={"camera": HIGH_CAMERA})
-    world = VirtualWorld(config, pictures=request.param)
+    world = VirtualWorld(config, pictures=getattr(request, "param", False))
     with Daemon(config, world, first_mission_id=7) as daemon:
         yield Stage(world, daemon)
+
+
+drawn_too = pytest.mark.parametrize(
+    "stage", [True, False], ids=["drawn", "without_pictures"], indirect=True
+)
+"""What only lies in pictures; all else is decided alike with them, as
+`tests/navigation/run/without_pictures/test_both_kinds.py` says."""
 
 
 def freeze_with_a_clock(stage: Stage) -> None:
@@ -130,6 +137,7 @@ LIES: list[tuple[Callable[[Stage], None], float, str]] = [
 ]
 
 
+@drawn_too
 @pytest.mark.parametrize(("lie", "most_m", "words"), LIES, ids=[row[0].__name__ for row in LIES])
 def test_a_lie_of_the_camera_is_a_stop_within_a_hand(
     stage: Stage, lie: Callable[[Stage], None], most_m: float, words: str
@@ -145,6 +153,7 @@ def test_a_lie_of_the_camera_is_a_stop_within_a_hand(
     assert stage.clearance_m() > 0.0
 
 
+@drawn_too
 def test_a_marker_that_drifts_is_found_before_it_leads_the_robot_into_anything(
     stage: Stage,
 ) -> None:
