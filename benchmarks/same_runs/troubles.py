@@ -32,7 +32,6 @@ class Trouble:
     steps: tuple[Step, ...] = ()
     prepare: Callable[[Config], Config] = _as_it_is
     least_robots: int = 1
-    most_robots: int = 1000
     with_pictures: bool = False
     """True for what is driven with drawn pictures too."""
     without_pictures: bool = True
@@ -157,7 +156,7 @@ TROUBLES: Final[dict[str, Trouble]] = {
     "turn_marker": Trouble(_for_a_while("robot", "marker_turned")),
     "swap_markers": Trouble((Step(_swap_markers), Step(_swap_back)), least_robots=2),
     "second_marker": Trouble(
-        (Step(_lay_second_marker), Step(partial(_set, "robot", "double_at", None))), most_robots=1
+        (Step(_lay_second_marker), Step(partial(_set, "robot", "double_at", None)))
     ),
     "silence_camera": Trouble(_for_a_while("camera", "camera_silent")),
     "unplug_camera": Trouble(_for_a_while("camera", "camera_lost")),

@@ -207,9 +207,11 @@ class VirtualWorld:
 
     def _driven(self) -> Driven:
         """The robots, and the second markers that may lie beside them."""
-        bodies = list(self.bodies.values())
-        doubles = [(body.config.robot, body.double) for body in bodies if len(bodies) == 1]
-        return [*((body.config.robot, body.seen) for body in bodies), *doubles]
+        bodies = self.bodies.values()
+        return [
+            *((body.config.robot, body.seen) for body in bodies),
+            *((body.config.robot, body.double) for body in bodies),
+        ]
 
     def start(self) -> None:
         """What happens in the arena counts from the first start."""

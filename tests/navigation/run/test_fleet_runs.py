@@ -126,6 +126,32 @@ def test_a_hidden_marker_keeps_its_place_and_its_robot_drives_on_when_it_is_seen
     assert report.least_gap_m > 0.0
 
 
+@pytest.mark.parametrize("pictures", [False, True])
+def test_a_second_marker_of_one_robot_stops_it_and_the_other_keeps_clear(pictures: bool) -> None:
+    ended: dict[str, MissionState] = {}
+    sentence = ""
+
+    def meet(world: VirtualWorld, since_s: float) -> None:
+        world.bodies["b"].troubles.double_at = (0.3, 1.5, 0.0) if since_s > 3.0 else None
+
+    def look(_daemon: Daemon, now: RunState) -> bool:
+        nonlocal sentence
+        ended.update({name: one.mission.state for name, one in now.robots.items()})
+        if ended["b"] is MissionState.STOPPED and not sentence:
+            assert now.time_s < 3.7
+            sentence = now.robots["b"].sentence
+        return now.time_s > 12.0
+
+    report = run_virtually(
+        open_hall("a", "b", time_limit_s=80.0), meet=meet, look=look, pictures=pictures
+    )
+    assert "marker" in sentence
+    assert "is seen at" in sentence
+    assert ended["b"] is MissionState.STOPPED
+    assert report.least_gap_m is not None
+    assert report.least_gap_m > 0.0
+
+
 def test_tasks_are_given_once_all_are_seen_and_driven_to_the_end() -> None:
     config = open_hall("a", "b", time_limit_s=60.0)
     tasks = [one.stations[0].model_copy(update={"y_m": 0.6}) for one in config.mission.robots]
