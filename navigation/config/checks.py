@@ -354,7 +354,6 @@ CHECKS: tuple[tuple[tuple[str, ...], Callable[..., _Found]], ...] = (
     (("arena", "robot", "mission", "simulation"), _places_lie_inside),
     (("robots", "serial", "other_robots"), fleet_checks.names_markers_and_ports_differ),
     (("robots", "robot"), fleet_checks.markers_are_of_one_family),
-    (("robots", "robot"), fleet_checks.robots_turn_on_the_spot),
     (("robots", "mission", "simulation"), fleet_checks.names_are_known),
     (("robots", "serial", "simulation"), fleet_checks.every_robot_has_a_start),
     (("robots", "mission", "tasks"), fleet_checks.missions_fit_the_fleet),

@@ -27,11 +27,18 @@ import numpy as np
 
 from navigation.fleet.asking import request_of
 from navigation.fleet.giving_way import GivingWay
-from navigation.fleet.orders import ON_TRACK_M, FleetOrders, ahead, holds_of, waits_of
+from navigation.fleet.orders import (
+    ON_TRACK_M,
+    FleetOrders,
+    ahead,
+    holds_of,
+    is_seen_there,
+    waits_of,
+)
 from navigation.fleet.places_kept import Member, comes_too_near, why_nobody_moves
 from navigation.fleet.refusals import Refusals
 from navigation.fleet.releases import Held, Release, release_of
-from navigation.fleet.request import Driving, FleetAnswer, FleetRequest, Promise
+from navigation.fleet.request import Driving, FleetAnswer, FleetRequest
 from navigation.fleet.runaways import Runaway, runaways_of
 from navigation.mission.cycle import PlanAnswer, PlanRequest
 from navigation.mission.mission import State, Station
@@ -108,7 +115,11 @@ class Coordinator:
                 answers |= told
         elif self._gathering_s is not None:
             plan_again += tuple(
-                (name, self._why) for name, one in members.items() if one.state is State.DRIVING
+                (name, self._why)
+                for name, one in members.items()
+                if one.state is State.DRIVING
+                # one that is there has no new path to where it is without a turn on the spot
+                and (one.limits.turns_on_spot or self._drives(name, one))
             )
             if not plan_again:
                 request, told = self._gathered(now_s, members, revision)
@@ -164,7 +175,7 @@ class Coordinator:
                 held.broken = not held.is_finished
             elif one.executed is not None and one.state is State.DRIVING:
                 executed = held.base + one.executed
-                if executed > held.executed and _is_seen_there(one, held.promise, executed):
+                if executed > held.executed and is_seen_there(one, held.promise, executed):
                     held.executed = executed
 
     def _continued(self, members: Mapping[str, Member], revision: int) -> dict[str, PlanAnswer]:
@@ -212,7 +223,7 @@ class Coordinator:
         refused = self._refusals.reasons
         if not self._refusals.still_hold(members, self._open, revision, at_rest):
             refused = {}
-        drives = self._someone_drives(members)
+        drives = any(self._drives(name, one) for name, one in members.items())
         joins = False
         for name, request in self._open.items():
             if name in answers:
@@ -386,14 +397,3 @@ class Coordinator:
         if held is None or held.is_finished or held.broken or name in self._open:
             return False
         return one.state in GOING
-
-    def _someone_drives(self, members: Mapping[str, Member]) -> bool:
-        return any(self._drives(name, one) for name, one in members.items())
-
-
-def _is_seen_there(one: Member, promise: Promise, executed: int) -> bool:
-    """Whether the camera sees the robot where its report says that it is."""
-    if one.pose is None:
-        return False
-    around = promise.points[max(0, executed - 1) : executed + 2]
-    return distance_to_polyline(around, one.pose[:2]) <= one.max_deviation_m

@@ -29,7 +29,7 @@ from navigation.fleet.releases import Held
 from navigation.fleet.runaways import Runaway
 from navigation.mission.cycle import PlanAnswer, PlanRequest
 from navigation.mission.mission import State, Station
-from navigation.mission.targets import Target
+from navigation.mission.targets import STEERED_RAD, Target
 from planner.path import Path
 from planner.scene import FloatArray
 
@@ -267,8 +267,11 @@ def _lines(one: Member) -> tuple[list[FloatArray], FloatArray, FloatArray]:
     assert one.pose is not None
     x, y, heading = one.pose
     speed = _speed(one)
-    turns = np.repeat(np.linspace(-math.pi, math.pi, HEADINGS, endpoint=False), len(LENGTHS_M))
-    lengths = np.tile(LENGTHS_M, HEADINGS)
+    headings = np.linspace(-math.pi, math.pi, HEADINGS, endpoint=False)
+    if not one.limits.turns_on_spot:
+        headings = headings[np.abs(headings) <= STEERED_RAD]
+    turns = np.repeat(headings, len(LENGTHS_M))
+    lengths = np.tile(LENGTHS_M, len(headings))
     brakes_m = BEGINS_S * speed + 0.5 * speed**2 / one.limits.acceleration
     first_m = np.where(np.abs(turns) > STEERS_RAD, brakes_m, 0.0)
     here = x + 1j * y

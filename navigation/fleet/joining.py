@@ -31,8 +31,16 @@ from navigation.fleet.planning import (
     with_names,
     with_taken,
 )
-from navigation.fleet.request import Driving, FleetAnswer, FleetRequest, Gate, Promise, Traveller
-from navigation.fleet.rounding import CutTrack, split_track
+from navigation.fleet.request import (
+    Driving,
+    FleetAnswer,
+    FleetRequest,
+    Gate,
+    Promise,
+    Taken,
+    Traveller,
+)
+from navigation.fleet.rounding import CutTrack, rounded
 from navigation.mission.running_plan import distance_to_polyline
 from planner.fleet.dependencies import find_dependencies, is_live
 from planner.fleet.fleet_plan import Dependency, FleetPlan, NoFleetPlan
@@ -48,6 +56,14 @@ TIME_LIMIT_S: Final = 1.0
 
 class CannotJoinError(Exception):
     """Nothing can be added to the promises; the text says why."""
+
+
+class _CannotDriveError(Exception):
+    """A robot's new path is none that it can drive; the text says why."""
+
+    def __init__(self, one: Traveller, why: str) -> None:
+        super().__init__(why)
+        self.one = one
 
 
 @dataclass(frozen=True, slots=True)
@@ -85,15 +101,27 @@ def join_promises(
 
     ``roadmap`` is of the smallest robot in ``scene``; ``clock`` limits each search.
     """
-    party = _Party(request.driving, request.travellers, request.idle, clock)
-    everybody = [*(one.as_traveller for one in party.driving), *party.standing]
-    here = roadmap
-    if request.taken:
-        here = roadmap.updated(with_taken(scene, request.taken, everybody))
-    try:
-        return _join(here, party, everybody, request, keep_m)
-    except CannotJoinError as error:
-        return FleetAnswer(request.id, request.scene_revision, {}, {}, cannot=str(error))
+    taken, out = request.taken, dict[str, str]()
+    while True:
+        asking, idle = (
+            tuple(one for one in standing if one.name not in out)
+            for standing in (request.travellers, request.idle)
+        )
+        party = _Party(request.driving, asking, idle, clock)
+        everybody = [*(one.as_traveller for one in party.driving), *party.standing]
+        here = roadmap.updated(with_taken(scene, taken, everybody)) if taken else roadmap
+        try:
+            answer = _join(here, party, everybody, request, keep_m)
+        except CannotJoinError as error:
+            return FleetAnswer(request.id, request.scene_revision, {}, {}, cannot=str(error))
+        except _CannotDriveError as error:  # it stays where it is, and the others are tried again
+            one = error.one
+            out[one.name] = str(error)
+            taken = (*taken, Taken(one.name, one.start[0], one.start[1], one.radius_m))
+            continue
+        asked = {one.name for one in request.travellers}
+        refused = {name: why for name, why in out.items() if name in asked}
+        return replace(answer, refused={**answer.refused, **refused})
 
 
 def _join(
@@ -108,19 +136,18 @@ def _join(
     schedule, refused = _with_goals(_promised(here, party, everybody, sizes), party)
     if not any(one.name not in refused for one in party.asking):
         return FleetAnswer(request.id, request.scene_revision, {}, refused)
-    tracks, waits = _in_pieces(schedule, first, sizes)
-    numbers = [point_numbers(track) for track in tracks]
+    tracks, waits = _in_pieces(here, schedule, everybody, first, sizes)
+    numbers = [point_numbers(track.targets) for track in tracks]
     gates = _gates(party, numbers, waits)
     promises: dict[str, Promise] = {}
     for k, one in enumerate(party.standing, first):
         if one.name in refused or (len(numbers[k]) < 2 and k >= first + len(party.asking)):
             continue  # an idle robot that need not move
         try:
-            promises[one.name] = make_promise(
-                here, one, CutTrack.whole(tracks[k]), gates[k], sizes[k] - one.radius_m
-            )
+            margin_m = sizes[k] - one.radius_m
+            promises[one.name] = make_promise(here, one, tracks[k], gates[k], margin_m)
         except TrajectoryError as error:
-            raise CannotJoinError(f"{one.name}: {error}") from error
+            raise _CannotDriveError(one, str(error)) from error
     coming = {*promises, *(one.promise.name for one in party.driving)}
     missing = {gate.other for rows in gates for gate in rows} - coming
     if missing:
@@ -253,18 +280,31 @@ def _margin_m(
 
 
 def _in_pieces(
-    schedule: FleetSchedule, first: int, sizes: Sequence[float]
-) -> tuple[list[FloatArray], Sequence[Dependency]]:
-    """New tracks in short pieces, where the order still takes back nothing that was sent."""
+    here: Roadmap,
+    schedule: FleetSchedule,
+    everybody: Sequence[Traveller],
+    first: int,
+    sizes: Sequence[float],
+) -> tuple[list[CutTrack], Sequence[Dependency]]:
+    """New tracks in short pieces, where the order still takes back nothing that was sent.
+
+    The corners of those are rounded that cannot turn at them.
+    """
     plan = schedule.plan
-    tracks = [
-        split_track(track, PIECE_M) if k >= first else track for k, track in enumerate(plan.tracks)
-    ]
-    waits = find_dependencies(tracks, sizes)
-    takes_back = any(row < schedule.sent[j] for _, _, j, row in waits)
-    if takes_back or not is_live(tracks, waits):
-        return list(plan.tracks), plan.dependencies
-    return tracks, waits
+    whole = [CutTrack.whole(track) for track in plan.tracks]
+    pieces = [*whole[:first], *(CutTrack.of(track, PIECE_M) for track in plan.tracks[first:])]
+    bends = {
+        k: one.limits.turning_radius
+        for k, one in enumerate(everybody)
+        if k >= first and not one.limits.turns_on_spot
+    }
+    for cut in (rounded(here, pieces, sizes, PIECE_M, bends), pieces) if bends else (pieces,):
+        tracks = [one.targets for one in cut]
+        waits = find_dependencies(tracks, sizes)
+        takes_back = any(row < schedule.sent[j] for _, _, j, row in waits)
+        if not takes_back and is_live(tracks, waits):
+            return cut, waits
+    return whole, plan.dependencies
 
 
 def _gates(

@@ -13,9 +13,10 @@ import numpy as np
 
 from navigation.fleet.places_kept import Member, comes_too_near, why_nobody_moves
 from navigation.fleet.releases import Held, release_of
-from navigation.fleet.request import FleetRequest
+from navigation.fleet.request import FleetRequest, Promise
 from navigation.mission.cycle import PlanAnswer
 from navigation.mission.mission import State, Station
+from navigation.mission.running_plan import distance_to_polyline
 from planner.scene import FloatArray
 
 ON_TRACK_M: Final = 0.02
@@ -92,3 +93,11 @@ def ahead(held: Mapping[str, Held], name: str, here: tuple[float, float, float])
     mine = held[name]
     count = max(release_of(name, held).targets, mine.sent)
     return np.vstack([here[:2], mine.promise.points[mine.executed + 1 : count + 1]])
+
+
+def is_seen_there(one: Member, promise: Promise, executed: int) -> bool:
+    """True if the camera sees the robot where its report says that it is."""
+    if one.pose is None:
+        return False
+    around = promise.points[max(0, executed - 1) : executed + 2]
+    return distance_to_polyline(around, one.pose[:2]) <= one.max_deviation_m

@@ -35,7 +35,7 @@ from navigation.fleet.request import (
 )
 from navigation.fleet.rounding import CutTrack, rounded
 from navigation.mission.mission import Station
-from navigation.mission.targets import Target
+from navigation.mission.targets import Target, begin_as_it_stands
 from planner.fleet.dependencies import find_dependencies, is_live
 from planner.fleet.fleet_plan import Dependency, FleetPlan, NoFleetPlan
 from planner.motion.trajectory import TrajectoryError
@@ -176,7 +176,8 @@ def _ordered(
         )
         if isinstance(plan, FleetPlan):
             as_planned = [CutTrack.of(track, PIECE_M) for track in plan.tracks]
-            for cut in (rounded(here, as_planned, sizes, PIECE_M), as_planned):
+            bends = {i: one.limits.turning_radius for i, one in enumerate(moving)}
+            for cut in (rounded(here, as_planned, sizes, PIECE_M, bends), as_planned):
                 tracks = [one.targets for one in cut]
                 waits = find_dependencies(tracks, sizes)
                 if is_live(tracks, waits):
@@ -200,8 +201,12 @@ def make_promise(
     path = path_of(here, points, one)
     trajectory = None
     if len(points) > 1:
+        driven = path_of(here, smooth, one)
+        if not one.limits.turns_on_spot:
+            headings = (one.start[2], *driven.headings_rad[1:])
+            driven = begin_as_it_stands(replace(driven, headings_rad=headings))
         trajectory = planner.time_path(
-            path_of(here, smooth, one),
+            driven,
             one.limits,
             clearance=here.clearance,
             dwell_s=[0.0, one.station.dwell_s],

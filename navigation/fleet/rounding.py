@@ -13,7 +13,7 @@ Metres, seconds.
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from itertools import pairwise
 from typing import Final
@@ -64,13 +64,20 @@ class CutTrack:
 
 
 def rounded(
-    here: Roadmap, tracks: Sequence[CutTrack], sizes: Sequence[float], piece_m: float
+    here: Roadmap,
+    tracks: Sequence[CutTrack],
+    sizes: Sequence[float],
+    piece_m: float,
+    turning_m: Mapping[int, float],
 ) -> list[CutTrack]:
-    """The tracks with their corners rounded wherever nobody comes too near."""
+    """The tracks with their corners rounded wherever nobody comes too near.
+
+    Those are rounded that are in ``turning_m``, by bends no tighter than its radii.
+    """
     now = list(tracks)
-    for i, track in enumerate(tracks):
-        legs = legs_of(track.fine)
-        smooth = [_rounded_leg(here, leg, sizes[i]) for leg in legs]
+    for i, radius_m in turning_m.items():
+        legs = legs_of(tracks[i].fine)
+        smooth = [_rounded_leg(here, leg, sizes[i], radius_m) for leg in legs]
         found = CutTrack.thinned(np.concatenate(smooth), piece_m)
         if _is_clear(found, i, now, sizes):
             now[i] = found
@@ -91,7 +98,7 @@ def legs_of(track: FloatArray) -> list[FloatArray]:
     return [track[a:b] for a, b in pairwise(cuts)]
 
 
-def _rounded_leg(here: Roadmap, leg: FloatArray, size: float) -> FloatArray:
+def _rounded_leg(here: Roadmap, leg: FloatArray, size: float, turning_m: float) -> FloatArray:
     """The leg on a smooth path, in the same time at one speed."""
     if len(leg) < 3:
         return leg
@@ -108,7 +115,11 @@ def _rounded_leg(here: Roadmap, leg: FloatArray, size: float) -> FloatArray:
         headings_rad=(None, None),
     )
     smooth = smooth_path(
-        path, here.path_clearance, here.clearance, keep=max(size, path.robot_radius)
+        path,
+        here.path_clearance,
+        here.clearance,
+        keep=max(size, path.robot_radius),
+        turning_radius=turning_m,
     )
     along = _along(smooth.points)
     share = along / max(along[-1], 1e-12)

@@ -7,7 +7,6 @@ radians, seconds.
 
 from __future__ import annotations
 
-import math
 import threading
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
@@ -18,7 +17,7 @@ import numpy as np
 import planner
 from navigation.mission.cycle import PlanAnswer, PlanRequest
 from navigation.mission.mission import Station
-from navigation.mission.targets import targets_of
+from navigation.mission.targets import begin_as_it_stands, targets_of
 from navigation.mission.traffic import Disc
 from navigation.shared.supervisor import in_words
 from planner.motion.smooth import SmoothError, smooth_path
@@ -29,10 +28,6 @@ from planner.scene import CircleRecord, FloatArray, Scene, SceneObject, Vec
 
 LONGEST_WAIT_S = 0.25
 """A planner without work turns as often, so that one that hangs can be told from it."""
-
-
-STEERED_RAD = 0.2
-"""The reference robot turns standing for more (``TURN_STANDING`` of its follower)."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -171,23 +166,6 @@ class ArenaPlanner:
         """The last way, where the request is for the rest of the same stations in their order."""
         rest = self._stations[-len(request.stations) :]
         return self._way if rest == request.stations and not request.any_order else None
-
-
-def begin_as_it_stands(path: Path) -> Path:
-    """Without the start's heading, where the way leads so nearly there that it is steered for.
-
-    The camera's headings are never the way's to the last digit; a robot that cannot turn on the
-    spot takes up to ``STEERED_RAD`` of difference while it drives.
-    """
-    heading_rad = path.headings_rad[0]
-    ahead = np.flatnonzero(np.any(path.points != path.points[0], axis=1))
-    if heading_rad is None or not len(ahead):
-        return path
-    dx, dy = path.points[ahead[0]] - path.points[0]
-    off_rad = math.remainder(math.atan2(dy, dx) - heading_rad, math.tau)
-    if abs(off_rad) > STEERED_RAD:
-        return path
-    return replace(path, headings_rad=(None, *path.headings_rad[1:]))
 
 
 def with_discs(scene: Scene, discs: Sequence[Disc]) -> Scene:

@@ -7,9 +7,13 @@ is, and is not sent. Units: metres, radians, seconds.
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from itertools import groupby
+from typing import Final
+
+import numpy as np
 
 from firmware_protocol.wire.messages import Waypoint as WireWaypoint
 from firmware_protocol.wire.messages import WaypointFlag
@@ -17,6 +21,9 @@ from planner.path import Path, Trajectory, Waypoint
 
 LONGEST_DWELL_S = 25.0
 """What one waypoint can say on the wire (25.5 s); a longer stay is several at one place."""
+
+STEERED_RAD: Final = 0.2
+"""The reference robot turns standing for more (``TURN_STANDING`` of its follower)."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -33,6 +40,23 @@ class Target:
     heading_rad: float | None = None
     dwell_s: float = 0.0
     station: int | None = None
+
+
+def begin_as_it_stands(path: Path) -> Path:
+    """Without the start's heading, where the way leads so nearly there that it is steered for.
+
+    The camera's headings are never the way's to the last digit; a robot that cannot turn on the
+    spot takes up to ``STEERED_RAD`` of difference while it drives.
+    """
+    heading_rad = path.headings_rad[0]
+    ahead = np.flatnonzero(np.any(path.points != path.points[0], axis=1))
+    if heading_rad is None or not len(ahead):
+        return path
+    dx, dy = path.points[ahead[0]] - path.points[0]
+    off_rad = math.remainder(math.atan2(dy, dx) - heading_rad, math.tau)
+    if abs(off_rad) > STEERED_RAD:
+        return path
+    return replace(path, headings_rad=(None, *path.headings_rad[1:]))
 
 
 def targets_of(path: Path, trajectory: Trajectory) -> tuple[Target, ...]:

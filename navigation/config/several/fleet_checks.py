@@ -50,16 +50,6 @@ def markers_are_of_one_family(robots: Any, robot: Any) -> _Found:
             )
 
 
-def robots_turn_on_the_spot(robots: Any, robot: Any) -> _Found:
-    """Several robots wait and turn where they meet; a car's turn would take another's floor."""
-    for index, entry in enumerate(robots if len(robots) > 1 else ()):
-        if not robot_of(robot, entry).turns_on_spot:
-            where: Location = ("robot", "turns_on_spot")
-            if entry.turns_on_spot is not None:
-                where = ("robots", index, "turns_on_spot")
-            yield where, "must be true where several robots are driven"
-
-
 def names_are_known(robots: Any, mission: Any, simulation: Any) -> _Found:
     """Stations and starts are of robots that there are, once each."""
     known = {entry.name for entry in robots}

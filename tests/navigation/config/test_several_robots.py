@@ -126,11 +126,6 @@ def test_a_list_with_one_robot_is_that_robot_alone() -> None:
             "1 tasks for 0 robots without stations of their own: one for each at most",
         ),
         (
-            ("speed_m_s: 0.3\n", "speed_m_s: 0.3\n  turns_on_spot: false\n"),
-            "robot.turns_on_spot",
-            "must be true where several robots are driven",
-        ),
-        (
             ("marker_id: 2", "marker_id: 2, driver: epuck"),
             "robots[1].driver",
             "must be 'clearway', 'create2', 'turtlebot3', 'epuck2' or 'waveshare', not 'epuck'; "

@@ -42,7 +42,7 @@ def waits(track: np.ndarray) -> list[tuple[float, float, float, float]]:
 def test_nobody_comes_nearer_to_robots_or_walls_and_ends_and_waits_stay(seed: int) -> None:
     roadmap, plan, sizes = planned(seed)
     cut = [CutTrack.of(track, PIECE_M) for track in plan.tracks]
-    smooth = rounded(roadmap, cut, sizes, PIECE_M)
+    smooth = rounded(roadmap, cut, sizes, PIECE_M, dict.fromkeys(range(len(cut)), 0.0))
     assert least_gap([one.targets for one in smooth], sizes) >= -1e-7
     for before, after in zip(plan.tracks, smooth, strict=True):
         for track in (after.fine, after.targets):
@@ -79,7 +79,7 @@ def stops_and_seconds(answer: FleetAnswer) -> tuple[int, float]:
 
 def test_who_drives_round_corners_stops_at_few_of_them(monkeypatch: pytest.MonkeyPatch) -> None:
     stops, driven_s = stops_and_seconds(promised())
-    monkeypatch.setattr(planning, "rounded", lambda _here, tracks, _sizes, _piece_m: tracks)
+    monkeypatch.setattr(planning, "rounded", lambda _here, tracks, *_: tracks)
     stops_before, driven_before_s = stops_and_seconds(promised())
     assert stops_before >= 15
     assert stops <= 0.3 * stops_before

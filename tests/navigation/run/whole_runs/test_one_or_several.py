@@ -270,11 +270,7 @@ def test_the_best_order_of_stations_is_driven(run: Run, make: Make) -> None:
     assert all(b - a > -0.05 for a, b in pairwise(heights_m)), "it never turns back"
 
 
-# Configurations that several robots are refused.
-
-REFUSED = pytest.mark.xfail(
-    strict=True, raises=AssertionError, reason="refused where robots are several"
-)
+# Configurations of one robot and of several.
 
 
 def test_each_of_several_robots_takes_every_key_of_a_robot_alone() -> None:
@@ -289,7 +285,6 @@ def test_each_of_several_robots_takes_every_key_of_a_robot_alone() -> None:
             "speed_m_s: 0.3\n",
             "speed_m_s: 0.3\n  turns_on_spot: false\n  turning_radius_m: 0.15\n",
             id="no turns on the spot",
-            marks=REFUSED,
         ),
         pytest.param("mission:\n", "mission:\n  order: best\n", id="order: best"),
     ],
