@@ -109,7 +109,7 @@ examples: $(VENV)/.installed-dev ## run every example; their pictures into build
 
 browser: $(VENV)/.installed-dev ## the dashboard in a real browser; screenshots in build/browser/
 	bash .ci/packages browser
-	$(BIN)/python -m pytest tests/browser
+	CLEARWAY_SCREENSHOTS=1 $(BIN)/python -m pytest tests/browser
 
 # adversary, paper and figures have targets of their own; house and same_runs measure no time
 BENCHES = $(filter-out __init__ adversary paper house figures same_runs,$(sort \

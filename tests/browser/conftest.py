@@ -11,7 +11,11 @@ from typing import Protocol
 
 import pytest
 
+from navigation.dashboard.messages.geometry import world_message
+from navigation.dashboard.messages.heat import heat_message
+from navigation.mission.mission import Station
 from planner.roadmap.roadmap import Roadmap
+from planner.scene import Bounds
 from tests.browser.programs.served import PATIENCE_S, ShownProgram
 from tests.support.runs.shown import FakeDaemon, laboratory
 
@@ -19,6 +23,9 @@ CHROMIUM = os.environ.get("CLEARWAY_CHROMIUM", "/usr/bin/chromium")
 ARGUMENTS = ["--no-sandbox", "--disable-dev-shm-usage", "--headless"]
 PICTURES = Path(__file__).parents[2] / "build" / "browser"
 """Where the screenshots go."""
+DESKTOP = {"width": 1360, "height": 860}
+KEEPS = bool(os.environ.get("CLEARWAY_SCREENSHOTS"))
+"""For people to look at, as in `make browser`: no test needs them."""
 
 playwright_api = pytest.importorskip("playwright.sync_api", reason="playwright is not installed")
 from playwright.sync_api import Browser, ConsoleMessage, Page, expect, sync_playwright  # noqa: E402
@@ -45,8 +52,13 @@ def browser() -> Iterator[Browser]:
 
 @pytest.fixture(scope="session")
 def roadmap() -> Roadmap:
-    """The roadmap of the shipped arena."""
-    return laboratory()
+    """The roadmap of the shipped arena; what the page shows of it is compiled, so that no test
+    waits for that."""
+    roadmap = laboratory()
+    world_message(roadmap, 1)
+    heat_message(roadmap, Bounds(0.0, 0.0, 2.4, 1.8), 1)
+    FakeDaemon(roadmap=roadmap).preview((Station(0.30, 1.50),))
+    return roadmap
 
 
 @pytest.fixture
@@ -72,7 +84,8 @@ def open_page(browser: Browser, program: HasUrl) -> Iterator[Callable[..., Page]
     errors: list[str] = []
 
     def open_page(address: str | None = None, *, allowed: str = "(?!)", **options: object) -> Page:
-        settings = {"viewport": {"width": 1360, "height": 860}, **options}
+        # a dot that beats makes a new frame sixty times a second
+        settings = {"viewport": DESKTOP, "reduced_motion": "reduce", **options}
         context = browser.new_context(**settings)  # type: ignore[arg-type]
         contexts.append(context)
         page = context.new_page()
@@ -107,13 +120,12 @@ def open_fleet(open_page: Callable[..., Page]) -> Callable[..., Page]:
 
 
 @pytest.fixture
-def keep(request: pytest.FixtureRequest) -> Callable[[Page, str], Path]:
-    """Keeps a screenshot among the build's artefacts."""
+def keep() -> Callable[[Page, str], None]:
+    """Keeps a screenshot among the build's artefacts, where they are asked for."""
 
-    def keep(page: Page, name: str) -> Path:
-        PICTURES.mkdir(parents=True, exist_ok=True)
-        file = PICTURES / f"{name}.png"
-        page.screenshot(path=file)
-        return file
+    def keep(page: Page, name: str) -> None:
+        if KEEPS:
+            PICTURES.mkdir(parents=True, exist_ok=True)
+            page.screenshot(path=PICTURES / f"{name}.png")
 
     return keep

@@ -1,7 +1,6 @@
 """What the browser's tests are given, and a drive that has begun."""
 
 from collections.abc import Callable
-from pathlib import Path
 
 import pytest
 
@@ -12,7 +11,7 @@ from tests.browser.acting import send_to
 from tests.browser.programs.served import ShownProgram, until
 
 OpenPage = Callable[..., Page]
-Keep = Callable[[Page, str], Path]
+Keep = Callable[[Page, str], None]
 HERE, THERE = (0.25, 0.75), (0.30, 1.50)
 """Two places not far from where the robot starts."""
 

@@ -1,7 +1,6 @@
 """A press does what it is for, or the page says why not: none is lost in silence."""
 
 from collections.abc import Callable
-from pathlib import Path
 
 import pytest
 
@@ -12,7 +11,7 @@ from tests.browser.acting import click_at, send_to, wait_for_picture
 from tests.browser.programs.served import ShownProgram, until
 
 OpenPage = Callable[..., Page]
-Keep = Callable[[Page, str], Path]
+Keep = Callable[[Page, str], None]
 HERE, THERE = (0.25, 0.75), (0.30, 1.50)
 
 HOLD_BACK_PREVIEWS = """() => {

@@ -20,7 +20,7 @@ from tests.browser.programs.served import ShownProgram, until
 from tests.support.runs.shown import ROOT
 
 OpenPage = Callable[..., Page]
-Keep = Callable[[Page, str], Path]
+Keep = Callable[[Page, str], None]
 
 
 @pytest.fixture

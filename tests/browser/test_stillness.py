@@ -12,7 +12,7 @@ from playwright.sync_api import Page
 from tests.browser.acting import wait_for_picture
 
 OpenPage = Callable[..., Page]
-Keep = Callable[[Page, str], Path]
+Keep = Callable[[Page, str], None]
 Places = dict[str, dict[str, Any]]
 DESKTOP: dict[str, Any] = {"viewport": {"width": 1280, "height": 800}}
 PHONE: dict[str, Any] = {

@@ -1,7 +1,6 @@
 """Zoom, keys, the stations of a draft, the log's filter."""
 
 from collections.abc import Callable
-from pathlib import Path
 
 import pytest
 
@@ -11,7 +10,7 @@ from playwright.sync_api import Page, expect
 from tests.browser.acting import click_at, drag, on_screen, wait_for_picture
 
 OpenPage = Callable[..., Page]
-Keep = Callable[[Page, str], Path]
+Keep = Callable[[Page, str], None]
 HERE, THERE = (0.25, 0.75), (0.30, 1.50)
 
 

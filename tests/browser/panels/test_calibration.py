@@ -25,7 +25,7 @@ from vision.camera.camera import Image
 pytestmark = pytest.mark.slow
 
 OpenPage = Callable[..., Page]
-Keep = Callable[[Page, str], Path]
+Keep = Callable[[Page, str], None]
 
 
 class HeldTime(VirtualTime):
