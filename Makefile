@@ -36,14 +36,15 @@ run: $(VENV)/.installed ## the whole loop on a simulated arena
 
 # A worker takes one file of tests after the other, slow ones first; there is one worker more than
 # cores, as many tests wait for a child; none of them starts threads of its own, which would only wait
-# for a core that another worker has. What says how long something may take, and what drives by
-# drivers or emulators, which live by the wall's clock, runs alone. Nothing is run twice.
+# for a core that another worker has. What says how long something may take, and what drives an
+# emulated processor, comes after all others, one worker a core: most of it waits. Nothing is run twice.
 WORKERS ?= $(shell expr $$(nproc) + 1)
+TIMED_WORKERS ?= $(shell nproc)
 TIMED = $(shell grep -rlE "mark\.timed" tests --include='test_*.py')
 test: $(VENV)/.installed-dev ## every test
 	OPENBLAS_NUM_THREADS=1 OPENCV_FOR_THREADS_NUM=1 $(BIN)/python -m pytest --numprocesses $(WORKERS) \
 	  --dist loadfile --no-loadscope-reorder -m "not timed"
-	$(BIN)/python -m pytest -m timed $(TIMED)
+	$(BIN)/python -m pytest --numprocesses $(TIMED_WORKERS) --maxschedchunk 1 -m timed $(TIMED)
 
 coverage: $(VENV)/.installed-dev ## the tests, with the lines that they never reach
 	$(BIN)/python -m pytest --cov --cov-report=term-missing

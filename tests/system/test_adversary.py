@@ -142,6 +142,7 @@ def compiled() -> None:
     prepare()
 
 
+@pytest.mark.slow
 @pytest.mark.timed  # says how far a robot drives, in real time
 @pytest.mark.usefixtures("compiled")
 @pytest.mark.parametrize("attack", QUICK, ids=lambda one: f"{one.kind}: {one.name}")

@@ -43,7 +43,6 @@ def wait_for(
     pytest.fail(f"still {reader.status()}")
 
 
-@pytest.mark.timed  # says how fast or how soon
 def test_frames_come_in_order_at_the_rate_served(server: MjpegServer) -> None:
     camera = camera_for(server.url, clock=time.monotonic)
     camera.open()

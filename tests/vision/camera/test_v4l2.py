@@ -244,7 +244,6 @@ print(json.dumps(told))
 """
 
 
-@pytest.mark.timed  # says how long it takes
 def test_a_camera_that_falls_silent_is_noticed_in_a_second_and_opened_again(node: Path) -> None:
     told = run(STALL, [node], node, V4L2_DELIVER="1")
     assert told["noticed_s"] < 2.5, told

@@ -1,4 +1,7 @@
-"""Drivers that hang, are killed, are slow or loop, in real time: the daemon stops their robots."""
+"""Drivers that hang, are killed, are slow or loop, in real time: the daemon stops their robots.
+
+Their bounds hold beside busy programs too: `python -m benchmarks.robots --hung --load 6`.
+"""
 
 from __future__ import annotations
 
@@ -19,7 +22,7 @@ from tests.support.robots.troubled_drivers import (
 )
 from tests.support.waiting import wait_until
 
-pytestmark = pytest.mark.timed  # a driver is a process that lives by the wall's clock
+pytestmark = pytest.mark.slow
 
 HANGS = [*((name, "frozen") for name in KNOWN_ROBOTS), *(("create2", one) for one in TROUBLES[1:])]
 """Each maker's stop, and each trouble; `python -m benchmarks.robots --hung` measures all pairs."""
