@@ -3,24 +3,26 @@
 from __future__ import annotations
 
 import os
+import select
 import sys
 import threading
 import time
+from collections.abc import Callable
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
 
+from navigation.simulator import own_time
 from navigation.simulator.drive_model import DriveModel
+from navigation.simulator.emulated_processor import EmulatedProcessor, Motors
 from navigation.simulator.emulated_robot import EmulatedRobot
 from navigation.simulator.own_time import BEHIND_MAX_S, OwnTime
 from navigation.simulator.robot import SimulatedRobot
 
-stalls = pytest.mark.timed
-"""The stalls are real ones, of a real thread and a real process."""
-
-STALLING = """
-import struct, sys, time
+PROMPT = """
+import struct, sys
 read, write = sys.stdin.buffer.read, sys.stdout.buffer.write
 asked = cycles = bytes_in = 0
 while head := read(11):
@@ -28,61 +30,106 @@ while head := read(11):
     bytes_in += len(read(count))
     asked += 1
     cycles += 16 * us
-    if asked in (150, 300):
-        time.sleep(0.2)
     answer = struct.pack("<IB", asked, bytes_in) if count else b""
     write(struct.pack("<BBBIIH", 51, 51, 1, 0, cycles % 2**32, len(answer)) + answer)
     sys.stdout.buffer.flush()
 """
-"""An emulator that drives straight on and stands still for 0.2 s twice in its first second; it
-answers bytes with the number of the step in which they came."""
+"""An emulator that drives straight on; it answers bytes with the number of the step in which they
+came."""
 SPEED_M_S = 51 / 255 * 0.8
 STEP_S = 0.002
+STALLED_AT, STALL_S = (150, 300), 0.2
+"""Steps whose answers take so long: twice in the first second."""
 
 
-def stalling_robot(folder: Path) -> EmulatedRobot:
-    program = folder / "stalling.py"
-    program.write_text(STALLING)
+class Clock:
+    """Time that passes when a test says so, and in the answers that stall."""
+
+    def __init__(self) -> None:
+        self.now_s = 0.0
+        self._lock = threading.Lock()
+
+    def __call__(self) -> float:
+        return self.now_s
+
+    def pass_by(self, seconds: float) -> None:
+        with self._lock:
+            self.now_s += seconds
+
+
+class StallingProcessor(EmulatedProcessor):
+    """One for whose answer the robot waits ``STALL_S`` twice."""
+
+    def __init__(self, program: Path, stall: Callable[[], None]) -> None:
+        super().__init__([sys.executable, program])
+        self._asked, self._stall = 0, stall
+
+    def run(self, *arguments: Any) -> tuple[Motors, bytes]:
+        answer = super().run(*arguments)
+        self._asked += 1
+        if self._asked in STALLED_AT:
+            self._stall()
+        return answer
+
+
+@pytest.fixture
+def patient(monkeypatch: pytest.MonkeyPatch) -> None:
+    """A robot is waited for, and makes up, as long as a busy machine takes."""
+    monkeypatch.setattr(own_time, "BEHIND_MAX_S", 60.0)
+
+
+def stalling_robot(folder: Path, clock: Clock, stall: Callable[[], None]) -> EmulatedRobot:
+    program = folder / "prompt.py"
+    program.write_text(PROMPT)
     model = DriveModel(lag_s=1e-4, slip=0.0)
     command = [sys.executable, program]
-    return EmulatedRobot(command, rng=np.random.default_rng(1), model=model)
+    robot = EmulatedRobot(command, rng=np.random.default_rng(1), model=model, clock=clock)
+    robot._processor.close()
+    robot._processor = StallingProcessor(program, stall)
+    return robot
 
 
-@stalls
+@pytest.mark.usefixtures("patient")
 def test_a_pose_is_that_of_the_moment_it_is_asked_for_though_the_emulator_stalls(
     tmp_path: Path,
 ) -> None:
-    robot = stalling_robot(tmp_path)
-    began_s = time.monotonic()
+    clock = Clock()
+    robot = stalling_robot(tmp_path, clock, lambda: clock.pass_by(STALL_S))
     robot.start()
     behind_m = []
-    while (asked_s := time.monotonic()) < began_s + 1.0:
-        behind_m.append((asked_s - began_s) * SPEED_M_S - robot.pose().x_m)
-        time.sleep(0.01)  # a camera's period
+    while (asked_s := clock()) < 1.0:
+        behind_m.append(asked_s * SPEED_M_S - robot.pose().x_m)
+        clock.pass_by(0.01)  # a camera's period
     robot.stop()
-    late_s = max(behind_m) / SPEED_M_S
-    assert robot.lost_s < 0.1, "the stalls of 0.2 s were made up for"
-    assert late_s < 0.02 + robot.lost_s, "a frame of that time would show it where it was before"
+    assert max(behind_m) / SPEED_M_S < 0.02, "a frame of that time would show it where it was"
     assert len(behind_m) > 10
 
 
-@stalls
+@pytest.mark.usefixtures("patient")
 def test_bytes_do_not_reach_a_stalled_emulator_before_their_time(tmp_path: Path) -> None:
-    robot = stalling_robot(tmp_path)
-    began_s = time.monotonic()
-    robot.start()
+    clock = Clock()
+    sent_s: list[float] = []
+
+    def stall() -> None:
+        clock.pass_by(STALL_S / 2)
+        if not sent_s:
+            os.write(host, b"?")
+            sent_s.append(clock())
+        clock.pass_by(STALL_S / 2)
+
+    robot = stalling_robot(tmp_path, clock, stall)
     host = os.open(robot.port, os.O_RDWR | os.O_NOCTTY)
-    time.sleep(0.4)  # in the first stall, which lasts from 0.3 to 0.5 s of the clock
-    sent_s = time.monotonic() - began_s
-    os.write(host, b"?")
+    robot.start()
+    while not select.select([host], [], [], 0.0)[0]:
+        robot.pose()  # so far it has come then
+        clock.pass_by(0.01)
     step = int.from_bytes(os.read(host, 4), "little")
     robot.stop()
     os.close(host)
-    assert robot.lost_s < 0.1
-    assert step * STEP_S > sent_s - robot.lost_s - 0.01
+    assert step * STEP_S > sent_s[0] - 0.01
 
 
-@stalls
+@pytest.mark.timed  # the robot's thread stalls in real time
 def test_a_simulated_robot_whose_thread_is_held_up_is_waited_for() -> None:
     """Its thread is kept from going on; a pose that is asked for meanwhile comes afterwards."""
     held = threading.Lock()
