@@ -29,7 +29,7 @@ GIVEN_UP = "the margin of 0.015 m is given up"
 
 @pytest.fixture(scope="module")
 def run(browser: Browser) -> Iterator[Live]:
-    with Live(live_config()) as run:
+    with Live(live_config(light=True)) as run:
         yield run
 
 

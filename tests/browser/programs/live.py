@@ -15,20 +15,25 @@ from navigation.mission.mission import State
 from navigation.run.kernels.warm_up import warm_up
 from navigation.run.world import World
 from tests.browser.programs.served import PATIENCE_S, Served, until
+from tests.support.runs.light_camera import with_light_camera
 
 CONFIGS = Path(__file__).parents[3] / "configs"
 STILL_M = 0.0005
 """Less than this in a tenth of a second is no movement."""
 
 
-def live_config(rate_hz: int = 20, noise_grey: float = 2.5, **dashboard: object) -> Config:
-    """The shipped simulation without a mission of its own, its page at any free port."""
+def live_config(rate_hz: int = 20, noise_grey: float = 2.5, *, light: bool = False) -> Config:
+    """The shipped simulation without a mission of its own, its page at any free port.
+
+    ``light``: with small pictures, at 20 a second, where a test does not look at them closely.
+    """
     text = (CONFIGS / "simulation.yaml").read_text()
+    if light:
+        text = with_light_camera(text)
     text = re.sub(r"^mission:\n(?:  .*\n)+", "", text, flags=re.MULTILINE)
     text = text.replace("rate_hz: 30", f"rate_hz: {rate_hz}")
     text = text.replace("noise_grey: 2.5", f"noise_grey: {noise_grey}")
-    lines = {"port": 0, **dashboard}
-    text += "\ndashboard:\n" + "".join(f"  {key}: {value}\n" for key, value in lines.items())
+    text += "\ndashboard: {port: 0}\n"
     return parse_config(text, "live.yaml", CONFIGS, {})
 
 
