@@ -7,6 +7,8 @@ from __future__ import annotations
 
 from typing import NamedTuple
 
+from navigation.orders.table import ORDERS
+
 
 class Example(NamedTuple):
     """A command line, and a sentence on what it does."""
@@ -48,31 +50,14 @@ EXAMPLES: dict[str, Example] = {
         "clearway robot --start 0.2,0.2,45 --faults drop=0.01",
         "Simulate a robot on a new pseudo-terminal that loses one byte in a hundred.",
     ),
-    "go": Example(
-        "clearway go 1.4,0.9 2.2,1.6,90 --dwell 0.5",
-        "Send the robot to two places; at the second it faces 90 degrees.",
-    ),
-    "stop": Example(
-        'clearway stop --reason "a person in the arena"',
-        "Stop the robot at once, and say why.",
-    ),
-    "pause": Example("clearway pause", "Hold the robot where it is."),
-    "resume": Example("clearway resume", "Continue after a pause, or re-arm after a stop."),
-    "replan": Example("clearway replan", "Plan again from where the robot is now."),
-    "status": Example(
-        "clearway status --format json",
-        "Print state, reason and progress for a program to read.",
-    ),
+    **{name: Example(*order.example) for name, order in ORDERS.items() if name != "reanchor"},
     "check": Example("clearway check arena.yaml", "Report every error with its line and column."),
     "calibrate": Example(
         "clearway calibrate --live /dev/video0 --squares 7x5 --square-mm 30"
         " --floor-picture floor.png -o calibration.yaml",
         "Calibrate lens with a printed board before the camera, and floor from a picture.",
     ),
-    "reanchor": Example(
-        "clearway reanchor arena.yaml floor.png",
-        "Place the camera anew by the floor markers in a picture.",
-    ),
+    "reanchor": Example(*ORDERS["reanchor"].example),
     "marker": Example(
         "clearway marker 7 --size-mm 90 -o marker.pdf",
         "Write marker 7 as a page that prints at true size.",

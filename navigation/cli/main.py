@@ -21,7 +21,7 @@ import os
 import sys
 import threading
 import traceback
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from importlib import import_module
 from typing import NamedTuple
 
@@ -29,6 +29,7 @@ import click
 
 from navigation.cli.examples import epilog
 from navigation.cli.voice import complain
+from navigation.orders.table import ORDERS
 
 DONE, FAILED, BAD_INPUT, NO_PATH, BAD_CONFIGURATION = 0, 1, 2, 3, 78
 INTERRUPTED = 128 + 2
@@ -44,7 +45,10 @@ OUR_PACKAGES = ("vision", "planner", "navigation", "firmware_protocol")
 
 
 class Listed(NamedTuple):
-    """Where a command lives and what it does, so that listing it imports nothing."""
+    """Where a command lives and what it does, so that listing it imports nothing.
+
+    What is found there is the command, or a mapping that has it by its name.
+    """
 
     where: str
     help: str
@@ -59,15 +63,14 @@ COMMANDS: dict[str, Listed] = {
     "roadmap": Listed(".pictures.roadmap:command", "The AGVD roadmap as a file."),
     "markers": Listed(".pictures.markers:command", "The markers in a picture."),
     "robot": Listed(".running.robot:command", "A simulated robot on a serial port."),
-    "go": Listed(".running.orders:go", "Send the running daemon's robot to a place."),
-    "stop": Listed(".running.orders:stop", "Emergency stop of the running daemon's robot."),
-    "pause": Listed(".running.orders:pause", "Hold the robot where it is."),
-    "resume": Listed(".running.orders:resume", "Continue after a pause; re-arm after a stop."),
-    "replan": Listed(".running.orders:replan", "Plan the path again."),
-    "status": Listed(".running.orders:status", "What the running daemon is doing."),
+    **{
+        name: Listed(".running.orders:commands", order.summary)
+        for name, order in ORDERS.items()
+        if name != "reanchor"
+    },
     "check": Listed(".setup.check:command", "Check a configuration; report every error."),
     "calibrate": Listed(".setup.calibrate:command", "Calibrate a camera from pictures."),
-    "reanchor": Listed(".setup.reanchor:command", "Place a moved camera by the floor markers."),
+    "reanchor": Listed(".setup.reanchor:command", ORDERS["reanchor"].summary),
     "marker": Listed(".setup.marker:command", "A robot marker or a board to print."),
     "devices": Listed(".setup.devices:command", "The serial ports and cameras here."),
     "camera": Listed(".setup.camera:command", "What a camera can do, and what it delivers."),
@@ -98,6 +101,8 @@ class LazyGroup(click.Group):
             return None
         module, attribute = listed.where.split(":")
         command = getattr(import_module(module, "navigation.cli"), attribute)
+        if isinstance(command, Mapping):
+            command = command[cmd_name]
         if not isinstance(command, click.Command):
             raise TypeError(f"{listed.where} is not a click command")
         command.epilog = epilog(cmd_name)

@@ -1,6 +1,5 @@
-"""Orders to a running daemon over a local socket: go, stop, pause, resume, replan and others.
+"""Orders to a running daemon over a local socket; which there are, `navigation.orders` says.
 
-- `orders`: what may be asked for, checked and carried out; the dashboard uses it too.
 - `server`: the thread that reads all clients at once and never waits for one; `places`: the file
   that it listens at, made again where somebody removes it, and `abstract`: the socket without a
   file beside it; `clients`: who is connected, until when, and who makes room; `order_thread`: the
@@ -14,17 +13,12 @@ that there was no place, and that the same may be asked again. Only the owner ca
 """
 
 from navigation.control.ask import default_socket, send_order
-from navigation.control.orders import (
-    Commanded,
-    ControlError,
-    NoDaemonError,
-    carry_out,
-    read_stations,
-)
 from navigation.control.server import ControlServer
+from navigation.orders.arguments import read_stations
+from navigation.orders.carry_out import carry_out
+from navigation.orders.errors import ControlError, NoDaemonError
 
 __all__ = [
-    "Commanded",
     "ControlError",
     "ControlServer",
     "NoDaemonError",

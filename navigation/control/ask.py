@@ -26,13 +26,15 @@ from typing import Any, Final
 
 from navigation.control.abstract import LISTS_SOCKETS, Abstract, all_listening, digest_of
 from navigation.control.exchange import CrowdedError, NobodyError, exchange
-from navigation.control.orders import SCHEMA, ControlError, NoDaemonError
 from navigation.control.peers import ROOT
+from navigation.orders.carry_out import SCHEMA
+from navigation.orders.errors import ControlError, NoDaemonError
+from navigation.orders.table import ORDERS
 from navigation.shared.outside import OutsideError, printable, read_object
 
 PATIENCE_S: Final = 2.0
 AGAIN_AFTER_S: Final = 0.01
-REPEATABLE: Final = frozenset({"stop", "status"})
+REPEATABLE: Final = frozenset(name for name, order in ORDERS.items() if order.may_repeat)
 MOST_AT_ONCE: Final = 32
 
 

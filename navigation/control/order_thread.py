@@ -10,10 +10,14 @@ import queue
 import threading
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import Any, Final
+from typing import TYPE_CHECKING, Any, Final
 
-from navigation.control.orders import Commanded, carry_out
+from navigation.orders.carry_out import carry_out
+from navigation.orders.table import ORDERS
 from navigation.shared.supervisor import in_words
+
+if TYPE_CHECKING:
+    from navigation.loop.people import People
 
 MOST_WAITING: Final = 64
 
@@ -39,11 +43,11 @@ class OrderThread:
     def __init__(
         self,
         name: str,
-        daemon: Commanded,
+        people: People,
         on_done: Callable[[], None],
         clock: Callable[[], float],
     ) -> None:
-        self._daemon, self._on_done, self._clock = daemon, on_done, clock
+        self._people, self._on_done, self._clock = people, on_done, clock
         self._jobs: queue.SimpleQueue[Job | None] = queue.SimpleQueue()
         self._since_s: float | None = None
         self._thread = threading.Thread(target=self._run, name=name, daemon=True)
@@ -82,15 +86,15 @@ class OrderThread:
     def _carry_out(self, batch: list[Job]) -> None:
         for job in batch:
             try:
-                job.answer = carry_out(job.request, self._daemon)
+                job.answer = carry_out(job.request, self._people)
             except Exception as error:  # noqa: BLE001 - answered; the next order is taken
                 job.answer = _failed(error)
         acted = [job for job in batch if job.answer and job.answer["ok"] and _acts(job)]
         try:
             if acted:
                 # what the orders led to, not what was before them
-                self._daemon.settle()
-                now = self._daemon.describe()
+                self._people.settle()
+                now = self._people.describe()
                 for job in acted:
                     job.answer = {**(job.answer or {}), **now}
         except Exception as error:  # noqa: BLE001 - answered; the next order is taken
@@ -101,7 +105,7 @@ class OrderThread:
 
 
 def _acts(job: Job) -> bool:
-    return job.request.get("order") != "status"
+    return not ORDERS[job.request["order"]].only_looks
 
 
 def _failed(error: Exception) -> dict[str, Any]:

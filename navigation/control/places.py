@@ -25,8 +25,8 @@ from pathlib import Path
 from typing import Final
 
 from navigation.control.abstract import listen_without_a_file
-from navigation.control.orders import ControlError
 from navigation.machine.descriptors import NONE_LEFT
+from navigation.orders.errors import ControlError
 
 BACKLOG: Final = 512
 PROBE_S: Final = 2.0

@@ -24,17 +24,19 @@ import time
 from collections.abc import Callable
 from functools import partial
 from pathlib import Path
-from typing import Any, Final
+from typing import TYPE_CHECKING, Any, Final
 
 from navigation.control.clients import MOST_CLIENTS, Client, TooLongError, who_makes_room
 from navigation.control.order_thread import Job, OrderThread
-from navigation.control.orders import Commanded
 from navigation.control.peers import may_order, peer_of
 from navigation.control.places import Places
 from navigation.machine.descriptors import NONE_LEFT, SpareDescriptors
 from navigation.mission.mission import STOPPING
 from navigation.shared.outside import OutsideError, read_object
 from navigation.shared.supervisor import in_words
+
+if TYPE_CHECKING:
+    from navigation.loop.people import People
 
 ACCEPTS_A_TURN: Final = 64
 SPARE: Final = 4
@@ -55,14 +57,14 @@ class ControlServer:
     """Listens at ``path``, and without a file, in a thread of its own; a context manager."""
 
     def __init__(
-        self, path: Path, daemon: Commanded, *, clock: Callable[[], float] = time.monotonic
+        self, path: Path, people: People, *, clock: Callable[[], float] = time.monotonic
     ) -> None:
         self.path = path
         self.refused = 0
         """How many requests were malformed or refused."""
         self.turns = 0
         """Grows while the thread works, and the orders' threads do not hang."""
-        self._daemon, self._clock = daemon, clock
+        self._people, self._clock = people, clock
         self._places = Places(path, self._watch, self._unwatch, lambda: self._spare.release())
         self._clients: list[Client] = []
         self._crash: BaseException | None = None
@@ -82,7 +84,7 @@ class ControlServer:
             self._watch(one)
         self._spare = SpareDescriptors(SPARE)
         self._stops, self._orders = (
-            OrderThread(name, self._daemon, self._wake, self._clock)
+            OrderThread(name, self._people, self._wake, self._clock)
             for name in ("control stops", "control orders")
         )
         self._start()

@@ -24,7 +24,7 @@ from navigation.dashboard.kept.answers import KeptAnswers
 from navigation.dashboard.kept.runs import KeptRuns
 from navigation.dashboard.messages.palette import stylesheet
 from navigation.dashboard.metrics import metrics_text
-from navigation.dashboard.orders import give
+from navigation.dashboard.orders import buttons
 from navigation.dashboard.settings.desk import Desk
 from navigation.dashboard.settings.routes import settings_routes
 from navigation.dashboard.viewer import Viewer
@@ -137,7 +137,7 @@ class _Pages:
                 self._hub.gate.count("oversized")
                 return _refused(Refusal(413, "oversized", "the request is too long"))
         client = request.client.host if request.client else "somebody"
-        result = give({"order": "stop"}, self._hub.daemon, client)
+        result = self._hub.give({"order": "stop"}, client)
         self._hub.note("stop", f"{client}: STOP")
         return JSONResponse({k: result[k] for k in ("ok", "error") if k in result})
 
@@ -200,6 +200,7 @@ def _page_files() -> dict[str, tuple[bytes, str]]:
         for item in folder.iterdir()
         if "." + item.name.rsplit(".", 1)[-1] in TYPES
     }
-    found["/"] = found["/index.html"]
+    page, kind = found["/index.html"]
+    found["/"] = found["/index.html"] = page.replace(b"<!-- orders -->", buttons().encode()), kind
     found["/palette.css"] = (stylesheet().encode(), TYPES[".css"])
     return found

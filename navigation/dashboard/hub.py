@@ -43,7 +43,8 @@ from navigation.dashboard.messages.state_message import (
     robots_greeting,
     state_message,
 )
-from navigation.dashboard.shown import Shown
+from navigation.dashboard.orders import give
+from navigation.dashboard.shown import IT_IS_A_RECORDING, Shown
 from navigation.loop.daemon_state import DaemonState, RunState
 from navigation.mission.cycle import PlanAnswer
 from navigation.mission.mission import MissionError, Station
@@ -108,7 +109,7 @@ class Hub:
         self._saving = asyncio.Lock()
         self.pictures = {"picture": (b"", 0), "camera": (b"", 0)}
         """The newest of each kind, with its number."""
-        self.refusal: str | None = None
+        self.refusal = IT_IS_A_RECORDING if daemon.people is None else None
         """Why nothing can be ordered here at all; None where it can."""
         self.epoch = 0
         """Grows where the past becomes another one: pages are greeted again."""
@@ -211,13 +212,23 @@ class Hub:
         """The present state as viewers get it; None before the first cycle."""
         return None if self._state is None else self._facts(self._state, self.clock())
 
+    def give(self, request: Mapping[str, Any], who: str) -> dict[str, Any]:
+        """Carry out an order that ``who`` may give; its answer, as that of `give`."""
+        people = self.daemon.people
+        if people is None:
+            return {"ok": False, "error": IT_IS_A_RECORDING}
+        return give(request, people, who)
+
     async def preview(
         self, stations: tuple[Station, ...], robot: str | None = None
     ) -> dict[str, Any]:
         """The plan that these stations would lead to, planned in a worker thread."""
+        people = self.daemon.people
+        if people is None:
+            return {"ok": False, "reason": IT_IS_A_RECORDING}
         loop = asyncio.get_running_loop()
         try:
-            answer = await loop.run_in_executor(self.workers, self.daemon.preview, stations, robot)
+            answer = await loop.run_in_executor(self.workers, people.preview, stations, robot)
         except MissionError as error:
             return {"ok": False, "reason": str(error)}
         return preview_facts(answer)

@@ -5,29 +5,44 @@ Rules
 - Everything else is for the operator who holds the arena.
 - A stop is left by ``rearm`` only, and ``rearm`` leaves nothing but a stop: a page that has missed
   a stop cannot undo it, and a button pressed twice does not set the robot going.
+
+Which orders there are, and which of them the page has a button for, `navigation.orders.table` says.
 """
 
 from __future__ import annotations
 
 from collections.abc import Mapping
-from typing import Any, Final
+from typing import TYPE_CHECKING, Any, Final
 
-from navigation.control import Commanded, carry_out
 from navigation.dashboard.admission.access import TOKEN_TO_STOP
-from navigation.mission.mission import State
+from navigation.mission.mission import Mission, State
+from navigation.orders.carry_out import carry_out
+from navigation.orders.table import ORDERS, Who
 from navigation.shared.outside import in_short
 
-MOTIONS: Final = frozenset({"go", "pause", "resume", "rearm", "replan"})
+if TYPE_CHECKING:
+    from navigation.loop.people import People
+
+REARM: Final = "rearm"
+"""The page's order that leaves a stop, and does nothing else."""
+WHO: Final[Mapping[str, Who]] = {
+    **{name: order.who for name, order in ORDERS.items() if order.who is not Who.SOCKET},
+    REARM: Who.OPERATOR,
+}
+"""The page's orders, and who may give each."""
+BUTTONS: Final = {name: order.button for name, order in ORDERS.items() if order.button is not None}
 
 
 def refusal_of(order: object, *, may_drive: bool, holds: bool, may_stop: bool = True) -> str | None:
     """Why somebody may not give this order; None where they may."""
-    if order == "stop":
-        return None if may_stop else TOKEN_TO_STOP
-    if not isinstance(order, str) or order not in MOTIONS:
-        return f"order {in_short(order)}: must be stop, go, pause, resume, rearm or replan"
+    who = WHO.get(order) if isinstance(order, str) else None
+    if who is None:
+        *names, last = WHO
+        return f"order {in_short(order)}: must be {', '.join(names)} or {last}"
     if not may_stop:
         return TOKEN_TO_STOP
+    if who is Who.ANYONE:
+        return None
     if not may_drive:
         return "this token is for looking and stopping only"
     if not holds:
@@ -35,36 +50,56 @@ def refusal_of(order: object, *, may_drive: bool, holds: bool, may_stop: bool = 
     return None
 
 
-def give(request: Mapping[str, Any], daemon: Commanded, who: str) -> dict[str, Any]:
+def give(request: Mapping[str, Any], people: People, who: str) -> dict[str, Any]:
     """Carry out an order; ``{"ok": true, ...}`` or ``{"ok": false, "error": SENTENCE}``."""
-    order, whose = request.get("order"), {k: v for k, v in request.items() if k == "robot"}
-    if order == "stop":
-        return carry_out({"order": "stop", "reason": f"stopped by {who}", **whose}, daemon)
+    name, whose = request.get("order"), {k: v for k, v in request.items() if k == "robot"}
+    if name == "stop":
+        return carry_out({"order": "stop", "reason": f"stopped by {who}", **whose}, people)
     # asked at this moment: what was published may be a cycle old, and a second press that fast
-    told = carry_out({"order": "status", **whose}, daemon)
+    told = carry_out({"order": "status", **whose}, people)
     if not told["ok"]:
         return told
-    if order in ("rearm", "resume") and "robots" in told:
-        return _give_each(order, told["robots"], daemon)
+    if name in (REARM, "resume") and "robots" in told:
+        return _give_each(name, told["robots"], people)
     stopped = told["state"] == State.STOPPED.value
-    if order == "rearm" and not stopped:
-        return {"ok": False, "error": "nothing to re-arm: the robot is not stopped"}
-    if order in ("resume", "go") and stopped:
+    if name == REARM:
+        if not stopped:
+            return {"ok": False, "error": "nothing to re-arm: the robot is not stopped"}
+        return carry_out({"order": "resume", **whose}, people)
+    order = ORDERS.get(name) if isinstance(name, str) and name in WHO else None
+    if order is None:
+        return {"ok": False, "error": f"order {in_short(name)}: is none of the page's"}
+    if order.sets_going and stopped:
         return {"ok": False, "error": "the robot is stopped: re-arm it first"}
-    if order == "rearm":
-        return carry_out({"order": "resume", **whose}, daemon)
-    passed = ("order", "stations", "robot")
-    return carry_out({k: v for k, v in request.items() if k in passed}, daemon)
+    passed = ("order", "robot", *order.arguments)
+    return carry_out({k: v for k, v in request.items() if k in passed}, people)
 
 
-def _give_each(order: str, robots: Mapping[str, Any], daemon: Commanded) -> dict[str, Any]:
+def _give_each(order: str, robots: Mapping[str, Any], people: People) -> dict[str, Any]:
     """Re-arm all robots that are stopped, or resume all that are not."""
-    wanted = order == "rearm"
+    wanted = order == REARM
     chosen = [
         name for name, one in robots.items() if (one["state"] == State.STOPPED.value) is wanted
     ]
     if not chosen:
         stopped = "no robot is" if wanted else "every robot is"
         return {"ok": False, "error": f"nothing to {order}: {stopped} stopped"}
-    answers = [carry_out({"order": "resume", "robot": name}, daemon) for name in chosen]
+    answers = [carry_out({"order": "resume", "robot": name}, people) for name in chosen]
     return next((answer for answer in answers if not answer["ok"]), answers[0])
+
+
+def cannot(mission: Mission) -> dict[str, str]:
+    """The buttons that would do nothing for a mission, and why."""
+    if mission.state is State.STOPPED:
+        return dict.fromkeys(BUTTONS, "the robot is stopped; re-arm it first")
+    reasons = {name: button.why_not(mission) for name, button in BUTTONS.items()}
+    return {name: reason for name, reason in reasons.items() if reason}
+
+
+def buttons() -> str:
+    """The buttons of the orders, as the page has them."""
+    quiet = {True: ' class="quiet"', False: ""}
+    return "\n        ".join(
+        f'<button id="{name}" type="button"{quiet[button.is_quiet]}>{button.label}</button>'
+        for name, button in BUTTONS.items()
+    )

@@ -3,23 +3,24 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
 from dataclasses import replace
-from typing import Any, Protocol
+from typing import Final, Protocol
 
 from navigation.config import Config
-from navigation.control import Commanded
 from navigation.link.link_snapshot import LinkSnapshot, doubt_of_stop
 from navigation.loop.daemon import Daemon
 from navigation.loop.daemon_state import DaemonState, RunState
-from navigation.mission.cycle import PlanAnswer
-from navigation.mission.mission import Mission, Station
+from navigation.loop.people import People
+from navigation.mission.mission import Mission
 from vision.calibration.calibration import Calibration
 from vision.camera.latest_frame import CameraStatus
 
+IT_IS_A_RECORDING: Final = "this is a recording: nothing here drives or stops a robot"
+"""Why nothing can be ordered where nobody takes orders."""
 
-class Shown(Commanded, Protocol):
-    """What is shown and takes orders; every method may be called from any thread."""
+
+class Shown(Protocol):
+    """What is shown, and who takes its orders; every method may be called from any thread."""
 
     @property
     def config(self) -> Config:
@@ -49,11 +50,9 @@ class Shown(Commanded, Protocol):
         """The newest time from capture to wire; None before the first."""
         ...
 
-    def preview(self, stations: tuple[Station, ...], robot: str | None = None) -> PlanAnswer:
-        """The plan that these stations would lead to; ``MissionError`` where no robot is named so.
-
-        ``robot``: which of several.
-        """
+    @property
+    def people(self) -> People | None:
+        """Who takes orders; None where what is shown was recorded."""
         ...
 
 
@@ -92,41 +91,10 @@ class ShownDaemon:
         each = (one.link.capture_to_wire_s for one in self._daemon.robots.values())
         return max((times_s[-1] for times_s in each if times_s), default=None)
 
-    def preview(self, stations: tuple[Station, ...], robot: str | None = None) -> PlanAnswer:
-        """The plan that these stations would lead to if the robot were alone."""
-        return self._daemon.people.preview(stations, robot)
-
-    def of(self, robot: str) -> Commanded:
-        """One of several robots; ``MissionError`` where there is none of that name."""
-        return self._daemon.people.of(robot)
-
-    def give(self, stations: tuple[Station, ...]) -> None:
-        """A new mission; refused where there are several robots: one has to be named."""
-        self._daemon.people.give(stations)
-
-    def stop(self, reason: str) -> None:
-        """Emergency stop of all."""
-        self._daemon.people.stop(reason)
-
-    def pause(self) -> None:
-        """Hold all."""
-        self._daemon.people.pause()
-
-    def resume(self) -> None:
-        """End all pauses; after a stop re-arm, and the next time go on."""
-        self._daemon.people.resume()
-
-    def replan(self) -> None:
-        """Plan again for all."""
-        self._daemon.people.replan()
-
-    def settle(self) -> None:
-        """Return when the orders so far were acted on."""
-        self._daemon.people.settle()
-
-    def describe(self) -> Mapping[str, Any]:
-        """The present state, of several robots each by name in ``robots``."""
-        return self._daemon.people.describe()
+    @property
+    def people(self) -> People:
+        """Who takes orders: the daemon's."""
+        return self._daemon.people
 
 
 def summary_of(fleet: RunState) -> DaemonState:

@@ -17,14 +17,15 @@ from typing import Any, Final
 
 from starlette.websockets import WebSocket, WebSocketDisconnect
 
-from navigation.control import ControlError, read_stations
 from navigation.dashboard.admission.access import PROTOCOL, TOKEN_TO_STOP, Role
 from navigation.dashboard.admission.allowance import Allowance
 from navigation.dashboard.admission.seat import public_half
 from navigation.dashboard.attention import Attention
 from navigation.dashboard.hub import Hub
 from navigation.dashboard.messages.rings import Ring
-from navigation.dashboard.orders import give, refusal_of
+from navigation.dashboard.orders import refusal_of
+from navigation.orders.arguments import read_stations
+from navigation.orders.errors import ControlError
 from navigation.shared.outside import (
     OutsideError,
     finite_number,
@@ -267,7 +268,7 @@ class Viewer:
             hub.gate.count("order")
             self._reply(message, {"ok": False, "error": refusal})
             return
-        result = give(message, hub.daemon, self.name)
+        result = hub.give(message, self.name)
         hub.seat.touch(self.attention.key, hub.clock())
         level = "stop" if order == "stop" else "order"
         outcome = "" if result["ok"] else f" - refused: {result['error']}"

@@ -21,6 +21,7 @@ from navigation.config.errors import ConfigError
 from navigation.config.secrecy.secrets import hide, hide_in
 from navigation.dashboard.admission.access import Refusal, Role, bearer_of
 from navigation.dashboard.hub import Hub
+from navigation.dashboard.shown import IT_IS_A_RECORDING
 from navigation.mission.mission import State
 from navigation.shared.outside import OutsideError, read_object
 
@@ -68,8 +69,11 @@ class Visits:
             return JSONResponse({"ok": False, "error": "take the arena first"})
 
         def work() -> dict[str, Any]:
-            hub.daemon.settle()  # a stop that was ordered just before counts
-            told = hub.daemon.describe()
+            people = hub.daemon.people
+            if people is None:
+                raise RefusedError(IT_IS_A_RECORDING)
+            people.settle()  # a stop that was ordered just before counts
+            told = people.describe()
             robots = told.get("robots", {"": told})  # of several each, asked at this moment
             states = {one["state"] for one in robots.values()}
             if not states <= AT_REST:

@@ -5,7 +5,7 @@ Any thread may give them; the next cycle acts on them. Metres, radians, seconds.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable
 from threading import Lock
 from typing import Any, Protocol
 
@@ -43,12 +43,12 @@ class OrderedRun(Protocol):
 class People:
     """Takes the orders of a run; ``robot`` is a name, None where all robots are meant.
 
-    ``reanchor`` places the camera of a name, or the only one, anew; None where a run cannot.
+    ``reanchor`` places the camera of a name, or the only one, again, and gives the lines to say.
     """
 
     def __init__(self, daemon: OrderedRun) -> None:
         self._daemon = daemon
-        self.reanchor: Callable[[str | None], list[str]] | None = None
+        self.reanchor: Callable[[str | None], list[str]] = _cannot_reanchor
 
     def _chosen(self, robot: str | None) -> list[Robot]:
         robots = self._daemon.robots
@@ -68,10 +68,6 @@ class People:
             names = ", ".join(self._daemon.robots)
             raise MissionError(f"there are several robots: say which one goes (--robot: {names})")
         return chosen[0]
-
-    def of(self, robot: str) -> OneOfSeveral:
-        """One robot, taking orders; ``MissionError`` where there is none of that name."""
-        return OneOfSeveral(self, self._one(robot).name)
 
     def give(
         self, stations: tuple[Station, ...], robot: str | None = None, *, any_order: bool = False
@@ -169,36 +165,5 @@ class People:
         return told | {"waits": self._daemon.traffic.waits.get(robot.name)}
 
 
-class OneOfSeveral:
-    """One robot of several, taking the orders that a robot alone takes."""
-
-    def __init__(self, people: People, name: str) -> None:
-        self._people, self._name = people, name
-
-    def give(self, stations: tuple[Station, ...]) -> None:
-        """A new mission; MissionError where it cannot be."""
-        self._people.give(stations, self._name)
-
-    def stop(self, reason: str) -> str | None:
-        """Emergency stop of this robot, latched."""
-        return self._people.stop(reason, self._name)
-
-    def pause(self) -> None:
-        """Hold until resumed."""
-        self._people.pause(self._name)
-
-    def resume(self) -> None:
-        """End a pause; after a stop re-arm, and the next time go on."""
-        self._people.resume(self._name)
-
-    def replan(self) -> None:
-        """Plan again from where it is."""
-        self._people.replan(self._name)
-
-    def settle(self) -> None:
-        """Return when the orders given so far were acted on, soon in any case."""
-        self._people.settle()
-
-    def describe(self) -> Mapping[str, Any]:
-        """The present state, as JSON takes it."""
-        return self._people.describe(self._name)
+def _cannot_reanchor(_camera: str | None) -> list[str]:
+    raise MissionError("reanchor: this run cannot place its camera anew")

@@ -1,5 +1,6 @@
 """A press does what it is for, or the page says why not: none is lost in silence."""
 
+import json
 from collections.abc import Callable
 
 import pytest
@@ -7,6 +8,8 @@ import pytest
 pytest.importorskip("playwright.sync_api", reason="playwright is not installed")
 from playwright.sync_api import Page, expect
 
+from navigation.dashboard.orders import cannot
+from navigation.mission.mission import Mission
 from tests.browser.acting import click_at, send_to, wait_for_picture
 from tests.browser.programs.served import ShownProgram, until
 
@@ -32,13 +35,13 @@ HEAR_OF_NO_MISSION = """() => new Promise((resolve) => {
   const emit = connection.emit.bind(connection);
   connection.emit = (kind, message) => {
     if (kind === "state") {
-      Object.assign(message, { paused: false });
+      Object.assign(message, { paused: false, cannot: CANNOT });
       Object.assign(message.mission, { state: "idle", stations: [], visited: 0 });
     }
     emit(kind, message);
     if (kind === "state") resolve();
   };
-})"""
+})""".replace("CANNOT", json.dumps(cannot(Mission())))
 
 
 def have_goal(page: Page) -> None:

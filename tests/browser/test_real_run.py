@@ -11,9 +11,9 @@ import pytest
 pytest.importorskip("playwright.sync_api", reason="playwright is not installed")
 from playwright.sync_api import Browser, Page, expect
 
-from navigation.control.orders import carry_out
 from navigation.dashboard import Bench
 from navigation.mission.mission import State
+from navigation.orders.carry_out import carry_out
 from tests.browser.acting import click_at, send_to, start_calibration, wait_for_picture
 from tests.browser.pages import HERE, THERE, Keep, OpenPage
 from tests.browser.programs.live import Live, live_config

@@ -1,29 +1,22 @@
-"""`clearway go`, `stop`, `pause`, `resume`, `replan` and `status`: talk to the running daemon."""
+"""The commands of the orders, made from their table: they talk to the running daemon."""
 
 from __future__ import annotations
 
 import json
 import os
 import time
+from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
 import click
 
 from navigation.cli.options import STATION, Station, format_option
+from navigation.orders.table import ORDERS, Order
 
 KNOWN_WITHIN_S = 2.0
 """A robot that hears and brakes is known to stand by then."""
 AGAIN_S = 0.1
-
-socket_option = click.option(
-    "--socket", "path", type=click.Path(path_type=Path), help="The daemon's socket."
-)
-
-
-robot_option = click.option(
-    "--robot", "robot", metavar="NAME", help="Of several robots this one; default: all."
-)
 
 
 def _send(path: Path | None, form: str, request: dict[str, Any], robot: str | None) -> None:
@@ -68,46 +61,44 @@ def _print(answer: dict[str, Any], who: str) -> None:
             click.echo(f"  {name:<{width}}  {one['state']}: {one['waits'] or one['reason']}")
 
 
-@click.command(
-    short_help="Send the running daemon's robot to a place.",
-    context_settings={"ignore_unknown_options": True},  # so that -1.5,2 is a place
-)
-@click.argument("stations", nargs=-1, required=True, type=STATION)
-@click.option(
-    "--dwell",
-    "dwell_s",
-    type=click.FloatRange(min=0.0),
-    default=0.0,
-    help="Seconds to stay at each.",
-)
-@click.option("--robot", "robot", metavar="NAME", help="Which of several robots goes.")
-@socket_option
-@format_option()
-def go(
-    stations: tuple[Station, ...],
-    dwell_s: float,
-    robot: str | None,
-    path: Path | None,
-    form: str,
+def _command(
+    order: Order, callback: Callable[..., None], *, own: Sequence[click.Parameter] = ()
+) -> click.Command:
+    """The command of an order, with arguments and options of its own and those of all orders."""
+    which = (
+        "Which of several robots is meant."
+        if order.for_one
+        else "Of several robots this one; default: all."
+    )
+    of_all = (
+        click.Option(["--robot"], metavar="NAME", help=which),
+        click.Option(
+            ["--socket", "path"], type=click.Path(path_type=Path), help="The daemon's socket."
+        ),
+    )
+    command = click.Command(
+        order.name,
+        callback=callback,
+        params=[*own, *of_all],
+        help=order.help,
+        short_help=order.summary,
+        # so that -1.5,2 is a place
+        context_settings={"ignore_unknown_options": "stations" in order.arguments},
+    )
+    format_option()(command)  # it joins the options
+    return command
+
+
+def _go(
+    stations: tuple[Station, ...], dwell_s: float, robot: str | None, path: Path | None, form: str
 ) -> None:
-    """Drive to X,Y[,DEG], one or several, in metres of the arena."""
     wanted = [
         {"x_m": s.x, "y_m": s.y, "heading_rad": s.heading_rad, "dwell_s": dwell_s} for s in stations
     ]
     _send(path, form, {"order": "go", "stations": wanted}, robot)
 
 
-@click.command(short_help="Emergency stop of the running daemon's robot.")
-@click.option("--reason", default="stopped from the command line", help="Shown with the stop.")
-@robot_option
-@socket_option
-@format_option()
-def stop(reason: str, robot: str | None, path: Path | None, form: str) -> None:
-    """Stop the robot at once; it stays stopped until `clearway resume` re-arms it.
-
-    Of several robots all are stopped, or the one that --robot names. A daemon is found even
-    where its socket was removed; without --socket every daemon of yours is stopped then.
-    """
+def _stop(reason: str, robot: str | None, path: Path | None, form: str) -> None:
     from navigation.control import NoDaemonError, default_socket
 
     request = {"order": "stop", "reason": reason}
@@ -135,8 +126,8 @@ def _latch(path: Path | None, reason: str, robot: str | None) -> Path:
 
     from navigation.config.last_good import state_folder
     from navigation.control import ControlError, default_socket
-    from navigation.control.orders import REASON_CHARACTERS, ROBOT_CHARACTERS
     from navigation.journal.stop_latch import FOLDER, Latch, write_latch
+    from navigation.orders.arguments import REASON_CHARACTERS, ROBOT_CHARACTERS
     from navigation.shared.outside import printable
     from navigation.shared.whole_file import UnwrittenFileError
 
@@ -150,30 +141,40 @@ def _latch(path: Path | None, reason: str, robot: str | None) -> Path:
         raise ControlError(f"no program runs, and the stop cannot be kept: {error}") from None
 
 
-def _plain(name: str, short: str, text: str) -> click.Command:
-    @click.command(name, short_help=short, help=text)
-    @robot_option
-    @socket_option
-    @format_option()
-    def order(robot: str | None, path: Path | None, form: str) -> None:
-        _send(path, form, {"order": name}, robot)
+def _plain(order: Order) -> click.Command:
+    """An order without arguments."""
 
-    return order
+    def callback(robot: str | None, path: Path | None, form: str) -> None:
+        _send(path, form, {"order": order.name}, robot)
+
+    return _command(order, callback)
 
 
-pause = _plain("pause", "Hold the robot where it is.", "Hold the robot until `clearway resume`.")
-resume = _plain(
-    "resume",
-    "Continue after a pause; re-arm after a stop.",
-    "Continue after a pause or a failed mission, with a new plan. After an emergency stop the "
-    "first resume re-arms the robot, which does not move yet; a second one continues with the "
-    "remaining stations, and `clearway go` gives new ones.",
+go = _command(
+    ORDERS["go"],
+    _go,
+    own=(
+        click.Argument(["stations"], nargs=-1, required=True, type=STATION),
+        click.Option(
+            ["--dwell", "dwell_s"],
+            type=click.FloatRange(min=0.0),
+            default=0.0,
+            help="Seconds to stay at each.",
+        ),
+    ),
 )
-replan = _plain(
-    "replan", "Plan the path again.", "Plan the mission again from where the robot is now."
+stop = _command(
+    ORDERS["stop"],
+    _stop,
+    own=(
+        click.Option(
+            ["--reason"], default="stopped from the command line", help="Shown with the stop."
+        ),
+    ),
 )
-status = _plain(
-    "status",
-    "What the running daemon is doing.",
-    "Print what the running daemon is doing, and why.",
-)
+commands: Mapping[str, click.Command] = {
+    **{name: _plain(order) for name, order in ORDERS.items() if not order.arguments},
+    "go": go,
+    "stop": stop,
+}
+"""By name; an order that needs arguments has a command of its own."""

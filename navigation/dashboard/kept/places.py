@@ -18,7 +18,8 @@ from pathlib import Path
 from typing import Any, Final
 
 from navigation.config.recording import RecordingSection
-from navigation.control import ControlError, read_stations
+from navigation.orders.arguments import read_stations
+from navigation.orders.errors import ControlError
 from navigation.shared.outside import OutsideError, in_short, read_object
 from navigation.shared.whole_file import UnwrittenFileError, write_whole
 from planner.scene import Bounds

@@ -13,6 +13,7 @@ from typing import Any
 from navigation.config import Config
 from navigation.dashboard.admission.seat import Seat
 from navigation.dashboard.messages.picture import TopView
+from navigation.dashboard.orders import cannot
 from navigation.draw.shapes import RAMP_STEPS
 from navigation.link.link_snapshot import LinkSnapshot, doubt_of_stop
 from navigation.loop.daemon_state import DaemonState, StageTimes
@@ -96,6 +97,7 @@ def robot_facts(state: DaemonState, view: TopView, now_s: float) -> dict[str, An
             "visited": mission.visited,
             "trust": state.trust.value,
         },
+        "cannot": cannot(mission),
         "pose": None if state.pose is None else _pose(state.pose, view, now_s),
         "to_go_m": state.to_go_m,
         "clearance_m": state.clearance_m,

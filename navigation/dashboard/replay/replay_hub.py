@@ -13,7 +13,7 @@ from navigation.dashboard.chronicles import Chronicles
 from navigation.dashboard.hub import Hub
 from navigation.dashboard.messages.chronicle import LOG_LINES, SAMPLE_EVERY_S, SAMPLES
 from navigation.dashboard.replay.player import SPEEDS, Player
-from navigation.dashboard.replay.replayed_run import IT_IS_A_RECORDING, ReplayedRun
+from navigation.dashboard.replay.replayed_run import ReplayedRun
 from navigation.loop.daemon_state import DaemonState, RunState
 from navigation.shared.outside import finite_number, in_short
 
@@ -28,7 +28,6 @@ class ReplayHub(Hub):
 
     def __init__(self, run: ReplayedRun, *, clock: Callable[[], float]) -> None:
         super().__init__(run, clock=clock, wall_clock=run.wall_clock)
-        self.refusal = IT_IS_A_RECORDING
         self.run_shown = run
         recording = run.tape.recording
         self.hello["replay"] = {

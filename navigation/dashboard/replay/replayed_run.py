@@ -12,9 +12,9 @@ Rules
 from __future__ import annotations
 
 from collections import OrderedDict
-from collections.abc import Callable, Mapping
+from collections.abc import Callable
 from concurrent.futures import Future, ThreadPoolExecutor
-from typing import Any, Final
+from typing import Final
 
 import numpy as np
 
@@ -26,8 +26,6 @@ from navigation.dashboard.replay.player import Player
 from navigation.dashboard.replay.taped_robot import Moment, TapedRobot
 from navigation.dashboard.shown import summary_of
 from navigation.loop.daemon_state import DaemonState, RunState
-from navigation.mission.cycle import PlanAnswer
-from navigation.mission.mission import MissionError, Station
 from navigation.recording.reader import SeenScene
 from navigation.recording.tape import Tape, TapedPicture
 from planner.roadmap.roadmap import Roadmap
@@ -35,7 +33,6 @@ from vision.camera.camera import Frame
 from vision.camera.latest_frame import CameraStatus
 from vision.markers.markers import RobotPose
 
-IT_IS_A_RECORDING: Final = "this is a recording: nothing here drives or stops a robot"
 ROADMAPS: Final = 8
 RATE_OVER_S: Final = 2.0
 SPEED_OVER_S: Final = 0.3
@@ -65,6 +62,8 @@ class ReplayedRun:
         self._roadmaps: OrderedDict[int, Future[Roadmap]] = OrderedDict()
         self._frame: tuple[TapedPicture | None, Frame | None] = (None, None)
         self._fleet: RunState | None = None
+        self.people = None
+        """Nobody takes orders."""
 
     @property
     def fleet(self) -> RunState | None:
@@ -183,44 +182,6 @@ class ReplayedRun:
             if future.done() and not future.cancelled() and future.exception() is None:
                 return future.result()
         return None
-
-    # Orders: none.
-
-    def preview(self, _stations: tuple[Station, ...], _robot: str | None = None) -> PlanAnswer:
-        """Refused."""
-        raise MissionError(IT_IS_A_RECORDING)
-
-    def give(self, _stations: tuple[Station, ...]) -> None:
-        """Refused."""
-        raise MissionError(IT_IS_A_RECORDING)
-
-    def of(self, _robot: str) -> ReplayedRun:
-        """One of several robots: it takes no orders either."""
-        return self
-
-    def stop(self, _reason: str) -> None:
-        """Refused: there is nothing to stop."""
-        raise MissionError(IT_IS_A_RECORDING)
-
-    def pause(self) -> None:
-        """Refused."""
-        raise MissionError(IT_IS_A_RECORDING)
-
-    def resume(self) -> None:
-        """Refused."""
-        raise MissionError(IT_IS_A_RECORDING)
-
-    def replan(self) -> None:
-        """Refused."""
-        raise MissionError(IT_IS_A_RECORDING)
-
-    def settle(self) -> None:
-        """Nothing to wait for."""
-
-    def describe(self) -> Mapping[str, Any]:
-        """The state that is shown."""
-        mission = self.at(self.player.place_s(self._clock()), in_short=True)[0].mission
-        return {"state": mission.state.value, "reason": mission.reason}
 
 
 def _clearances(moment: Moment, robots: list[TapedRobot]) -> list[float | None]:

@@ -10,16 +10,16 @@ const WORDS = {
 const UNDER_WAY = ["planning", "proving", "driving", "holding"];
 
 export class MissionPanel {
-  #state = null;
   /** What the planner could not keep or make certain in the plan that is driven. */
   #remarks = [];
 
   constructor(connection, seat, say) {
     Object.assign(this, { connection, seat, say });
-    for (const order of ["pause", "resume", "replan"]) {
-      this[order] = document.getElementById(order);
-      onPress(this[order], say, () => this.#order({ order }));
-      allow(this[order], "the program has said nothing yet");
+    /** Which there are, the program says: navigation/orders/table.py. */
+    this.buttons = [...document.querySelectorAll("#orders button")];
+    for (const button of this.buttons) {
+      onPress(button, say, () => this.#order({ order: button.id }));
+      allow(button, "the program has said nothing yet");
     }
     connection.on("plan", (plan) => { this.#remarks = plan.remarks ?? []; });
     connection.on("down", () => {
@@ -29,29 +29,10 @@ export class MissionPanel {
     connection.on("state", (state) => this.#show(state));
   }
 
-  get #left() {
-    const { stations, visited } = this.#state.mission;
-    return stations.length - visited;
-  }
-
   async #order(order) {
     const taken = await this.seat.takeIfFree();
     const answer = taken.ok ? await this.connection.ask({ type: "order", ...order }) : taken;
     this.say(answer.ok ? "" : answer.error);
-  }
-
-  /** Why an order cannot be given now; "" where it can. */
-  #whyNot(order) {
-    const { paused, mission } = this.#state;
-    if (this.seat.mayNot) return this.seat.mayNot;
-    if (mission.state === "stopped") return "the robot is stopped; re-arm it first";
-    if (order === "resume") {
-      const waits = ["idle", "failed"].includes(mission.state) && this.#left > 0;
-      return paused || waits ? "" : "nothing to resume: the mission is neither paused nor broken off";
-    }
-    if (order === "replan") return mission.state === "driving" ? "" : "nothing to plan again: the robot does not drive";
-    if (paused) return "the mission is paused already";
-    return UNDER_WAY.includes(mission.state) ? "" : "nothing to pause: there is no mission under way";
   }
 
   /** Further reasons, and the plan's remarks, where the sentence does not have them. */
@@ -67,7 +48,6 @@ export class MissionPanel {
   }
 
   #show(state) {
-    this.#state = state;
     const { mission, pose, link } = state;
     document.getElementById("now").dataset.state = state.paused ? "paused" : state.waits ? "holding" : mission.state;
     const word = `${state.name ? `${state.name}: ` : ""}${state.paused ? "Paused" : state.waits ? "Waiting" : WORDS[mission.state] ?? mission.state}`;
@@ -79,9 +59,7 @@ export class MissionPanel {
     put("fact-to-go", metres(mission.state === "driving" ? state.to_go_m : null, 2));
     put("fact-clearance", metres(state.clearance_m, 3));
     put("fact-speed", pose ? `${link.moving ? pose.speed_m_s.toFixed(2) : "0.00"} m/s` : "–");
-    allow(this.pause, this.#whyNot("pause"));
-    allow(this.resume, this.#whyNot("resume"));
-    allow(this.replan, this.#whyNot("replan"));
+    for (const button of this.buttons) allow(button, this.seat.mayNot || (state.cannot[button.id] ?? ""));
     document.title = `${word} – Clearway`;
   }
 }

@@ -123,11 +123,10 @@ export class Robots {
   }
 
   #allowAll(robots) {
-    const busy = robots.filter(({ mission, paused }) => !paused && ["planning", "proving", "driving", "holding"].includes(mission.state));
-    const waits = robots.filter(({ mission, paused }) => mission.state !== "stopped" && (paused || (["idle", "failed"].includes(mission.state) && mission.stations.length > mission.visited)));
+    const can = (order) => robots.some(({ cannot }) => !cannot[order]);
     const whyNot = {
-      pause: this.seat.mayNot || (busy.length ? "" : "nothing to pause: no robot is under way"),
-      resume: this.seat.mayNot || (waits.length ? "" : "nothing to resume: no robot is paused or broken off"),
+      pause: this.seat.mayNot || (can("pause") ? "" : "nothing to pause: no robot is under way"),
+      resume: this.seat.mayNot || (can("resume") ? "" : "nothing to resume: no robot is paused or broken off"),
       rearm: this.#whyNotRearm(robots.filter(({ mission }) => mission.state === "stopped").map(({ name }) => name)),
     };
     for (const [order, button] of this.all) allow(button, whyNot[order]);

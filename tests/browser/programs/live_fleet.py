@@ -22,8 +22,7 @@ from navigation.dashboard.settings.desk import Desk
 from navigation.loop.daemon import Daemon
 from navigation.loop.daemon_state import RunState
 from navigation.loop.people import People
-from navigation.mission.cycle import PlanAnswer
-from navigation.mission.mission import State, Station
+from navigation.mission.mission import State
 from navigation.run.kernels.plan_together import plan_together
 from navigation.run.kernels.warm_up import warm_up
 from navigation.run.virtual_world import VirtualWorld
@@ -55,42 +54,24 @@ def fleet_config(rate_hz: int = 8, noise_grey: float | None = None) -> Config:
     return parse_config(text, "live_fleet.yaml", CONFIGS, {})
 
 
-class _OneAtATime(People):
+class _OneAtATime:
     """Orders between two cycles: the virtual world is one thread's at a time."""
 
-    def __init__(self, daemon: Daemon, turn: threading.Lock) -> None:
-        super().__init__(daemon)
-        self._turn = turn
+    def __init__(self, people: People, turn: threading.Lock) -> None:
+        self._people, self._turn = people, turn
 
-    def give(
-        self, stations: tuple[Station, ...], robot: str | None = None, *, any_order: bool = False
-    ) -> None:
-        with self._turn:
-            super().give(stations, robot, any_order=any_order)
+    def __getattr__(self, name: str) -> Callable[..., Any]:
+        order = getattr(self._people, name)
 
-    def stop(self, reason: str, robot: str | None = None) -> str | None:
-        with self._turn:
-            return super().stop(reason, robot)
+        def take(*arguments: Any) -> Any:
+            with self._turn:
+                return order(*arguments)
 
-    def pause(self, robot: str | None = None) -> None:
-        with self._turn:
-            super().pause(robot)
+        return take
 
-    def resume(self, robot: str | None = None) -> None:
-        with self._turn:
-            super().resume(robot)
-
-    def replan(self, robot: str | None = None) -> None:
-        with self._turn:
-            super().replan(robot)
-
-    def describe(self, robot: str | None = None) -> dict[str, Any]:
-        with self._turn:
-            return super().describe(robot)
-
-    def preview(self, stations: tuple[Station, ...], robot: str | None = None) -> PlanAnswer:
-        with self._turn:
-            return super().preview(stations, robot)
+    def settle(self) -> None:
+        """Wait for cycles, which have turns of their own."""
+        self._people.settle()
 
 
 class LiveFleet:
@@ -105,7 +86,7 @@ class LiveFleet:
         self.world = VirtualWorld(config, pictures=pictures)
         self.daemon = Daemon(config, self.world, first_mission_id=FIRST_MISSION_ID)
         self._turn = threading.Lock()
-        self.daemon.people = self.people = _OneAtATime(self.daemon, self._turn)
+        self.daemon.people = self.people = _OneAtATime(self.daemon.people, self._turn)
         self.said: list[str] = []
         self._holds: Callable[[RunState], bool] | None = None
         self._held_since_s = math.inf

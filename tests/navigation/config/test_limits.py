@@ -16,7 +16,8 @@ from navigation.config.load import MOST_BYTES
 from navigation.config.marks import MOST_CHARACTERS, MOST_DEPTH, MOST_VALUES
 from navigation.config.reference import json_schema
 from navigation.config.values import LONGEST_DWELL_S, MOST_STATIONS
-from navigation.control import ControlError, read_stations
+from navigation.orders.arguments import read_stations
+from navigation.orders.errors import ControlError
 from tests.navigation.config.texts import GOOD
 
 MEMORY_BYTES = 1_500_000_000

@@ -10,7 +10,7 @@ import subprocess
 import sys
 import threading
 import time
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
@@ -28,51 +28,13 @@ from navigation.control.clients import (
 )
 from navigation.control.order_thread import Job
 from navigation.control.server import STUCK_S
-from navigation.mission.mission import Station
+from navigation.orders.table import ORDERS
+from tests.support.people import RecordedPeople
 from tests.support.processes.floods import flood
 from tests.support.waiting import wait_until
 
 STOPPED_WITHIN_S = 0.3
 A_PLACE = {"x_m": 1.0, "y_m": 1.0}
-
-
-class Robot:
-    """Takes orders; each may be made to hang until `free` is set."""
-
-    def __init__(self) -> None:
-        self.orders: list[object] = []
-        self.hanging: set[str] = set()
-        self.free = threading.Event()
-        self.entered = threading.Event()
-
-    def _take(self, name: str, order: object) -> None:
-        if name in self.hanging:
-            self.entered.set()
-            assert self.free.wait(30.0)
-        self.orders.append(order)
-
-    def give(self, stations: tuple[Station, ...]) -> None:
-        self._take("give", stations)
-
-    def stop(self, reason: str) -> None:
-        self._take("stop", ("stop", reason))
-
-    def pause(self) -> None:
-        self._take("pause", "pause")
-
-    def resume(self) -> None:
-        self._take("resume", "resume")
-
-    def replan(self) -> None:
-        self._take("replan", "replan")
-
-    def settle(self) -> None:
-        if "settle" in self.hanging:
-            assert self.free.wait(30.0)
-
-    def describe(self) -> Mapping[str, Any]:
-        stopped = any(isinstance(one, tuple) and one[0] == "stop" for one in self.orders)
-        return {"state": "stopped" if stopped else "idle", "reason": "waiting"}
 
 
 class Clock:
@@ -86,14 +48,14 @@ class Clock:
 
 
 @pytest.fixture
-def robot() -> Iterator[Robot]:
-    robot = Robot()
+def robot() -> Iterator[RecordedPeople]:
+    robot = RecordedPeople()
     yield robot
     robot.free.set()
 
 
 @pytest.fixture
-def server(tmp_path: Path, robot: Robot) -> Iterator[ControlServer]:
+def server(tmp_path: Path, robot: RecordedPeople) -> Iterator[ControlServer]:
     with ControlServer(tmp_path / "run" / "control.sock", robot) as control:
         yield control
 
@@ -118,7 +80,7 @@ def tell(path: Path, data: bytes) -> bytes:
             return b""
 
 
-def assert_a_stop_is_taken(server: ControlServer, robot: Robot) -> None:
+def assert_a_stop_is_taken(server: ControlServer, robot: RecordedPeople) -> None:
     answer = send_order(server.path, {"order": "stop"})
     assert answer["state"] in ("stopped", "stopping")
     assert robot.orders[-1] == ("stop", "stopped by order")
@@ -148,7 +110,7 @@ HOSTILE = {
 
 
 @pytest.mark.parametrize("name", HOSTILE)
-def test_no_line_ends_the_thread(name: str, server: ControlServer, robot: Robot) -> None:
+def test_no_line_ends_the_thread(name: str, server: ControlServer, robot: RecordedPeople) -> None:
     answer = json.loads(tell(server.path, HOSTILE[name] + b"\n"))
     assert answer["ok"] is False
     assert answer["error"].isprintable()
@@ -158,8 +120,10 @@ def test_no_line_ends_the_thread(name: str, server: ControlServer, robot: Robot)
 
 
 @pytest.fixture(scope="module")
-def fuzzed(tmp_path_factory: pytest.TempPathFactory) -> Iterator[tuple[ControlServer, Robot]]:
-    robot = Robot()
+def fuzzed(
+    tmp_path_factory: pytest.TempPathFactory,
+) -> Iterator[tuple[ControlServer, RecordedPeople]]:
+    robot = RecordedPeople()
     path = tmp_path_factory.mktemp("run") / "control.sock"
     path.parent.chmod(0o700)
     with ControlServer(path, robot) as server:
@@ -174,7 +138,7 @@ JSON = st.recursive(
 STATION = st.fixed_dictionaries(
     {}, optional=dict.fromkeys(("x_m", "y_m", "heading_rad", "dwell_s"), JSON)
 )
-ORDER = st.sampled_from(["go", "stop", "pause", "resume", "replan", "status"]) | JSON
+ORDER = st.sampled_from(list(ORDERS)) | JSON
 REQUEST = st.fixed_dictionaries(
     {}, optional={"order": ORDER, "stations": st.lists(STATION, max_size=3) | JSON, "reason": JSON}
 )
@@ -182,19 +146,19 @@ REQUEST = st.fixed_dictionaries(
 
 @given(REQUEST)
 def test_no_request_raises_and_every_answer_can_be_sent(request_: dict[str, Any]) -> None:
-    robot = Robot()
+    robot = RecordedPeople()
     answer = carry_out(request_, robot)
     assert answer["ok"] in (True, False)
     json.dumps(answer).encode()
     assert answer.get("error", "").encode().decode().isprintable()
     for order in robot.orders:
-        if isinstance(order, tuple) and order[0] == "stop":
+        if order[0] == "stop":
             assert order[1].isprintable()
 
 
 @settings(suppress_health_check=[HealthCheck.function_scoped_fixture], deadline=None)
 @given(data=st.binary(max_size=300) | JSON.map(lambda one: json.dumps(one).encode()))
-def test_no_bytes_end_the_thread(data: bytes, fuzzed: tuple[ControlServer, Robot]) -> None:
+def test_no_bytes_end_the_thread(data: bytes, fuzzed: tuple[ControlServer, RecordedPeople]) -> None:
     server, _robot = fuzzed
     answer = tell(server.path, data)
     assert not answer or json.loads(answer)["ok"] in (True, False)
@@ -203,7 +167,7 @@ def test_no_bytes_end_the_thread(data: bytes, fuzzed: tuple[ControlServer, Robot
 
 
 def test_a_reason_of_any_bytes_is_taken_and_is_printable_then(
-    server: ControlServer, robot: Robot
+    server: ControlServer, robot: RecordedPeople
 ) -> None:
     reason = b"\xff\x00\x1b[2Jquick\n".decode(errors="surrogateescape") + "!" * 5000
     assert send_order(server.path, {"order": "stop", "reason": reason})["ok"]
@@ -214,9 +178,9 @@ def test_a_reason_of_any_bytes_is_taken_and_is_printable_then(
 
 
 def test_an_order_that_fails_in_the_program_is_answered_and_the_next_is_taken(
-    server: ControlServer, robot: Robot, monkeypatch: pytest.MonkeyPatch
+    server: ControlServer, robot: RecordedPeople, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    def fail() -> None:
+    def fail(_robot: str | None) -> None:
         raise ZeroDivisionError("a test")
 
     monkeypatch.setattr(robot, "pause", fail)
@@ -226,7 +190,9 @@ def test_an_order_that_fails_in_the_program_is_answered_and_the_next_is_taken(
 
 
 @pytest.mark.timed  # says how long a stop takes
-def test_a_stop_passes_hundreds_of_clients_that_drip(server: ControlServer, robot: Robot) -> None:
+def test_a_stop_passes_hundreds_of_clients_that_drip(
+    server: ControlServer, robot: RecordedPeople
+) -> None:
     with flood("unix", str(server.path), 300):
         assert wait_until(lambda: server.refused > 300), "they are dropped and come again"
         took_s = []
@@ -240,7 +206,7 @@ def test_a_stop_passes_hundreds_of_clients_that_drip(server: ControlServer, robo
     assert robot.orders == [("stop", "stopped by order")] * 11
 
 
-def test_a_request_has_its_time_as_a_whole(tmp_path: Path, robot: Robot) -> None:
+def test_a_request_has_its_time_as_a_whole(tmp_path: Path, robot: RecordedPeople) -> None:
     clock = Clock()
     with (
         ControlServer(tmp_path / "run" / "c.sock", robot, clock=clock) as server,
@@ -255,7 +221,9 @@ def test_a_request_has_its_time_as_a_whole(tmp_path: Path, robot: Robot) -> None
         assert wait_until(lambda: server.refused == 1)
 
 
-def test_an_order_that_hangs_holds_up_no_stop_and_is_given_up(tmp_path: Path, robot: Robot) -> None:
+def test_an_order_that_hangs_holds_up_no_stop_and_is_given_up(
+    tmp_path: Path, robot: RecordedPeople
+) -> None:
     clock = Clock()
     robot.hanging = {"pause"}
     with (
@@ -277,7 +245,7 @@ def test_an_order_that_hangs_holds_up_no_stop_and_is_given_up(tmp_path: Path, ro
 
 
 def test_a_stop_is_answered_in_time_where_the_control_loop_does_not_act(
-    server: ControlServer, robot: Robot
+    server: ControlServer, robot: RecordedPeople
 ) -> None:
     robot.hanging = {"settle"}
     began_s = time.monotonic()
@@ -335,9 +303,9 @@ WITHOUT_DESCRIPTORS = """
 import os, resource, sys
 from pathlib import Path
 from navigation.control import ControlServer
-from tests.navigation.control.test_hostile_control import Robot
+from tests.support.people import RecordedPeople
 resource.setrlimit(resource.RLIMIT_NOFILE, (128, 128))
-with ControlServer(Path(sys.argv[1]), Robot()):
+with ControlServer(Path(sys.argv[1]), RecordedPeople()):
     try:
         while True:
             os.open(os.devnull, os.O_RDONLY)
@@ -375,7 +343,7 @@ def test_a_stop_arrives_where_no_descriptor_is_left(tmp_path: Path) -> None:
 
 
 def test_a_thread_that_ended_is_said_and_started_again(
-    server: ControlServer, robot: Robot, monkeypatch: pytest.MonkeyPatch
+    server: ControlServer, robot: RecordedPeople, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     def fail(*_: object) -> None:
         raise ZeroDivisionError("a test")
@@ -392,7 +360,9 @@ def test_a_thread_that_ended_is_said_and_started_again(
     assert_a_stop_is_taken(server, robot)
 
 
-def test_a_client_that_does_not_wait_harms_nobody(server: ControlServer, robot: Robot) -> None:
+def test_a_client_that_does_not_wait_harms_nobody(
+    server: ControlServer, robot: RecordedPeople
+) -> None:
     for _ in range(50):
         with connected(server.path) as client:
             client.sendall(b'{"order": "status"}\n')

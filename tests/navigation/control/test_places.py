@@ -15,19 +15,19 @@ import pytest
 from navigation.control import ControlError, ControlServer, NoDaemonError, ask, peers, send_order
 from navigation.control.abstract import Abstract, all_listening, digest_of, listen_without_a_file
 from navigation.control.peers import Peer
-from tests.navigation.control.test_hostile_control import Robot
+from tests.support.people import RecordedPeople
 from tests.support.waiting import wait_until
 
 BACK_WITHIN_S = 1.0
 
 
 @pytest.fixture
-def robot() -> Robot:
-    return Robot()
+def robot() -> RecordedPeople:
+    return RecordedPeople()
 
 
 @pytest.fixture
-def server(tmp_path: Path, robot: Robot) -> Iterator[ControlServer]:
+def server(tmp_path: Path, robot: RecordedPeople) -> Iterator[ControlServer]:
     with ControlServer(tmp_path / "run" / "c.sock", robot) as control:
         yield control
 
@@ -47,7 +47,7 @@ def only(monkeypatch: pytest.MonkeyPatch) -> Callable[..., None]:
     return show
 
 
-def stop_is_taken(path: Path | None, robot: Robot) -> bool:
+def stop_is_taken(path: Path | None, robot: RecordedPeople) -> bool:
     before = len(robot.orders)
     answer = send_order(path, {"order": "stop"})
     return answer["state"] in ("stopped", "stopping") and len(robot.orders) > before
@@ -55,7 +55,7 @@ def stop_is_taken(path: Path | None, robot: Robot) -> bool:
 
 @pytest.mark.parametrize("what", ["file", "folder"])
 def test_a_stop_is_taken_at_once_when_the_file_or_its_folder_is_gone(
-    what: str, server: ControlServer, robot: Robot
+    what: str, server: ControlServer, robot: RecordedPeople
 ) -> None:
     if what == "file":
         server.path.unlink()
@@ -70,7 +70,7 @@ def test_a_stop_is_taken_at_once_when_the_file_or_its_folder_is_gone(
 
 
 def test_a_daemon_whose_file_is_gone_is_found_by_another_spelling_of_its_path(
-    server: ControlServer, robot: Robot, tmp_path: Path
+    server: ControlServer, robot: RecordedPeople, tmp_path: Path
 ) -> None:
     (tmp_path / "alias").symlink_to(server.path.parent)
     server.path.unlink()
@@ -78,7 +78,7 @@ def test_a_daemon_whose_file_is_gone_is_found_by_another_spelling_of_its_path(
 
 
 def test_where_the_file_cannot_be_made_again_another_stands_in_until_it_can(
-    server: ControlServer, robot: Robot, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+    server: ControlServer, robot: RecordedPeople, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     stand_in = tmp_path / "tmp"
     stand_in.mkdir(mode=0o700)
@@ -99,7 +99,7 @@ def test_where_the_file_cannot_be_made_again_another_stands_in_until_it_can(
 
 
 def test_where_no_file_can_be_made_at_all_a_stop_is_still_taken(
-    server: ControlServer, robot: Robot, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+    server: ControlServer, robot: RecordedPeople, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr(tempfile, "tempdir", str(tmp_path / "nowhere" / "at" / "all"))
     (tmp_path / "nowhere").write_text("no folder")
@@ -111,7 +111,7 @@ def test_where_no_file_can_be_made_at_all_a_stop_is_still_taken(
 
 
 def test_another_daemon_that_took_the_removed_file_keeps_it(
-    server: ControlServer, robot: Robot, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+    server: ControlServer, robot: RecordedPeople, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr(tempfile, "tempdir", str(tmp_path))
     server.path.unlink()
@@ -129,7 +129,7 @@ def test_without_a_path_a_stop_stops_every_daemon_and_other_orders_want_one_name
 ) -> None:
     monkeypatch.setattr(ask, "default_socket", lambda: tmp_path / "nobody.sock")
     paths = [tmp_path / name / "c.sock" for name in ("one", "two")]
-    robots = [Robot(), Robot()]
+    robots = [RecordedPeople(), RecordedPeople()]
     only(*paths)
     with ControlServer(paths[0], robots[0]), ControlServer(paths[1], robots[1]):
         with pytest.raises(ControlError, match=f"2 daemons run.*{paths[0]}, {paths[1]}"):
@@ -150,7 +150,7 @@ def test_without_a_path_a_stop_stops_every_daemon_and_other_orders_want_one_name
 
 def test_without_a_path_the_only_daemon_takes_every_order(
     server: ControlServer,
-    robot: Robot,
+    robot: RecordedPeople,
     tmp_path: Path,
     only: Callable[..., None],
     monkeypatch: pytest.MonkeyPatch,
@@ -158,11 +158,11 @@ def test_without_a_path_the_only_daemon_takes_every_order(
     monkeypatch.setattr(ask, "default_socket", lambda: tmp_path / "nobody.sock")
     only(server.path)
     assert send_order(None, {"order": "pause"})["socket"] == str(server.path)
-    assert robot.orders == ["pause"]
+    assert robot.orders == [("pause",)]
 
 
 def test_a_path_that_is_given_reaches_no_other_daemon(
-    server: ControlServer, robot: Robot, tmp_path: Path
+    server: ControlServer, robot: RecordedPeople, tmp_path: Path
 ) -> None:
     with pytest.raises(NoDaemonError):
         send_order(tmp_path / "other.sock", {"order": "stop"})
@@ -180,7 +180,7 @@ def a_user(monkeypatch: pytest.MonkeyPatch) -> None:
 
 @pytest.mark.usefixtures("a_user")
 def test_another_user_is_not_served_and_takes_nobodys_place(
-    server: ControlServer, robot: Robot, monkeypatch: pytest.MonkeyPatch
+    server: ControlServer, robot: RecordedPeople, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     import navigation.control.server as module
 
@@ -219,7 +219,9 @@ def test_another_user_who_took_the_file_or_a_name_does_not_answer_for_the_daemon
             send_order(path, {"order": "stop"})
 
 
-def test_names_taken_beforehand_keep_no_daemon_from_its_start(tmp_path: Path, robot: Robot) -> None:
+def test_names_taken_beforehand_keep_no_daemon_from_its_start(
+    tmp_path: Path, robot: RecordedPeople
+) -> None:
     path = tmp_path / "run" / "c.sock"
     with listen_without_a_file(path, 5), ControlServer(path, robot):
         assert stop_is_taken(path, robot)

@@ -189,39 +189,39 @@ def test_an_order_that_is_none_is_refused(order: object) -> None:
 
 def test_a_stop_is_left_by_rearm_only() -> None:
     daemon = FakeDaemon()
-    daemon.stop("a test")
+    daemon.people.stop("a test")
     for order in ("resume", "go"):
-        answer = give({"order": order, "stations": []}, daemon, "Ada")
+        answer = give({"order": order, "stations": []}, daemon.people, "Ada")
         assert not answer["ok"]
         assert "re-arm" in answer["error"]
-    assert give({"order": "rearm"}, daemon, "Ada")["ok"]
-    assert daemon.orders == [("stop", "a test"), "resume"]
+    assert give({"order": "rearm"}, daemon.people, "Ada")["ok"]
+    assert daemon.orders == [("stop", "a test"), ("resume",)]
 
 
 def test_rearm_pressed_twice_does_not_set_the_robot_going() -> None:
     daemon = FakeDaemon()
-    daemon.stop("a test")
-    assert give({"order": "rearm"}, daemon, "Ada")["ok"]
-    assert not give({"order": "rearm"}, daemon, "Ada")["ok"]
-    assert daemon.orders.count("resume") == 1
+    daemon.people.stop("a test")
+    assert give({"order": "rearm"}, daemon.people, "Ada")["ok"]
+    assert not give({"order": "rearm"}, daemon.people, "Ada")["ok"]
+    assert daemon.orders.count(("resume",)) == 1
 
 
 @pytest.mark.parametrize("state", [s for s in State if s is not State.STOPPED])
 def test_there_is_nothing_to_rearm_without_a_stop(state: State) -> None:
     daemon = FakeDaemon()
     daemon.show(mission=Mission(state=state))
-    assert not give({"order": "rearm"}, daemon, "Ada")["ok"]
+    assert not give({"order": "rearm"}, daemon.people, "Ada")["ok"]
     assert daemon.orders == []
 
 
 def test_a_stop_says_who_stopped_and_takes_no_words_from_the_page() -> None:
     daemon = FakeDaemon()
-    assert give({"order": "stop", "reason": "x" * 9999}, daemon, "Ada")["ok"]
+    assert give({"order": "stop", "reason": "x" * 9999}, daemon.people, "Ada")["ok"]
     assert daemon.orders == [("stop", "stopped by Ada")]
 
 
 def test_an_order_to_go_reaches_the_daemon_with_its_stations() -> None:
     daemon = FakeDaemon()
     stations = [{"x_m": 1.0, "y_m": 0.5, "heading_rad": None, "dwell_s": 0.0}]
-    assert give({"order": "go", "stations": stations, "id": 3}, daemon, "Ada")["ok"]
-    assert daemon.orders == [(Station(1.0, 0.5),)]
+    assert give({"order": "go", "stations": stations, "id": 3}, daemon.people, "Ada")["ok"]
+    assert daemon.orders == [("give", (Station(1.0, 0.5),))]

@@ -143,11 +143,11 @@ def test_the_plan_is_told_with_its_length_and_clearance(roadmap: Roadmap) -> Non
 
 def test_a_preview_says_the_way_or_why_there_is_none() -> None:
     daemon = FakeDaemon(roadmap=laboratory())
-    told = preview_facts(daemon.preview((Station(2.2, 1.6),)))
+    told = preview_facts(daemon.people.preview((Station(2.2, 1.6),)))
     assert told["ok"]
     assert told["points"][0] == [0.2, 0.2]
     assert told["duration_s"] > told["length_m"] / 0.3
-    told = preview_facts(daemon.preview((Station(0.42, 1.16),)))
+    told = preview_facts(daemon.people.preview((Station(0.42, 1.16),)))
     assert not told["ok"]
     assert told["reason"]
     gap = PlanAnswer(1, 1, NoPath("too tight", Bottleneck(1.0, 2.0, 0.1), 0.05))

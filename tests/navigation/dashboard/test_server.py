@@ -143,7 +143,11 @@ def test_only_the_holder_drives_and_everybody_stops(site: Site) -> None:
         one.send(type="release")
         other.send(type="take", id=3)
         assert other.hear("answer")["ok"]
-    assert site.daemon.orders == [(Station(1.0, 0.5),), ("stop", "stopped by Ben"), "resume"]
+    assert site.daemon.orders == [
+        ("give", (Station(1.0, 0.5),)),
+        ("stop", "stopped by Ben"),
+        ("resume",),
+    ]
 
 
 def test_the_seat_survives_a_reload_and_is_freed_when_the_page_is_closed(site: Site) -> None:

@@ -12,8 +12,9 @@ import pytest
 
 from navigation.config import Config, load_config
 from navigation.control import ControlServer, send_order
-from navigation.control.orders import carry_out
-from navigation.mission.mission import MissionError, Station
+from navigation.loop.people import People
+from navigation.mission.mission import MissionError
+from navigation.orders.carry_out import carry_out
 from navigation.run.anchoring import (
     AnchoringError,
     renew,
@@ -21,6 +22,7 @@ from navigation.run.anchoring import (
     take_over_lens,
 )
 from navigation.run.reload import Reloader
+from tests.support.people import RecordedPeople
 from vision.calibrate.lens import Lens
 from vision.calibration.calibration_file import load_lens
 from vision.camera.camera import Frame
@@ -63,49 +65,27 @@ def test_a_run_refuses_as_it_refuses_any_order(config_file: Path) -> None:
         renew_while_running(config, "left", lambda _camera: None, None)
 
 
-class Daemon:
-    """Takes the order to renew its anchoring, or cannot."""
-
-    def __init__(self, told: list[str] | None) -> None:
-        self.reanchor = None if told is None else self._reanchor
-        self._told = told or []
-
-    def _reanchor(self, camera: str | None) -> list[str]:
-        if not self._told:
-            raise MissionError("no picture has come from the camera yet")
-        return self._told if camera is None else [*self._told, camera]
-
-    def give(self, stations: tuple[Station, ...]) -> None: ...
-
-    def stop(self, reason: str) -> None: ...
-
-    def pause(self) -> None: ...
-
-    def resume(self) -> None: ...
-
-    def replan(self) -> None: ...
-
-    def settle(self) -> None: ...
-
-    def describe(self) -> Mapping[str, Any]:
-        return {"state": "holding"}
-
-
 def test_the_order_is_answered_with_what_was_found_or_why_not() -> None:
-    answer = carry_out({"order": "reanchor"}, Daemon(["anchored"]))
-    assert (answer["ok"], answer["anchoring"], answer["state"]) == (True, ["anchored"], "holding")
-    named = carry_out({"order": "reanchor", "camera": "left"}, Daemon(["anchored"]))
-    assert named["anchoring"] == ["anchored", "left"]
-    numbered = carry_out({"order": "reanchor", "camera": 3}, Daemon(["anchored"]))
+    people = RecordedPeople(reanchor=["anchored"])
+    answer = carry_out({"order": "reanchor"}, people)
+    assert (answer["ok"], answer["anchoring"], answer["state"]) == (True, ["anchored"], "idle")
+    assert carry_out({"order": "reanchor", "camera": "left"}, people)["ok"]
+    assert people.orders == [("reanchor",), ("reanchor", "left")]
+    numbered = carry_out({"order": "reanchor", "camera": 3}, people)
     assert numbered["error"] == "camera: must be a name, not 3"
-    refused = carry_out({"order": "reanchor"}, Daemon([]))
+    people.refused["reanchor"] = "no picture has come from the camera yet"
+    refused = carry_out({"order": "reanchor"}, people)
     assert refused == {"ok": False, "error": "no picture has come from the camera yet"}
-    cannot = carry_out({"order": "reanchor"}, Daemon(None))
+
+
+def test_a_run_that_cannot_reanchor_says_so() -> None:
+    cannot = carry_out({"order": "reanchor"}, People(None))
     assert "this run cannot place its camera anew" in cannot["error"]
 
 
 def test_the_answer_reaches_who_asks_through_the_socket(tmp_path: Path) -> None:
-    with ControlServer(tmp_path / "run" / "control.sock", Daemon(["anchored"])) as server:
+    people = RecordedPeople(reanchor=["anchored"])
+    with ControlServer(tmp_path / "run" / "control.sock", people) as server:
         answer = send_order(server.path, {"order": "reanchor"})
     assert answer["anchoring"] == ["anchored"]
 

@@ -26,6 +26,7 @@ from navigation.mission.watch import Action, Verdict
 from planner.formats.scene_io import load_scene
 from planner.path import Limits, NoPath
 from planner.roadmap.roadmap import Roadmap
+from tests.support.people import RecordedPeople
 from vision.calibration.calibration import Calibration
 from vision.camera.camera import Frame
 from vision.camera.latest_frame import CameraStatus
@@ -70,19 +71,17 @@ def pose(x: float = 0.2, y: float = 0.2, heading_rad: float = 0.5) -> RobotPose:
 
 
 class FakeDaemon:
-    """Takes orders and notes them; shows what a test sets."""
+    """Shows what a test sets; its ``people`` take orders, and ``orders`` has them."""
 
     def __init__(self, config: Config | None = None, roadmap: Roadmap | None = None) -> None:
         self.config = config or shown_config()
         self.calibration = Calibration.from_scale(SCALE_M, SIZE_PX)
         self.camera = CameraStatus("running", "", 30.0, 100, 1, 0, 0.01)
-        self.orders: list[object] = []
         self.lent: str | None = None
         """Why the robot has to hold: a calibration has the camera; None where it has not."""
-        self._turn = threading.RLock()
-        self.plan_gate = threading.Event()
-        self.plan_gate.set()
-        self._roadmap = roadmap
+        self.turn = threading.RLock()
+        self.people = _Acting(self, roadmap)
+        self.orders = self.people.orders
         self.state: DaemonState | None = DaemonState(
             time_s=1.0,
             mission=Mission(),
@@ -101,7 +100,7 @@ class FakeDaemon:
 
     def show(self, **changes: Any) -> None:
         """A new state, as after a cycle."""
-        with self._turn:
+        with self.turn:
             assert self.state is not None
             if "mission" in changes:
                 changes.setdefault("sentence", changes["mission"].reason)
@@ -109,7 +108,7 @@ class FakeDaemon:
 
     def cycle(self) -> None:
         """Let a tenth of a second pass, with a picture at its end."""
-        with self._turn:
+        with self.turn:
             assert self.state is not None
             now_s = self.clock() + CYCLE_S
             seen = replace(pose(), captured_s=now_s)
@@ -139,70 +138,8 @@ class FakeDaemon:
 
     fleet = None
 
-    def preview(self, stations: tuple[Station, ...], robot: str | None = None) -> PlanAnswer:
-        assert self.plan_gate.wait(10.0)
-        return self._plan(stations)
-
-    def _plan(self, stations: tuple[Station, ...]) -> PlanAnswer:
-        assert self._roadmap is not None
-        *vias, goal = [(one.x, one.y) for one in stations]
-        path = self._roadmap.plan((0.2, 0.2), goal, via=vias)
-        if isinstance(path, NoPath):
-            return PlanAnswer(1, 1, path)
-        return PlanAnswer(1, 1, path, planner.time_path(path, LIMITS))
-
-    def give(self, stations: tuple[Station, ...]) -> None:
-        if self.lent is not None:
-            raise MissionError(self.lent)
-        if any(station.x > 5.0 for station in stations):
-            raise MissionError("station 1 at (9, 9) m: outside the arena")
-        with self._turn:
-            mission = self.mission.given(stations, "a mission was given")
-            self.orders.append(stations)
-            self._begin(mission)
-
-    def stop(self, reason: str) -> None:
-        with self._turn:
-            self.orders.append(("stop", reason))
-            self._become(self.mission.after(Event.STOP, reason))
-
-    def pause(self) -> None:
-        with self._turn:
-            self.orders.append("pause")
-            mission = replace(self.mission, paused=True)
-            if mission.allows(Event.HOLD):
-                mission = mission.after(Event.HOLD, "paused by the operator")
-            self._become(mission)
-
-    def resume(self) -> None:
-        with self._turn:
-            self.orders.append("resume")
-            mission = replace(self.mission, paused=False)
-            if mission.state is State.STOPPED:
-                self._become(mission.after(Event.REARM, "re-armed by hand"))
-            elif mission.state is State.HOLDING:
-                self._begin(mission.after(Event.CLEARED, "resumed"))
-            else:
-                self._become(mission)
-
-    def settle(self) -> None:
-        """It acts at once."""
-
-    def replan(self) -> None:
-        self.orders.append("replan")
-
-    def describe(self) -> Mapping[str, Any]:
-        return {"state": self.mission.state.value, "reason": self.mission.reason}
-
-    def _begin(self, mission: Mission) -> None:
-        """Plan, and drive where there is a path."""
-        path = None if self._roadmap is None else self._plan(mission.remaining).path
-        if isinstance(path, NoPath):
-            self._become(mission.after(Event.NO_PLAN, path.reason))
-        else:
-            self._become(mission.after(Event.PLANNED, "driving"), path=path)
-
-    def _become(self, mission: Mission, **changes: Any) -> None:
+    def become(self, mission: Mission, **changes: Any) -> None:
+        """Another mission, and its robot moves or is stopped as it says."""
         assert self.state is not None
         link = replace(
             self.state.link,
@@ -210,3 +147,65 @@ class FakeDaemon:
             estopped=mission.state is State.STOPPED,
         )
         self.show(mission=mission, link=link, **changes)
+
+
+class _Acting(RecordedPeople):
+    """Notes every order, and acts at once on those whose effect the page's tests look at."""
+
+    def __init__(self, daemon: FakeDaemon, roadmap: Roadmap | None) -> None:
+        super().__init__()
+        self._daemon, self._roadmap = daemon, roadmap
+
+    def preview(self, stations: tuple[Station, ...], robot: str | None = None) -> PlanAnswer:
+        assert self._roadmap is not None
+        *vias, goal = [(one.x, one.y) for one in stations]
+        path = self._roadmap.plan((0.2, 0.2), goal, via=vias)
+        if isinstance(path, NoPath):
+            return PlanAnswer(1, 1, path)
+        return PlanAnswer(1, 1, path, planner.time_path(path, LIMITS))
+
+    def give(self, stations: tuple[Station, ...], robot: str | None = None) -> None:
+        if self._daemon.lent is not None:
+            raise MissionError(self._daemon.lent)
+        if any(station.x > 5.0 for station in stations):
+            raise MissionError("station 1 at (9, 9) m: outside the arena")
+        with self._daemon.turn:
+            mission = self._daemon.mission.given(stations, "a mission was given")
+            self.orders.append(("give", stations))
+            self._begin(mission)
+
+    def stop(self, reason: str, robot: str | None = None) -> None:
+        with self._daemon.turn:
+            self.orders.append(("stop", reason))
+            self._daemon.become(self._daemon.mission.after(Event.STOP, reason))
+
+    def pause(self, robot: str | None = None) -> None:
+        with self._daemon.turn:
+            self.orders.append(("pause",))
+            mission = replace(self._daemon.mission, paused=True)
+            if mission.allows(Event.HOLD):
+                mission = mission.after(Event.HOLD, "paused by the operator")
+            self._daemon.become(mission)
+
+    def resume(self, robot: str | None = None) -> None:
+        with self._daemon.turn:
+            self.orders.append(("resume",))
+            mission = replace(self._daemon.mission, paused=False)
+            if mission.state is State.STOPPED:
+                self._daemon.become(mission.after(Event.REARM, "re-armed by hand"))
+            elif mission.state is State.HOLDING:
+                self._begin(mission.after(Event.CLEARED, "resumed"))
+            else:
+                self._daemon.become(mission)
+
+    def describe(self, robot: str | None = None) -> Mapping[str, Any]:
+        mission = self._daemon.mission
+        return {"state": mission.state.value, "reason": mission.reason}
+
+    def _begin(self, mission: Mission) -> None:
+        """Plan, and drive where there is a path."""
+        path = None if self._roadmap is None else self.preview(mission.remaining).path
+        if isinstance(path, NoPath):
+            self._daemon.become(mission.after(Event.NO_PLAN, path.reason))
+        else:
+            self._daemon.become(mission.after(Event.PLANNED, "driving"), path=path)

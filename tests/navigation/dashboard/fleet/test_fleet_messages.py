@@ -96,42 +96,41 @@ def test_plans_are_told_apart_by_where_each_begins() -> None:
 def test_a_stop_is_for_all_or_for_the_one_that_is_named_and_only_rearming_leaves_it(
     fleet: Daemon,
 ) -> None:
-    shown = ShownDaemon(fleet)
-    assert give({"order": "stop", "robot": A}, shown, "somebody")["ok"]
+    people = fleet.people
+    assert give({"order": "stop", "robot": A}, people, "somebody")["ok"]
     assert stopped(fleet) == {A}
-    assert not give({"order": "resume", "robot": A}, shown, "somebody")["ok"]
-    assert not give({"order": "rearm", "robot": B}, shown, "somebody")["ok"]
-    assert give({"order": "resume"}, shown, "somebody")["ok"]  # of those that are not stopped
+    assert not give({"order": "resume", "robot": A}, people, "somebody")["ok"]
+    assert not give({"order": "rearm", "robot": B}, people, "somebody")["ok"]
+    assert give({"order": "resume"}, people, "somebody")["ok"]  # of those that are not stopped
     assert stopped(fleet) == {A}
-    assert give({"order": "stop"}, shown, "somebody")["ok"]
+    assert give({"order": "stop"}, people, "somebody")["ok"]
     assert stopped(fleet) == {A, B}
-    refused = give({"order": "go", "robot": B, "stations": [{"x_m": 1.0, "y_m": 0.5}]}, shown, "x")
+    refused = give({"order": "go", "robot": B, "stations": [{"x_m": 1.0, "y_m": 0.5}]}, people, "x")
     assert "re-arm" in refused["error"]
-    assert give({"order": "rearm", "robot": B}, shown, "somebody")["ok"]
+    assert give({"order": "rearm", "robot": B}, people, "somebody")["ok"]
     assert stopped(fleet) == {A}
-    assert give({"order": "rearm"}, shown, "somebody")["ok"]
+    assert give({"order": "rearm"}, people, "somebody")["ok"]
     assert stopped(fleet) == set()
-    assert "nothing to rearm" in give({"order": "rearm"}, shown, "somebody")["error"]
+    assert "nothing to rearm" in give({"order": "rearm"}, people, "somebody")["error"]
 
 
 def test_an_order_that_names_nobody_or_somebody_unknown_is_refused_in_words(
     fleet: Daemon,
 ) -> None:
-    shown = ShownDaemon(fleet)
     go = {"order": "go", "stations": [{"x_m": 1.0, "y_m": 0.5}]}
-    assert "say which one" in give(go, shown, "x")["error"]
-    assert "there are" in give({**go, "robot": "nobody"}, shown, "x")["error"]
-    assert "must be a name" in give({**go, "robot": 3}, shown, "x")["error"]
+    assert "say which one" in give(go, fleet.people, "x")["error"]
+    assert "there are" in give({**go, "robot": "nobody"}, fleet.people, "x")["error"]
+    assert "must be a name" in give({**go, "robot": 3}, fleet.people, "x")["error"]
 
 
 def test_a_preview_is_of_the_named_robot_from_where_it_stands(fleet: Daemon) -> None:
-    shown, people = ShownDaemon(fleet), fleet.people
+    people = fleet.people
     pose = fleet.robots[B].pose
     assert pose is not None
-    answer = shown.preview((Station(pose.x, pose.y),), B)
+    answer = people.preview((Station(pose.x, pose.y),), B)
     assert answer.path
     with pytest.raises(MissionError, match="say which one"):
-        shown.preview((Station(1.0, 0.5),))
+        people.preview((Station(1.0, 0.5),))
     with pytest.raises(MissionError, match="there are"):
         people.preview((Station(1.0, 0.5),), "nobody")
 

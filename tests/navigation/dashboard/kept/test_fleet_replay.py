@@ -9,7 +9,8 @@ import pytest
 
 from navigation.config.dashboard import DashboardSection
 from navigation.dashboard.replay.player import Player
-from navigation.dashboard.replay.replayed_run import IT_IS_A_RECORDING, ReplayedRun
+from navigation.dashboard.replay.replayed_run import ReplayedRun
+from navigation.dashboard.shown import IT_IS_A_RECORDING
 from navigation.loop.daemon import Daemon
 from navigation.loop.daemon_state import RunState
 from navigation.recording.tape import Tape, read_tape

@@ -103,7 +103,7 @@ def test_nothing_is_saved_while_any_one_robot_drives_or_is_stopped(
     def describe() -> dict[str, Any]:
         return {"state": "done", "robots": {n: {"state": s.value} for n, s in states.items()}}
 
-    site.daemon.describe = describe  # type: ignore[method-assign]
+    site.daemon.people.describe = describe  # type: ignore[method-assign]
     with site.live() as page:
         page.join()
         page.send(type="take", id=1)

@@ -14,7 +14,8 @@ from navigation.config.dashboard import DashboardSection
 from navigation.dashboard import Dashboard
 from navigation.dashboard.replay.player import SPEEDS, Player
 from navigation.dashboard.replay.replay_hub import ReplayHub
-from navigation.dashboard.replay.replayed_run import IT_IS_A_RECORDING, ReplayedRun
+from navigation.dashboard.replay.replayed_run import ReplayedRun
+from navigation.dashboard.shown import IT_IS_A_RECORDING
 from navigation.mission.mission import State
 from navigation.recording.events import Told
 from navigation.recording.files import RecordingError

@@ -212,7 +212,7 @@ def test_nothing_is_saved_while_a_mission_is_under_way_or_the_robot_is_stopped(
     open_page: Site, office: Office, state: State
 ) -> None:
     daemon = open_page.daemon
-    daemon.describe = lambda: {"state": state.value}  # type: ignore[method-assign]
+    daemon.people.describe = lambda: {"state": state.value}  # type: ignore[method-assign]
     with open_page.live() as page:
         page.join()
         page.send(type="take", id=1)

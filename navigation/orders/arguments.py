@@ -1,0 +1,89 @@
+"""Arguments of orders as they come from outside: read and checked, or refused in a sentence.
+
+A stop's reason that is too long or unprintable is shortened and cleaned, never refused.
+
+Units: metres, radians, seconds.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Mapping
+from typing import Any, Final
+
+from navigation.config.values import LONGEST_DWELL_S, MOST_STATIONS
+from navigation.mission.mission import Station
+from navigation.orders.errors import ControlError
+from navigation.shared.outside import finite_number, in_short, printable
+
+LONGEST_DWELLS_S: Final = 86_400.0
+"""All stays together: a day. They are planned in parts of 25 s, which must stay countable."""
+REASON_CHARACTERS: Final = 500
+ROBOT_CHARACTERS: Final = 64
+
+
+def read_robot(request: Mapping[str, Any]) -> str | None:
+    """The robot that a request names; None where it names none."""
+    name = _name(request, "robot")
+    return None if name is None else printable(name, ROBOT_CHARACTERS)
+
+
+def _name(request: Mapping[str, Any], key: str) -> str | None:
+    value = request.get(key)
+    if value is not None and not isinstance(value, str):
+        raise ControlError(f"{key}: must be a name, not {in_short(value)}")
+    return value
+
+
+def _reason(request: Mapping[str, Any]) -> str:
+    reason = request.get("reason", "stopped by order")
+    if not isinstance(reason, str):
+        raise ControlError(f"reason: must be a text of at most {REASON_CHARACTERS} characters")
+    return printable(reason, REASON_CHARACTERS)
+
+
+def read_stations(value: Any) -> tuple[Station, ...]:
+    """Stations from JSON; ControlError where they are none."""
+    if not isinstance(value, list) or not 1 <= len(value) <= MOST_STATIONS:
+        raise ControlError(f"stations: must be a list of 1 to {MOST_STATIONS} stations")
+    stations = tuple(_station(number, item) for number, item in enumerate(value, 1))
+    dwell_s = sum(station.dwell_s for station in stations)
+    if dwell_s > LONGEST_DWELLS_S:
+        raise ControlError(
+            f"stations: dwell_s = {dwell_s:g} together: must be at most {LONGEST_DWELLS_S:g}"
+        )
+    return stations
+
+
+def _station(number: int, item: Any) -> Station:
+    if not isinstance(item, dict) or not set(item) <= {"x_m", "y_m", "heading_rad", "dwell_s"}:
+        raise ControlError(
+            f"station {number}: must be an object of x_m, y_m, heading_rad and dwell_s"
+        )
+    x, y = (_number(number, item, key) for key in ("x_m", "y_m"))
+    heading_rad = None
+    if item.get("heading_rad") is not None:
+        heading_rad = math.remainder(_number(number, item, "heading_rad"), math.tau)
+    dwell_s = _number(number, item, "dwell_s") if "dwell_s" in item else 0.0
+    if dwell_s < 0.0:
+        raise ControlError(f"station {number}: dwell_s = {dwell_s:g}: must be >= 0")
+    if dwell_s > LONGEST_DWELL_S:
+        limit = f"must be <= {LONGEST_DWELL_S:g}"
+        raise ControlError(f"station {number}: dwell_s = {dwell_s:g}: {limit}")
+    return Station(x, y, heading_rad, dwell_s)
+
+
+def _number(number: int, item: Mapping[str, Any], key: str) -> float:
+    value = item.get(key)
+    found = finite_number(value)
+    if found is None:
+        raise ControlError(f"station {number}: {key} = {in_short(value)}: must be a finite number")
+    return found
+
+
+READERS: Final[Mapping[str, Callable[[Mapping[str, Any]], Any]]] = {
+    "stations": lambda request: read_stations(request.get("stations")),
+    "reason": _reason,
+    "camera": lambda request: _name(request, "camera"),
+}
+"""By the name of the argument: its value in a request; ``ControlError`` where it has none."""

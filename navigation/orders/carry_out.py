@@ -1,0 +1,44 @@
+"""Orders as they come from outside: checked, carried out by the run, answered.
+
+A request is ``{"order": NAME, ...}``; an answer is ``{"ok": true, ...}`` or
+``{"ok": false, "error": SENTENCE}``. What is malformed is refused, never raised.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import TYPE_CHECKING, Any, Final
+
+from navigation.mission.mission import MissionError
+from navigation.orders.arguments import READERS, read_robot
+from navigation.orders.errors import ControlError
+from navigation.orders.table import ORDERS, Order
+from navigation.shared.outside import in_short
+
+if TYPE_CHECKING:
+    from navigation.loop.people import People
+
+SCHEMA: Final = "clearway.status/1"
+"""Of the answer to any order that was taken."""
+
+
+def carry_out(request: Mapping[str, Any], people: People) -> dict[str, Any]:
+    """Do what a request asks for; the answer, never an exception for a bad request."""
+    try:
+        order = _order_of(request)
+        robot = read_robot(request)
+        given = {name: READERS[name](request) for name in order.arguments}
+        further = order.act(people, robot, given) or {}
+        told = people.describe(robot)
+    except (ControlError, MissionError) as error:
+        return {"ok": False, "error": str(error)}
+    return {"schema": SCHEMA, "ok": True, **told, **further}
+
+
+def _order_of(request: Mapping[str, Any]) -> Order:
+    name = request.get("order")
+    order = ORDERS.get(name) if isinstance(name, str) else None
+    if order is None:
+        *names, last = ORDERS
+        raise ControlError(f"order {in_short(name)}: must be {', '.join(names)} or {last}")
+    return order

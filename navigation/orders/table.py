@@ -1,0 +1,178 @@
+"""Every order that people may give, once: its name, arguments, who may give it, what it does, help.
+
+A new order is a row here, and the method of `People` that it calls: the command line, the control
+socket and the page have it then. Each row acts on one robot by its name, or on all for None.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from enum import Enum
+from typing import TYPE_CHECKING, Any, Final, TypeAlias
+
+from navigation.mission.mission import Mission, State
+
+if TYPE_CHECKING:
+    from navigation.loop.people import People
+
+UNDER_WAY: Final = (State.PLANNING, State.PROVING, State.DRIVING, State.HOLDING)
+
+Act: TypeAlias = "Callable[[People, str | None, Mapping[str, Any]], Mapping[str, Any] | None]"
+"""Carries an order out for a robot, with its arguments; what the answer has beside the state."""
+
+
+class Who(Enum):
+    """The people who may give an order; all of them may at the control socket."""
+
+    ANYONE = "everybody with a token"
+    OPERATOR = "the operator who holds the arena"
+    SOCKET = "nobody on the page"
+
+
+@dataclass(frozen=True, slots=True)
+class Button:
+    """An order's button on the page.
+
+    ``why_not`` gives the reason why the order would do nothing for a mission that is not stopped;
+    empty where it would.
+    """
+
+    label: str
+    why_not: Callable[[Mission], str]
+    is_quiet: bool = True
+
+
+@dataclass(frozen=True, slots=True)
+class Order:
+    """One order; ``example`` is a command line and what it does.
+
+    ``arguments`` are keys of a request; `arguments.READERS` reads them.
+    """
+
+    name: str
+    summary: str
+    help: str
+    example: tuple[str, str]
+    act: Act
+    arguments: tuple[str, ...] = ()
+    who: Who = Who.OPERATOR
+    button: Button | None = None
+    for_one: bool = False
+    """True if it is for one robot, which has to be named where there are several."""
+    sets_going: bool = False
+    """True if a robot may drive by it: the page never gives it to one that is stopped."""
+    only_looks: bool = False
+    """True if nothing changes by it."""
+    may_repeat: bool = False
+    """True if it may be sent again where no answer came."""
+
+
+def _stop(people: People, robot: str | None, given: Mapping[str, Any]) -> Mapping[str, Any]:
+    trouble = people.stop(given["reason"], robot)
+    return {"trouble": trouble} if trouble else {}
+
+
+def _no_pause(mission: Mission) -> str:
+    if mission.paused:
+        return "the mission is paused already"
+    return "" if mission.state in UNDER_WAY else "nothing to pause: there is no mission under way"
+
+
+def _no_resume(mission: Mission) -> str:
+    waits = mission.state in (State.IDLE, State.FAILED) and mission.visited < len(mission.stations)
+    if mission.paused or waits:
+        return ""
+    return "nothing to resume: the mission is neither paused nor broken off"
+
+
+def _no_replan(mission: Mission) -> str:
+    drives = mission.state is State.DRIVING
+    return "" if drives else "nothing to plan again: the robot does not drive"
+
+
+_ALL: Final = (
+    Order(
+        "go",
+        "Send the running daemon's robot to a place.",
+        "Drive to X,Y[,DEG], one or several, in metres of the arena.",
+        (
+            "clearway go 1.4,0.9 2.2,1.6,90 --dwell 0.5",
+            "Send the robot to two places; at the second it faces 90 degrees.",
+        ),
+        lambda people, robot, given: people.give(given["stations"], robot),
+        ("stations",),
+        for_one=True,
+        sets_going=True,
+    ),
+    Order(
+        "stop",
+        "Emergency stop of the running daemon's robot.",
+        "Stop the robot at once; it stays stopped until `clearway resume` re-arms it.\n\n"
+        "Of several robots all are stopped, or the one that --robot names. A daemon is found even\n"
+        "where its socket was removed; without --socket every daemon of yours is stopped then.",
+        (
+            'clearway stop --reason "a person in the arena"',
+            "Stop the robot at once, and say why.",
+        ),
+        _stop,
+        ("reason",),
+        who=Who.ANYONE,
+        may_repeat=True,
+    ),
+    Order(
+        "pause",
+        "Hold the robot where it is.",
+        "Hold the robot until `clearway resume`.",
+        ("clearway pause", "Hold the robot where it is."),
+        lambda people, robot, _: people.pause(robot),
+        button=Button("Pause", _no_pause, is_quiet=False),
+    ),
+    Order(
+        "resume",
+        "Continue after a pause; re-arm after a stop.",
+        "Continue after a pause or a failed mission, with a new plan. After an emergency stop the "
+        "first resume re-arms the robot, which does not move yet; a second one continues with the "
+        "remaining stations, and `clearway go` gives new ones.",
+        ("clearway resume", "Continue after a pause, or re-arm after a stop."),
+        lambda people, robot, _: people.resume(robot),
+        button=Button("Resume", _no_resume, is_quiet=False),
+        sets_going=True,
+    ),
+    Order(
+        "replan",
+        "Plan the path again.",
+        "Plan the mission again from where the robot is now.",
+        ("clearway replan", "Plan again from where the robot is now."),
+        lambda people, robot, _: people.replan(robot),
+        button=Button("Plan again", _no_replan),
+    ),
+    Order(
+        "reanchor",
+        "Place a moved camera by the floor markers.",
+        "Place a camera that was moved anew, by the floor markers of arena.floor_markers.",
+        (
+            "clearway reanchor arena.yaml floor.png",
+            "Place the camera anew by the floor markers in a picture.",
+        ),
+        lambda people, _, given: {"anchoring": people.reanchor(given["camera"])},
+        ("camera",),
+        who=Who.SOCKET,
+    ),
+    Order(
+        "status",
+        "What the running daemon is doing.",
+        "Print what the running daemon is doing, and why.",
+        (
+            "clearway status --format json",
+            "Print state, reason and progress for a program to read.",
+        ),
+        lambda _people, _robot, _given: None,
+        who=Who.SOCKET,
+        only_looks=True,
+        may_repeat=True,
+    ),
+)
+
+ORDERS: Final[Mapping[str, Order]] = {one.name: one for one in _ALL}
+"""By name, in the order in which people read them."""
