@@ -169,9 +169,10 @@ class Coordinator:
             if held.errand and one.obliging:
                 continue  # its pilot is given the errand in this cycle
             held.errand = False
-            if one.state is State.DONE:
-                held.executed = len(held.promise.targets)
-            elif one.state in OVER:
+            targets = len(held.promise.targets)
+            if one.state is State.DONE and is_seen_there(one, held.promise, targets):
+                held.executed = targets
+            elif one.state in (*OVER, State.DONE):
                 held.broken = not held.is_finished
             elif one.executed is not None and one.state is State.DRIVING:
                 executed = held.base + one.executed

@@ -48,6 +48,24 @@ def test_while_a_goal_is_planned_nobody_is_sent_more_than_it_has() -> None:
     assert fleet.robots["a"].executed <= driving.sent
 
 
+def test_a_robot_whose_mission_ends_on_its_path_has_not_driven_the_rest() -> None:
+    fleet = Fleet(HALL, {"a": (0.3, 0.3), "b": (1.7, 0.3)})
+    fleet.robots["b"].go((0.3, 0.8))
+    fleet.until_driving("b")
+    for _ in range(4):
+        fleet.step()
+    executed = fleet.coordinator.held["b"].executed
+    fleet.robots["b"].state, fleet.robots["b"].plan = State.DONE, None
+    fleet.step()
+    held = fleet.coordinator.held["b"]
+    assert (held.broken, held.executed) == (True, executed)
+    assert not held.is_finished
+    fleet.robots["a"].go((1.7, 0.3))
+    fleet.run()
+    assert at(fleet, "a", (1.7, 0.3))
+    assert fleet.least_gap_m > 0.0
+
+
 def test_a_robot_in_the_only_way_steps_aside_and_comes_back() -> None:
     fleet = Fleet(ONE_WAY, {"a": (0.2, 0.8), "parked": (1.0, 0.8)})
     fleet.robots["a"].go((1.8, 0.8))
