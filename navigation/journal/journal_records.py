@@ -129,7 +129,7 @@ class _Station(_Record):
 
 
 class _Mission(_Record):
-    stations: Annotated[list[_Station], Field(min_length=1, max_length=MOST_STATIONS)]
+    stations: Annotated[list[_Station], Field(max_length=MOST_STATIONS)]
     visited: Annotated[int, Field(ge=0)]
     any_order: bool
     state: _Text
@@ -202,6 +202,8 @@ def _mission_of(read: _Mission, owner: Owner) -> Mission:
     if errand is not None and read.visited < len(stations):
         raise RecordError("mission.errand: must be null until all stations are visited")
     state = State[read.state]
+    if not stations and state is not State.DONE:
+        raise RecordError("mission.stations: must not be empty of a mission that is not done")
     mission = Mission(
         stations, read.visited, read.any_order, state, read.reason, read.paused, errand
     )

@@ -142,13 +142,19 @@ class Robot:
     def write_journal(self, orders: Orders, now_s: float) -> str:
         """Keep mission, progress and the plan before they take effect; the trouble with it."""
         mission = self.pilot.mission
-        if self.journal is None or not mission.stations:
+        if self.journal is None or not (mission.stations or self._journal_is_stale()):
             return ""
         sent = None
         if orders.upload is not None:
             sent = SentPlan(orders.upload[0], mission.visited, orders.upload[1])
         self.journal.keep(mission, sent, now_s)
         return self.journal.trouble
+
+    def _journal_is_stale(self) -> bool:
+        """True if the journal has stations to visit of a mission that is done without any."""
+        kept = None if self.journal is None else self.journal.mission()
+        has_more = kept is not None and bool(kept.remaining)
+        return has_more and self.pilot.mission.state is State.DONE
 
     def drive(self, orders: Orders, now_s: float, sight: Sight, released: int | None) -> None:
         """Send what the cycle has decided: of a plan ``released`` targets, or all if it is None."""

@@ -34,7 +34,8 @@ on_errands = st.builds(
     under_way,
     stations,
 )
-missions = under_way | on_errands
+done = st.just(Mission(state=State.DONE, reason="its only station was taken from it"))
+missions = under_way | on_errands | done
 
 
 @given(missions, st.lists(targets, max_size=5), st.integers(1, 2**32 - 1))
