@@ -4,7 +4,9 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
+from typing import TypeAlias
 
+from navigation.mission.cycle import PlanAnswer, PlanRequest
 from navigation.mission.mission import Station
 from navigation.mission.targets import Target
 from planner.path import Limits, Path, Trajectory
@@ -110,3 +112,8 @@ class FleetAnswer:
     refused: Mapping[str, str]
     driving: tuple[Promise, ...] = ()
     cannot: str = ""
+
+
+Request: TypeAlias = PlanRequest | FleetRequest
+"""A planner's request, for one robot or for several."""
+Answer: TypeAlias = PlanAnswer | FleetAnswer

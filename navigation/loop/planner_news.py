@@ -10,16 +10,9 @@ from collections import deque
 from collections.abc import Callable
 from typing import TYPE_CHECKING, Protocol
 
+from navigation.fleet.request import Answer, Request
 from navigation.loop.planning import SceneCheck
-from navigation.loop.traffic.traffic import Answer, Request
-from navigation.mission.cycle import PlanAnswer, PlanRequest
-from navigation.recording.events import (
-    FleetAnswered,
-    FleetAsked,
-    PlanAnswered,
-    PlanAsked,
-    RoadmapBuilt,
-)
+from navigation.recording.events import PlanAnswered, PlanAsked, RoadmapBuilt
 from planner.roadmap.roadmap import Roadmap
 
 if TYPE_CHECKING:
@@ -68,11 +61,7 @@ class PlannerNews:
         """A request goes to the planner now."""
         self._asked_s = now_s
         if self._recorder is not None:
-            self._recorder.put(
-                PlanAsked(now_s, request)
-                if isinstance(request, PlanRequest)
-                else FleetAsked(now_s, request)
-            )
+            self._recorder.put(PlanAsked(now_s, request))
 
     def take(self) -> tuple[list[SceneCheck], Answer | None]:
         """What is new since the last cycle."""
@@ -102,11 +91,7 @@ class PlannerNews:
         now_s = self._clock()
         self.plan_s = now_s - self._asked_s
         if self._recorder is not None:
-            self._recorder.put(
-                PlanAnswered(now_s, answer)
-                if isinstance(answer, PlanAnswer)
-                else FleetAnswered(now_s, answer)
-            )
+            self._recorder.put(PlanAnswered(now_s, answer))
         with self._lock:
             self._answers.append(answer)
         self._wake()

@@ -10,8 +10,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any, Literal, TypeAlias
 
-from navigation.fleet.request import FleetAnswer, FleetRequest
-from navigation.mission.cycle import PlanAnswer, PlanRequest
+from navigation.fleet.request import Answer, Request
 from planner.roadmap.roadmap import Roadmap
 from planner.scene import Scene
 from vision.camera.camera import Frame
@@ -62,10 +61,10 @@ class RoadmapBuilt:
 
 @dataclass(frozen=True, slots=True)
 class PlanAsked:
-    """The planner was asked."""
+    """The planner was asked: for one robot, or for all of several that want to move."""
 
     time_s: float
-    request: PlanRequest
+    request: Request
 
 
 @dataclass(frozen=True, slots=True)
@@ -73,24 +72,7 @@ class PlanAnswered:
     """The planner's answer; ``carried``: given in an earlier file of the recording."""
 
     time_s: float
-    answer: PlanAnswer
-    carried: bool = False
-
-
-@dataclass(frozen=True, slots=True)
-class FleetAsked:
-    """The planner of several robots was asked for all that want to move."""
-
-    time_s: float
-    request: FleetRequest
-
-
-@dataclass(frozen=True, slots=True)
-class FleetAnswered:
-    """Its answer: what each robot is promised; ``carried`` as for one robot."""
-
-    time_s: float
-    answer: FleetAnswer
+    answer: Answer
     carried: bool = False
 
 
@@ -114,14 +96,5 @@ class Counted:
 
 
 RecordedEvent: TypeAlias = (
-    PictureTaken
-    | RobotsSeen
-    | SceneSeen
-    | RoadmapBuilt
-    | PlanAsked
-    | PlanAnswered
-    | FleetAsked
-    | FleetAnswered
-    | Told
-    | Counted
+    PictureTaken | RobotsSeen | SceneSeen | RoadmapBuilt | PlanAsked | PlanAnswered | Told | Counted
 )

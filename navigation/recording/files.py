@@ -28,12 +28,11 @@ from foxglove.channels import (
 from foxglove.mcap import MCAPWriteOptions
 
 from navigation.config.recording import RecordingSection
+from navigation.fleet.request import Answer, FleetAnswer
 from navigation.recording import foxglove as messages
 from navigation.recording import json_bodies as bodies
 from navigation.recording.events import (
     Counted,
-    FleetAnswered,
-    FleetAsked,
     PictureTaken,
     PlanAnswered,
     PlanAsked,
@@ -144,19 +143,10 @@ class RecordingFiles:
                 update = messages.roadmap_message(event.roadmap, time_ns)
                 self._roadmaps.log(update, log_time=time_ns)
             case PlanAsked():
-                self._write_json(bodies.REQUESTS, bodies.request_body(event), time_ns)
+                self._write_json(*bodies.request_message(event), time_ns)
             case PlanAnswered(answer=answer):
-                self._write_json(bodies.PLANS, bodies.plan_body(event), time_ns)
-                points = None if isinstance(answer.path, NoPath) else answer.path.points
-                self._write_path("/plan", points, time_ns)
-            case FleetAsked():
-                self._write_json(bodies.FLEET_REQUESTS, bodies.fleet_request_body(event), time_ns)
-            case FleetAnswered(answer=fleet):
-                self._write_json(bodies.FLEET_PLANS, bodies.fleet_plan_body(event), time_ns)
-                for name in self._names.values():
-                    promise = fleet.promises.get(name)
-                    points = None if promise is None else promise.points
-                    self._write_path(f"/robot/{name}/plan", points, time_ns)
+                self._write_json(*bodies.plan_message(event), time_ns)
+                self._write_paths(answer, time_ns)
             case Told(_, level, sentence, source):
                 log = messages.log_message(level, sentence, source, time_ns)
                 self._log.log(log, log_time=time_ns)
@@ -166,6 +156,16 @@ class RecordingFiles:
     def _write_json(self, topic: str, body: dict[str, Any], time_ns: int) -> None:
         text = json.dumps(body, allow_nan=False, default=asdict)
         self._json_channel(topic).log(text.encode(), log_time=time_ns)
+
+    def _write_paths(self, answer: Answer, time_ns: int) -> None:
+        if isinstance(answer, FleetAnswer):
+            for name in self._names.values():
+                promise = answer.promises.get(name)
+                points = None if promise is None else promise.points
+                self._write_path(f"/robot/{name}/plan", points, time_ns)
+        else:
+            points = None if isinstance(answer.path, NoPath) else answer.path.points
+            self._write_path("/plan", points, time_ns)
 
     def _write_path(self, topic: str, points: FloatArray | None, time_ns: int) -> None:
         if topic not in self._paths:

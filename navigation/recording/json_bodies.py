@@ -20,9 +20,11 @@ from navigation.config import Config
 from navigation.config.secrecy.secrets import hide_in
 from navigation.fleet.request import (
     Driving,
+    FleetAnswer,
     FleetRequest,
     Gate,
     Promise,
+    Request,
     Taken,
     Traveller,
 )
@@ -30,8 +32,6 @@ from navigation.mission.cycle import PlanRequest
 from navigation.mission.mission import Station
 from navigation.mission.targets import Target
 from navigation.recording.events import (
-    FleetAnswered,
-    FleetAsked,
     PlanAnswered,
     PlanAsked,
     RobotsSeen,
@@ -56,6 +56,8 @@ TOPICS: Final = (
 )  # fmt: skip
 """Topics of JSON messages, and ``LINK/NAME`` of several robots; the others are Foxglove's own
 schemas."""
+ANSWERS: Final = {REQUESTS: PLANS, FLEET_REQUESTS: FLEET_PLANS}
+"""Topics of requests, of one robot and of several, and of their answers."""
 
 _REQUEST: TypeAdapter[PlanRequest] = TypeAdapter(PlanRequest)
 
@@ -113,7 +115,7 @@ class _Promised:
 
 
 @dataclass(frozen=True, slots=True)
-class _FleetAsked:
+class _FleetRequest:
     """A `FleetRequest` in plain values."""
 
     id: int
@@ -124,7 +126,7 @@ class _FleetAsked:
     idle: tuple[Traveller, ...] = ()
 
 
-_FLEET_REQUEST: TypeAdapter[_FleetAsked] = TypeAdapter(_FleetAsked)
+_FLEET_REQUEST: TypeAdapter[_FleetRequest] = TypeAdapter(_FleetRequest)
 
 
 def read_body(data: bytes) -> Any:
@@ -188,18 +190,40 @@ def scene_body(seen: SceneSeen) -> dict[str, Any]:
     }
 
 
-def request_body(asked: PlanAsked) -> dict[str, Any]:
-    """What the planner was asked, every field of it."""
-    return {"time_s": asked.time_s, "request": _REQUEST.dump_python(asked.request, mode="json")}
+def request_message(asked: PlanAsked) -> tuple[str, dict[str, Any]]:
+    """The topic, and what the planner was asked, every field of it."""
+    request = asked.request
+    if isinstance(request, FleetRequest):
+        topic, plain = FLEET_REQUESTS, _FLEET_REQUEST.dump_python(_plain(request), mode="json")
+    else:
+        topic, plain = REQUESTS, _REQUEST.dump_python(request, mode="json")
+    return topic, {"time_s": asked.time_s, "request": plain}
 
 
-def request_of(body: dict[str, Any]) -> PlanRequest:
-    """The request in a message; pydantic's ValidationError (a ValueError) where it is none."""
-    return _REQUEST.validate_python(body["request"])
+def _plain(one: FleetRequest) -> _FleetRequest:
+    driving = tuple(map(_Promised.of, one.driving))
+    return _FleetRequest(one.id, one.scene_revision, one.travellers, one.taken, driving, one.idle)
 
 
-def plan_body(answered: PlanAnswered) -> dict[str, Any]:
-    """What the planner answered: the path, or why there is none; and what the robot is given."""
+def request_of(topic: str, body: dict[str, Any]) -> Request:
+    """The request in a message of one of the ``ANSWERS``' topics.
+
+    Raises pydantic's ValidationError (a ValueError) where it is none.
+    """
+    if topic == REQUESTS:
+        return _REQUEST.validate_python(body["request"])
+    plain = _FLEET_REQUEST.validate_python(body["request"])
+    driving = tuple(one.driving for one in plain.driving)
+    return FleetRequest(
+        plain.id, plain.scene_revision, plain.travellers, plain.taken, driving, plain.idle
+    )
+
+
+def plan_message(answered: PlanAnswered) -> tuple[str, dict[str, Any]]:
+    """The topic, and what the planner answered: the path and what the robot is given, or why not.
+
+    Of several robots what each is promised, by name: its path and gates, or why it has none.
+    """
     answer = answered.answer
     body: dict[str, Any] = {
         "time_s": answered.time_s,
@@ -207,9 +231,13 @@ def plan_body(answered: PlanAnswered) -> dict[str, Any]:
         "revision": answer.scene_revision,
         "carried": answered.carried,
     }
+    if isinstance(answer, FleetAnswer):
+        robots = {name: _promise(promise) for name, promise in answer.promises.items()}
+        robots |= {name: _unreachable(reason) for name, reason in answer.refused.items()}
+        return FLEET_PLANS, {**body, "robots": robots}
     if isinstance(answer.path, NoPath):
-        return {**body, **_unreachable(answer.path.reason)}
-    return {**body, **_way(answer.path, answer.trajectory, answer.targets)}
+        return PLANS, {**body, **_unreachable(answer.path.reason)}
+    return PLANS, {**body, **_way(answer.path, answer.trajectory, answer.targets)}
 
 
 def _unreachable(reason: str) -> dict[str, Any]:
@@ -227,38 +255,6 @@ def _way(path: Path, trajectory: Trajectory | None, targets: Sequence[Target]) -
             {"x_m": t.x_m, "y_m": t.y_m, "heading_rad": t.heading_rad, "speed_m_s": t.speed_m_s}
             for t in targets
         ],
-    }
-
-
-def fleet_request_body(asked: FleetAsked) -> dict[str, Any]:
-    """What the planner of several robots was asked, every field of it."""
-    one = asked.request
-    driving = tuple(map(_Promised.of, one.driving))
-    plain = _FleetAsked(one.id, one.scene_revision, one.travellers, one.taken, driving, one.idle)
-    request = _FLEET_REQUEST.dump_python(plain, mode="json")
-    return {"time_s": asked.time_s, "request": request}
-
-
-def fleet_request_of(body: dict[str, Any]) -> FleetRequest:
-    """The request in a message; pydantic's ValidationError (a ValueError) where it is none."""
-    plain = _FLEET_REQUEST.validate_python(body["request"])
-    driving = tuple(one.driving for one in plain.driving)
-    return FleetRequest(
-        plain.id, plain.scene_revision, plain.travellers, plain.taken, driving, plain.idle
-    )
-
-
-def fleet_plan_body(answered: FleetAnswered) -> dict[str, Any]:
-    """What several robots are promised, by name: each one's path and gates, or why it has none."""
-    answer = answered.answer
-    robots = {name: _promise(promise) for name, promise in answer.promises.items()}
-    robots |= {name: _unreachable(reason) for name, reason in answer.refused.items()}
-    return {
-        "time_s": answered.time_s,
-        "id": answer.id,
-        "revision": answer.scene_revision,
-        "carried": answered.carried,
-        "robots": robots,
     }
 
 

@@ -15,8 +15,7 @@ import cv2
 import numpy as np
 
 from navigation.config import Config
-from navigation.fleet.request import FleetRequest
-from navigation.mission.cycle import PlanRequest
+from navigation.fleet.request import Request
 from navigation.recording import json_bodies as bodies
 from navigation.recording.files import RecordingError
 from navigation.recording.messages import Messages
@@ -60,10 +59,9 @@ class SeenScene:
 
 @dataclass(frozen=True, slots=True)
 class Planned:
-    """A request and its answer, as `json_bodies.plan_body` has it; of several robots as
-    `json_bodies.fleet_plan_body`."""
+    """A request and its answer, as `json_bodies.plan_message` has it."""
 
-    request: PlanRequest | FleetRequest
+    request: Request
     answer: dict[str, Any]
 
     @property
@@ -101,7 +99,7 @@ class Recording:
 def read_recording(path: Path) -> Recording:
     """Read a recording; `RecordingError` where it is none, or has no configuration."""
     recording: Recording | None = None
-    asked: dict[tuple[str, int], PlanRequest | FleetRequest] = {}
+    asked: dict[tuple[str, int], Request] = {}
     """By the topic of the answer, and id."""
     messages = Messages(path)
     for _, topic, message in messages:
@@ -115,12 +113,9 @@ def read_recording(path: Path) -> Recording:
                 recording.frames[message.log_time] = _frame(body)
             elif topic == bodies.SCENES:
                 recording.scenes.append(_scene(body))
-            elif topic == bodies.REQUESTS:
-                request = bodies.request_of(body)
-                asked[bodies.PLANS, request.id] = request
-            elif topic == bodies.FLEET_REQUESTS:
-                of_all = bodies.fleet_request_of(body)
-                asked[bodies.FLEET_PLANS, of_all.id] = of_all
+            elif topic in bodies.ANSWERS:
+                request = bodies.request_of(topic, body)
+                asked[bodies.ANSWERS[topic], request.id] = request
             elif (topic, body.get("id")) in asked:
                 recording.plans.append(Planned(asked.pop((topic, body["id"])), body))
         except BAD_BODY as error:

@@ -10,10 +10,9 @@ from __future__ import annotations
 from collections.abc import Iterator
 from dataclasses import replace
 
+from navigation.fleet.request import Answer, FleetAnswer
 from navigation.recording.events import (
     Counted,
-    FleetAnswered,
-    FleetAsked,
     PlanAnswered,
     PlanAsked,
     RecordedEvent,
@@ -23,18 +22,15 @@ from navigation.recording.events import (
 )
 from navigation.recording.json_bodies import FLEET_WAITS
 
-Asked = PlanAsked | FleetAsked
-Answered = PlanAnswered | FleetAnswered
-
 
 class Standing:
     """Takes every event that is written; `carried` gives those that still hold."""
 
     def __init__(self) -> None:
         self._newest: dict[object, SceneSeen | RoadmapBuilt | Told | Counted] = {}
-        self._open: dict[tuple[bool, int], Asked] = {}
-        """Not answered yet, by whether it is of several robots, and id."""
-        self._plans: dict[str, tuple[Asked, Answered]] = {}
+        self._open: dict[int, PlanAsked] = {}
+        """Not answered yet, by id."""
+        self._plans: dict[str, tuple[PlanAsked, PlanAnswered]] = {}
         """By robot; "" is a single one."""
 
     def take(self, event: RecordedEvent) -> None:
@@ -46,20 +42,18 @@ class Standing:
                 self._newest[Told, source] = event
             case Counted(topic=topic) if topic == FLEET_WAITS:
                 self._newest[topic] = event
-            case PlanAsked() | FleetAsked():
-                self._open[isinstance(event, FleetAsked), event.request.id] = event
-            case PlanAnswered():
-                self._answered(event, [""])
-            case FleetAnswered(answer=answer):
-                self._answered(event, [*answer.promises, *answer.refused])
+            case PlanAsked(request=request):
+                self._open[request.id] = event
+            case PlanAnswered(answer=answer):
+                self._answered(event, _robots_of(answer))
 
-    def _answered(self, event: Answered, robots: list[str]) -> None:
-        several, number = isinstance(event, FleetAnswered), event.answer.id
-        asked = self._open.get((several, number))
+    def _answered(self, event: PlanAnswered, robots: list[str]) -> None:
+        number = event.answer.id
+        asked = self._open.get(number)
         if asked is not None:
             self._plans |= dict.fromkeys(robots, (asked, event))
         # the planner answers in order: what was asked before is not answered any more
-        self._open = {key: one for key, one in self._open.items() if key > (several, number)}
+        self._open = {key: one for key, one in self._open.items() if key > number}
 
     def carried(self) -> Iterator[RecordedEvent]:
         """In the order in which they can be read."""
@@ -70,3 +64,10 @@ class Standing:
             yield asked
             yield replace(answered, carried=True)
         yield from self._open.values()
+
+
+def _robots_of(answer: Answer) -> list[str]:
+    """The robots that an answer is for."""
+    if isinstance(answer, FleetAnswer):
+        return [*answer.promises, *answer.refused]
+    return [""]

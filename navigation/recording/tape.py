@@ -56,7 +56,7 @@ class TapedPicture:
 
 @dataclass(frozen=True, slots=True)
 class TapedPlan:
-    """What one robot was planned, as `json_bodies.plan_body` has it, and where it goes."""
+    """What one robot was planned, as `json_bodies.plan_message` has it, and where it goes."""
 
     time_s: float
     stations: tuple[Station, ...]

@@ -5,10 +5,11 @@ from __future__ import annotations
 from collections.abc import Iterable, Mapping, Sequence
 from typing import Final
 
+from navigation.fleet.request import Answer
 from navigation.loop.planning import ArenaPlanner, SceneCheck
 from navigation.loop.robot import Robot
 from navigation.loop.stages import plan_settings
-from navigation.loop.traffic.traffic import Answer, Decided, TrafficOrders
+from navigation.loop.traffic.traffic import Decided, TrafficOrders
 from navigation.mission.cycle import PlanAnswer, PlanRequest
 from planner.scene import FloatArray
 

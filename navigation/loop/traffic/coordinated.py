@@ -13,13 +13,13 @@ from navigation.config import limits_of
 from navigation.config.known_robots import CLEARWAY, KNOWN_ROBOTS
 from navigation.fleet.coordinator import Coordinator
 from navigation.fleet.places_kept import SEEN_S, Member
-from navigation.fleet.request import FleetAnswer
+from navigation.fleet.request import Answer, FleetAnswer
 from navigation.link.link_snapshot import LinkSnapshot
 from navigation.loop.planning import SceneCheck
 from navigation.loop.robot import Robot
 from navigation.loop.seeing.eye_settings import reach_m, stop_s
 from navigation.loop.traffic.fleet_planner import FleetPlanner
-from navigation.loop.traffic.traffic import Answer, Decided, TrafficOrders
+from navigation.loop.traffic.traffic import Decided, TrafficOrders
 from navigation.mission.cycle import Orders, PlanAnswer, PlanRequest
 from navigation.mission.mission import State
 from navigation.mission.traffic import STANDING_M_S

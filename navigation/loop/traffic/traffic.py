@@ -8,18 +8,15 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
-from typing import Any, Protocol, TypeAlias
+from typing import Any, Protocol
 
-from navigation.fleet.request import FleetAnswer, FleetRequest
+from navigation.fleet.request import Answer, Request
 from navigation.link.link_snapshot import LinkSnapshot
 from navigation.loop.planning import Answering, SceneCheck
 from navigation.mission.cycle import Orders, PlanAnswer, PlanRequest, Sight
 from navigation.mission.mission import Station
 from planner.roadmap.roadmap import Roadmap
 from planner.scene import FloatArray, Vec
-
-Request: TypeAlias = PlanRequest | FleetRequest
-Answer: TypeAlias = PlanAnswer | FleetAnswer
 
 
 @dataclass(frozen=True, slots=True)

@@ -9,8 +9,8 @@ import numpy as np
 
 from navigation.fleet.request import Driving, FleetRequest, Gate, Promise, Taken, Traveller
 from navigation.mission.mission import Station
-from navigation.recording.events import FleetAsked
-from navigation.recording.json_bodies import fleet_request_body, fleet_request_of
+from navigation.recording.events import PlanAsked
+from navigation.recording.json_bodies import FLEET_REQUESTS, request_message, request_of
 from planner.path import Limits, Path
 
 LIMITS = Limits(0.3, 0.5, 0.4, 2.0, 6.0, 5.0, 0.05, 0.002, 0.2, 0.12)
@@ -29,8 +29,9 @@ def test_a_request_while_others_drive_comes_back_to_the_bit() -> None:
     idle = Traveller("d", (1.1, 0.9, 0.5), Station(1.1, 0.9), 0.09, LIMITS)
     taken = Taken("e", 0.5, 0.5, 0.1)
     asked = FleetRequest(7, 3, (asking,), (taken,), (driving(),), (idle,))
-    body = json.loads(json.dumps(fleet_request_body(FleetAsked(1.5, asked))))
-    back = fleet_request_of(body)
+    topic, body = request_message(PlanAsked(1.5, asked))
+    assert topic == FLEET_REQUESTS
+    back = request_of(topic, json.loads(json.dumps(body)))
     assert (back.id, back.scene_revision) == (7, 3)
     assert (back.travellers, back.taken, back.idle) == ((asking,), (taken,), (idle,))
     (one,), same = back.driving, driving()
