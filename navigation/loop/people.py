@@ -117,6 +117,13 @@ class People:
                 self._daemon.traffic.forget(one.name)
                 one.pilot.replan()
 
+    def skip(self, robot: str | None = None) -> None:
+        """Give up the station that one robot is on its way to; ``MissionError`` if it cannot."""
+        one = self._one(robot)
+        with self._daemon.lock:
+            one.pilot.skip()
+            self._daemon.traffic.forget(one.name)
+
     def preview(self, stations: tuple[Station, ...], robot: str | None = None) -> PlanAnswer:
         """The plan that these stations would lead to if the robot were alone; changes nothing."""
         one = self._one(robot)

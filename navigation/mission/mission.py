@@ -40,6 +40,7 @@ class Event(Enum):
     HOLD = "unsafe or paused"
     CLEARED = "cause gone"
     ARRIVED = "last station reached"
+    SKIPPED = "last station skipped"
     STOP = "emergency stop"
     REARM = "re-armed by hand"
     FAIL = "given up"
@@ -69,6 +70,10 @@ TRANSITIONS: dict[tuple[State, Event], State] = {
     (_S.HOLDING, _E.CLEARED): _S.PLANNING,
     (_S.STOPPED, _E.REARM): _S.IDLE,
     **{(state, _E.STOP): _S.STOPPED for state in State},
+    **{
+        (state, _E.SKIPPED): _S.DONE
+        for state in (_S.IDLE, _S.PLANNING, _S.PROVING, _S.DRIVING, _S.HOLDING, _S.FAILED)
+    },
     **{
         (state, _E.FAIL): _S.FAILED
         for state in (_S.IDLE, _S.PLANNING, _S.PROVING, _S.DRIVING, _S.HOLDING, _S.STOPPED)
@@ -160,6 +165,37 @@ class Mission:
     def arrived(self, reason: str) -> Mission:
         """The mission at its end; an errand is over too."""
         return replace(self.after(Event.ARRIVED, reason), visited=len(self.stations), errand=None)
+
+    @property
+    def cannot_skip(self) -> str:
+        """The reason why no station can be skipped now; empty where one can."""
+        if self.state is State.STOPPED:
+            return "the robot is stopped: re-arm it first (clearway resume)"
+        if self.visited >= len(self.stations):
+            return "nothing to skip: no station is left to visit"
+        if self.any_order and len(self.stations) > 1:
+            return "nothing to skip yet: the first plan decides which station is next"
+        return ""
+
+    def without_next(self) -> Mission:
+        """The mission without the station that is next; done where that was the last one.
+
+        A robot under way plans for the rest. One that waits for an order waits on: a pause, a
+        re-armed stop and a failed mission are ended by `clearway resume`, not by this.
+        """
+        skipped, rest = self.remaining[0], self.stations[self.visited + 1 :]
+        left = replace(self, stations=self.stations[: self.visited] + rest)
+        where = f"({skipped.x:g}, {skipped.y:g}) m"
+        if not rest:
+            done = f"the last station, at {where}, was skipped; {self.visited} visited before it"
+            return left.after(Event.SKIPPED, done)
+        sentence = f"the station at {where} was skipped"
+        if self.state in (State.PLANNING, State.DRIVING):
+            return left.after(Event.REPLAN, f"{sentence}: on to the next one")
+        if self.state in (State.IDLE, State.FAILED):
+            count = f"{len(rest)} station{'s' * (len(rest) != 1)}"
+            return replace(left, reason=f"{sentence}: resume to continue with {count}")
+        return left
 
     def settled(self, order: tuple[int, ...]) -> Mission:
         """The same with its stations but the last in this order, which then stays."""

@@ -54,6 +54,8 @@ class Pilot:
         self._stop_reason: str | None = None
         self.stopped_by = ""
         """Why the mission is stopped; it stays so when what caused it has gone."""
+        self._skip: Station | None = None
+        """The station that a person has ordered to be skipped, until the next cycle."""
         self._rearm = False
         self._estopped = False
         self._mission_id = first_mission_id
@@ -176,6 +178,15 @@ class Pilot:
         elif holding and self.mission.state is State.HOLDING:
             self.mission = self.mission.after(Event.CLEARED, why)
 
+    def skip(self) -> None:
+        """Give up the station that is next; ``MissionError`` where none can be skipped.
+
+        One that is reached before the next cycle was visited, and no other is given up for it.
+        """
+        if self.mission.cannot_skip:
+            raise MissionError(self.mission.cannot_skip)
+        self._skip = self.mission.remaining[0]
+
     # The cycle.
 
     def step(
@@ -196,8 +207,10 @@ class Pilot:
             self._enter_stop(robot)
         if self.mission.state is State.STOPPED:
             self._say_why_stopped()
+            self._skip = None
             return Orders(permit=False, estop=True)
         self._follow_progress(robot)
+        self._skip_station()
         upload = self._take_answer(now_s, sight, answer)
         self._hold_or_go_on(now_s, facts)
         self._make_way(met)
@@ -319,6 +332,14 @@ class Pilot:
         visited = min(self.plan.visited, last)
         if visited > self.mission.visited:
             self.mission = self.mission.with_visited(visited)
+
+    def _skip_station(self) -> None:
+        """Go on without the station that a person has given up, unless it was just visited."""
+        skip, self._skip = self._skip, None
+        if skip is not None and self.mission.remaining and self.mission.remaining[0] is skip:
+            self.mission = self.mission.without_next()
+            self._forget_plan()
+            self._begin_again()
 
     def _take_answer(
         self, now_s: float, sight: Sight, answer: PlanAnswer | None

@@ -148,6 +148,17 @@ _ALL: Final = (
         button=Button("Plan again", _no_replan),
     ),
     Order(
+        "skip",
+        "Go on to the next station.",
+        "Give up the station that the robot is on its way to, and go on to the next one. Without "
+        "its last station the mission is done. A robot that is paused, re-armed or has failed "
+        "stays so until `clearway resume`, and one that is stopped is re-armed first.",
+        ("clearway skip", "Give up the present station, and go on to the next one."),
+        lambda people, robot, _: people.skip(robot),
+        button=Button("Skip", lambda mission: mission.cannot_skip),
+        for_one=True,
+    ),
+    Order(
         "reanchor",
         "Place a moved camera by the floor markers.",
         "Place a camera that was moved anew, by the floor markers of arena.floor_markers.",

@@ -126,6 +126,7 @@ def test_a_plan_to_earlier_stations_is_not_shown_for_new_ones(open_page: OpenPag
         ("pause", "Nothing to pause"),
         ("resume", "Nothing to resume"),
         ("replan", "Nothing to plan again"),
+        ("skip", "Nothing to skip"),
     ],
 )
 def test_a_button_that_cannot_work_says_why(button: str, why: str, open_page: OpenPage) -> None:

@@ -11,8 +11,8 @@ from navigation.config import Config, load_config
 from navigation.loop.daemon import Daemon
 from navigation.loop.daemon_state import RunState
 from navigation.loop.people import People
+from navigation.mission.mission import MissionError, Station
 from navigation.mission.mission import State as MissionState
-from navigation.mission.mission import Station
 from navigation.run.virtual_run import run_virtually
 from navigation.run.virtual_world import VirtualTimes, VirtualWorld
 
@@ -112,6 +112,32 @@ def test_a_new_goal_while_another_drives_brings_both_to_their_goals() -> None:
     report = run_virtually(open_hall("a", "b", time_limit_s=80.0), look=look, pictures=False)
     assert report.state == "done"
     assert report.robots["b"].stations_visited == 2
+    assert report.least_gap_m is not None
+    assert report.least_gap_m > 0.0
+
+
+def test_a_robot_that_skips_its_only_station_is_driven_around_where_it_comes_to_rest() -> None:
+    look = once(2.5, lambda people: people.skip("b"))
+    report = run_virtually(open_hall("a", "b", time_limit_s=60.0), look=look, pictures=False)
+    assert (report.robots["a"].state, report.robots["b"].state) == ("done", "done")
+    assert (report.robots["a"].stations_visited, report.robots["b"].stations_visited) == (1, 0)
+    assert "was skipped" in report.robots["b"].reason
+    assert report.least_gap_m is not None
+    assert report.least_gap_m > 0.0
+
+
+def test_a_robot_that_skips_a_station_goes_on_to_the_next_one() -> None:
+    def order(people: People) -> None:
+        people.give((Station(0.3, 1.5), Station(0.6, 0.3)), "b")
+        people.skip("b")
+        with pytest.raises(MissionError, match="several robots"):
+            people.skip()
+
+    report = run_virtually(
+        open_hall("a", "b", time_limit_s=80.0), look=once(3.0, order), pictures=False
+    )
+    assert report.state == "done"
+    assert (report.robots["b"].stations, report.robots["b"].stations_visited) == (1, 1)
     assert report.least_gap_m is not None
     assert report.least_gap_m > 0.0
 
