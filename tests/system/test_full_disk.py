@@ -16,6 +16,7 @@ import pytest
 from navigation.config import load_config
 from navigation.journal.journal import Journal, Owner
 from navigation.run.kernels.warm_up import warm_up
+from tests.support.runs.light_camera import with_light_camera
 
 CONFIGS = Path(__file__).parents[2] / "configs"
 PROGRAM = [sys.executable, "-c", "from navigation.cli.main import main; main()"]
@@ -28,7 +29,8 @@ def config(tmp_path: Path) -> Path:
     """A short mission with a journal and a recording, in a folder of its own."""
     shutil.copytree(CONFIGS, tmp_path / "etc")
     file = tmp_path / "etc" / "simulation.yaml"
-    text = re.sub(r"^mission:\n(?:  .*\n)+", MISSION, file.read_text(), flags=re.MULTILINE)
+    text = with_light_camera(file.read_text())
+    text = re.sub(r"^mission:\n(?:  .*\n)+", MISSION, text, flags=re.MULTILINE)
     file.write_text(
         text.replace("runs_dir: runs", f"runs_dir: {tmp_path / 'runs'}")
         + f"  journal: {tmp_path / 'runs' / 'journal'}\n"

@@ -10,12 +10,15 @@ import sys
 from pathlib import Path
 
 from tests.support.pictures import call
+from tests.support.runs.light_camera import with_light_camera
 
 CONFIGS = Path(__file__).parents[2] / "configs"
 
 
 def test_a_recorded_run_that_was_killed_replays_to_the_same_result(tmp_path: Path) -> None:
     shutil.copytree(CONFIGS, tmp_path, dirs_exist_ok=True)
+    file = tmp_path / "simulation.yaml"
+    file.write_text(with_light_camera(file.read_text()))
     program = Path(sys.executable).with_name("clearway")
     arguments = ["run", "simulation.yaml", "--once", "--record", "kept", "--no-dashboard"]
     arguments += ["--socket", str(tmp_path / "private" / "socket")]

@@ -30,6 +30,7 @@ from navigation.run.kernels.warm_up import warm_up
 from navigation.run.world import World
 from planner.scene import Scene
 from tests.support.pictures import call
+from tests.support.runs.light_camera import with_light_camera
 
 CONFIGS = Path(__file__).parents[2] / "configs"
 MISSION = """mission:
@@ -46,7 +47,7 @@ def write(tmp_path: Path) -> Callable[..., Path]:
     shutil.copytree(CONFIGS, tmp_path, dirs_exist_ok=True)
 
     def write(*changes: tuple[str, str]) -> Path:
-        text = (CONFIGS / "simulation.yaml").read_text()
+        text = with_light_camera((CONFIGS / "simulation.yaml").read_text())
         text = re.sub(r"^mission:\n(?:  .*\n)+", MISSION, text, flags=re.MULTILINE)
         text = text.replace("runs_dir: runs", f"runs_dir: {tmp_path / 'runs'}")
         for old, new in changes:
@@ -134,11 +135,10 @@ def test_an_order_is_answered_with_what_it_led_to(write: Callable[..., Path]) ->
     file = write()
     program, socket = str(Path(sys.executable).with_name("clearway")), str(file.parent / "c.sock")
 
-    def order(*words: str) -> str:
-        told = subprocess.run(
-            [program, *words, "--socket", socket], capture_output=True, text=True, check=True
-        )
-        return told.stdout.split(":")[0]
+    def order(name: str) -> str:
+        told = call(name, "--socket", socket)
+        assert told.code == 0, told
+        return told.out.split(":")[0]
 
     arguments = [program, "run", str(file), "--no-dashboard", "--socket", socket]
     with subprocess.Popen(arguments, stdout=subprocess.PIPE, text=True) as process:

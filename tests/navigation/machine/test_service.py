@@ -16,6 +16,7 @@ import pytest
 from navigation.machine.service import ServiceError, UsbAdapter, udev_text, unit_text
 from tests.support.pictures import call
 from tests.support.processes.systemd import told
+from tests.support.runs.light_camera import with_light_camera
 from tests.support.waiting import wait_until
 
 CONFIGS = Path(__file__).parents[3] / "configs"
@@ -27,6 +28,7 @@ def test_a_service_says_ready_lives_reads_a_broken_file_and_stops(
 ) -> None:
     shutil.copytree(CONFIGS, tmp_path / "etc")
     config = tmp_path / "etc" / "simulation.yaml"
+    config.write_text(with_light_camera(config.read_text()))
     log = tmp_path / "log"
     environment = {
         **os.environ,
