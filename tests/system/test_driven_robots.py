@@ -77,7 +77,8 @@ def test_the_shipped_configuration_drives_its_robot_to_the_goal(name: str, tmp_p
 def test_robots_of_two_makers_drive_together_and_never_touch(tmp_path: Path) -> None:
     shutil.copytree(CONFIGS, tmp_path, dirs_exist_ok=True)
     file = tmp_path / "fleet_of_epucks.yaml"
-    text = file.read_text()
+    lines = file.read_text().splitlines(keepends=True)  # two of the four: a light run
+    text = "".join(line for line in lines if "{name: bob" not in line and "{name: cleo" not in line)
     for old, new in (
         ("size_px: [1280, 960]", "size_px: [640, 480]"),
         ("    position_m: [0.462, 0.39, 1.0]\n", f"    position_m: [0.462, 0.39, 1.0]\n{LENS}"),
@@ -92,7 +93,7 @@ def test_robots_of_two_makers_drive_together_and_never_touch(tmp_path: Path) -> 
     report = json.loads((tmp_path / "report.json").read_text())
     assert report["least_gap_m"] > 0.0
     drivers = {name: one.robot.driver for name, one in each_robot(load_config(file, {})).items()}
-    assert sorted(drivers.values()) == ["clearway", "epuck2", "epuck2", "epuck2"]
+    assert sorted(drivers.values()) == ["clearway", "epuck2"]
     for name in drivers:
         assert report["robots"][name]["state"] == "done"
         assert report["robots"][name]["goal_error_m"] <= 0.010
