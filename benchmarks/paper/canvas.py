@@ -24,7 +24,7 @@ from navigation.draw.shapes import (
     RAMP_STEPS,
     Area,
     Colour,
-    Disc,
+    DiscShape,
     Drawing,
     Label,
     Layer,
@@ -137,7 +137,7 @@ class Panel:
     ) -> None:
         """A disc on every point (n, 2)."""
         for x, y in self.screen.points(points).tolist():
-            self.draw(Disc(x, y, radius, fill=fill, stroke=stroke))
+            self.draw(DiscShape(x, y, radius, fill=fill, stroke=stroke))
 
     def label(self, at: Points, text: str, dx: float = 6.0, dy: float = -5.0) -> None:
         """A word beside a place of the scene."""

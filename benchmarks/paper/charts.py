@@ -16,7 +16,7 @@ from navigation.draw.shapes import (
     INK,
     Area,
     Colour,
-    Disc,
+    DiscShape,
     Label,
     Strokes,
 )
@@ -110,7 +110,7 @@ class Chart:
 
     def _dots(self, dots: Dots, line: Dots, at: Place, colour: Colour) -> None:
         self.page.shapes.append(Strokes((np.array(line, dtype=np.float64),), colour, 1.6, 0.7))
-        self.page.shapes.extend(Disc(*at(x, y), radius=3.4, fill=colour) for x, y in dots)
+        self.page.shapes.extend(DiscShape(*at(x, y), radius=3.4, fill=colour) for x, y in dots)
 
     def _grid(self, xs: Ticks, ys: Ticks) -> None:
         left, right = self.left, self.left + WIDTH
@@ -132,7 +132,7 @@ class Chart:
 def key(page: canvas.Page, y: float, *entries: tuple[float, Colour, str]) -> None:
     """What the colours mean: the left end, the colour and the words of each."""
     for x, colour, text in entries:
-        page.shapes += [Disc(x, y, 4.0, fill=colour), Label(x + 9.0, y + 4.0, text, 11.5, INK)]
+        page.shapes += [DiscShape(x, y, 4.0, fill=colour), Label(x + 9.0, y + 4.0, text, 11.5, INK)]
 
 
 def _step(most: float) -> float:

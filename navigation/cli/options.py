@@ -15,7 +15,7 @@ Decorator: TypeAlias = Callable[[Callable[..., Any]], Callable[..., Any]]
 
 
 @dataclass(frozen=True, slots=True)
-class Station:
+class StationArgument:
     """A place, and a heading or None where any will do; radians in the scene's own sense."""
 
     x: float
@@ -28,7 +28,7 @@ class Station:
 
 
 if TYPE_CHECKING:  # generic for the type checker only: click 8.1 cannot be subscripted
-    StationBase = click.ParamType[Station]
+    StationBase = click.ParamType[StationArgument]
     NumberBase = click.ParamType[float]
     PreferenceBase = click.ParamType[str | float]
     OutputBase = click.ParamType[Path]
@@ -47,15 +47,15 @@ class StationType(StationBase):
 
     def convert(
         self, value: Any, param: click.Parameter | None, ctx: click.Context | None
-    ) -> Station:
+    ) -> StationArgument:
         """Parse; click's usage error where it is not two or three finite numbers."""
-        if isinstance(value, Station):
+        if isinstance(value, StationArgument):
             return value
         numbers = [_finite(word) for word in str(value).split(",")]
         if len(numbers) not in (2, 3) or None in numbers:
             self.fail(f"{value!r}: must be X,Y or X,Y,DEG, finite numbers", param, ctx)
         x, y, *degrees = (float(n) for n in numbers if n is not None)
-        return Station(x, y, math.radians(degrees[0]) if degrees else None)
+        return StationArgument(x, y, math.radians(degrees[0]) if degrees else None)
 
 
 class NumberType(NumberBase):

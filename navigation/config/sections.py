@@ -40,7 +40,7 @@ from navigation.config.values import (
     Rate,
     Section,
     Source,
-    Station,
+    StationSection,
     Text,
     as_in,
 )
@@ -312,7 +312,7 @@ class RobotMissionSection(Section):
     """Where one of several robots goes."""
 
     name: Name = Field(description="which of robots it is")
-    stations: tuple[Station, ...] = Field(
+    stations: tuple[StationSection, ...] = Field(
         default=(), max_length=MOST_STATIONS, description="places to visit; the last is the goal"
     )
 
@@ -320,7 +320,7 @@ class RobotMissionSection(Section):
 class MissionSection(Section):
     """Where to go; without stations the program waits for orders."""
 
-    stations: tuple[Station, ...] = Field(
+    stations: tuple[StationSection, ...] = Field(
         default=(),
         max_length=MOST_STATIONS,
         description=f"places to visit, at most {MOST_STATIONS}; the last is the goal",
@@ -369,7 +369,7 @@ class Config(Section):
     serial: SerialSection = Field(default=SerialSection(), description="the line to the robot")
     safety: SafetySection = Field(default=SafetySection(), description="holding and stopping")
     mission: MissionSection = Field(default=MissionSection(), description="where to go")
-    tasks: tuple[Station, ...] = Field(
+    tasks: tuple[StationSection, ...] = Field(
         default=(),
         max_length=MOST_STATIONS,
         description="with several robots: places for whichever robot is best placed, at most one "

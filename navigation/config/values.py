@@ -216,7 +216,7 @@ class Pose(Place):
         return wrapped_rad(self.heading_deg)
 
 
-class Station(Place):
+class StationSection(Place):
     """A place to visit."""
 
     heading_deg: Degrees | None = Field(

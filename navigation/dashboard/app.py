@@ -16,7 +16,7 @@ from starlette.routing import Route, WebSocketRoute
 from starlette.types import ASGIApp, Message, Receive, Scope, Send
 from starlette.websockets import WebSocket
 
-from navigation.dashboard.admission.access import PROTOCOL, Gate, Refusal, bearer_of, token_of
+from navigation.dashboard.admission.access import PROTOCOL, AccessGate, Refusal, bearer_of, token_of
 from navigation.dashboard.calibrating.bench import Bench
 from navigation.dashboard.calibrating.routes import calibration_routes
 from navigation.dashboard.hub import LOOP_DEAD_S, MOST_VIEWERS, Hub
@@ -77,7 +77,7 @@ def make_app(
 class _Gatekeeper:
     """Host and Origin before anything else, and the headers that every answer carries."""
 
-    def __init__(self, app: ASGIApp, gate: Gate) -> None:
+    def __init__(self, app: ASGIApp, gate: AccessGate) -> None:
         self._app, self._gate = app, gate
 
     async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:

@@ -20,7 +20,7 @@ from concurrent.futures import ThreadPoolExecutor
 from typing import Any, Final
 
 from navigation.config.secrecy.secrets import hide_in
-from navigation.dashboard.admission.access import Gate, Role
+from navigation.dashboard.admission.access import AccessGate, Role
 from navigation.dashboard.admission.seat import Seat
 from navigation.dashboard.attention import Attention
 from navigation.dashboard.chronicles import Chronicles
@@ -90,7 +90,7 @@ class Hub:
             section.picture_width_px,
             section.jpeg_quality,
         )
-        self.gate = Gate(section, own_token)
+        self.gate = AccessGate(section, own_token)
         self.seat = Seat(section.hold_s)
         self.chronicles = Chronicles(daemon.config)
         self.chronicle = self.chronicles.all

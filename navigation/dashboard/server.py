@@ -21,7 +21,7 @@ import uvicorn
 
 from navigation.config.secrecy.secrets import hide
 from navigation.dashboard.admission.connections import PlacedRequests
-from navigation.dashboard.admission.places import Places
+from navigation.dashboard.admission.places import OpenConnections
 from navigation.dashboard.app import make_app
 from navigation.dashboard.calibrating.bench import Bench
 from navigation.dashboard.hub import Hub
@@ -82,7 +82,7 @@ class Dashboard:
         self.url: str | None = None
         """Where it listens; None where it does not."""
         self.hub: Hub | None = None
-        self.places: Places | None = None
+        self.places: OpenConnections | None = None
         """The connections; None before the thread runs."""
         self._socket: socket.socket | None = None
         self._loop: asyncio.AbstractEventLoop | None = None
@@ -177,13 +177,13 @@ class Dashboard:
         hub.workers.shutdown(wait=False, cancel_futures=True)
 
 
-def make_places() -> Places:
+def make_places() -> OpenConnections:
     """As many as this process can have beside everything else."""
     most = min(MOST_PLACES, max(LEAST_PLACES, descriptor_limit() // SHARE_OF_DESCRIPTORS))
-    return Places(most, round(most * AN_ADDRESS))
+    return OpenConnections(most, round(most * AN_ADDRESS))
 
 
-async def _sweep(places: Places, server: uvicorn.Server, listening: socket.socket) -> None:
+async def _sweep(places: OpenConnections, server: uvicorn.Server, listening: socket.socket) -> None:
     """Cut late connections, again and again."""
     while not server.started:
         await asyncio.sleep(0.01)
@@ -194,7 +194,7 @@ async def _sweep(places: Places, server: uvicorn.Server, listening: socket.socke
 
 
 def _on_error(
-    hub: Hub, places: Places, _loop: asyncio.AbstractEventLoop, context: dict[str, Any]
+    hub: Hub, places: OpenConnections, _loop: asyncio.AbstractEventLoop, context: dict[str, Any]
 ) -> None:
     """What went wrong in the loop itself is said, and a lack of descriptors is met."""
     error = context.get("exception")

@@ -12,7 +12,7 @@ from typing import Final
 import numpy as np
 
 from navigation.draw.robot_marks import lines_of, name_beside, nose
-from navigation.draw.shapes import PAGE, ROBOTS, Colour, Disc, Screen, Shape, Strokes
+from navigation.draw.shapes import PAGE, ROBOTS, Colour, DiscShape, Screen, Shape, Strokes
 from planner.scene import FloatArray
 
 PLAN_WIDTH: Final = 4.0
@@ -20,7 +20,7 @@ PLAN_DASH: Final = (3.0, 5.0)
 
 
 @dataclass(frozen=True, slots=True)
-class DrivenRobot:
+class DrawnRobot:
     """One of several: its track (n, 3) of x, y, heading_rad, which breaks at a row of NaN.
 
     ``goals`` (x, y) are the stations of its last mission, ``plan`` (n, 2) the path that was
@@ -39,7 +39,7 @@ def colour_of(number: int) -> Colour:
     return ROBOTS[number % len(ROBOTS)]
 
 
-def plan_shapes(robots: Sequence[DrivenRobot], screen: Screen) -> Iterator[Shape]:
+def plan_shapes(robots: Sequence[DrawnRobot], screen: Screen) -> Iterator[Shape]:
     """The last plan of each, dashed: a track that follows it covers it."""
     for number, robot in enumerate(robots):
         if len(robot.plan) > 1:
@@ -47,7 +47,7 @@ def plan_shapes(robots: Sequence[DrivenRobot], screen: Screen) -> Iterator[Shape
             yield Strokes(line, colour_of(number), PLAN_WIDTH, dash=PLAN_DASH)
 
 
-def driven_shapes(robots: Sequence[DrivenRobot], screen: Screen) -> Iterator[Shape]:
+def driven_shapes(robots: Sequence[DrawnRobot], screen: Screen) -> Iterator[Shape]:
     """All tracks, and over them all robots."""
     for number, robot in enumerate(robots):
         lines = tuple(screen.points(line[:, :2]) for line in lines_of(robot.track))
@@ -58,15 +58,15 @@ def driven_shapes(robots: Sequence[DrivenRobot], screen: Screen) -> Iterator[Sha
         yield from _robot(number, robot, screen)
 
 
-def _robot(number: int, robot: DrivenRobot, screen: Screen) -> Iterator[Shape]:
+def _robot(number: int, robot: DrawnRobot, screen: Screen) -> Iterator[Shape]:
     colour, size = colour_of(number), robot.radius * screen.scale
     for x, y in screen.points(np.array(robot.goals).reshape(-1, 2)).tolist():
-        yield Disc(x, y, 0.6 * size, stroke=colour, width=1.5)
+        yield DiscShape(x, y, 0.6 * size, stroke=colour, width=1.5)
     if not len(robot.track):
         return
     x, y = screen.points(robot.track[-1:, :2])[0].tolist()
-    yield Disc(x, y, size, fill=colour, opacity=0.25)
-    yield Disc(x, y, size, stroke=colour, width=2.5)
+    yield DiscShape(x, y, size, fill=colour, opacity=0.25)
+    yield DiscShape(x, y, size, stroke=colour, width=2.5)
     yield nose(x, y, size, float(robot.track[-1, 2]), colour, screen)
     words = f"{number + 1} {robot.name}"
     yield name_beside(words, x, y, size, colour, screen, np.empty((0, 2)))

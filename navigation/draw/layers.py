@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from navigation.draw.driven import DrivenRobot, driven_shapes, plan_shapes
+from navigation.draw.driven import DrawnRobot, driven_shapes, plan_shapes
 from navigation.draw.numbers import costs, obstacle_labels
 from navigation.draw.robot_marks import lines_of, name_beside, nose
 from navigation.draw.shapes import (
@@ -31,7 +31,7 @@ from navigation.draw.shapes import (
     TRACK,
     Area,
     Colour,
-    Disc,
+    DiscShape,
     Layer,
     Screen,
     Shape,
@@ -90,7 +90,7 @@ class Content:
     track: FloatArray | None
     earlier: tuple[FloatArray, ...]
     others: tuple[OtherRobot, ...]
-    driven: tuple[DrivenRobot, ...]
+    driven: tuple[DrawnRobot, ...]
     stations: tuple[tuple[float, ...], ...]
     title: str
 
@@ -199,7 +199,7 @@ def _obstacles(scene: Scene, screen: Screen) -> Iterator[Shape]:
         for record in obj.records:
             if isinstance(record, PointRecord):
                 ((x, y),) = screen.points([record.at]).tolist()
-                yield Disc(x, y, 2.0, fill=OBSTACLE)
+                yield DiscShape(x, y, 2.0, fill=OBSTACLE)
             elif not isinstance(record, PolygonRecord | CircleRecord):
                 line = screen.points(chain_points(record, scene.y_down))
                 yield Strokes((line,), OBSTACLE, 2.0)
@@ -295,8 +295,8 @@ def _others(content: Content, screen: Screen) -> Iterator[Shape]:
             yield Strokes(lines, OTHER_ROBOT, 2.0)
         x, y = screen.points(other.track[-1:, :2])[0].tolist()
         size = other.radius * screen.scale
-        yield Disc(x, y, size, fill=OTHER_ROBOT, opacity=0.22)
-        yield Disc(x, y, size, stroke=OTHER_ROBOT, width=2.0)
+        yield DiscShape(x, y, size, fill=OTHER_ROBOT, opacity=0.22)
+        yield DiscShape(x, y, size, stroke=OTHER_ROBOT, width=2.0)
         yield nose(x, y, size, float(other.track[-1, 2]), OTHER_ROBOT, screen)
         yield name_beside(other.name, x, y, size, OTHER_ROBOT_INK, screen, drawn)
 
@@ -317,7 +317,7 @@ def _waypoints(content: Content, screen: Screen) -> Iterator[Shape]:
     if content.trajectory:
         places = screen.points([(w.x, w.y) for w in content.trajectory.waypoints])
         for x, y in places.tolist():
-            yield Disc(x, y, 2.6, fill=PAGE, stroke=PATH, width=1.3)
+            yield DiscShape(x, y, 2.6, fill=PAGE, stroke=PATH, width=1.3)
 
 
 def _bottleneck(content: Content, screen: Screen) -> Iterator[Shape]:
@@ -326,8 +326,8 @@ def _bottleneck(content: Content, screen: Screen) -> Iterator[Shape]:
         return
     ((x, y),) = screen.points([gap[:2]]).tolist()
     radius = 0.5 * gap[2] * screen.scale
-    yield Disc(x, y, max(radius, 3.0), stroke=BOTTLENECK, width=2.0)
-    yield Disc(x, y, 2.4, fill=BOTTLENECK)
+    yield DiscShape(x, y, max(radius, 3.0), stroke=BOTTLENECK, width=2.0)
+    yield DiscShape(x, y, 2.4, fill=BOTTLENECK)
 
 
 def _stations(content: Content, screen: Screen) -> Iterator[Shape]:
@@ -338,9 +338,9 @@ def _stations(content: Content, screen: Screen) -> Iterator[Shape]:
     for number, station in enumerate(content.stations):
         name, colour = _station_name(number, last)
         ((x, y),) = screen.points([station[:2]]).tolist()
-        yield Disc(x, y, size, fill=colour, opacity=0.22)
-        yield Disc(x, y, size, stroke=colour, width=2.0)
-        yield Disc(x, y, 3.5, fill=colour)
+        yield DiscShape(x, y, size, fill=colour, opacity=0.22)
+        yield DiscShape(x, y, size, stroke=colour, width=2.0)
+        yield DiscShape(x, y, 3.5, fill=colour)
         if len(station) == 3:
             yield nose(x, y, size, station[2], colour, screen)
         yield name_beside(name, x, y, size, colour, screen, drawn)

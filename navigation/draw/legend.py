@@ -23,7 +23,7 @@ from navigation.draw.shapes import (
     RAMP_STEPS,
     TRACK,
     Area,
-    Disc,
+    DiscShape,
     Label,
     Layer,
     Screen,
@@ -118,7 +118,7 @@ def _rows(content: Content, left: float, first_y: float) -> Iterator[tuple[list[
     if content.trajectory:
         waypoints = content.trajectory.waypoints
         dots: list[Shape] = [
-            Disc(left + x, y, 2.6, fill=PAGE, stroke=PATH, width=1.3) for x in (4, 16, 28)
+            DiscShape(left + x, y, 2.6, fill=PAGE, stroke=PATH, width=1.3) for x in (4, 16, 28)
         ]
         yield dots, f"waypoints ({len(waypoints)}), {content.trajectory.duration_s:.3g} s"
         y += ROW
@@ -135,22 +135,22 @@ def _rows(content: Content, left: float, first_y: float) -> Iterator[tuple[list[
         yield [Strokes((bar(y),), INK, PLAN_WIDTH, dash=PLAN_DASH)], "what was planned last"
         y += ROW
     if any(one.goals for one in content.driven):
-        yield [Disc(left + 16.0, y, 7.0, stroke=INK, width=1.5)], "where each was to go"
+        yield [DiscShape(left + 16.0, y, 7.0, stroke=INK, width=1.5)], "where each was to go"
         y += ROW
     seen = [other for other in content.others if len(other.track)]
     if seen:
         robot: list[Shape] = [
             Strokes((bar(y),), OTHER_ROBOT, 2.0),
-            Disc(left + 22.0, y, 8.0, fill=OTHER_ROBOT, opacity=0.22),
-            Disc(left + 22.0, y, 8.0, stroke=OTHER_ROBOT, width=2.0),
+            DiscShape(left + 22.0, y, 8.0, fill=OTHER_ROBOT, opacity=0.22),
+            DiscShape(left + 22.0, y, 8.0, stroke=OTHER_ROBOT, width=2.0),
         ]
         yield robot, f"other robots ({len(seen)}), as seen last"
         y += ROW
     gap = content.bottleneck()
     if gap is not None:
         ring: list[Shape] = [
-            Disc(left + 16.0, y, 8.0, stroke=BOTTLENECK, width=2.0),
-            Disc(left + 16.0, y, 2.4, fill=BOTTLENECK),
+            DiscShape(left + 16.0, y, 8.0, stroke=BOTTLENECK, width=2.0),
+            DiscShape(left + 16.0, y, 2.4, fill=BOTTLENECK),
         ]
         yield ring, f"bottleneck, {sized(gap[2], units)} wide"
 

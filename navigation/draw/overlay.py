@@ -29,7 +29,7 @@ from navigation.draw.shapes import (
     PATH,
     TRACK,
     Colour,
-    Disc,
+    DiscShape,
     Drawing,
     Label,
     Layer,
@@ -124,7 +124,7 @@ def _records(scene: Scene, screen: Screen) -> Iterator[Shape]:
             yield Strokes(tuple(lines), colour, 2.2)
     places = np.unique(np.array(corners).reshape(-1, 2), axis=0)
     for x, y in screen.points(places).tolist():
-        yield Disc(x, y, 3.4, fill=CORNER, stroke=PAGE, width=1.0)
+        yield DiscShape(x, y, 3.4, fill=CORNER, stroke=PAGE, width=1.0)
 
 
 def _legend(scene: Scene, screen: Screen, title: str, bottom: float) -> Iterator[Shape]:
@@ -151,7 +151,7 @@ def _legend(scene: Scene, screen: Screen, title: str, bottom: float) -> Iterator
             yield Label(left + 40.0, y + 4.5, f"{words} ({number})", 13.0)
             y += 24.0
     if edges or points:
-        yield Disc(left + 16.0, y, 3.4, fill=CORNER, stroke=PAGE, width=1.0)
+        yield DiscShape(left + 16.0, y, 3.4, fill=CORNER, stroke=PAGE, width=1.0)
         yield Label(left + 40.0, y + 4.5, "corners, ends and points", 13.0)
         y += 24.0
     y += 8.0

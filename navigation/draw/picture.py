@@ -19,7 +19,7 @@ from typing import TYPE_CHECKING, TypedDict, Unpack
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from navigation.draw.driven import DrivenRobot
+from navigation.draw.driven import DrawnRobot
 from navigation.draw.layers import Content, OtherRobot, layers
 from navigation.draw.legend import LEGEND_WIDTH, ROW, legend
 from navigation.draw.shapes import Drawing, fit_screen
@@ -41,7 +41,7 @@ class DrawError(ValueError):
     """A picture cannot be written; the message says why."""
 
 
-class Shown(TypedDict, total=False):
+class PictureOptions(TypedDict, total=False):
     """What a picture may show besides scene, roadmap and path; what is not given is not drawn."""
 
     trajectory: Trajectory | None
@@ -50,7 +50,7 @@ class Shown(TypedDict, total=False):
     earlier: Sequence[ArrayLike]
     """The driven stretches (n, 2) of plans that the path replaced."""
     others: Sequence[OtherRobot]
-    driven: Sequence[DrivenRobot]
+    driven: Sequence[DrawnRobot]
     """Several robots, each with its track in its own colour."""
     stations: Sequence[Sequence[float]]
     """(x, y) or (x, y, heading_rad) each: start, vias, goal."""
@@ -61,7 +61,7 @@ def draw_svg(
     scene: Scene,
     roadmap: Roadmap | None = None,
     path: Path | NoPath | None = None,
-    **shown: Unpack[Shown],
+    **shown: Unpack[PictureOptions],
 ) -> str:
     """The picture as SVG text."""
     from navigation.draw.svg import to_svg
@@ -73,7 +73,7 @@ def draw_png(
     scene: Scene,
     roadmap: Roadmap | None = None,
     path: Path | NoPath | None = None,
-    **shown: Unpack[Shown],
+    **shown: Unpack[PictureOptions],
 ) -> NDArray[np.uint8]:
     """The same picture as (height, width, 3) uint8 pixels, BGR."""
     from navigation.draw.png import to_pixels
@@ -86,7 +86,7 @@ def save_picture(
     scene: Scene,
     roadmap: Roadmap | None = None,
     path: Path | NoPath | None = None,
-    **shown: Unpack[Shown],
+    **shown: Unpack[PictureOptions],
 ) -> None:
     """Write the picture as ``.svg`` or ``.png``; :class:`DrawError` where that cannot be done."""
     save_drawing(file, _drawing(scene, roadmap, path, shown))
@@ -119,7 +119,7 @@ def save_drawing(file: str | os.PathLike[str], drawing: Drawing) -> None:
 
 
 def _drawing(
-    scene: Scene, roadmap: Roadmap | None, path: Path | NoPath | None, shown: Shown
+    scene: Scene, roadmap: Roadmap | None, path: Path | NoPath | None, shown: PictureOptions
 ) -> Drawing:
     track = shown.get("track")
     curves = None

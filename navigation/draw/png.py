@@ -9,7 +9,17 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
-from navigation.draw.shapes import PAGE, Area, Colour, Disc, Drawing, Label, Photo, Shape, Strokes
+from navigation.draw.shapes import (
+    PAGE,
+    Area,
+    Colour,
+    DiscShape,
+    Drawing,
+    Label,
+    Photo,
+    Shape,
+    Strokes,
+)
 from planner.borders.polyline import arc_lengths, points_at
 from planner.scene import FloatArray
 
@@ -55,7 +65,7 @@ def _draw(canvas: Canvas, shape: Shape) -> None:
         case Strokes(lines, colour, width, _, dash):
             pieces = [p for line in lines for p in _dashes(line, dash)]
             _polylines(target, pieces, colour, width)
-        case Disc():
+        case DiscShape():
             _disc(target, shape)
         case Label():
             _text(target, shape)
@@ -74,7 +84,7 @@ def _polylines(canvas: Canvas, lines: list[FloatArray], colour: Colour, width: f
     cv2.polylines(canvas, fixed, False, _bgr(colour), min(thickness, 32767), cv2.LINE_AA, _SHIFT)
 
 
-def _disc(canvas: Canvas, disc: Disc) -> None:
+def _disc(canvas: Canvas, disc: DiscShape) -> None:
     (center,) = _fixed(np.array([[disc.x, disc.y]])).reshape(-1, 2).tolist()
     radius = round(disc.radius * SUPERSAMPLING * (1 << _SHIFT))
     if disc.fill:

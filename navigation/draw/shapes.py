@@ -84,7 +84,7 @@ class Strokes:
 
 
 @dataclass(frozen=True, slots=True)
-class Disc:
+class DiscShape:
     """A circle, filled, stroked or both."""
 
     x: float
@@ -122,7 +122,7 @@ class Photo:
     opacity: float = 1.0
 
 
-Shape: TypeAlias = Area | Strokes | Disc | Label | Photo
+Shape: TypeAlias = Area | Strokes | DiscShape | Label | Photo
 
 
 @dataclass(frozen=True, slots=True)

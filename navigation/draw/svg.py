@@ -6,7 +6,17 @@ import base64
 from collections.abc import Iterator
 from xml.sax.saxutils import escape, quoteattr
 
-from navigation.draw.shapes import PAGE, Area, Colour, Disc, Drawing, Label, Photo, Shape, Strokes
+from navigation.draw.shapes import (
+    PAGE,
+    Area,
+    Colour,
+    DiscShape,
+    Drawing,
+    Label,
+    Photo,
+    Shape,
+    Strokes,
+)
 from planner.scene import FloatArray
 
 FONT = "DejaVu Sans, Helvetica, Arial, sans-serif"
@@ -58,7 +68,7 @@ def _element(shape: Shape) -> str:
                 f'<path d="{data}" fill="none" stroke="{_hex(colour)}"'
                 f' stroke-width="{width:.4g}"{_opacity(opacity)}{dashes}/>'
             )
-        case Disc(x, y, radius, disc_fill, stroke, width, opacity):
+        case DiscShape(x, y, radius, disc_fill, stroke, width, opacity):
             edge = f' stroke="{_hex(stroke)}" stroke-width="{width:.4g}"' if stroke else ""
             inside = _hex(disc_fill) if disc_fill else "none"
             return (

@@ -20,7 +20,7 @@ from navigation.mission.trust import Trust
 from navigation.mission.watch import Facts
 
 
-class Situation(NamedTuple):
+class PilotSituation(NamedTuple):
     """What the pilot is at: its mission, the plan, and their mission on the wire."""
 
     mission: Mission
@@ -46,7 +46,7 @@ class FactFinder:
         now_s: float,
         sight: Sight,
         robot: RobotReport,
-        situation: Situation,
+        situation: PilotSituation,
         met: Encounter | None,
     ) -> Facts:
         """The facts of one cycle; ``met`` is the robot that comes near, if one does."""
@@ -89,7 +89,7 @@ class FactFinder:
         return self.late_camera.look(now_s, late_s, self._settings.limits.latency_s, self._trust)
 
     def _idle_reason(
-        self, now_s: float, sight: Sight, robot: RobotReport, situation: Situation
+        self, now_s: float, sight: Sight, robot: RobotReport, situation: PilotSituation
     ) -> str | None:
         """Why the robot does not do what it was told, once it had time to begin."""
         targets = situation.plan.targets

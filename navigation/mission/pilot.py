@@ -23,7 +23,7 @@ from navigation.mission.cycle import (
     RobotReport,
     Sight,
 )
-from navigation.mission.facts import FactFinder, Situation
+from navigation.mission.facts import FactFinder, PilotSituation
 from navigation.mission.mission import Event, Mission, MissionError, State, Station
 from navigation.mission.progress import Progress
 from navigation.mission.proving import Proving
@@ -196,7 +196,7 @@ class Pilot:
         met = self._look_at_traffic(sight)
         self._look_at_identity(sight)
         ordered = self._stop_reason is not None or self.mission.state is State.STOPPED
-        situation = Situation(self.mission, self.plan, self._mission_id, self._rearm, ordered)
+        situation = PilotSituation(self.mission, self.plan, self._mission_id, self._rearm, ordered)
         facts = self._facts.facts(now_s, sight, robot, situation, met)
         self.verdict = judge(facts, self.settings.limits)
         if self._stop_reason is not None:

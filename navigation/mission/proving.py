@@ -12,7 +12,7 @@ from typing import Final, NamedTuple
 from navigation.mission.cycle import RobotReport, Sight
 from navigation.mission.mission import Event
 from navigation.mission.targets import Target
-from navigation.mission.trust import NEAR_M, Proof, Trust, Verdict
+from navigation.mission.trust import NEAR_M, Proof, ProofVerdict, Trust
 from navigation.witness import Evidence
 
 LATE_S: Final = 1.0
@@ -86,15 +86,15 @@ class Proving:
         done = robot.mission_id == self._proof.mission_id and robot.executed >= 1
         verdict, sentence = self._proof.judge(now_s, evidence, done)
         match verdict:
-            case Verdict.PROVED:
+            case ProofVerdict.PROVED:
                 stop = self._trust.moved(evidence)
                 if stop is not None:
                     return ProofStep(stop=stop)
                 self._trust.proved(evidence)
                 return ProofStep(Event.PROVED, "the robot has proved itself")
-            case Verdict.REFUTED:
+            case ProofVerdict.REFUTED:
                 return ProofStep(stop=sentence)
-            case Verdict.STILL:
+            case ProofVerdict.STILL:
                 return ProofStep(Event.HOLD, f"{sentence}: {self._trust.why}")
-            case Verdict.OPEN:
+            case ProofVerdict.OPEN:
                 return _NOTHING

@@ -60,7 +60,7 @@ class Level(Enum):
     PROBATION = "probation"
 
 
-class Verdict(Enum):
+class ProofVerdict(Enum):
     """What a proof has come to."""
 
     OPEN = "not decided yet"
@@ -78,7 +78,7 @@ class Proof:
     before: Evidence
     stands_since_s: float | None = None
 
-    def judge(self, now_s: float, evidence: Evidence, done: bool) -> tuple[Verdict, str]:
+    def judge(self, now_s: float, evidence: Evidence, done: bool) -> tuple[ProofVerdict, str]:
         """What the turn shows by now, and the sentence to a proof that failed.
 
         ``done``: the robot reports that it has turned.
@@ -87,7 +87,7 @@ class Proof:
         camera_rad = evidence.camera_rad - self.before.camera_rad
         driven_m = evidence.driven_m - self.before.driven_m
         if driven_m > ON_THE_SPOT_M:
-            return Verdict.REFUTED, (
+            return ProofVerdict.REFUTED, (
                 f"the robot did not prove itself: it drove {driven_m:.3f} m where it was to turn "
                 "on the spot; the camera moves it about"
             )
@@ -99,18 +99,18 @@ class Proof:
         stands = self.stands_since_s is not None
         alike = abs(camera_rad - wheels_rad) <= TURN_SLACK_RAD + TURN_ERROR * abs(wheels_rad)
         if stands and turned and alike:
-            return Verdict.PROVED, ""
+            return ProofVerdict.PROVED, ""
         waited = self.stands_since_s is not None and now_s - self.stands_since_s > PATIENCE_S
         if (waited and turned) or abs(camera_rad - wheels_rad) > APART_RAD:
-            return Verdict.REFUTED, (
+            return ProofVerdict.REFUTED, (
                 f"the robot did not prove itself: its wheels turned it "
                 f"{math.degrees(wheels_rad):.0f} deg, the camera saw {math.degrees(camera_rad):.0f}"
                 " deg: a frozen picture, another robot's marker, or wheels that slip"
             )
         over_s = BEGINS_WITHIN_S if abs(wheels_rad) < BEGUN_RAD else LONGEST_PROOF_S
         if waited or now_s - self.began_s > over_s:
-            return Verdict.STILL, "the robot did not turn when it had to prove itself"
-        return Verdict.OPEN, ""
+            return ProofVerdict.STILL, "the robot did not turn when it had to prove itself"
+        return ProofVerdict.OPEN, ""
 
 
 class Trust:

@@ -43,7 +43,7 @@ from navigation.recording.events import (
     Told,
 )
 from navigation.recording.names import PREFIX, SUFFIX
-from navigation.recording.standing import Standing
+from navigation.recording.standing import CurrentEvents
 from planner.path import NoPath
 from planner.scene import FloatArray
 
@@ -87,7 +87,7 @@ class RecordingFiles:
         self._paths: dict[str, SceneUpdateChannel] = {}
         self._log = LogChannel("/log", context=self._context)
         self._poses: dict[int, PoseInFrameChannel] = {}
-        self._standing = Standing()
+        self._standing = CurrentEvents()
         self.path = self._new_path()
         self._open(stamp_ns)
 

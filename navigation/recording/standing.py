@@ -23,7 +23,7 @@ from navigation.recording.events import (
 from navigation.recording.json_bodies import FLEET_WAITS
 
 
-class Standing:
+class CurrentEvents:
     """Takes every event that is written; `carried` gives those that still hold."""
 
     def __init__(self) -> None:

@@ -13,7 +13,7 @@ from collections.abc import Callable
 from typing import Final
 
 from navigation.config import limits_of
-from navigation.config.values import Station as ConfiguredStation
+from navigation.config.values import StationSection as ConfiguredStation
 from navigation.loop.daemon import Daemon
 from navigation.loop.stages import stations_of
 from navigation.mission.mission import Mission, Station

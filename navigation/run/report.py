@@ -51,7 +51,7 @@ class CaptureToWire:
 
 
 @dataclass(frozen=True, slots=True)
-class Latency:
+class Latencies:
     """The run's latencies."""
 
     capture_to_wire: CaptureToWire = field(default_factory=CaptureToWire)
@@ -75,7 +75,7 @@ class Report:
     duration_s: float
     link: LinkCounts
     frames: FrameCounts
-    latency_ms: Latency
+    latency_ms: Latencies
     ground_truth: bool
     """Whether clearance, tracking and goal errors come from the simulation's truth or from the
     camera."""
@@ -100,7 +100,7 @@ class Report:
             duration_s=0.0,
             link=LinkCounts(),
             frames=FrameCounts(),
-            latency_ms=Latency(),
+            latency_ms=Latencies(),
             ground_truth=False,
         )
 

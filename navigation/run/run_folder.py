@@ -13,7 +13,7 @@ from pathlib import Path
 
 import numpy as np
 
-from navigation.draw import DrawError, DrivenRobot, OtherRobot, save_picture
+from navigation.draw import DrawError, DrawnRobot, OtherRobot, save_picture
 from navigation.loop.daemon import Daemon
 from navigation.loop.daemon_state import DrivenPlan
 from navigation.loop.robot import Robot
@@ -116,12 +116,12 @@ def write_picture(file: Path, daemon: Daemon, report: RunReport) -> None:
     )
 
 
-def _driven(name: str, robot: Robot, daemon: Daemon) -> DrivenRobot:
+def _driven(name: str, robot: Robot, daemon: Daemon) -> DrawnRobot:
     """One of several robots, with its track, its last plan and its stations."""
     body = robot.config.robot
     pieces = driven_pieces(driven_track(daemon, robot), body.speed_m_s)
     stations = robot.pilot.mission.stations
-    return DrivenRobot(
+    return DrawnRobot(
         name,
         body.radius_m,
         with_breaks(pieces)[:, 1:],

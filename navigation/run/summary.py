@@ -16,7 +16,7 @@ from navigation.loop.robot import Robot
 from navigation.mission.mission import State
 from navigation.run.report import (
     FrameCounts,
-    Latency,
+    Latencies,
     LinkCounts,
     Report,
     percentiles_ms,
@@ -59,7 +59,7 @@ def summarise(daemon: Daemon, robot: Robot, state: State, reason: str, duration_
             rtt_ms=None if snapshot.rtt_s is None else snapshot.rtt_s * 1e3,
         ),
         frames=FrameCounts(camera.captured, camera.dropped, daemon.processed),
-        latency_ms=Latency(percentiles_ms(list(robot.link.capture_to_wire_s))),
+        latency_ms=Latencies(percentiles_ms(list(robot.link.capture_to_wire_s))),
         ground_truth=truth is not None,
     )
 

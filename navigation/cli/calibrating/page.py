@@ -24,7 +24,7 @@ from starlette.routing import Route
 from starlette.types import ASGIApp, Receive, Scope, Send
 
 from navigation.config.dashboard import DashboardSection
-from navigation.dashboard.admission.access import Gate
+from navigation.dashboard.admission.access import AccessGate
 from navigation.dashboard.app import HEADERS, TYPES
 from navigation.dashboard.calibrating.shown import as_json, jpeg_of
 from navigation.dashboard.messages.palette import stylesheet
@@ -52,7 +52,7 @@ class LivePage:
         self._socket: socket.socket = listen(HOST, port)
         number = self._socket.getsockname()[1]
         self.url = f"http://{HOST}:{number}/"
-        self._gate = Gate(DashboardSection(host=HOST, port=number))
+        self._gate = AccessGate(DashboardSection(host=HOST, port=number))
         self._shown: tuple[LiveState, Frame] | None = None
         self._frames: deque[Frame] = deque(maxlen=FRAMES_KEPT)
         self._asked = False

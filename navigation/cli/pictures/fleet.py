@@ -68,7 +68,7 @@ def command(
     longest of them, is least. Exits 3 where there is no plan, and says why and which robots it
     hangs on.
     """
-    from navigation.cli.pictures.fleet_answer import FleetAnswer
+    from navigation.cli.pictures.fleet_answer import FleetOutput
     from navigation.cli.pictures.fleet_picture import draw_fleet
     from navigation.cli.pictures.fleet_robots import load_robots
     from navigation.cli.pictures.plan import timed_roadmap
@@ -102,7 +102,7 @@ def command(
     remarks = (*scene.remarks, *roadmap.remarks)
     if isinstance(plan, FleetPlan):
         remarks += plan.remarks
-    answer = FleetAnswer(scene.units, robots, plan, timings_ms, remarks)
+    answer = FleetOutput(scene.units, robots, plan, timings_ms, remarks)
     text = answer.as_json() + "\n" if form == "json" else answer.as_text()
     if output is None:
         click.echo(text, nl=False)

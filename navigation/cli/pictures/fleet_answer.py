@@ -19,7 +19,7 @@ SCHEMA = "clearway.fleet/1"
 
 
 @dataclass(frozen=True, slots=True)
-class FleetAnswer:
+class FleetOutput:
     """All that planning several robots has to say, ready to be written in either form."""
 
     units: str

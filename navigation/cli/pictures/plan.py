@@ -17,7 +17,7 @@ from navigation.cli.options import (
     RADIUS_OPTION,
     SPACING_OPTION,
     STATION,
-    Station,
+    StationArgument,
     format_option,
     polarity_option,
 )
@@ -25,7 +25,7 @@ from navigation.cli.outputs import keep_apart, warn_of_doubts, write_text
 from navigation.cli.progress import long_work
 
 if TYPE_CHECKING:
-    from navigation.cli.pictures.plan_answer import PlanAnswer
+    from navigation.cli.pictures.plan_answer import PlanOutput
     from planner.path import NoPath
     from planner.path import Path as PlannedPath
     from planner.roadmap.roadmap import Roadmap
@@ -77,10 +77,10 @@ class PlanError(ValueError):
 @click.option("-o", "--output", type=OUTPUT, help="Write the answer to this file.")
 def command(  # noqa: PLR0913 (an argument for each option of the command line)
     source: Path,
-    start: Station,
-    goal: Station,
+    start: StationArgument,
+    goal: StationArgument,
     radius: float,
-    via: tuple[Station, ...],
+    via: tuple[StationArgument, ...],
     order: Literal["fixed", "best"],
     margin: float,
     spacing: float | None,
@@ -190,9 +190,9 @@ def _answer(
     planned: PlannedPath | NoPath,
     path: PlannedPath | NoPath,
     timings_ms: dict[str, float],
-) -> PlanAnswer:
+) -> PlanOutput:
     """The answer; ``timings_ms`` may still grow."""
-    from navigation.cli.pictures.plan_answer import PlanAnswer
+    from navigation.cli.pictures.plan_answer import PlanOutput
     from planner.motion.trajectory import default_limits, time_path
     from planner.path import NoPath
 
@@ -202,7 +202,7 @@ def _answer(
         timed_s = time.perf_counter()
         trajectory = time_path(path, limits, clearance=roadmap.clearance)
         timings_ms["trajectory"] = 1e3 * (time.perf_counter() - timed_s)
-    return PlanAnswer(
+    return PlanOutput(
         scene,
         roadmap.radius,
         path,
@@ -219,7 +219,7 @@ def _answer(
     )
 
 
-def _tell(answer: PlanAnswer, form: str, output: Path | None) -> None:
+def _tell(answer: PlanOutput, form: str, output: Path | None) -> None:
     """The answer on standard output or in a file; why there is no path is on standard error."""
     if form == "json":
         text = answer.as_json() + "\n"
@@ -231,7 +231,9 @@ def _tell(answer: PlanAnswer, form: str, output: Path | None) -> None:
         write_text(output, text)
 
 
-def _render(file: Path, answer: PlanAnswer, roadmap: Roadmap, stations: list[Station]) -> float:
+def _render(
+    file: Path, answer: PlanOutput, roadmap: Roadmap, stations: list[StationArgument]
+) -> float:
     """Draw the plan; the milliseconds that it took."""
     from navigation.draw import save_picture
 

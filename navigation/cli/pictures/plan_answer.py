@@ -47,7 +47,7 @@ NO_LIMITS = "neither pictures nor maps say what the robot can drive"
 
 
 @dataclass(frozen=True, slots=True)
-class PlanAnswer:
+class PlanOutput:
     """All that a plan has to say, ready to be written in either form.
 
     ``path`` has its corners rounded; ``planned`` is the same as the planner gave it. ``limits``

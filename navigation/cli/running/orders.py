@@ -11,7 +11,7 @@ from typing import Any
 
 import click
 
-from navigation.cli.options import STATION, Station, format_option
+from navigation.cli.options import STATION, StationArgument, format_option
 from navigation.orders.table import ORDERS, Order
 
 KNOWN_WITHIN_S = 2.0
@@ -90,7 +90,11 @@ def _command(
 
 
 def _go(
-    stations: tuple[Station, ...], dwell_s: float, robot: str | None, path: Path | None, form: str
+    stations: tuple[StationArgument, ...],
+    dwell_s: float,
+    robot: str | None,
+    path: Path | None,
+    form: str,
 ) -> None:
     wanted = [
         {"x_m": s.x, "y_m": s.y, "heading_rad": s.heading_rad, "dwell_s": dwell_s} for s in stations

@@ -53,7 +53,7 @@ class Refusal:
     sentence: str
 
 
-class Gate:
+class AccessGate:
     """Lets in or turns away, and counts; ``refused`` is by kind.
 
     ``own_token`` stands in for ``dashboard.token`` where none is configured; without either

@@ -20,7 +20,7 @@ from uvicorn.protocols.websockets.websockets_sansio_impl import WebSocketsSansIO
 from websockets.frames import Frame
 
 from navigation.dashboard.admission.allowance import Allowance
-from navigation.dashboard.admission.places import Place, Places
+from navigation.dashboard.admission.places import OpenConnection, OpenConnections
 
 REQUEST_WITHIN_S: Final = 5.0
 BYTES_A_ROUND: Final = 1024
@@ -35,7 +35,9 @@ MOST_UNREAD: Final = 512
 class PlacedRequests(H11Protocol):
     """HTTP on one connection."""
 
-    def __init__(self, *args: Any, places: Places, clock: Callable[[], float], **rest: Any) -> None:
+    def __init__(
+        self, *args: Any, places: OpenConnections, clock: Callable[[], float], **rest: Any
+    ) -> None:
         super().__init__(*args, **rest)
         self._places, self._clock = places, clock
         self._is_idle = False
@@ -44,7 +46,7 @@ class PlacedRequests(H11Protocol):
         """A place for it; somebody else may lose theirs."""
         super().connection_made(transport)
         address = self.client[0] if self.client else ""
-        self._place = Place(transport, address, self._clock() + REQUEST_WITHIN_S)
+        self._place = OpenConnection(transport, address, self._clock() + REQUEST_WITHIN_S)
         self._places.come(self._place)
 
     def connection_lost(self, exc: Exception | None) -> None:
@@ -77,7 +79,9 @@ class PlacedRequests(H11Protocol):
 class PlacedViewer(WebSocketsSansIOProtocol):
     """A websocket on one connection."""
 
-    def __init__(self, *args: Any, place: Place, places: Places, **rest: Any) -> None:
+    def __init__(
+        self, *args: Any, place: OpenConnection, places: OpenConnections, **rest: Any
+    ) -> None:
         super().__init__(*args, **rest)
         self._place, self._places = place, places
         self._odd = Allowance(ODD_FRAMES_S, ODD_BURST_S, self.loop.time())

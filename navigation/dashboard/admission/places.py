@@ -32,7 +32,7 @@ class Line(Protocol):
 
 
 @dataclass(slots=True, eq=False)
-class Place:
+class OpenConnection:
     """One connection: where it comes from, and until when it may be as it is."""
 
     line: Line
@@ -41,21 +41,21 @@ class Place:
     is_closing: bool = False
 
 
-class Places:
+class OpenConnections:
     """At most ``most`` connections beside viewers, ``most_an_address`` of them from one address."""
 
     def __init__(self, most: int, most_an_address: int) -> None:
         self.most, self.most_an_address = most, most_an_address
         self.cut = 0
         """How many connections were cut: late, or to make room."""
-        self._waiting: dict[Place, None] = {}
-        self._viewers: dict[Place, None] = {}
+        self._waiting: dict[OpenConnection, None] = {}
+        self._viewers: dict[OpenConnection, None] = {}
         self._shares: Counter[str] = Counter()
 
     def __len__(self) -> int:
         return len(self._waiting) + len(self._viewers)
 
-    def come(self, place: Place) -> None:
+    def come(self, place: OpenConnection) -> None:
         """A connection was accepted; another one is cut where there is no room."""
         if self._shares[place.address] >= self.most_an_address:
             self._cut_oldest(place.address)
@@ -64,13 +64,13 @@ class Places:
         self._waiting[place] = None
         self._shares[place.address] += 1
 
-    def look(self, place: Place) -> None:
+    def look(self, place: OpenConnection) -> None:
         """A connection has become a viewer: it may stay, and no longer counts among the others."""
         self._leave_waiting(place)
         place.until_s = inf
         self._viewers[place] = None
 
-    def go(self, place: Place) -> None:
+    def go(self, place: OpenConnection) -> None:
         """A connection has ended."""
         self._leave_waiting(place)
         self._viewers.pop(place, None)
@@ -88,7 +88,7 @@ class Places:
             if now_s > place.until_s:
                 self._cut(place)
 
-    def _leave_waiting(self, place: Place) -> None:
+    def _leave_waiting(self, place: OpenConnection) -> None:
         if place in self._waiting:
             del self._waiting[place]
             self._shares[place.address] -= 1
@@ -101,7 +101,7 @@ class Places:
                 self._cut(place)
                 return
 
-    def _cut(self, place: Place) -> None:
+    def _cut(self, place: OpenConnection) -> None:
         self.cut += 1
         self.go(place)
         place.line.abort()

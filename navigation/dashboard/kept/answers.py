@@ -21,7 +21,7 @@ from starlette.responses import JSONResponse, PlainTextResponse, Response
 
 from navigation.config.secrecy.secrets import hide_in
 from navigation.config.values import MOST_ROBOTS
-from navigation.dashboard.admission.access import Gate, Refusal, bearer_of
+from navigation.dashboard.admission.access import AccessGate, Refusal, bearer_of
 from navigation.dashboard.kept.runs import KeptFile, KeptRun, KeptRuns, RunPage, is_run
 
 PIECE_BYTES: Final = 524_288
@@ -40,7 +40,7 @@ class KeptAnswers:
     """The answers of one page; ``workers`` are threads that may wait for the disk."""
 
     def __init__(
-        self, runs: KeptRuns, gate: Gate, workers: Executor, clock: Callable[[], float]
+        self, runs: KeptRuns, gate: AccessGate, workers: Executor, clock: Callable[[], float]
     ) -> None:
         self._runs, self._gate, self._workers, self._clock = runs, gate, workers, clock
         self._listing = asyncio.Lock()

@@ -29,7 +29,7 @@ Poses: TypeAlias = Mapping[int, RobotPose]
 
 
 @dataclass(frozen=True, slots=True)
-class Body:
+class RobotShape:
     """A robot's shape as the camera meets it: the disc that holds it, and its marker's height."""
 
     radius_m: float
@@ -47,7 +47,7 @@ class EyeSettings:
     texture_px: float
     driven_ids: tuple[int, ...]
     """The markers of the robots that are driven."""
-    bodies: Mapping[int, Body]
+    bodies: Mapping[int, RobotShape]
     """By marker id: the robots that are driven and the others."""
     reach_m: float = 0.0
     """How far a driven robot that is not seen may have come from where it was seen last: with

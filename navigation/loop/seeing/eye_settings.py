@@ -13,7 +13,7 @@ import numpy as np
 from navigation.config import Config
 from navigation.config.sections import RobotSection, SafetySection
 from navigation.config.values import FloorMarkerSection
-from navigation.loop.seeing.eye import Body, EyeSettings
+from navigation.loop.seeing.eye import EyeSettings, RobotShape
 from navigation.mission.traffic import REACTION_S
 from planner.scene import Bounds
 from vision.calibration.blind import is_shown
@@ -33,7 +33,7 @@ def eye_settings(config: Config, driven: Sequence[RobotSection] = ()) -> EyeSett
         threshold=config.vision.threshold,
         texture_px=config.vision.texture_px,
         driven_ids=tuple(one.marker_id for one in robots),
-        bodies={one.marker_id: Body(one.radius_m, one.marker_height_m) for one in seen},
+        bodies={one.marker_id: RobotShape(one.radius_m, one.marker_height_m) for one in seen},
         reach_m=max((reach_m(one, config.safety) for one in driven), default=0.0),
     )
 

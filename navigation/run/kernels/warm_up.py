@@ -18,7 +18,7 @@ import numpy as np
 
 from navigation.config import Config
 from navigation.loop.planning import ArenaPlanner, PlanSettings
-from navigation.loop.seeing.eye import Body, Eye, EyeSettings
+from navigation.loop.seeing.eye import Eye, EyeSettings, RobotShape
 from navigation.mission.cycle import PlanRequest
 from navigation.mission.mission import Station
 from navigation.mission.traffic import Disc
@@ -126,7 +126,7 @@ def _see(config: Config) -> list[Scene]:
             threshold=config.vision.threshold,
             texture_px=config.vision.texture_px,
             driven_ids=(robot.id,),
-            bodies={robot.id: Body(BODY_RADIUS_M, 0.0)},
+            bodies={robot.id: RobotShape(BODY_RADIUS_M, 0.0)},
         ),
     )
     rng = np.random.default_rng(0)

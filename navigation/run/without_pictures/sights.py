@@ -44,7 +44,7 @@ _UNIT_CORNERS: Final = np.array([(-0.5, 0.5), (0.5, 0.5), (0.5, -0.5), (-0.5, -0
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Sight:
+class TrueSight:
     """What there was to be seen: the arena, all bodies (n, 3) of x, y, radius, and the markers.
 
     ``markers`` by id with their corners (4, 2), as far as they can be read.
@@ -59,11 +59,11 @@ class Sights:
     """Keeps what cameras saw under the numbers that their pictures hold."""
 
     def __init__(self) -> None:
-        self._kept: dict[int, Sight] = {}
+        self._kept: dict[int, TrueSight] = {}
         self._count = 0
         self._numbers: dict[Hashable, int] = {}
 
-    def keep(self, sight: Sight) -> Image:
+    def keep(self, sight: TrueSight) -> Image:
         """The picture that stands for it."""
         self._count += 1
         self._kept[self._count] = sight
@@ -74,7 +74,7 @@ class Sights:
         picture[:] = row
         return picture
 
-    def of(self, picture: Image) -> Sight:
+    def of(self, picture: Image) -> TrueSight:
         """What a picture stands for; ``ValueError`` where it is none of these."""
         cell = PICTURE_SHAPE[1] // BITS
         bits = picture[-1, cell // 2 :: cell] > 127
@@ -139,7 +139,7 @@ class SightCamera(TimedCamera[Scene]):
         markers = self._seen(floor, poses)
         bodies = poses.copy()
         bodies[:, 2] = self._radii
-        return self._sights.keep(Sight(prepared, bodies, markers))
+        return self._sights.keep(TrueSight(prepared, bodies, markers))
 
     def _marker_corners(self, poses: FloatArray) -> FloatArray:
         """The markers' corners (n, 4, 2) in metres, each at its marker's height."""

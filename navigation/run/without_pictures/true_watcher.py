@@ -18,7 +18,7 @@ from typing import Final, TypeAlias
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from navigation.run.without_pictures.sights import PICTURE_SHAPE, Sight, Sights
+from navigation.run.without_pictures.sights import PICTURE_SHAPE, Sights, TrueSight
 from planner.scene import CircleRecord, FloatArray, Scene, SceneObject
 from vision.calibration.calibration import Calibration
 from vision.camera.camera import Image
@@ -91,7 +91,7 @@ class TrueWatcher(SceneWatcher):
         self._known |= {i: there[i] for i in sorted(new)}
         return Change((), 0)
 
-    def _there(self, sight: Sight, discs: FloatArray) -> Things:
+    def _there(self, sight: TrueSight, discs: FloatArray) -> Things:
         """What this camera shows now, whether a robot covers it or not."""
         if sight.scene is not self._scene:
             self._scene = sight.scene

@@ -4,7 +4,7 @@ import pytest
 
 from navigation.config import ConfigError
 from navigation.config.dashboard import DashboardSection
-from navigation.dashboard.admission.access import Gate, Refusal, Role, bearer_of, token_of
+from navigation.dashboard.admission.access import AccessGate, Refusal, Role, bearer_of, token_of
 from navigation.dashboard.admission.seat import AWAY_S, LEFT_S, Seat, public_half
 from navigation.dashboard.orders import give, refusal_of
 from navigation.mission.mission import Mission, State, Station
@@ -19,7 +19,7 @@ KEY, ELSE = "k" * 32, "e" * 32
 
 @pytest.mark.parametrize("host", ["127.0.0.1:8421", "localhost:8421", "[::1]:8421", "LOCALHOST"])
 def test_this_machines_own_names_are_let_in(host: str) -> None:
-    assert Gate(DashboardSection()).admit(host, None) is None
+    assert AccessGate(DashboardSection()).admit(host, None) is None
 
 
 @pytest.mark.parametrize(
@@ -27,19 +27,19 @@ def test_this_machines_own_names_are_let_in(host: str) -> None:
     [None, "", "evil.example", "evil.example:8421", "127.0.0.1.evil.example", "192.168.1.5", "[::"],
 )
 def test_a_foreign_name_is_refused_with_400_and_counted(host: str | None) -> None:
-    gate = Gate(DashboardSection())
+    gate = AccessGate(DashboardSection())
     refusal = gate.admit(host, None)
     assert refusal is not None
     assert (refusal.status, gate.refused["host"]) == (400, 1)
 
 
 def test_further_names_come_from_the_configuration() -> None:
-    gate = Gate(DashboardSection(names=("arena.example",)))
+    gate = AccessGate(DashboardSection(names=("arena.example",)))
     assert gate.admit("Arena.Example:443", None) is None
 
 
 def test_an_open_dashboard_is_reached_by_any_address_but_by_no_foreign_name() -> None:
-    gate = Gate(DashboardSection(host="0.0.0.0", token=TOKEN))
+    gate = AccessGate(DashboardSection(host="0.0.0.0", token=TOKEN))
     assert gate.admit("192.168.1.5:8421", None) is None
     assert gate.admit("[fe80::1]:8421", None) is None
     assert gate.admit("evil.example:8421", None) is not None
@@ -57,7 +57,7 @@ def test_an_open_dashboard_is_reached_by_any_address_but_by_no_foreign_name() ->
     ],
 )
 def test_another_origin_is_refused_with_403_and_counted(origin: str) -> None:
-    gate = Gate(DashboardSection())
+    gate = AccessGate(DashboardSection())
     refusal = gate.admit("127.0.0.1:8421", origin)
     assert refusal is not None
     assert (refusal.status, gate.refused["origin"]) == (403, 1)
@@ -65,18 +65,20 @@ def test_another_origin_is_refused_with_403_and_counted(origin: str) -> None:
 
 @pytest.mark.parametrize("scheme", ["http", "https"])
 def test_the_pages_own_origin_is_let_in(scheme: str) -> None:
-    assert Gate(DashboardSection()).admit("localhost:8421", f"{scheme}://localhost:8421") is None
+    assert (
+        AccessGate(DashboardSection()).admit("localhost:8421", f"{scheme}://localhost:8421") is None
+    )
 
 
 # Tokens.
 
 
 def test_without_a_token_in_the_configuration_everybody_may_drive() -> None:
-    assert Gate(DashboardSection()).role(None) is Role.OPERATOR
+    assert AccessGate(DashboardSection()).role(None) is Role.OPERATOR
 
 
 def test_tokens_tell_operators_from_viewers_and_the_rest_is_refused_and_counted() -> None:
-    gate = Gate(DashboardSection(token=TOKEN, viewer_token=OTHER))
+    gate = AccessGate(DashboardSection(token=TOKEN, viewer_token=OTHER))
     assert gate.role(TOKEN) is Role.OPERATOR
     assert gate.role(OTHER) is Role.VIEWER
     for bad, status in ((None, 401), ("", 403), (TOKEN[:-1], 403), (TOKEN + "x", 403), ("ä", 403)):

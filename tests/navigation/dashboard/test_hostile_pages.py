@@ -20,9 +20,9 @@ from websockets.exceptions import ConnectionClosed, InvalidStatus
 from navigation.config.dashboard import DashboardSection
 from navigation.dashboard import Dashboard, server
 from navigation.dashboard.admission import connections
-from navigation.dashboard.admission.access import Gate, Refusal, Role
+from navigation.dashboard.admission.access import AccessGate, Refusal, Role
 from navigation.dashboard.admission.allowance import Allowance
-from navigation.dashboard.admission.places import Places
+from navigation.dashboard.admission.places import OpenConnections
 from navigation.dashboard.hub import MOST_VIEWERS
 from tests.navigation.dashboard.site import KEY, Page, Site
 from tests.support.processes.floods import flood
@@ -90,7 +90,7 @@ def test_with_the_token_one_drives_and_a_wrong_one_is_refused(site: OwnSite) -> 
 
 
 def test_a_configured_token_is_the_only_one() -> None:
-    gate = Gate(DashboardSection(token="a-token-of-some-length"), OWN)
+    gate = AccessGate(DashboardSection(token="a-token-of-some-length"), OWN)
     assert isinstance(gate.role(OWN), Refusal)
     assert isinstance(gate.role(None), Refusal)
     assert gate.role("a-token-of-some-length") is Role.OPERATOR
@@ -207,7 +207,7 @@ def test_where_no_descriptor_is_left_the_oldest_connection_is_cut(site: OwnSite)
     hub = site.dashboard.hub
     assert hub is not None
     cut = []
-    places = Places(9, 9)
+    places = OpenConnections(9, 9)
     places.make_room = lambda: cut.append(1)  # type: ignore[method-assign]
     loop = asyncio.new_event_loop()
     for number, count in ((24, 1), (5, 1)):

@@ -4,7 +4,7 @@ from math import inf
 
 import pytest
 
-from navigation.dashboard.admission.places import CLOSE_WITHIN_S, Place, Places
+from navigation.dashboard.admission.places import CLOSE_WITHIN_S, OpenConnection, OpenConnections
 
 HERE, THERE = "127.0.0.1", "192.0.2.7"
 
@@ -22,22 +22,24 @@ class Line:
         return self.closing
 
 
-def come(places: Places, address: str = HERE, until_s: float = 5.0) -> tuple[Place, Line]:
+def come(
+    places: OpenConnections, address: str = HERE, until_s: float = 5.0
+) -> tuple[OpenConnection, Line]:
     line = Line()
-    place = Place(line, address, until_s)
+    place = OpenConnection(line, address, until_s)
     places.come(place)
     return place, line
 
 
 def test_where_all_places_are_taken_the_oldest_makes_room() -> None:
-    places = Places(3, 3)
+    places = OpenConnections(3, 3)
     lines = [come(places)[1] for _ in range(5)]
     assert [line.is_cut for line in lines] == [True, True, False, False, False]
     assert (len(places), places.cut) == (3, 2)
 
 
 def test_an_address_makes_room_for_itself_first() -> None:
-    places = Places(10, 2)
+    places = OpenConnections(10, 2)
     other = come(places, THERE)[1]
     lines = [come(places)[1] for _ in range(4)]
     assert [line.is_cut for line in lines] == [True, True, False, False]
@@ -45,7 +47,7 @@ def test_an_address_makes_room_for_itself_first() -> None:
 
 
 def test_a_viewer_is_never_cut_for_a_connection_and_takes_no_place_from_them() -> None:
-    places = Places(2, 2)
+    places = OpenConnections(2, 2)
     viewer, line = come(places)
     places.look(viewer)
     assert viewer.until_s == inf
@@ -58,7 +60,7 @@ def test_a_viewer_is_never_cut_for_a_connection_and_takes_no_place_from_them() -
 
 
 def test_who_is_late_is_cut_and_who_ended_is_forgotten() -> None:
-    places = Places(9, 9)
+    places = OpenConnections(9, 9)
     late, punctual = come(places, until_s=5.0)[1], come(places, until_s=7.0)[1]
     ended, line = come(places, until_s=5.0)
     places.go(ended)
@@ -69,7 +71,7 @@ def test_who_is_late_is_cut_and_who_ended_is_forgotten() -> None:
 
 
 def test_a_viewer_that_does_not_take_the_last_words_is_cut() -> None:
-    places = Places(9, 9)
+    places = OpenConnections(9, 9)
     viewer, line = come(places)
     places.look(viewer)
     line.closing = True
@@ -81,7 +83,7 @@ def test_a_viewer_that_does_not_take_the_last_words_is_cut() -> None:
 
 @pytest.mark.parametrize("ending", ["cut", "gone"])
 def test_a_share_is_given_back(ending: str) -> None:
-    places = Places(9, 1)
+    places = OpenConnections(9, 1)
     for _ in range(3):
         place, line = come(places, until_s=1.0)
         assert not line.is_cut

@@ -18,8 +18,8 @@ from navigation.mission.trust import (
     TURN_RAD,
     Level,
     Proof,
+    ProofVerdict,
     Trust,
-    Verdict,
     slow_at_first,
 )
 from navigation.witness import NO_EVIDENCE, Evidence
@@ -116,32 +116,32 @@ def turned(wheels_rad: float, camera_rad: float, **more: object) -> Evidence:
 def test_a_turn_that_both_saw_proves_the_robot_once_it_stands() -> None:
     proof = Proof(9, 0.0, turned(5.0, -3.0))
     both = turned(5.0 + TURN_RAD, -3.0 + TURN_RAD)
-    assert proof.judge(0.5, both, False)[0] is Verdict.OPEN
-    assert proof.judge(0.6, replace(both, wheels_stand=False), True)[0] is Verdict.OPEN
-    assert proof.judge(0.7, both, True)[0] is Verdict.PROVED
+    assert proof.judge(0.5, both, False)[0] is ProofVerdict.OPEN
+    assert proof.judge(0.6, replace(both, wheels_stand=False), True)[0] is ProofVerdict.OPEN
+    assert proof.judge(0.7, both, True)[0] is ProofVerdict.PROVED
 
 
 def test_pictures_may_be_late_but_not_for_ever() -> None:
     proof = Proof(9, 0.0, NO_EVIDENCE)
     wheels_only = turned(TURN_RAD, 0.0)
-    assert proof.judge(1.0, wheels_only, True)[0] is Verdict.OPEN
-    assert proof.judge(1.0 + PATIENCE_S, wheels_only, True)[0] is Verdict.OPEN
+    assert proof.judge(1.0, wheels_only, True)[0] is ProofVerdict.OPEN
+    assert proof.judge(1.0 + PATIENCE_S, wheels_only, True)[0] is ProofVerdict.OPEN
     verdict, said = proof.judge(1.1 + PATIENCE_S, wheels_only, True)
-    assert verdict is Verdict.REFUTED
+    assert verdict is ProofVerdict.REFUTED
     assert "its wheels turned it 20 deg, the camera saw 0 deg" in said
 
 
 @pytest.mark.parametrize(
     ("evidence", "done", "verdict"),
     [
-        (turned(2.1 * TURN_RAD, 0.0, wheels_stand=False), False, Verdict.REFUTED),
-        (turned(TURN_RAD, TURN_RAD, driven_m=0.03), True, Verdict.REFUTED),
-        (turned(0.1, 0.1), False, Verdict.STILL),
-        (turned(0.1, 0.1), True, Verdict.STILL),
+        (turned(2.1 * TURN_RAD, 0.0, wheels_stand=False), False, ProofVerdict.REFUTED),
+        (turned(TURN_RAD, TURN_RAD, driven_m=0.03), True, ProofVerdict.REFUTED),
+        (turned(0.1, 0.1), False, ProofVerdict.STILL),
+        (turned(0.1, 0.1), True, ProofVerdict.STILL),
     ],
     ids=["turns on and on", "drives about", "does not turn", "says that it has"],
 )
-def test_what_is_no_proof(evidence: Evidence, done: bool, verdict: Verdict) -> None:
+def test_what_is_no_proof(evidence: Evidence, done: bool, verdict: ProofVerdict) -> None:
     proof = Proof(9, 0.0, NO_EVIDENCE)
     proof.judge(0.5, evidence, done)
     assert proof.judge(LONGEST_PROOF_S + 0.1, evidence, done)[0] is verdict

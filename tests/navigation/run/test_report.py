@@ -11,7 +11,7 @@ import pytest
 from navigation.run.report import (
     CaptureToWire,
     FrameCounts,
-    Latency,
+    Latencies,
     LinkCounts,
     Report,
     TrackingError,
@@ -29,7 +29,7 @@ def run_of(report: Report) -> RunReport:
 def empty_report() -> Report:
     return Report(
         "failed", "no camera", 2, 0, 0, 0, 0, None, TrackingError(), None, None, 1.5,
-        LinkCounts(), FrameCounts(), Latency(), ground_truth=False,
+        LinkCounts(), FrameCounts(), Latencies(), ground_truth=False,
     )  # fmt: skip
 
 
@@ -63,7 +63,7 @@ def test_what_is_unknown_is_said_to_be_unknown() -> None:
 def test_a_number_that_is_none_cannot_be_written() -> None:
     report = Report(
         "done", "", 1, 1, 1, 1, 0, math.nan, TrackingError(), None, None, 1.0,
-        LinkCounts(), FrameCounts(), Latency(), ground_truth=True,
+        LinkCounts(), FrameCounts(), Latencies(), ground_truth=True,
     )  # fmt: skip
     with pytest.raises(ValueError, match="Out of range"):
         run_of(report).to_json()
