@@ -57,7 +57,7 @@ def roadmap() -> Roadmap:
     roadmap = laboratory()
     world_message(roadmap, 1)
     heat_message(roadmap, Bounds(0.0, 0.0, 2.4, 1.8), 1)
-    FakeDaemon(roadmap=roadmap).preview((Station(0.30, 1.50),))
+    FakeDaemon(roadmap=roadmap).people.preview((Station(0.30, 1.50),))
     return roadmap
 
 
