@@ -16,11 +16,11 @@ from vision.calibration.calibration import Calibration
 from vision.camera.latest_frame import CameraStatus
 
 IT_IS_A_RECORDING: Final = "this is a recording: nothing here drives or stops a robot"
-"""Why nothing can be ordered where nobody takes orders."""
+"""The refusal of any order in a recording."""
 
 
 class Shown(Protocol):
-    """What is shown, and who takes its orders; every method may be called from any thread."""
+    """A run on the page, and the target of its orders; any thread may call every method."""
 
     @property
     def config(self) -> Config:
@@ -52,7 +52,7 @@ class Shown(Protocol):
 
     @property
     def people(self) -> People | None:
-        """Who takes orders; None where what is shown was recorded."""
+        """The target of orders; None for a recording."""
         ...
 
 
@@ -93,7 +93,7 @@ class ShownDaemon:
 
     @property
     def people(self) -> People:
-        """Who takes orders: the daemon's."""
+        """The target of orders: the daemon's."""
         return self._daemon.people
 
 

@@ -70,7 +70,7 @@ def waits_of(
 def holds_of(
     members: Mapping[str, Member], held: Mapping[str, Held], aside: Container[str]
 ) -> dict[str, str]:
-    """Who may not drive now and why: for another robot in what it may drive, or anywhere.
+    """Robots that may not drive now, and why: another robot is in their way, or may be anywhere.
 
     Those that drive aside may, unless one may be anywhere.
     """

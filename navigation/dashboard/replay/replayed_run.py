@@ -63,7 +63,7 @@ class ReplayedRun:
         self._frame: tuple[TapedPicture | None, Frame | None] = (None, None)
         self._fleet: RunState | None = None
         self.people = None
-        """Nobody takes orders."""
+        """None: a recording takes no orders."""
 
     @property
     def fleet(self) -> RunState | None:

@@ -138,7 +138,7 @@ def _obeys(robot: Robot, now_s: float) -> bool:
 
 
 def _drives_on_s(robot: Robot, snapshot: LinkSnapshot) -> float:
-    """How long it drives on beyond its lease: a lease of our firmware ends on the robot itself,
+    """Time that it drives on beyond its lease: a lease of our firmware ends on the robot itself,
     that of a driver with its cable, behind which only the robot's own watchdog is left."""
     driver = robot.config.robot.driver
     if driver == CLEARWAY or snapshot.down_reason is None:
