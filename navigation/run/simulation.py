@@ -44,19 +44,20 @@ class Simulation:
         self.clock = clock
         self._configs = robots_of(config)
         self._cameras = cameras_of(config)
-        self._robots = {
+        self.robots = {
             name: simulated_robot(one, clock)
             for name, one in self._configs.items()
             if one.serial.port == SIMULATED
         }
-        for name, robot in self._robots.items():
+        """By name, those that are simulated."""
+        for name, robot in self.robots.items():
             wait_for_robot(clock, name, robot)
         self._shared = {
             name: shared_pose(one)
             for name, one in self._configs.items()
-            if name not in self._robots
+            if name not in self.robots
         }
-        self._together = [one for one in self._robots.values() if isinstance(one, SimulatedRobot)]
+        self._together = [one for one in self.robots.values() if isinstance(one, SimulatedRobot)]
         self._thread: threading.Thread | None = None
         self._stop = threading.Event()
         self._arenas = arenas_over_time(config, load_arena(config))
@@ -66,15 +67,15 @@ class Simulation:
     @property
     def ports(self) -> dict[str, str]:
         """By name, of the robots that are simulated."""
-        return {name: robot.port for name, robot in self._robots.items()}
+        return {name: robot.port for name, robot in self.robots.items()}
 
     def track(self, name: str) -> FloatArray:
         """Where a robot has been: (n, 4) of the clock's seconds, x_m, y_m, heading_rad."""
-        return self._robots[name].track()
+        return self.robots[name].track()
 
     def pose(self, name: str) -> tuple[float, float, float]:
         """Where a robot is now, as the simulated camera sees it."""
-        return pose_of(self._configs[name], self._robots.get(name), self._shared.get(name))
+        return pose_of(self._configs[name], self.robots.get(name), self._shared.get(name))
 
     def open_camera(self, name: str | None = None) -> TimedCamera[Any] | KnockedCamera:
         """A new camera, closed; the same source each time. ``name`` is one of several cameras."""
@@ -93,7 +94,7 @@ class Simulation:
     def start(self) -> None:
         """Switch the robots on; what happens in the arena counts from here."""
         self._began_s = self.clock()
-        for robot in self._robots.values():
+        for robot in self.robots.values():
             if robot not in self._together:
                 robot.start()
         for robot in self._together:
@@ -106,7 +107,7 @@ class Simulation:
         self._stop.set()
         if self._thread is not None:
             self._thread.join()
-        for robot in self._robots.values():
+        for robot in self.robots.values():
             robot.stop()
 
     def _run(self) -> None:

@@ -16,6 +16,7 @@ import serial
 
 from firmware_protocol.host.connection import HostConnection
 from navigation.config import load_config
+from navigation.run.simulation import Simulation
 from navigation.run.world import World
 from navigation.simulator.emulated_processor import EmulatedProcessor, EmulatorError
 from navigation.simulator.emulated_robot import STEP_S, EmulatedRobot
@@ -48,11 +49,11 @@ def test_clearway_run_drives_the_emulated_microcontroller_to_its_goal(tmp_path: 
 def test_the_configuration_puts_the_emulator_behind_the_port(tmp_path: Path) -> None:
     with AvrRobot() as avr:
         world = World(load_config(short_configuration(tmp_path, avr.command)))
+        assert isinstance(world.simulation, Simulation)
+        robot = world.simulation.robots[""]
+        assert isinstance(robot, EmulatedRobot)
         world.start()
         try:
-            assert world.truths[""] is not None
-            robot = world.truths[""].robot
-            assert isinstance(robot, EmulatedRobot)
             assert wait_until(lambda: robot.motors.now_s >= 0.2, 20.0), "the emulated clock goes"
             assert not robot.motors.powered, "nobody has told it to drive"
         finally:
