@@ -23,7 +23,7 @@ from navigation.config import Config, load_config
 from navigation.config.several.each_robot import each_robot
 from navigation.fleet import planning
 from navigation.loop.daemon import Daemon
-from navigation.loop.daemon_state import RunState
+from navigation.loop.run_state import RunState
 from navigation.mission.mission import State
 from navigation.run.virtual_run import run_virtually
 

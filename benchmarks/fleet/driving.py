@@ -35,7 +35,7 @@ import numpy as np
 import planner
 from navigation.config import Config, parse_config
 from navigation.loop.daemon import Daemon
-from navigation.loop.daemon_state import RunState
+from navigation.loop.run_state import RunState
 from navigation.mission.mission import State
 from navigation.run.virtual_run import run_virtually
 from navigation.run.virtual_world import VirtualWorld

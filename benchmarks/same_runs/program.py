@@ -19,7 +19,7 @@ from navigation.config.known_robots import CLEARWAY
 from navigation.config.several.each_camera import each_camera
 from navigation.config.several.each_robot import robots_of
 from navigation.loop.daemon import Daemon
-from navigation.loop.daemon_state import DaemonState, RunState
+from navigation.loop.run_state import RobotSnapshot, RunState
 from navigation.mission.mission import Station
 from navigation.run.troubled_camera import CameraTroubles
 from navigation.run.troubled_robot import TroubledRobot
@@ -63,7 +63,7 @@ class Stage:
         self.order("give", robot, stations)
 
 
-Look = Callable[[Stage, Sequence[DaemonState]], bool]
+Look = Callable[[Stage, Sequence[RobotSnapshot]], bool]
 """Called after each cycle with the state of each robot; True ends the run."""
 
 

@@ -14,7 +14,7 @@ from typing import Final, TypeAlias
 
 from benchmarks.same_runs.program import Stage
 from benchmarks.same_runs.trace import Trace
-from navigation.loop.daemon_state import DaemonState
+from navigation.loop.run_state import RobotSnapshot
 from navigation.mission.mission import State
 
 PATIENCE_S: Final = 8.0
@@ -52,7 +52,7 @@ class Script:
         self._due_s: float | None = None
         self._said: dict[int, str] = {}
 
-    def look(self, stage: Stage, states: Sequence[DaemonState]) -> bool:
+    def look(self, stage: Stage, states: Sequence[RobotSnapshot]) -> bool:
         """True once the run has gone on long enough after its trouble."""
         for number, state in enumerate(states):
             self._note(number, state)
@@ -66,7 +66,7 @@ class Script:
             self._due_s = now_s + self._pause_s()
         return self._due_s is not None and now_s >= self._due_s
 
-    def _begins(self, states: Sequence[DaemonState]) -> bool:
+    def _begins(self, states: Sequence[RobotSnapshot]) -> bool:
         one = states[self._robot]
         drives = one.mission.state is State.DRIVING and one.link.executed >= 1
         return drives or one.time_s > PATIENCE_S
@@ -76,7 +76,7 @@ class Script:
             return AFTERWARDS_S
         return self._rng.uniform(self._steps[0].least_s, self._steps[0].most_s)
 
-    def _note(self, number: int, state: DaemonState) -> None:
+    def _note(self, number: int, state: RobotSnapshot) -> None:
         """Note the sentence that a person is told of a robot, where it is news."""
         said = f"{state.mission.state.value}: {state.sentence}; {state.troubles}"
         if self._said.get(number) != said:

@@ -22,6 +22,5 @@ dashboard looks. Nobody who watches can make it wait.
 from navigation.dashboard.calibrating.bench import Bench
 from navigation.dashboard.kept.runs import KeptRuns
 from navigation.dashboard.server import Dashboard
-from navigation.dashboard.shown import ShownDaemon
 
-__all__ = ["Bench", "Dashboard", "KeptRuns", "ShownDaemon"]
+__all__ = ["Bench", "Dashboard", "KeptRuns"]

@@ -11,7 +11,7 @@ from collections.abc import Iterator, Mapping
 from navigation.config import Config
 from navigation.config.several.each_robot import each_robot
 from navigation.dashboard.messages.chronicle import Chronicle
-from navigation.loop.daemon_state import DaemonState, RunState
+from navigation.loop.run_state import RunState
 from vision.camera.latest_frame import CameraStatus
 
 
@@ -32,27 +32,16 @@ class Chronicles:
 
     def see(
         self,
-        state: DaemonState,
-        fleet: RunState | None,
+        state: RunState,
         camera: CameraStatus,
-        wire_s: float | None,
         wall_s: float,
         *,
         charted: bool = True,
     ) -> None:
-        """Take what is new; ``wire_s`` is a capture-to-wire time that was not told yet.
-
-        ``charted`` False leaves the charts as they are.
-        """
-        if fleet is None:
-            self.all.see(state, camera, wall_s)
-        else:
-            self.all.see_arena(state, camera, wall_s)
+        """Take what is new; ``charted`` False leaves the charts as they are."""
         for name, chronicle in self.rings():
-            mine = state if fleet is None or name is None else fleet.robots[name]
-            if name is not None:
-                chronicle.see_robot(mine, wall_s)
-            if wire_s is not None:
-                chronicle.time_wire(wire_s)
+            mine = state.robots[name or ""]
+            chronicle.see_robot(mine, wall_s)
             if charted:
                 chronicle.sample(mine, camera)
+        self.all.see_arena(state.together, camera, wall_s)

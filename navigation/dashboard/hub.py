@@ -45,7 +45,7 @@ from navigation.dashboard.messages.state_message import (
 )
 from navigation.dashboard.orders import give
 from navigation.dashboard.shown import IT_IS_A_RECORDING, Shown
-from navigation.loop.daemon_state import DaemonState, RunState
+from navigation.loop.run_state import RobotSnapshot, RunState
 from navigation.mission.cycle import PlanAnswer
 from navigation.mission.mission import MissionError, Station
 from planner.path import NoPath, Path
@@ -117,15 +117,13 @@ class Hub:
         self.workers = ThreadPoolExecutor(2, thread_name_prefix="dashboard")
         if self.saved.trouble:
             self.note("warn", self.saved.trouble)
-        self._state: DaemonState | None = None
+        self._state: RunState | None = None
         self._seen_s = -math.inf
         self._told_s = -math.inf
         self._frames: dict[str, Frame] = {}
         self._heated: Roadmap | None = None
         self._roadmap: Roadmap | None = None
-        self._fleet: RunState | None = None
         self._paths: tuple[Path | None, ...] = ()
-        self._wire_s: float | None = None
         self._others: dict[int, RobotPose] = {}
         self._busy: set[str] = set()
         self._tasks: set[asyncio.Task[None]] = set()
@@ -151,13 +149,14 @@ class Hub:
             return
         news = False
         if state is not self._state:
-            self._state, self._fleet, self._seen_s = state, self.daemon.fleet, now_s
-            self._observe(state, self._fleet)
+            self._state, self._seen_s = state, now_s
+            self._observe(state)
             news = self._renew_plan(state)
-            self._renew_world(state)
-        self._renew_heat(state)
+            self._renew_world(state.together.roadmap)
+        together = state.together
+        self._renew_heat(together.roadmap)
         for kind in self.pictures:
-            self._renew_picture(kind, state, now_s)
+            self._renew_picture(kind, together, now_s)
         if now_s - self._told_s >= STATE_EVERY_S:
             self._told_s = now_s
             self.state_text = self._tell(state, now_s)
@@ -253,22 +252,19 @@ class Hub:
 
     # What is kept ready.
 
-    def _observe(self, state: DaemonState, fleet: RunState | None) -> None:
+    def _observe(self, state: RunState) -> None:
         configs = self.chronicles.configs.values() or (self.daemon.config,)
         driven = {one.robot.marker_id for one in configs}
-        self._others.update((i, pose) for i, pose in state.poses.items() if i not in driven)
-        camera = self.daemon.camera_status()
-        wire_s = self.daemon.last_wire_s()
-        news_s = None if wire_s == self._wire_s else wire_s
-        self._wire_s = wire_s
-        self.chronicles.see(state, fleet, camera, news_s, self.wall_clock())
+        poses = state.together.poses
+        self._others.update((i, poses[i]) for i in poses if i not in driven)
+        self.chronicles.see(state, self.daemon.camera_status(), self.wall_clock())
 
-    def _tell(self, state: DaemonState, now_s: float) -> str:
+    def _tell(self, state: RunState, now_s: float) -> str:
         return json.dumps(self._facts(state, now_s), allow_nan=False)
 
-    def _facts(self, state: DaemonState, now_s: float) -> dict[str, Any]:
+    def _facts(self, state: RunState, now_s: float) -> dict[str, Any]:
         told = state_message(
-            state,
+            state.together,
             self.view,
             self.daemon.camera_status(),
             self.seat,
@@ -277,37 +273,34 @@ class Hub:
             loop_age_s=now_s - self._seen_s,
             viewers=len(self.viewers),
         )
-        fleet = self._fleet
-        if fleet is not None:
+        if self.chronicles.configs:
             told["robots"] = [
                 {
                     "name": name,
                     **robot_facts(one, self.view, now_s),
-                    "waits_for": fleet.waits_for.get(name),
-                    "waits": fleet.waits.get(name),
+                    "waits_for": state.waits_for.get(name),
+                    "waits": state.waits.get(name),
                 }
-                for name, one in fleet.robots.items()
+                for name, one in state.robots.items()
             ]
         facts: dict[str, Any] = hide_in(told)
         return facts
 
-    def _renew_plan(self, state: DaemonState) -> bool:
-        fleet = self._fleet
-        each = {} if fleet is None else {name: one.path for name, one in fleet.robots.items()}
-        paths = (state.path,) if fleet is None else tuple(each.values())
+    def _renew_plan(self, state: RunState) -> bool:
+        each = {name: one.path for name, one in state.robots.items()}
+        paths = tuple(each.values())
         same = len(paths) == len(self._paths) and all(map(operator.is_, paths, self._paths))
         if same and self.plan:
             return False
-        if fleet is None and state.path is None and state.mission.paused and self.plan:
+        if "" in each and each[""] is None and state.only.mission.paused and self.plan:
             return False  # what was driven is shown until another plan is, or the mission ends
         self._paths = paths
         self.plan_number += 1
         number = self.plan_number
-        self.plan = plans_message(each, number) if each else plan_message(state.path, number)
+        self.plan = plan_message(each[""], number) if "" in each else plans_message(each, number)
         return True
 
-    def _renew_world(self, state: DaemonState) -> None:
-        roadmap = state.roadmap
+    def _renew_world(self, roadmap: Roadmap | None) -> None:
         if roadmap is None or roadmap is self._roadmap or "world" in self._busy:
             return
         self._roadmap = roadmap
@@ -320,9 +313,8 @@ class Hub:
         self.world_number = number
         self.wake()
 
-    def _renew_heat(self, state: DaemonState) -> None:
+    def _renew_heat(self, roadmap: Roadmap | None) -> None:
         """Only while somebody has the layer on."""
-        roadmap = state.roadmap
         if roadmap is None or roadmap is self._heated or "heat" in self._busy:
             return
         if any(viewer.wants_heat for viewer in self.viewers):
@@ -336,7 +328,7 @@ class Hub:
         self.heat_number = number
         self.wake()
 
-    def _renew_picture(self, kind: str, state: DaemonState, now_s: float) -> None:
+    def _renew_picture(self, kind: str, state: RobotSnapshot, now_s: float) -> None:
         frame = state.frame
         if frame is None or frame is self._frames.get(kind) or kind in self._busy:
             return
@@ -346,7 +338,7 @@ class Hub:
             self._frames[kind] = frame
             self._start(kind, self._make_picture(kind, frame, state))
 
-    async def _make_picture(self, kind: str, frame: Frame, state: DaemonState) -> None:
+    async def _make_picture(self, kind: str, frame: Frame, state: RobotSnapshot) -> None:
         work = asyncio.get_running_loop().run_in_executor
         number = self.pictures[kind][1] + 1
         age_ms = round((self.clock() - frame.captured_s) * 1e3, 1)

@@ -21,13 +21,13 @@ from typing import TYPE_CHECKING, Final
 from navigation.config import Config
 from navigation.config.several.each_robot import robots_of
 from navigation.journal.journal import Journal
-from navigation.loop.daemon_state import RunState, StageTimes
 from navigation.loop.parts import Surroundings, camera_part
 from navigation.loop.people import People
 from navigation.loop.planner_news import PlannerNews
 from navigation.loop.punctuality import Punctuality
 from navigation.loop.reports import camera_openings
 from navigation.loop.robot import Robot, Witnesses
+from navigation.loop.run_state import RunState, StageTimes
 from navigation.loop.seeing.arena_view import ArenaView
 from navigation.loop.seeing.other_robots import OtherRobots
 from navigation.loop.stopping import Stopping
@@ -38,6 +38,7 @@ from navigation.mission.mission import MissionError, State
 from navigation.shared.supervisor import Part, Supervisor
 from planner.roadmap.roadmap import Roadmap
 from planner.scene import Scene
+from vision.calibration.calibration import Calibration
 from vision.camera.camera import Frame
 from vision.camera.latest_frame import CameraStatus
 from vision.markers.markers import RobotPose
@@ -219,6 +220,15 @@ class Daemon:
         return self.view.frame
 
     @property
+    def calibration(self) -> Calibration:
+        """Where pixels lie on the floor."""
+        return self.world.calibration
+
+    def camera_status(self) -> CameraStatus:
+        """The camera's state, rate and counts."""
+        return self.camera.status()
+
+    @property
     def roadmap(self) -> Roadmap | None:
         """The newest roadmap, of several robots that of the smallest, for pictures."""
         return self.traffic.planner.roadmap
@@ -363,7 +373,11 @@ class Daemon:
         )
 
     def _times(self) -> StageTimes:
-        return StageTimes(self.view.vision.look_s, self._news.roadmap_s, self._news.plan_s)
+        wires_s = [one.link.capture_to_wire_s for one in self.robots.values()]
+        newest_s = max((times_s[-1] for times_s in wires_s if times_s), default=None)
+        return StageTimes(
+            self.view.vision.look_s, self._news.roadmap_s, self._news.plan_s, newest_s
+        )
 
     @property
     def _hold(self) -> str | None:

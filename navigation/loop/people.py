@@ -9,10 +9,10 @@ from collections.abc import Callable
 from threading import Lock
 from typing import Any, Protocol
 
-from navigation.loop.daemon_state import RunState
 from navigation.loop.parts import Frames, Surroundings
 from navigation.loop.reports import describe, to_go_m
 from navigation.loop.robot import Robot
+from navigation.loop.run_state import RunState
 from navigation.loop.stopping import Stopping
 from navigation.loop.traffic.traffic import Traffic
 from navigation.mission.cycle import PlanAnswer, PlanRequest

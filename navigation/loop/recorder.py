@@ -41,7 +41,7 @@ from vision.camera.camera import Frame
 from vision.markers.markers import RobotPose
 
 if TYPE_CHECKING:
-    from navigation.loop.daemon_state import DaemonState
+    from navigation.loop.run_state import RobotSnapshot
 
 FLUSH_EVERY_S: Final = 0.2
 CLOSE_WITHIN_S: Final = 5.0
@@ -210,7 +210,7 @@ class Recorder:
         self._waiting.append(event)
         self._wake.notify()
 
-    def state(self, now: DaemonState, time_s: float, robot: str = "") -> None:
+    def state(self, now: RobotSnapshot, time_s: float, robot: str = "") -> None:
         """The state after a cycle: recorded where its sentence is news; counters now and then.
 
         ``robot`` is the name of one of several.
@@ -238,7 +238,7 @@ class Recorder:
 
     def robots(
         self,
-        each: Mapping[str, DaemonState],
+        each: Mapping[str, RobotSnapshot],
         waits: Mapping[str, str],
         waits_for: Mapping[str, str],
         time_s: float,

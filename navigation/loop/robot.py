@@ -15,11 +15,11 @@ from firmware_protocol.host.events import StatusReceived
 from navigation.config import Config
 from navigation.journal.journal import Journal, SentPlan
 from navigation.link.link_snapshot import LinkSnapshot
-from navigation.loop.daemon_state import DaemonState, DrivenPlan, StageTimes
 from navigation.loop.parts import Link
 from navigation.loop.punctuality import Punctuality
 from navigation.loop.reports import camera_reason, robot_report, to_go_m
 from navigation.loop.robot_orders import RobotOrders
+from navigation.loop.run_state import DrivenPlan, RobotSnapshot, StageTimes
 from navigation.loop.seeing.arena_view import ArenaView
 from navigation.loop.stages import pilot_settings, witness_limits
 from navigation.mission.cycle import Orders, PlanAnswer, RobotReport, Sight
@@ -201,13 +201,13 @@ class Robot:
         times: StageTimes,
         troubles: tuple[str, ...],
         waits: str | None,
-    ) -> DaemonState:
+    ) -> RobotSnapshot:
         """What people are told after a cycle, ``time_s`` after the start.
 
         ``waits`` says for whom it waits, and why.
         """
         mission = self.pilot.mission
-        return DaemonState(
+        return RobotSnapshot(
             time_s=time_s,
             mission=mission,
             sentence=waits or mission.reason,

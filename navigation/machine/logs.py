@@ -181,7 +181,7 @@ class RunLog:
         return "; ".join(log.trouble for log in self.logs if log.trouble)
 
     def cycle(self, robots: Mapping[str, Any], camera: Any) -> None:
-        """After a cycle: the `DaemonState` of each robot by its name, and the `CameraStatus`.
+        """After a cycle: the `RobotSnapshot` of each robot by its name, and the `CameraStatus`.
 
         A robot that is alone has the empty name, and its events name no robot.
         """

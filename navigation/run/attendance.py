@@ -15,8 +15,8 @@ from navigation.run.trouble_lines import TroubleLines, troubles_of
 
 if TYPE_CHECKING:
     from navigation.loop.daemon import Daemon
-    from navigation.loop.daemon_state import DaemonState, RunState
     from navigation.loop.recorder import Recorder
+    from navigation.loop.run_state import RobotSnapshot, RunState
     from vision.camera.latest_frame import CameraStatus
 
 
@@ -68,7 +68,7 @@ class Attendance:
         if self._recorder is not None and not self._said_end:
             self._look_at_the_recording(self._recorder, time_s)
 
-    def _look_at_robot(self, name: str, now: DaemonState) -> None:
+    def _look_at_robot(self, name: str, now: RobotSnapshot) -> None:
         """Say that a robot is waited for, and when it is there; the log says it as news anyway."""
         waits = now.link.state is LinkState.CLOSED
         if waits != self._waits_for.get(name, False):

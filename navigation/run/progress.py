@@ -9,7 +9,7 @@ import math
 from collections.abc import Callable
 from typing import Final
 
-from navigation.loop.daemon_state import DaemonState, RunState
+from navigation.loop.run_state import RobotSnapshot, RunState
 from navigation.mission.mission import State
 
 PROGRESS_EVERY_S: Final = 1.0
@@ -46,7 +46,7 @@ class ProgressLines:
             )
             self._say(f"{now.time_s:6.1f} s  {now.state.value:<8}  {parts}")
 
-    def _is_news(self, name: str, one: DaemonState) -> bool:
+    def _is_news(self, name: str, one: RobotSnapshot) -> bool:
         mission, said = one.mission, self._said.get(name)
         if said is None:
             # one of several without a mission has nothing to say until it is stopped
@@ -78,7 +78,7 @@ def _of_all(now: RunState) -> str:
     return ", ".join(parts)
 
 
-def _of_one(now: DaemonState) -> str:
+def _of_one(now: RobotSnapshot) -> str:
     """Place and what is left, or the reason for which it holds."""
     if now.mission.state is State.HOLDING or now.pose is None:
         return now.sentence

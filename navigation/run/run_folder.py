@@ -15,8 +15,8 @@ import numpy as np
 
 from navigation.draw import DrawError, DrawnRobot, OtherRobot, save_picture
 from navigation.loop.daemon import Daemon
-from navigation.loop.daemon_state import DrivenPlan
 from navigation.loop.robot import Robot
+from navigation.loop.run_state import DrivenPlan
 from navigation.loop.stages import stations_of
 from navigation.run.run_report import RunReport
 from navigation.run.summary import driven_track

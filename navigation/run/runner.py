@@ -236,7 +236,7 @@ class Runner:
         if not self._dashboard:
             return None
         # here, not above: a run without a page need not load a web server
-        from navigation.dashboard import Bench, Dashboard, KeptRuns, ShownDaemon
+        from navigation.dashboard import Bench, Dashboard, KeptRuns
 
         bench = Bench(
             daemon,
@@ -254,7 +254,7 @@ class Runner:
         shows_token = self._show_token or (token is not None and not in_journal)
         return open_things.enter_context(
             Dashboard(
-                ShownDaemon(daemon),
+                daemon,
                 say=self._say_as_it_is if shows_token else self._say,
                 clock=daemon.world.clock,
                 own_token=token,

@@ -53,9 +53,7 @@ class Simulation:
         for name, robot in self.robots.items():
             wait_for_robot(clock, name, robot)
         self._shared = {
-            name: shared_pose(one)
-            for name, one in self._configs.items()
-            if name not in self.robots
+            name: shared_pose(one) for name, one in self._configs.items() if name not in self.robots
         }
         self._together = [one for one in self.robots.values() if isinstance(one, SimulatedRobot)]
         self._thread: threading.Thread | None = None

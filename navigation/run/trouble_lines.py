@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 from navigation.machine.logs import RunLog
 
 if TYPE_CHECKING:
-    from navigation.loop.daemon_state import RunState
+    from navigation.loop.run_state import RunState
 
 
 class TroubleLines:

@@ -12,7 +12,7 @@ from navigation.config import Config
 from navigation.config.known_robots import CLEARWAY
 from navigation.config.several.each_robot import robots_of
 from navigation.loop.daemon import Daemon
-from navigation.loop.daemon_state import RunState
+from navigation.loop.run_state import RunState
 from navigation.mission.mission import State
 from navigation.run.give_missions import GiveMissions
 from navigation.run.run_report import RunReport, summarise_run

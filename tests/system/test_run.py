@@ -23,7 +23,7 @@ import pytest
 
 from navigation.config import Config, load_config
 from navigation.loop.daemon import Daemon
-from navigation.loop.daemon_state import DaemonState
+from navigation.loop.run_state import RobotSnapshot
 from navigation.loop.stages import stations_of
 from navigation.mission.mission import State
 from navigation.run.kernels.warm_up import warm_up
@@ -222,10 +222,10 @@ def daemon(config: Config, world: World) -> Iterator[Daemon]:
 
 def cycle_until(
     daemon: Daemon,
-    reached: Callable[[DaemonState], bool],
-    each: Callable[[DaemonState], None] = lambda _: None,
+    reached: Callable[[RobotSnapshot], bool],
+    each: Callable[[RobotSnapshot], None] = lambda _: None,
     patience_s: float = 40.0,
-) -> DaemonState:
+) -> RobotSnapshot:
     """Cycle until ``reached``, calling ``each`` after every cycle."""
     until_s = time.monotonic() + patience_s
     while True:
@@ -249,7 +249,7 @@ def hide(
     return true
 
 
-def is_driving(now: DaemonState) -> bool:
+def is_driving(now: RobotSnapshot) -> bool:
     return now.mission.state is State.DRIVING and now.link.executed >= 1
 
 
@@ -268,7 +268,7 @@ def test_every_scene_seen_on_the_way_holds_the_arena_and_never_the_robot(
     drawn = truth.arena.scene
     scenes: dict[int, Scene] = {}
 
-    def look(_now: DaemonState) -> None:
+    def look(_now: RobotSnapshot) -> None:
         if daemon.scene is not None:
             scenes[id(daemon.scene)] = daemon.scene
 

@@ -13,7 +13,7 @@ from typing import Any, Final
 
 from navigation.config.secrecy.secrets import hide
 from navigation.dashboard.messages.rings import Ring
-from navigation.loop.daemon_state import DaemonState
+from navigation.loop.run_state import RobotSnapshot
 from navigation.mission.trust import Level
 from navigation.shared.track import is_jump
 from vision.camera.latest_frame import CameraStatus
@@ -67,25 +67,21 @@ class Chronicle:
         self._said: dict[str, str] = {}
         self._sampled_s = -math.inf
         self._frames_then = 0
+        self._wire_s: float | None = None
         self._slowest_wire_s: float | None = None
 
     def note(self, wall_s: float, level: str, text: str) -> None:
         """Add a line to the log."""
         self.log.append(LogLine(wall_s, level, hide(text)))
 
-    def see(self, state: DaemonState, camera: CameraStatus, wall_s: float) -> None:
-        """Take what is new in a state."""
-        self.see_robot(state, wall_s)
-        self.see_arena(state, camera, wall_s)
-
-    def see_arena(self, state: DaemonState, camera: CameraStatus, wall_s: float) -> None:
+    def see_arena(self, state: RobotSnapshot, camera: CameraStatus, wall_s: float) -> None:
         """What is new of camera and program, which are there once however many robots there are."""
         if camera.reason or "camera" in self._said:
             self._say("camera", wall_s, "warn" if camera.reason else "info", _of_camera(camera))
         for trouble in state.troubles:
             self._say(trouble, wall_s, "warn", trouble)
 
-    def see_robot(self, state: DaemonState, wall_s: float) -> None:
+    def see_robot(self, state: RobotSnapshot, wall_s: float) -> None:
         """What is new of the robot, its mission and its link."""
         mission = state.mission
         level = {"stopped": "stop", "failed": "warn", "holding": "warn"}.get(mission.state.value)
@@ -97,12 +93,12 @@ class Chronicle:
         if state.pose is not None and state.trust is not Level.DOUBTED:
             self._drive((state.pose.captured_s, state.pose.x, state.pose.y))
 
-    def time_wire(self, seconds: float) -> None:
-        """A capture-to-wire time; the slowest since the last sample is shown."""
-        self._slowest_wire_s = max(seconds, self._slowest_wire_s or 0.0)
-
-    def sample(self, state: DaemonState, camera: CameraStatus) -> None:
-        """One row of the charts, every ``SAMPLE_EVERY_S``."""
+    def sample(self, state: RobotSnapshot, camera: CameraStatus) -> None:
+        """One row of the charts, every ``SAMPLE_EVERY_S``, with the slowest wire since the last."""
+        wire_s = state.times.wire_s
+        if wire_s is not None and wire_s != self._wire_s:
+            self._slowest_wire_s = max(wire_s, self._slowest_wire_s or 0.0)
+        self._wire_s = wire_s
         passed_s = state.time_s - self._sampled_s
         if passed_s < SAMPLE_EVERY_S:
             return

@@ -16,7 +16,7 @@ from navigation.dashboard.messages.picture import TopView
 from navigation.dashboard.orders import cannot
 from navigation.draw.shapes import RAMP_STEPS
 from navigation.link.link_snapshot import LinkSnapshot, doubt_of_stop
-from navigation.loop.daemon_state import DaemonState, StageTimes
+from navigation.loop.run_state import RobotSnapshot, StageTimes
 from navigation.mission.mission import State, Station
 from navigation.witness import Evidence
 from planner.path import NoPath
@@ -57,7 +57,7 @@ def _robot(config: Config) -> dict[str, Any]:
 
 
 def state_message(
-    state: DaemonState,
+    state: RobotSnapshot,
     view: TopView,
     camera: CameraStatus,
     seat: Seat,
@@ -84,7 +84,7 @@ def state_message(
     }
 
 
-def robot_facts(state: DaemonState, view: TopView, now_s: float) -> dict[str, Any]:
+def robot_facts(state: RobotSnapshot, view: TopView, now_s: float) -> dict[str, Any]:
     """What there is once for each robot: mission, place and link."""
     mission = state.mission
     return {
@@ -167,7 +167,7 @@ def _camera(camera: CameraStatus, evidence: Evidence) -> dict[str, Any]:
     }
 
 
-def _stop_doubt(state: DaemonState) -> str | None:
+def _stop_doubt(state: RobotSnapshot) -> str | None:
     """The doubt that the robot stands in its stop; None if it does, or is not stopped."""
     return doubt_of_stop(state.link) if state.mission.state is State.STOPPED else None
 

@@ -14,7 +14,7 @@ from navigation.dashboard.hub import Hub
 from navigation.dashboard.messages.chronicle import LOG_LINES, SAMPLE_EVERY_S, SAMPLES
 from navigation.dashboard.replay.player import SPEEDS, Player
 from navigation.dashboard.replay.replayed_run import ReplayedRun
-from navigation.loop.daemon_state import DaemonState, RunState
+from navigation.loop.run_state import RunState
 from navigation.shared.outside import finite_number, in_short
 
 TRACK_EVERY_S: Final = 0.2
@@ -82,20 +82,18 @@ class ReplayHub(Hub):
         for time_s in sorted({*tape.told_until(now_s, LOG_LINES), *tracked}):
             at_s = time_s - tape.begin_s
             charted = time_s >= now_s - SAMPLES * SAMPLE_EVERY_S
-            state, fleet = run.at(at_s, in_short=not charted)
-            seen = (state, fleet, run.camera_at(at_s), None, time_s + tape.wall_offset_s)
-            self.chronicles.see(*seen, charted=charted)
+            state, wall_s = run.at(at_s, in_short=not charted), time_s + tape.wall_offset_s
+            self.chronicles.see(state, run.camera_at(at_s), wall_s, charted=charted)
         self.epoch += 1
         self.wake()
 
-    def _observe(self, state: DaemonState, _fleet: RunState | None) -> None:
+    def _observe(self, state: RunState) -> None:
         """In the run's own times: whoever plays fast has not lifted the robot."""
-        super()._observe(*self.run_shown.at(state.time_s))
-        self._others.update(  # as old as they are shown
-            (i, pose) for i, pose in state.poses.items() if i in self._others
-        )
+        super()._observe(self.run_shown.at(state.time_s))
+        poses = state.together.poses
+        self._others.update((i, poses[i]) for i in poses if i in self._others)  # of the same age
 
-    def _facts(self, state: DaemonState, now_s: float) -> dict[str, Any]:
+    def _facts(self, state: RunState, now_s: float) -> dict[str, Any]:
         player = self._player
         return {
             **super()._facts(state, now_s),

@@ -2,10 +2,9 @@
 
 Rules
 - Times that pages turn into ages (captures) are moved to the present, so that an age is what it
-  was then; ``DaemonState.time_s`` is seconds from the recording's beginning.
+  was then; ``RunState.time_s`` is seconds from the recording's beginning.
 - What was not recorded is unknown here too: it is None, never made up. A robot's marker is shown
   where its pose is, on the floor.
-- Of several robots there are a summary and each robot beside it, as of a run (`ShownDaemon`).
 - Roadmaps are built again from the recorded scenes in a thread beside, the newest few are kept.
 """
 
@@ -21,11 +20,10 @@ import numpy as np
 import planner
 from navigation.config import Config
 from navigation.config.dashboard import DashboardSection
-from navigation.config.several.each_robot import each_robot
+from navigation.config.several.each_robot import robots_of
 from navigation.dashboard.replay.player import Player
 from navigation.dashboard.replay.taped_robot import Moment, TapedRobot
-from navigation.dashboard.shown import summary_of
-from navigation.loop.daemon_state import DaemonState, RunState
+from navigation.loop.run_state import RunState
 from navigation.recording.reader import SeenScene
 from navigation.recording.tape import Tape, TapedPicture
 from planner.roadmap.roadmap import Roadmap
@@ -53,32 +51,24 @@ class ReplayedRun:
             update={"dashboard": section, "recording": recording}
         )
         self.calibration = tape.recording.calibration
-        configs = each_robot(self.config)
+        configs = robots_of(self.config)
         self._robots = [TapedRobot(tape, name, one) for name, one in configs.items()]
-        self._alone = None if configs else TapedRobot(tape, "", self.config)
-        self._smallest_m = min(one.robot.radius_m for one in (configs.values() or (self.config,)))
+        self._smallest_m = min(one.robot.radius_m for one in configs.values())
         """Of the robot that the roadmap is of, as in a run."""
         self._builder = ThreadPoolExecutor(1, thread_name_prefix="roadmaps")
         self._roadmaps: OrderedDict[int, Future[Roadmap]] = OrderedDict()
         self._frame: tuple[TapedPicture | None, Frame | None] = (None, None)
-        self._fleet: RunState | None = None
         self.people = None
         """None: a recording takes no orders."""
-
-    @property
-    def fleet(self) -> RunState | None:
-        """Each of several robots, as of the moment that `state` was asked for last."""
-        return self._fleet
 
     def close(self) -> None:
         """Build nothing more."""
         self._builder.shutdown(wait=False, cancel_futures=True)
 
     @property
-    def state(self) -> DaemonState:
+    def state(self) -> RunState:
         """The recording at the player's moment."""
-        state, self._fleet = self.at(self.player.place_s(self._clock()), as_now=True)
-        return state
+        return self.at(self.player.place_s(self._clock()), as_now=True)
 
     def wall_clock(self) -> float:
         """The wall time of the moment that is shown, seconds since 1970."""
@@ -97,18 +87,11 @@ class ReplayedRun:
         passed_s = min(RATE_OVER_S, max(0.1, time_s - self.tape.begin_s))
         return CameraStatus("running", "", lately / passed_s, seen, 0, 0, age_s)
 
-    def last_wire_s(self) -> float | None:
-        """Not recorded."""
-        return None
-
-    def at(
-        self, place_s: float, *, as_now: bool = False, in_short: bool = False
-    ) -> tuple[DaemonState, RunState | None]:
+    def at(self, place_s: float, *, as_now: bool = False, in_short: bool = False) -> RunState:
         """The state ``place_s`` after the recording's beginning, in the run's own times.
 
-        Of several robots their summary, and each of them. ``as_now``: with its picture, and with
-        times by which it is as old now as it was then. ``in_short``: without clearances and plans,
-        which take most of the time.
+        ``as_now``: with its picture, and with times by which it is as old now as it was then.
+        ``in_short``: without clearances and plans, which take most of the time.
         """
         time_s = self.tape.begin_s + place_s
         later_s = self._clock() - time_s if as_now else 0.0
@@ -119,18 +102,14 @@ class ReplayedRun:
             self._roadmap(self.tape.scene_at(time_s)),
             self._picture(time_s, later_s) if as_now else None,
         )
-        robots = self._robots if self._alone is None else [self._alone]
+        robots = self._robots
         clearances = [None] * len(robots) if in_short else _clearances(moment, robots)
-        states = [
-            robot.state_at(moment, clearance, in_short=in_short)
+        states = {
+            robot.name: robot.state_at(moment, clearance, in_short=in_short)
             for robot, clearance in zip(robots, clearances, strict=True)
-        ]
-        if self._alone is not None:
-            return states[0], None
+        }
         waits, waits_for = self.tape.waits_at(time_s)
-        named = {robot.name: state for robot, state in zip(robots, states, strict=True)}
-        fleet = RunState(place_s, named, waits, waits_for=waits_for)
-        return summary_of(fleet), fleet
+        return RunState(place_s, states, waits, waits_for=waits_for)
 
     def _time_s(self) -> float:
         return self.tape.begin_s + self.player.place_s(self._clock())

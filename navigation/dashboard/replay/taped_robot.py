@@ -17,7 +17,7 @@ from firmware_protocol.host.state import LinkState
 from firmware_protocol.wire.framing import ParserCounters
 from navigation.config import Config
 from navigation.link.link_snapshot import LinkSnapshot
-from navigation.loop.daemon_state import DaemonState, StageTimes
+from navigation.loop.run_state import RobotSnapshot, StageTimes
 from navigation.mission.mission import Mission, State
 from navigation.mission.watch import Action, Verdict
 from navigation.recording.tape import Tape, TapedPlan
@@ -55,13 +55,13 @@ class TapedRobot:
 
     def state_at(
         self, moment: Moment, clearance_m: float | None, *, in_short: bool = False
-    ) -> DaemonState:
+    ) -> RobotSnapshot:
         """All of it, in the times that ``moment`` has; ``in_short`` without its plan."""
         mission, pose = self.mission_at(moment.time_s), self.pose_at(moment)
         path = None
         if mission.state in DRIVEN and not in_short:
             path = self._path_of(self.tape.plan_at(moment.time_s, self.name), moment.roadmap)
-        return DaemonState(
+        return RobotSnapshot(
             time_s=moment.place_s,
             mission=mission,
             sentence=mission.reason,

@@ -14,7 +14,7 @@ from navigation.dashboard.replay.player import Player
 from navigation.dashboard.replay.replay_hub import ReplayHub
 from navigation.dashboard.replay.replayed_run import ReplayedRun
 from navigation.loop.daemon import Daemon
-from navigation.loop.daemon_state import RunState
+from navigation.loop.run_state import RunState
 from navigation.recording.tape import Tape, read_tape
 from tests.browser.pages import Keep, OpenPage
 from tests.support.runs.recordings import record_alcove

@@ -53,8 +53,8 @@ def test_what_the_link_has_met_is_shown_from_the_first_time_on(
     wait_for_picture(page)
 
     def meet(**counts: int) -> None:
-        assert program.daemon.state is not None
-        program.daemon.show(link=replace(program.daemon.state.link, sent=HostCounters(**counts)))
+        assert program.daemon.robot is not None
+        program.daemon.show(link=replace(program.daemon.robot.link, sent=HostCounters(**counts)))
 
     rows = page.locator("#health-link .odd li")
     expect(rows).to_have_count(0)

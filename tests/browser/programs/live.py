@@ -9,7 +9,6 @@ from pathlib import Path
 from types import TracebackType
 
 from navigation.config import Config, parse_config
-from navigation.dashboard import ShownDaemon
 from navigation.loop.daemon import Daemon
 from navigation.mission.mission import State
 from navigation.run.kernels.warm_up import warm_up
@@ -44,7 +43,7 @@ class Live(Served):
         self.config = config
         self.world = World(config)
         self.daemon = Daemon(config, self.world, first_mission_id=7)
-        super().__init__(ShownDaemon(self.daemon), self.world.clock)
+        super().__init__(self.daemon, self.world.clock)
         self._ready, self._stopping = threading.Event(), threading.Event()
         self._thread = threading.Thread(target=self._run, name="control loop")
 

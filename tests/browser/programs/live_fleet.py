@@ -16,12 +16,12 @@ from typing import Any
 
 from navigation.config import Config, parse_config
 from navigation.config.several.each_robot import each_robot
-from navigation.dashboard import Dashboard, ShownDaemon
+from navigation.dashboard import Dashboard
 from navigation.dashboard.hub import Hub
 from navigation.dashboard.settings.desk import Desk
 from navigation.loop.daemon import Daemon
-from navigation.loop.daemon_state import RunState
 from navigation.loop.people import People
+from navigation.loop.run_state import RunState
 from navigation.mission.mission import State
 from navigation.run.kernels.plan_together import plan_together
 from navigation.run.kernels.warm_up import warm_up
@@ -93,7 +93,7 @@ class LiveFleet:
         self._stopping = threading.Event()
         self._thread = threading.Thread(target=self._cycle, name="control loop")
         self._dashboard = Dashboard(
-            ShownDaemon(self.daemon),
+            self.daemon,
             say=self.said.append,
             clock=self.world.clock,
             desk=desk,

@@ -6,9 +6,10 @@ import threading
 from collections.abc import Callable
 from types import TracebackType
 
-from navigation.dashboard import Bench, Dashboard, ShownDaemon
+from navigation.dashboard import Bench, Dashboard
 from navigation.dashboard.hub import Hub
 from navigation.dashboard.settings.desk import Desk
+from navigation.loop.daemon import Daemon
 from navigation.mission.mission import State
 from tests.support.runs.shown import FakeDaemon
 from tests.support.waiting import wait_until
@@ -26,7 +27,7 @@ def until(holds: Callable[[], bool]) -> None:
 class Served:
     """The page of ``shown``; ``clock`` is that of its program."""
 
-    def __init__(self, shown: FakeDaemon | ShownDaemon, clock: Callable[[], float]) -> None:
+    def __init__(self, shown: FakeDaemon | Daemon, clock: Callable[[], float]) -> None:
         self.shown, self.clock = shown, clock
         self.said: list[str] = []
         self._dashboard: Dashboard | None = None

@@ -24,6 +24,7 @@ from navigation.dashboard.messages.rings import Ring
 from navigation.dashboard.messages.state_message import state_message
 from navigation.draw.shapes import CLEARANCE_RAMP, OBSTACLE, PAGE, PATH
 from navigation.link.link_snapshot import LinkSnapshot
+from navigation.loop.run_state import StageTimes
 from navigation.mission.cycle import PlanAnswer
 from navigation.mission.mission import Mission, State, Station
 from navigation.mission.trust import Level
@@ -199,9 +200,9 @@ def test_a_camera_that_gives_another_size_is_scaled() -> None:
 
 
 def told_state(daemon: FakeDaemon, *others: RobotPose) -> dict[str, object]:
-    assert daemon.state is not None
+    assert daemon.robot is not None
     return state_message(
-        daemon.state,
+        daemon.robot,
         TopView(daemon.calibration, ARENA, 160, 80),
         daemon.camera,
         Seat(300.0),
@@ -214,8 +215,8 @@ def told_state(daemon: FakeDaemon, *others: RobotPose) -> dict[str, object]:
 
 def stop_doubt(state: State, link: LinkSnapshot) -> object:
     daemon = FakeDaemon()
-    assert daemon.state is not None
-    daemon.state = replace(daemon.state, mission=Mission(state=state), link=link)
+    assert daemon.robot is not None
+    daemon.robot = replace(daemon.robot, mission=Mission(state=state), link=link)
     told = told_state(daemon)["link"]
     assert isinstance(told, dict)
     return told["stop_doubt"]
@@ -232,8 +233,8 @@ def test_the_page_calls_wheels_off_only_when_the_robot_is_known_to_stand() -> No
 
 def test_a_state_without_anything_seen_is_still_json() -> None:
     daemon = FakeDaemon()
-    assert daemon.state is not None
-    link = replace(daemon.state.link, heard_age_s=math.inf, status_age_s=math.inf)
+    assert daemon.robot is not None
+    link = replace(daemon.robot.link, heard_age_s=math.inf, status_age_s=math.inf)
     daemon.show(pose=None, poses={}, link=link, clearance_m=None)
     text = json.dumps(told_state(daemon), allow_nan=False)
     assert json.loads(text)["link"]["heard_ms"] is None
@@ -241,9 +242,9 @@ def test_a_state_without_anything_seen_is_still_json() -> None:
 
 def test_the_state_says_where_the_robots_are_and_why_nothing_moves() -> None:
     daemon = FakeDaemon()
-    assert daemon.state is not None
-    assert daemon.state.pose is not None
-    other = replace(daemon.state.pose, id=3, x=1.0)
+    assert daemon.robot is not None
+    assert daemon.robot.pose is not None
+    other = replace(daemon.robot.pose, id=3, x=1.0)
     mission = Mission((Station(1.0, 1.0),), 0, state=State.HOLDING, reason="because")
     daemon.show(mission=mission)
     told = told_state(daemon, other)
@@ -260,11 +261,11 @@ def test_the_state_says_where_the_robots_are_and_why_nothing_moves() -> None:
 
 def seen(*sentences: str) -> Iterator[str]:
     daemon, chronicle = FakeDaemon(), Chronicle(0.3)
-    assert daemon.state is not None
+    assert daemon.robot is not None
     for sentence in sentences:
         mission = Mission(state=State.HOLDING, reason=sentence)
-        now = replace(daemon.state, mission=mission, sentence=sentence)
-        chronicle.see(now, daemon.camera, 0.0)
+        now = replace(daemon.robot, mission=mission, sentence=sentence)
+        chronicle.see_robot(now, 0.0)
     return (line.text for line in chronicle.log.since(0, 99)[1])
 
 
@@ -275,24 +276,24 @@ def test_a_sentence_whose_figures_alone_change_is_one_line_in_the_log() -> None:
 
 def test_the_track_grows_with_the_robots_way_not_with_time() -> None:
     daemon, chronicle = FakeDaemon(), Chronicle(0.3)
-    assert daemon.state is not None
-    assert daemon.state.pose is not None
+    assert daemon.robot is not None
+    assert daemon.robot.pose is not None
     for step in range(1000):
-        there = replace(daemon.state.pose, x=0.2 + 0.0001 * (step // 2))
-        chronicle.see(replace(daemon.state, pose=there), daemon.camera, 0.0)
+        there = replace(daemon.robot.pose, x=0.2 + 0.0001 * (step // 2))
+        chronicle.see_robot(replace(daemon.robot, pose=there), 0.0)
     assert 10 <= len(chronicle.track.since(0, 999)[1]) <= 14
 
 
 def test_the_track_breaks_where_the_robot_was_carried_and_holds_nothing_of_it() -> None:
     daemon, chronicle = FakeDaemon(), Chronicle(0.3)
-    assert daemon.state is not None
-    pose = daemon.state.pose
+    assert daemon.robot is not None
+    pose = daemon.robot.pose
     assert pose is not None
     for step in range(90):
         carried = 30 <= step < 60
         there = replace(pose, captured_s=step / 30.0, x=0.2 + 0.01 * step, y=0.3)
         trust = Level.DOUBTED if carried else Level.SURE
-        chronicle.see(replace(daemon.state, pose=there, trust=trust), daemon.camera, 0.0)
+        chronicle.see_robot(replace(daemon.robot, pose=there, trust=trust), 0.0)
     _, places = chronicle.track.since(0, 999)
     assert [place for place in places if place is None] == [None]
     assert not any(place and 0.5 <= place[0] < 0.79 for place in places)
@@ -300,10 +301,11 @@ def test_the_track_breaks_where_the_robot_was_carried_and_holds_nothing_of_it() 
 
 def test_a_sample_has_every_column_twice_a_second() -> None:
     daemon, chronicle = FakeDaemon(), Chronicle(0.3)
-    assert daemon.state is not None
+    assert daemon.robot is not None
     for cycle in range(100):
-        chronicle.time_wire(0.001 * cycle)
-        chronicle.sample(replace(daemon.state, time_s=cycle * 0.03), daemon.camera)
+        times = StageTimes(wire_s=0.001 * cycle)
+        now = replace(daemon.robot, time_s=cycle * 0.03, times=times)
+        chronicle.sample(now, daemon.camera)
     _, rows = chronicle.samples.since(0, 99)
     assert len(rows) == 6
     assert all(len(row) == len(COLUMNS) for row in rows)

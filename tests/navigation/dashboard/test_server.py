@@ -214,7 +214,7 @@ def test_it_closes_at_once_with_pages_open_and_tells_them() -> None:
 
 def test_before_the_first_cycle_the_page_waits(site: Site) -> None:
     daemon = FakeDaemon()
-    daemon.state = None
+    daemon.robot = None
     with Site(daemon) as waiting:
         assert json.loads(waiting.get("/api/state")[1])["mission"] is None
         assert waiting.get("/healthz")[0] == 503

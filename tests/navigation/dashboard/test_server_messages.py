@@ -33,8 +33,8 @@ def test_a_page_is_told_everything_at_first(site: Site) -> None:
 def test_a_new_state_is_told_soon(site: Site) -> None:
     with site.live() as page:
         page.hear("state")
-        assert site.daemon.state is not None
-        mission = replace(site.daemon.state.mission, state=State.HOLDING, reason="a new reason")
+        assert site.daemon.robot is not None
+        mission = replace(site.daemon.robot.mission, state=State.HOLDING, reason="a new reason")
         site.daemon.show(mission=mission)
         while "a new reason" not in json.dumps(page.hear("log", 1.0)):
             pass

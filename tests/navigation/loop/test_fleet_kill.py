@@ -9,7 +9,7 @@ import pytest
 
 from navigation.config import Config, load_config
 from navigation.loop.daemon import Daemon
-from navigation.loop.daemon_state import RunState
+from navigation.loop.run_state import RunState
 from navigation.mission.mission import State
 from tests.support.runs.fleet_kills import drive_fleet_under_fire
 

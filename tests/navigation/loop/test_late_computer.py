@@ -7,8 +7,8 @@ from collections.abc import Iterator
 import pytest
 
 from navigation.loop.daemon import Daemon
-from navigation.loop.daemon_state import DaemonState
 from navigation.loop.punctuality import CALM_S, DOUBTFUL_S, LATE_S, Punctuality
+from navigation.loop.run_state import RobotSnapshot
 from navigation.loop.stages import stations_of
 from navigation.mission.mission import State
 from navigation.run.virtual_world import VirtualWorld
@@ -28,7 +28,7 @@ def driving() -> Iterator[tuple[VirtualWorld, Daemon]]:
         yield world, daemon
 
 
-def holds(now: DaemonState) -> bool:
+def holds(now: RobotSnapshot) -> bool:
     return now.mission.state is State.HOLDING
 
 

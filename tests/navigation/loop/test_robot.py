@@ -11,9 +11,9 @@ import pytest
 from firmware_protocol.host.state import LinkState
 from navigation.config import load_config
 from navigation.link.link_snapshot import LinkSnapshot
-from navigation.loop.daemon_state import StageTimes
 from navigation.loop.parts import Link
 from navigation.loop.robot import Robot
+from navigation.loop.run_state import StageTimes
 from navigation.loop.seeing.arena_view import ArenaView
 from navigation.loop.seeing.eye import Glimpse
 from vision.markers.markers import RobotPose

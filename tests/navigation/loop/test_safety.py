@@ -16,7 +16,7 @@ import numpy as np
 import pytest
 
 from navigation.loop.daemon import Daemon
-from navigation.loop.daemon_state import DaemonState
+from navigation.loop.run_state import RobotSnapshot
 from navigation.loop.stages import stations_of
 from navigation.mission.mission import State
 from navigation.run.virtual_world import VirtualWorld
@@ -47,7 +47,7 @@ class Arena:
     world: VirtualWorld
     daemon: Daemon
 
-    def until(self, state: State, seconds: float = 5.0) -> DaemonState:
+    def until(self, state: State, seconds: float = 5.0) -> RobotSnapshot:
         return cycle_until(self.daemon, lambda now: now.mission.state is state, seconds)
 
     def stands(self) -> bool:
@@ -308,7 +308,7 @@ def test_a_camera_that_stays_away_is_tried_with_growing_pauses(arena: Arena) -> 
 def test_no_scene_ever_holds_the_robot_while_things_break(arena: Arena) -> None:
     scenes: list[Scene] = []
 
-    def keep(_now: DaemonState) -> None:
+    def keep(_now: RobotSnapshot) -> None:
         if arena.daemon.scene is not None and arena.daemon.scene not in scenes[-1:]:
             scenes.append(arena.daemon.scene)
 

@@ -11,7 +11,7 @@ import pytest
 
 from navigation.config import Config
 from navigation.loop.daemon import Daemon
-from navigation.loop.daemon_state import DaemonState
+from navigation.loop.run_state import RobotSnapshot
 from navigation.loop.stages import stations_of
 from navigation.mission.mission import State
 from navigation.run.virtual_run import run_virtually
@@ -55,7 +55,7 @@ def said_after(world: VirtualWorld, daemon: Daemon, seconds: float) -> list[tupl
     return said
 
 
-def stretches(said: list[tuple[float, DaemonState]]) -> list[tuple[State, float, float, str]]:
+def stretches(said: list[tuple[float, RobotSnapshot]]) -> list[tuple[State, float, float, str]]:
     """Each state in turn: from when to when, and its last sentence."""
     found = []
     for state, group in groupby(said, key=lambda pair: pair[1].mission.state):
@@ -115,7 +115,7 @@ def test_a_robot_that_stays_at_a_station_as_ordered_is_not_taken_for_motionless(
     for _, daemon in driving_robot(short_config(stations)):
         holds: list[str] = []
 
-        def note(now: DaemonState, holds: list[str] = holds) -> None:
+        def note(now: RobotSnapshot, holds: list[str] = holds) -> None:
             if now.mission.state is State.HOLDING:
                 holds.append(now.sentence)
 

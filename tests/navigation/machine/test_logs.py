@@ -13,8 +13,8 @@ from typing import Any
 import pytest
 
 from navigation.link.serial_link import LinkSnapshot, LinkState
-from navigation.loop.daemon_state import RunState
 from navigation.loop.recorder import RecordingCounts
+from navigation.loop.run_state import RunState
 from navigation.machine import logs
 from navigation.machine.logs import EventLog, RunLog
 from navigation.machine.sd_notify import Notifier, Watchdog

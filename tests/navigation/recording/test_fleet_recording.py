@@ -9,7 +9,7 @@ from mcap.reader import make_reader
 
 from navigation.fleet.request import FleetRequest
 from navigation.loop.daemon import Daemon
-from navigation.loop.daemon_state import RunState
+from navigation.loop.run_state import RunState
 from navigation.recording.compare import Tolerances
 from navigation.recording.reader import read_recording
 from navigation.recording.tape import read_tape

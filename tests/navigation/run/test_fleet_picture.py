@@ -10,7 +10,7 @@ from navigation.config import load_config
 from navigation.draw import DrawError
 from navigation.draw.shapes import ROBOTS
 from navigation.loop.daemon import Daemon
-from navigation.loop.daemon_state import RunState
+from navigation.loop.run_state import RunState
 from navigation.run.run_folder import write_picture
 from navigation.run.run_report import summarise_run
 from navigation.run.runner import Runner

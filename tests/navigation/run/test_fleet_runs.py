@@ -9,8 +9,8 @@ import pytest
 
 from navigation.config import Config, load_config
 from navigation.loop.daemon import Daemon
-from navigation.loop.daemon_state import RunState
 from navigation.loop.people import People
+from navigation.loop.run_state import RunState
 from navigation.mission.mission import MissionError, Station
 from navigation.mission.mission import State as MissionState
 from navigation.run.virtual_run import run_virtually

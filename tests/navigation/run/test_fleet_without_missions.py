@@ -5,7 +5,7 @@ from pathlib import Path
 
 from navigation.config import Config, load_config
 from navigation.loop.daemon import Daemon
-from navigation.loop.daemon_state import RunState
+from navigation.loop.run_state import RunState
 from navigation.mission.mission import State
 from navigation.run.virtual_run import run_virtually
 from tests.support.runs.fleet_kills import drive_fleet_under_fire

@@ -14,7 +14,7 @@ import numpy as np
 import pytest
 
 from navigation.loop.daemon import Daemon
-from navigation.loop.daemon_state import DaemonState
+from navigation.loop.run_state import RobotSnapshot
 from navigation.loop.stages import stations_of
 from navigation.mission.mission import State
 from navigation.mission.slowing import WORTH_A_PLAN, speed_with
@@ -46,7 +46,7 @@ class Stage:
     said: list[str] = field(default_factory=list)
     _last: tuple[float, float] | None = None
 
-    def watch(self, now: DaemonState) -> None:
+    def watch(self, now: RobotSnapshot) -> None:
         here = self.world.body.robot.pose()[:2]
         self.driven_m += math.dist(here, self._last or here)
         self._last = here
@@ -60,7 +60,7 @@ class Stage:
         for _ in range(cycles):
             self.daemon.cycle()
 
-    def until(self, *states: State, seconds: float = 45.0) -> DaemonState:
+    def until(self, *states: State, seconds: float = 45.0) -> RobotSnapshot:
         return cycle_until(
             self.daemon, lambda now: now.mission.state in states, seconds, self.watch
         )
@@ -161,7 +161,7 @@ def test_a_marker_that_drifts_is_found_before_it_leads_the_robot_into_anything(
     stage.set_off()
     since_s = stage.world.clock()
 
-    def drift(now: DaemonState) -> None:
+    def drift(now: RobotSnapshot) -> None:
         shift_m = min(0.3, 0.03 * (stage.world.clock() - since_s))
         stage.world.body.troubles.marker_shift_m = (shift_m, 0.0)
         stage.watch(now)
@@ -315,7 +315,7 @@ def test_pushed_back_time_and_again_the_mission_is_given_up() -> None:
         x0, y0, _ = world.body.robot.pose()
         pushes = 0
 
-        def push(now: DaemonState) -> None:
+        def push(now: RobotSnapshot) -> None:
             nonlocal pushes
             x, y, heading = world.body.robot.pose()
             if now.mission.state is State.DRIVING and math.dist((x, y), (x0, y0)) > 0.05:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from navigation.config import Config
 from navigation.loop.daemon import Daemon
-from navigation.loop.daemon_state import RunState
+from navigation.loop.run_state import RunState
 from navigation.run.progress import ProgressLines, why_stopped
 from navigation.run.virtual_run import run_virtually
 from tests.navigation.run.test_fleet_runs import CONFIGS, open_hall

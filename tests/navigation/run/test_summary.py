@@ -7,7 +7,7 @@ import math
 import numpy as np
 import pytest
 
-from navigation.loop.daemon_state import DrivenPlan
+from navigation.loop.run_state import DrivenPlan
 from navigation.run.run_folder import driven_stretches
 from planner.formats.scene_io import read_scene_text
 from planner.path import Path

@@ -24,7 +24,6 @@ import pytest
 
 from navigation.config import Config
 from navigation.config.several.each_robot import robots_of
-from navigation.dashboard import ShownDaemon
 from navigation.dashboard.hub import Hub
 from navigation.dashboard.messages.packed import unpack
 from navigation.journal.journal import Journal, owner_of
@@ -139,7 +138,7 @@ def page_of(config: Config) -> dict[str, Any]:
 
 
 async def _messages(daemon: Daemon) -> dict[str, Any]:
-    hub = Hub(ShownDaemon(daemon), clock=daemon.world.clock, wall_clock=lambda: 0.0)
+    hub = Hub(daemon, clock=daemon.world.clock, wall_clock=lambda: 0.0)
     hub.look(daemon.world.clock())
     while not hub.world:  # made by a thread beside the hub
         await asyncio.sleep(0.01)

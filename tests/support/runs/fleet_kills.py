@@ -17,7 +17,7 @@ from navigation.config import Config
 from navigation.config.several.each_robot import each_robot
 from navigation.journal.journal import Journal, owner_of
 from navigation.loop.daemon import Daemon
-from navigation.loop.daemon_state import RunState
+from navigation.loop.run_state import RunState
 from navigation.mission.mission import State
 from navigation.run.give_missions import GiveMissions
 from navigation.run.run_report import least_gap

@@ -15,9 +15,9 @@ from typing import Any
 
 from navigation.config import Config, load_config
 from navigation.loop.daemon import Daemon
-from navigation.loop.daemon_state import RunState
 from navigation.loop.planning import ArenaPlanner
 from navigation.loop.recorder import Recorder
+from navigation.loop.run_state import RunState
 from navigation.loop.seeing.eye import Eye
 from navigation.loop.seeing.eye_settings import eye_settings, marked_robots
 from navigation.loop.stages import plan_settings

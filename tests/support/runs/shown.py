@@ -19,7 +19,7 @@ import planner
 from firmware_protocol.host.state import LinkState
 from navigation.config import Config, parse_config
 from navigation.link.serial_link import LinkSnapshot
-from navigation.loop.daemon_state import DaemonState, StageTimes
+from navigation.loop.run_state import RobotSnapshot, RunState, StageTimes
 from navigation.mission.cycle import PlanAnswer
 from navigation.mission.mission import Event, Mission, MissionError, State, Station
 from navigation.mission.watch import Action, Verdict
@@ -82,7 +82,7 @@ class FakeDaemon:
         self.turn = threading.RLock()
         self.people = _Acting(self, roadmap)
         self.orders = self.people.orders
-        self.state: DaemonState | None = DaemonState(
+        self.robot: RobotSnapshot | None = RobotSnapshot(
             time_s=1.0,
             mission=Mission(),
             sentence="no mission was given",
@@ -95,21 +95,31 @@ class FakeDaemon:
             poses={7: pose()},
             roadmap=roadmap,
             path=None,
-            times=StageTimes(0.005, 0.02, None),
+            times=StageTimes(0.005, 0.02, None, 0.009),
         )
+        self._published: tuple[RobotSnapshot, RunState] | None = None
+
+    @property
+    def state(self) -> RunState | None:
+        """As a daemon's: the same object until something is shown."""
+        if self.robot is None:
+            return None
+        if self._published is None or self._published[0] is not self.robot:
+            self._published = self.robot, RunState(self.robot.time_s, {"": self.robot})
+        return self._published[1]
 
     def show(self, **changes: Any) -> None:
         """A new state, as after a cycle."""
         with self.turn:
-            assert self.state is not None
+            assert self.robot is not None
             if "mission" in changes:
                 changes.setdefault("sentence", changes["mission"].reason)
-            self.state = replace(self.state, **changes)
+            self.robot = replace(self.robot, **changes)
 
     def cycle(self) -> None:
         """Let a tenth of a second pass, with a picture at its end."""
         with self.turn:
-            assert self.state is not None
+            assert self.robot is not None
             now_s = self.clock() + CYCLE_S
             seen = replace(pose(), captured_s=now_s)
             picture = frame(round(now_s / CYCLE_S), now_s)
@@ -117,32 +127,27 @@ class FakeDaemon:
 
     def clock(self) -> float:
         """Seconds, of which cycles are made."""
-        return 0.0 if self.state is None else self.state.time_s
+        return 0.0 if self.robot is None else self.robot.time_s
 
     @property
     def mission(self) -> Mission:
         """What it does."""
-        assert self.state is not None
-        return self.state.mission
+        assert self.robot is not None
+        return self.robot.mission
 
     @property
     def frame(self) -> Frame | None:
         """The newest picture."""
-        return None if self.state is None else self.state.frame
+        return None if self.robot is None else self.robot.frame
 
     def camera_status(self) -> CameraStatus:
         return self.camera
 
-    def last_wire_s(self) -> float | None:
-        return 0.009
-
-    fleet = None
-
     def become(self, mission: Mission, **changes: Any) -> None:
         """Another mission, and its robot moves or is stopped as it says."""
-        assert self.state is not None
+        assert self.robot is not None
         link = replace(
-            self.state.link,
+            self.robot.link,
             moving=mission.state is State.DRIVING,
             estopped=mission.state is State.STOPPED,
         )

@@ -6,7 +6,7 @@ from typing import Any
 
 from navigation.config import Config, load_config
 from navigation.loop.daemon import Daemon
-from navigation.loop.daemon_state import DaemonState
+from navigation.loop.run_state import RobotSnapshot
 from navigation.loop.stages import stations_of
 from navigation.mission.mission import State
 from navigation.run.virtual_world import VirtualWorld
@@ -46,7 +46,7 @@ class Stage:
         self.troubles: list[str] = []
         self.said: list[str] = []
 
-    def watch(self, now: DaemonState) -> None:
+    def watch(self, now: RobotSnapshot) -> None:
         self.troubles += [one for one in now.troubles if one not in self.troubles]
         if now.sentence not in self.said[-1:]:
             self.said.append(now.sentence)
@@ -55,12 +55,12 @@ class Stage:
         self.daemon.people.give(stations_of(self.daemon.config))
         cycle_until(self.daemon, is_driving, each=self.watch)
 
-    def until(self, *states: State, seconds: float = 45.0) -> DaemonState:
+    def until(self, *states: State, seconds: float = 45.0) -> RobotSnapshot:
         return cycle_until(
             self.daemon, lambda now: now.mission.state in states, seconds, self.watch
         )
 
-    def wait(self, seconds: float) -> DaemonState:
+    def wait(self, seconds: float) -> RobotSnapshot:
         end_s = self.world.clock() + seconds
         return cycle_until(
             self.daemon, lambda _: self.world.clock() > end_s, seconds + 1.0, self.watch

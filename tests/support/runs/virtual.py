@@ -8,7 +8,7 @@ from typing import Any
 
 from navigation.config import Config, load_config
 from navigation.loop.daemon import Daemon
-from navigation.loop.daemon_state import DaemonState
+from navigation.loop.run_state import RobotSnapshot
 from navigation.mission.mission import State
 from navigation.run.virtual_world import VirtualWorld
 
@@ -37,10 +37,10 @@ def short_config(
 
 def cycle_until(
     daemon: Daemon,
-    reached: Callable[[DaemonState], bool],
+    reached: Callable[[RobotSnapshot], bool],
     seconds: float = 40.0,
-    each: Callable[[DaemonState], None] = lambda _: None,
-) -> DaemonState:
+    each: Callable[[RobotSnapshot], None] = lambda _: None,
+) -> RobotSnapshot:
     """Cycle until ``reached``, at most so many virtual seconds."""
     until_s = daemon.world.clock() + seconds
     while True:
@@ -57,6 +57,6 @@ def set_trouble(world: VirtualWorld, name: str, value: object) -> None:
     setattr(of_robot if hasattr(of_robot, name) else world.cameras[None], name, value)
 
 
-def is_driving(now: DaemonState) -> bool:
+def is_driving(now: RobotSnapshot) -> bool:
     """The robot is on its way."""
     return now.mission.state is State.DRIVING and now.link.executed >= 1

@@ -9,13 +9,11 @@ import numpy as np
 import pytest
 
 from navigation.config import load_config
-from navigation.dashboard import ShownDaemon
 from navigation.dashboard.chronicles import Chronicles
 from navigation.dashboard.hub import Hub
 from navigation.dashboard.messages.geometry import plans_message
 from navigation.dashboard.messages.packed import unpack
 from navigation.dashboard.orders import give
-from navigation.dashboard.shown import summary_of
 from navigation.loop.daemon import Daemon
 from navigation.mission.mission import MissionError, State, Station
 from navigation.run.virtual_world import VirtualWorld
@@ -41,7 +39,7 @@ def run(daemon: Daemon, seconds: float) -> None:
 
 def hub_of(daemon: Daemon) -> Hub:
     async def look() -> Hub:
-        hub = Hub(ShownDaemon(daemon), clock=daemon.world.clock, wall_clock=lambda: 0.0)
+        hub = Hub(daemon, clock=daemon.world.clock, wall_clock=lambda: 0.0)
         hub.look(daemon.world.clock())
         return hub
 
@@ -76,9 +74,9 @@ def test_the_greeting_and_the_state_name_every_robot_with_its_own_place(fleet: D
 def test_the_summary_takes_the_link_that_needs_looking_after(fleet: Daemon) -> None:
     assert fleet.state is not None
     robots = dict(fleet.state.robots)
-    assert summary_of(fleet.state).link.down_reason is None
+    assert fleet.state.together.link.down_reason is None
     robots[B] = replace(robots[B], link=replace(robots[B].link, down_reason="cable out"))
-    assert summary_of(replace(fleet.state, robots=robots)).link.down_reason == "cable out"
+    assert replace(fleet.state, robots=robots).together.link.down_reason == "cable out"
 
 
 def test_plans_are_told_apart_by_where_each_begins() -> None:
@@ -139,10 +137,8 @@ def test_each_robot_has_its_own_charts_and_its_name_before_its_lines_in_one_log(
     fleet: Daemon,
 ) -> None:
     assert fleet.state is not None
-    shown, chronicles = ShownDaemon(fleet), Chronicles(ALCOVE)
-    summary = shown.state
-    assert summary is not None
-    chronicles.see(summary, fleet.state, shown.camera_status(), 0.004, 0.0)
+    chronicles = Chronicles(ALCOVE)
+    chronicles.see(fleet.state, fleet.camera_status(), 0.0)
     told = [line.text for line in chronicles.all.log.since(0, 99)[1]]
     assert sum(text.startswith(f"{A}: ") for text in told) == 1
     assert sum(text.startswith(f"{B}: ") for text in told) == 1

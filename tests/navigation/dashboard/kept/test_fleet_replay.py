@@ -12,7 +12,7 @@ from navigation.dashboard.replay.player import Player
 from navigation.dashboard.replay.replayed_run import ReplayedRun
 from navigation.dashboard.shown import IT_IS_A_RECORDING
 from navigation.loop.daemon import Daemon
-from navigation.loop.daemon_state import RunState
+from navigation.loop.run_state import RunState
 from navigation.recording.tape import Tape, read_tape
 from tests.navigation.dashboard.kept.test_replay import ReplaySite
 from tests.support.runs.recordings import record_alcove

@@ -138,8 +138,8 @@ def test_without_a_journal_they_are_among_the_runs() -> None:
 
 def test_a_plan_stays_while_the_mission_is_paused(site: Site) -> None:
     path = laboratory().plan((0.2, 0.2), (2.2, 1.6))
-    assert site.daemon.state is not None
-    mission = site.daemon.state.mission
+    assert site.daemon.robot is not None
+    mission = site.daemon.robot.mission
     driving = replace(mission, state=State.DRIVING)
     with site.live() as page:
         page.join()

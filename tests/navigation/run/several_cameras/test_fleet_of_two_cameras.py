@@ -15,7 +15,7 @@ import yaml
 
 from navigation.config import Config, load_config
 from navigation.loop.daemon import Daemon
-from navigation.loop.daemon_state import RunState
+from navigation.loop.run_state import RunState
 from navigation.run.calibrations import floor_plan_of
 from navigation.run.virtual_run import run_virtually
 from navigation.run.virtual_world import VirtualWorld

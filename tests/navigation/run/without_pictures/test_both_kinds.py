@@ -10,7 +10,7 @@ from dataclasses import dataclass, field
 import pytest
 
 from navigation.loop.daemon import Daemon
-from navigation.loop.daemon_state import DaemonState
+from navigation.loop.run_state import RobotSnapshot
 from navigation.loop.stages import stations_of
 from navigation.mission.mission import State
 from navigation.run.virtual_world import VirtualWorld
@@ -107,7 +107,7 @@ def run(fault: Callable[[VirtualWorld, bool], None], *, pictures: bool, bucket: 
     with Daemon(config, world, first_mission_id=7) as daemon:
         last: list[tuple[float, float]] = []
 
-        def note(now: DaemonState) -> None:
+        def note(now: RobotSnapshot) -> None:
             x, y, _ = world.body.robot.pose()
             if last:
                 told.driven_m += math.dist(last.pop(), (x, y))

@@ -1,15 +1,16 @@
-"""What the running program tells of itself after each cycle, and of the plans that it drove.
+"""The state of a run after a cycle, of each robot and of all together; the plans that were driven.
 
-Nothing here changes any more once it is made: any thread may keep it and read it at leisure.
+Nothing here changes once it is made: any thread may keep it and read it.
 Units: metres, radians, seconds.
 """
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
-from navigation.link.link_snapshot import LinkSnapshot
+from navigation.link.link_snapshot import LinkSnapshot, doubt_of_stop
 from navigation.mission.mission import Mission, State
 from navigation.mission.trust import Level
 from navigation.mission.watch import Verdict
@@ -30,14 +31,13 @@ class StageTimes:
     """From a new scene to its roadmap, in the planner's thread."""
     plan_s: float | None = None
     """From a request for a plan to its answer."""
+    wire_s: float | None = None
+    """From the capture of a picture to its order on the wire, on the slowest link."""
 
 
 @dataclass(frozen=True, slots=True)
-class DaemonState:
-    """What is known of one robot after a cycle; for the command line, the dashboard and tests.
-
-    Nothing in it changes any more: other threads may keep it and read it at leisure.
-    """
+class RobotSnapshot:
+    """Everything known of one robot after a cycle."""
 
     time_s: float
     mission: Mission
@@ -66,13 +66,10 @@ class DaemonState:
 
 @dataclass(frozen=True, slots=True)
 class RunState:
-    """What is known after a cycle: by name each robot, and whom it waits for.
-
-    A robot that is driven alone has the empty name.
-    """
+    """The robots after a cycle by name, which of a robot alone is empty, and which of them wait."""
 
     time_s: float
-    robots: Mapping[str, DaemonState]
+    robots: Mapping[str, RobotSnapshot]
     waits: Mapping[str, str] = field(default_factory=dict)
     """Who waits for whom and why, in a sentence each."""
     rounds: int = 0
@@ -81,10 +78,31 @@ class RunState:
     """Of those in ``waits`` that wait for one other robot: for which."""
 
     @property
-    def only(self) -> DaemonState:
+    def only(self) -> RobotSnapshot:
         """The robot of a run of one."""
         (robot,) = self.robots.values()
         return robot
+
+    @property
+    def together(self) -> RobotSnapshot:
+        """The robot of a run of one; several as one, without a place, stations or a path.
+
+        The link is the one that needs attention most.
+        """
+        each = list(self.robots.values())
+        if "" in self.robots:
+            return self.only
+        paused = all(one.mission.paused for one in each)
+        return replace(
+            each[0],
+            mission=Mission(state=self.state, reason=self.sentence, paused=paused),
+            sentence=self.sentence,
+            pose=None,
+            link=max((one.link for one in each), key=_unknown),
+            to_go_m=None,
+            clearance_m=None,
+            path=None,
+        )
 
     @property
     def is_over(self) -> bool:
@@ -118,6 +136,12 @@ class RunState:
         if not told:
             return "all robots are at rest at their goals"
         return "; ".join(f"{name}: {sentence}" for name, sentence in told.items())
+
+
+def _unknown(link: LinkSnapshot) -> tuple[bool, bool, float]:
+    """How little is known of a robot, above all whether it stands after a stop."""
+    age_s = math.inf if math.isnan(link.heard_age_s) else link.heard_age_s
+    return doubt_of_stop(link) is not None, link.down_reason is not None, age_s
 
 
 @dataclass(frozen=True, slots=True)
