@@ -56,7 +56,7 @@ def tape(lived: Lived, tmp_path_factory: pytest.TempPathFactory) -> Tape:
 def run(tape: Tape) -> Iterator[ReplayedRun]:
     player = Player(tape.end_s - tape.begin_s, playing=False)
     run = ReplayedRun(tape, player, DashboardSection(port=0), time.monotonic)
-    assert wait_until(lambda: run.at(0.5)[0].roadmap is not None)
+    assert wait_until(lambda: run.at(0.5).together.roadmap is not None)
     yield run
     run.close()
 
@@ -68,8 +68,7 @@ def test_at_every_moment_each_robot_is_where_it_was_and_waits_for_whom_it_did(
     for clock_s, was in lived.states.items():
         if not tape.begin_s < clock_s <= tape.end_s:
             continue
-        _, fleet = run.at(clock_s - tape.begin_s + CLOSE_S, in_short=True)
-        assert fleet is not None
+        fleet = run.at(clock_s - tape.begin_s + CLOSE_S, in_short=True)
         assert (fleet.waits, fleet.waits_for) == (was.waits, was.waits_for)
         for name, one in was.robots.items():
             replayed = fleet.robots[name]
@@ -85,9 +84,8 @@ def test_each_robot_has_its_own_plan_goal_and_clearance(
     tape: Tape, lived: Lived, run: ReplayedRun
 ) -> None:
     was = list(lived.states.values())[-1]
-    summary, fleet = run.at(tape.end_s - tape.begin_s)
-    assert fleet is not None
-    assert (summary.path, summary.pose) == (None, None)
+    fleet = run.at(tape.end_s - tape.begin_s)
+    assert (fleet.together.path, fleet.together.pose) == (None, None)
     for name, one in was.robots.items():
         replayed = fleet.robots[name]
         assert one.path is not None
@@ -105,9 +103,8 @@ def test_a_recording_without_waits_says_of_nobody_that_it_waits(tape: Tape) -> N
     older = replace(tape, waits=[])
     player = Player(tape.end_s - tape.begin_s, playing=False)
     run = ReplayedRun(older, player, DashboardSection(port=0), time.monotonic)
-    _, fleet = run.at(tape.end_s - tape.begin_s)
+    fleet = run.at(tape.end_s - tape.begin_s)
     run.close()
-    assert fleet is not None
     assert (fleet.waits, fleet.waits_for) == ({}, {})
     assert any("which has to pass first" in one.sentence for one in fleet.robots.values())
 

@@ -76,10 +76,10 @@ def test_every_picture_is_found_by_its_place_in_the_file(tape: Tape, file: Path)
 
 
 def test_a_moment_is_what_was_recorded_then(tape: Tape, run: ReplayedRun) -> None:
-    begin = run.at(0.0)[0]
+    begin = run.at(0.0).only
     assert (begin.mission.state, begin.mission.stations) == (State.IDLE, ())
-    assert wait_until(lambda: run.at(0.7)[0].roadmap is not None)
-    middle = run.at(0.7)[0]
+    assert wait_until(lambda: run.at(0.7).only.roadmap is not None)
+    middle = run.at(0.7).only
     assert (middle.mission.state, middle.mission.reason) == (
         State.DRIVING,
         "driving to station 1 of 1",
@@ -95,7 +95,7 @@ def test_a_moment_is_what_was_recorded_then(tape: Tape, run: ReplayedRun) -> Non
     seen_so_far = [run.camera_at(place_s).captured for place_s in (0.0, 0.7)]
     assert seen_so_far == [1, tape.count_until(tape.begin_s + 0.7)]
     assert run.camera_at(0.7).rate_hz == pytest.approx(30.0, rel=0.2)
-    end = run.at(tape.end_s - tape.begin_s)[0]
+    end = run.at(tape.end_s - tape.begin_s).only
     assert (end.mission.state, end.path) == (State.DONE, None)
 
 
@@ -104,7 +104,7 @@ def test_what_is_shown_is_as_old_as_it_was(tape: Tape) -> None:
     run.player.seek(now_s[0], 0.71)
     ages = []
     for _ in range(3):
-        state = run.state
+        state = run.state.only
         assert state.pose is not None
         ages.append(now_s[0] - state.pose.captured_s)
         now_s[0] += 40.0
