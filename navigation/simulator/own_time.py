@@ -67,6 +67,7 @@ class OwnTime:
     def wait_for(self, now_s: float) -> None:
         """Return when the robot's time is less than a step behind ``now_s``, or stands still."""
         with self._changed:
+            # by the same sum as there: rounded otherwise, one would wait for what the other leaves
             self._changed.wait_for(
-                lambda: not self._runs or self._done_s > now_s - self._step_s, BEHIND_MAX_S
+                lambda: not self._runs or self.next_step_s(now_s) is None, BEHIND_MAX_S
             )

@@ -167,6 +167,18 @@ def test_what_lies_too_far_behind_is_let_go_and_counted() -> None:
     assert own.due_in_s(11.0 + STEP_S) > 0.0
 
 
+def test_nobody_waits_for_a_step_that_is_not_due_however_its_end_is_rounded() -> None:
+    own, now_s = OwnTime(STEP_S), 0.0
+    own.begin(now_s)
+    began_s = time.perf_counter()
+    for _ in range(100):
+        now_s += 0.01  # five steps, but for the last bit
+        while (end_s := own.next_step_s(now_s)) is not None:
+            own.done(end_s)
+        own.wait_for(now_s)
+    assert time.perf_counter() - began_s < BEHIND_MAX_S
+
+
 def test_a_robot_that_is_off_is_not_waited_for() -> None:
     own = OwnTime(STEP_S)
     own.begin(0.0)
