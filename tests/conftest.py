@@ -4,6 +4,7 @@ Every process that runs tests has a folder of its own for sockets and journals, 
 them, and a daemon that happens to run on this machine, keep out of each other's way.
 """
 
+import gc
 import os
 import shutil
 import signal
@@ -89,6 +90,13 @@ def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item
     if with_data:
         config.hook.pytest_deselected(items=with_data)
         items[:] = [item for item in items if item not in with_data]
+
+
+@pytest.hookimpl(trylast=True)
+def pytest_collection_finish() -> None:
+    """What was imported and collected stays to the end: no collection of garbage looks through it."""
+    gc.collect()
+    gc.freeze()
 
 
 _spent_s = pytest.StashKey[float]()
