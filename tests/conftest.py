@@ -94,7 +94,7 @@ def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item
 
 @pytest.hookimpl(trylast=True)
 def pytest_collection_finish() -> None:
-    """What was imported and collected stays to the end: no collection of garbage looks through it."""
+    """Modules and collected tests stay to the end: keep the garbage collector out of them."""
     gc.collect()
     gc.freeze()
 
