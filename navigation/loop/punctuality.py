@@ -16,8 +16,9 @@ from typing import Final
 LATE_S: Final = 0.35
 """With so late a thread robots hold: after this time without reports nobody knows how the wheels
 turned, and a robot's lease is nearly over."""
-DOUBTFUL_S: Final = 0.1
-"""With so late a thread camera and wheels may seem to part though they do not: two reports."""
+DOUBTFUL_S: Final = 0.05
+"""With so late a thread camera and wheels may seem to part though they do not: in this time a robot
+at 0.4 m/s drives as far as the two may differ."""
 CALM_S: Final = 1.0
 """So long all threads have to be on time before robots go on."""
 
