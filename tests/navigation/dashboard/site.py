@@ -83,8 +83,11 @@ class Page:
     def send(self, **message: object) -> None:
         self.line.send(json.dumps(message))
 
-    def hear(self, kind: str, seconds: float = 10.0) -> dict[str, Any]:
-        """The next message of a kind; the arrays of packed ones are under ``arrays``."""
+    def hear(self, kind: str, seconds: float = 60.0) -> dict[str, Any]:
+        """The next message of a kind; the arrays of packed ones are under ``arrays``.
+
+        A page that is heard has it at once; ``seconds`` ends a test that fails.
+        """
         end_s = time.monotonic() + seconds
         while (left_s := end_s - time.monotonic()) > 0.0:
             data = self.line.recv(left_s)

@@ -10,6 +10,7 @@ from __future__ import annotations
 import threading
 from collections.abc import Mapping
 from dataclasses import replace
+from functools import cache
 from pathlib import Path
 from typing import Any
 
@@ -18,6 +19,8 @@ import numpy as np
 import planner
 from firmware_protocol.host.state import LinkState
 from navigation.config import Config, parse_config
+from navigation.dashboard.messages.geometry import world_message
+from navigation.dashboard.messages.heat import heat_message
 from navigation.link.serial_link import LinkSnapshot
 from navigation.loop.run_state import RobotSnapshot, RunState, StageTimes
 from navigation.mission.cycle import PlanAnswer
@@ -26,6 +29,7 @@ from navigation.mission.watch import Action, Verdict
 from planner.formats.scene_io import load_scene
 from planner.path import Limits, NoPath
 from planner.roadmap.roadmap import Roadmap
+from planner.scene import Bounds
 from tests.support.people import RecordedPeople
 from vision.calibration.calibration import Calibration
 from vision.camera.camera import Frame
@@ -49,10 +53,20 @@ def shown_config(**dashboard: object) -> Config:
     return parse_config(text, "shown.yaml", ROOT / "configs", {})
 
 
+@cache
 def laboratory() -> Roadmap:
-    """The roadmap of the arena of the shipped simulation."""
+    """The roadmap of the arena of the shipped simulation.
+
+    What the page shows of it is compiled and loaded, so that no page has to wait for that.
+    """
     scene = load_scene(ROOT / "configs/arenas/laboratory.txt")
-    return planner.build_roadmap(scene, RADIUS_M)
+    roadmap = planner.build_roadmap(scene, RADIUS_M)
+    world_message(roadmap, 1)
+    heat_message(roadmap, Bounds(0.0, 0.0, 2.4, 1.8), 1)
+    path = roadmap.plan((0.2, 0.2), (0.3, 1.5))
+    assert not isinstance(path, NoPath)
+    planner.time_path(path, LIMITS)
+    return roadmap
 
 
 def frame(number: int, captured_s: float = 0.0) -> Frame:
