@@ -20,7 +20,7 @@ from navigation.run.calibrations import floor_plan_of, shown_calibration
 from navigation.run.devices.cameras import Cameras
 from navigation.run.devices.driven import driver_of, end_all, link_of, start_all
 from navigation.run.devices.wakeups import Wakeups
-from navigation.run.devices.world_clock import WallClock, world_clock
+from navigation.run.devices.world_clock import WAKEUP_SLACK_S, WallClock, world_clock
 from navigation.run.simulated_camera import others_of
 from navigation.run.simulation import Simulation, is_simulated
 from navigation.run.simulation_apart import SimulationApart
@@ -55,6 +55,7 @@ class World:
         self.clock = WallClock() if self.simulation is None else self.simulation.clock
         """Monotonic seconds."""
         self._wakeups = Wakeups(self.clock)
+        self.clock.waits_for("wakeups", self._wakeups.late_since_s, WAKEUP_SLACK_S)
         simulated = {} if self.simulation is None else self.simulation.ports
         self.ports = {
             name: simulated.get(name, one.serial.port) for name, one in self._robots.items()

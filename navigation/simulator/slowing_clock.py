@@ -22,7 +22,8 @@ import time
 from collections.abc import Callable, MutableSequence
 from typing import Final
 
-PATIENCE_S: Final = 1.0
+PATIENCE_S: Final = 3.0
+"""A thread that has got no processor for so long, while others have, hangs."""
 READS_SLACK_S: Final = 0.1
 """How late a thread may read the clock again: the control loop reads it twice in this time."""
 LONGEST_GAP_S: Final = 0.1

@@ -6,6 +6,7 @@ This one waits for the clock alone. Seconds.
 
 from __future__ import annotations
 
+import math
 import threading
 from collections.abc import Callable
 from typing import Final
@@ -19,6 +20,7 @@ class Wakeups:
     def __init__(self, clock: Callable[[], float]) -> None:
         self._clock = clock
         self._worst_s = 0.0
+        self._woken_s = math.inf
         self._stop = threading.Event()
         self._thread: threading.Thread | None = None
 
@@ -35,14 +37,19 @@ class Wakeups:
             self._thread.join()
             self._thread = None
 
+    def late_since_s(self) -> float:
+        """When it was to be woken next; infinity while it is off."""
+        return self._woken_s + EVERY_S
+
     def worst_s(self) -> float:
         """The latest since the last call."""
         worst_s, self._worst_s = self._worst_s, 0.0
         return worst_s
 
     def _run(self) -> None:
-        before_s = self._clock()
+        self._woken_s = self._clock()
         while not self._stop.wait(EVERY_S):
             now_s = self._clock()
-            self._worst_s = max(self._worst_s, now_s - before_s - EVERY_S)
-            before_s = now_s
+            self._worst_s = max(self._worst_s, now_s - self._woken_s - EVERY_S)
+            self._woken_s = now_s
+        self._woken_s = math.inf

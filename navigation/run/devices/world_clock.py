@@ -24,6 +24,8 @@ ROBOT_SLACK_S: Final = 0.02
 """How late a robot's step may be, and how late the program may hear what the robot says."""
 CAMERA_SLACK_S: Final = 0.03
 """How late a picture may be exposed, and how late it may be with the program."""
+WAKEUP_SLACK_S: Final = 0.03
+"""How late the thread may be woken that measures lateness: no robot holds for so little."""
 
 WORTH_SAYING_S: Final = 1.0
 
