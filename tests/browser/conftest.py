@@ -3,6 +3,7 @@
 A module whose pages are of another program has a fixture ``program`` of its own.
 """
 
+import asyncio
 import os
 import re
 from collections.abc import Callable, Iterator
@@ -34,10 +35,9 @@ PATIENCE_MS = 1000.0 * PATIENCE_S
 expect.set_options(timeout=PATIENCE_MS)
 
 
-@pytest.fixture(scope="module")
-def browser() -> Iterator[Browser]:
-    """One for each file: Playwright keeps an event loop running in this thread meanwhile, and the
-    files that a worker gets next may want one of their own."""
+@pytest.fixture(scope="session")
+def chromium() -> Iterator[tuple[Browser, asyncio.AbstractEventLoop]]:
+    """Chromium, one for each worker, and the event loop that Playwright runs in this thread."""
     if not Path(CHROMIUM).exists():
         pytest.skip(f"{CHROMIUM} is missing: apt-get install --no-install-recommends chromium")
     with sync_playwright() as playwright:
@@ -46,8 +46,21 @@ def browser() -> Iterator[Browser]:
             args=ARGUMENTS,
             ignore_default_args=["--hide-scrollbars"],  # people have them, and they take room
         )
-        yield chromium
+        loop = asyncio.get_running_loop()
+        asyncio._set_running_loop(None)
+        yield chromium, loop
+        asyncio._set_running_loop(loop)
         chromium.close()
+
+
+@pytest.fixture(scope="module")
+def browser(chromium: tuple[Browser, asyncio.AbstractEventLoop]) -> Iterator[Browser]:
+    """Chromium while a file is tested. Its event loop stands still for the files that a worker
+    gets next, which may want one of their own in this thread."""
+    browser, loop = chromium
+    asyncio._set_running_loop(loop)
+    yield browser
+    asyncio._set_running_loop(None)
 
 
 @pytest.fixture(scope="session")
