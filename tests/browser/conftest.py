@@ -21,7 +21,21 @@ from tests.browser.programs.served import PATIENCE_S, ShownProgram
 from tests.support.runs.shown import FakeDaemon, laboratory
 
 CHROMIUM = os.environ.get("CLEARWAY_CHROMIUM", "/usr/bin/chromium")
-ARGUMENTS = ["--no-sandbox", "--disable-dev-shm-usage", "--headless"]
+UNUSED = [
+    # the window of each context would load a page for the list below its address bar
+    "WebUIOmniboxPopup", "WebUIOmniboxAimPopup", "WebUIOmniboxFullPopup", "PreloadTopChromeWebUI",
+    # what Playwright turns off by the same option, of which only the last one counts
+    "AvoidUnnecessaryBeforeUnloadCheckSync", "DestroyProfileOnBrowserClose", "HttpsUpgrades",
+    "HttpsFirstBalancedModeAutoEnable", "LensOverlay", "MediaRouter", "PaintHolding",
+    "ThirdPartyStoragePartitioning", "AvoidCorsURLLoaderRestartOnRedirect", "OptimizationHints",
+    "NetworkTimeServiceQuerying", "AimEnabled", "PreconnectToSearch",
+]  # fmt: skip
+ARGUMENTS = [
+    "--no-sandbox",
+    "--disable-dev-shm-usage",
+    "--headless",
+    f"--disable-features={','.join(UNUSED)}",
+]
 PICTURES = Path(__file__).parents[2] / "build" / "browser"
 """Where the screenshots go."""
 DESKTOP = {"width": 1360, "height": 860}
