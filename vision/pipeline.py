@@ -26,7 +26,6 @@ from vision.borders.contours import Borders, follow_borders, laplacian_border, l
 from vision.doubts import with_doubts
 from vision.errors import PictureError
 from vision.outline.fitting import fit_edges, is_drawing, tolerance_of
-from vision.outline.texture import MOST_TEXTURE_PX, without_texture
 from vision.outline.thin_walls import keep_thin_walls
 from vision.paper.paper import paper_objects
 from vision.records.placement import (
@@ -53,7 +52,6 @@ def extract(
     calibration: Calibration | None = None,
     bounds: Bounds | Sequence[float] | NDArray[np.float64] | None = None,
     ignore: NDArray[np.bool_] | Sequence[tuple[float, float, float]] | None = None,
-    texture_px: float = 0.0,
 ) -> Scene:
     """The minimum geometric structure of a picture: its obstacles as records P, S, C, A, L.
 
@@ -66,13 +64,11 @@ def extract(
     metres; objects wholly outside the bounds are dropped, with a remark. Where nothing is left,
     or far too much is found, a remark says so (see ``vision.doubts``).
     ``ignore`` marks pixels that are no obstacle: (h, w) bool, or discs (x, y, radius) in
-    pixels. ``texture_px`` is how far a border may lie behind a simpler outline, at most 5:
-    obstacles grow by so much and never shrink, with a remark (``vision.outline.texture``); 0
-    leaves every outline exact. Raises ``PictureError`` for a picture or an option that cannot be
+    pixels. Raises ``PictureError`` for a picture or an option that cannot be
     used, and where no pixel is free. Safe to call from several threads. O(pixels) to threshold,
     then O(border pixels).
     """
-    _refuse(mode, calibration, bounds, texture_px)
+    _refuse(mode, calibration, bounds)
     clock = _StopWatch()
     image = as_array(image)
     blind = blind_of(calibration)
@@ -99,14 +95,6 @@ def extract(
         shrunk = rectified / np.repeat(stretches, np.diff(edges.starts))[:, None]
     separate = calibration is None and drawn
     fitted = fit_edges(shrunk, edges.starts, borders, tolerance, separate=separate)
-    rough: tuple[str, ...] = ()
-    if texture_px > 0.0:
-        # of a drawing every pixel counts, and edge points are one a row or column
-        points = placement.rectified(borders.middles) if drawn else rectified
-        starts = borders.starts if drawn else edges.starts
-        fitted, rough = without_texture(
-            fitted, points, starts, borders.owner, stretches, texture_px
-        )
     fitted = fitted if even else fitted.stretched(stretches)
     if binary.fine or drawn or binary.noise >= CALM_NOISE:
         fitted = keep_thin_walls(fitted, borders, placement.rectified, fine=binary.fine)
@@ -114,7 +102,7 @@ def extract(
     objects = build_objects(borders, fitted, placement, specks.borders)
     objects, outside = drop_outside(objects, placement)
     clock.lap("geometry")
-    remarks = (*specks.remarks, *rough, *outside)
+    remarks = (*specks.remarks, *outside)
     scene = _scene(binary, objects, placement, borders.pixels, clock, remarks)
     if blind is None:
         return scene
@@ -125,21 +113,14 @@ def _refuse(
     mode: str,
     calibration: Calibration | None,
     bounds: Bounds | Sequence[float] | NDArray[np.float64] | None,
-    texture_px: float,
 ) -> None:
     """``PictureError`` for options that are none, or do not go together."""
     if mode not in ("exact", "paper"):
         raise PictureError(f"mode {mode!r}: must be exact or paper")
     if bounds is not None and calibration is None:
         raise PictureError("bounds: a picture in pixels has its own; only a calibration takes them")
-    if not 0.0 <= texture_px <= MOST_TEXTURE_PX:
-        raise PictureError(f"texture_px {texture_px:g}: must be in 0..{MOST_TEXTURE_PX:g}")
-    if mode == "exact":
-        return
-    if calibration is not None:
+    if mode == "paper" and calibration is not None:
         raise PictureError("mode paper: works in pixels, without a calibration")
-    if texture_px > 0.0:
-        raise PictureError("mode paper: works without texture_px")
 
 
 def _by_the_paper(binary: Binary, borders: Borders, clock: _StopWatch) -> Scene:

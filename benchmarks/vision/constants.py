@@ -4,7 +4,7 @@ Run ``python -m benchmarks.vision.constants [--count 4] [--only SNAP,CORNER] [--
 for each one of ``vision/outline`` that is no tuple and whose docstring calls it chosen, measured or
 indifferent: how many of all pictures have another outline, by whatever little. The pictures are
 those of ``benchmarks.vision.stages`` with grey and without, small drawn shapes, discs with blurred
-steps, ragged borders with texture, and the real shapes below ``CLEARWAY_REAL_DATA`` where that is
+steps, and the real shapes below ``CLEARWAY_REAL_DATA`` where that is
 set. With ``--figures`` also how many more outlines are wrong, how many more edges they have in the
 mean, and by how much farther off they are. A number that is called indifferent and is not ends the
 run with 1. The kernels are compiled once, for numbers that they read where they lie: about two
@@ -225,12 +225,11 @@ def change(before: dict[str, Figure], now: dict[str, Figure]) -> str:
     return "; ".join(said) or "nothing"
 
 
-def pictures(count: int) -> list[tuple[np.ndarray, float]]:
-    """Pictures with the texture that their outlines are asked for, in pixels."""
+def pictures(count: int) -> list[np.ndarray]:
+    """Pictures with and without grey, made and real."""
     from benchmarks.vision.cover import KINDS, outline
     from benchmarks.vision.grey_shapes import FAMILIES, SEED, drawn
     from benchmarks.vision.rounds import stepped_disc
-    from tests.vision.outline.test_texture import picture_of, ragged
 
     grey = [
         drawn(name, look, i)[1]
@@ -239,7 +238,9 @@ def pictures(count: int) -> list[tuple[np.ndarray, float]]:
         for i in range(count)
     ]
     crisp = [
-        picture_of(outline(np.random.default_rng([SEED, i, len(kind)]), kind))
+        np.where(outline(np.random.default_rng([SEED, i, len(kind)]), kind), 25, 235).astype(
+            np.uint8
+        )
         for kind in KINDS
         for i in range(count)
     ]
@@ -249,9 +250,7 @@ def pictures(count: int) -> list[tuple[np.ndarray, float]]:
         for blur in (0.7, 1.5)
         for noise in (0.0, 4.0)
     ]
-    rough = [(picture_of(ragged(seed)), px) for seed in range(2 * count) for px in (0.0, 1.0, 2.0)]
-    plain = [*grey, *crisp, *stepped, *_small(count), *_real()]
-    return [*((one, 0.0) for one in plain), *rough]
+    return [*grey, *crisp, *stepped, *_small(count), *_real()]
 
 
 def _small(count: int) -> Iterator[np.ndarray]:
@@ -265,7 +264,11 @@ def _small(count: int) -> Iterator[np.ndarray]:
             v = y * math.cos(turn) - x * math.sin(turn)
             round_one = np.hypot(u, v) <= radius
             for mask in (round_one, np.maximum(abs(u), abs(v)) <= radius, round_one & (v >= 0)):
-                yield np.where(mask, 25, 235).astype(np.uint8)
+                yield _black_and_white(mask)
+
+
+def _black_and_white(mask: np.ndarray) -> np.ndarray:
+    return np.where(mask, 25, 235).astype(np.uint8)
 
 
 def _real() -> Iterator[np.ndarray]:
@@ -276,14 +279,14 @@ def _real() -> Iterator[np.ndarray]:
             yield picture
 
 
-def outlines(shown: list[tuple[np.ndarray, float]]) -> list[str]:
+def outlines(shown: list[np.ndarray]) -> list[str]:
     """Of each picture its outlines as text, or why there are none."""
     from vision import PictureError, extract
 
     found = []
-    for picture, texture_px in shown:
+    for picture in shown:
         try:
-            found.append(repr(extract(picture, texture_px=texture_px).objects))
+            found.append(repr(extract(picture).objects))
         except PictureError as error:
             found.append(str(error))
     return found

@@ -131,11 +131,6 @@ class VisionSection(Section):
     threshold: Annotated[Number, Field(ge=0, le=65535)] | None = Field(
         default=None, description="grey level for method 'fixed'"
     )
-    texture_px: Annotated[NotNegative, Field(le=5)] = Field(
-        default=0.0,
-        description="ragged borders become simpler outlines: obstacles may grow by so many pixels "
-        "and never shrink; 0: every outline is exact",
-    )
 
 
 class MarkerSection(Section):

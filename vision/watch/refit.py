@@ -69,14 +69,12 @@ class _Part:
 class KnownScene:
     """A scene in metres and, for each of its objects, the pixels that hold it.
 
-    The boxes of objects that stay are never computed again. ``texture_px``: as
-    ``vision.extract`` was given it, the same in every picture.
+    The boxes of objects that stay are never computed again.
     """
 
     scene: Scene
     calibration: Calibration
     boxes: tuple[_Box, ...]
-    texture_px: float = 0.0
 
     @classmethod
     def of(
@@ -84,7 +82,6 @@ class KnownScene:
         scene: Scene,
         calibration: Calibration,
         unseen: Unseen | None = None,
-        texture_px: float = 0.0,
     ) -> KnownScene:
         """A scene as ``vision.extract`` gives it, ``unseen`` if not by the lens. O(records)."""
         unseen = unseen or hidden_by_lens(calibration, scene.bounds, extract)
@@ -93,7 +90,7 @@ class KnownScene:
         # unseen ground is no part of any picture, and stays whatever changes there
         found = zip(scene.objects, boxes, strict=True)
         kept = tuple(_NOWHERE if o.records in hidden else b for o, b in found)
-        return cls(scene, calibration, kept, texture_px)
+        return cls(scene, calibration, kept)
 
     def refitted(self, image: Image, rectangles: Sequence[Rectangle]) -> KnownScene | None:
         """The scene of ``image``, where that differs in ``rectangles`` only.
@@ -125,7 +122,7 @@ class KnownScene:
         kept = [o for o, stay in zip(scene.objects, stays, strict=True) if stay]
         boxes = [b for b, stay in zip(self.boxes, stays, strict=True) if stay] + boxes
         joined = _joined(scene, kept, found)
-        return KnownScene(joined, self.calibration, tuple(boxes), self.texture_px)
+        return KnownScene(joined, self.calibration, tuple(boxes))
 
     def _extract(self, image: Image, part: _Box, how: Binarisation) -> Scene | None:
         x0, y0, x1, y1 = part
@@ -141,7 +138,6 @@ class KnownScene:
                 threshold=how.threshold,
                 calibration=_Part(self.calibration, x0, y0, part_blind),
                 bounds=self.scene.bounds,
-                texture_px=self.texture_px,
             )
         except PictureError:
             return None

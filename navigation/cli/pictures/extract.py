@@ -41,14 +41,6 @@ class ExtractError(ValueError):
 )
 @click.option("--threshold", type=float, help="The grey level of method fixed.")
 @click.option(
-    "--texture",
-    type=click.FloatRange(0, 5),
-    default=0.0,
-    show_default=True,
-    metavar="PX",
-    help="Simpler outlines for ragged borders: obstacles may grow by PX and never shrink.",
-)
-@click.option(
     "--render",
     type=OutputType(".png", ".jpg", ".jpeg", ".webp", ".tif", ".tiff", ".bmp", ".svg"),
     help="Draw the records over the picture: FILE.png or FILE.svg.",
@@ -62,7 +54,6 @@ def command(
     polarity: Literal["dark", "light", "auto"],
     method: Method,
     threshold: float | None,
-    texture: float,
     render: Path | None,
     timings: bool,
 ) -> None:
@@ -93,7 +84,6 @@ def command(
                 polarity=polarity,
                 method=method,
                 threshold=threshold,
-                texture_px=texture,
             )
     except ValueError as error:
         raise ExtractError(f"{image}: {error}") from error

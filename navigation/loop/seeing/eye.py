@@ -44,7 +44,6 @@ class EyeSettings:
     polarity: Polarity
     method: Method
     threshold: float | None
-    texture_px: float
     driven_ids: tuple[int, ...]
     """The markers of the robots that are driven."""
     bodies: Mapping[int, RobotShape]
@@ -162,7 +161,7 @@ class Eye:
             calibration=self.calibration,
             bounds=self.settings.bounds_m,
         )
-        return KnownScene.of(scene, self.calibration, texture_px=self.settings.texture_px)
+        return KnownScene.of(scene, self.calibration)
 
 
 class ExtractSettings(TypedDict):
@@ -171,7 +170,6 @@ class ExtractSettings(TypedDict):
     polarity: Polarity
     method: Method
     threshold: float | None
-    texture_px: float
 
 
 def extract_settings(settings: EyeSettings) -> ExtractSettings:
@@ -180,7 +178,6 @@ def extract_settings(settings: EyeSettings) -> ExtractSettings:
         polarity=settings.polarity,
         method=settings.method,
         threshold=settings.threshold,
-        texture_px=settings.texture_px,
     )
 
 

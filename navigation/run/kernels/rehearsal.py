@@ -65,7 +65,6 @@ def rehearse_eye() -> None:
         for polarity in POLARITIES:
             vision.extract(picture, polarity=polarity)
         vision.extract(picture, mode="paper")
-        vision.extract(picture, texture_px=1.0)
     for method in METHODS:
         vision.extract(grey, method=method, threshold=128 if method == "fixed" else None)
         vision.extract(drawn, method=method, threshold=128 if method == "fixed" else None)

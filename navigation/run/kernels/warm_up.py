@@ -124,7 +124,6 @@ def _see(config: Config) -> list[Scene]:
             polarity=config.vision.polarity,
             method=config.vision.method,
             threshold=config.vision.threshold,
-            texture_px=config.vision.texture_px,
             driven_ids=(robot.id,),
             bodies={robot.id: RobotShape(BODY_RADIUS_M, 0.0)},
         ),

@@ -239,34 +239,6 @@ def test_an_emptied_part_is_no_doubt_and_an_emptied_arena_is() -> None:
     assert empty.remarks == (doubt,)
 
 
-def test_ragged_obstacles_are_as_simple_when_they_are_fitted_again() -> None:
-    before = picture(FIXED)
-    after = before.copy()
-    rng = np.random.default_rng(3)
-    after[200:240, 40:120] = np.where(rng.random((40, 80)) < 0.9, before.min(), before.max())
-    after[204:236, 44:116] = before.min()
-
-    def looked_at(image: NDArray[np.uint8], texture_px: float) -> Scene:
-        return vision.extract(
-            image, polarity="dark", calibration=PLAN, bounds=BOUNDS, texture_px=texture_px
-        )
-
-    simple, exact = (
-        KnownScene.of(looked_at(before, px), PLAN, texture_px=px).refitted(
-            after, changed(before, after)
-        )
-        for px in (4.0, 0.0)
-    )
-    assert simple is not None
-    assert exact is not None
-    assert_same(simple.scene, looked_at(after, 4.0))
-    assert edge_count(simple.scene) < edge_count(exact.scene)
-
-
-def edge_count(scene: Scene) -> int:
-    return sum(len(record_edges(record)) for obj in scene.objects for record in obj.records)
-
-
 @pytest.mark.parametrize("angle", [0.0, 0.5, 1.5])
 def test_a_faint_bar_is_no_change_that_the_scene_s_own_level_can_show(angle: float) -> None:
     """At that level the floor with the bar on it is as empty as before."""

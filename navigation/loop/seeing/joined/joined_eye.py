@@ -267,7 +267,7 @@ class JoinedEye:
             bounds=self.settings.bounds_m,
         )
         seen = with_unseen(scene, self._unseen)
-        return KnownScene.of(seen, self.plan.calibration, self._unseen, self.settings.texture_px)
+        return KnownScene.of(seen, self.plan.calibration, self._unseen)
 
     def _note_live(self) -> bool:
         """Which cameras show the arena now, and what none of them does; whether that is new."""

@@ -126,24 +126,3 @@ def test_bad_input_is_one_sentence_and_exit_code_2(
     assert word in error
     assert str(file) in error
     assert error.count("\n") == 1
-
-
-def test_ragged_borders_have_fewer_edges_with_texture_and_the_price_is_told(
-    tmp_path: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
-    picture = np.full((120, 200), 255, np.uint8)
-    picture[30:90, 30:170] = 0
-    picture[29, 30:170:6] = picture[29, 31:170:6] = 0
-    file = tmp_path / "ragged.png"
-    cv2.imwrite(str(file), picture)
-    edges = []
-    for texture in ("0", "1"):
-        assert run(["extract", str(file), "--format", "json", "--texture", texture]) == 0
-        answer = json.loads(capsys.readouterr().out)
-        edges.append(len(answer["objects"][0]["records"][0]["edges"]))
-    assert edges[0] > 20
-    assert edges[1] == 4
-    (said,) = answer["remarks"]
-    assert f"1 border has 4 edges instead of {edges[0]}" in said
-    assert run(["extract", str(file), "--texture", "9"]) == 2
-    assert "--texture" in capsys.readouterr().err
