@@ -238,9 +238,7 @@ def pictures(count: int) -> list[np.ndarray]:
         for i in range(count)
     ]
     crisp = [
-        np.where(outline(np.random.default_rng([SEED, i, len(kind)]), kind), 25, 235).astype(
-            np.uint8
-        )
+        _black_and_white(outline(np.random.default_rng([SEED, i, len(kind)]), kind))
         for kind in KINDS
         for i in range(count)
     ]
