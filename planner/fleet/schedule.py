@@ -108,22 +108,6 @@ class FleetSchedule:
         starts = [track[0, 1:].tolist() for track in plan.tracks]
         return replace(FleetSchedule.parked(roadmap, starts, radii, limits), plan=plan)
 
-    def with_goal(
-        self,
-        robot: int,
-        goal: Sequence[float],
-        passed: Sequence[int] | None = None,
-        sent: Sequence[int] | None = None,
-        *,
-        time_limit_s: float = 30.0,
-        clock: Clock = search_clock_s,
-    ) -> FleetSchedule | NoFleetPlan:
-        """The schedule from now on with a new goal for one robot, or why there is none.
-
-        Options and errors are those of :meth:`with_goals`.
-        """
-        return self.with_goals({robot: goal}, passed, sent, time_limit_s=time_limit_s, clock=clock)
-
     def with_goals(
         self,
         goals: Mapping[int, Sequence[float]],

@@ -41,34 +41,32 @@ class Tour:
     exact: bool
 
 
-def best_tour(distances: ArrayLike, *, closed: bool = False) -> Tour:
+def best_tour(distances: ArrayLike) -> Tour:
     """The order that makes the path shortest.
 
     ``distances`` (m, m): from each station to each other, >= 0, infinity where there is no path;
-    it need not be symmetric. The path begins at station 0; it ends at station m - 1, or, where
-    ``closed``, at station 0 again. ``cost`` is infinite where no order is possible. Raises
-    :class:`TourError` on anything else. O(n^2 2^n) to 15 inner stations, then O(n^3) or so.
+    it need not be symmetric. The path begins at station 0 and ends at station m - 1. ``cost`` is
+    infinite where no order is possible. Raises :class:`TourError` on anything else. O(n^2 2^n) to
+    15 inner stations, then O(n^3) or so.
     """
-    matrix = _checked(distances, closed)
-    m = len(matrix)
-    inner = np.arange(1, m if closed else m - 1)
-    if len(inner) <= EXACT_STATIONS:
-        order, cost = tour_kernels.held_karp(matrix, closed)
+    matrix = _checked(distances)
+    if len(matrix) - 2 <= EXACT_STATIONS:
+        order, cost = tour_kernels.held_karp(matrix)
         return Tour(tuple(order.tolist()), float(cost), exact=True)
-    return _search(matrix, inner, 0 if closed else m - 1)
+    return _search(matrix)
 
 
-def _checked(distances: ArrayLike, closed: bool) -> FloatArray:
+def _checked(distances: ArrayLike) -> FloatArray:
     matrix = np.ascontiguousarray(distances, dtype=np.float64)
-    least = 1 if closed else 2
-    if matrix.ndim != 2 or matrix.shape[0] != matrix.shape[1] or len(matrix) < least:
-        raise TourError(f"distances of shape {matrix.shape}: must be square, at least {least}")
+    if matrix.ndim != 2 or matrix.shape[0] != matrix.shape[1] or len(matrix) < 2:
+        raise TourError(f"distances of shape {matrix.shape}: must be square, at least 2")
     if np.isnan(matrix).any() or (matrix < 0.0).any():
         raise TourError("distances must be >= 0, infinity where there is no way")
     return matrix
 
 
-def _search(matrix: FloatArray, inner: np.ndarray, end: int) -> Tour:
+def _search(matrix: FloatArray) -> Tour:
+    inner, end = np.arange(1, len(matrix) - 1), len(matrix) - 1
     finite = np.where(np.isfinite(matrix), matrix, 0.0)
     blocked = float(finite.sum()) + 1.0
     usable = np.where(np.isfinite(matrix), matrix, blocked)

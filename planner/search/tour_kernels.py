@@ -1,7 +1,7 @@
 """Orders of stations, compiled: exact by dynamic programming, good by local search.
 
-The first station is where the tour begins. An open tour ends at the last station; a closed one
-returns to the first. All distances are finite or infinity (no way).
+A tour begins at the first station and ends at the last one. All distances are finite, or infinity
+where there is no path.
 """
 
 # The arrays' types are in the docstrings; numba infers them.
@@ -16,15 +16,15 @@ from planner.scene.compile_options import BORROWING, OWNING
 
 
 @njit(**OWNING)
-def held_karp(distance, closed):
+def held_karp(distance):
     """The cheapest order (Held and Karp 1962): O(n^2 2^n) for n inner stations.
 
-    ``distance`` (m, m). Station 0 comes first; the last one comes last where the tour is open.
+    ``distance`` (m, m). Station 0 comes first, the last one last.
     Returns the order of the inner stations, and the cost.
     """
     m = distance.shape[0]
-    n = m - 1 if closed else m - 2
-    end = 0 if closed else m - 1
+    n = m - 2
+    end = m - 1
     order = np.empty(n, dtype=np.int64)
     if n == 0:
         return order, distance[0, end]

@@ -91,7 +91,7 @@ def test_goals_at_any_time_keep_all_promises_and_all_apart(seed: int) -> None:
     at = [tuple(start) for start in starts]
     asked = [*enumerate(goals), *enumerate(starts)]
     for robot, goal in asked:
-        new = driven.schedule.with_goal(robot, goal, driven.passed, driven.sent)
+        new = driven.schedule.with_goals({robot: goal}, driven.passed, driven.sent)
         if isinstance(new, NoFleetPlan):
             # the place where another is to park is the only reason in these arenas
             assert "their goals are" in new.reason
@@ -110,7 +110,7 @@ def test_a_parked_robot_steps_aside_into_the_niche_and_comes_back() -> None:
     roadmap = build_roadmap(ALCOVE, radius=0.1)
     schedule = FleetSchedule.parked(roadmap, [(0.3, 0.5), (1.5, 0.5)])
     assert schedule.cut_off_by(0, (2.7, 0.5)) == (1,)
-    new = schedule.with_goal(0, (2.7, 0.5))
+    new = schedule.with_goals({0: (2.7, 0.5)})
     assert isinstance(new, FleetSchedule), new
     assert new.changed == (0, 1)
     assert new.plan.tracks[1][:, 2].max() > 0.6
@@ -122,7 +122,7 @@ def test_a_robot_out_of_the_way_stays() -> None:
     roadmap = build_roadmap(ALCOVE, radius=0.1)
     schedule = FleetSchedule.parked(roadmap, [(0.3, 0.5), (1.5, 0.86)])
     assert schedule.cut_off_by(0, (2.7, 0.5)) == ()
-    new = schedule.with_goal(0, (2.7, 0.5))
+    new = schedule.with_goals({0: (2.7, 0.5)})
     assert isinstance(new, FleetSchedule)
     assert new.changed == (0,)
     assert len(new.plan.tracks[1]) == 1
@@ -131,7 +131,7 @@ def test_a_robot_out_of_the_way_stays() -> None:
 def test_a_goal_where_another_parks_is_refused_with_both_names() -> None:
     roadmap = build_roadmap(ALCOVE, radius=0.1)
     schedule = FleetSchedule.parked(roadmap, [(0.3, 0.5), (1.5, 0.5)])
-    refused = schedule.with_goal(0, (1.6, 0.5))
+    refused = schedule.with_goals({0: (1.6, 0.5)})
     assert isinstance(refused, NoFleetPlan)
     assert refused.blocking == (0, 1)
     assert "0.1 apart" in refused.reason
@@ -141,7 +141,7 @@ def test_two_that_stand_on_each_others_goals_have_a_plan_together_and_none_alone
     roadmap = build_roadmap(ALCOVE, radius=0.1)
     schedule = FleetSchedule.parked(roadmap, [(0.3, 0.5), (2.7, 0.5)])
     for robot, goal in ((0, (2.7, 0.5)), (1, (0.3, 0.5))):
-        assert isinstance(schedule.with_goal(robot, goal), NoFleetPlan)
+        assert isinstance(schedule.with_goals({robot: goal}), NoFleetPlan)
     new = schedule.with_goals({0: (2.7, 0.5), 1: (0.3, 0.5)})
     assert isinstance(new, FleetSchedule), new
     assert [track[-1, 1:].tolist() for track in new.plan.tracks] == [[2.7, 0.5], [0.3, 0.5]]
@@ -151,7 +151,7 @@ def test_two_that_stand_on_each_others_goals_have_a_plan_together_and_none_alone
 def test_goals_that_others_drive_across_are_added_at_once_and_keep_what_was_sent() -> None:
     roadmap = build_roadmap(ALCOVE, radius=0.1)
     schedule = FleetSchedule.parked(roadmap, [(0.3, 0.5), (2.7, 0.5), (1.5, 0.86)])
-    first = schedule.with_goal(2, (1.0, 0.5))
+    first = schedule.with_goals({2: (1.0, 0.5)})
     assert isinstance(first, FleetSchedule)
     sent = [0, 0, len(first.plan.tracks[2]) - 1]
     new = first.with_goals({0: (2.7, 0.5), 1: (0.3, 0.5)}, sent=sent)
@@ -164,7 +164,7 @@ def test_goals_that_others_drive_across_are_added_at_once_and_keep_what_was_sent
 
 def test_a_goal_in_a_wall_names_the_robot() -> None:
     schedule = FleetSchedule.parked(build_roadmap(ALCOVE, radius=0.1), [(0.3, 0.5)])
-    refused = schedule.with_goal(0, (1.0, 0.2))
+    refused = schedule.with_goals({0: (1.0, 0.2)})
     assert isinstance(refused, NoFleetPlan)
     assert refused.blocking == (0,)
 
@@ -172,15 +172,15 @@ def test_a_goal_in_a_wall_names_the_robot() -> None:
 def test_who_was_not_allowed_to_drive_cannot_have_been_sent() -> None:
     roadmap = build_roadmap(ALCOVE, radius=0.1)
     schedule = FleetSchedule.parked(roadmap, [(0.3, 0.5), (2.7, 0.5)])
-    new = schedule.with_goal(0, (1.5, 0.86))
+    new = schedule.with_goals({0: (1.5, 0.86)})
     assert isinstance(new, FleetSchedule)
-    new = new.with_goal(1, (0.3, 0.5))
+    new = new.with_goals({1: (0.3, 0.5)})
     assert isinstance(new, FleetSchedule)
     last = [len(track) - 1 for track in new.plan.tracks]
     with pytest.raises(ValueError, match="sent"):
-        new.with_goal(0, (2.0, 0.5), [0, 0], last)
+        new.with_goals({0: (2.0, 0.5)}, [0, 0], last)
     with pytest.raises(ValueError, match="robot = 2"):
-        new.with_goal(2, (2.0, 0.5))
+        new.with_goals({2: (2.0, 0.5)})
 
 
 @pytest.mark.parametrize(
