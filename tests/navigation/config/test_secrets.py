@@ -272,11 +272,11 @@ def test_what_was_left_out_once_is_left_out_the_same_way_again(
 )
 def test_no_text_takes_long_to_be_cleaned(piece: str) -> None:
     """What takes a second for a thousand pieces would take days for a whole file of them."""
-    text = "a: " + piece * (400_000 // len(piece))
+    text = "a: " + piece * (100_000 // len(piece))
     began_s = time.process_time()
     without_secrets(text)
     hide(text)
-    assert time.process_time() - began_s < 30.0
+    assert time.process_time() - began_s < 8.0
 
 
 MISTYPED = {
