@@ -14,7 +14,7 @@ from planner.route.route import GAVE_UP
 from planner.scene import ArcRecord, Bounds, CircleRecord, FloatArray, PointRecord, Scene
 from planner.search import shortest
 from planner.search.shortest import shortest_way
-from tests.support.oracles.visibility_oracle import shortest_length
+from tests.support.oracles.visibility_oracle import VisibilityGraph
 from tests.support.scenes.planner_scenes import (
     box,
     hand_made,
@@ -39,9 +39,9 @@ def _pairs(scene: Scene, radius: float, rng: np.random.Generator, count: int) ->
 
 
 def _judge(scene: Scene, radius: float, pairs: FloatArray) -> None:
-    roadmap = planner.build_roadmap(scene, radius)
+    roadmap, oracle = planner.build_roadmap(scene, radius), VisibilityGraph(scene, radius)
     for a, b in pairs:
-        best = shortest_length(scene, radius, tuple(a), tuple(b))
+        best = oracle.length(tuple(a), tuple(b))
         path = roadmap.plan(a, b, prefer="length")
         if isinstance(path, NoPath):
             assert best == math.inf or "inside" in path.reason

@@ -40,40 +40,84 @@ class _Borders:
         self.round.append((*edge.center, edge.radius, min(a0, a0 + turn), abs(turn)))
 
 
+class VisibilityGraph:
+    """The shortest ways of a disc of ``radius`` in a scene."""
+
+    def __init__(self, scene: Scene, radius: float) -> None:
+        self._borders = _borders(scene)
+        self._circles = _circles(self._borders, radius)
+        self._least = radius * (1.0 - SLACK)
+        circles = np.array(self._circles).reshape(-1, 3)
+        self._tangents = self._clear(circles, *np.triu_indices(len(circles), 1))
+
+    def length(self, start: tuple[float, float], goal: tuple[float, float]) -> float:
+        """Length of the shortest way, infinity where there is none."""
+        circles = np.array([*self._circles, (*start, 0.0), (*goal, 0.0)])
+        first = len(circles) - 2
+        i = np.r_[np.tile(np.arange(first), 2), first]
+        j = np.r_[np.repeat([first, first + 1], first), first + 1]
+        own = self._clear(circles, i, j)
+        lengths, angles = (np.concatenate(both) for both in zip(self._tangents, own, strict=True))
+        places: list[list[tuple[float, int]]] = [[] for _ in circles]
+        number = itertools.count(2)
+        rows, cols, cost = [], [], []
+        straight = math.inf
+        for length, (c, d, a, b) in zip(lengths.tolist(), angles.tolist(), strict=True):
+            if c >= first and d >= first:
+                straight = length  # the four tangents of two points are one
+                continue
+            ends = []
+            for circle, angle in ((int(c), a), (int(d), b)):
+                node = circle - first if circle >= first else next(number)
+                ends.append(node)
+                places[circle].append((angle % math.tau, node))
+            rows.append(ends[0])
+            cols.append(ends[1])
+            cost.append(length)
+        for radius, a, b, u, v in self._free_stretches(places):
+            rows.append(u)
+            cols.append(v)
+            cost.append(radius * (b - a))
+        n = next(number)
+        graph = coo_matrix((np.maximum(cost, 1e-12), (rows, cols)), shape=(n, n)).tocsr()
+        return min(straight, float(dijkstra(graph, directed=False, indices=0)[1]))
+
+    def _clear(
+        self, circles: FloatArray, i: IntArray, j: IntArray
+    ) -> tuple[FloatArray, FloatArray]:
+        """The common tangents that keep the radius: lengths (n,), circles and angles (n, 4)."""
+        p, q, angles = _tangents(circles, i, j)
+        kept = _clear_ones(self._borders, p, q, self._least)
+        return np.hypot(*(q[kept] - p[kept]).T), angles[kept]
+
+    def _free_stretches(
+        self, places: list[list[tuple[float, int]]]
+    ) -> list[tuple[float, float, float, int, int]]:
+        """Stretches of the borders' circles that keep the radius: radius, angles and nodes."""
+        stretches = [
+            (*circle, *stretch)
+            for circle, on_it in zip(self._circles, places, strict=False)
+            for stretch in _stretches(sorted(on_it))
+        ]
+        if not stretches:
+            return []
+        at, of = [], []
+        for k, (x, y, r, a, b, _, _) in enumerate(stretches):
+            t = np.linspace(a, b, max(2, math.ceil((b - a) / ARC_STEP_RAD) + 1))
+            at.append(np.c_[x + r * np.cos(t), y + r * np.sin(t)])
+            of.append(np.full(len(t), k))
+        samples, owner = np.concatenate(at), np.concatenate(of)
+        blocked = np.ones(len(samples), dtype=bool)
+        blocked[_clear_points(self._borders, samples, self._least - 1e-9)] = False
+        free = np.bincount(owner, blocked, len(stretches)) == 0
+        return [one[2:] for one, is_free in zip(stretches, free, strict=True) if is_free]
+
+
 def shortest_length(
     scene: Scene, radius: float, start: tuple[float, float], goal: tuple[float, float]
 ) -> float:
     """Length of the shortest way for a disc of ``radius``, infinity where there is none."""
-    borders = _borders(scene)
-    circles = [(*start, 0.0), (*goal, 0.0), *_circles(borders, radius)]
-    least = radius * (1.0 - SLACK)
-    p, q, angles = _tangents(np.array(circles))
-    places: list[list[tuple[float, int]]] = [[] for _ in circles]
-    number = itertools.count(2)
-    rows, cols, cost = [], [], []
-    straight = math.inf
-    for k in _clear_ones(borders, p, q, least):
-        i, j, a, b = angles[k]
-        if j == 1 and i == 0:
-            straight = float(np.hypot(*(q[k] - p[k])))  # the four tangents of two points are one
-            continue
-        ends = []
-        for c, angle in ((int(i), a), (int(j), b)):
-            node = c if c < 2 else next(number)
-            ends.append(node)
-            places[c].append((angle % math.tau, node))
-        rows.append(ends[0])
-        cols.append(ends[1])
-        cost.append(float(np.hypot(*(q[k] - p[k]))))
-    for circle, on_it in zip(circles[2:], places[2:], strict=True):
-        for a, b, u, v in _stretches(sorted(on_it)):
-            if _arc_is_free(borders, circle, a, b, least):
-                rows.append(u)
-                cols.append(v)
-                cost.append(circle[2] * (b - a))
-    n = next(number)
-    graph = coo_matrix((np.maximum(cost, 1e-12), (rows, cols)), shape=(n, n)).tocsr()
-    return min(straight, float(dijkstra(graph, directed=False, indices=0)[1]))
+    return VisibilityGraph(scene, radius).length(start, goal)
 
 
 def _borders(scene: Scene) -> _Borders:
@@ -103,14 +147,15 @@ def _circles(borders: _Borders, radius: float) -> list[tuple[float, float, float
     return sorted(made)
 
 
-def _tangents(circles: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray]:
-    """All common tangents: both ends (n, 2), and circle, circle, angle, angle (n, 4).
+def _tangents(
+    circles: FloatArray, i: IntArray, j: IntArray
+) -> tuple[FloatArray, FloatArray, FloatArray]:
+    """All common tangents of circles i and j: ends (n, 2) and (n, 2), and i, j, angles (n, 4).
 
     A tangent's normal makes an angle with the line between the centres whose cosine is the
     difference (outer) or the sum (inner) of the radii over the distance. Circles that touch
     from within have the place where they touch.
     """
-    i, j = np.triu_indices(len(circles), 1)
     gap = circles[j, :2] - circles[i, :2]
     far = np.hypot(*gap.T)
     along = np.arctan2(gap[:, 1], gap[:, 0])
@@ -138,16 +183,6 @@ def _stretches(places: list[tuple[float, int]]) -> list[tuple[float, float, int,
     return [(a, b, u, v) for (a, u), (b, v) in zip(places, turned, strict=True)]
 
 
-def _arc_is_free(
-    borders: _Borders, circle: tuple[float, float, float], a: float, b: float, least: float
-) -> bool:
-    x, y, r = circle
-    count = max(2, math.ceil((b - a) / ARC_STEP_RAD) + 1)
-    t = np.linspace(a, b, count)
-    at = np.c_[x + r * np.cos(t), y + r * np.sin(t)]
-    return len(_clear_ones(borders, at, at, least - 1e-9)) == count
-
-
 def _clear_ones(borders: _Borders, p: FloatArray, q: FloatArray, least: float) -> IntArray:
     """The segments p q that are at least so far from every border; blocked ones are let go."""
     left = np.arange(len(p), dtype=np.int32)
@@ -156,6 +191,25 @@ def _clear_ones(borders: _Borders, p: FloatArray, q: FloatArray, least: float) -
         left = left[far >= least]
     for x, y, r, a, sweep in borders.round:
         left = left[_to_round(p[left], q[left], np.array([x, y]), r, a, sweep) >= least]
+    return left
+
+
+def _clear_points(borders: _Borders, at: FloatArray, least: float) -> IntArray:
+    """The points that are at least so far from every border; blocked ones are let go."""
+    left = np.arange(len(at), dtype=np.int32)
+    for x0, y0, x1, y1 in borders.straight:
+        here = at[left]
+        starts, stops = (np.broadcast_to(np.array(e), here.shape) for e in ((x0, y0), (x1, y1)))
+        left = left[_point_to(starts, stops, here) >= least]
+    for x, y, r, a, sweep in borders.round:
+        here = at[left]
+        v = here - (x, y)
+        on = (np.arctan2(v[:, 1], v[:, 0]) - a) % math.tau <= sweep
+        far = np.where(on, np.abs(np.hypot(*v.T) - r), np.inf)
+        for t in (a, a + sweep):
+            end = np.array([x + r * math.cos(t), y + r * math.sin(t)])
+            far = np.minimum(far, np.hypot(*(here - end).T))
+        left = left[far >= least]
     return left
 
 

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import itertools
 import math
 from collections.abc import Sequence
 
@@ -216,16 +215,32 @@ def slow_distance(scene: Scene, points: FloatArray) -> FloatArray:
 
     Segments by projection; an arc is its circle within its sweep, and its two ends.
     """
-    best = np.full(len(points), np.inf)
     c = scene.bounds.corners()
-    walls: list[Edge] = [Segment(c[i], c[(i + 1) % 4]) for i in range(4)]
-    for item in [*all_edges(scene), walls]:
+    straight = [(*c[i], *c[(i + 1) % 4]) for i in range(4)]
+    best = np.full(len(points), np.inf)
+    for item in all_edges(scene):
         if isinstance(item, tuple):
-            best = np.minimum(best, np.hypot(*(points - item).T))
+            straight.append((*item, *item))
             continue
         for edge in item:
-            best = np.minimum(best, edge_distance(edge, points, scene.y_down))
+            if isinstance(edge, Segment):
+                straight.append((*edge.start, *edge.end))
+            else:
+                best = np.minimum(best, edge_distance(edge, points, scene.y_down))
+    x, y = points[:, 0], points[:, 1]
+    for some in _portions(np.array(straight), len(points)):
+        ax, ay, bx, by = some.T[..., None]
+        dx, dy, vx, vy = bx - ax, by - ay, x - ax, y - ay
+        square = dx * dx + dy * dy
+        t = np.clip((vx * dx + vy * dy) / np.where(square > 0.0, square, 1.0), 0.0, 1.0)
+        best = np.minimum(best, np.sqrt(((vx - t * dx) ** 2 + (vy - t * dy) ** 2).min(axis=0)))
     return best
+
+
+def _portions(rows: FloatArray, points: int) -> list[FloatArray]:
+    """The rows in portions that, with so many points each, take a few megabytes."""
+    count = max(1, 30_000 // max(1, points))
+    return [rows[k : k + count] for k in range(0, len(rows), count)]
 
 
 def edge_distance(edge: Edge, points: FloatArray, y_down: bool) -> FloatArray:
@@ -247,18 +262,20 @@ def edge_distance(edge: Edge, points: FloatArray, y_down: bool) -> FloatArray:
 def slow_inside(scene: Scene, points: FloatArray) -> np.ndarray:
     """Whether points lie inside an obstacle: even-odd over each object's closed borders."""
     inside = np.zeros(len(points), dtype=bool)
+    x, y = points[:, 0], points[:, 1]
     for o in scene.objects:
+        lines = [
+            np.concatenate([line[:-1], line[1:]], axis=1)
+            for r in object_records(o)
+            if isinstance(r, PolygonRecord | CircleRecord)
+            for line in (chords(edge, scene.y_down) for edge in record_edges(r))
+        ]
         odd = np.zeros(len(points), dtype=bool)
-        for r in object_records(o):
-            if not isinstance(r, PolygonRecord | CircleRecord):
-                continue
-            for edge in record_edges(r):
-                line = chords(edge, scene.y_down)
-                for (ax, ay), (bx, by) in itertools.pairwise(line):
-                    if ay == by:
-                        continue
-                    spans = (ay <= points[:, 1]) != (by <= points[:, 1])
-                    cut = ax + (points[:, 1] - ay) * (bx - ax) / (by - ay)
-                    odd ^= spans & (cut > points[:, 0])
+        for some in _portions(np.concatenate([np.empty((0, 4)), *lines]), len(points)):
+            ax, ay, bx, by = some[some[:, 1] != some[:, 3]].T[..., None]
+            edge, at = np.nonzero((ay <= y) != (by <= y))
+            ax, ay, bx, by = (one[edge, 0] for one in (ax, ay, bx, by))
+            right = at[ax + (y[at] - ay) * (bx - ax) / (by - ay) > x[at]]
+            odd ^= np.bincount(right, minlength=len(points)) % 2 == 1
         inside |= odd
     return inside
