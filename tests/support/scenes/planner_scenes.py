@@ -262,7 +262,8 @@ def edge_distance(edge: Edge, points: FloatArray, y_down: bool) -> FloatArray:
 def slow_inside(scene: Scene, points: FloatArray) -> np.ndarray:
     """Whether points lie inside an obstacle: even-odd over each object's closed borders."""
     inside = np.zeros(len(points), dtype=bool)
-    x, y = points[:, 0], points[:, 1]
+    upwards = np.argsort(points[:, 1], kind="stable")
+    x, y = points[upwards].T
     for o in scene.objects:
         lines = [
             np.concatenate([line[:-1], line[1:]], axis=1)
@@ -270,12 +271,12 @@ def slow_inside(scene: Scene, points: FloatArray) -> np.ndarray:
             if isinstance(r, PolygonRecord | CircleRecord)
             for line in (chords(edge, scene.y_down) for edge in record_edges(r))
         ]
-        odd = np.zeros(len(points), dtype=bool)
-        for some in _portions(np.concatenate([np.empty((0, 4)), *lines]), len(points)):
-            ax, ay, bx, by = some[some[:, 1] != some[:, 3]].T[..., None]
-            edge, at = np.nonzero((ay <= y) != (by <= y))
-            ax, ay, bx, by = (one[edge, 0] for one in (ax, ay, bx, by))
-            right = at[ax + (y[at] - ay) * (bx - ax) / (by - ay) > x[at]]
-            odd ^= np.bincount(right, minlength=len(points)) % 2 == 1
-        inside |= odd
+        ax, ay, bx, by = np.concatenate([np.empty((0, 4)), *lines]).T
+        first = np.searchsorted(y, np.minimum(ay, by))  # whose height the chord spans
+        count = np.searchsorted(y, np.maximum(ay, by)) - first
+        edge = np.repeat(np.arange(len(ax)), count)
+        at = np.arange(len(edge)) + np.repeat(first - np.cumsum(count) + count, count)
+        ax, ay, bx, by = ax[edge], ay[edge], bx[edge], by[edge]
+        right = at[ax + (y[at] - ay) * (bx - ax) / (by - ay) > x[at]]
+        inside[upwards] |= np.bincount(right, minlength=len(points)) % 2 == 1
     return inside
