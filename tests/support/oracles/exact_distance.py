@@ -9,7 +9,6 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
 from decimal import Decimal, getcontext, localcontext
-from fractions import Fraction
 from functools import lru_cache
 from itertools import pairwise
 
@@ -25,9 +24,9 @@ def exact_distance(
     """The distance between the segment a b and a primitive, correctly rounded but for an ulp."""
     numbers = [float(v) for v in row]
     if kind == POINT:
-        return _root(_squared(*_fractions(a, b), *_fractions(numbers[:2], numbers[:2])))
+        return _straight_distance(a, b, numbers[:2], numbers[:2])
     if kind == SEGMENT:
-        return _root(_squared(*_fractions(a, b), *_fractions(numbers[:2], numbers[2:4])))
+        return _straight_distance(a, b, numbers[:2], numbers[2:4])
     with localcontext() as context:
         context.prec = DIGITS
         return _round_distance(a, b, kind, numbers)
@@ -45,39 +44,45 @@ def exact_clearance(
     )
 
 
-def _fractions(*places: Sequence[float]) -> list[tuple[Fraction, Fraction]]:
-    return [(Fraction(float(p[0])), Fraction(float(p[1]))) for p in places]
+Whole = tuple[int, int]
 
 
-def _root(square: Fraction) -> float:
+def _straight_distance(
+    a: Sequence[float], b: Sequence[float], c: Sequence[float], d: Sequence[float]
+) -> float:
+    """The distance between two segments: rational up to its root, in whole numbers of a unit."""
+    ratios = [float(v).as_integer_ratio() for place in (a, b, c, d) for v in place[:2]]
+    unit = max(under for _, under in ratios)  # the largest power of two
+    x = [over * (unit // under) for over, under in ratios]
+    over, under = _squared((x[0], x[1]), (x[2], x[3]), (x[4], x[5]), (x[6], x[7]))
     with localcontext() as context:
         context.prec = DIGITS
-        return float((Decimal(square.numerator) / Decimal(square.denominator)).sqrt())
+        return float((Decimal(over) / Decimal(under * unit * unit)).sqrt())
 
 
-def _squared(
-    a: tuple[Fraction, Fraction],
-    b: tuple[Fraction, Fraction],
-    c: tuple[Fraction, Fraction],
-    d: tuple[Fraction, Fraction],
-) -> Fraction:
-    """The square of the distance between two segments, exact."""
+def _squared(a: Whole, b: Whole, c: Whole, d: Whole) -> Whole:
+    """The square of the distance between two segments, exact: a fraction's two numbers."""
 
-    def side(p: tuple[Fraction, ...], q: tuple[Fraction, ...], r: tuple[Fraction, ...]) -> int:
+    def side(p: Whole, q: Whole, r: Whole) -> int:
         turn = (q[0] - p[0]) * (r[1] - p[1]) - (q[1] - p[1]) * (r[0] - p[0])
         return (turn > 0) - (turn < 0)
 
-    def away(p: tuple[Fraction, ...], q: tuple[Fraction, ...], r: tuple[Fraction, ...]) -> Fraction:
+    def away(p: Whole, q: Whole, r: Whole) -> Whole:
         u, v = (r[0] - q[0], r[1] - q[1]), (p[0] - q[0], p[1] - q[1])
-        square = u[0] ** 2 + u[1] ** 2
-        t = Fraction(0)
-        if square:
-            t = min(Fraction(1), max(Fraction(0), (u[0] * v[0] + u[1] * v[1]) / square))
-        return (v[0] - t * u[0]) ** 2 + (v[1] - t * u[1]) ** 2
+        square, along = u[0] ** 2 + u[1] ** 2, u[0] * v[0] + u[1] * v[1]
+        if along <= 0:
+            return v[0] ** 2 + v[1] ** 2, 1
+        if along >= square:
+            return (v[0] - u[0]) ** 2 + (v[1] - u[1]) ** 2, 1
+        return (u[0] * v[1] - u[1] * v[0]) ** 2, square
 
     if side(a, b, c) * side(a, b, d) < 0 and side(c, d, a) * side(c, d, b) < 0:
-        return Fraction(0)
-    return min(away(c, a, b), away(d, a, b), away(a, c, d), away(b, c, d))
+        return 0, 1
+    least = away(c, a, b)
+    for other in (away(d, a, b), away(a, c, d), away(b, c, d)):
+        if other[0] * least[1] < least[0] * other[1]:
+            least = other
+    return least
 
 
 def _round_distance(a: Sequence[float], b: Sequence[float], kind: int, row: list[float]) -> float:
