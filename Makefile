@@ -86,8 +86,8 @@ adversary: $(VENV)/.installed-dev ## attacks on the running system, into benchma
 paper: $(VENV)/.installed-dev ## the paper's figures and tables, into docs/paper/
 	$(BIN)/python -m benchmarks.paper
 
-house: $(VENV)/.installed-dev ## the code's figures; docs/files.md and the picture of the folders
-	$(BIN)/python -m benchmarks.house --graph docs/pictures/folders.svg --files docs/files.md
+house: $(VENV)/.installed-dev ## the code's figures, and the picture of the folders
+	$(BIN)/python -m benchmarks.house --graph docs/pictures/folders.svg
 	$(BIN)/python -m benchmarks.house --list
 
 pictures: $(VENV)/.installed-dev ## the documentation's pictures, into docs/pictures/

@@ -1,12 +1,12 @@
 """The counts of the code with their limits, and the picture of its folders.
 
     python -m benchmarks.house [--list] [--format text|json]
-    python -m benchmarks.house --graph docs/pictures/folders.svg --files docs/files.md
+    python -m benchmarks.house --graph docs/pictures/folders.svg
 
 Prints a row a figure: the count, the most that it may be, and whether that holds; ``--list`` adds
-what was found and where. ``--graph`` draws who imports whom, ``--files`` writes what each
-file is for. Nothing is imported and nothing compiled, only read. Ends with 1 where
-a limit is broken.
+what was found and where. ``--graph`` draws who imports whom. Nothing is imported and nothing
+compiled, only read. Ends with 1 where a limit is broken. What ruff and import-linter hold
+(parameters, complexity, circles) is not counted again.
 """
 
 from __future__ import annotations
@@ -19,8 +19,7 @@ from pathlib import Path
 
 from benchmarks.house.drawing import drawn
 from benchmarks.house.figures import Figure, figures
-from benchmarks.house.files import page
-from benchmarks.house.tree import PACKAGES, read
+from benchmarks.house.tree import PACKAGES
 
 ROOT = Path(__file__).resolve().parents[2]
 
@@ -46,16 +45,11 @@ def main(words: list[str] | None = None) -> int:
     parser.add_argument("--list", action="store_true", help="what was found, and where")
     parser.add_argument("--format", choices=("text", "json"), default="text")
     parser.add_argument("--graph", type=Path, help="draw the folders into this SVG file instead")
-    parser.add_argument("--files", type=Path, help="write this page of all files instead")
     parser.add_argument("--root", type=Path, default=ROOT, help="the folder to count in")
     options = parser.parse_args(words)
     root = options.root.resolve()
-    if options.graph is not None or options.files is not None:
-        shipped = read(root, PACKAGES)
-        if options.graph is not None:
-            options.graph.write_text(drawn(shipped), encoding="utf-8")
-        if options.files is not None:
-            options.files.write_text(page(shipped), encoding="utf-8")
+    if options.graph is not None:
+        options.graph.write_text(drawn(PACKAGES), encoding="utf-8")
         return 0
     found = figures(root)
     if options.format == "json":

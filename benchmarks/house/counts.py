@@ -1,4 +1,4 @@
-"""What one file after the other shows: long functions, wide kernels, crowded folders.
+"""What one file after the other shows: long functions, crowded folders.
 
 Each function returns a sentence for everything that goes beyond the limit, in the files' order.
 A kernel is a function under a decorator of numba's (``njit`` or ``jit``). A function's length is
@@ -8,18 +8,10 @@ from its ``def`` to its last line, with the docstring and without the decorators
 from __future__ import annotations
 
 import ast
-import json
-import re
-import subprocess
-import sys
 from collections import Counter
-from collections.abc import Iterable, Sequence
-from pathlib import Path
+from collections.abc import Iterable
 
 from benchmarks.house.tree import File, Function
-
-REASON = re.compile(r"#\s*noqa:\s*C901\s*(?:[-:#(]\s*)?(\w.{9,})")
-"""An exemption from the limit on complexity, with a reason of ten letters at least."""
 
 
 def is_kernel(function: Function) -> bool:
@@ -29,22 +21,6 @@ def is_kernel(function: Function) -> bool:
         if name in ("njit", "jit"):
             return True
     return False
-
-
-def parameters(function: Function) -> int:
-    given = function.args
-    several = (given.vararg, given.kwarg)
-    alone = len(given.posonlyargs) + len(given.args) + len(given.kwonlyargs)
-    return alone + sum(one is not None for one in several)
-
-
-def wide_kernels(files: Iterable[File], limit: int) -> list[str]:
-    return [
-        f"{file.path}:{function.lineno}: {function.name} takes {parameters(function)} parameters"
-        for file in files
-        for function in file.functions()
-        if is_kernel(function) and parameters(function) > limit
-    ]
 
 
 def long_functions(files: Iterable[File], limit: int) -> list[str]:
@@ -76,21 +52,3 @@ def short_kernel_files(files: Iterable[File], limit: int) -> list[str]:
         and file.lines < limit
         and any(is_kernel(function) for function in file.functions())
     ]
-
-
-def complex_functions(root: Path, folders: Sequence[str], limit: int) -> list[str]:
-    """Functions that ruff calls too complex, but for those whose exemption names its reason."""
-    command = [
-        *(sys.executable, "-m", "ruff", "check", "--isolated", "--no-cache", "--ignore-noqa"),
-        *("--select", "C901", "--config", f"lint.mccabe.max-complexity={limit}"),
-        *("--output-format", "json", "--exit-zero", *folders),
-    ]
-    answer = subprocess.run(command, cwd=root, capture_output=True, text=True, check=True)
-    found = []
-    for one in json.loads(answer.stdout):
-        path = Path(one["filename"])
-        row = one["location"]["row"]
-        if not REASON.search(path.read_text(encoding="utf-8").splitlines()[row - 1]):
-            inside = path.relative_to(root.resolve()).as_posix()
-            found.append(f"{inside}:{row}: {one['message']}")
-    return sorted(found)

@@ -15,7 +15,6 @@ import networkx as nx
 
 from benchmarks.house.imports import child, folder_graph, module_graph
 from benchmarks.house.layers import Layout, laid_out
-from benchmarks.house.tree import File
 
 ROWS = (("navigation", "vision"), ("planner", "firmware_protocol"))
 """The frames, from the top."""
@@ -66,18 +65,14 @@ class Frame:
         return TITLE_PX + FLOOR_PX * (floors - 1) + BOX_PX + MARGIN_PX
 
 
-def drawn(files: Sequence[File]) -> str:
-    """The picture of every package that the files hold, in ROWS' order, others below."""
-    modules = module_graph(files)
-    packages = {file.package for file in files}
-    known = [name for row in ROWS for name in row]
-    rows = [[name for name in row if name in packages] for row in ROWS]
-    rows += [[name] for name in sorted(packages.difference(known))]
+def drawn(packages: Sequence[str]) -> str:
+    """The picture of these packages, all in ``ROWS``."""
+    modules = module_graph(packages)
     y, parts, width = MARGIN_PX, [], 0.0
-    for row in rows:
+    for row in ([name for name in row if name in packages] for row in ROWS):
         x, height = MARGIN_PX, 0.0
         for name in row:
-            frame = framed(name, files, modules)
+            frame = framed(name, modules)
             parts += frame_drawn(frame, x, y)
             x += frame.width_px + MARGIN_PX
             height = max(height, frame.height_px)
@@ -94,9 +89,9 @@ def drawn(files: Sequence[File]) -> str:
     return "\n".join([head, f"<style>{STYLE}</style>", marker, *parts, "</svg>", ""])
 
 
-def framed(name: str, files: Sequence[File], modules: nx.DiGraph) -> Frame:
+def framed(name: str, modules: nx.DiGraph) -> Frame:
     graph = folder_graph(modules, name)
-    folders = {file.module for file in files if file.is_init}
+    folders = {module.rpartition(".")[0] for module in modules}
     labels = {part: part.rpartition(".")[2] + ("" if part in folders else ".py") for part in graph}
     widths = {part: LETTER_PX * len(label) + 16.0 for part, label in labels.items()}
     return Frame(name, labels, laid_out(graph, widths), needs_of(name, modules))

@@ -6,14 +6,11 @@ from collections.abc import Iterable
 from dataclasses import dataclass
 from pathlib import Path
 
-from benchmarks.house import counts, documents
+from benchmarks.house import counts
 from benchmarks.house.constants import NamedNumber, named_numbers
-from benchmarks.house.imports import circles
 from benchmarks.house.tree import ALL, PACKAGES, File, read
 
-MOST_PARAMETERS = 10
 MOST_FUNCTION_LINES = 80
-MOST_COMPLEXITY = 15
 MOST_FILES = 15
 MOST_FILE_LINES = 400
 LEAST_FILE_LINES = 40
@@ -35,23 +32,15 @@ class Figure:
 
 
 def figures(root: Path) -> list[Figure]:
-    """Count everything below a root; needs ruff, which ``make install-dev`` brings."""
+    """Count everything below a root."""
     files = read(root, ALL)
     shipped = [file for file in files if file.package in PACKAGES]
     found = {
-        f"kernels with more than {MOST_PARAMETERS} parameters": counts.wide_kernels(
-            shipped, MOST_PARAMETERS
-        ),
         f"functions over {MOST_FUNCTION_LINES} lines": counts.long_functions(
             files, MOST_FUNCTION_LINES
         ),
-        f"functions of complexity above {MOST_COMPLEXITY} without a reason": (
-            counts.complex_functions(root, PACKAGES, MOST_COMPLEXITY)
-        ),
         f"folders above {MOST_FILES} Python files": counts.crowded_folders(files, MOST_FILES),
         f"files above {MOST_FILE_LINES} lines": counts.long_files(files, MOST_FILE_LINES),
-        "source files named by no document": documents.unnamed(shipped, documents.texts(root)),
-        "import circles between folders": circles(shipped),
     }
     numbers = list(named_numbers(file for file in shipped if str(file.path).startswith(TUNED)))
     found["named numbers of outlines and binarisation without a source"] = [

@@ -17,8 +17,7 @@ from benchmarks.house.tree import File
 HEAD = """# Every source file
 
 What each file of the four packages is for, in the first sentence of its own docstring.
-`python -m benchmarks.house --files docs/files.md` writes this page; a test fails where it is not
-what the files say. [How they work together](architecture.md).
+[How they work together](architecture.md).
 """
 
 

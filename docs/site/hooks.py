@@ -1,5 +1,6 @@
 """What the documentation site checks and adapts while MkDocs builds it.
 
+- A page of every source file is made of the first sentences of their docstrings.
 - A public name (in a package's ``__all__``) that no reference page documents stops the build.
 - A link from a page to a file of the repository outside ``docs/`` has to exist; the site has no
   such page, so that the link becomes plain text.
@@ -15,6 +16,10 @@ from pathlib import Path
 from typing import Any
 
 from mkdocs.exceptions import PluginError
+from mkdocs.structure.files import File, Files
+
+from benchmarks.house.files import page as page_of_files
+from benchmarks.house.tree import read
 
 ROOT = Path(__file__).parents[2]
 PACKAGES = ("vision", "planner", "firmware_protocol", "navigation")
@@ -49,6 +54,12 @@ def on_pre_build(**_: Any) -> None:
     """Stop where the reference is not complete."""
     if missing := undocumented():
         raise PluginError(f"docs/reference documents no {', '.join(missing)}: add `::: NAME`")
+
+
+def on_files(files: Files, *, config: Any) -> None:
+    """The page of every source file."""
+    content = page_of_files(read(ROOT, PACKAGES))
+    files.append(File.generated(config, "files.md", content=content))
 
 
 def on_page_markdown(markdown: str, *, page: Any, **_: Any) -> str:
