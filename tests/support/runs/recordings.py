@@ -24,12 +24,13 @@ from navigation.loop.stages import plan_settings
 from navigation.mission.cycle import PlanRequest
 from navigation.mission.mission import Station
 from navigation.recording.events import PlanAnswered, PlanAsked, RoadmapBuilt, SceneSeen
+from navigation.run.calibrations import shown_calibration
 from navigation.run.virtual_run import run_virtually
 from navigation.simulator.arena import load_arena
 from navigation.simulator.picture.camera import make_camera
 from navigation.simulator.settings import true_start_of
+from tests.support.runs.light_camera import in_small_pictures
 from tests.support.waiting import wait_until
-from vision.calibration.calibration_file import load_calibration
 from vision.markers.markers import MarkerTracker
 
 CONFIGS = Path(__file__).parents[3] / "configs"
@@ -51,8 +52,7 @@ class RecordedBench:
 
     def __init__(self, config: Config, folder: Path) -> None:
         self.config, self.now_s = config, 1000.0
-        assert config.camera.calibration is not None
-        calibration = load_calibration(config.camera.calibration)
+        calibration = shown_calibration(config, None)
         self.arena = load_arena(config)
         self.start = true_start_of(config)
         driven = [(config.robot, lambda: self.start)]
@@ -107,8 +107,8 @@ class RecordedBench:
 def make_recording(
     folder: Path, each: Callable[[RecordedBench], None], **recording: Any
 ) -> list[Path]:
-    """The files of a recording of what ``each`` does with the bench."""
-    bench = RecordedBench(recording_config(**recording), folder)
+    """The files of a recording, of small pictures, of what ``each`` does with the bench."""
+    bench = RecordedBench(in_small_pictures(recording_config(**recording)), folder)
     with bench.recorder:
         each(bench)
     return sorted(folder.glob("*.mcap"))
@@ -132,7 +132,7 @@ def record_alcove(
     folder: Path, until: Callable[[Daemon, RunState], bool], **recording: Any
 ) -> list[Path]:
     """The files of a recording of two robots in a corridor with one niche, ``until`` says so."""
-    config = load_config(CONFIGS / "alcove.yaml", {})
+    config = in_small_pictures(load_config(CONFIGS / "alcove.yaml", {}))
     changed = config.recording.model_copy(update=recording)
 
     def look(daemon: Daemon, now: RunState) -> bool:
