@@ -12,11 +12,7 @@ from typing import Protocol
 
 import pytest
 
-from navigation.dashboard.messages.geometry import world_message
-from navigation.dashboard.messages.heat import heat_message
-from navigation.mission.mission import Station
 from planner.roadmap.roadmap import Roadmap
-from planner.scene import Bounds
 from tests.browser.programs.served import PATIENCE_S, ShownProgram
 from tests.support.runs.shown import FakeDaemon, laboratory
 
@@ -79,13 +75,8 @@ def browser(chromium: tuple[Browser, asyncio.AbstractEventLoop]) -> Iterator[Bro
 
 @pytest.fixture(scope="session")
 def roadmap() -> Roadmap:
-    """The roadmap of the shipped arena; what the page shows of it is compiled, so that no test
-    waits for that."""
-    roadmap = laboratory()
-    world_message(roadmap, 1)
-    heat_message(roadmap, Bounds(0.0, 0.0, 2.4, 1.8), 1)
-    FakeDaemon(roadmap=roadmap).people.preview((Station(0.30, 1.50),))
-    return roadmap
+    """The roadmap of the shipped arena."""
+    return laboratory()
 
 
 @pytest.fixture
