@@ -21,6 +21,7 @@ from numpy.typing import NDArray
 from vision.calibration.calibration import Calibration
 
 Array = NDArray[np.float64]
+IntArray = NDArray[np.int64]
 LIGHT, DARK = 200.0, 35.0
 NO_RAY = 1e6
 _TERM = (cv2.TERM_CRITERIA_COUNT + cv2.TERM_CRITERIA_EPS, 20, 1e-12)
@@ -142,15 +143,25 @@ def picture(
     width, height = camera.size
     image = np.full((height, width), LIGHT)
     for paint, (x0, y0, x1, y1) in painted:
-        fine = (np.arange(samples) + 0.5) / samples - 0.5
-        xs = (np.arange(x0, x1)[:, None] + fine).ravel()
-        ys = (np.arange(y0, y1)[:, None] + fine).ravel()
-        points = np.stack(np.meshgrid(xs, ys), axis=-1).reshape(-1, 2)
-        dark = paint(camera.places(points, height_m)).reshape(len(ys), len(xs))
-        share = dark.reshape(y1 - y0, samples, x1 - x0, samples).mean(axis=(1, 3))
+        pixels = np.meshgrid(np.arange(x0, x1), np.arange(y0, y1))
+        dark = lambda points, paint=paint: paint(camera.places(points, height_m))  # noqa: E731
+        share = _share(dark, samples, *pixels)
         image[y0:y1, x0:x1] += (DARK - LIGHT) * share
     image = cv2.GaussianBlur(image, (0, 0), blur) + rng.normal(0.0, noise, image.shape)
     return np.clip(np.round(image), 0, 255).astype(np.uint8)
+
+
+def _share(dark: Paint, samples: int, xs: IntArray, ys: IntArray) -> Array:
+    """Dark shares of pixels (h, w): of many samples where the pixels around are not all alike."""
+    share = dark(np.column_stack([xs.ravel(), ys.ravel()])).reshape(xs.shape)
+    around = np.ones((5, 5), np.uint8)
+    mixed = cv2.dilate(share, around) != cv2.erode(share, around)
+    fine = (np.arange(samples) + 0.5) / samples - 0.5
+    offsets = np.stack(np.meshgrid(fine, fine), axis=-1).reshape(-1, 2)
+    pixels = np.column_stack([xs[mixed], ys[mixed]])
+    points = (pixels[:, None] + offsets).reshape(-1, 2)
+    share[mixed] = dark(points).reshape(len(pixels), -1).mean(axis=1)
+    return share
 
 
 def window_around(pixels: Array, size: tuple[int, int], rim: int = 12) -> tuple[int, int, int, int]:
