@@ -92,12 +92,15 @@ def coverage(outlines: Sequence[Points], size: tuple[int, int], lines: int = LIN
     rows, xs = rows[order], xs[order]
     first = np.searchsorted(rows, rows)
     sign = np.where((np.arange(len(rows)) - first) % 2 == 0, -1.0, 1.0)
-    pixels = np.arange(left, right) - 0.5
-    out = np.zeros((bottom - top, right - left))
-    for row in range(bottom - top):
-        a, b = np.searchsorted(rows, [row * lines, (row + 1) * lines])
-        ramp = np.clip(xs[a:b, None] - pixels[None, :], 0.0, 1.0)
-        out[row] = sign[a:b] @ ramp / lines
+    # what lies left of a crossing: all of some pixels, and a share of one
+    high, wide = bottom - top, right - left
+    along = np.clip(xs - (left - 0.5), 0.0, wide)
+    whole = np.floor(along).astype(np.int64)
+    cell, shape = rows // lines * (wide + 1) + whole, (high, wide + 1)
+    share = np.bincount(cell, sign * (along - whole), high * (wide + 1)).reshape(shape)
+    steps = np.bincount(cell, sign, high * (wide + 1)).reshape(shape)
+    filled = np.cumsum(steps[:, :0:-1], axis=1)[:, ::-1]
+    out = (filled + share[:, :-1]) / lines
     total[top:bottom, left:right] = out
     return total
 
