@@ -27,6 +27,13 @@ $(VENV)/.installed-dev: pyproject.toml | $(BIN)/python
 	$(BIN)/python -m pip install --quiet --disable-pip-version-check --editable '.[dev]'
 	@touch $@ $(VENV)/.installed
 
+# Compiled once, in two processes: each worker of the tests would compile its own.
+KERNELS = $(shell grep -rlE "njit" vision planner --include='*.py')
+$(VENV)/.kernels: $(VENV)/.installed-dev $(KERNELS)
+	@echo "compiling the kernels that are missing"
+	@$(BIN)/python -m navigation.run.kernels.rehearsal
+	@touch $@
+
 install: $(VENV)/.installed ## make .venv with .venv/bin/clearway
 
 install-dev: $(VENV)/.installed-dev ## the same with the tools for developers
@@ -41,7 +48,7 @@ run: $(VENV)/.installed ## the whole loop on a simulated arena
 WORKERS ?= $(shell expr $$(nproc) + 1)
 TIMED_WORKERS ?= 1
 TIMED = $(shell grep -rlE "mark\.timed" tests --include='test_*.py')
-test: $(VENV)/.installed-dev ## every test
+test: $(VENV)/.kernels ## every test
 	OPENBLAS_NUM_THREADS=1 OPENCV_FOR_THREADS_NUM=1 $(BIN)/python -m pytest --numprocesses $(WORKERS) \
 	  --dist loadfile --no-loadscope-reorder -m "not timed"
 	$(BIN)/python -m pytest --numprocesses $(TIMED_WORKERS) --maxschedchunk 1 -m timed $(TIMED)

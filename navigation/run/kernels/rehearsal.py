@@ -1,10 +1,12 @@
 """Everything that needs kernels, once on small examples: what is compiled ahead is what this uses.
 
 The warm-up of a run needs less; a command or a script may need any of this.
+``python -m navigation.run.kernels.rehearsal`` compiles it all beside the sources.
 """
 
 from __future__ import annotations
 
+import sys
 from typing import Any
 
 import cv2
@@ -14,7 +16,8 @@ from numpy.typing import NDArray
 import planner
 import vision
 from navigation.config import Config
-from navigation.run.kernels.warm_up import compile_eye, compile_planner
+from navigation.run.kernels.compiling import compile_parts
+from navigation.run.kernels.warm_up import compile_eye, compile_planner, say_now_and_then
 from planner.scene import Bounds, Scene
 from vision.binarise import METHODS, POLARITIES
 from vision.camera.camera import Image
@@ -114,3 +117,14 @@ def _coloured(rng: np.random.Generator) -> Image:
     cv2.circle(picture, (110, 70), 20, (220, 60, 40), -1)
     noisy = picture + rng.normal(0.0, 2.0, picture.shape)
     return np.clip(noisy, 0, 255).astype(np.uint8)
+
+
+def main() -> int:
+    """Compile what is missing beside the sources; 1 where a part failed."""
+    parts = {"eye": (rehearse_eye, ()), "planner": (rehearse_planner, ())}
+    last = say_now_and_then(compile_parts(parts), print)
+    return 1 if last.failed else 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())

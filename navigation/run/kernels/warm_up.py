@@ -64,18 +64,26 @@ def warm_up(config: Config, say: Callable[[str], None]) -> None:
     """Run eye, roadmap, plan, smoothing and timing; ``say`` gets a line of news at a time."""
     if kernels_are_cold():
         say("compiling the kernels, once on this machine: some minutes")
-        shown_s = 0.0
-        for progress in compile_kernels(config):
-            if progress.passed_s - shown_s >= SAY_EVERY_S:
-                shown_s = progress.passed_s
-                say(f"  {progress}")
-        if progress.failed:
-            say(f"  {' and '.join(progress.failed)} not compiled: it is done here")
-        say(f"  {progress.done} kernels compiled after {progress.passed_s:.0f} s")
+        say_now_and_then(compile_kernels(config), say)
     # loads what has been compiled, and compiles what could not be
     _run_planner(_see(config))
     if config.robots:
         plan_together(config)
+
+
+def say_now_and_then(
+    compilation: Iterator[CompileProgress], say: Callable[[str], None]
+) -> CompileProgress:
+    """Compile to the end, with a line every ``SAY_EVERY_S``; how far it came."""
+    shown_s = 0.0
+    for progress in compilation:
+        if progress.passed_s - shown_s >= SAY_EVERY_S:
+            shown_s = progress.passed_s
+            say(f"  {progress}")
+    if progress.failed:
+        say(f"  {' and '.join(progress.failed)} not compiled: it is done here")
+    say(f"  {progress.done} kernels compiled after {progress.passed_s:.0f} s")
+    return progress
 
 
 def compile_kernels(config: Config) -> Iterator[CompileProgress]:
