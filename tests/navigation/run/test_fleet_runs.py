@@ -15,17 +15,18 @@ from navigation.mission.mission import MissionError, Station
 from navigation.mission.mission import State as MissionState
 from navigation.run.virtual_run import run_virtually
 from navigation.run.virtual_world import VirtualTimes, VirtualWorld
+from tests.support.runs.light_camera import in_small_pictures
 
 CONFIGS = Path(__file__).parents[3] / "configs"
 ALCOVE = load_config(CONFIGS / "alcove.yaml", {})
+SMALL = in_small_pictures(ALCOVE)
 
 
-def open_hall(*names: str, **simulation: object) -> Config:
+def open_hall(*names: str, base: Config = ALCOVE, **simulation: object) -> Config:
     """The alcove's robots, as many as there are names, in an arena without obstacles."""
     starts = {"a": (0.3, 0.3, 0.0), "b": (2.1, 0.3, 180.0), "c": (1.2, 1.5, -90.0)}
     goals = {"a": (2.1, 0.9), "b": (0.3, 0.9), "c": (1.2, 0.3)}
-    config = ALCOVE.model_dump(mode="json", exclude_none=True)
-    assert ALCOVE.camera.calibration is not None
+    config = base.model_dump(mode="json", exclude_none=True)
     config["robots"] = [{"name": name, "marker_id": i + 1} for i, name in enumerate(names)]
     config["mission"]["robots"] = [
         {"name": name, "stations": [dict(zip(("x_m", "y_m"), goals[name], strict=True))]}
@@ -44,7 +45,7 @@ def open_hall(*names: str, **simulation: object) -> Config:
 
 def test_two_robots_meet_in_a_corridor_and_one_gives_way_in_the_niche() -> None:
     """With pictures: that each robot's marker is told from the other's, side by side."""
-    report = run_virtually(ALCOVE)
+    report = run_virtually(SMALL)
     assert report.state == "done"
     assert {one.state for one in report.robots.values()} == {"done"}
     assert report.least_gap_m is not None
@@ -169,7 +170,7 @@ def test_a_second_marker_of_one_robot_stops_it_and_the_other_keeps_clear(picture
         return now.time_s > 12.0
 
     report = run_virtually(
-        open_hall("a", "b", time_limit_s=80.0), meet=meet, look=look, pictures=pictures
+        open_hall("a", "b", base=SMALL, time_limit_s=80.0), meet=meet, look=look, pictures=pictures
     )
     assert "marker" in sentence
     assert "is seen at" in sentence
@@ -223,7 +224,7 @@ def test_every_fleet_that_is_shipped_has_a_robot_a_goal_and_a_start_each(name: s
 def test_a_knocked_camera_holds_all_robots_until_it_is_back() -> None:
     """With pictures: that fixed points have moved in them."""
     knock = {"from_s": 3.0, "until_s": 6.0, "tilt_deg": (0.3, 0.0)}
-    values = ALCOVE.model_dump()
+    values = SMALL.model_dump()
     values["simulation"]["camera"]["knocks"] = [knock]
     config = Config.model_validate(values)
     held: list[set[bool]] = []
