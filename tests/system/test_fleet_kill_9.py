@@ -12,6 +12,7 @@ import yaml
 from navigation.recording.files import recordings_in
 from navigation.recording.reader import read_recording
 from tests.navigation.loop.test_fleet_kill import hall
+from tests.support.runs.light_camera import in_small_pictures
 from tests.system.test_kill_9 import PROGRAM, kill_when_said
 
 pytestmark = pytest.mark.slow
@@ -28,7 +29,8 @@ def run(folder: Path) -> subprocess.Popen[str]:
 
 
 def test_a_killed_run_of_two_robots_continues_both_missions(tmp_path: Path) -> None:
-    config = hall(tmp_path / "journal", "ab").model_dump(mode="json", exclude_none=True)
+    small = in_small_pictures(hall(tmp_path / "journal", "ab"))
+    config = small.model_dump(mode="json", exclude_none=True)
     config["camera"]["rate_hz"] = 10.0  # which a busy machine keeps up with
     config["simulation"]["time_limit_s"] = 90.0
     for one in config["mission"]["robots"]:
