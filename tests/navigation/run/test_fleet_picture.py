@@ -15,10 +15,13 @@ from navigation.run.run_folder import write_picture
 from navigation.run.run_report import summarise_run
 from navigation.run.runner import Runner
 from navigation.run.virtual_run import run_virtually
+from tests.support.runs.light_camera import in_small_pictures
 
 CONFIGS = Path(__file__).parents[3] / "configs"
 ALCOVE = load_config(CONFIGS / "alcove.yaml", {})
 SECONDS = 4.0
+LIMIT_S = 10.0
+"""Of a run in real time: too short to arrive, and long enough to set off on a busy computer."""
 
 
 def test_each_robot_has_its_track_in_its_own_colour_and_the_length_that_it_drove(
@@ -52,10 +55,11 @@ def test_each_robot_has_its_track_in_its_own_colour_and_the_length_that_it_drove
 
 
 def test_a_run_leaves_it_beside_its_report(tmp_path: Path) -> None:
-    assert ALCOVE.simulation is not None
-    simulation = ALCOVE.simulation.model_copy(update={"time_limit_s": SECONDS})
+    small = in_small_pictures(ALCOVE)
+    assert small.simulation is not None
+    simulation = small.simulation.model_copy(update={"time_limit_s": LIMIT_S})
     recording = ALCOVE.recording.model_copy(update={"runs_dir": tmp_path, "journal": None})
-    config = ALCOVE.model_copy(update={"simulation": simulation, "recording": recording})
+    config = small.model_copy(update={"simulation": simulation, "recording": recording})
     socket = tmp_path / "socket"
     runner = Runner(config, once=True, say=lambda _: None, socket=socket, dashboard=False)
     result = runner.run()
