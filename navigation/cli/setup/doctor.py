@@ -208,14 +208,14 @@ def _port(config: Config) -> Iterator[Finding]:
     """Each robot's line, and who else takes such ports."""
     from dataclasses import replace
 
-    from navigation.config.several.each_robot import each_robot, robots_of
+    from navigation.config.several.each_robot import robots_of
     from navigation.machine import doctor
 
-    found = [] if config.robots else list(_one_port(config))
-    for name, one in each_robot(config).items():
-        found += [replace(finding, name=f"{finding.name} {name}") for finding in _one_port(one)]
-    yield from found
-    if any(_device_of(one) is not None for one in robots_of(config).values()):
+    robots = robots_of(config)
+    for name, one in robots.items():
+        for finding in _one_port(one):
+            yield replace(finding, name=f"{finding.name} {name}".rstrip())
+    if any(_device_of(one) is not None for one in robots.values()):
         yield from doctor.check_port_takers(doctor.running_programs())
 
 
