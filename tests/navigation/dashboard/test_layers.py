@@ -5,6 +5,7 @@ import json
 import cv2
 import numpy as np
 
+import planner
 from navigation.dashboard.messages.camera_view import CameraView
 from navigation.dashboard.messages.heat import BLOCKED, CELLS, TIGHT, heat_message
 from navigation.dashboard.messages.packed import unpack
@@ -103,6 +104,7 @@ def test_they_are_made_only_while_somebody_looks(site: Site) -> None:
         page.send(type="ping", id=1)
         page.hear("pong")
         made = hub.pictures["camera"][1], hub.heat_number
-        site.daemon.show(frame=frame(20), roadmap=laboratory())
+        another = planner.build_roadmap(laboratory().scene, RADIUS_M)
+        site.daemon.show(frame=frame(20), roadmap=another)
         assert wait_until(lambda: hub.world_number == 2)
         assert (hub.pictures["camera"][1], hub.heat_number) == made

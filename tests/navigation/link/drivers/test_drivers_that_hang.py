@@ -22,13 +22,13 @@ from tests.support.robots.troubled_drivers import (
 )
 from tests.support.waiting import wait_until
 
-pytestmark = pytest.mark.slow
+pytestmark = pytest.mark.timed
+"""A driver without a beat for 0.2 s is ended: beside other workers that happens to every one."""
 
 HANGS = [*((name, "frozen") for name in KNOWN_ROBOTS), *(("create2", one) for one in TROUBLES[1:])]
 """Each maker's stop, and each trouble; `python -m benchmarks.robots --hung` measures all pairs."""
 
 
-@pytest.mark.timed  # a third of a second after the last beat, by the wall's clock
 @pytest.mark.parametrize(("name", "trouble"), HANGS)
 def test_a_robot_stands_within_0_3_s_of_its_drivers_last_beat(name: str, trouble: str) -> None:
     measured = drive_into(trouble, name)
@@ -53,7 +53,6 @@ def test_a_driver_that_was_ended_is_started_again_and_drives_nothing(
         assert bench.twin.pose().x_m == pytest.approx(where, abs=0.002)
 
 
-@pytest.mark.timed  # the last words of a program may take a second
 @pytest.mark.parametrize("name", ["create2", "epuck2"])
 def test_a_program_that_ends_while_its_driver_hangs_leaves_a_robot_that_stands(name: str) -> None:
     with driven(name) as bench:
