@@ -51,10 +51,10 @@ class DriverRig(Rig):
         """Processes that have to be gone at the end."""
         self._things.callback(self._end_watched)
 
-    def driver(self) -> int:
-        """The driver's process."""
+    def driver(self) -> int | None:
+        """The driver's process; None between one that was ended and the next."""
         mine = children(self.daemon.popen.pid)
-        return next(pid for pid, words in mine.items() if "spawn_main" in words)
+        return next((pid for pid, words in mine.items() if "spawn_main" in words), None)
 
     def at_speed(self) -> None:
         """Wait until the robot drives fast and straight on."""
@@ -64,11 +64,20 @@ class DriverRig(Rig):
 
     def hurt(self, number: signal.Signals) -> None:
         """Send a signal to the driver while the robot drives; the first is what counts."""
-        self.at_speed()
-        pid = self.driver()
+        pid = self._driver_at_speed()
         self._hurt_s = time.monotonic()
         os.kill(pid, number)
         self._watched.add(pid)
+
+    def _driver_at_speed(self) -> int:
+        """The process that drives a robot fast; a loaded computer may have ended one before it."""
+        until_s = time.monotonic() + PATIENCE_S
+        while time.monotonic() < until_s:
+            self.at_speed()
+            pid = self.driver()
+            if pid is not None:
+                return pid
+        raise ProcessError("the robot never drove fast with a driver that lives")
 
     def end_program(self) -> None:
         """End it by SIGTERM, as a service manager does."""
