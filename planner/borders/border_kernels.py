@@ -179,7 +179,7 @@ def _ranges(owner, begin, end, objects):
     return first, count
 
 
-@njit(**OWNING, error_model="numpy")
+@njit(**OWNING, error_model="numpy", inline="always")
 def patch_borders(kept, objects, old, came, fresh):
     """The pieces of objects that were there before, of new ones, and of the old bounds.
 

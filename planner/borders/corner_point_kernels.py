@@ -69,7 +69,7 @@ def without_repeats(kind, data, border, backwards, tolerance):
     return out_kind, out, keep
 
 
-@njit(**OWNING)
+@njit(**OWNING, inline="always")
 def link_borders(kind, data, border, is_hole, backwards, tolerance):
     """How the primitives of every border join.
 

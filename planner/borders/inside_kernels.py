@@ -94,7 +94,7 @@ def _in_order(kind, data, runs, objects):
     return runs[np.argsort(code)]
 
 
-@njit(**OWNING)
+@njit(**OWNING, inline="always")
 def index_closed(pieces):
     """The index of the closed borders among the pieces (:class:`ClosedBorders`). O(n log n)."""
     objects = np.int64(0)

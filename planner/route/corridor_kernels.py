@@ -71,7 +71,7 @@ def _roundness(kind, data, piece, keep):
     return 1.0
 
 
-@njit(**OWNING)
+@njit(**OWNING, inline="always")
 def portals(kind, data, points, pairs, keep, least_cosine, tolerance):
     """The portals (n, 4) of a route, so dense that feet turn by little from one to the next.
 
@@ -156,7 +156,7 @@ def between(gates, sx, sy, gx, gy):
     return first, last
 
 
-@njit(**OWNING)
+@njit(**OWNING, inline="always")
 def funnel(gates, sx, sy, gx, gy):
     """The shortest polyline from s to g through all portals in order.
 
@@ -202,7 +202,7 @@ def funnel(gates, sx, sy, gx, gy):
     return out[: m + 1]
 
 
-@njit(**OWNING)
+@njit(**OWNING, inline="always")
 def pull_taut(tree, points, pairs, keep, need, tolerance):
     """The taut polyline along a route; empty where it cannot be proved to keep ``need``.
 

@@ -194,7 +194,7 @@ def _bar_told(table, told, entry, way, at, barred, to_cost):
             to_cost[int(routes[k, EXIT])] = np.inf
 
 
-@njit(**OWNING)
+@njit(**OWNING, inline="always")
 def _first_routes(query, start, goal, wanted):
     """The cheapest route, and those within one chain, in a new table; and the work."""
     least = np.full(wanted, np.inf)
@@ -295,7 +295,7 @@ def _leave(query, table, told, pick, most, work, budget):
     return table, work
 
 
-@njit(**OWNING)
+@njit(**OWNING, inline="always")
 def _seek(query, table, told, row, most):
     """The cheapest way on from where a route was left, in the table, and the work.
 

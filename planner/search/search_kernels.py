@@ -135,7 +135,7 @@ def pushed(keys, items, size, key, item):
     return keys, items
 
 
-@njit(**OWNING)
+@njit(**OWNING, inline="always")
 def costs_from(graph, floor, start, goal):
     """What the cheapest way from the start's gates to every node costs (n,), inf where none leads.
 

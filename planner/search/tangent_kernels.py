@@ -228,7 +228,7 @@ def _is_worse(place, p, r, side, a, cost):
     return False
 
 
-@njit(**OWNING)
+@njit(**OWNING, inline="always")
 def _queued(queue, discs, t, reach, longest):
     """The queue with the tangents from where item t's ends, and the arc of ``reach`` behind it.
 

@@ -6,7 +6,7 @@
 - A kernel fits if its source, all sources of ours that it imports, and the versions of numba and
   LLVM are those that it was compiled from (``source_stamp``). Numba's own check is of one file.
 
-Extends numba's cache by a locator (numba.core.caching), its one place for that.
+Numba looks for the locator by its own setting for that, ``NUMBA_CACHE_LOCATOR_CLASSES``.
 """
 
 from __future__ import annotations
@@ -22,10 +22,7 @@ from pathlib import Path
 from typing import Any
 
 import numba
-from numba.core import caching
 
-from planner.shared.kernel_compiler import compile_in_parts
-from planner.shared.kernel_loader import load_lightly
 from planner.shared.processor import choose_processor
 from planner.shared.source_stamp import stamp_of
 
@@ -37,13 +34,22 @@ SHIPPED = Path(__file__).parents[1] / "compiled"
 LABEL = "label.txt"
 """Beside shipped kernels: the versions that they were made by, and a digest of their sources."""
 CONFIG: Any = numba.config
-FORMAT = 2
-"""Of what is kept of a kernel: one more with every change that older programs cannot read."""
-VERSIONS = f"numba {numba.__version__}, llvmlite {version('llvmlite')}, format {FORMAT}"
+VERSIONS = f"numba {numba.__version__}, llvmlite {version('llvmlite')}"
+USUAL_LOCATORS = (
+    "UserProvidedCacheLocator",
+    "InTreeCacheLocator",
+    "UserWideCacheLocator",
+    "IPythonCacheLocator",
+    "ZipCacheLocator",
+)
+"""The locators that numba asks by default, in its order."""
 
 
-class KernelLocator(caching._CacheLocator):
-    """The cache of one kernel of ours: its folder, and the stamp of all that it depends on."""
+class KernelLocator:
+    """The cache of one kernel of ours: its folder, and the stamp of all that it depends on.
+
+    Has the methods that numba asks of a locator.
+    """
 
     def __init__(self, py_func: Callable[..., Any], py_file: str) -> None:
         self._py_file = py_file
@@ -55,6 +61,10 @@ class KernelLocator(caching._CacheLocator):
         if not _is_kept(py_file, CONFIG.CACHE_DIR):
             return None
         return cls(py_func, py_file)
+
+    def ensure_cache_path(self) -> None:
+        """Make the folder of the cache; raises OSError where it cannot be written."""
+        _make_writable(cache_folder(Path(self._py_file).parent))
 
     def get_cache_path(self) -> str:
         """The folder that this kernel is kept in."""
@@ -75,13 +85,16 @@ def _is_kept(py_file: str, _cache_folder: str) -> bool:
     own = any(Path(py_file).is_relative_to(ROOT / package) for package in PACKAGES)
     if not own or not os.path.exists(py_file):
         return False
-    folder = cache_folder(Path(py_file).parent)
     try:
-        folder.mkdir(parents=True, exist_ok=True)
-        tempfile.TemporaryFile(dir=folder).close()
+        _make_writable(cache_folder(Path(py_file).parent))
     except OSError:  # numba's own locators have more places
         return False
     return True
+
+
+def _make_writable(folder: Path) -> None:
+    folder.mkdir(parents=True, exist_ok=True)
+    tempfile.TemporaryFile(dir=folder).close()
 
 
 @cache
@@ -104,11 +117,13 @@ def prepare_kernels() -> None:
     # Numba (0.60 to 0.68 at least) remembers what it could not infer for as long as a compilation
     # lasts, and sometimes takes for such what it could: the fourth number of a tuple, deep in the
     # fit of outlines, has no type then, and the kernel is refused.
+    CONFIG.reload_config()  # what the environment says by now, or numba takes it up later
     CONFIG.DISABLE_TYPEINFER_FAIL_CACHE = 1
     processor = choose_processor(os.environ)
-    caching.CacheImpl._locator_classes.insert(0, KernelLocator)
-    if load_lightly(KernelLocator):  # which alone reads what is kept of parts
-        compile_in_parts(KernelLocator)
+    own = f"{KernelLocator.__module__}.{KernelLocator.__qualname__}"
+    usual = CONFIG.CACHE_LOCATOR_CLASSES or ",".join(USUAL_LOCATORS)
+    if own not in usual.split(","):
+        CONFIG.CACHE_LOCATOR_CLASSES = f"{own},{usual}"
     if processor is not None:
         with contextlib.suppress(OSError):  # nothing can be written there: numba has more places
             unpack_shipped(SHIPPED / processor)

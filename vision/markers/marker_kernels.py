@@ -207,7 +207,7 @@ def _intersect(
     return True
 
 
-@njit(cache=True, nogil=True, fastmath=False)
+@njit(cache=True, nogil=True, fastmath=False, inline="always")
 def fit_sides(
     grey: NDArray[np.uint8],
     corners: NDArray[np.float64],
@@ -348,7 +348,7 @@ def _most_in_line(points: NDArray[np.float64], use: NDArray[np.bool_]) -> NDArra
     return best
 
 
-@njit(cache=True, nogil=True, fastmath=False)
+@njit(cache=True, nogil=True, fastmath=False, inline="always")
 def _fit_line(
     points: NDArray[np.float64], use: NDArray[np.bool_], out_line: NDArray[np.float64]
 ) -> int:

@@ -190,7 +190,7 @@ def place_pattern(
     return _place_inner(pixels, bits, guess, metric, cell_px, (center, unit_m), out_m)
 
 
-@njit(cache=True, nogil=True, fastmath=False)
+@njit(cache=True, nogil=True, fastmath=False, inline="always")
 def _place_inner(
     pixels: NDArray[np.float64],
     bits: NDArray[np.float64],
@@ -323,7 +323,7 @@ def marker_pixels(
     return collect_pixels(grey, (x0, y0, x1, y1), view, place, state[:6], cells, rim)
 
 
-@njit(cache=True, nogil=True, fastmath=False)
+@njit(cache=True, nogil=True, fastmath=False, inline="always")
 def collect_pixels(
     grey: NDArray[np.uint8],
     box: tuple[int, int, int, int],

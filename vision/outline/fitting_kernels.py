@@ -127,7 +127,7 @@ def fit_borders(
     return count
 
 
-@njit(**LEAF)
+@njit(**LEAF, inline="always")
 def share_out(memory):
     """What each array of the memory for one border is used for: ``Work``."""
     most = memory.most
@@ -152,7 +152,7 @@ def share_out(memory):
     )
 
 
-@njit(**LEAF)
+@njit(**LEAF, inline="always")
 def _fit_border(
     border, cracks, place, budget, held, tolerance, limits, prices, work, finished
 ):  # fmt: skip
@@ -197,7 +197,7 @@ def _fit_border(
     return POLYGON, edges
 
 
-@njit(**LEAF)
+@njit(**LEAF, inline="always")
 def _search_edges(border, cracks, round_cost, budget, tolerance, limits, prices, work):
     """Break a border into edges, and once more where they do not cover it.
 
@@ -255,7 +255,7 @@ def _search_edges(border, cracks, round_cost, budget, tolerance, limits, prices,
     return edges, sound
 
 
-@njit(**LEAF)
+@njit(**LEAF, inline="always")
 def _finish_drawn(border, cracks, edges, budget, one_circle, work, finished):
     """Write edges that separate the pixels of a border without grey; returns their number.
 
@@ -286,7 +286,7 @@ def _finish_drawn(border, cracks, edges, budget, one_circle, work, finished):
     return count
 
 
-@njit(**LEAF)
+@njit(**LEAF, inline="always")
 def _finish_grey(border, edges, sound, budget, tolerance, limits, work, finished):
     """Write edges that cover their border, chords where none do; returns their number."""
     outline = work.outline

@@ -48,7 +48,7 @@ THIRDS = np.int64(3)
 less than half a circle."""
 
 
-@njit(**LEAF)
+@njit(**LEAF, inline="always")
 def circle_of_all(border, cracks, costs, budget, held, price, circle, near):
     """The circle through a whole border: its cost with its price, and whether it nearly fits.
 
@@ -112,7 +112,7 @@ def cut_circle(border, circle, outline):
     return THIRDS
 
 
-@njit(**LEAF)
+@njit(**LEAF, inline="always")
 def write_circle(border, circle, tolerance, place, finished):
     """Write a whole border's circle as its one edge, moved to ``place``."""
     data = finished.rows

@@ -82,7 +82,7 @@ def trace_chains(tri, mask, stale, old):
     return kept, node[:nodes], ends[:chains], first[: chains + 1], link[:links]
 
 
-@njit(**OWNING, error_model="numpy")
+@njit(**OWNING, error_model="numpy", inline="always")
 def _split_chains(mask, stale, old):
     """The chains that are as they were, and the triangles where any other chain may pass."""
     old_mask, old_node, old_ends, old_first, old_link = old

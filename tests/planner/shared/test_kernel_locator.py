@@ -1,11 +1,13 @@
 """Where compiled kernels are found: shipped ones are unpacked once, and every kernel is covered."""
 
+import os
 import subprocess
 import sys
 from functools import cache
 from pathlib import Path
 
 import pytest
+from numba.core import caching
 
 from planner.shared import kernel_locator
 from planner.shared.kernel_locator import LABEL, ROOT, VERSIONS, cache_folder, unpack_shipped
@@ -108,7 +110,6 @@ def test_a_cache_that_cannot_be_written_keeps_the_program_running(
     (tmp_path / "cache").write_text("a file where the folder should be")
     monkeypatch.setattr(kernel_locator, "SHIPPED", shipped.parent)
     monkeypatch.setattr(kernel_locator, "choose_processor", lambda _: shipped.name)
-    monkeypatch.setattr(kernel_locator.caching.CacheImpl, "_locator_classes", [])
     kernel_locator.prepare_kernels()
 
 
@@ -120,3 +121,30 @@ def test_no_kernels_arithmetic_depends_on_who_calls_it_first() -> None:
 def test_numba_does_not_remember_what_it_could_not_infer() -> None:
     """It takes for such what it could, deep in the fit of outlines, and refuses the kernel."""
     assert kernel_locator.CONFIG.DISABLE_TYPEINFER_FAIL_CACHE == 1
+
+
+def test_numbas_usual_locators_follow_ours_in_its_order() -> None:
+    usual = [locator.__name__ for locator in caching.CacheImpl._locator_classes]
+    own, *others = kernel_locator.CONFIG.CACHE_LOCATOR_CLASSES.split(",")
+    assert own == "planner.shared.kernel_locator.KernelLocator"
+    assert others == usual
+
+
+def test_kernels_prepared_twice_have_one_locator_and_keep_what_a_user_chose() -> None:
+    told = subprocess.run(
+        [sys.executable, "-c", TWICE],
+        capture_output=True,
+        text=True,
+        cwd=ROOT,
+        env={**os.environ, "NUMBA_CACHE_LOCATOR_CLASSES": "InTreeCacheLocator"},
+        timeout=120,
+    )
+    assert told.stdout == "planner.shared.kernel_locator.KernelLocator,InTreeCacheLocator\n"
+
+
+TWICE = """
+import planner.scene.compile_options
+from planner.shared.kernel_locator import CONFIG, prepare_kernels
+prepare_kernels()
+print(CONFIG.CACHE_LOCATOR_CLASSES)
+"""

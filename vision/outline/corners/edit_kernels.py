@@ -64,7 +64,7 @@ FLAT = 0.25
 60 px long it rises by less than 2 px (chosen)."""
 
 
-@njit(**LEAF)
+@njit(**LEAF, inline="always")
 def find_edits(border, outline, edges, untouched, blur, costs, prices, edits, change, room):
     """Find the best edit behind every edge: whether any saves something.
 
@@ -196,7 +196,7 @@ def _is_flat(border, outline, lo, hi, e):
     return math.sqrt((px[hi] - px[lo]) ** 2 + (py[hi] - py[lo]) ** 2) < FLAT * outline.shape[e, 2]
 
 
-@njit(**LEAF)
+@njit(**LEAF, inline="always")
 def _try_edit(border, outline, edges, run, kind, blur, costs, prices, edits, change):
     """Note an edit that saves more than the best one known behind its edge: whether it does."""
     points = change.points
@@ -219,7 +219,7 @@ def _try_edit(border, outline, edges, run, kind, blur, costs, prices, edits, cha
     return True
 
 
-@njit(**LEAF)
+@njit(**LEAF, inline="always")
 def _cost_of_edit(border, outline, edges, run, kind, blur, costs, change):
     """What the points of an edit cost with it, HUGE where it cannot be; fills ``points``."""
     if kind == LINE:

@@ -31,7 +31,7 @@ MOVED = 16
 ``vision.outline.corners.crossing_kernels.AROUND`` points beyond it, on either side, and no more."""
 
 
-@njit(**LEAF)
+@njit(**LEAF, inline="always")
 def edit_outline(border, outline, edges, limits, blur_px, costs, prices, room):
     """Take the edits that save most and fit again, until none saves anything: the edges' number."""
     sigma = math.sqrt(blur_px * blur_px + PIXEL_BLUR_PX * PIXEL_BLUR_PX)

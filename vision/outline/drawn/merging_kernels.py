@@ -43,7 +43,7 @@ ARC_LINES = 2
 """Lines that an arc costs as much as: defined, see ``vision.outline.fit.edge_prices``."""
 
 
-@njit(**LEAF)
+@njit(**LEAF, inline="always")
 def merge_edges(cracks, finished, count, one_circle, trial, circle, room):
     """Merge runs of edges where no pixel is lost by it; returns the new ``count``.
 
@@ -83,7 +83,7 @@ def merge_edges(cracks, finished, count, one_circle, trial, circle, room):
     return count
 
 
-@njit(**LEAF)
+@njit(**LEAF, inline="always")
 def _best_run(cracks, finished, count, e, arc, trial, circle, room):
     """The most edges from e on that one line or arc may stand for; 0 where there are none."""
     if not arc:

@@ -125,7 +125,7 @@ def _on_way(cracks, k, finished, i, count, out):
     return False
 
 
-@njit(**LEAF)
+@njit(**LEAF, inline="always")
 def separate_by_chords(cracks, finished, count, budget, state, inside, found, old, ends):
     """Replace what loses more pixels than ``budget`` by chords; returns the new ``count``.
 
