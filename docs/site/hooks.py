@@ -1,7 +1,8 @@
 """What the documentation site checks and adapts while MkDocs builds it.
 
 - A page of every source file is made of the first sentences of their docstrings.
-- A public name (in a package's ``__all__``) that no reference page documents stops the build.
+- A public name (in a package's ``__init__.pyi``, or its ``__all__``) that no reference page
+  documents stops the build.
 - A link from a page to a file of the repository outside ``docs/`` has to exist; the site has no
   such page, so that the link becomes plain text.
 - Roles such as ``:func:`name``` in docstrings become plain code.
@@ -28,7 +29,11 @@ _ROLE = re.compile(r":(?:class|data|func|meth|mod):(<code>)[.~]*")
 
 
 def public_names(package: str, root: Path = ROOT) -> list[str]:
-    """What ``__all__`` of the package lists, read without importing it."""
+    """Names that the package's stub or its ``__all__`` lists, read without importing it."""
+    stub = root / package / "__init__.pyi"
+    if stub.exists():
+        imports = ast.parse(stub.read_text(encoding="utf-8")).body
+        return sorted(name.name for line in imports for name in getattr(line, "names", ()))
     tree = ast.parse((root / package / "__init__.py").read_text(encoding="utf-8"))
     for node in tree.body:
         if isinstance(node, ast.Assign) and any(

@@ -1,0 +1,23 @@
+# The public names, and their modules: the one list of them.
+from .calibration.calibration import Calibration as Calibration
+from .calibration.calibration import CalibrationError as CalibrationError
+from .calibration.calibration_file import load_calibration as load_calibration
+from .calibration.calibration_file import save_calibration as save_calibration
+from .camera.camera import Camera as Camera
+from .camera.camera import CameraError as CameraError
+from .camera.camera import Frame as Frame
+from .camera.latest_frame import LatestFrame as LatestFrame
+from .camera.sources import DeviceSettings as DeviceSettings
+from .camera.sources import KnownCamera as KnownCamera
+from .camera.sources import camera_for as camera_for
+from .camera.v4l2.controls import CameraControls as CameraControls
+from .doubts import doubts_about as doubts_about
+from .errors import PictureError as PictureError
+from .markers.markers import MarkedRobot as MarkedRobot
+from .markers.markers import MarkerTracker as MarkerTracker
+from .markers.markers import RobotPose as RobotPose
+from .markers.reading import Marker as Marker
+from .markers.reading import find_markers as find_markers
+from .pipeline import extract as extract
+from .watch.change import Change as Change
+from .watch.change import SceneWatcher as SceneWatcher
