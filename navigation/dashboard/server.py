@@ -1,7 +1,8 @@
 """The dashboard's port and thread: it opens, it says where it is, it closes; the run continues.
 
-Connections have places (`places.py`), well below what the process may open, and are cut when they
-keep a request back: a flood of them takes neither the page's STOP nor descriptors from the rest.
+Connections have places (`admission/listener.py`), well below what the process may open, and are cut
+when they keep a request back: a flood of them takes neither the page's STOP nor descriptors from
+the rest.
 A port that cannot be had is said, never raised: the robot does not need a page to drive. The
 thread has an event loop of its own; nobody else touches it.
 """
@@ -18,9 +19,14 @@ from functools import partial
 from typing import Any, Final
 
 import uvicorn
+from uvicorn.middleware.proxy_headers import ProxyHeadersMiddleware
 
 from navigation.config.secrecy.secrets import hide
-from navigation.dashboard.admission.connections import PlacedRequests
+from navigation.dashboard.admission.listener import (
+    ACCEPTS_A_ROUND,
+    MOST_MESSAGE_BYTES,
+    Listener,
+)
 from navigation.dashboard.admission.places import OpenConnections
 from navigation.dashboard.app import make_app
 from navigation.dashboard.calibrating.bench import Bench
@@ -28,22 +34,10 @@ from navigation.dashboard.hub import Hub
 from navigation.dashboard.kept.runs import KeptRuns
 from navigation.dashboard.settings.desk import Desk
 from navigation.dashboard.shown import Shown
-from navigation.machine.descriptors import NONE_LEFT, descriptor_limit
+from navigation.machine.descriptors import NONE_LEFT
 from navigation.shared.supervisor import in_words
 
-BACKLOG: Final = 512
-ACCEPTS_A_ROUND: Final = 32
-"""As many are accepted before those that have made no room yet are looked at."""
-MOST_PLACES: Final = 256
-LEAST_PLACES: Final = 16
-SHARE_OF_DESCRIPTORS: Final = 4
-"""The page's connections take this part of the process's descriptors at most: one in four."""
-AN_ADDRESS: Final = 0.625
-"""The share of the places that one address may have."""
-SWEEP_EVERY_S: Final = 0.25
 PING_EVERY_S, PONG_WITHIN_S = 5.0, 10.0
-MOST_MESSAGE_BYTES: Final = 1 << 20
-"""Cut off before it is read whole; what pages may send is far less (`viewer`)."""
 CLOSE_WITHIN_S: Final = 1.0
 LAST_WORDS_S: Final = 0.2
 
@@ -82,17 +76,20 @@ class Dashboard:
         self.url: str | None = None
         """Where it listens; None where it does not."""
         self.hub: Hub | None = None
-        self.places: OpenConnections | None = None
-        """The connections; None before the thread runs."""
-        self._socket: socket.socket | None = None
+        self._socket: Listener | None = None
         self._loop: asyncio.AbstractEventLoop | None = None
         self._closing = threading.Event()
         self._thread = threading.Thread(target=self._run, name="dashboard", daemon=True)
 
+    @property
+    def places(self) -> OpenConnections | None:
+        """The connections; None where it does not listen."""
+        return self._socket.places if self._socket else None
+
     def __enter__(self) -> Dashboard:
         section = self._section
         try:
-            self._socket = listen(section.host, section.port)
+            self._socket = Listener(section.host, section.port)
         except OSError as error:
             where = f"{section.host}:{section.port}"
             self._say(f"no dashboard: {where}: {error.strerror or error}; the run continues")
@@ -143,12 +140,17 @@ class Dashboard:
     async def _serve(self) -> None:
         self._loop = asyncio.get_running_loop()
         self.hub = hub = (self._make_hub or self._hub_of_a_run)()
-        self.places = places = make_places()
-        http = partial(PlacedRequests, places=places, clock=time.monotonic)
+        listener = self._socket
+        assert listener is not None
+        # by ourselves, as uvicorn would change who the client is before the listener has seen it
+        app = ProxyHeadersMiddleware(
+            make_app(hub, self._runs, self._desk, self._bench)  # type: ignore[arg-type]
+        )
         server = uvicorn.Server(
             uvicorn.Config(
-                make_app(hub, self._runs, self._desk, self._bench),
-                http=http,  # type: ignore[arg-type]  # called, nothing else
+                listener.watched(app),
+                proxy_headers=False,
+                http="h11",
                 ws="websockets-sansio",
                 ws_max_size=MOST_MESSAGE_BYTES,
                 ws_ping_interval=PING_EVERY_S,
@@ -163,34 +165,17 @@ class Dashboard:
                 timeout_graceful_shutdown=round(CLOSE_WITHIN_S),
             )
         )
-        assert self._socket is not None
         if self._closing.is_set():  # a run that ended before its page was ready
             return
-        self._loop.set_exception_handler(partial(_on_error, hub, places))
-        serving = asyncio.ensure_future(server.serve(sockets=[self._socket]))
-        sweeping = asyncio.ensure_future(_sweep(places, server, self._socket))
+        self._loop.set_exception_handler(partial(_on_error, hub, listener.places))
+        serving = asyncio.ensure_future(server.serve(sockets=[listener]))
+        sweeping = asyncio.ensure_future(listener.look_after(server))
         await hub.run()
         server.should_exit = True
         sweeping.cancel()
         await serving
-        await _hang_up(server)
+        await listener.hang_up(LAST_WORDS_S)
         hub.workers.shutdown(wait=False, cancel_futures=True)
-
-
-def make_places() -> OpenConnections:
-    """As many as this process can have beside everything else."""
-    most = min(MOST_PLACES, max(LEAST_PLACES, descriptor_limit() // SHARE_OF_DESCRIPTORS))
-    return OpenConnections(most, round(most * AN_ADDRESS))
-
-
-async def _sweep(places: OpenConnections, server: uvicorn.Server, listening: socket.socket) -> None:
-    """Cut late connections, again and again."""
-    while not server.started:
-        await asyncio.sleep(0.01)
-    listening.listen(BACKLOG)  # the queue may be longer than what is taken from it in a round
-    while True:
-        places.sweep(time.monotonic())
-        await asyncio.sleep(SWEEP_EVERY_S)
 
 
 def _on_error(
@@ -201,30 +186,3 @@ def _on_error(
     if isinstance(error, OSError) and error.errno in NONE_LEFT:
         places.make_room()
     hub.complain(f"dashboard: {in_words(error) if error is not None else context['message']}")
-
-
-async def _hang_up(server: uvicorn.Server) -> None:
-    """Wait a moment for the last words to go out, then cut what is still open."""
-    until_s = time.monotonic() + LAST_WORDS_S
-    while server.server_state.connections and time.monotonic() < until_s:
-        await asyncio.sleep(0.01)
-    for connection in list(server.server_state.connections):
-        connection.transport.abort()
-    await asyncio.sleep(0.0)  # the loop closes their sockets in its next round
-
-
-def listen(host: str, port: int) -> socket.socket:
-    """A listening socket; OSError where the address cannot be had."""
-    family, kind, protocol, _, address = socket.getaddrinfo(
-        host, port, type=socket.SOCK_STREAM, flags=socket.AI_PASSIVE
-    )[0]
-    one = socket.socket(family, kind, protocol)
-    try:
-        one.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
-        one.bind(address)
-        one.listen(BACKLOG)
-        one.setblocking(False)
-    except OSError:
-        one.close()
-        raise
-    return one

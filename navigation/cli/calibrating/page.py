@@ -10,7 +10,6 @@ Rules
 from __future__ import annotations
 
 import asyncio
-import socket
 import threading
 from collections import deque
 from importlib.resources import files
@@ -25,10 +24,10 @@ from starlette.types import ASGIApp, Receive, Scope, Send
 
 from navigation.config.dashboard import DashboardSection
 from navigation.dashboard.admission.access import AccessGate
+from navigation.dashboard.admission.listener import ACCEPTS_A_ROUND, Listener
 from navigation.dashboard.app import HEADERS, TYPES
 from navigation.dashboard.calibrating.shown import as_json, jpeg_of
 from navigation.dashboard.messages.palette import stylesheet
-from navigation.dashboard.server import listen
 from vision.calibrate.live.session import LiveState
 from vision.camera.camera import Frame
 
@@ -49,7 +48,7 @@ class LivePage:
     """
 
     def __init__(self, port: int) -> None:
-        self._socket: socket.socket = listen(HOST, port)
+        self._socket = Listener(HOST, port)
         number = self._socket.getsockname()[1]
         self.url = f"http://{HOST}:{number}/"
         self._gate = AccessGate(DashboardSection(host=HOST, port=number))
@@ -62,7 +61,8 @@ class LivePage:
         self._files = _page_files()
         self._server = uvicorn.Server(
             uvicorn.Config(
-                self._app(), lifespan="off", log_config=None, log_level="critical",
+                self._socket.watched(self._app()), proxy_headers=False, http="h11", ws="none",
+                backlog=ACCEPTS_A_ROUND, lifespan="off", log_config=None, log_level="critical",
                 access_log=False, server_header=False, timeout_graceful_shutdown=1,
             )
         )  # fmt: skip
@@ -91,7 +91,12 @@ class LivePage:
         self._ended = sentence
 
     def _run(self) -> None:
-        asyncio.run(self._server.serve(sockets=[self._socket]))
+        asyncio.run(self._serve())
+
+    async def _serve(self) -> None:
+        sweeping = asyncio.ensure_future(self._socket.look_after(self._server))
+        await self._server.serve(sockets=[self._socket])
+        sweeping.cancel()
 
     def _app(self) -> ASGIApp:
         app = Starlette(

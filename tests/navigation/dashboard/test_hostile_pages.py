@@ -19,7 +19,7 @@ from websockets.exceptions import ConnectionClosed, InvalidStatus
 
 from navigation.config.dashboard import DashboardSection
 from navigation.dashboard import Dashboard, server
-from navigation.dashboard.admission import connections
+from navigation.dashboard.admission import listener
 from navigation.dashboard.admission.access import AccessGate, Refusal, Role
 from navigation.dashboard.admission.allowance import Allowance
 from navigation.dashboard.admission.places import OpenConnections
@@ -170,7 +170,7 @@ def test_stop_passes_eleven_hundred_connections_that_send_no_request(site: OwnSi
 def test_half_a_request_is_cut_after_its_time(
     half: bytes, site: OwnSite, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(connections, "REQUEST_WITHIN_S", 0.5)
+    monkeypatch.setattr(listener, "REQUEST_WITHIN_S", 0.5)
     host, port = site.address.split(":")
     with socket.create_connection((host, int(port)), 5.0) as client:
         client.sendall(
@@ -199,8 +199,8 @@ def test_an_idle_connection_serves_again_until_its_time(site: OwnSite) -> None:
 
 def test_the_places_are_a_part_of_the_descriptors(monkeypatch: pytest.MonkeyPatch) -> None:
     for limit, most in ((32, 16), (256, 64), (1024, 256), (100_000, 256)):
-        monkeypatch.setattr(server, "descriptor_limit", lambda limit=limit: limit)
-        assert server.make_places().most == most
+        monkeypatch.setattr(listener, "descriptor_limit", lambda limit=limit: limit)
+        assert listener.make_places().most == most
 
 
 def test_where_no_descriptor_is_left_the_oldest_connection_is_cut(site: OwnSite) -> None:

@@ -1,0 +1,225 @@
+"""The page's listening socket: nobody keeps descriptors or the event loop from others.
+
+uvicorn accepts from it as from any other socket, and tells the application, which is wrapped here
+(`watched`), what has become of a connection. Rules
+- Every connection has a place (`places.py`).
+- A request has ``REQUEST_WITHIN_S`` from its first byte (the first one from the connection's
+  beginning) to the end of its answer, and a connection is idle for as long at most.
+- Of what a viewer sends ``BYTES_A_ROUND`` are read in a round of the loop: thousands of tiny frames
+  at once hold up nobody else.
+- What a viewer sends becomes messages. Bytes that do not (pings, pongs, a message that is never
+  complete) may be as many as one message has, and ``STRAY_BYTES_S`` a second; then the
+  connection is cut.
+
+Units: seconds, bytes.
+"""
+
+from __future__ import annotations
+
+import asyncio
+import contextlib
+import socket
+import struct
+import time
+from collections.abc import Awaitable, Callable, MutableMapping
+from typing import Any, Final
+
+import uvicorn
+
+from navigation.dashboard.admission.places import OpenConnection, OpenConnections
+from navigation.machine.descriptors import descriptor_limit
+
+Message = MutableMapping[str, Any]
+Receive = Callable[[], Awaitable[Message]]
+Send = Callable[[Message], Awaitable[None]]
+App = Callable[[Any, Any, Any], Awaitable[None]]
+
+REQUEST_WITHIN_S: Final = 5.0
+BYTES_A_ROUND: Final = 1024
+MOST_MESSAGE_BYTES: Final = 80 * 1024
+"""Longer messages are refused by websockets; what pages may send is less (`viewer`)."""
+FRAME_BYTES: Final = 14
+"""The longest head of a frame (RFC 6455, 5.2): a message may have one more than its text."""
+STRAY_BYTES_S: Final = 256.0
+"""A page answers a ping of ours every few seconds with ten bytes."""
+BACKLOG: Final = 512
+ACCEPTS_A_ROUND: Final = 32
+"""As many are accepted before those that have made no room yet are looked at."""
+MOST_PLACES: Final = 256
+LEAST_PLACES: Final = 16
+SHARE_OF_DESCRIPTORS: Final = 4
+"""The page's connections take this part of the process's descriptors at most: one in four."""
+AN_ADDRESS: Final = 0.625
+"""The share of the places that one address may have."""
+SWEEP_EVERY_S: Final = 0.25
+RESET_AT_CLOSE: Final = struct.pack("ii", 1, 0)
+
+
+class Listener(socket.socket):
+    """Listens on an address; raises ``OSError`` where that cannot be had.
+
+    ``places``: the connections. Belongs to one event loop, whose thread alone calls it.
+    """
+
+    def __init__(self, host: str, port: int, clock: Callable[[], float] = time.monotonic) -> None:
+        family, kind, protocol, _, address = socket.getaddrinfo(
+            host, port, type=socket.SOCK_STREAM, flags=socket.AI_PASSIVE
+        )[0]
+        super().__init__(family, kind, protocol)
+        self.clock = clock
+        self.places = make_places()
+        self._connections: dict[tuple[str, int], Connection] = {}
+        try:
+            self.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
+            self.bind(address)
+            self.listen(BACKLOG)
+            self.setblocking(False)
+        except OSError:
+            self.close()
+            raise
+
+    def accept(self) -> tuple[socket.socket, Any]:
+        """The next connection, with a place; somebody else may lose theirs."""
+        accepted, address = super().accept()
+        connection = Connection(accepted, address[:2], self)
+        self._connections[connection.peer] = connection
+        self.places.come(connection.place)
+        return connection, address
+
+    def forget(self, connection: Connection) -> None:
+        """A connection's socket is closed: its place is free."""
+        self.places.go(connection.place)
+        if self._connections.get(connection.peer) is connection:
+            del self._connections[connection.peer]
+
+    def watched(self, app: App) -> App:
+        """The application, which tells here what its connections are.
+
+        Outside of everything that changes ``scope["client"]``: by that a connection is known.
+        """
+
+        async def watch(scope: Any, receive: Receive, send: Send) -> None:
+            connection = self._connections.get(tuple(scope.get("client") or ()))
+            if connection is None:  # it has gone
+                await app(scope, receive, send)
+            elif scope["type"] == "websocket":
+                await connection.serve_viewer(app, scope, receive, send)
+            else:
+                await app(scope, receive, connection.noting_the_end(send))
+
+        return watch
+
+    async def look_after(self, server: uvicorn.Server) -> None:
+        """Cut late connections, until cancelled; ``server`` accepts from this socket."""
+        while not server.started:
+            await asyncio.sleep(0.01)
+        self.listen(BACKLOG)  # the queue may be longer than what is taken from it in a round
+        while True:
+            self.places.sweep(self.clock())
+            await asyncio.sleep(SWEEP_EVERY_S)
+
+    async def hang_up(self, within_s: float) -> None:
+        """Wait a moment for the last words to go out, then cut what is still open."""
+        for cut in (False, True):
+            until_s = time.monotonic() + within_s
+            if cut:
+                for connection in list(self._connections.values()):
+                    connection.abort()
+            while self._connections and time.monotonic() < until_s:
+                await asyncio.sleep(0.01)
+
+
+class Connection(socket.socket):
+    """One accepted connection, and what is known of it."""
+
+    def __init__(self, accepted: socket.socket, peer: tuple[str, int], listener: Listener) -> None:
+        super().__init__(accepted.family, accepted.type, accepted.proto, accepted.detach())
+        self.peer = peer
+        self._listener = listener
+        self._is_viewer = False
+        self._is_idle = False
+        self._is_over = False
+        self._stray = 0.0
+        self._counted_s = listener.clock()
+        self.place = OpenConnection(self, peer[0], self._counted_s + REQUEST_WITHIN_S)
+
+    def recv(self, size: int, flags: int = 0, /) -> bytes:
+        """What has come; a request begins with its first byte, and of a viewer a part is read.
+
+        Raises ``ConnectionAbortedError`` where a viewer sends what becomes no message.
+        """
+        if self._is_viewer:
+            data = super().recv(min(size, BYTES_A_ROUND), flags)
+            self._count(len(data))
+            if self._stray > MOST_MESSAGE_BYTES + FRAME_BYTES:
+                self._listener.places.cut += 1
+                raise ConnectionAbortedError("bytes that become no message")
+            return data
+        data = super().recv(size, flags)
+        if self._is_idle:
+            self._is_idle = False
+            self._set_time()
+        return data
+
+    def close(self) -> None:
+        """Its place is free."""
+        self._listener.forget(self)
+        super().close()
+
+    def abort(self) -> None:
+        """Cut it: the event loop reads its end, or cannot write, and closes it."""
+        with contextlib.suppress(OSError):  # the other end was faster
+            self.setsockopt(socket.SOL_SOCKET, socket.SO_LINGER, RESET_AT_CLOSE)
+            self.shutdown(socket.SHUT_RDWR)
+
+    def is_closing(self) -> bool:
+        """True if nobody serves it any more."""
+        return self._is_over
+
+    async def serve_viewer(self, app: App, scope: Any, receive: Receive, send: Send) -> None:
+        """A websocket, from its request on: it may stay; after its end it has a moment."""
+
+        async def hear() -> Message:
+            message = await receive()
+            text = message.get("text") or ""
+            self._count(-len(text.encode("utf-8", "surrogatepass")) - FRAME_BYTES)
+            return message
+
+        async def say(message: Message) -> None:
+            if message["type"] in ("websocket.close", "websocket.http.response.start"):
+                self._is_over = True
+            await send(message)
+
+        self._listener.places.look(self.place)
+        self._is_viewer = True
+        try:
+            await app(scope, hear, say)
+        finally:
+            self._is_over = True
+
+    def noting_the_end(self, send: Send) -> Send:
+        """From the last part of an answer on a connection is idle."""
+
+        async def say(message: Message) -> None:
+            await send(message)
+            if message["type"] == "http.response.body" and not message.get("more_body"):
+                self._is_idle = True
+                self._set_time()
+
+        return say
+
+    def _set_time(self) -> None:
+        self.place.until_s = self._listener.clock() + REQUEST_WITHIN_S
+
+    def _count(self, size: int) -> None:
+        """Bytes that came, or less those that became a message."""
+        now_s = self._listener.clock()
+        allowed = STRAY_BYTES_S * (now_s - self._counted_s)
+        self._counted_s = now_s
+        self._stray = max(0.0, self._stray - allowed + size)
+
+
+def make_places() -> OpenConnections:
+    """As many as this process can have beside everything else."""
+    most = min(MOST_PLACES, max(LEAST_PLACES, descriptor_limit() // SHARE_OF_DESCRIPTORS))
+    return OpenConnections(most, round(most * AN_ADDRESS))
