@@ -2,9 +2,9 @@
 
     python -m benchmarks.camera.boards FOLDER [FOLDER ...] [--squares 9x6]
 
-For each folder, one camera's: the rms in pixels with a plain ``cornerSubPix`` window of 7, with the
-largest share of the distance to the next corner, and with the share that is chosen, in the fit and
-on left-out views. For several: how many are named when pictures of two cameras are mixed.
+For each folder, one camera's: the rms in pixels with a plain ``cornerSubPix`` window of 7, and with
+several shares of the distance to the next corner, in the fit and on left-out views. For several:
+how many are named when pictures of two cameras are mixed.
 """
 
 from __future__ import annotations
@@ -15,15 +15,22 @@ from pathlib import Path
 import cv2
 import numpy as np
 
-from vision.calibrate.board import BoardSpec, BoardView, find_boards
+from vision.calibrate.board import (
+    WINDOW_SHARE,
+    BoardSpec,
+    BoardView,
+    find_boards,
+    refine_corners,
+)
 from vision.calibrate.left_out import left_out_px
-from vision.calibrate.lens import estimate_lens, plain_estimate
+from vision.calibrate.lens import estimate_for, estimate_lens
 from vision.calibrate.suspects import suspects
-from vision.calibrate.window import choose_window
 from vision.camera.camera import Image
 from vision.camera.sources import PICTURE_SUFFIXES, read_picture
+from vision.markers.marker_search import grey_of
 
 PLAIN_HALF_PX = 7
+SHARES = (0.2, 0.25, WINDOW_SHARE, 0.35, 0.4)
 STOP = (cv2.TERM_CRITERIA_EPS | cv2.TERM_CRITERIA_COUNT, 100, 1e-4)
 
 
@@ -49,9 +56,22 @@ def plain(images: list[Image], views: list[BoardView]) -> list[BoardView]:
     return found
 
 
+def refined(images: list[Image], views: list[BoardView], share: float) -> list[BoardView]:
+    """The corners refined once more, in a window of this share."""
+    return [
+        BoardView(
+            view.name,
+            view.size,
+            refine_corners(grey_of(image), view.corners_px, share),
+            view.points_m,
+        )
+        for image, view in zip(images, views, strict=True)
+    ]
+
+
 def row(name: str, views: list[BoardView]) -> str:
     """A line of the table: in the fit, and on left-out views."""
-    left_out = np.sqrt(np.mean(left_out_px(views, plain_estimate) ** 2))
+    left_out = np.sqrt(np.mean(left_out_px(views, estimate_for(views)) ** 2))
     return f"| {name} | {estimate_lens(views).rms_px:.3f} | {left_out:.3f} |"
 
 
@@ -67,17 +87,17 @@ def main() -> None:
     for folder in options.folders:
         images, views = found_in(folder, spec)
         cameras.append(views)
-        choice = choose_window(images, views, plain_estimate)
         print(f"\n{folder.name}: {len(views)} views\n")
         print("| window | rms of the fit, px | on left-out views, px |")
         print("|---|---|---|")
         print(row(f"cornerSubPix {PLAIN_HALF_PX}", plain(images, views)))
-        print(row("0.35 of the distance", views))
-        print(row(f"chosen: {choice.share:g} of the distance", list(choice.views)))
+        for share in SHARES:
+            print(row(f"{share:g} of the distance", refined(images, views, share)))
     for first, one in enumerate(cameras):
         for other in cameras[first + 1 :]:
             for count in (1, 3, 5, len(other)):
-                named = suspects([*one, *other[:count]], plain_estimate)
+                mixed = [*one, *other[:count]]
+                named = suspects(mixed, estimate_for(mixed))
                 wrong = sum(s.index < len(one) for s in named)
                 right = len(named) - wrong
                 print(f"{len(one)} views and {count} of another: {right} named, {wrong} wrongly")

@@ -24,7 +24,7 @@ from numpy.typing import NDArray
 
 from vision.calibrate.board import BoardView
 from vision.calibrate.fisheye import fit_fisheye
-from vision.calibrate.left_out import left_out_px
+from vision.calibrate.left_out import Estimate, left_out_px
 from vision.calibrate.suspects import bad_px, compared_with, refuse_too_many, suspects
 from vision.calibration.calibration import CalibrationError, FloatArray
 
@@ -111,7 +111,7 @@ def estimate_lens(
     if model == "fisheye":
         good, start = _without_bad_views(good, remarks)
     else:
-        foreign = suspects(good, plain_estimate)
+        foreign = suspects(good, estimate_for(good))
         refuse_too_many(good, foreign)
         remarks += [f"{good[one.index].name}: left out, {one.reason}" for one in foreign]
         left_out = {one.index for one in foreign}
@@ -142,12 +142,13 @@ def estimate_lens(
     )
 
 
-def plain_estimate(views: Sequence[BoardView]) -> LensFit:
-    """Brown's lens with two distortion terms: what is doubtful in pictures shows with these.
+def estimate_for(views: Sequence[BoardView]) -> Estimate:
+    """The estimate of Brown's lens by which these views are compared with each other.
 
-    Raises ``CalibrationError`` where the views determine none.
+    Has as many distortion terms as all of them ask for, two at least: with fewer, good pictures of
+    a wide lens do not fit each other. Raises ``CalibrationError`` where they determine no lens.
     """
-    return fit_lens(views, 2)
+    return partial(fit_lens, terms=max(2, _best_terms(views, "brown", None)))
 
 
 def _without_bad_views(

@@ -1,34 +1,26 @@
-"""The lens from views of a board: model and corners' window chosen, and the result in sentences."""
+"""The lens from views of a board: its model chosen, and the result in sentences."""
 
 from __future__ import annotations
 
 import math
-from dataclasses import replace
 from typing import TYPE_CHECKING
 
 import click
 
-from vision.calibrate.lens import estimate_lens, plain_estimate
+from vision.calibrate.lens import estimate_lens
 from vision.calibrate.lens_choice import choose_lens
-from vision.calibrate.window import choose_window
 
 if TYPE_CHECKING:
-    from vision.calibrate.board import BoardSpec, BoardView
+    from vision.calibrate.board import BoardView
     from vision.calibrate.lens import Lens
-    from vision.camera.camera import Image
 
 
-def lens_from_views(
-    images: list[Image], views: list[BoardView], spec: BoardSpec, terms: int | None, model: str
-) -> Lens:
-    """The lens of these views, and what is said of it; the corners' window is Brown's to choose.
+def lens_from_views(views: list[BoardView], terms: int | None, model: str) -> Lens:
+    """The lens of these views; what there is to say of it is printed.
 
     ``model``: brown, fisheye, or auto. Raises ``CalibrationError`` as `estimate_lens` does.
     """
     lens = choose_lens(views, terms) if model == "auto" else estimate_lens(views, terms, model)
-    if lens.model == "brown":
-        choice = choose_window(images, views, plain_estimate, spec.window_share)
-        lens = replace(estimate_lens(choice.views, terms), left_out_px=lens.left_out_px)
     for remark in lens.remarks:
         click.echo(remark, err=True)
     fx, fy = lens.camera_matrix[0, 0], lens.camera_matrix[1, 1]

@@ -13,13 +13,12 @@ if TYPE_CHECKING:
     from navigation.cli.calibrating.page import LivePage
     from vision.calibrate.board import BoardSpec, BoardView
     from vision.calibrate.live.taking import LiveTaken, Shows
-    from vision.camera.camera import Image
 
 
 def taken_live(
     source: str, spec: BoardSpec, limit_px: float | None, page: int | None
-) -> tuple[list[Image], list[BoardView]]:
-    """Pictures and views from a camera, shown in the terminal and, at the port ``page``, on a page.
+) -> list[BoardView]:
+    """Views from a camera, shown in the terminal and, at the port ``page``, on a page.
 
     Raises ``CalibrationError`` where too few views were taken.
     """
@@ -50,7 +49,7 @@ def taken_live(
                 one.end(sentence)
     click.echo(sentence, err=True)
     refuse_too_few(taken)
-    return list(taken.pictures), list(taken.views)
+    return list(taken.views)
 
 
 def _opened(make: type[LivePage], port: int) -> LivePage:

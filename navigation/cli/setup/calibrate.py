@@ -75,7 +75,6 @@ _FILE = click.Path(dir_okay=False, path_type=Path)
     show_default=True,
     help="The calibration to write.",
 )
-@click.option("--residual-map", type=_FILE, help="A picture of the surveyed points' residuals.")
 def command(  # noqa: PLR0913 (an argument for each option of the command line)
     pictures: tuple[Path, ...],
     live: str | None,
@@ -95,7 +94,6 @@ def command(  # noqa: PLR0913 (an argument for each option of the command line)
     camera_height_m: float | None,
     size: str | None,
     output: Path,
-    residual_map: Path | None,
 ) -> None:
     """Calibrate a camera from PICTURES of a board, or live, and place it above the arena.
 
@@ -113,8 +111,6 @@ def command(  # noqa: PLR0913 (an argument for each option of the command line)
         raise click.UsageError("give pictures of a board, or --live")
     if live is None and (limit_px is not None or page is not None):
         raise click.UsageError("--limit-px and --page need --live")
-    if points is None and floor_picture is None and residual_map is not None:
-        raise click.UsageError("--residual-map needs --points or --floor-picture")
     if not pictures and live is None and points is None and floor_picture is None:
         raise click.UsageError("give pictures of a board, --live, --points or --floor-picture")
     from navigation.cli.calibrating.chosen_lens import lens_from_views
@@ -122,7 +118,7 @@ def command(  # noqa: PLR0913 (an argument for each option of the command line)
 
     # The calibration whose lens is taken may be the one that is made anew.
     read = (*pictures, points, floor_picture)
-    keep_apart((("--output", output), ("--residual-map", residual_map)), read)
+    keep_apart((("--output", output),), read)
     given_size = None if size is None else _pair(size, "--size")
     spec = None
     if pictures or live is not None or (floor_picture is not None and points is None):
@@ -130,12 +126,10 @@ def command(  # noqa: PLR0913 (an argument for each option of the command line)
     lens = None
     if spec is not None and (pictures or live is not None):
         if live is None:
-            images, views = _taken_from_pictures(pictures, spec)
+            views = _taken_from_pictures(pictures, spec)
         else:
-            images, views = taken_live(live, spec, limit_px, page)
-        lens = lens_from_views(
-            images, views, spec, None if terms is None else int(terms), lens_model
-        )
+            views = taken_live(live, spec, limit_px, page)
+        lens = lens_from_views(views, None if terms is None else int(terms), lens_model)
     if lens_file is not None:
         lens = _known_lens(lens_file)
     if points is None and floor_picture is None:
@@ -144,9 +138,7 @@ def command(  # noqa: PLR0913 (an argument for each option of the command line)
         return
     floor = _read(floor_picture) if floor_picture is not None else None
     survey = _survey(points, floor, floor_picture, spec, floor_at)
-    _place(
-        survey, _size(floor, lens, given_size), lens, camera_height_m, output, residual_map, floor
-    )
+    _place(survey, _size(floor, lens, given_size), lens, camera_height_m, output)
 
 
 def board_spec(
@@ -225,18 +217,14 @@ def _read_all(paths: tuple[Path, ...]) -> list[tuple[str, Image]]:
     return taken
 
 
-def _taken_from_pictures(
-    pictures: tuple[Path, ...], spec: BoardSpec
-) -> tuple[list[Image], list[BoardView]]:
-    """The pictures that show the board, with its views; the others are named."""
+def _taken_from_pictures(pictures: tuple[Path, ...], spec: BoardSpec) -> list[BoardView]:
+    """The views of the board in these pictures; those that show none are named."""
     from vision.calibrate.board import find_boards
 
-    taken = _read_all(pictures)
-    views, without = find_boards(taken, spec)
+    views, without = find_boards(_read_all(pictures), spec)
     for missing in without:
         click.echo(f"{missing.name}: left out: {missing.reason}", err=True)
-    found = {view.name for view in views}
-    return [image for name, image in taken if name in found], views
+    return views
 
 
 def _save_lens_alone(lens: Lens, output: Path) -> None:
@@ -328,10 +316,7 @@ def _place(
     lens: Lens | None,
     camera_height_m: float | None,
     output: Path,
-    residual_map: Path | None,
-    floor: Image | None,
 ) -> None:
-    from vision.calibrate.residual_map import draw_residuals
     from vision.calibrate.survey import fit_arena
     from vision.calibration.calibration_file import save_calibration
 
@@ -352,21 +337,3 @@ def _place(
         click.echo(f"camera: {z:.3f} m above the floor at ({x:.3f}, {y:.3f})")
     save_calibration(calibration, output)
     click.echo(f"written: {output}")
-    if residual_map is not None:
-        _write_picture(residual_map, draw_residuals(fit, floor))
-        click.echo(f"written: {residual_map}")
-
-
-def _write_picture(path: Path, picture: Image) -> None:
-    import cv2
-
-    try:
-        encoded, data = cv2.imencode(path.suffix or ".png", picture)
-    except cv2.error:
-        encoded = False
-    if not encoded:
-        raise click.UsageError(f"{path}: must end in .png or .jpg")
-    try:
-        path.write_bytes(data.tobytes())
-    except OSError as error:
-        raise click.UsageError(f"{path}: cannot be written: {error.strerror}") from error

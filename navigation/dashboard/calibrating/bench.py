@@ -22,11 +22,10 @@ from navigation.dashboard.calibrating.shown import as_json, jpeg_of
 from navigation.dashboard.visits import RefusedError
 from navigation.simulator.picture.held_board import HeldBoardCamera
 from vision.calibrate.board import BoardSpec
-from vision.calibrate.lens import MIN_VIEWS, Lens, estimate_lens, plain_estimate
+from vision.calibrate.lens import MIN_VIEWS, Lens, estimate_lens
 from vision.calibrate.live.guide import HeldPose
 from vision.calibrate.live.session import LiveSession, LiveState
 from vision.calibrate.live.taking import take_live
-from vision.calibrate.window import choose_window
 from vision.calibration.calibration import Calibration, CalibrationError
 from vision.camera.camera import Camera, CameraError, Clock, Frame, Image
 from vision.markers.marker_search import MarkerError, dictionary_by_name
@@ -166,8 +165,7 @@ class Bench:
                     "needed"
                 )
             self._turn("taking", "fitting", cancelled)
-            choice = choose_window(taken.pictures, taken.views, plain_estimate, spec.window_share)
-            lens = estimate_lens(choice.views)
+            lens = estimate_lens(taken.views)
         except (CalibrationError, CameraError) as error:
             self._fail(f"{error}: nothing was written", cancelled)
         except Exception as error:  # noqa: BLE001 - the camera is given back, and the run goes on

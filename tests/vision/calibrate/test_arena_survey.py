@@ -15,7 +15,6 @@ from tests.support.drawn.boards import chessboard_patch, render
 from tests.vision.calibration.cameras import CAMERA, LENS, SIZE, overhead, pixels
 from vision.calibrate.board import BoardSpec, BoardView, find_board
 from vision.calibrate.lens import Lens
-from vision.calibrate.residual_map import draw_residuals
 from vision.calibrate.survey import Survey, board_survey, fit_arena, read_survey
 from vision.calibration.calibration import CalibrationError
 from vision.calibration.calibration_file import (
@@ -158,42 +157,6 @@ def test_a_board_on_the_floor_places_the_arena() -> None:
     fit = fit_arena(board_survey(view, (first[0], first[1]), heading), SIZE, TRUE_LENS)
     error = fit.calibration.arena_from_image(pixels()) - calibration.arena_from_image(pixels())
     assert np.linalg.norm(error, axis=1).mean() < 0.001
-
-
-def test_the_residual_map_shows_every_point() -> None:
-    good = survey(9)
-    places = good.places_m.copy()
-    places[3] += 0.4
-    fit = fit_arena(Survey(good.pixels, places, good.names), SIZE, TRUE_LENS)
-    for background in (
-        None,
-        np.full((480, 640), 90, np.uint8),
-        np.full((480, 640, 3), 9, np.uint8),
-    ):
-        picture = draw_residuals(fit, background)
-        assert picture.shape == (480, 640, 3)
-        red = (picture[..., 2] > 180) & (picture[..., 1] < 60)
-        x, y = np.round(good.pixels[3]).astype(int)
-        assert red[y - 6 : y + 7, x - 6 : x + 7].any()
-
-
-def test_the_residual_map_has_axes_where_the_arena_s_are_and_a_scale_for_its_arrows() -> None:
-    good = survey(9)
-    noise = np.random.default_rng(3).normal(0.0, 0.002, good.places_m.shape)
-    fit = fit_arena(Survey(good.pixels, good.places_m + noise, good.names), SIZE, TRUE_LENS)
-    picture = draw_residuals(fit).astype(int)
-    grid = (picture[..., 0] - picture[..., 2]) > 40  # blue lines
-    along = np.linspace(good.places_m[:, 1].min(), good.places_m[:, 1].max(), 50)
-    on_axis = fit.calibration.image_from_arena(np.column_stack([np.zeros(50), along]))
-    x, y = np.round(on_axis).astype(int).T
-    inside = (x > 2) & (x < SIZE[0] - 2) & (y > 2) & (y < SIZE[1] - 50)
-    near = [
-        grid[b - 1 : b + 2, a - 1 : a + 2].any() for a, b in zip(x[inside], y[inside], strict=True)
-    ]
-    assert inside.sum() > 10
-    assert np.mean(near) > 0.8
-    foot = picture[-44:, :200].sum(axis=2) < 200
-    assert foot[14].sum() > 0.03 * SIZE[0], "an arrow of a round length"
 
 
 def test_a_survey_file_is_read_and_its_errors_name_the_line(tmp_path: Path) -> None:

@@ -10,12 +10,20 @@ import cv2
 import numpy as np
 import pytest
 
-from tests.vision.calibrate.views import CAMERA, LENS, OTHER_CAMERA, views
+from tests.vision.calibrate.views import (
+    CAMERA,
+    FLIP,
+    LENS,
+    OTHER_CAMERA,
+    SIZE,
+    board_points,
+    seen,
+    views,
+)
 from vision.calibrate.board import BoardSpec, BoardView, NoBoard, find_board, find_boards
-from vision.calibrate.left_out import left_out_px, residuals_px, rms_px
-from vision.calibrate.lens import estimate_lens, plain_estimate
+from vision.calibrate.left_out import residuals_px, rms_px
+from vision.calibrate.lens import estimate_for, estimate_lens
 from vision.calibrate.suspects import mirrored, suspects, upside_down
-from vision.calibrate.window import WINDOW_SHARES, choose_window
 from vision.calibration.calibration import CalibrationError
 from vision.camera.sources import read_picture
 
@@ -28,9 +36,31 @@ def drawn_mirrored(view: BoardView) -> BoardView:
 
 @pytest.mark.parametrize("seed", range(2))
 def test_pictures_of_one_camera_are_not_suspected(seed: int) -> None:
-    assert suspects(views(14, seed=seed), plain_estimate) == []
-    assert suspects(views(6, noise_px=0.3, seed=seed), plain_estimate) == []
-    assert suspects(views(4, seed=seed), plain_estimate) == []
+    for own in (views(14, seed=seed), views(6, noise_px=0.3, seed=seed), views(4, seed=seed)):
+        assert suspects(own, estimate_for(own)) == []
+
+
+def wide_views(count: int, seed: int) -> list[BoardView]:
+    """Views of a wide lens (100 degrees), whose distortion takes all five terms."""
+    camera = np.array([[270.0, 0.0, 322.0], [0.0, 271.0, 238.0], [0.0, 0.0, 1.0]])
+    lens = np.array([-0.3, 0.12, 0.001, -0.0008, -0.02])
+    rng = np.random.default_rng(seed)
+    found: list[BoardView] = []
+    while len(found) < count:
+        turn = cv2.Rodrigues(rng.uniform(-0.5, 0.5, 3))[0] @ FLIP
+        middle = np.array([*rng.uniform(-0.15, 0.15, 2), rng.uniform(0.12, 0.25)])
+        corners = seen((turn, middle), camera, lens)
+        if corners.min() > 8 and (corners < np.array(SIZE) - 9.0).all():
+            noisy = corners + rng.normal(0.0, 0.1, corners.shape)
+            found.append(BoardView(f"wide {len(found)}", SIZE, noisy, board_points()))
+    return found
+
+
+@pytest.mark.parametrize("seed", range(6))
+def test_no_picture_of_a_wide_lens_is_suspected(seed: int) -> None:
+    lens = estimate_lens(wide_views(10, seed))
+    assert [remark for remark in lens.remarks if "left out" in remark] == []
+    assert lens.camera_matrix[0, 0] == pytest.approx(270.0, rel=0.01)
 
 
 @pytest.mark.parametrize("count", [1, 4])
@@ -89,31 +119,13 @@ def test_a_mirrored_charuco_board_is_called_mirrored() -> None:
     assert isinstance(turned, BoardView)
 
 
-def test_the_window_chosen_is_no_worse_on_left_out_real_views_than_any(real_data: Path) -> None:
-    files = sorted((real_data / "calibration").glob("*.jpg"))
-    pictures = [(p.name, read_picture(p)) for p in files]
-    found, _ = find_boards(pictures, BoardSpec("chessboard", 9, 6, 0.025))
-    choice = choose_window([image for _, image in pictures], found, plain_estimate)
-    assert [share for share, _ in choice.left_out_px] == pytest.approx(list(WINDOW_SHARES))
-    best = left_out_px(choice.views, plain_estimate)
-    assert np.sqrt(np.mean(best**2)) <= min(px for _, px in choice.left_out_px) + 1e-9
-    assert np.sqrt(np.mean(best**2)) < np.sqrt(np.mean(left_out_px(found, plain_estimate) ** 2))
-
-
-def test_few_pictures_choose_no_window() -> None:
-    few = views(4)
-    choice = choose_window([np.zeros((480, 640), np.uint8)] * 4, few, plain_estimate)
-    assert choice.left_out_px == ()
-    assert list(choice.views) == few
-
-
 def test_the_real_stereo_set_s_own_camera_is_not_suspected(real_data: Path) -> None:
     files = sorted((real_data / "calibration").glob("*.jpg"))
     found, _ = find_boards(
         [(p.name, read_picture(p)) for p in files], BoardSpec("chessboard", 9, 6, 0.025)
     )
-    assert suspects(found, plain_estimate) == []
+    assert suspects(found, estimate_for(found)) == []
     mixed = [upside_down(v) if i % 4 == 3 else v for i, v in enumerate(found)]
-    named = suspects(mixed, plain_estimate)
+    named = suspects(mixed, estimate_for(mixed))
     assert named
     assert all(one.index % 4 == 3 and "upside down" in one.reason for one in named)

@@ -25,7 +25,7 @@ from vision.calibrate.covariance import (
     supposed_lens,
 )
 from vision.calibrate.left_out import residuals_px, rms_px
-from vision.calibrate.lens import plain_estimate
+from vision.calibrate.lens import estimate_for
 from vision.calibrate.live.following import BoardFollower
 from vision.calibrate.live.guide import Cells, Wanted, is_new, judge_cells, next_place
 from vision.calibrate.live.stillness import Stillness
@@ -168,7 +168,8 @@ class LiveSession:
         """Judge views and doubted ones together; the smaller part goes."""
         everything = [*self._taken, *self._doubted]
         self._doubted.clear()
-        foreign = {one.index for one in suspects([v for v, _ in everything], plain_estimate)}
+        views = [view for view, _ in everything]
+        foreign = {one.index for one in suspects(views, estimate_for(views))}
         gone = [view.name for i, (view, _) in enumerate(everything) if i in foreign]
         self._taken = [pair for i, pair in enumerate(everything) if i not in foreign]
         self._judge()

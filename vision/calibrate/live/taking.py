@@ -33,12 +33,11 @@ class Shows(Protocol):
 
 @dataclass(frozen=True, slots=True, eq=False)
 class LiveTaken:
-    """The views that were taken with their pictures, and in ``ended`` why it ended.
+    """The views that were taken, and in ``ended`` why it ended.
 
     ``last`` is what was known at last, None where there was no picture.
     """
 
-    pictures: tuple[Image, ...]
     views: tuple[BoardView, ...]
     last: LiveState | None
     ended: str
@@ -92,6 +91,5 @@ def take_live(
         ended = "ended by Ctrl-C"
     finally:
         camera.close()
-    pictures = tuple(image for _, image in session.pictures)
-    refuse_part([_reduced(image) for image in pictures], spec)
-    return LiveTaken(pictures, tuple(session.views), last, ended)
+    refuse_part([_reduced(image) for _, image in session.pictures], spec)
+    return LiveTaken(tuple(session.views), last, ended)

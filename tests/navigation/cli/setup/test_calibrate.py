@@ -63,9 +63,9 @@ def test_pictures_and_points_give_the_whole_calibration(
     pictures: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     truth = seen_from((0.05, 0.08, 0.0))
-    out, map_file = tmp_path / "c.yaml", tmp_path / "map.png"
+    out = tmp_path / "c.yaml"
     points = points_file(tmp_path / "p.csv", truth, bad=4)
-    arguments = ["--points", str(points), "-o", str(out), "--residual-map", str(map_file)]
+    arguments = ["--points", str(points), "-o", str(out)]
     assert run(["calibrate", str(pictures), *BOARD, *arguments]) == 0
     said = capsys.readouterr()
     assert "view9.png: left out: no chessboard" in said.err
@@ -79,7 +79,6 @@ def test_pictures_and_points_give_the_whole_calibration(
     spots = np.random.default_rng(0).uniform((30, 30), (450, 330), (50, 2))
     error = found.arena_from_image(spots) - truth.arena_from_image(spots)
     assert np.linalg.norm(error, axis=1).mean() < 0.001
-    assert cv2.imread(str(map_file)).shape == (360, 480, 3)
 
 
 def test_a_board_on_the_floor_places_the_arena(
@@ -174,7 +173,6 @@ def test_a_board_larger_than_named_is_refused(
         (["--live", "0", "--limit-px", "0"], "--limit-px"),
         (["a.png", "--squares", "9"], "9x6"),
         (["a.png", "--square-mm", "0"], "square = 0.0 m"),
-        (["--residual-map", "m.png"], "--residual-map needs"),
         (["a.png", "--lens", "b.yaml"], "--lens takes the place"),
         (["--floor-picture", "nowhere.png"], "cannot be read"),
     ],
