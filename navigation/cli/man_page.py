@@ -1,9 +1,9 @@
 """The manual page ``clearway.1``, made from the parser.
 
-    python -m navigation.cli.man_page > docs/man/clearway.1
+    python -m navigation.cli.man_page > clearway.1
 
-The wheel puts that file into ``share/man/man1``, where ``man clearway`` finds it. A test compares
-it with what this prints. The marks are those of man(7).
+``.ci/compile-wheel`` puts it into ``share/man/man1`` of a wheel, where ``man clearway`` finds it.
+The marks are those of man(7).
 """
 
 from __future__ import annotations

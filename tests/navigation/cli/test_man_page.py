@@ -1,9 +1,8 @@
-"""The manual page is what the parser says, reads well in man, and comes with the wheel."""
+"""The manual page has all that the parser knows, and reads well in man."""
 
 import re
 import shutil
 import subprocess
-import tomllib
 from pathlib import Path
 
 import pytest
@@ -13,18 +12,6 @@ from navigation.cli.main import COMMANDS
 from navigation.cli.man_page import man_page
 
 ROOT = Path(__file__).parents[3]
-PAGE = ROOT / "docs" / "man" / "clearway.1"
-
-
-def test_the_page_is_what_the_parser_says() -> None:
-    """Where this fails: `python -m navigation.cli.man_page > docs/man/clearway.1`."""
-    assert PAGE.read_text() == man_page()
-
-
-def test_the_wheel_installs_it_where_man_looks() -> None:
-    project = tomllib.loads((ROOT / "pyproject.toml").read_text())
-    shared = project["tool"]["hatch"]["build"]["targets"]["wheel"]["shared-data"]
-    assert shared[str(PAGE.relative_to(ROOT))] == "share/man/man1/clearway.1"
 
 
 @pytest.fixture(scope="module")
@@ -33,7 +20,8 @@ def shown() -> str:
     if shutil.which("groff") is None:
         pytest.skip("there is no groff here: bash .ci/packages shells installs it")
     done = subprocess.run(
-        ["groff", "-man", "-Tascii", "-ww", "-P-cbou", "-rLL=500n", str(PAGE)],
+        ["groff", "-man", "-Tascii", "-ww", "-P-cbou", "-rLL=500n"],
+        input=man_page(),
         capture_output=True,
         text=True,
         check=True,
