@@ -9,8 +9,8 @@ Rules
   refused.
 - Readable by its owner only.
 - What cannot be trusted is kept aside under another name, for a person to look at, and the
-  journal begins empty: damage, a record of an earlier format, another owner's mission. A file
-  that was never a journal is refused and left alone.
+  journal begins empty: damage, or another owner's mission. A file that was never a journal, or of
+  another version, is refused and left alone.
 """
 
 from __future__ import annotations
@@ -34,19 +34,11 @@ OPEN_WITHIN_S: Final = 5.0
 """At a run's beginning a program that is about to end is waited for so long."""
 LOOK_AGAIN_S: Final = 0.05
 MOST_BYTES: Final = 64_000_000
-SIDE_FILES: Final = ("", "-wal", "-shm", "-journal")
-"""Versions 1 and 2 were SQLite databases, which have files beside them."""
 MOST_ASIDE: Final = 1000
 
 _MAGIC: Final = f"clearway {KIND} ".encode()
-_OLD_MAGIC: Final = b"SQLite format 3\x00"
 _LIKENESS: Final = 12
 """A file with this many equal bytes at its beginning is a damaged journal, not somebody's notes."""
-_OLD_TABLES: Final = {
-    1: b"CREATE TABLE mission (one INTEGER PRIMARY KEY",
-    2: b"CREATE TABLE contents (one INTEGER PRIMARY KEY CHECK (one = 1)",
-}
-"""By version: the statement that such a database, or its ``-wal`` file, holds as text."""
 _NO_ROOM: Final = frozenset({errno.ENOSPC, errno.EDQUOT, errno.EFBIG, errno.EIO})
 
 
@@ -96,18 +88,14 @@ class JournalFile:
         self._seen = self._present()
 
     def _make_private(self) -> None:
-        """Its owner alone may read what is there, the side files of old versions too."""
+        """Its owner alone may read what is there."""
         self._file.parent.mkdir(parents=True, exist_ok=True)
-        for file in self._files():
-            with contextlib.suppress(FileNotFoundError):
-                mode = file.stat().st_mode
-                if file == self._file and not stat.S_ISREG(mode):
-                    raise JournalError(f"journal {self.path}: is no ordinary file")
-                if stat.S_IMODE(mode) & 0o077:
-                    file.chmod(0o600)
-
-    def _files(self) -> list[Path]:
-        return [self._file.with_name(self._file.name + end) for end in SIDE_FILES]
+        with contextlib.suppress(FileNotFoundError):
+            mode = self._file.stat().st_mode
+            if not stat.S_ISREG(mode):
+                raise JournalError(f"journal {self.path}: is no ordinary file")
+            if stat.S_IMODE(mode) & 0o077:
+                self._file.chmod(0o600)
 
     def _take_lock(self, patience_s: float) -> None:
         until_s = time.monotonic() + patience_s
@@ -150,23 +138,9 @@ class JournalFile:
         """JournalError for other programs' files, which are left as they are."""
         if data.startswith(_MAGIC) or not data:
             return
-        if data.startswith(_OLD_MAGIC):
-            self._look_like_an_old_one(data)
         if _is_alike(data) or not any(data):
             raise _UntrustedError("damaged", "is damaged (its first bytes)")
         raise JournalError(f"journal {self.path}: is no journal: name another file, or remove it")
-
-    def _look_like_an_old_one(self, data: bytes) -> None:
-        with contextlib.suppress(FileNotFoundError), self._files()[1].open("rb") as file:
-            data += file.read(MOST_BYTES)
-        for version, table in _OLD_TABLES.items():
-            if table in data:
-                raise _UntrustedError(
-                    f"version{version}",
-                    f"is of version {version}, in which a lost byte could bring back an entry "
-                    "that is over",
-                )
-        raise JournalError(f"journal {self.path}: is another program's database: name another file")
 
     def _unsealed(self, data: bytes) -> str:
         """The text; SealError where it is damaged, JournalError where a later program wrote it."""
@@ -188,9 +162,7 @@ class JournalFile:
                 break
         else:
             raise JournalError(f"journal {self.path}: {MOST_ASIDE} files are kept aside already")
-        for file, end in zip(self._files(), SIDE_FILES, strict=True):
-            if file.exists():
-                file.rename(aside.with_name(aside.name + end))
+        self._file.rename(aside)
         return aside
 
     def save(self, contents: Contents) -> None:
@@ -233,9 +205,6 @@ def _identity(file: Path | int) -> tuple[int, int] | None:
 
 
 def _is_alike(data: bytes) -> bool:
-    """True if it begins like a journal of any version, or is what is left of such a beginning."""
-    for magic in (_MAGIC, _OLD_MAGIC):
-        equal = sum(one == other for one, other in zip(data, magic, strict=False))
-        if equal >= _LIKENESS or magic.startswith(data):
-            return True
-    return False
+    """True if it begins like a journal, or is what is left of such a beginning."""
+    equal = sum(one == other for one, other in zip(data, _MAGIC, strict=False))
+    return equal >= _LIKENESS or _MAGIC.startswith(data)
