@@ -12,10 +12,10 @@ from pathlib import Path
 import cv2
 import numpy as np
 import pytest
-from hypothesis import HealthCheck, given, settings
+from hypothesis import HealthCheck, example, given, settings
 from hypothesis import strategies as st
 
-from tests.support.drawn.outline_judge import failures, mask_of
+from tests.support.drawn.outline_judge import FEW_PX, failures, mask_of
 from tests.support.drawn.outline_pictures import FAMILIES, LOOKS, Look, Picture, shown
 from vision import PictureError, extract
 from vision.binarise import Polarity
@@ -27,16 +27,20 @@ FEW = settings(
     suppress_health_check=[HealthCheck.too_slow, HealthCheck.function_scoped_fixture],
 )
 SEEDS = st.integers(0, 2**32 - 1)
+IN_NOISE_PX = 6.0
+"""What an outline and its border may be apart in noise: the light crosses the half level up to 2.5 px
+beside a crack (``WANDER`` and half a pixel), so up to 3.5 px where the border runs diagonally, and
+points of an outline that are 2 px apart lie within 2 px of crossings, all others within 2.3."""
 
 
-def hold(picture: Picture, polarity: Polarity) -> None:
+def hold(picture: Picture, polarity: Polarity, limit_px: float = FEW_PX) -> None:
     """Fail where a record and its border do not stand for each other."""
     try:
         scene = extract(picture, polarity=polarity)
     except PictureError:
         # no free pixel is left, and nothing to fit
         return
-    assert failures(mask_of(picture, polarity), scene) == []
+    assert failures(mask_of(picture, polarity), scene, limit_px) == []
 
 
 @FEW
@@ -71,6 +75,7 @@ def test_outlines_of_photographs_lie_on_their_borders(
 
 @FEW
 @given(SEEDS, st.floats(1.0, 8.0), st.floats(20.0, 100.0), st.floats(0.0, 15.0), POLARITIES)
+@example(319, 2.0, 30.0, 2.0, "light")
 def test_outlines_of_noise_lie_on_their_borders(
     seed: int, grain_px: float, contrast: float, noise: float, polarity: Polarity
 ) -> None:
@@ -78,7 +83,7 @@ def test_outlines_of_noise_lie_on_their_borders(
     rng = np.random.default_rng(seed)
     clouds = cv2.GaussianBlur(rng.normal(size=(160, 200)), (0, 0), grain_px)
     grey = 128.0 + contrast * clouds / clouds.std() + rng.normal(0.0, noise, clouds.shape)
-    hold(np.clip(np.rint(grey), 0, 255).astype(np.uint8), polarity)
+    hold(np.clip(np.rint(grey), 0, 255).astype(np.uint8), polarity, IN_NOISE_PX)
 
 
 @pytest.mark.parametrize("value", [0, 128, 255])
