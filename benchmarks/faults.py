@@ -2,7 +2,7 @@
 
     python -m benchmarks.faults [--seeds 20] [--c-seeds 5] [--avr-seeds 5] [--only TEXT] [--jobs N]
 
-Runs in virtual time, on the Python twin, on the C firmware built for this machine, and on its
+Runs in virtual time, on the Python robot, on the C firmware built for this machine, and on its
 AVR binary on an emulated ATmega328P, and writes benchmarks/results/faults.md. A run counts as
 passed when the waypoints that the robot executed are the mission's, in order, none doubled, or
 when the robot stopped and the host said why, where the fault leaves no other way. Ends with 1

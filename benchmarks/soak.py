@@ -6,7 +6,7 @@ Missions of 60 waypoints, one after another, over a line that drops, flips, doub
 stalls, and once a minute another trouble: the cable is pulled, the processor freezes or resets,
 the host is killed, or the emergency stop is pressed and left. Wanted: every mission executed
 whole, in order and nothing twice, or void where the fault leaves no other way and given again;
-counters that only grow; memory that does not. On the Python twin and on the firmware in C in this
+counters that only grow; memory that does not. On the Python robot and on the firmware in C in this
 process, one after the other. Writes benchmarks/results/soak.md.
 """
 

@@ -1,8 +1,8 @@
 """The wire: messages, framing, and both ends of the serial link, sans-IO.
 
 ``docs/protocol.md`` has the bits and the reasons. A host needs ``HostConnection``,
-``Mission`` and ``Waypoint``; a robot ``RobotConnection`` and ``RobotController``; ``firmware/``
-holds the same robot in C99.
+``Mission`` and ``Waypoint``; a robot ``RobotConnection`` and ``RobotController``, around the one of
+``micropython/clearway``; ``firmware/`` holds the same robot in C99.
 """
 
 from firmware_protocol.host.connection import HostConnection

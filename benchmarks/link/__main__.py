@@ -19,9 +19,9 @@ import time
 from pathlib import Path
 
 from benchmarks.link import mavlink_upload
+from firmware_protocol.host.line.send_window import RttEstimate
 from firmware_protocol.host.upload import BATCH
 from firmware_protocol.wire.framing import Frame, FrameParser, Sender, encode_frame, wire_bytes
-from firmware_protocol.wire.link import RttEstimate
 from firmware_protocol.wire.messages import MessageType, RobotState, Status, Waypoint
 from firmware_protocol.wire.mission import Mission
 from navigation.simulator.emulated_processor import EmulatedProcessor

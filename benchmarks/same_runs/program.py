@@ -6,14 +6,17 @@ simulated world offers. When the program changes, this file follows it and the h
 
 from __future__ import annotations
 
+import struct
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import Any, Final
 
 from benchmarks.same_runs.trace import Trace
+from firmware_protocol.micropython.clearway.wire import WAYPOINT_BYTES
 from firmware_protocol.robot.connection import Identity, RobotConnection
 from firmware_protocol.robot.controller import RobotController
 from firmware_protocol.wire.drive_settings import DriveSettings
+from firmware_protocol.wire.messages import Lease, PoseFix, StopReason, Waypoints
 from navigation.config import Config
 from navigation.config.known_robots import CLEARWAY
 from navigation.config.several.each_camera import each_camera
@@ -34,12 +37,7 @@ CALLS: Final = frozenset((
     "estop", "reset_estop",
 ))
 """What a link is ordered to do; asking it for its state changes nothing."""
-HEARD: Final = (
-    "open_session", "accept", "start", "pause", "clear", "lease", "pose_fix", "emergency_stop",
-    "reset_estop",
-)
 # fmt: on
-"""What the robot's end of the line orders its controller to do."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -148,10 +146,62 @@ def _hear(loop: VirtualLoop, trace: Trace, robot: int) -> None:
 
     def make(identity: Identity, settings: DriveSettings) -> RobotConnection:
         controller = RobotController(settings)
-        for name in HEARD:
-            call = getattr(controller, name)
-            setattr(controller, name, trace.noted(name, call, "heard", robot))
+        for name, words_of in HEARD.items():
+            call = getattr(controller.robot, name)
+            setattr(controller.robot, name, _noted(call, words_of, loop, trace, robot))
         return RobotConnection(identity, controller)
 
     loop.make_robot = make
     loop.robot = make(loop.robot.identity, loop.settings)
+
+
+def _noted(
+    call: Callable[..., Any],
+    words_of: Callable[..., str],
+    loop: VirtualLoop,
+    trace: Trace,
+    robot: int,
+) -> Callable[..., Any]:
+    def note_and_call(*given: Any) -> Any:
+        trace.note("heard", robot, words_of(loop.robot_s, *given))
+        return call(*given)
+
+    return note_and_call
+
+
+def _waypoints(_now_s: float, data: bytearray, at: int) -> str:
+    payload = bytes(data[at : at + 10 + WAYPOINT_BYTES * data[at + 8]])
+    return f"accept(message={Waypoints.unpack(payload)!r})"
+
+
+def _start(now_s: float, data: bytearray, at: int) -> str:
+    mission, exec_next = struct.unpack_from("<II", data, at)
+    return f"start(mission={mission}, exec_next={exec_next}, now_s={now_s!r})"
+
+
+def _clear(_now_s: float, data: bytearray, at: int) -> str:
+    return f"clear(mission={struct.unpack_from('<I', data, at)[0]})"
+
+
+def _lease(now_s: float, data: bytearray, at: int) -> str:
+    message = Lease.unpack(bytes(data[at : at + Lease.LAYOUT.size]))
+    return f"lease(message={message!r}, now_s={now_s!r})"
+
+
+def _pose(now_s: float, data: bytearray, at: int, _angle: int) -> str:
+    message = PoseFix.unpack(bytes(data[at : at + PoseFix.LAYOUT.size]))
+    return f"pose_fix(message={message!r}, now_s={now_s!r})"
+
+
+HEARD: Final[dict[str, Callable[..., str]]] = {
+    "open_session": lambda now_s: f"open_session(now_s={now_s!r})",
+    "accept": _waypoints,
+    "start": _start,
+    "pause": lambda _now_s: "pause()",
+    "clear": _clear,
+    "lease": _lease,
+    "see": _pose,
+    "emergency_stop": lambda _now_s, why: f"emergency_stop(reason={StopReason(why)!r})",
+    "reset_estop": lambda _now_s: "reset_estop()",
+}
+"""What the line orders the robot to do, and the words for it."""

@@ -1,5 +1,5 @@
 /* Where the robot is: wheel travel, corrected by camera poses that are already old. The twin of
- * pose_estimate.py, whose text says why. Micrometres, binary angles (fixed.h), microseconds. */
+ * estimate.py, whose text says why. Micrometres, binary angles (fixed.h), microseconds. */
 #ifndef CLEARWAY_ESTIMATE_H
 #define CLEARWAY_ESTIMATE_H
 

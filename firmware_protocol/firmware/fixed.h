@@ -1,5 +1,5 @@
-/* Whole-number geometry for processors without floating point. The twin of fixed_point.py, bit
- * for bit: the same sums, products and shifts in the same order.
+/* Whole-number geometry for processors without floating point. The twin of fixed.py, bit for
+ * bit: the same sums, products and shifts in the same order.
  *
  * - Places are micrometres. Headings are 32-bit binary angles: 2^32 is a full turn, so that sums
  *   wrap by themselves; all other angles are their upper 16 bits, 2^16 a turn.

@@ -1,5 +1,5 @@
 /* Wheels that do not turn below a least speed: what is slower, they are driven in pulses of it. The
- * twin of wheel_pulses.py, whose text says why.
+ * twin of pulses.py, whose text says why.
  */
 #ifndef CLEARWAY_PULSES_H
 #define CLEARWAY_PULSES_H

@@ -29,6 +29,7 @@ from firmware_protocol.host.freshest import lease_of
 from firmware_protocol.host.line.clock_sync import ClockEstimate
 from firmware_protocol.host.line.diagnosis import TAKEN_OVER, why_refused, why_silent
 from firmware_protocol.host.line.hearing import Hearing
+from firmware_protocol.host.line.send_window import RttEstimate, SendWindow
 from firmware_protocol.host.outgoing import Outgoing
 from firmware_protocol.host.sessions import HostSessions
 from firmware_protocol.host.state import LinkEvent, LinkState, state_after
@@ -36,7 +37,6 @@ from firmware_protocol.host.upload import Upload
 from firmware_protocol.host.wanted_mission import WantedMission
 from firmware_protocol.wire.errors import LocalError, RemoteError
 from firmware_protocol.wire.framing import Frame, FrameParser, Sender
-from firmware_protocol.wire.link import RttEstimate, SendWindow
 from firmware_protocol.wire.messages import (
     SCHEMA_HASH,
     Ack,

@@ -15,12 +15,12 @@ from firmware_protocol.host.commands import Commands
 from firmware_protocol.host.counters import HostCounters
 from firmware_protocol.host.freshest import Freshest
 from firmware_protocol.host.line.pace import LinePace
+from firmware_protocol.host.line.send_window import SendWindow
 from firmware_protocol.host.robot_clock import RobotClock
 from firmware_protocol.host.sessions import HostSessions
 from firmware_protocol.host.state import LinkState
 from firmware_protocol.host.upload import Upload
 from firmware_protocol.wire.framing import Frame, Sender, encode_frame
-from firmware_protocol.wire.link import SendWindow
 from firmware_protocol.wire.messages import (
     ESTOP_FRAME,
     SCHEMA_HASH,

@@ -1,1 +1,1 @@
-"""The robot's end of the link, and what it does with waypoints: the reference of the C firmware."""
+"""The robot's end of the line as this computer runs it: ``micropython.clearway`` in SI units."""

@@ -28,7 +28,7 @@ class MessageType(IntEnum):
 
 
 class RobotState(IntEnum):
-    """What the robot is doing; the table of changes is in ``robot.state``."""
+    """The robot's states; the table of changes is in ``clearway.states``."""
 
     BOOT = 0
     IDLE = 1

@@ -172,7 +172,7 @@ class SimulatedRobotSection(Section):
     emulator: str = Field(
         default="",
         description="program, with arguments, that emulates the robot's processor and runs its "
-        "real firmware (tests/hil); empty: the firmware's Python twin",
+        "real firmware (tests/hil); empty: the same robot in Python",
     )
 
 

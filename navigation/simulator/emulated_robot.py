@@ -1,6 +1,6 @@
 """The simulated robot with its real firmware: an emulated microcontroller drives the model.
 
-The same face as the simulated robot with the Python twin. A thread runs the emulator in real
+The same face as the simulated robot. A thread runs the emulator in real
 time: what the host sends into the pseudo-terminal goes to the emulated UART, which takes it at
 its true baud rate; the motor outputs drive the simulated wheels; their travel turns the
 emulated encoders. Which settings the robot has is compiled into its firmware. Where the machine

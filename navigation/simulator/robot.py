@@ -1,4 +1,4 @@
-"""The simulated robot: the firmware's Python twin behind a real pseudo-terminal.
+"""The simulated robot: the robot's end in Python behind a real pseudo-terminal.
 
 A thread runs the robot's end of the link, its controller at 100 steps a second and the moving
 robot in real time. The host opens :attr:`SimulatedRobot.port` with pyserial, as it would open

@@ -89,7 +89,7 @@ class Knobs:
 
 
 def python_robot(identity: Identity, settings: DriveSettings) -> RobotConnection:
-    """The Python twin of the firmware."""
+    """The robot's end in Python."""
     return RobotConnection(identity, RobotController(settings))
 
 

@@ -1,4 +1,4 @@
-"""The C firmware against its Python twin: same bytes in, same bytes out."""
+"""The C firmware against the robot in Python: same bytes in, same bytes out."""
 
 import ctypes
 import random
@@ -35,6 +35,7 @@ from firmware_protocol.wire.messages import (
 from firmware_protocol.wire.mission import Mission
 from navigation.link.serial_link import SerialLink
 from tests.support.robots.c_robot import FIRMWARE, CRobot, library, missing_tool
+from tests.support.robots.inside import expected_of, nonce_of
 from tests.support.robots.robot_pair import Pair
 from tests.support.waiting import wait_until
 from tests.support.wire.fault_scenarios import SCENARIOS, robot_maker
@@ -72,7 +73,7 @@ def random_deed(pair: Pair, rng: random.Random) -> None:
             given_us = rng.choice([given_us % 2**32] * 9 + [rng.getrandbits(32)])
             pair.send(Lease(rng.random(), flags, rng.choice([0.05, 0.9]), given_us))
         case 9:
-            pose = control.estimate.pose
+            pose = control.pose
             offset = rng.choice([0.0, 0.01, 0.3])
             age_us = rng.choice([round(rng.random() * 3e5)] * 9 + [-10_000, 600_000, 2**31])
             seen_us = (pair.clock_us - age_us) % 2**32
@@ -86,7 +87,7 @@ def random_deed(pair: Pair, rng: random.Random) -> None:
         case 12:
             payload = rng.randbytes(rng.randrange(113))
             kind = rng.choice([*MessageType, rng.randrange(256)])
-            number = rng.choice([pair.python._sequence.expected, rng.randrange(256)])
+            number = rng.choice([expected_of(pair.python), rng.randrange(256)])
             reliable = rng.random() < 0.5
             if kind != MessageType.ESTOP:
                 frame = Frame(kind, pair.session, payload, number, reliable=reliable)
@@ -97,7 +98,7 @@ def random_deed(pair: Pair, rng: random.Random) -> None:
                 [
                     (MessageType.HELLO, Hello(SCHEMA_HASH).pack()),
                     (MessageType.CONFIRM, Confirm(rng.getrandbits(32)).pack()),
-                    (MessageType.CONFIRM, Confirm(pair.python._nonce).pack()),
+                    (MessageType.CONFIRM, Confirm(nonce_of(pair.python)).pack()),
                 ]
             )
             pair.feed(encode_frame(Frame(kind, session, payload), Sender.HOST))
@@ -110,7 +111,7 @@ def random_deed(pair: Pair, rng: random.Random) -> None:
 def begin_to_drive(pair: Pair, rng: random.Random) -> None:
     """What a sane host does, from whatever the fuzzing has left."""
     control = pair.python.controller
-    pair.sequence = pair.python._sequence.expected
+    pair.sequence = expected_of(pair.python)
     if control.mission != 9 or control.done:
         pair.send(Clear(1, 0))
         pair.send(Clear(2, 9))

@@ -14,7 +14,6 @@ from firmware_protocol.wire.mission import Mission
 from navigation.simulator.drive_model import DriveModel
 from navigation.simulator.virtual_loop import VirtualLoop, python_robot
 from tests.support.robots.c_robot import CRobot, missing_tool
-from tests.support.robots.micropython_robot import MicroRobot, in_this_process
 
 END = WaypointFlag.STOP | WaypointFlag.END
 GOAL = (0.30, 0.05)
@@ -25,7 +24,6 @@ RobotMaker = Callable[[Identity, DriveSettings], RobotConnection]
 ROBOTS: dict[str, RobotMaker] = {
     "python": python_robot,
     "c": CRobot,  # type: ignore[dict-item]
-    "micropython": lambda identity, settings: MicroRobot(in_this_process(), identity, settings),  # type: ignore[dict-item,return-value]
 }
 
 

@@ -3,8 +3,6 @@
 Whole drives over a line that strays and delays are in ``tests/support/wire/hostile_scenarios.py``.
 """
 
-import math
-
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
@@ -13,6 +11,8 @@ from firmware_protocol.host.events import LinkChanged, StrayHello
 from firmware_protocol.host.freshest import ERROR_MAX_S, Freshest
 from firmware_protocol.host.line.clock_sync import WRAP_US, ClockEstimate
 from firmware_protocol.host.state import LinkState
+from firmware_protocol.micropython.clearway.link import REJECTED
+from firmware_protocol.micropython.clearway.robot import NO_POSE_MS
 from firmware_protocol.wire.framing import Frame, Sender, encode_frame
 from firmware_protocol.wire.messages import (
     ESTOP_FRAME,
@@ -27,12 +27,14 @@ from firmware_protocol.wire.messages import (
     PoseFix,
     ResetEstop,
     RobotState,
+    StatusFlag,
     StopReason,
     Waypoints,
 )
 from navigation.link.link_snapshot import snapshot_of
 from tests.firmware_protocol.host.table import Table, line
 from tests.firmware_protocol.robot.board import Board, far
+from tests.support.robots.inside import counted, nonce_of
 
 DRIVE = LeaseFlag.PERMIT | LeaseFlag.ODOMETRY
 
@@ -48,11 +50,11 @@ def test_a_hello_opens_nothing_until_its_challenge_is_given_back() -> None:
     board.run(far())
     board.send(Hello(SCHEMA_HASH), session=6)
     assert (board.robot.session, board.control.state) == (5, RobotState.RUN)
-    board.send(Confirm(board.robot._nonce ^ 1), session=6)
-    board.send(Confirm(board.robot._nonce), session=7)
+    board.send(Confirm(nonce_of(board.robot) ^ 1), session=6)
+    board.send(Confirm(nonce_of(board.robot)), session=7)
     assert (board.robot.session, board.control.state) == (5, RobotState.RUN)
     assert board.robot.session_errors == 2
-    board.send(Confirm(board.robot._nonce), session=6)
+    board.send(Confirm(nonce_of(board.robot)), session=6)
     assert (board.robot.session, board.control.state) == (6, RobotState.HOLD)
 
 
@@ -61,7 +63,7 @@ def test_the_same_session_asked_for_again_has_another_challenge() -> None:
     for _ in range(50):
         board.hello(3)
         board.hello(4)
-        nonces.add(board.robot._nonce)
+        nonces.add(nonce_of(board.robot))
         board.pass_time(0.01)
     assert len(nonces) == 50
 
@@ -80,7 +82,7 @@ def test_a_lease_runs_from_when_it_was_given() -> None:
     given_us = board.clock_us
     board.pass_time(0.4)
     board.send(Lease(0.5, DRIVE, 0.0, given_us))
-    assert board.control.lease_left_s(board.now_s) == pytest.approx(0.1, abs=0.002)
+    assert board.control.robot.lease_left_ms() == pytest.approx(100, abs=2)
     board.pass_time(0.11)
     assert board.control.reason is StopReason.LEASE_LAPSED
 
@@ -90,8 +92,8 @@ def test_a_lease_of_another_time_is_refused_and_counted(age_s: float) -> None:
     board = Board()
     board.hello(3)
     board.send(Lease(0.5, DRIVE, 0.0, round(board.clock_us - age_s * 1e6) % WRAP_US))
-    assert board.control.lease_left_s(board.now_s) == 0.0
-    assert board.robot.rejected == 1
+    assert board.control.robot.lease_left_ms() == 0
+    assert counted(board.robot, REJECTED) == 1
 
 
 def test_a_permit_that_comes_after_its_withdrawal_is_refused() -> None:
@@ -101,7 +103,7 @@ def test_a_permit_that_comes_after_its_withdrawal_is_refused() -> None:
     board.send(Lease(0.5, LeaseFlag.NONE, 0.0, board.clock_us))
     board.send(Lease(0.5, DRIVE, 0.0, board.clock_us - 30_000))
     assert board.control.reason is StopReason.NO_PERMIT
-    assert not board.control._lease.flags & LeaseFlag.PERMIT
+    assert not board.status().flags & StatusFlag.PERMIT
 
 
 @pytest.mark.parametrize("age_s", [0.5, 2.0, 2148.0, -0.03])
@@ -110,15 +112,15 @@ def test_a_pose_of_another_time_is_refused_and_counted(age_s: float) -> None:
     board.hello(3)
     board.pass_time(0.5)
     board.send(PoseFix(1.0, 0.0, 0.0, round(board.clock_us - age_s * 1e6) % WRAP_US))
-    assert board.control.pose_age_s(board.now_s) == math.inf
-    assert board.robot.rejected == 1
+    assert board.control.robot.pose_age_ms() == NO_POSE_MS
+    assert counted(board.robot, REJECTED) == 1
 
 
 def test_a_pose_just_ahead_of_the_clock_is_of_now() -> None:
     board = Board()
     board.hello(3)
     board.send(PoseFix(1.0, 0.0, 0.0, board.clock_us + 15_000))
-    assert board.control.pose_age_s(board.now_s) == 0.0
+    assert board.control.robot.pose_age_ms() == 0
 
 
 def test_an_emergency_stop_pressed_during_the_re_arm_needs_a_session_of_its_own() -> None:
@@ -309,4 +311,4 @@ def test_frames_of_a_recording_are_void_although_their_session_is_asked_for() ->
     board.send(Waypoints(9, 0, mission.records), session=8)
     board.send(Lease(0.5, DRIVE, 0.0, board.clock_us), session=8)
     assert (board.control.mission, board.control.accept_next) == (0, 0)
-    assert board.control.lease_left_s(board.now_s) == 0.0
+    assert board.control.robot.lease_left_ms() == 0

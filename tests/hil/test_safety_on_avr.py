@@ -1,6 +1,6 @@
 """The link's safety rows on the AVR binary: it stands in time, and drives again only when told.
 
-The same scenarios run on the Python twin in ``tests/firmware_protocol/test_faults.py``; what
+The same scenarios run on the Python robot in ``tests/firmware_protocol/test_faults.py``; what
 they assert, times included, stands with each of them.
 """
 

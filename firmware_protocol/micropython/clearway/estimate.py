@@ -1,22 +1,37 @@
-"""Where the robot is: wheel travel, corrected by camera poses that are already old.
+"""Where the robot is: wheel odometry, corrected by camera poses that are already old.
 
-The twin of ``estimate.c``; ``pose_estimate.py`` says why. The heading, 2^32 a turn, is kept in
-two halves, of which the upper one is the angle that all others use.
+- Odometry moves the estimate at every step; a short history remembers how far the wheels had
+  moved it, corrections left out.
+- A fix speaks of the past: what the wheels did since is laid on top of it, and a quarter of the
+  difference from the estimate is taken over.
+- Wheels that are not quite alike turn the robot as it drives: that drift is learnt from the fixes.
+- Micrometres; the heading, 2^32 a turn, is kept in two halves, of which the upper one is the angle
+  that all others use. The history has 16 bits each: 256 um, 2^16 a turn, 256 us.
+
+The twin of ``estimate.c``.
 """
 
 from array import array
 
-from .fixed import VECTOR, scale, short, turn
+from .fixed import VECTOR, clip, scale, short, turn, word
 from .native import micropython
-from .wire import get_i16, get_place
+from .wire import get_place
 
-DRIFT_MAX = 419904  # 0.6 rad/m
+DRIFT_MAX = 419904
+"""Angle per micrometre, times 1024: 0.6 rad/m, wheels that differ by 7 % on 0.12 m."""
+TRAVEL_MAX = 1 << 29
+"""537 m. What the wheels have travelled since the last fix is counted no further: a cycle's travel
+more, 1 m at most, still is below 2^30. No drift is learnt from so long a way."""
 HISTORY = 9
-HISTORY_STEP = 156  # 40 ms
+HISTORY_STEP = 156
+"""40 ms."""
 JUMP_UM = 150000
-JUMP_ANGLE = JUMP_UM >> 5  # of 2^16 a turn: 0.45 rad
+JUMP_SHIFT = 11
+"""A heading of 32 bits that is shifted by this is compared with JUMP_UM too: 0.45 rad."""
 JUMPS_BELIEVED = 5
+"""So many fixes in a row that are far off mean that the robot was moved by hand."""
 TIME = 0x3FFFFFFF
+"""Times are microseconds modulo 2^30."""
 X, Y, TOP, LOW = 0, 1, 2, 3
 
 
@@ -41,12 +56,12 @@ class Estimate:
 
     @micropython.native
     def advance(self, travel_um: int, across_um: int, now_us: int) -> None:
-        """The robot drove so far, its right wheel so much further than its left one."""
+        """Move by a cycle's travel, the right wheel's so much longer than the left one's."""
         past = self._past
         if (past[3] - past[7]) & 0xFFFF >= HISTORY_STEP:
             for i in range(4 * HISTORY - 1, 3, -1):
                 past[i] = past[i - 4]
-        self.travel_um += travel_um
+        self.travel_um = clip(self.travel_um + travel_um, TRAVEL_MAX)
         # turn: the product, and what the drift adds in its upper 24 bits, modulo 2^32
         drifted = scale(travel_um, self._drift >> 4)
         upper = across_um * (self._angle_per_um >> 8) + drifted
@@ -70,7 +85,7 @@ class Estimate:
 
     @micropython.native
     def correct(self, seen: bytearray, at: int, angle: int, seen_us: int) -> bool:
-        """The camera saw the robot there; False where that was not used.
+        """Take a camera pose of that time; False if it was not used.
 
         Its place is at ``seen[at]``, the heading an angle of 2^16 a turn.
         """
@@ -111,12 +126,12 @@ class Estimate:
 
     @micropython.native
     def _find_shift(self, seen: bytearray, at: int, angle: int, begin: int, share: int) -> bool:
-        """What was seen plus what the wheels have done since, less the pose; whether it is near."""
+        """Leave what was seen, and done since, less the pose in ``_shift``; True if it is near."""
         past, shift = self._past, self._shift
         near = True
         for i in range(2):
             since_then = short(past[i] - self._before(i, begin, share)) * 256
-            shift[i] = get_place(seen, at + 4 * i) - self.pose[i] + since_then
+            shift[i] = word(get_place(seen, at + 4 * i) - self.pose[i] + since_then)
             if not -JUMP_UM <= shift[i] <= JUMP_UM:
                 near = False
         high = angle + past[2] - self._before(2, begin, share) - self.pose[TOP]
@@ -125,15 +140,17 @@ class Estimate:
             high -= 1
         shift[TOP] = high & 0xFFFF
         top = short(high)
-        # the size of all 32 bits, shifted by 11, is compared with the same number
-        size = (-top << 5) - (shift[LOW] >> 11) if top < 0 else top << 5 | shift[LOW] >> 11
-        if top < 0 and shift[LOW] & 0x7FF:
-            size -= 1
+        # the size of all 32 bits, from their halves
+        size = top << 16 - JUMP_SHIFT | shift[LOW] >> JUMP_SHIFT
+        if top < 0:
+            size = (-top << 16 - JUMP_SHIFT) - (shift[LOW] >> JUMP_SHIFT)
+            if shift[LOW] & (1 << JUMP_SHIFT) - 1:
+                size -= 1
         return near and size <= JUMP_UM
 
     @micropython.native
     def _before(self, i: int, begin: int, share: int) -> int:
-        """How far the wheels had moved the robot when it was seen."""
+        """The wheels' part of the motion up to when the robot was seen."""
         before = self._past[begin + i]
         if share:
             before += scale(short(self._past[begin - 4 + i] - before), share)
@@ -147,15 +164,9 @@ class Estimate:
 
 
 @micropython.native
-def heading_of(seen: bytearray, at: int) -> int:
-    """A heading of the line, 1e-4 rad, as an angle of 2^16 a turn."""
-    return scale(get_i16(seen, at), 17089) & 0xFFFF
-
-
-@micropython.native
 def _add(to: "array[int]", x: int, y: int, high: int, low: int) -> None:
-    to[X] += x
-    to[Y] += y
+    to[X] = word(to[X] + x)
+    to[Y] = word(to[Y] + y)
     low += to[LOW]
     to[LOW] = low & 0xFFFF
     to[TOP] = to[TOP] + high + (low >> 16) & 0xFFFF

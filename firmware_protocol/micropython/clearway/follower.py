@@ -1,43 +1,79 @@
-"""How the robot follows its waypoints: the twin of ``follower.c``; ``follower.py`` of the Python
-robot says why. Lengths are counts of 64 um and end at 2 m, speeds are eighths of mm/s. Turning is
-half the difference of the wheels' speeds, "spin": positive turns left.
+"""How the robot follows its waypoints: drives a differential drive along the queued ones.
+
+- Between waypoints: pure pursuit (Coulter, 1992) of the polyline through them; beyond a stop
+  the last line is extended, so that the robot runs straight into its target.
+- Speed: at every waypoint ahead at most its own, zero at stops, sharp corners and the end of
+  the queue, and in between no more than the brakes can take back.
+- A corner sharper than TURN_ENTER is taken standing. At a stop the robot settles, drives the
+  last millimetres where needed, turns to the heading asked for, and dwells.
+- Lengths are counts of 64 um and end at 2 m (FAR), angles are 2^16 a turn, speeds eighths of mm/s.
+  Turning is half the difference of the wheels' speeds, "spin": positive turns left.
+- No clock, no I/O: one `step` or `halt` a control cycle.
+
+The twin of ``follower.c``.
 """
 
 from array import array
 
-from .estimate import TOP, heading_of
-from .fixed import VECTOR, aside, clip, measure, part, root, scale, sine, turn
+from .estimate import TOP
+from .fixed import VECTOR, angle_of, aside, clip, measure, part, root, scale, sine, turn
 from .native import micropython
 from .settings import Settings
-from .waypoints import Queue
-from .wire import HEADING_FREE, get_i16, get_place, get_u16
+from .waypoints import FAR, Queue, begin_leg, leg_length
+from .wire import HEADING_FREE, WAYPOINT_BYTES, get_i16, get_place, get_u16
 
 TRACK, TURN, SETTLE, DOCK, ALIGN, DWELL = 0, 1, 2, 3, 4, 5
+"""What it does for the next waypoint: follow the line; turn on the spot towards it; stand until the
+pose is sure; drive the last millimetres; turn to the final heading; stand as long as asked."""
 NO_TROUBLE, OFF_PATH, STUCK = 0, 1, 2
-# angles of 2^16 a turn: 0.8, 0.2, 0.04, 0.15, 0.03 rad
-TURN_ENTER, TURN_STANDING, TURN_EXIT = 8344, 2086, 417
-DOCK_BEARING, TURNED = 1564, 312
-STANDING, CRAWL, DOCK_SPEED = 160, 80, 480
-PASS_RADIUS, START_RADIUS = 5000 // 64, 20000 // 64
-STOP_TOLERANCE, TURNED_TOLERANCE = 2000 // 64, 3000 // 64
-SIDEWAYS, DOCKED = 900 // 64, 700 // 64
+"""Why it gives up: too far from the line, or no progress."""
+
+TURN_ENTER = 8344
+"""0.8 rad: a sharper corner is taken standing."""
+TURN_STANDING = 2086
+"""0.2 rad: a robot that stands turns first where it would otherwise swing out."""
+TURN_EXIT = 417
+"""0.04 rad."""
+STANDING = 20 * 8
+CRAWL = 10 * 8
+PASS_RADIUS = 5000 // 64
+"""A waypoint without a radius of its own counts as passed within this distance."""
+START_RADIUS = 20000 // 64
+"""The first waypoint after START counts as passed within this distance: a plan begins where the
+robot stood a moment ago."""
 SHORT = 1000 // 64
 """A line shorter than this has no direction."""
 NOWHERE = 128 // 64
 """A line shorter than this is none."""
-FAR = 32000
-MOST_SPIN = 2000 * 8
-SETTLE_US, STUCK_US = 250000, 3000000
+
+STOP_TOLERANCE, TURNED_TOLERANCE = 2000 // 64, 3000 // 64
+SETTLE_US = 250000
 STOOD_UM = 1000
-PROGRESS = 12
-DOCK_ATTEMPTS = 8
+"""A robot that travels further while it settles does not stand: 4 mm/s. One late step of both
+encoders, 250 um, is no movement."""
 CLEARLY = 2000
+"""What counts as the travel of wheels that clearly turn, in micrometres."""
+STUCK_US = 3000000
+PROGRESS = 12
+"""Of 256 um: 3 mm."""
+TURNED = 312
+"""0.03 rad."""
+DOCK_ATTEMPTS = 8
+DOCK_SPEED = 60 * 8
+DOCK_BEARING = 1564
+"""0.15 rad."""
+SIDEWAYS, DOCKED = 900 // 64, 700 // 64
+MOST_SPIN = 2000 * 8
+MOST_BEND = 0x7FFF
+MOST_MM_S = 4000
+"""A waypoint's speed is believed up to here, so that its square stays below 2^30."""
 NO_LIMIT = 1 << 29
 """More than the square of any speed."""
+ANY_DISTANCE = 0xFFFF
 
 
 class Follower:
-    """What it is doing, and the speeds that it commands."""
+    """The phase, the line and the speeds that it commands; queue and pose are the robot's."""
 
     def __init__(self, settings: Settings, queue: Queue, pose: "array[int]") -> None:
         self._set = settings
@@ -47,27 +83,38 @@ class Follower:
         self.spin = 0
         self.trouble = NO_TROUBLE
         self.dt_us = 0
+        """How long the cycle is that :meth:`step` or :meth:`halt` is called for."""
         self.phase = TRACK
         self._bend = 0
+        """Spin over speed, times 16384: as steered last."""
         self._attempts = 0
         self._first = True
         self._docking = False
+        # the line to the next waypoint, which is measured once
+        self._from = array("i", (0, 0))
+        self._from_speed_mm_s = 0
+        self._is_measured = False
+        self._line_length = 0
+        self._line_direction = 0
+        # the leg that is looked at: first that line, then those from waypoint to waypoint
         self._length = 0
         self._direction = 0
+        # where the robot is on its line: from the waypoint; along the line, negative behind the
+        # waypoint; beside the line or behind its beginning
         self._distance = 0
         self._remaining = 0
         self._beside = 0
-        self._from = array("i", (0, 0))
-        self._from_speed_mm_s = 0
         self._stood_um = 0
+        """Travelled while standing."""
         self._still_us = 0
         self._progress_us = 0
         self._progress = array("H", (0, 0, 0))
         self._off = 0
+        """The bearing of the pursued point."""
         self._aim = array("i", (0, 0))
 
     def begin(self) -> None:
-        """Drive from where the robot is."""
+        """A START: the line begins where the robot is."""
         self.phase = TRACK
         self._from[0], self._from[1] = self._pose[0], self._pose[1]
         self._from_speed_mm_s = 0
@@ -75,12 +122,23 @@ class Follower:
         self._new_target()
         self._note_progress()
 
+    def freeze(self) -> None:
+        """An emergency stop: zero at once."""
+        self.speed = 0
+        self.spin = 0
+
+    def forget_line(self) -> None:
+        """The queue was dropped: the line leads to another waypoint, if any."""
+        self._is_measured = False
+
     def _new_target(self) -> None:
+        self._is_measured = False
         self._attempts = 0
         self._still_us = 0
         self._docking = False
 
     def _leave(self, at: int) -> None:
+        """A waypoint is executed: the line to the next one begins there."""
         data = self._queue.data
         self._from[0] = get_place(data, at)
         self._from[1] = get_place(data, at + 4)
@@ -97,14 +155,16 @@ class Follower:
 
     @micropython.native
     def _look(self, at: int) -> None:
+        """Find where the robot is on the line to a waypoint."""
         data = self._queue.data
-        x, y = get_place(data, at) >> 2, get_place(data, at + 4) >> 2
-        VECTOR[0] = x - (self._from[0] >> 2)
-        VECTOR[1] = y - (self._from[1] >> 2)
-        self._direction = measure()
-        self._length = clip(VECTOR[0] >> 4, FAR) & 0xFFFF
-        VECTOR[0] = (self._pose[0] >> 2) - x
-        VECTOR[1] = (self._pose[1] >> 2) - y
+        if not self._is_measured:
+            self._is_measured = True
+            begin_leg(data, at, self._from[0], self._from[1])
+            self._line_direction = measure()
+            self._line_length = leg_length()
+        self._length, self._direction = self._line_length, self._line_direction
+        VECTOR[0] = (self._pose[0] >> 2) - (get_place(data, at) >> 2)
+        VECTOR[1] = (self._pose[1] >> 2) - (get_place(data, at + 4) >> 2)
         bearing = measure()
         self._distance = clip(VECTOR[0] >> 4, FAR)
         self._remaining = 0
@@ -119,23 +179,24 @@ class Follower:
                 self._beside = behind
 
     @micropython.native
-    def _next_leg(self, at: int, after: int) -> bool:
-        """Whether the line bends too much between two waypoints; the leg becomes the next one."""
-        data = self._queue.data
+    def _next_leg(self, after: int) -> bool:
+        """Look at the leg to the waypoint there; True if the line bends too much to be driven.
+
+        A short leg keeps the direction of the one before.
+        """
         was_short = self._length < SHORT
-        VECTOR[0] = (get_place(data, after) >> 2) - (get_place(data, at) >> 2)
-        VECTOR[1] = (get_place(data, after + 4) >> 2) - (get_place(data, at + 4) >> 2)
-        direction = measure()
-        self._length = clip(VECTOR[0] >> 4, FAR) & 0xFFFF
+        leg = after // WAYPOINT_BYTES
+        self._length = self._queue.lengths[leg]
         if self._length < SHORT:
             return False
-        before, self._direction = self._direction, direction
-        return not was_short and aside(direction - before) > TURN_ENTER
+        before, self._direction = self._direction, self._queue.directions[leg]
+        return not was_short and aside(self._direction - before) > TURN_ENTER
 
     # speeds
 
     @micropython.native
     def _slew_speed(self, wanted: int) -> None:
+        """Move the commanded speed towards this, no faster than the settings allow."""
         self.speed += clip(wanted - self.speed, part(self.dt_us, self._set.speed_per_cycle))
 
     @micropython.native
@@ -154,7 +215,11 @@ class Follower:
 
     @micropython.native
     def _approach(self, square: int, distance: int) -> int:
-        """The speed towards a stop: near it four times the distance left, a second."""
+        """The speed towards a stop, from the square of what the brakes allow.
+
+        The square root alone would arrive with a jerk that slow motors cannot follow, so near the
+        stop the speed is four times the distance left, a second.
+        """
         speed = root(square) << 3
         return distance << 1 if distance < speed >> 1 else speed
 
@@ -170,6 +235,7 @@ class Follower:
 
     @micropython.native
     def _pass_waypoints(self) -> int:
+        """The count of waypoints that have been passed; leaves the look at the next one."""
         queue, data = self._queue, self._queue.data
         passed = 0
         while passed < queue.count:
@@ -183,10 +249,9 @@ class Follower:
                 break
             radius = max(get_u16(data, at + 12) * 25 >> 4 & 0xFFFF, PASS_RADIUS)
             if passed + 1 < queue.count:
-                length, direction = self._length, self._direction
-                if self._next_leg(at, queue.at(passed + 1)):
+                if self._next_leg(queue.at(passed + 1)):
                     radius = STOP_TOLERANCE
-                self._length, self._direction = length, direction
+                self._length, self._direction = self._line_length, self._line_direction
             if self._first and radius < START_RADIUS:
                 radius = START_RADIUS
             if self._distance & 0xFFFF > radius and self._remaining > 0:
@@ -216,7 +281,7 @@ class Follower:
             begin += 1
             after = queue.at(begin)
             direction = self._direction
-            last = begin >= queue.count or data[at + 15] != 0 or self._next_leg(at, after)
+            last = begin >= queue.count or data[at + 15] != 0 or self._next_leg(after)
             if not found and (last or ahead >= lookahead):
                 found = True
                 VECTOR[0], VECTOR[1] = (lookahead - ahead) * 16, 0
@@ -226,14 +291,14 @@ class Follower:
             allowed = ahead * self._set.brake_mm_s2 >> 4
             if last or (found and allowed >= square):
                 break
-            speed = min(get_u16(data, at + 10), 4000)
+            speed = min(get_u16(data, at + 10), MOST_MM_S)
             square = min(square, allowed + speed * speed)
             ahead = min(ahead + self._length, FAR)
             at = after
         VECTOR[0], VECTOR[1] = aim[0], aim[1]
         self._off = measure() - self._pose[TOP] & 0xFFFF
         self._bend = self._bend_to(clip(VECTOR[0] >> 4, FAR) & 0xFFFF)
-        return self._allowed_speed(min(square, allowed), ahead if last else 0xFFFF)
+        return self._allowed_speed(min(square, allowed), ahead if last else ANY_DISTANCE)
 
     @micropython.native
     def _bend_to(self, distance: int) -> int:
@@ -241,7 +306,7 @@ class Follower:
         bend = self._set.track * sine(aside(self._off))
         if distance:
             bend //= distance
-        bend = min(bend, 0x7FFF)
+        bend = min(bend, MOST_BEND)
         return -bend if self._off & 0x8000 else bend
 
     @micropython.native
@@ -254,6 +319,7 @@ class Follower:
 
     @micropython.native
     def _track(self, begin: int) -> None:
+        """Follow the line, or turn towards it."""
         if self._queue.data[self._queue.at(begin) + 15] and self._remaining <= SHORT:
             self.phase = SETTLE
             self._move(0, 0)
@@ -277,7 +343,7 @@ class Follower:
 
     @micropython.native
     def _has_settled(self, ahead_um: int, at: int, tolerance: int) -> bool:
-        """Whether the robot has stood long enough and stands near enough; otherwise it docks."""
+        """True if the robot has stood long enough, and near enough; otherwise it docks."""
         self._move(0, 0)
         if self._still_us == 0:
             self._stood_um = 0
@@ -325,6 +391,7 @@ class Follower:
 
     @micropython.native
     def _is_stuck(self) -> bool:
+        """True if it has made no progress for too long."""
         pose, progress = self._pose, self._progress
         if (
             self.phase == SETTLE
@@ -340,7 +407,10 @@ class Follower:
 
     @micropython.native
     def halt(self) -> int:
-        """One cycle of a stop under control; how many waypoints were executed."""
+        """One cycle of a stop under control: slow down, along the line as long as there is one.
+
+        The count of waypoints that were executed.
+        """
         executed = 0
         if self.speed <= 0 or self.phase != TRACK:
             self._move(0, 0)
@@ -353,7 +423,10 @@ class Follower:
 
     @micropython.native
     def step(self, ahead_um: int) -> int:
-        """One cycle of driving; how many waypoints were executed. Sets ``trouble``."""
+        """One cycle of driving; the count of waypoints that were executed. Sets ``trouble``.
+
+        ``ahead_um``: what the wheels have travelled in it, CLEARLY where they clearly turn.
+        """
         executed = self._pass_waypoints()
         self.trouble = NO_TROUBLE
         if executed == self._queue.count:
@@ -373,7 +446,7 @@ class Follower:
                 self.phase = TRACK
                 self._leave(at)
         elif self.phase == ALIGN:
-            off = heading_of(data, at + 8) - self._pose[TOP] & 0xFFFF
+            off = angle_of(get_i16(data, at + 8)) - self._pose[TOP] & 0xFFFF
             if aside(off) > self._set.heading_tolerance:
                 self._still_us = 0
                 self._turn_towards(off)
@@ -388,5 +461,5 @@ class Follower:
 
 @micropython.native
 def smooth(speed: int, travel_um: int, share: int) -> int:
-    """Towards what the wheels did in this cycle, 30 ms smooth; 17/64 is 8 over 30."""
+    """A measured speed, drawn towards this cycle's travel, 30 ms smooth; 17/64 is 8 over 30."""
     return clip(speed + (travel_um * 17 >> 6) - scale(speed, share), 0x7FFF)

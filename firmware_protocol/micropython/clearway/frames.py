@@ -5,7 +5,7 @@ Each function leaves its frame in ``frame`` and returns its size with its zeros.
 
 from array import array
 
-from .fixed import scale, short
+from .fixed import heading_of
 from .native import micropython
 from .robot import Robot
 from .waypoints import QUEUE_SIZE
@@ -23,6 +23,7 @@ from .wire import (
 
 HELLO_ACK, CHALLENGE, ACK, STATUS, TIMESYNC_REPLY = 129, 130, 144, 145, 162
 RX_WINDOW = 248
+"""Two full frames of waypoints, and less than a receive ring of 256 bytes."""
 OF_ROBOT = (0x068A, 0x1D9C)
 """The CRC, inverted, of the byte that is not sent: its lower and upper half."""
 
@@ -133,7 +134,7 @@ class Frames:
         at = put_u16(frame, at + 4, self.command)
         pose = robot.estimate.pose
         at = put_place(frame, put_place(frame, at, pose[0]), pose[1])
-        at = put_u16(frame, at, scale(short(pose[2]), 15708))
+        at = put_u16(frame, at, heading_of(pose[2]))
         at = put_u16(frame, at, robot.speed_mm_s())
         at = put_u16(frame, at, robot.turning_mrad_s())
         at = put_u16(frame, at, robot.pose_age_ms())

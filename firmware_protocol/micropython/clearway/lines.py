@@ -18,7 +18,7 @@ class UsbLine:
         self._out = sys.stdout.buffer
 
     def read(self, buffer: bytearray) -> int:
-        """What has arrived, into the buffer; how many bytes."""
+        """Read what has arrived into the buffer; the count of bytes."""
         count = 0
         while count < len(buffer) and self._has_more():
             self._in.readinto(self._one)  # type: ignore[union-attr]
@@ -47,13 +47,13 @@ class UartLine:
         self._uart = uart
 
     def read(self, buffer: bytearray) -> int:
-        """What has arrived, into the buffer; how many bytes."""
+        """Read what has arrived into the buffer; the count of bytes."""
         if not self._uart.any():
             return 0
         return self._uart.readinto(buffer) or 0
 
     def can_write(self) -> bool:
-        """Whether the last frame has gone."""
+        """True if the last frame has gone."""
         return bool(self._uart.txdone())
 
     def write(self, view: memoryview) -> None:

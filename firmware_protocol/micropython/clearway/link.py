@@ -1,12 +1,21 @@
 """The robot's end of the line: bytes in, decisions through ``robot``, frames out.
 
-The twin of ``link.c``. Any byte stream is safe. ``receive`` acts on whole frames at once;
-``next_frame`` leaves the most urgent frame that is due in ``frame`` and returns its size.
+- ``receive`` takes what has arrived, in any portions, and acts on whole frames at once. Any bytes
+  are safe.
+- ``next_frame`` gives one frame at a time, by urgency, so that a board needs one transmit buffer
+  and nothing waits behind a queue.
+- HELLO asks for a session; it opens when the host has given the CHALLENGE's number back. Until
+  then the present session goes on: a stray HELLO changes nothing, and a recording opens nothing.
+- A frame counts only in the present session; HELLO, CONFIRM and ESTOP need none.
+- What is reported is the present state: nothing is lost if a frame is.
+
+The twin of ``link.c``.
 """
 
 from array import array
 
-from .estimate import TIME, heading_of
+from .estimate import TIME
+from .fixed import angle_of
 from .frames import Frames
 from .native import micropython
 from .robot import ESTOP_HOST, Robot
@@ -33,7 +42,11 @@ LENGTHS = b"\x0a\x02\x06\x02"
 ORDERS = b"\x09\x0e\x04"
 """Of LEASE to TIMESYNC."""
 RELIABLE, NAK = 1, 2
-STATUS_INTERVAL_US, STATUS_SPACING_US, NAK_INTERVAL_US = 50000, 10000, 3000
+STATUS_INTERVAL_US = 50000
+STATUS_SPACING_US = 10000
+"""A change is reported at once, but no more often than this; a stop without waiting."""
+NAK_INTERVAL_US = 3000
+"""The robot complains no more often, so that a burst of noise cannot fill the line."""
 ESTOP_FRAME = b"\x00\x03\x10\x2e\x01\x01\x01\x01\x01\x05\xa2\x48\xb2\x50\x00"
 # the CRC, inverted, as low and high half: of the byte that is not sent, and over a sound frame
 OF_HOST = (0xE9DD, 0x6620)
@@ -56,8 +69,11 @@ class Link:
         self.frames = Frames(robot, boot_id, reset_cause, firmware)
         self.frame = self.frames.frame
         self.count = array("H", bytes(16))
+        self.turns = 0
+        """The times that the clock, which is modulo 2^30, has come round, modulo 4."""
         self.session = 0
-        self._nonce = array("H", (boot_id & 0xFFFF, boot_id >> 16 & 0xFFFF))
+        self.nonce = array("H", (boot_id & 0xFFFF, boot_id >> 16 & 0xFFFF))
+        """The number that a host has to give back; made from boot and clock, one after another."""
         self._buffer = bytearray(MAX_DECODED)
         self._crc = array("H", (0, 0))
         self._encoded = 0
@@ -71,11 +87,10 @@ class Link:
         self._sync_host = bytearray(4)
         self._sync_robot = bytearray(4)
         self._clock = bytearray(4)
-        self._wraps = 0
         self._forget_session()
 
     def _forget_session(self) -> None:
-        self._asked = 0
+        self._asked = 0  # the session that a host has asked for and not yet confirmed
         self.frames.command = 0
         self.frames.result = 0
         self.frames.expected = 0
@@ -85,21 +100,17 @@ class Link:
         self._sync_due = False
         self._status_sent = False
 
-    @micropython.native
-    def _tick(self, now_us: int) -> None:
-        """Time is modulo 2^30; on the line it has 32 bits."""
-        if now_us < self.robot.now_us and self.robot.now_us - now_us > TIME >> 1:
-            self._wraps = self._wraps + 1 & 3
-        self.robot.tick(now_us)
-        put_place(self._clock, 0, now_us)
-        self._clock[3] |= self._wraps << 6
+    def _write_clock(self) -> None:
+        """The time now, as the line has it: 32 bits."""
+        put_place(self._clock, 0, self.robot.now_us)
+        self._clock[3] |= self.turns << 6
 
     # receiving
 
     @micropython.native
     def receive(self, data: bytearray, count: int, now_us: int) -> None:
         """Take so many bytes from the line."""
-        self._tick(now_us)
+        self.robot.tick(now_us)
         for i in range(count):
             byte = data[i]
             if byte:
@@ -192,14 +203,11 @@ class Link:
         self._challenge_due = True
         if self._asked != session:
             self._asked = session
-            check_bytes(self._nonce, 0, self._clock, 0, 4)
+            self._write_clock()
+            check_bytes(self.nonce, 0, self._clock, 0, 4)
 
     def _confirm(self, session: int, length: int) -> None:
-        if (
-            length != 4
-            or session != self._asked
-            or not same_halves(self._buffer, 8, self._nonce, 0)
-        ):
+        if length != 4 or session != self._asked or not same_halves(self._buffer, 8, self.nonce, 0):
             self._add(SESSION_ERRORS)
             return
         self.robot.open_session()
@@ -235,7 +243,7 @@ class Link:
             self.frames.expected = self.frames.expected + 1 & 255
 
     def _is_sound(self, kind: int, length: int) -> bool:
-        """Whether a host's message of this type has a content that makes sense."""
+        """True if a host's message of this type has a content that makes sense."""
         if kind == WAYPOINTS:
             return self._waypoints_are_right(length)
         if START <= kind <= RESET_ESTOP:
@@ -273,7 +281,7 @@ class Link:
         return frame[at + 3] == 0x80 and not (frame[at] or frame[at + 1] or frame[at + 2])
 
     def _act(self, kind: int) -> bool:
-        """Do what a sound message says; False where it cannot be taken now."""
+        """Do what a sound message says; False if it cannot be taken now."""
         frame, robot = self._buffer, self.robot
         if kind == WAYPOINTS:
             return robot.accept(frame, 8)
@@ -286,19 +294,21 @@ class Link:
         elif kind == RESET_ESTOP:
             self._answer(robot.reset_estop())
         elif kind == LEASE:
-            self._ack_due = True
+            self._ack_due = True  # a short sign of life where noise eats the long STATUS
             return self._is_recent(8) and robot.lease(frame, 8)
         elif kind == POSE:
-            return self._is_recent(18) and robot.see(frame, 8, heading_of(frame, 16))
+            return self._is_recent(18) and robot.see(frame, 8, angle_of(get_i16(frame, 16)))
         else:
             self._sync_due = True
+            self._write_clock()
             for i in range(4):
                 self._sync_host[i] = frame[8 + i]
                 self._sync_robot[i] = self._clock[i]
         return True
 
     def _is_recent(self, at: int) -> bool:
-        """Whether a time of 32 bits is at most 9 minutes old, or a second ahead."""
+        """True if a time of 32 bits is at most 9 minutes old, or a second ahead."""
+        self._write_clock()
         low = get_u16(self._clock, 0) - get_u16(self._buffer, at)
         high = get_u16(self._clock, 2) - get_u16(self._buffer, at + 2) + (low >> 16) & 0xFFFF
         return high < 0x2000 or high >= 0xFFF0
@@ -312,15 +322,15 @@ class Link:
 
     @micropython.native
     def next_frame(self, now_us: int) -> int:
-        """The size of the most urgent frame that is due, 0 where none is; it is in ``frame``."""
-        self._tick(now_us)
+        """The size of the most urgent frame that is due, which lies in ``frame``; 0: none is."""
+        self.robot.tick(now_us)
         frames = self.frames
         if self._hello_due:
             self._hello_due = False
             return frames.hello_ack(self._hello_session)
         if self._challenge_due:
             self._challenge_due = False
-            return frames.challenge(self._asked, self._nonce)
+            return frames.challenge(self._asked, self.nonce)
         if self.session == 0:
             return 0
         nak_waited = not self._nak_sent or now_us - self._nak_us & TIME >= NAK_INTERVAL_US
@@ -335,12 +345,14 @@ class Link:
             return frames.ack(self.session, 0)
         if self._sync_due:
             self._sync_due = False
+            self._write_clock()
             return frames.time(self.session, self._sync_host, self._sync_robot, self._clock)
         if self._status_is_due(now_us):
             self._status_sent = True
             self._status_us = now_us
             self.robot.news = False
             self.robot.alarm = False
+            self._write_clock()
             return frames.status(self.session, self._clock, self.count)
         return 0
 
@@ -356,7 +368,7 @@ class Link:
 
 
 def estop_match(matched: int, byte: int) -> int:
-    """How much of the emergency stop's frame has come with this byte; its length: all of it."""
+    """The length of the emergency stop's beginning that has come with this byte."""
     if matched == len(ESTOP_FRAME):
         matched = 1  # the last zero may be the next frame's first
     if byte == ESTOP_FRAME[matched]:

@@ -6,7 +6,7 @@ A board is an object with these methods, none of which waits:
 - ``can_write()``, ``write(view)``: one frame at a time; the view stays untouched until it can again
 - ``travel_um(side)``: what the wheel (0 left, 1 right) has travelled since the last call
 - ``drive(left, right, powered)``: speeds in eighths of mm/s; forward is positive on both sides
-- ``stop_pressed()``: whether a button asks for a stop
+- ``stop_pressed()``: True if a button asks for a stop
 - ``idle(powered)``: feed a watchdog; where the motors have no power, time for the garbage collector
 """
 
@@ -20,7 +20,10 @@ LEAP_UM = 0x100000
 
 
 class Program:
-    """One boot: ``clock_us`` is a free-running clock, modulo 2^30 or a multiple of it."""
+    """One boot: ``clock_us`` is a free-running clock, modulo 2^30 or a multiple of it.
+
+    It is read at least every 9 minutes, or the line's time, which has 32 bits, loses its upper two.
+    """
 
     def __init__(self, board, settings: Settings, clock_us, boot_id: int) -> None:  # type: ignore[no-untyped-def]
         self.robot = Robot(settings)
@@ -31,12 +34,22 @@ class Program:
         # a slice of a view allocates: all that will be needed are made here
         view = memoryview(self.link.frame)
         self._frames = [view[:size] for size in range(len(self.link.frame) + 1)]
-        self._stepped_us = clock_us() & TIME
+        self._now_us = self._stepped_us = clock_us() & TIME
+
+    def _read_clock(self) -> int:
+        """The time now. Half a turn back is a turn come round; a clock that is set back is none."""
+        now_us = self._clock_us() & TIME
+        if self._now_us - now_us > TIME >> 1:
+            self.link.turns = self.link.turns + 1 & 3
+        elif now_us - self._now_us > TIME >> 1:
+            self.link.turns = self.link.turns - 1 & 3  # set back over the turn
+        self._now_us = now_us
+        return now_us
 
     def round(self) -> None:
         """To be called without a pause."""
         board, link, robot = self._board, self.link, self.robot
-        now_us = self._clock_us() & TIME
+        now_us = self._read_clock()
         count = board.read(self._arrived)
         while count:
             link.receive(self._arrived, count, now_us)

@@ -1,15 +1,61 @@
-"""Wheels that do not turn below a least speed: what is slower, they are driven in pulses of it. The
-twin of ``pulses.c``; ``wheel_pulses.py`` of the Python robot says why.
+"""Wheels that do not turn below a least speed: what is slower, they are driven in pulses of it.
+
+- A pulse begins when a wheel owes what it travels in PULSE_US at its least speed, and ends when it
+  owes nothing: so it is never too short to break a wheel loose, and what a wheel has been ordered
+  and what it was driven differ by less than a pulse and a cycle, however long it goes on.
+- The left wheel is half a pulse ahead. A robot that turns on the spot turns by one wheel's pulse at
+  a time, half of what both together would turn it by.
+- An order of zero is zero at once, and so is everything slower while the robot stops.
+
+Speeds are eighths of mm/s, what is owed is in those times microseconds. The twin of ``pulses.c``.
 """
+
+from array import array
 
 from .native import micropython
 
 PULSE_US = 25000
+"""It lasts three control cycles, in which a wheel breaks loose."""
+
+
+class WheelPulses:
+    """Both wheels. ``driven``: what to drive them at from now on, the left one first."""
+
+    def __init__(self, least: int) -> None:
+        self.driven = array("i", (0, 0))
+        self._least = least
+        self._ordered = array("i", (0, 0))
+        self._owed = array("i", (0, 0))
+
+    def forget(self) -> None:
+        """A stop: nothing is owed, and nothing driven."""
+        for side in (0, 1):
+            self._ordered[side] = self._owed[side] = self.driven[side] = 0
+
+    @micropython.native
+    def next(self, dt_us: int, left: int, right: int) -> None:
+        """New orders, so long after the last ones."""
+        owed, ordered, driven = self._owed, self._ordered, self.driven  # four would take heap
+        least = self._least
+        owed[0] += (ordered[0] - driven[0]) * dt_us
+        owed[1] += (ordered[1] - driven[1]) * dt_us
+        ordered[0], ordered[1] = left, right
+        driven[0] = pulsed(least, left, driven[0], owed[0], True)
+        driven[1] = pulsed(least, right, driven[1], owed[1], False)
+
+    @micropython.native
+    def stop(self, left: int, right: int) -> None:
+        """New orders for a robot that stops: no pulse keeps it moving."""
+        least = self._least
+        self._owed[0] = self._owed[1] = 0
+        self._ordered[0], self._ordered[1] = left, right
+        self.driven[0] = left if abs(left) >= least else 0
+        self.driven[1] = right if abs(right) >= least else 0
 
 
 @micropython.native
 def pulsed(least: int, order: int, driven: int, owed: int, ahead: bool) -> int:
-    """What to drive a wheel at that is ordered to turn at ``order``, in eighths of mm/s."""
+    """What to drive a wheel at that is ordered to turn at ``order`` and is driven at ``driven``."""
     if order == 0 or abs(order) >= least:
         return order
     pulse = least * PULSE_US

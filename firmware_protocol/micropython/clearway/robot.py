@@ -1,7 +1,13 @@
-"""The robot's decisions: queue, states, lease, emergency stop. The twin of ``robot.c``.
+"""The robot's decisions: queue, states, lease, emergency stop and the follower.
+
+``Robot`` knows no line: ``link`` feeds it with checked messages, whose bytes stay where they came,
+and ``frames`` reports its state. Distances are micrometres, as the wheel encoders measure them,
+speeds eighths of mm/s. Memory is bounded: QUEUE_SIZE waypoints of 16 bytes.
 
 Times are microseconds modulo 2^30 (17.9 minutes); what has passed is a difference without a sign,
 so that a processor that stood still finds its lease lapsed.
+
+The twin of ``robot.c``.
 """
 
 from array import array
@@ -10,26 +16,56 @@ from .estimate import TIME, Estimate
 from .fixed import clip, part
 from .follower import CLEARLY, NO_TROUBLE, STUCK, Follower, smooth
 from .native import micropython
-from .pulses import pulsed
+from .pulses import WheelPulses
 from .settings import Settings
+from .states import (
+    BOOT,
+    CLEAR,
+    DISARM,
+    DONE,
+    ESTOP,
+    HALT,
+    HOLD,
+    NEVER,
+    RESET,
+    RUN,
+    SESSION,
+    START,
+    STOP,
+    TRANSITIONS,
+    state_after,
+)
 from .waypoints import QUEUE_SIZE, Queue
 from .wire import WAYPOINT_BYTES, check_bytes, get_time, get_u16
 
-BOOT, IDLE, RUN, HOLD, ESTOP = 0, 1, 2, 3, 4
+# why the robot is not in RUN
 BOOTED, NEW_SESSION, PAUSED, CLEARED, MISSION_DONE = 1, 2, 3, 4, 5
 LEASE_LAPSED, NO_PERMIT, POSE_STALE, OFF_PATH, STUCK_REASON = 6, 7, 8, 9, 10
 ESTOP_HOST, ESTOP_LOCAL, DISARMED, ESTOP_RESET = 11, 12, 13, 14
-DONE, WRONG_MISSION, WRONG_INDEX, WRONG_STATE = 1, 2, 3, 4
+# what became of a command
+OBEYED, WRONG_MISSION, WRONG_INDEX, WRONG_STATE = 1, 2, 3, 4
 NO_LEASE, NO_POSE, SAME_SESSION = 5, 6, 7
-STOP_FLAG, END_FLAG = 1, 2
+END_FLAG = 2
 PERMIT, ODOMETRY = 1, 2
+
 LEASE_MAX_MS = 500
-DISARM_US, POSE_STALE_US, AHEAD_US = 2000000, 500000, 20000
+"""However long a lease the host asks for, the robot stops this long after it."""
+AHEAD_US = 20000
+"""A host may think the robot's clock so far ahead of what it is."""
+DISARM_US = 2000000
+"""After so long without a lease the robot leaves HOLD for IDLE."""
+POSE_STALE_US = 500000
 NEVER_US = 65535000
+"""A pose of that age is none any more: STATUS has 16 bits for it."""
 NO_POSE_MS = 0xFFFF
-DT_MAX_US, SMOOTHING_US = 60000, 30000
+NO_TIME = -1
+DT_MAX_US = 60000
+"""A cycle that took longer moves the commands no further than this."""
+SMOOTHING_US = 30000
+MOVING = 2
+"""What is slower does not move: a quarter of a millimetre a second."""
 TURNING = 72
-"""9 mm/s: one late step of both encoders reads as 8.3."""
+"""9 mm/s: one late step of both encoders reads as 8.3; from here on the wheels clearly turn."""
 # where the halves of 32-bit numbers lie, in the order of STATUS and HELLO_ACK
 MISSION, ACCEPT_NEXT, EXEC_NEXT, PREFIX_CRC, EXEC_CRC = 0, 2, 4, 6, 8
 
@@ -44,26 +80,28 @@ class Robot:
         self.state = BOOT
         self.reason = BOOTED
         self.news = False
+        """Something that STATUS should tell soon; whoever tells it sets this back."""
         self.alarm = False
+        """The same for a stop, which it should tell at once."""
         self.hurry = False
+        """The robot begins to brake: its next cycle is due at once."""
         self.now_us = 0
         self.left = 0
         self.right = 0
         self.powered = False
         self.speed = 0
+        """Measured at the wheels; ``spin`` the same for turning."""
         self.spin = 0
         self.done = False
         self.lease_valid = False
         self.numbers = array("H", bytes(20))
         """Mission, accepted, executed, and the CRC of both: halves, the lower first."""
         self._turning_per_spin = settings.turning_per_spin
-        self._least_wheel = settings.least_wheel
-        self._owed = array("i", (0, 0))
-        """What the wheels were ordered and not driven."""
+        self._pulses = WheelPulses(settings.least_wheel)
         self._ended = False
         self._session_after_estop = False
-        self._stepped = False
-        self._step_us = 0
+        self._followed_us = NO_TIME
+        self._turned_us = NO_TIME
         self._unsummed = 0
         self._lease_us = 0
         self._lease_ttl_ms = 0
@@ -73,15 +111,14 @@ class Robot:
         self._nothing = bytearray(4)
         self.forget_mission(self._nothing, 0)
 
-    def _change(self, to: int, reason: int) -> None:
-        if self.state != to:
-            self.state = to
-            self.reason = reason
-            self.news = True
-
-    def _halt(self, reason: int) -> None:
-        if self.state == RUN:
-            self._change(HOLD, reason)
+    def _change(self, event: int, reason: int) -> None:
+        after = state_after(self.state, event)
+        if after == self.state and event != CLEAR:
+            return
+        self.state = after
+        self.reason = reason
+        self.news = True
+        if after == HOLD:
             self.alarm = True
             self.hurry = True
 
@@ -95,8 +132,8 @@ class Robot:
         check_bytes(numbers, PREFIX_CRC, mission, at, 4)
         numbers[EXEC_CRC] = numbers[PREFIX_CRC]
         numbers[EXEC_CRC + 1] = numbers[PREFIX_CRC + 1]
-        self.queue.head = 0
-        self.queue.count = 0
+        self.queue.clear()
+        self.follower.forget_line()
         self._unsummed = 0
         self.done = False
         self._ended = False
@@ -108,16 +145,18 @@ class Robot:
         self._lease_us = self.now_us
         self._lease_flags = 0
         self._session_after_estop = True
-        if self.state == BOOT:
-            self._change(IDLE, NEW_SESSION)
-        self._halt(NEW_SESSION)
+        self._change(SESSION, NEW_SESSION)
 
     def _is_mission(self, data: bytearray, at: int) -> bool:
         numbers = self.numbers
         return get_u16(data, at) == numbers[0] and get_u16(data, at + 2) == numbers[1]
 
     def accept(self, data: bytearray, at: int) -> bool:
-        """Queue checked records: mission, first index, count, records. False: the queue is full."""
+        """Queue checked records (mission, first index, count, records); False if it is full.
+
+        Each index is taken once and in order. What is of no use here (another mission, a later
+        index) is dropped; the host sees in STATUS which waypoint comes next.
+        """
         if not self._is_mission(data, at) or self.state == ESTOP:
             return True
         queue, numbers, index = self.queue, self.numbers, self._index
@@ -130,11 +169,9 @@ class Robot:
                     return True
                 if queue.count == QUEUE_SIZE:
                     return False
-                record, to = at + 10 + WAYPOINT_BYTES * i, queue.at(queue.count)
-                for byte in range(WAYPOINT_BYTES):
-                    queue.data[to + byte] = data[record + byte]
-                queue.count += 1
-                self._ended = queue.data[to + 15] & END_FLAG != 0
+                record = at + 10 + WAYPOINT_BYTES * i
+                queue.add(data, record)
+                self._ended = data[record + 15] & END_FLAG != 0
                 self._unsummed += 1
                 _count(numbers, ACCEPT_NEXT)
             elif order > 0:
@@ -144,7 +181,7 @@ class Robot:
 
     @micropython.native
     def sum(self) -> bool:
-        """Take one accepted waypoint into its CRC; False where all are."""
+        """Take one accepted waypoint into its CRC; False if all are."""
         if self._unsummed == 0:
             return False
         at = self.queue.at(self.queue.count - self._unsummed)
@@ -154,7 +191,7 @@ class Robot:
 
     @micropython.native
     def _since(self, stamp_us: int) -> int:
-        """How long ago that was, and AHEAD_US more."""
+        """The time since then and AHEAD_US more, so that what lies a little ahead is recent."""
         return self.now_us - stamp_us + AHEAD_US & TIME
 
     @micropython.native
@@ -173,10 +210,13 @@ class Robot:
         )
 
     def start(self, data: bytearray, at: int) -> int:
-        """START: mission and the next waypoint's index; a result."""
+        """START: mission and the next waypoint's index; a result.
+
+        Drive, if everything that has to hold does; otherwise say what does not.
+        """
         if self.state == RUN and self._is_mission(data, at):
-            return DONE
-        if (self.state != IDLE and self.state != HOLD) or self.done:
+            return OBEYED
+        if TRANSITIONS[START][self.state] == NEVER or self.done:
             return WRONG_STATE
         if not self._is_mission(data, at) or (self.numbers[0] == 0 and self.numbers[1] == 0):
             return WRONG_MISSION
@@ -189,37 +229,39 @@ class Robot:
         if not self._lease_flags & ODOMETRY and self._pose_is_stale():
             return NO_POSE
         self.follower.begin()
-        self._change(RUN, 0)
-        return DONE
+        self._change(START, 0)
+        return OBEYED
 
     def pause(self) -> int:
-        """PAUSE; a result."""
-        self._halt(PAUSED)
-        return DONE
+        """PAUSE: stop under control, the queue stays; a result."""
+        self._change(HALT, PAUSED)
+        return OBEYED
 
     def clear(self, data: bytearray, at: int) -> int:
-        """CLEAR: the mission to begin with; a result."""
+        """CLEAR: stop under control, drop the queue, and begin with this mission; a result."""
         if self.state == ESTOP:
             return WRONG_STATE
         none = get_u16(data, at) == 0 and get_u16(data, at + 2) == 0
         if none or not self._is_mission(data, at):
             self.forget_mission(data, at)
-            self.state = IDLE
-            self.reason = CLEARED
-        return DONE
+            self._change(CLEAR, CLEARED)
+        return OBEYED
 
     def reset_estop(self) -> int:
-        """RESET_ESTOP; a result."""
+        """RESET_ESTOP, in a session younger than the stop only; a result."""
         if self.state != ESTOP:
             return WRONG_STATE
         if not self._session_after_estop:
             return SAME_SESSION
         self.forget_mission(self._nothing, 0)
-        self._change(IDLE, ESTOP_RESET)
-        return DONE
+        self._change(RESET, ESTOP_RESET)
+        return OBEYED
 
     def lease(self, data: bytearray, at: int) -> bool:
-        """LEASE: prolong or withdraw the permit. False for one that ran out or is an older one."""
+        """LEASE: prolong or withdraw the permit to drive.
+
+        False for one that has run out on its way, or is older than the present one.
+        """
         issued_us = get_time(data, at)
         ttl_ms = get_u16(data, at + 4)
         if not self._lease_runs(issued_us, ttl_ms):
@@ -235,7 +277,7 @@ class Robot:
         return True
 
     def see(self, data: bytearray, at: int, angle: int) -> bool:
-        """POSE: the camera saw the robot. False where that was not used."""
+        """POSE: the camera saw the robot; False if that was not used: too old, or a jump."""
         seen_us = get_time(data, at + 10)
         age_us = self._since(seen_us)
         if age_us >= POSE_STALE_US + AHEAD_US:
@@ -245,32 +287,36 @@ class Robot:
         return self.estimate.correct(data, at, angle, seen_us)
 
     def emergency_stop(self, reason: int) -> None:
-        """Wheels to zero at once, latched."""
+        """Wheels to zero at once, latched until ``reset_estop``."""
         self._session_after_estop = False
-        self._change(ESTOP, reason)
-        self.follower.speed = 0
-        self.follower.spin = 0
+        self._change(STOP, reason)
+        self.freeze()
+
+    def freeze(self) -> None:
+        """Stand without a ramp; what the wheels were to do is not caught up on."""
+        self.follower.freeze()
+        self._pulses.forget()
         self.left = 0
         self.right = 0
-        self._owed[0] = self._owed[1] = 0
         self.powered = False
 
     @micropython.native
     def tick(self, now_us: int) -> None:
         """Watch lease and pose between two steps."""
         self.now_us = now_us
-        if not self._lease_runs(self._lease_us, self._lease_ttl_ms):
+        if self.lease_valid and not self._lease_runs(self._lease_us, self._lease_ttl_ms):
             self.lease_valid = False
-        if self._pose_age_us() >= NEVER_US:
+        if self.estimate.fix_recent and self._pose_age_us() >= NEVER_US:
             self.estimate.fix_recent = False
-        if not self.lease_valid:
-            self._halt(LEASE_LAPSED)
-        elif not self._lease_flags & PERMIT:
-            self._halt(NO_PERMIT)
-        elif not self._lease_flags & ODOMETRY and self._pose_is_stale():
-            self._halt(POSE_STALE)
+        if self.state == RUN:
+            if not self.lease_valid:
+                self._change(HALT, LEASE_LAPSED)
+            elif not self._lease_flags & PERMIT:
+                self._change(HALT, NO_PERMIT)
+            elif not self._lease_flags & ODOMETRY and self._pose_is_stale():
+                self._change(HALT, POSE_STALE)
         if self.state == HOLD and self._since(self._lease_us) >= DISARM_US + AHEAD_US:
-            self._change(IDLE, DISARMED)
+            self._change(DISARM, DISARMED)
 
     @micropython.native
     def _execute(self, count: int) -> None:
@@ -286,60 +332,65 @@ class Robot:
                 self.done = True
                 self.news = True
                 if self.state == RUN:
-                    self._change(IDLE, MISSION_DONE)
-            queue.head = (queue.head + 1) % QUEUE_SIZE
-            queue.count -= 1
+                    self._change(DONE, MISSION_DONE)
+            queue.drop_first()
 
     @micropython.native
     def step(self, now_us: int, left_um: int, right_um: int) -> None:
         """One control cycle, 100 a second; the wheels have travelled so far since the last one."""
+        self.hurry = False
+        self.tick(now_us)
+        self.follow(now_us, left_um, right_um)
+        self.turn_wheels(now_us)
+
+    @micropython.native
+    def follow(self, now_us: int, left_um: int, right_um: int) -> None:
+        """Decide, for a cycle that ended then, without a look at the lease and without the wheels.
+
+        A robot that learns of several cycles at once follows each of them, and turns its wheels
+        after the last.
+        """
         follower = self.follower
         across = right_um - left_um
         ahead = left_um + (across >> 1)
-        dt_us = now_us - self._step_us & TIME
-        if not self._stepped:
-            self._stepped = True
-            dt_us = 0
-        dt_us = min(dt_us, DT_MAX_US)
+        dt_us = cycle_us(now_us, self._followed_us)
         follower.dt_us = dt_us
-        self._step_us = now_us
-        self.hurry = False
+        self._followed_us = now_us
         self.estimate.advance(ahead, across, now_us)
         share = part(dt_us, 35790) if dt_us < SMOOTHING_US else 16384
         self.speed = smooth(self.speed, ahead, share)
         self.spin = smooth(self.spin, across >> 1, share)
-        self.tick(now_us)
         if self.state == ESTOP:
             return
-        owed = self._owed
-        owed[0] += (follower.speed - follower.spin - self.left) * dt_us
-        owed[1] += (follower.speed + follower.spin - self.right) * dt_us
         if self.state == RUN:
             if abs(self.speed) >= TURNING:
                 ahead = CLEARLY
             self._execute(follower.step(ahead))
-            if follower.trouble != NO_TROUBLE:
-                self._halt(STUCK_REASON if follower.trouble == STUCK else OFF_PATH)
+            if follower.trouble != NO_TROUBLE and self.state == RUN:
+                self._change(HALT, STUCK_REASON if follower.trouble == STUCK else OFF_PATH)
         else:
             self._execute(follower.halt())
-        if self.state != RUN:
-            owed[0] = owed[1] = 0
-        self.left = self._turned(follower.speed - follower.spin, self.left, owed[0], True)
-        self.right = self._turned(follower.speed + follower.spin, self.right, owed[1], False)
-        moves = follower.speed != 0 or follower.spin != 0
-        self.powered = moves or self.state == RUN or self.state == HOLD
 
     @micropython.native
-    def _turned(self, order: int, driven: int, owed: int, ahead: bool) -> int:
-        """What a wheel is driven at; a robot that stops is not kept moving by pulses."""
-        wheel = pulsed(self._least_wheel, order, driven, owed, ahead)
-        return wheel if self.state == RUN or wheel == order else 0
+    def turn_wheels(self, now_us: int) -> None:
+        """Order the wheels from now on what ``follow`` has decided."""
+        dt_us = cycle_us(now_us, self._turned_us)
+        self._turned_us = now_us
+        if self.state == ESTOP:
+            return
+        speed, spin, pulses = self.follower.speed, self.follower.spin, self._pulses
+        if self.state == RUN:
+            pulses.next(dt_us, speed - spin, speed + spin)
+        else:
+            pulses.stop(speed - spin, speed + spin)
+        self.left, self.right = pulses.driven[0], pulses.driven[1]
+        self.powered = speed != 0 or spin != 0 or self.state == RUN or self.state == HOLD
 
     # what STATUS reports
 
     def flags(self) -> int:
         """The flags of STATUS."""
-        flags = 0 if -2 <= self.speed <= 2 and -2 <= self.spin <= 2 else 1
+        flags = 1 if abs(self.speed) > MOVING or abs(self.spin) > MOVING else 0
         if self.lease_valid:
             flags |= 2
             if self._lease_flags & PERMIT:
@@ -361,16 +412,22 @@ class Robot:
         return clip(self.spin * self._turning_per_spin >> 8, 0x7FFF)
 
     def lease_left_ms(self) -> int:
-        """How long the lease still runs."""
+        """The time that the lease still runs."""
         if not self.lease_valid:
             return 0
         granted_us = min(self._lease_ttl_ms, LEASE_MAX_MS) * 1000 + AHEAD_US
         return (granted_us - self._since(self._lease_us) + 500) // 1000
 
     def pose_age_ms(self) -> int:
-        """How old the pose is that was used last."""
+        """The age of the pose that was used last."""
         age_us = self._pose_age_us()
         return NO_POSE_MS if age_us >= NEVER_US else (age_us + 500) // 1000
+
+
+@micropython.native
+def cycle_us(now_us: int, last_us: int) -> int:
+    """The length of a cycle, as far as the commands are moved by it; the first has none."""
+    return 0 if last_us == NO_TIME else min(now_us - last_us & TIME, DT_MAX_US)
 
 
 @micropython.native

@@ -111,5 +111,5 @@ def put_halves(data: bytearray, at: int, halves: "array[int]", begin: int) -> in
 
 @micropython.native
 def same_halves(data: bytearray, at: int, halves: "array[int]", begin: int) -> bool:
-    """Whether four bytes are that number."""
+    """True if four bytes are that number."""
     return get_u16(data, at) == halves[begin] and get_u16(data, at + 2) == halves[begin + 1]

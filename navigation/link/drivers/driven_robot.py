@@ -109,15 +109,14 @@ class DrivenRobot:
         """A hundred times a second or more: one step of the controller for each report."""
         heard, control = self.driver.heard, self.controller
         self._answers = self._is_within_reach(now_s)
+        control.tick(now_s)
         if not self._answers or self._leaving:
             self._stand()
-            control.tick(now_s)
             return
         if heard.fault is not None:
             self._meet_fault()
         if self._is_time_for_a_step(now_s):
             self._step(now_s)
-        control.tick(now_s)
         wheels = control.turn_wheels(now_s)
         if wheels.powered:
             self.driver.drive(*self._bent_alike(wheels.left_m_s, wheels.right_m_s))
@@ -177,11 +176,7 @@ class DrivenRobot:
 
     def _stand(self) -> None:
         """No ramp: what the wheels do is not known."""
-        control = self.controller
-        if control.state is RobotState.RUN:
-            control.pause()
-        control.freeze()
-        control.wheels = control.wheels._replace(left_m_s=0.0, right_m_s=0.0, powered=False)
+        self.controller.stand()
         self.driver.drive(0.0, 0.0)
 
     def _meet_fault(self) -> None:

@@ -259,7 +259,7 @@ def test_a_newer_pose_replaces_one_that_was_not_sent() -> None:
     parser = FrameParser(Sender.HOST)
     frames = [f for data in table.sent for f in parser.feed(data)]
     assert [f.kind for f in frames].count(MessageType.POSE) == 1
-    assert table.control.estimate.pose.x_m == pytest.approx(2.0)
+    assert table.control.pose.x_m == pytest.approx(2.0)
 
 
 def test_a_pose_carries_its_age_at_the_time_of_sending() -> None:
@@ -267,4 +267,4 @@ def test_a_pose_carries_its_age_at_the_time_of_sending() -> None:
     table.run(0.2)
     table.host.pose_fix(1.0, 0.0, 0.0, table.now_s - 0.05)
     table.tick()
-    assert table.control.pose_age_s(table.now_s) == pytest.approx(0.05 + TICK_S, abs=2e-4)
+    assert table.control.robot.pose_age_ms() == 1e3 * (0.05 + TICK_S)

@@ -23,6 +23,7 @@ from firmware_protocol.wire.messages import (
     read_message,
 )
 from firmware_protocol.wire.mission import Mission
+from tests.support.robots.inside import nonce_of
 
 
 class Board:
@@ -63,7 +64,7 @@ class Board:
         self.session, self.sequence = session, 0
         self.send(Hello(SCHEMA_HASH))
         if self.robot.session != session:
-            self.send(Confirm(self.robot._nonce))
+            self.send(Confirm(nonce_of(self.robot)))
 
     def lease(self, flags: LeaseFlag = LeaseFlag.PERMIT | LeaseFlag.ODOMETRY) -> None:
         self.send(Lease(0.5, flags, 0.0, self.clock_us))

@@ -6,7 +6,7 @@ from hypothesis import settings
 from hypothesis import strategies as st
 from hypothesis.stateful import RuleBasedStateMachine, initialize, invariant, rule
 
-from firmware_protocol.robot.controller import QUEUE_SIZE
+from firmware_protocol.micropython.clearway.waypoints import QUEUE_SIZE
 from firmware_protocol.wire.messages import (
     ESTOP_FRAME,
     Ack,
@@ -26,6 +26,7 @@ from firmware_protocol.wire.messages import (
 )
 from firmware_protocol.wire.mission import Mission
 from tests.firmware_protocol.robot.board import Board
+from tests.support.robots.inside import expected_of
 
 
 class AnyHost(RuleBasedStateMachine):
@@ -92,7 +93,7 @@ class AnyHost(RuleBasedStateMachine):
 
     @rule(sequence=st.integers(0, 255))
     def wrong_sequence(self, sequence: int) -> None:
-        expected = self.board.robot._sequence.expected
+        expected = expected_of(self.board.robot)
         if sequence != expected:
             self.board.send(Clear(1, 11), sequence=sequence)
             assert self.board.control.mission != 11
@@ -116,7 +117,7 @@ class AnyHost(RuleBasedStateMachine):
         if state is RobotState.ESTOP:
             self.board.pass_time(0.01)
             assert self.board.last == (0.0, 0.0, False)
-        assert all(math.isfinite(v) for v in control.estimate.pose)
+        assert all(math.isfinite(v) for v in control.pose)
         for message in self.board.answers:
             assert isinstance(message, Status | HelloAck | Challenge | Ack | TimeSyncReply)
 

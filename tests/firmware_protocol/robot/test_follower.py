@@ -1,4 +1,5 @@
 import math
+from array import array
 from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
 from itertools import pairwise
@@ -6,25 +7,27 @@ from itertools import pairwise
 import numpy as np
 import pytest
 
-from firmware_protocol.robot.controller import RobotController, WheelSpeeds
-from firmware_protocol.robot.follower import Follower
-from firmware_protocol.robot.pose_estimate import RobotPose
-from firmware_protocol.wire.drive_settings import DriveSettings
-from firmware_protocol.wire.fixed_point import Place
+from firmware_protocol.micropython.clearway.follower import Follower
+from firmware_protocol.micropython.clearway.link import REJECTED
+from firmware_protocol.micropython.clearway.settings import Settings
+from firmware_protocol.micropython.clearway.waypoints import Queue
+from firmware_protocol.robot.controller import WheelSpeeds
 from firmware_protocol.wire.messages import (
-    CommandResult,
+    Clear,
     Lease,
     LeaseFlag,
     PoseFix,
     RobotState,
+    Start,
     StopReason,
     Waypoint,
     WaypointFlag,
     Waypoints,
 )
 from firmware_protocol.wire.mission import Mission
-from firmware_protocol.wire.waypoint_record import Target
 from navigation.simulator.drive_model import Drive, DriveModel, TruePose
+from tests.firmware_protocol.robot.board import Board
+from tests.support.robots.inside import counted
 
 DT_S = 0.01
 DELAY_STEPS = 4
@@ -38,7 +41,7 @@ def clock_us(now_s: float) -> int:
 
 @dataclass
 class Run:
-    """A drive without a wire: the controller, the moving robot and the camera's delay."""
+    """A drive: the robot's end on a table, the moving robot and the camera's delay."""
 
     start: tuple[float, float, float] = (0.0, 0.0, 0.0)
     model: DriveModel = field(default_factory=DriveModel)
@@ -48,10 +51,11 @@ class Run:
 
     def __post_init__(self) -> None:
         self.rng = np.random.default_rng(self.seed)
-        self.control = RobotController(DriveSettings())
+        self.board = Board()
+        self.control, self.send = self.board.control, self.board.send
         self.drive = Drive(self.model, TruePose(*self.start), self.rng)
-        self.control.open_session(0.0)
-        self.now_s, self.steps = 0.0, 0
+        self.board.hello(5)
+        self.steps = 0
         self.wheels = WheelSpeeds(0.0, 0.0, False)
         self.poses: list[TruePose] = []
         self.idle(0.3)
@@ -60,32 +64,49 @@ class Run:
         for _ in range(round(seconds / DT_S)):
             self.step()
 
+    @property
+    def now_s(self) -> float:
+        return self.board.now_s
+
+    def see(self, x: float, y: float, heading: float, age_s: float) -> bool:
+        """A camera pose; False if the robot did not use it."""
+        refused = counted(self.board.robot, REJECTED)
+        self.send(PoseFix(x, y, heading, clock_us(self.now_s - age_s)))
+        return counted(self.board.robot, REJECTED) == refused
+
+    def begin(self, mission: Mission, count: int) -> None:
+        """Give the first waypoints of a mission, and start it."""
+        self.send(Clear(1, mission.id))
+        self.send(Waypoints(mission.id, 0, mission.records[:count]))
+        self.send(Start(2, mission.id, 0))
+        assert self.control.state is RobotState.RUN
+
     def step(self) -> None:
         self.steps += 1
-        self.now_s += DT_S
+        self.board.now_s += DT_S
         for _ in range(5):
             self.drive.step(DT_S / 5, self.wheels)
         self.poses.append(self.drive.pose)
         if self.steps % CAMERA_STEPS == 0 and len(self.poses) > DELAY_STEPS and not self.blind:
             x, y, heading = self.poses[-1 - DELAY_STEPS]
             e = self.rng.standard_normal(3) * self.noise
-            seen_us = clock_us(self.now_s - DELAY_STEPS * DT_S)
-            fix = PoseFix(x + 0.0008 * e[0], y + 0.0008 * e[1], heading + 0.006 * e[2], seen_us)
-            self.control.pose_fix(fix, self.now_s)
+            age_s = DELAY_STEPS * DT_S
+            self.see(x + 0.0008 * e[0], y + 0.0008 * e[1], heading + 0.006 * e[2], age_s)
         flags = LeaseFlag.PERMIT | (LeaseFlag.ODOMETRY if self.blind else LeaseFlag.NONE)
-        self.control.lease(Lease(0.5, flags, 0.04, clock_us(self.now_s)), self.now_s)
+        self.send(Lease(0.5, flags, 0.04, clock_us(self.now_s)))
         self.wheels = self.control.step(self.now_s, *self.drive.encoders_m)
 
     def follow(self, waypoints: Sequence[Waypoint], patience_s: float = 60.0) -> list[TruePose]:
         mission = Mission(self.control.mission + 1, waypoints)
-        self.control.clear(mission.id)
+        self.send(Clear(1, mission.id))
         sent, began = 0, len(self.poses)
         for _ in range(round(patience_s / DT_S)):
             while sent < len(mission) and self.control.credit > 0:
-                assert self.control.accept(Waypoints(mission.id, sent, mission.records[sent:][:1]))
+                self.send(Waypoints(mission.id, sent, mission.records[sent:][:1]))
                 sent += 1
             if self.control.state is RobotState.IDLE and not self.control.done:
-                assert self.control.start(mission.id, 0, self.now_s) is CommandResult.DONE
+                self.send(Start(2, mission.id, 0))
+                assert self.control.state is RobotState.RUN
             self.step()
             if self.control.state is not RobotState.RUN:
                 break
@@ -220,11 +241,13 @@ def test_a_dwell_lasts_as_long_as_asked() -> None:
 
 def cycles_to_settle(travel_um: Sequence[int]) -> int | None:
     """Until the stop underfoot counts as reached while the wheels do this in each cycle."""
-    follower, pose = Follower(DriveSettings()), RobotPose(Place(0, 0), 0)
-    follower.begin(pose)
-    stop = Target.of(Mission(1, [Waypoint(0.0, 0.0, 0.3)]).records[0])
+    queue, pose = Queue(), array("i", (0, 0, 0, 0))
+    queue.add(bytearray(Mission(1, [Waypoint(0.0, 0.0, 0.3)]).records[0]), 0)
+    follower = Follower(Settings(), queue, pose)
+    follower.begin()
+    follower.dt_us = 10_000
     for cycle, ahead_um in enumerate(travel_um):
-        if follower.step(10_000, pose, ahead_um, [stop]).executed:
+        if follower.step(ahead_um):
             return cycle
     return None
 
@@ -240,23 +263,19 @@ def test_a_robot_settles_below_4_mm_s_and_one_late_step_of_its_encoders_is_no_mo
 def test_the_robot_waits_where_the_queue_runs_dry_and_goes_on() -> None:
     run = Run()
     mission = Mission(1, line([(0.2, 0.0), (0.4, 0.0), (0.8, 0.0)]))
-    run.control.clear(1)
-    run.control.accept(Waypoints(1, 0, mission.records[:2]))
-    assert run.control.start(1, 0, run.now_s) is CommandResult.DONE
+    run.begin(mission, 2)
     run.idle(5.0)
     assert run.control.state is RobotState.RUN
     assert not run.drive.moving
     assert abs(run.drive.pose.x_m - 0.4) < 0.01
-    run.control.accept(Waypoints(1, 2, mission.records[2:]))
+    run.send(Waypoints(1, 2, mission.records[2:]))
     run.idle(4.0)
     assert run.control.done
 
 
 def test_a_robot_pushed_off_its_path_holds() -> None:
     run = Run()
-    run.control.clear(1)
-    run.control.accept(Waypoints(1, 0, Mission(1, line([(1.5, 0.0)])).records))
-    run.control.start(1, 0, run.now_s)
+    run.begin(Mission(1, line([(1.5, 0.0)])), 1)
     run.idle(1.5)
     x, y, heading = run.drive.pose
     run.drive.pose = TruePose(x, y + 0.3, heading)
@@ -285,36 +304,34 @@ def test_a_robot_moved_by_hand_is_believed_after_a_few_fixes() -> None:
     run.drive.pose = TruePose(1.0, 1.0, 2.0)
     run.poses.clear()
     run.idle(0.5)
-    assert math.dist(run.control.estimate.pose[:2], (1.0, 1.0)) < 0.003
-    assert run.control.estimate.rejected > 0
+    assert math.dist(run.control.pose[:2], (1.0, 1.0)) < 0.003
+    assert counted(run.board.robot, REJECTED) > 0
 
 
 def test_one_wrong_fix_is_not_believed() -> None:
     run = Run()
-    assert not run.control.pose_fix(PoseFix(1.0, 1.0, 0.0, clock_us(run.now_s - 0.04)), run.now_s)
-    assert math.hypot(*run.control.estimate.pose[:2]) < 0.01
+    assert not run.see(1.0, 1.0, 0.0, 0.04)
+    assert math.hypot(*run.control.pose[:2]) < 0.01
 
 
 def test_a_fix_older_than_the_memory_is_not_used() -> None:
     run = Run()
     run.idle(1.0)
-    assert not run.control.pose_fix(PoseFix(0.0, 0.0, 0.0, clock_us(run.now_s - 0.4)), run.now_s)
+    assert not run.see(0.0, 0.0, 0.0, 0.4)
 
 
 def test_a_robot_whose_encoders_count_backwards_holds() -> None:
     """Found on the emulated board: it drove away backwards in its own belief, for ever."""
     run = Run(blind=True)
     control = run.control
-    control.clear(1)
-    control.accept(Waypoints(1, 0, Mission(1, line([(0.0, 0.0), (1.5, 0.0)])).records))
-    control.start(1, 0, run.now_s)
+    run.begin(Mission(1, line([(0.0, 0.0), (1.5, 0.0)])), 2)
     for _ in range(300):
-        run.now_s += DT_S
+        run.board.now_s += DT_S
         for _ in range(5):
             run.drive.step(DT_S / 5, run.wheels)
         left, right = run.drive.encoders_m
         flags = LeaseFlag.PERMIT | LeaseFlag.ODOMETRY
-        control.lease(Lease(0.5, flags, 0.0, clock_us(run.now_s)), run.now_s)
+        run.send(Lease(0.5, flags, 0.0, clock_us(run.now_s)))
         run.wheels = control.step(run.now_s, -left, -right)
     assert control.reason is StopReason.OFF_PATH
     assert run.drive.pose.x_m < 0.7

@@ -1,16 +1,21 @@
 """Robots whose processor stood still for minutes or hours, and clocks that wrapped meanwhile.
 
-The firmware's clock has 32 bits of microseconds, 71.6 minutes; the twin's has no end. Both have
-to answer alike, whatever came first after the freeze.
+The firmware's clock has 32 bits of microseconds, 71.6 minutes; a MicroPython board's has 30, and
+what runs on this computer knows the hours. All have to answer alike, whatever came first after the
+freeze.
 """
 
 import random
 
 import pytest
 
+from firmware_protocol.micropython.clearway.estimate import TIME
+from firmware_protocol.micropython.clearway.robot import DISARMED
+from firmware_protocol.micropython.clearway.states import IDLE
 from firmware_protocol.wire.messages import Lease, LeaseFlag, PoseFix, RobotState, Start, StopReason
 from tests.firmware_protocol.test_c_firmware import begin_to_drive
 from tests.support.robots.c_robot import missing_tool
+from tests.support.robots.inside import expected_of
 from tests.support.robots.robot_pair import TICK_S, Pair
 
 pytestmark = pytest.mark.skipif(
@@ -24,7 +29,7 @@ LONGER_MINUTES = (71.7, 107.5, 143.0, 178.9)
 
 def see(pair: Pair) -> None:
     """The camera sees the robot where it is."""
-    pose = pair.python.controller.estimate.pose
+    pose = pair.python.controller.pose
     pair.send(PoseFix(pose.x_m, pose.y_m, pose.heading_rad, pair.clock_us))
 
 
@@ -48,7 +53,7 @@ def test_no_lease_and_no_pose_outlives_a_freeze(minutes: float, first: str) -> N
     if first == "step":
         pair.step()
     elif first == "start":
-        pair.sequence = pair.python._sequence.expected
+        pair.sequence = expected_of(pair.python)
         pair.send(Start(9, 9, pair.python.controller.exec_next))
     else:
         pair.pass_time(1)
@@ -56,6 +61,22 @@ def test_no_lease_and_no_pose_outlives_a_freeze(minutes: float, first: str) -> N
         assert robot.controller.state in (RobotState.HOLD, RobotState.IDLE)
         assert robot.controller.reason in (StopReason.LEASE_LAPSED, StopReason.DISARMED)
     pair.pass_time(200)
+
+
+@pytest.mark.parametrize("minutes", [0.5, 1.0, 9.0, 16.0, 17.0])
+@pytest.mark.parametrize("first", ["tick", "step"])
+def test_no_lease_outlives_a_freeze_of_a_board_whose_clock_has_30_bits(
+    minutes: float, first: str
+) -> None:
+    pair = driving_pair()
+    board = pair.python.controller.robot
+    now_us = board.now_us + round(60e6 * minutes) & TIME
+    if first == "step":
+        board.step(now_us, 0, 0)
+    else:
+        board.tick(now_us)
+    assert board.state == IDLE
+    assert board.reason == DISARMED
 
 
 @pytest.mark.parametrize("minutes", LONGER_MINUTES)
@@ -73,7 +94,7 @@ def test_a_pose_of_before_a_freeze_starts_nothing(minutes: float) -> None:
     pair = driving_pair()
     pair.freeze(60.0 * minutes)
     pair.send(Lease(0.5, LeaseFlag.PERMIT, 0.0, pair.clock_us))
-    pair.sequence = pair.python._sequence.expected
+    pair.sequence = expected_of(pair.python)
     pair.send(Start(9, 9, pair.python.controller.exec_next))
     for robot in (pair.python, pair.c):
         assert robot.controller.state is not RobotState.RUN

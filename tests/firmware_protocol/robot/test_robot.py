@@ -1,6 +1,10 @@
 """The robot's end, rule by rule."""
 
-from firmware_protocol.robot.controller import QUEUE_SIZE
+from hypothesis import given
+from hypothesis import strategies as st
+
+from firmware_protocol.micropython.clearway.link import DUPLICATES, GAPS
+from firmware_protocol.micropython.clearway.waypoints import QUEUE_SIZE
 from firmware_protocol.wire.messages import (
     ESTOP_FRAME,
     SCHEMA_HASH,
@@ -24,6 +28,7 @@ from firmware_protocol.wire.messages import (
 )
 from firmware_protocol.wire.mission import mission_seed
 from tests.firmware_protocol.robot.board import Board, far
+from tests.support.robots.inside import counted, expected_of
 
 
 def test_a_robot_says_nothing_before_it_is_asked() -> None:
@@ -84,6 +89,20 @@ def test_a_gap_is_complained_about_and_the_frame_not_taken() -> None:
     assert board.control.mission == 0
 
 
+@given(st.integers(0, 255), st.integers(1, 127))
+def test_what_was_taken_is_a_duplicate_and_what_is_ahead_a_gap(start: int, step: int) -> None:
+    board = Board()
+    board.hello(3)
+    board.robot.link.frames.expected = start
+    board.send(Clear(1, 4), sequence=(start - step) % 256)
+    board.send(Clear(1, 4), sequence=(start + step) % 256)
+    assert [counted(board.robot, counter) for counter in (DUPLICATES, GAPS)] == [1, 1]
+    assert board.control.mission == 0
+    board.send(Clear(1, 4), sequence=start)
+    assert board.control.mission == 4
+    assert expected_of(board.robot) == (start + 1) % 256
+
+
 def test_complaints_come_no_more_often_than_every_3_ms() -> None:
     board = Board()
     board.hello(3)
@@ -137,7 +156,7 @@ def test_a_full_queue_refuses_and_takes_later() -> None:
     assert board.control.accept_next == QUEUE_SIZE
     assert board.control.credit == 0
     # the sixth frame did not fit: it is not acknowledged and may come again
-    assert board.robot._sequence.expected == 6
+    assert expected_of(board.robot) == 6
 
 
 def test_start_says_what_is_missing() -> None:

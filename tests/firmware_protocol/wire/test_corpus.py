@@ -24,6 +24,7 @@ from firmware_protocol.wire.messages import (
 )
 from firmware_protocol.wire.values import heading_from_wire
 from tests.support.robots.c_robot import FIRMWARE, missing_tool
+from tests.support.robots.inside import expected_of
 from tests.support.robots.robot_pair import Pair
 from tests.support.wire.corpus import CORPUS, inputs
 
@@ -82,7 +83,7 @@ def test_the_deeds_of_the_corpus_leave_both_robots_alike(part: int) -> None:
 def do(pair: Pair, deed: int, length: int, rest: bytes) -> None:
     """One deed as ``fuzz.c`` reads it; time passes in this test's own steps."""
     control = pair.python.controller
-    pair.sequence = pair.python._sequence.expected
+    pair.sequence = expected_of(pair.python)
     match deed & 7:
         case 0:
             pair.feed(rest)

@@ -1,4 +1,4 @@
-"""The AVR binary as one more robot of the scenarios, beside the Python twin and C in this process.
+"""The AVR binary as one more robot of the scenarios, beside Python and C in this process.
 
 ``AvrFirmware`` has the face of ``RobotConnection`` (and, as ``controller``, what the loops use of
 ``RobotController``), but knows the robot from outside only: its motors' outputs, and what its

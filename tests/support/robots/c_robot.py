@@ -12,7 +12,6 @@ import shutil
 import struct
 import subprocess
 import tempfile
-from collections import deque
 from pathlib import Path
 
 from firmware_protocol.robot.connection import Identity
@@ -112,13 +111,9 @@ class CController:
 
     def __init__(self, robot: CRobot) -> None:
         self._robot = robot
-        self._records: deque[bytes] = deque()
 
     def __getattr__(self, name: str) -> int:
         return int(getattr(self._robot.view(), name))
-
-    def _execute(self, count: int) -> None:
-        """C executes by itself; the witness looks at the CRC instead."""
 
     @property
     def state(self) -> RobotState:

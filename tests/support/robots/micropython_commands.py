@@ -1,4 +1,4 @@
-"""The MicroPython robot behind commands of bytes: in this process, or on MicroPython's stdin.
+"""The robot behind commands of bytes on MicroPython's stdin.
 
     micropython micropython_commands.py FOLDER_OF_CLEARWAY
 
@@ -24,7 +24,10 @@ TIME = 0x3FFFFFFF
 
 
 class Commands:
-    """One board: ``modules`` are the package's ``link``, ``robot`` and ``settings``."""
+    """One board: ``modules`` are the package's ``link``, ``robot`` and ``settings``.
+
+    ``lock`` locks the heap and unlocks it.
+    """
 
     def __init__(self, modules, lock):  # type: ignore[no-untyped-def]
         self._modules, self._lock = modules, lock
@@ -33,14 +36,13 @@ class Commands:
 
     def answer(self, letter, now_us, data):  # type: ignore[no-untyped-def]
         """Do what a command says."""
-        whole_us, now_us = now_us, now_us & TIME
+        turns, now_us = now_us >> 30, now_us & TIME
         if letter == b"I":
             link_of, robot_of, settings_of = self._modules
             boot_id, cause, schema, *numbers = struct.unpack(SETTINGS, data)
             self._robot = robot_of.Robot(settings_of.Settings(*numbers))
             self._link = link_of.Link(self._robot, boot_id, cause, 0)
             self._link.frames.schema = struct.pack("<I", schema)
-            self._first = True
             return b""
         link, robot, size = self._link, self._robot, 0
         if letter == b"V":
@@ -51,9 +53,7 @@ class Commands:
             answer = struct.pack("<4I", used, self._steps, self._total_us, self._longest_us)
             self._steps = self._total_us = self._longest_us = 0
             return answer
-        if self._first:  # the test's clock did not begin with 0
-            link._wraps = whole_us >> 30
-            self._first = False
+        link.turns = turns
         travel = struct.unpack("<ii", data) if letter == b"S" else (0, 0)
         self._data[: len(data)] = data
         reason = data[0] if letter == b"E" else 0

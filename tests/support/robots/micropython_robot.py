@@ -1,7 +1,6 @@
-"""The MicroPython robot with the face of ``RobotConnection``: in this process or its own.
+"""The robot under the real MicroPython, with the face of ``RobotConnection``.
 
-In this process it runs under CPython, which is faster and shows that every number stays small; in
-a process of its own under the real MicroPython, its heap locked in every call.
+It runs in a process of its own, its heap locked in every call.
 """
 
 from __future__ import annotations
@@ -11,16 +10,15 @@ import subprocess
 from pathlib import Path
 from typing import NamedTuple
 
-from firmware_protocol.micropython.clearway import link, robot, settings
+from firmware_protocol.micropython.clearway import link
 from firmware_protocol.robot.connection import Identity
-from firmware_protocol.robot.controller import EIGHTHS_PER_M, WheelSpeeds
+from firmware_protocol.robot.controller import EIGHTHS_PER_M, LEAP_UM, WheelSpeeds
 from firmware_protocol.wire.drive_settings import DriveSettings
 from firmware_protocol.wire.messages import RobotState, StopReason
-from tests.support.robots.micropython_commands import SETTINGS, VIEW, Commands
+from tests.support.robots.micropython_commands import SETTINGS, VIEW
 
 CLEARWAY = Path(link.__file__).parent
 SERVER = Path(__file__).with_name("micropython_commands.py")
-LEAP_UM = 0x100000
 
 
 class View(NamedTuple):
@@ -58,7 +56,7 @@ class Process:
         self._process = subprocess.Popen(command, stdin=subprocess.PIPE, stdout=subprocess.PIPE)
 
     def answer(self, letter: bytes, now_us: int, data: bytes) -> bytes:
-        """As that of ``Commands``."""
+        """Give a command and wait for its answer."""
         assert self._process.stdin is not None
         assert self._process.stdout is not None
         self._process.stdin.write(letter + struct.pack("<IH", now_us, len(data)) + data)
@@ -78,17 +76,12 @@ class Process:
         self._process.communicate()
 
 
-def in_this_process() -> Commands:
-    """Commands for a robot under CPython."""
-    return Commands((link, robot, settings), lambda locked: None)
-
-
 class MicroRobot:
     """One boot of a robot behind commands."""
 
     def __init__(
         self,
-        commands: Commands | Process,
+        commands: Process,
         identity: Identity,
         drive: DriveSettings | None = None,
     ) -> None:
@@ -134,9 +127,6 @@ class MicroController:
     def __getattr__(self, name: str) -> int:
         view = self._robot.view()
         return view.number(NUMBERS.index(name)) if name in NUMBERS else int(getattr(view, name))
-
-    def _execute(self, count: int) -> None:
-        """It executes by itself; the witness looks at the CRC instead."""
 
     @property
     def state(self) -> RobotState:

@@ -15,6 +15,7 @@ from firmware_protocol.wire.messages import (
     read_message,
 )
 from tests.support.robots.c_robot import CRobot
+from tests.support.robots.inside import nonce_of
 
 TICK_S = 0.000998
 """No multiple of it is a limit of the protocol: float and integer clocks agree."""
@@ -67,7 +68,7 @@ class Pair:
         self.session, self.sequence = session, 0
         self.send(Hello(SCHEMA_HASH))
         if self.python.session != session:
-            self.send(Confirm(self.python._nonce))
+            self.send(Confirm(nonce_of(self.python)))
 
     def pass_time(self, ticks: int) -> None:
         for _ in range(ticks):

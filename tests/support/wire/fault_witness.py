@@ -1,6 +1,6 @@
 """A virtual loop with a mission, and what the robot really executes: the judge of every scenario.
 
-Three kinds of robot stand behind the line: the Python twin, whose every executed record is seen;
+Three kinds of robot stand behind the line: the one in Python, whose every executed record is seen;
 C in this process, whose chain's CRC tells; and the AVR binary on an emulated processor, of which
 only reports and motors are known, each report being judged.
 """
@@ -15,6 +15,7 @@ from dataclasses import dataclass, field
 
 from firmware_protocol.host.connection import HostConnection
 from firmware_protocol.host.events import MissionDone
+from firmware_protocol.micropython.clearway.wire import WAYPOINT_BYTES
 from firmware_protocol.robot.connection import Identity, RobotConnection
 from firmware_protocol.robot.controller import RobotController
 from firmware_protocol.wire.drive_settings import DriveSettings
@@ -27,7 +28,7 @@ from tests.support.robots.avr_firmware import TOLD_S, AvrFirmware
 DEAD_MAN_S = 0.5
 RobotMaker = Callable[[Identity, DriveSettings], RobotConnection]
 robot_maker: ContextVar[RobotMaker] = ContextVar("robot_maker", default=python_robot)
-"""Which robot the scenarios run on; the C firmware takes the Python twin's place here."""
+"""Which robot the scenarios run on; the C firmware takes the Python one's place here."""
 STOP_S = 1.1
 """From 0.4 m/s with 0.5 m/s2 and slow motors."""
 
@@ -61,20 +62,22 @@ class Witness:
 
     def watch(self) -> None:
         """Note what the present robot executes; C tells by its chain's CRC only."""
-        robot: object = self.loop.robot
-        if isinstance(robot, AvrFirmware):
-            robot.encoders_m = lambda: self.loop.drive.encoders_m
+        present: object = self.loop.robot
+        if isinstance(present, AvrFirmware):
+            present.encoders_m = lambda: self.loop.drive.encoders_m
         control = self.loop.robot.controller
         self.notes = isinstance(control, RobotController)
         if not self.notes:
             return
-        original = control._execute
+        robot, original = control.robot, control.robot._execute
 
         def noting(count: int) -> None:
-            self.executed.extend(list(control._records)[:count])
+            for index in range(count):
+                at = robot.queue.at(index)
+                self.executed.append(bytes(robot.queue.data[at : at + WAYPOINT_BYTES]))
             original(count)
 
-        control._execute = noting  # type: ignore[method-assign]
+        robot._execute = noting  # type: ignore[method-assign]
 
     def boot(self, cause: ResetCause = ResetCause.EXTERNAL) -> None:
         """The robot's processor starts anew."""

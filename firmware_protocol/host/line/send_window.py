@@ -1,6 +1,6 @@
-"""What both ends share: sequence numbers, the send window with go-back-N, round-trip times.
+"""The send window with go-back-N, and the round-trip times that its timeout comes from.
 
-- Reliable frames carry consecutive sequence numbers modulo 256; the receiver takes them in
+- Reliable frames carry consecutive sequence numbers modulo 256; the robot takes them in
   order only and acknowledges with the number it expects next.
 - At most ``window`` bytes of the wire may be unacknowledged; a NAK or a timeout sends all of
   them again from the oldest on.
@@ -11,7 +11,6 @@ from __future__ import annotations
 
 from collections import deque
 from dataclasses import dataclass
-from enum import Enum
 from typing import Final
 
 from firmware_protocol.wire.framing import wire_bytes
@@ -19,13 +18,6 @@ from firmware_protocol.wire.framing import wire_bytes
 SEQUENCE_MODULUS: Final = 256
 RTO_MIN_S: Final = 0.025
 RTO_MAX_S: Final = 1.0
-NAK_INTERVAL_S: Final = 0.003
-"""A receiver complains no more often, so that a burst of noise cannot fill the line."""
-
-
-def is_before(earlier: int, later: int, modulus: int = SEQUENCE_MODULUS) -> bool:
-    """Whether ``earlier`` comes less than half the circle before ``later``."""
-    return 0 < (later - earlier) % modulus < modulus // 2
 
 
 class RttEstimate:
@@ -100,11 +92,11 @@ class SendWindow:
 
     @property
     def idle(self) -> bool:
-        """Whether everything is acknowledged."""
+        """True if everything is acknowledged."""
         return not self._pending
 
     def room_for(self, payload_bytes: int) -> bool:
-        """Whether one more frame fits into the window (one frame always does)."""
+        """True if one more frame fits into the window (one frame always does)."""
         if not self._pending:
             return True
         return self.bytes_pending + wire_bytes(payload_bytes) <= self.window_bytes
@@ -128,7 +120,7 @@ class SendWindow:
         return frame
 
     def has_unsent(self) -> bool:
-        """Whether :meth:`next_frame` has one."""
+        """True if :meth:`next_frame` has one."""
         return self._sent < len(self._pending)
 
     def acknowledge(self, expected: int, now_s: float) -> int:
@@ -171,28 +163,3 @@ class SendWindow:
         self._timer_s = now_s
         # the complaints about frames already in flight arrive within about one round trip
         self._quiet_until_s = now_s + max(0.005, self.rtt.smoothed_s)
-
-
-class Arrival(Enum):
-    """What a reliable frame's sequence number says."""
-
-    NEXT = "next"
-    DUPLICATE = "duplicate"
-    GAP = "gap"
-
-
-class ReceiveSequence:
-    """The receiver's half: the sequence number expected next."""
-
-    def __init__(self) -> None:
-        self.expected = 0
-
-    def judge(self, sequence: int) -> Arrival:
-        """Sort a frame in; NEXT has to be confirmed by :meth:`take`."""
-        if sequence == self.expected:
-            return Arrival.NEXT
-        return Arrival.DUPLICATE if is_before(sequence, self.expected) else Arrival.GAP
-
-    def take(self) -> None:
-        """The expected frame was accepted."""
-        self.expected = (self.expected + 1) % SEQUENCE_MODULUS
