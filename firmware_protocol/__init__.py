@@ -2,7 +2,7 @@
 
 ``docs/protocol.md`` has the bits and the reasons. A host needs ``HostConnection``,
 ``Mission`` and ``Waypoint``; a robot ``RobotConnection`` and ``RobotController``, around the one of
-``micropython/clearway``; ``firmware/`` holds the same robot in C99.
+``robot/clearway``; ``firmware/`` holds the same robot in C99.
 """
 
 from firmware_protocol.host.connection import HostConnection

@@ -12,7 +12,7 @@ from dataclasses import dataclass
 from typing import Any, Final
 
 from benchmarks.same_runs.trace import Trace
-from firmware_protocol.micropython.clearway.wire import WAYPOINT_BYTES
+from firmware_protocol.robot.clearway.wire import WAYPOINT_BYTES
 from firmware_protocol.robot.connection import Identity, RobotConnection
 from firmware_protocol.robot.controller import RobotController
 from firmware_protocol.wire.drive_settings import DriveSettings

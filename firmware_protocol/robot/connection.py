@@ -7,8 +7,8 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from firmware_protocol.micropython.clearway.estimate import TIME
-from firmware_protocol.micropython.clearway.link import SESSION_ERRORS, Link
+from firmware_protocol.robot.clearway.estimate import TIME
+from firmware_protocol.robot.clearway.link import SESSION_ERRORS, Link
 from firmware_protocol.robot.controller import RobotController
 from firmware_protocol.wire.messages import SCHEMA_HASH, ResetCause
 

@@ -10,9 +10,9 @@ from __future__ import annotations
 import math
 from typing import Final, NamedTuple
 
-from firmware_protocol.micropython.clearway.estimate import TIME
-from firmware_protocol.micropython.clearway.fixed import heading_of
-from firmware_protocol.micropython.clearway.robot import (
+from firmware_protocol.robot.clearway.estimate import TIME
+from firmware_protocol.robot.clearway.fixed import heading_of
+from firmware_protocol.robot.clearway.robot import (
     ACCEPT_NEXT,
     EXEC_CRC,
     EXEC_NEXT,
@@ -20,9 +20,9 @@ from firmware_protocol.micropython.clearway.robot import (
     PREFIX_CRC,
     Robot,
 )
-from firmware_protocol.micropython.clearway.settings import Settings
-from firmware_protocol.micropython.clearway.states import RUN
-from firmware_protocol.micropython.clearway.waypoints import QUEUE_SIZE
+from firmware_protocol.robot.clearway.settings import Settings
+from firmware_protocol.robot.clearway.states import RUN
+from firmware_protocol.robot.clearway.waypoints import QUEUE_SIZE
 from firmware_protocol.wire.drive_settings import DriveSettings
 from firmware_protocol.wire.messages import RobotState, StopReason
 from firmware_protocol.wire.values import UM_PER_M

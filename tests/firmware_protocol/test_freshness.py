@@ -11,8 +11,8 @@ from firmware_protocol.host.events import LinkChanged, StrayHello
 from firmware_protocol.host.freshest import ERROR_MAX_S, Freshest
 from firmware_protocol.host.line.clock_sync import WRAP_US, ClockEstimate
 from firmware_protocol.host.state import LinkState
-from firmware_protocol.micropython.clearway.link import REJECTED
-from firmware_protocol.micropython.clearway.robot import NO_POSE_MS
+from firmware_protocol.robot.clearway.link import REJECTED
+from firmware_protocol.robot.clearway.robot import NO_POSE_MS
 from firmware_protocol.wire.framing import Frame, Sender, encode_frame
 from firmware_protocol.wire.messages import (
     ESTOP_FRAME,

@@ -5,7 +5,7 @@ import pytest
 from firmware_protocol.host.state import TRANSITIONS as HOST
 from firmware_protocol.host.state import LinkEvent, LinkState
 from firmware_protocol.host.state import state_after as link_state_after
-from firmware_protocol.micropython.clearway import states
+from firmware_protocol.robot.clearway import states
 from firmware_protocol.wire.errors import LocalError
 from firmware_protocol.wire.messages import ESTOP_FRAME, STOP_SENTENCES, RobotState, StopReason
 

@@ -6,7 +6,7 @@ from hypothesis import settings
 from hypothesis import strategies as st
 from hypothesis.stateful import RuleBasedStateMachine, initialize, invariant, rule
 
-from firmware_protocol.micropython.clearway.waypoints import QUEUE_SIZE
+from firmware_protocol.robot.clearway.waypoints import QUEUE_SIZE
 from firmware_protocol.wire.messages import (
     ESTOP_FRAME,
     Ack,

@@ -7,10 +7,10 @@ from itertools import pairwise
 import numpy as np
 import pytest
 
-from firmware_protocol.micropython.clearway.follower import Follower
-from firmware_protocol.micropython.clearway.link import REJECTED
-from firmware_protocol.micropython.clearway.settings import Settings
-from firmware_protocol.micropython.clearway.waypoints import Queue
+from firmware_protocol.robot.clearway.follower import Follower
+from firmware_protocol.robot.clearway.link import REJECTED
+from firmware_protocol.robot.clearway.settings import Settings
+from firmware_protocol.robot.clearway.waypoints import Queue
 from firmware_protocol.robot.controller import WheelSpeeds
 from firmware_protocol.wire.messages import (
     Clear,

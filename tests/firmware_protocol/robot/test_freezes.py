@@ -9,9 +9,9 @@ import random
 
 import pytest
 
-from firmware_protocol.micropython.clearway.estimate import TIME
-from firmware_protocol.micropython.clearway.robot import DISARMED
-from firmware_protocol.micropython.clearway.states import IDLE
+from firmware_protocol.robot.clearway.estimate import TIME
+from firmware_protocol.robot.clearway.robot import DISARMED
+from firmware_protocol.robot.clearway.states import IDLE
 from firmware_protocol.wire.messages import Lease, LeaseFlag, PoseFix, RobotState, Start, StopReason
 from tests.firmware_protocol.test_c_firmware import begin_to_drive
 from tests.support.robots.c_robot import missing_tool

@@ -3,8 +3,8 @@
 from hypothesis import given
 from hypothesis import strategies as st
 
-from firmware_protocol.micropython.clearway.link import DUPLICATES, GAPS
-from firmware_protocol.micropython.clearway.waypoints import QUEUE_SIZE
+from firmware_protocol.robot.clearway.link import DUPLICATES, GAPS
+from firmware_protocol.robot.clearway.waypoints import QUEUE_SIZE
 from firmware_protocol.wire.messages import (
     ESTOP_FRAME,
     SCHEMA_HASH,

@@ -9,8 +9,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from firmware_protocol.micropython.clearway.pulses import PULSE_US, WheelPulses, pulsed
-from firmware_protocol.micropython.clearway.robot import DT_MAX_US
+from firmware_protocol.robot.clearway.pulses import PULSE_US, WheelPulses, pulsed
+from firmware_protocol.robot.clearway.robot import DT_MAX_US
 from firmware_protocol.wire.drive_settings import DriveSettings
 from tests.support.robots.c_robot import library, missing_tool
 

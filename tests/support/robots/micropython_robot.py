@@ -10,7 +10,7 @@ import subprocess
 from pathlib import Path
 from typing import NamedTuple
 
-from firmware_protocol.micropython.clearway import link
+from firmware_protocol.robot.clearway import link
 from firmware_protocol.robot.connection import Identity
 from firmware_protocol.robot.controller import EIGHTHS_PER_M, LEAP_UM, WheelSpeeds
 from firmware_protocol.wire.drive_settings import DriveSettings

@@ -15,7 +15,7 @@ from dataclasses import dataclass, field
 
 from firmware_protocol.host.connection import HostConnection
 from firmware_protocol.host.events import MissionDone
-from firmware_protocol.micropython.clearway.wire import WAYPOINT_BYTES
+from firmware_protocol.robot.clearway.wire import WAYPOINT_BYTES
 from firmware_protocol.robot.connection import Identity, RobotConnection
 from firmware_protocol.robot.controller import RobotController
 from firmware_protocol.wire.drive_settings import DriveSettings

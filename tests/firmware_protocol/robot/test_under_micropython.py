@@ -12,7 +12,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from firmware_protocol.micropython.clearway import link, wire
+from firmware_protocol.robot.clearway import link, wire
 from firmware_protocol.robot.connection import Identity
 from firmware_protocol.wire.crc import crc32c
 from firmware_protocol.wire.drive_settings import DriveSettings

@@ -19,7 +19,7 @@ from types import ModuleType
 
 import pytest
 
-import firmware_protocol.micropython as package
+import firmware_protocol.robot as package
 
 FOLDER = Path(package.__file__).parent
 BOARDS = sorted(file.stem for file in (FOLDER / "boards").glob("*.py"))

@@ -6,9 +6,9 @@ import struct
 
 import pytest
 
-from firmware_protocol.micropython.clearway.estimate import TIME
-from firmware_protocol.micropython.clearway.program import Program
-from firmware_protocol.micropython.clearway.settings import Settings
+from firmware_protocol.robot.clearway.estimate import TIME
+from firmware_protocol.robot.clearway.program import Program
+from firmware_protocol.robot.clearway.settings import Settings
 from firmware_protocol.wire.framing import Frame, FrameParser, Sender, encode_frame
 from firmware_protocol.wire.messages import (
     SCHEMA_HASH,

@@ -10,7 +10,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from firmware_protocol.micropython.clearway.fixed import (
+from firmware_protocol.robot.clearway.fixed import (
     VECTOR,
     angle_of,
     aside,
@@ -24,7 +24,7 @@ from firmware_protocol.micropython.clearway.fixed import (
     turn,
     word,
 )
-from firmware_protocol.micropython.clearway.waypoints import begin_leg
+from firmware_protocol.robot.clearway.waypoints import begin_leg
 from tests.support.robots.c_robot import library, missing_tool
 
 TURN = 2.0**16
