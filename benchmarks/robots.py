@@ -38,7 +38,7 @@ from navigation.link.drivers.driver_link import DriverLink
 from navigation.link.drivers.driver_process import DriverProcess
 from navigation.link.serial_link import SerialLink
 from navigation.simulator.robot import SimulatedRobot
-from navigation.simulator.twins.twin_robot import TwinRobot
+from navigation.simulator.twins.kinds import TWINS
 from tests.support.robots.troubled_drivers import TROUBLES, drive_into
 
 CONFIGS = Path(__file__).parents[1] / "configs"
@@ -104,16 +104,14 @@ def show_runs(names: list[str]) -> None:
 class Bench(NamedTuple):
     """A robot that drives, and what may be done to it."""
 
-    robot: TwinRobot | SimulatedRobot
+    robot: SimulatedRobot
     link: SerialLink
     driver: DriverProcess | None
     leases: threading.Event
 
     def moves(self) -> bool:
-        """Whether its wheels turn."""
-        if isinstance(self.robot, TwinRobot):
-            return self.robot.moving
-        return self.robot.view().moving
+        """True if its wheels turn."""
+        return self.robot.moving
 
 
 def hang_the_daemon(bench: Bench) -> None:
@@ -130,10 +128,7 @@ def kill_the_driver(bench: Bench) -> None:
 
 def pull_the_cable(bench: Bench) -> None:
     """Nothing passes in either direction, as where the computer dies."""
-    if isinstance(bench.robot, TwinRobot):
-        bench.robot.unplug()
-    else:
-        bench.link.close()
+    bench.robot.unplug()
 
 
 EVENTS: dict[str, Callable[[Bench], None]] = {
@@ -150,7 +145,7 @@ def driving(name: str) -> Iterator[Bench]:
     leases.set()
     speed = OWN_SPEED_M_S if name == CLEARWAY else 0.8 * KNOWN_ROBOTS[name].speed_m_s
     rng = np.random.default_rng(1)
-    robot = SimulatedRobot(rng=rng) if name == CLEARWAY else TwinRobot(name, rng=rng)
+    robot = SimulatedRobot(rng=rng, twin=None if name == CLEARWAY else TWINS[name]())
     with robot:
         driver = None
         if name == CLEARWAY:

@@ -22,6 +22,7 @@ from navigation.simulator.happenings import arenas_over_time, tracks_of
 from navigation.simulator.picture.knocked_camera import KnockedCamera
 from navigation.simulator.picture.timed_camera import TimedCamera
 from navigation.simulator.robot import SimulatedRobot, wait_until_due
+from navigation.simulator.twins.emulated import EmulatedTwin
 from planner.scene import FloatArray
 
 
@@ -44,22 +45,27 @@ class Simulation:
         self.clock = clock
         self._configs = robots_of(config)
         self._cameras = cameras_of(config)
-        self.robots = {
-            name: simulated_robot(one, clock)
-            for name, one in self._configs.items()
-            if one.serial.port == SIMULATED
-        }
+        self._arenas = arenas_over_time(config, load_arena(config))
+        self._tracks = tracks_of(config)
+        self._thread: threading.Thread | None = None
+        self._stop = threading.Event()
+        self.robots: dict[str, SimulatedRobot] = {}
         """By name, those that are simulated."""
+        try:
+            for name, one in self._configs.items():
+                if one.serial.port == SIMULATED:
+                    self.robots[name] = simulated_robot(one, clock)
+        except BaseException:
+            self.stop()
+            raise
         for name, robot in self.robots.items():
             wait_for_robot(clock, name, robot)
         self._shared = {
             name: shared_pose(one) for name, one in self._configs.items() if name not in self.robots
         }
-        self._together = [one for one in self.robots.values() if isinstance(one, SimulatedRobot)]
-        self._thread: threading.Thread | None = None
-        self._stop = threading.Event()
-        self._arenas = arenas_over_time(config, load_arena(config))
-        self._tracks = tracks_of(config)
+        self._together = [
+            robot for robot in self.robots.values() if not isinstance(robot.twin, EmulatedTwin)
+        ]
         self._began_s = clock()
 
     @property
@@ -109,7 +115,10 @@ class Simulation:
             robot.stop()
 
     def _run(self) -> None:
-        """All that are steps of this program in one thread: eight would wait for each other."""
+        """All that are steps of this program in one thread: eight would wait for each other.
+
+        An emulated one that is slow holds up nobody but itself.
+        """
         robots = self._together
         try:
             while robots and not self._stop.is_set():

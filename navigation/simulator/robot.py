@@ -1,8 +1,12 @@
-"""The simulated robot: the robot's end in Python behind a real pseudo-terminal.
+"""A simulated robot in real time: a twin behind a line, on simulated wheels.
 
-A thread runs the robot's end of the link, its controller at 100 steps a second and the moving
-robot in real time. The host opens :attr:`SimulatedRobot.port` with pyserial, as it would open
-a cable. The true pose and the driven track are for the simulated camera and the report.
+The twin is our own robot, one of another maker, or an emulated one (`twins`). A thread steps it and
+the moving robot, and carries bytes between it and a pseudo-terminal, as a UART does: at the line's
+pace, and with its faults. The host opens :attr:`SimulatedRobot.port` with pyserial, as it would
+open a cable. The true pose and the driven track are for the simulated camera and the report.
+
+Of the faults ``reset`` boots the processor again; ``freeze`` stops it: the motors keep what they
+were told, and of what the host sends meanwhile the UART's buffer holds RING_BYTES.
 """
 
 from __future__ import annotations
@@ -11,7 +15,6 @@ import contextlib
 import fcntl
 import math
 import os
-import random
 import select
 import struct
 import termios
@@ -19,50 +22,45 @@ import threading
 import time
 import tty
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
 from types import TracebackType
+from typing import Final
 
 import numpy as np
 import serial
 from numpy.typing import NDArray
 
-from firmware_protocol.robot.connection import Identity, RobotConnection
-from firmware_protocol.robot.controller import RobotController, WheelSpeeds
-from firmware_protocol.wire.drive_settings import DriveSettings
-from firmware_protocol.wire.messages import ResetCause, RobotState, StopReason
+from firmware_protocol.robot.controller import WheelSpeeds
 from navigation.link.serial_link import PORT_FAULTS
 from navigation.link.serial_port import open_port
 from navigation.shared.track import Track
 from navigation.simulator.drive_model import Drive, DriveModel, TruePose
+from navigation.simulator.emulated_processor import EmulatorError
 from navigation.simulator.line_faults import FaultSpec, FaultyLine
 from navigation.simulator.own_time import OwnTime
+from navigation.simulator.twins.clearway import ClearwayTwin
+from navigation.simulator.twins.kinds import refuse_frame_faults, wheels_of
+from navigation.simulator.twins.twin import ON_FOR_S, STEP_S, Twin
 from navigation.simulator.virtual_loop import PacedLine
 
-PHYSICS_S = 0.002
-CONTROL_EVERY = 5
-"""Physics steps to one control cycle: 10 ms."""
-INSTANT_BAUD = 100_000_000
-
-
-@dataclass(frozen=True, slots=True)
-class RobotView:
-    """What can be seen of the simulated robot from outside."""
-
-    pose: TruePose
-    moving: bool
-    state: RobotState
-    reason: StopReason
-    mission: int
-    executed: int
-    exec_crc: int
+TRACK_EVERY: Final = 10
+"""Steps to a row of the track: 20 ms."""
+READ_BYTES: Final = 4096
+RING_BYTES: Final = 256
+"""What a small processor's receive buffer holds."""
+FASTEST_BAUD: Final = 4_000_000
+LONGEST_WAIT_S: Final = 0.1
+END_S: Final = 2.0
+"""A thread that does not end within this time waits for a twin that hangs."""
 
 
 class SimulatedRobot:
     """A robot on a new pseudo-terminal, or on an existing serial port; a context manager.
 
-    ``pose`` is (x_m, y_m, heading_rad) at the start; ``baud`` paces the line, None lets bytes
-    pass at once; ``rng`` moves the robot and its faults, ``boot_ids`` gives each boot its
-    number. PortError where ``port`` cannot be opened.
+    ``pose`` is (x_m, y_m, heading_rad) at the start; ``twin`` is our own robot where none is given;
+    ``baud`` paces the line, by default as the twin does, and infinity lets bytes pass at once;
+    ``rng`` moves the robot and its faults. PortError where ``port`` cannot be opened,
+    FaultSpecError for faults that this line cannot have. When what the twin runs on ends, the robot
+    stands and its line is silent.
     """
 
     def __init__(
@@ -70,49 +68,54 @@ class SimulatedRobot:
         pose: tuple[float, float, float] = (0.0, 0.0, 0.0),
         *,
         rng: np.random.Generator,
+        twin: Twin | None = None,
         model: DriveModel | None = None,
-        settings: DriveSettings | None = None,
         faults: FaultSpec | None = None,
         port: str | None = None,
-        baud: int | None = 115_200,
-        boot_ids: random.Random | None = None,
+        baud: float | None = None,
         clock: Callable[[], float] = time.monotonic,
     ) -> None:
+        self.twin: Twin = twin or ClearwayTwin(model=model)
+        self.held = threading.Lock()
+        """Held during each step: whoever looks at the twin or touches it holds it too."""
         self._clock = clock
-        self._settings = settings or DriveSettings()
-        self._boot_ids = boot_ids or random.SystemRandom()
         self._faults = faults or FaultSpec()
-        self._drive = Drive(model or DriveModel(), TruePose(*pose), rng)
+        if not self.twin.has_frames:
+            refuse_frame_faults(self._faults)
+        model = model or DriveModel(track_m=self.twin.body.track_m)
+        self._drive = Drive(wheels_of(self.twin, model), TruePose(*pose), rng)
         self._lines = (FaultyLine(self._faults, rng), FaultyLine(self._faults, rng))
-        self._to_robot = PacedLine(baud or INSTANT_BAUD)
-        self._to_host = PacedLine(baud or INSTANT_BAUD)
+        baud = baud or self.twin.baud
+        self._to_robot, self._to_host = PacedLine(baud), PacedLine(baud)
         self._wheels = WheelSpeeds(0.0, 0.0, powered=False)
+        self._zero = (0, 0)
         self._steps = 0
-        self._time = OwnTime(PHYSICS_S)
-        self._unsent = b""
+        self._time = OwnTime(STEP_S)
+        self._start_s = 0.0
+        self._is_reset = self._is_unplugged = self._has_ended = False
+        self._waiting = self._unsent = b""
         self._unread_since_s = math.inf
         self._stop = threading.Event()
         self._thread: threading.Thread | None = None
         self._track = Track()
         self._serial: serial.Serial | None = None
-        self._slave = -1
+        self._fd = self._slave = -1
+        try:
+            self.port = self._open(port, baud)
+        except BaseException:
+            self.twin.close()
+            raise
+
+    def _open(self, port: str | None, baud: float) -> str:
         if port is None:
             self._fd, self._slave = os.openpty()
             tty.setraw(self._slave)
-            self.port = os.ttyname(self._slave)
+            port = os.ttyname(self._slave)
         else:
-            self._serial = open_port(port, baud or 115_200)
+            self._serial = open_port(port, round(min(baud, FASTEST_BAUD)))
             self._fd = self._serial.fileno()
-            self.port = port
         os.set_blocking(self._fd, False)
-        self._boot(ResetCause.POWER_ON)
-        self._view = self._look()
-
-    def _boot(self, cause: ResetCause) -> None:
-        controller = RobotController(self._settings)
-        identity = Identity(self._boot_ids.randrange(1, 1 << 32), reset_cause=cause)
-        self._robot = RobotConnection(identity, controller)
-        self._wheels = WheelSpeeds(0.0, 0.0, powered=False)
+        return port
 
     # Life.
 
@@ -125,6 +128,9 @@ class SimulatedRobot:
     def stop(self) -> None:
         """Switch it off and close its end of the line."""
         self._stop.set()
+        if self._thread is not None:
+            self._thread.join(END_S)
+        self.twin.close()  # a step that waits for it ends now
         if self._thread is not None:
             self._thread.join()
             self._thread = None
@@ -156,28 +162,42 @@ class SimulatedRobot:
         self._time.wait_for(self._clock())
         return self._drive.pose
 
-    def late_since_s(self) -> float:
-        """What is later than this the robot has still to do, or the host to read; infinity while
-        it is off."""
-        return min(self._time.since_s, self._unread_since_s)
-
-    def view(self) -> RobotView:
-        """Pose, state and progress now."""
-        return self._view
+    @property
+    def moving(self) -> bool:
+        """True if a wheel turns faster than 1 mm/s."""
+        return self._drive.moving
 
     def track(self) -> NDArray[np.float64]:
         """Where it has been: (n, 4) of time, x_m, y_m, heading_rad, every 20 ms."""
         return self._track.rows()
 
-    def press_estop(self) -> None:
-        """Press the emergency stop on the robot itself."""
-        self._robot.controller.emergency_stop(StopReason.ESTOP_LOCAL)
+    def late_since_s(self) -> float:
+        """The time since which the robot has steps to do, or the host bytes to read; infinity
+        while it is off."""
+        return min(self._time.since_s, self._unread_since_s)
+
+    # What a person does to it.
+
+    def bump(self, pressed: bool = True) -> None:
+        """Touch its bumper, or let go of it; press its emergency stop where it has one."""
+        with self.held:
+            self.twin.bump(pressed)
+
+    def lift(self, lifted: bool = True) -> None:
+        """Take it off the floor, or put it back."""
+        with self.held:
+            self.twin.lift(lifted)
+
+    def unplug(self, unplugged: bool = True) -> None:
+        """Cut both directions of its cable, or join them again; its power stays on."""
+        with self.held:
+            self._is_unplugged = unplugged
 
     # The thread.
 
     def _run(self) -> None:
         try:
-            while not self._stop.is_set():
+            while not self._stop.is_set() and not self._has_ended:
                 wait_until_due([self], self.turn())
         finally:
             self.switched_off()
@@ -185,6 +205,7 @@ class SimulatedRobot:
     def switched_on(self) -> None:
         """It is driven from now on: by its own thread, or by who calls :meth:`turn`."""
         self._start_s = self._clock()
+        self.twin.boot(self._start_s - ON_FOR_S)
         self._time.begin(self._start_s)
 
     def switched_off(self) -> None:
@@ -198,58 +219,75 @@ class SimulatedRobot:
 
     def turn(self) -> float:
         """Make all steps that are due, and exchange bytes; how long until the next, seconds."""
+        if self._has_ended:
+            return math.inf
         now_s = self._clock()
         self._time.limit(now_s)
-        while (end_s := self._time.next_step_s(now_s)) is not None:
-            self._exchange(end_s)
-            self._step(end_s)
-            self._time.done(end_s)
-        self._exchange(now_s)
-        self._view = self._look()
+        try:
+            while (end_s := self._time.next_step_s(now_s)) is not None:
+                with self.held:
+                    self._exchange(end_s)
+                    self._step(end_s)
+                self._time.done(end_s)
+            with self.held:
+                self._exchange(now_s)
+        except EmulatorError:
+            self._has_ended = True
+            self.switched_off()
+            return math.inf
         return self._time.due_in_s(self._clock())
 
-    def _meet_scheduled_faults(self, now_s: float) -> None:
-        if now_s - self._start_s >= self._faults.reset_at_s and not self._reset_done:
-            self._reset_done = True
-            self._boot(ResetCause.EXTERNAL)
-
-    _reset_done = False
-    _start_s = 0.0
-
-    def _frozen(self, now_s: float) -> bool:
+    def _is_frozen(self, now_s: float) -> bool:
         since_s = now_s - self._start_s - self._faults.freeze_at_s
         return 0.0 <= since_s < self._faults.freeze_s
 
+    def _meet_reset(self, now_s: float) -> None:
+        if not self._is_reset and now_s - self._start_s >= self._faults.reset_at_s:
+            self._is_reset = True
+            left, right = self._ticks()
+            self._zero = (self._zero[0] + left, self._zero[1] + right)
+            self._waiting = b""
+            self._wheels = WheelSpeeds(0.0, 0.0, powered=False)
+            self.twin.boot(now_s)
+
     def _exchange(self, now_s: float) -> None:
-        self._meet_scheduled_faults(now_s)
-        if self._frozen(now_s):
-            return
-        try:
-            data = os.read(self._fd, 4096)
-        except BlockingIOError:
-            data = b""
-        except OSError:
-            return  # the other end has hung up: a robot does not mind
-        if data:
+        self._meet_reset(now_s)
+        data = self._read()
+        if data and not self._is_unplugged:
             self._to_robot.put(data, self._clock())  # behind the clock, it has to wait
-        arrived = self._lines[0].carry(self._to_robot.take(now_s), now_s)
-        if arrived:
-            self._robot.receive_bytes(arrived, now_s)
-        self._robot.controller.tick(now_s)
+        self._waiting += self._lines[0].carry(self._to_robot.take(now_s), now_s)
+        if self._is_frozen(now_s):
+            self._waiting = self._waiting[:RING_BYTES]
+        else:
+            self._serve(now_s)
+        self._write(self._lines[1].carry(self._to_host.take(now_s), now_s))
+        self._look_whether_the_host_reads(now_s)
+
+    def _serve(self, now_s: float) -> None:
+        if self._waiting:
+            self.twin.receive(self._waiting, now_s)
+            self._waiting = b""
         while self._to_host.free(now_s):
-            frame = self._robot.next_frame(now_s)
-            if not frame:
+            data = self.twin.bytes_to_send(now_s)
+            if not data:
                 break
-            self._to_host.put(frame, now_s)
-        self._unsent += self._lines[1].carry(self._to_host.take(now_s), now_s)
+            self._to_host.put(data, now_s)
+
+    def _read(self) -> bytes:
+        try:
+            return os.read(self._fd, READ_BYTES)
+        except OSError:
+            return b""  # nothing came, or the other end has hung up: a robot does not mind
+
+    def _write(self, data: bytes) -> None:
+        self._unsent = (self._unsent + data)[-READ_BYTES:]
+        if self._is_unplugged:
+            self._unsent = b""
         if self._unsent:
             try:
                 self._unsent = self._unsent[os.write(self._fd, self._unsent) :]
-            except BlockingIOError:
-                self._unsent = b""  # nobody reads: a UART does not wait either
             except OSError:
-                self._unsent = b""
-        self._look_whether_the_host_reads(now_s)
+                self._unsent = b""  # nobody reads: a UART does not wait either
 
     def _look_whether_the_host_reads(self, now_s: float) -> None:
         if not self._waits_in_the_line():
@@ -264,31 +302,23 @@ class SimulatedRobot:
         (count,) = struct.unpack("i", fcntl.ioctl(self._slave, termios.FIONREAD, b"\0" * 4))
         return bool(count)
 
-    def _step(self, now_s: float) -> None:
-        self._steps += 1
-        if self._steps % CONTROL_EVERY == 0 and not self._frozen(now_s):
-            self._robot.controller.step(now_s, *self._drive.encoders_m)
-        if not self._frozen(now_s):
-            self._wheels = self._robot.controller.wheels
-        self._drive.step(PHYSICS_S, self._wheels)
-        if self._steps % (2 * CONTROL_EVERY) == 0:
-            self._track.add(now_s, *self._drive.pose)
+    def _ticks(self) -> tuple[int, int]:
+        per_m = self.twin.body.ticks_per_m
+        left_m, right_m = self._drive.encoders_m
+        return round(left_m * per_m) - self._zero[0], round(right_m * per_m) - self._zero[1]
 
-    def _look(self) -> RobotView:
-        control = self._robot.controller
-        return RobotView(
-            pose=self._drive.pose,
-            moving=self._drive.moving,
-            state=control.state,
-            reason=control.reason,
-            mission=control.mission,
-            executed=control.exec_next,
-            exec_crc=control.exec_crc,
-        )
+    def _step(self, now_s: float) -> None:
+        if not self._is_frozen(now_s):
+            self._wheels = self.twin.step(now_s, *self._ticks())
+        self._drive.step(STEP_S, self._wheels)
+        self._steps += 1
+        if self._steps % TRACK_EVERY == 0:
+            self._track.add(now_s, *self._drive.pose)
 
 
 def wait_until_due(robots: Sequence[SimulatedRobot], wait_s: float) -> None:
     """Until bytes arrive for one of the robots, or so long."""
+    wait_s = min(wait_s, LONGEST_WAIT_S)
     try:
         select.select(robots, [], [], wait_s)
     except (*PORT_FAULTS, ValueError):  # a line that was closed is no file any more

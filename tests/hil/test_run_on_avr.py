@@ -19,8 +19,10 @@ from navigation.config import load_config
 from navigation.run.simulation import Simulation
 from navigation.run.world import World
 from navigation.simulator.emulated_processor import EmulatedProcessor, EmulatorError
-from navigation.simulator.emulated_robot import STEP_S, EmulatedRobot
 from navigation.simulator.line_faults import FaultSpec
+from navigation.simulator.robot import SimulatedRobot
+from navigation.simulator.twins.emulated import EmulatedTwin
+from navigation.simulator.twins.twin import STEP_S
 from tests.support.robots.avr_robot import AvrRobot, missing_tools
 from tests.support.robots.emulated_run import assert_run_reaches_its_goal, short_configuration
 from tests.support.waiting import wait_until
@@ -51,11 +53,12 @@ def test_the_configuration_puts_the_emulator_behind_the_port(tmp_path: Path) -> 
         world = World(load_config(short_configuration(tmp_path, avr.command)))
         assert isinstance(world.simulation, Simulation)
         robot = world.simulation.robots[""]
-        assert isinstance(robot, EmulatedRobot)
+        twin = robot.twin
+        assert isinstance(twin, EmulatedTwin)
         world.start()
         try:
-            assert wait_until(lambda: robot.motors.now_s >= 0.2, 20.0), "the emulated clock goes"
-            assert not robot.motors.powered, "nobody has told it to drive"
+            assert wait_until(lambda: twin.motors.now_s >= 0.2, 20.0), "the emulated clock goes"
+            assert not twin.motors.powered, "nobody has told it to drive"
         finally:
             world.stop()
 
@@ -65,7 +68,8 @@ def test_the_emulated_robot_obeys_reset_and_freeze(faults: str, boots: int) -> N
     """Told by the boot ids that a host sees, and by how long it sees nothing."""
     rng, clock = np.random.default_rng(1), Clock()
     with AvrRobot() as avr:
-        robot = EmulatedRobot(avr.command, rng=rng, faults=FaultSpec.parse(faults), clock=clock)
+        twin, spec = EmulatedTwin(avr.command), FaultSpec.parse(faults)
+        robot = SimulatedRobot(twin=twin, rng=rng, faults=spec, clock=clock)
         host = HostConnection(random.Random(1))
         with serial.Serial(robot.port, timeout=0) as port:
             seen, silent_s = watch(robot, host, port, clock)
@@ -85,16 +89,16 @@ class Clock:
 
 
 def watch(
-    robot: EmulatedRobot, host: HostConnection, port: serial.Serial, clock: Clock
+    robot: SimulatedRobot, host: HostConnection, port: serial.Serial, clock: Clock
 ) -> tuple[set[int], float]:
     """Two seconds: the boot ids in STATUS, and the longest time without a byte."""
     seen: set[int] = set()
     heard_s = silent_s = 0.0
     host.open(0.0)
-    robot.begin()
+    robot.switched_on()
     while clock.now_s < 2.0:
         clock.now_s += STEP_S
-        robot.step(clock.now_s)
+        robot.turn()
         data = port.read(4096)
         if data:
             heard_s = clock.now_s
@@ -113,4 +117,4 @@ def test_an_emulator_that_ends_is_an_error_and_no_hang() -> None:
         processor.run(0.001)
     processor.close()
     with pytest.raises(EmulatorError, match="no-such-program"):
-        EmulatedRobot(["no-such-program"], rng=np.random.default_rng(1))
+        EmulatedTwin(["no-such-program"])

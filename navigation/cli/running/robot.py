@@ -19,12 +19,12 @@ import numpy as np
 from firmware_protocol.wire.messages import STOP_SENTENCES, RobotState
 from navigation.config.known_robots import CLEARWAY
 from navigation.simulator.line_faults import FaultSpec
-from navigation.simulator.robot import RobotView, SimulatedRobot
+from navigation.simulator.robot import SimulatedRobot
 from navigation.simulator.shared_pose import PoseWriter
+from navigation.simulator.twins.clearway import ClearwayTwin
 from navigation.simulator.twins.kinds import TWINS
-from navigation.simulator.twins.twin_robot import TwinRobot
+from navigation.simulator.twins.twin import Twin
 
-OWN_BAUD = 115_200
 LOOK_S = 0.05
 TELL_S = 0.002
 ENDED_BY = (signal.SIGINT, signal.SIGTERM, signal.SIGHUP)
@@ -153,12 +153,8 @@ def command(
     with ExitStack() as until:
         ended = until.enter_context(_signals())
         told_in = None if poses is None else until.enter_context(closing(PoseWriter(poses)))
-        robot: SimulatedRobot | TwinRobot
-        if kind == CLEARWAY:
-            own = baud or OWN_BAUD
-            robot = SimulatedRobot(start, rng=rng, faults=faults, port=port, baud=own)
-        else:
-            robot = TwinRobot(kind, start, rng=rng, faults=faults, port=port, baud=baud)
+        twin: Twin = ClearwayTwin() if kind == CLEARWAY else TWINS[kind]()
+        robot = SimulatedRobot(start, twin=twin, rng=rng, faults=faults, port=port, baud=baud)
         until.enter_context(robot)
         click.echo(robot.port)
         if link is not None:
@@ -176,20 +172,19 @@ def command(
     return BY_SIGNAL + ended[0]
 
 
-def news_of(robot: SimulatedRobot | TwinRobot) -> tuple[tuple[object, ...], str]:
+def news_of(robot: SimulatedRobot) -> tuple[tuple[object, ...], str]:
     """What is worth a line when it changes, and the line."""
-    if isinstance(robot, TwinRobot):
+    at = _place(*robot.pose())
+    if not isinstance(robot.twin, ClearwayTwin):
         words = "its wheels turn" if robot.moving else "its wheels are at rest"
-        return (robot.moving,), f"{words}, at {_place(*robot.pose())}"
-    view = robot.view()
-    return (view.state, view.reason, view.mission), describe(view)
-
-
-def describe(view: RobotView) -> str:
-    """One line on the robot: state, why, progress, place."""
-    why = "" if view.state is RobotState.RUN else f": {STOP_SENTENCES[view.reason]}"
-    at = _place(*view.pose)
-    return f"{view.state.name}{why}; mission {view.mission:#x}, {view.executed} executed, at {at}"
+        return (robot.moving,), f"{words}, at {at}"
+    with robot.held:
+        control = robot.twin.controller
+        state, reason, mission = control.state, control.reason, control.mission
+        executed = control.exec_next
+    why = "" if state is RobotState.RUN else f": {STOP_SENTENCES[reason]}"
+    words = f"{state.name}{why}; mission {mission:#x}, {executed} executed, at {at}"
+    return (state, reason, mission), words
 
 
 def _place(x_m: float, y_m: float, heading_rad: float) -> str:

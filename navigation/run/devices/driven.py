@@ -1,22 +1,14 @@
-"""Robots that speak another protocol, as a run opens them: their driver, and their twin."""
+"""Robots that speak another protocol, as a run opens them: their driver."""
 
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable
 
-import numpy as np
-
 from navigation.config import Config
 from navigation.config.known_robots import CLEARWAY
 from navigation.link.drivers.driver_link import DriverLink
 from navigation.link.drivers.driver_process import DriverProcess
-from navigation.simulator.settings import (
-    drive_model_of,
-    drive_settings_of,
-    faults_of,
-    true_start_of,
-)
-from navigation.simulator.twins.twin_robot import TwinRobot
+from navigation.simulator.settings import drive_settings_of
 
 
 def driver_of(config: Config, robot_port: str) -> DriverProcess | None:
@@ -52,17 +44,3 @@ def end_all(drivers: Iterable[DriverProcess]) -> list[str]:
     for driver in drivers:
         driver.end()
     return [doubt for driver in drivers if (doubt := driver.stop()) is not None]
-
-
-def twin_of(config: Config, clock: Callable[[], float]) -> TwinRobot:
-    """The simulated robot that speaks as the configured one does."""
-    simulation = config.simulation
-    return TwinRobot(
-        config.robot.driver,
-        true_start_of(config),
-        rng=np.random.default_rng(0 if simulation is None else simulation.seed),
-        model=drive_model_of(config),
-        faults=faults_of(config),
-        baud=config.serial.baud,
-        clock=clock,
-    )

@@ -8,14 +8,11 @@ from __future__ import annotations
 import random
 import shlex
 from collections.abc import Callable
-from typing import TypeAlias
 
 import numpy as np
 
 from navigation.config import Config
 from navigation.config.known_robots import CLEARWAY
-from navigation.run.devices.driven import twin_of
-from navigation.simulator.emulated_robot import EmulatedRobot
 from navigation.simulator.picture.camera import SimulatedCamera
 from navigation.simulator.robot import SimulatedRobot
 from navigation.simulator.settings import (
@@ -25,37 +22,41 @@ from navigation.simulator.settings import (
     true_start_of,
 )
 from navigation.simulator.shared_pose import PoseFileError, PoseReader
-from navigation.simulator.twins.twin_robot import TwinRobot
+from navigation.simulator.twins.clearway import ClearwayTwin
+from navigation.simulator.twins.emulated import EmulatedTwin
+from navigation.simulator.twins.kinds import TWINS
+from navigation.simulator.twins.twin import Twin
 from vision.camera.camera import CameraError
 
-AnySimulatedRobot: TypeAlias = SimulatedRobot | EmulatedRobot | TwinRobot
 
-
-def simulated_robot(config: Config, clock: Callable[[], float]) -> AnySimulatedRobot:
+def simulated_robot(config: Config, clock: Callable[[], float]) -> SimulatedRobot:
     """The robot behind a new pseudo-terminal, switched off."""
     simulation = config.simulation
-    seed = 0 if simulation is None else simulation.seed
-    if simulation is not None and simulation.robot.emulator:
-        return EmulatedRobot(
-            shlex.split(simulation.robot.emulator),
-            true_start_of(config),
-            rng=np.random.default_rng(seed),
-            model=drive_model_of(config),
-            faults=faults_of(config),
-            clock=clock,
-        )
-    if config.robot.driver != CLEARWAY:
-        return twin_of(config, clock)
     return SimulatedRobot(
         true_start_of(config),
-        rng=np.random.default_rng(seed),
+        twin=_twin_of(config),
+        rng=np.random.default_rng(0 if simulation is None else simulation.seed),
         model=drive_model_of(config),
-        settings=drive_settings_of(config),
         faults=faults_of(config),
-        baud=config.serial.baud,
-        boot_ids=random.Random(seed),
+        baud=None if _is_emulated(config) else config.serial.baud,
         clock=clock,
     )
+
+
+def _is_emulated(config: Config) -> bool:
+    return config.simulation is not None and bool(config.simulation.robot.emulator)
+
+
+def _twin_of(config: Config) -> Twin:
+    """The robot that the configuration names, without its line."""
+    simulation, model = config.simulation, drive_model_of(config)
+    if simulation is not None and simulation.robot.emulator:
+        return EmulatedTwin(shlex.split(simulation.robot.emulator), model=model)
+    if config.robot.driver != CLEARWAY:
+        return TWINS[config.robot.driver]()
+    seed = 0 if simulation is None else simulation.seed
+    settings = drive_settings_of(config)
+    return ClearwayTwin(settings, model=model, boot_ids=random.Random(seed))
 
 
 def shared_pose(config: Config) -> PoseReader | None:
@@ -65,7 +66,7 @@ def shared_pose(config: Config) -> PoseReader | None:
 
 
 def pose_of(
-    config: Config, robot: AnySimulatedRobot | None, shared: PoseReader | None
+    config: Config, robot: SimulatedRobot | None, shared: PoseReader | None
 ) -> tuple[float, float, float]:
     """Where the robot is, as the simulated camera sees it; its start where nobody knows."""
     if robot is not None:

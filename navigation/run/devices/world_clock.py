@@ -14,7 +14,6 @@ from navigation.config.known_robots import CLEARWAY
 from navigation.config.sections import SIMULATED
 from navigation.config.several.each_camera import each_camera
 from navigation.config.several.each_robot import robots_of
-from navigation.run.devices.simulated import AnySimulatedRobot
 from navigation.simulator.picture.knocked_camera import KnockedCamera
 from navigation.simulator.picture.timed_camera import TimedCamera
 from navigation.simulator.robot import SimulatedRobot
@@ -83,10 +82,9 @@ def _is_simulated(robot: Config) -> bool:
     return robot.serial.port == SIMULATED and robot.robot.driver == CLEARWAY and not emulator
 
 
-def wait_for_robot(clock: WorldClock, name: str, robot: AnySimulatedRobot) -> None:
-    """Let the clock wait for a simulated robot; the others go by the wall's."""
-    if isinstance(robot, SimulatedRobot):
-        clock.waits_for(f"robot {name}", robot.late_since_s, ROBOT_SLACK_S)
+def wait_for_robot(clock: WorldClock, name: str, robot: SimulatedRobot) -> None:
+    """Let the clock wait for a simulated robot."""
+    clock.waits_for(f"robot {name}", robot.late_since_s, ROBOT_SLACK_S)
 
 
 def wait_for_camera(

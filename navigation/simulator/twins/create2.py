@@ -72,6 +72,7 @@ class Create2Twin:
 
     body = Body(0.235, TICKS_A_TURN / (math.pi * WHEEL_M), LIMIT_MM_S / 1000)
     baud = 115_200
+    has_frames = False
 
     def __init__(self, sleep_s: float = SLEEP_S) -> None:
         self._sleep_s = sleep_s
@@ -110,6 +111,9 @@ class Create2Twin:
     def lift(self, lifted: bool) -> None:
         """Both wheels drop out of the body."""
         self._lifted = lifted
+
+    def close(self) -> None:
+        """Nothing of it runs elsewhere."""
 
     def dock(self, docked: bool) -> None:
         """Put it on its home base, or take it off."""

@@ -36,6 +36,7 @@ class Epuck2Twin:
 
     body = Body(0.053, 1 / STEP_M, MOST_STEPS_S * STEP_M)
     baud = 115_200
+    has_frames = False
 
     def __init__(self) -> None:
         self.boot(0.0)
@@ -54,6 +55,9 @@ class Epuck2Twin:
 
     def lift(self, lifted: bool) -> None:
         """It does not feel that."""
+
+    def close(self) -> None:
+        """Nothing of it runs elsewhere."""
 
     def receive(self, data: bytes, now_s: float) -> None:
         """Characters, or what the binary mode eats."""

@@ -1,4 +1,4 @@
-"""Which twins there are, and the simulated wheels under each."""
+"""The twins of other makers' robots by name, and the simulated wheels under each."""
 
 from __future__ import annotations
 

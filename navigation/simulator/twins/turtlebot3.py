@@ -48,6 +48,7 @@ class Turtlebot3Twin:
     """Its USB port, its table and its motors."""
 
     baud = 1_000_000
+    has_frames = False
 
     def __init__(self, build: int = BURGER) -> None:
         self._build = build
@@ -85,6 +86,9 @@ class Turtlebot3Twin:
 
     def lift(self, lifted: bool) -> None:
         """It does not feel that."""
+
+    def close(self) -> None:
+        """Nothing of it runs elsewhere."""
 
     # Bytes in.
 

@@ -11,6 +11,8 @@ from firmware_protocol.robot.controller import WheelSpeeds
 
 ON_FOR_S: Final = 60.0
 """A robot that a program finds was switched on so long before."""
+STEP_S: Final = 0.002
+"""Time goes on for a twin by steps of this length, in real time."""
 
 
 class Body(NamedTuple):
@@ -27,7 +29,13 @@ class Twin(Protocol):
     """A robot without its line and its floor."""
 
     body: Body
-    baud: int
+    has_frames: bool
+    """True if its line carries Clearway's own frames, which faults may double, swap and cut."""
+
+    @property
+    def baud(self) -> float:
+        """Bits a second of its line; infinity where it paces its bytes itself."""
+        ...
 
     def boot(self, now_s: float) -> None:
         """Power on, or a reset of its processor."""
@@ -44,7 +52,13 @@ class Twin(Protocol):
         ...
 
     def bump(self, pressed: bool) -> None:
-        """Something touches its bumper, or no longer does; nothing where it has none."""
+        """Something touches its bumper, or no longer does; nothing where it has none.
+
+        On a robot with an emergency stop a person presses that.
+        """
 
     def lift(self, lifted: bool) -> None:
         """Its wheels lose the floor, or find it again; nothing where it cannot feel that."""
+
+    def close(self) -> None:
+        """End what it runs on outside this process, also in the midst of a step."""

@@ -73,6 +73,7 @@ class WaveshareTwin:
 
     body = Body(TRACK_M, 1 / PULSE_M, FASTEST_M_S)
     baud = 115_200
+    has_frames = False
 
     def __init__(self, *, is_for_ros: bool = False, has_encoders: bool = True) -> None:
         self._is_for_ros, self._has_encoders = is_for_ros, has_encoders
@@ -101,6 +102,9 @@ class WaveshareTwin:
 
     def lift(self, lifted: bool) -> None:
         """It does not feel that."""
+
+    def close(self) -> None:
+        """Nothing of it runs elsewhere."""
 
     def receive(self, data: bytes, now_s: float) -> None:
         """Lines."""

@@ -17,6 +17,7 @@ import serial
 
 from firmware_protocol.host.events import MissionDone, MissionVoid
 from firmware_protocol.host.state import LinkState
+from firmware_protocol.robot.controller import RobotController
 from firmware_protocol.wire.errors import LocalError
 from firmware_protocol.wire.messages import RobotState, Waypoint
 from firmware_protocol.wire.mission import Mission
@@ -24,6 +25,7 @@ from navigation.link.serial_link import LinkSnapshot, SerialLink
 from navigation.link.serial_port import PortError, PortNotReadyError, look_for_port, open_port
 from navigation.simulator.line_faults import FaultSpec
 from navigation.simulator.robot import SimulatedRobot
+from navigation.simulator.twins.clearway import ClearwayTwin
 from tests.support.waiting import wait_until
 
 
@@ -51,9 +53,15 @@ def controlled(link: SerialLink, robot: SimulatedRobot) -> Iterator[threading.Ev
 def robot(seed: int = 1, **options: object) -> SimulatedRobot:
     return SimulatedRobot(
         rng=np.random.default_rng(seed),
-        boot_ids=random.Random(seed),
+        twin=ClearwayTwin(boot_ids=random.Random(seed)),
         **options,  # type: ignore[arg-type]
     )
+
+
+def control(robot: SimulatedRobot) -> RobotController:
+    """What the robot decides."""
+    assert isinstance(robot.twin, ClearwayTwin)
+    return robot.twin.controller
 
 
 def is_up(link: SerialLink) -> bool:
@@ -81,7 +89,7 @@ def test_a_mission_is_driven_over_a_pseudo_terminal() -> None:
         assert wait_until(lambda: driven(link), 30.0), link.snapshot()
         snapshot = link.snapshot()
         assert (snapshot.mission_id, snapshot.executed) == (7, len(LINE))
-        assert there.view().exec_crc == mission.prefix_crc(len(LINE))
+        assert control(there).exec_crc == mission.prefix_crc(len(LINE))
         assert MissionDone(7) in link.events()
         assert math.dist(there.pose()[:2], (LINE[-1].x_m, 0.0)) < 0.006
         assert snapshot.standing_reason == "it has finished its mission"
@@ -95,21 +103,21 @@ def test_a_mission_is_driven_over_a_bad_line() -> None:
         assert wait_until(lambda: is_up(link))
         mission = link.upload(7, LINE)
         assert wait_until(lambda: driven(link), 30.0), link.snapshot()
-        assert there.view().exec_crc == mission.prefix_crc(len(LINE))
+        assert control(there).exec_crc == mission.prefix_crc(len(LINE))
 
 
 def test_emergency_stop_is_confirmed_and_left_in_a_fresh_session() -> None:
     with robot() as there, SerialLink(there.port) as link, controlled(link, there):
         assert wait_until(lambda: is_up(link))
         link.upload(7, LINE)
-        assert wait_until(lambda: there.view().moving)
+        assert wait_until(lambda: there.moving)
         link.estop()
         assert wait_until(lambda: link.snapshot().estopped, 2.0)
-        assert wait_until(lambda: not there.view().moving, 2.0)
+        assert wait_until(lambda: not there.moving, 2.0)
         assert not link.snapshot().estop_pending
         assert any(isinstance(event, MissionVoid) for event in link.events())
         link.reset_estop()
-        assert wait_until(lambda: there.view().state is RobotState.IDLE, 5.0)
+        assert wait_until(lambda: control(there).state is RobotState.IDLE, 5.0)
         assert wait_until(lambda: not link.snapshot().estopped, 5.0)
 
 
@@ -117,12 +125,12 @@ def test_the_robot_stops_when_the_control_loop_hangs_although_the_thread_lives()
     with robot() as there, SerialLink(there.port) as link, controlled(link, there) as alive:
         assert wait_until(lambda: is_up(link))
         link.upload(7, LINE)
-        assert wait_until(lambda: there.view().moving)
+        assert wait_until(lambda: there.moving)
         alive.clear()
-        assert wait_until(lambda: there.view().state is RobotState.HOLD, 2.0)
+        assert wait_until(lambda: control(there).state is RobotState.HOLD, 2.0)
         assert is_up(link)
         alive.set()
-        assert not wait_until(lambda: there.view().state is RobotState.RUN, 0.5)
+        assert not wait_until(lambda: control(there).state is RobotState.RUN, 0.5)
         link.start()
         assert wait_until(lambda: link.snapshot().mission_done, 20.0)
 
@@ -208,7 +216,7 @@ def test_a_stop_given_before_the_port_is_there_is_the_first_thing_that_the_robot
         assert wait_until(lambda: link.snapshot().estop_pending)
         with robot() as there:
             name.symlink_to(there.port)
-            assert wait_until(lambda: there.view().state is RobotState.ESTOP)
+            assert wait_until(lambda: control(there).state is RobotState.ESTOP)
             assert wait_until(lambda: link.snapshot().estopped)
 
 
@@ -324,10 +332,10 @@ def test_a_new_process_goes_on_with_the_robots_mission() -> None:
         with SerialLink(there.port, expected_boot_id=boot_id) as second, controlled(second, there):
             second.upload(7, LONG, start=False)
             assert wait_until(lambda: is_up(second))
-            assert wait_until(lambda: not there.view().moving)
+            assert wait_until(lambda: not there.moving)
             assert 5 <= second.snapshot().executed < len(LONG)
             assert wait_until(lambda: driven(second), 60.0)
-            assert there.view().exec_crc == Mission(7, LONG).prefix_crc(len(LONG))
+            assert control(there).exec_crc == Mission(7, LONG).prefix_crc(len(LONG))
 
 
 def test_what_the_wire_cannot_carry_is_refused_in_the_callers_thread() -> None:

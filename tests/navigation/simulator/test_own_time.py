@@ -17,9 +17,9 @@ import pytest
 from navigation.simulator import own_time
 from navigation.simulator.drive_model import DriveModel
 from navigation.simulator.emulated_processor import EmulatedProcessor, Motors
-from navigation.simulator.emulated_robot import EmulatedRobot
 from navigation.simulator.own_time import BEHIND_MAX_S, OwnTime
 from navigation.simulator.robot import SimulatedRobot
+from navigation.simulator.twins.emulated import EmulatedTwin
 
 PROMPT = """
 import struct, sys
@@ -78,15 +78,14 @@ def patient(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(own_time, "BEHIND_MAX_S", 60.0)
 
 
-def stalling_robot(folder: Path, clock: Clock, stall: Callable[[], None]) -> EmulatedRobot:
+def stalling_robot(folder: Path, clock: Clock, stall: Callable[[], None]) -> SimulatedRobot:
     program = folder / "prompt.py"
     program.write_text(PROMPT)
     model = DriveModel(lag_s=1e-4, slip=0.0)
-    command = [sys.executable, program]
-    robot = EmulatedRobot(command, rng=np.random.default_rng(1), model=model, clock=clock)
-    robot._processor.close()
-    robot._processor = StallingProcessor(program, stall)
-    return robot
+    twin = EmulatedTwin([sys.executable, program], model=model)
+    twin._processor.close()
+    twin._processor = StallingProcessor(program, stall)
+    return SimulatedRobot(twin=twin, rng=np.random.default_rng(1), model=model, clock=clock)
 
 
 @pytest.mark.usefixtures("patient")

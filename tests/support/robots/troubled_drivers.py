@@ -27,7 +27,8 @@ from navigation.link.drivers.driver_link import DriverLink
 from navigation.link.drivers.driver_process import DriverProcess
 from navigation.link.drivers.serve import Work, serve
 from navigation.simulator.drive_model import DriveModel
-from navigation.simulator.twins.twin_robot import TwinRobot
+from navigation.simulator.robot import SimulatedRobot
+from navigation.simulator.twins.kinds import TWINS
 from tests.support.processes.busy import busy
 from tests.support.robots.driven_bench import settings_of
 from tests.support.waiting import wait_until
@@ -53,7 +54,7 @@ END = WaypointFlag.STOP | WaypointFlag.END
 class Bench(NamedTuple):
     """A robot, its driver, and the link to it."""
 
-    twin: TwinRobot
+    twin: SimulatedRobot
     driver: DriverProcess
     link: DriverLink
 
@@ -66,7 +67,7 @@ class Bench(NamedTuple):
 @contextmanager
 def driven(name: str, work: Work = serve) -> Iterator[Bench]:
     """A robot that can be driven, and a loop that gives poses and leases."""
-    with TwinRobot(name, rng=np.random.default_rng(3)) as twin:
+    with SimulatedRobot(twin=TWINS[name](), rng=np.random.default_rng(3)) as twin:
         baud = KNOWN_ROBOTS[name].baud
         driver = DriverProcess(name, twin.port, baud, settings_of(name), work=work)
         driver.start()
@@ -114,14 +115,14 @@ def drives(bench: Bench, name: str) -> bool:
     return bench.twin.moving and fastest_m_s(bench.twin) > least_m_s
 
 
-def fastest_m_s(twin: TwinRobot, until_s: float = math.inf) -> float:
+def fastest_m_s(twin: SimulatedRobot, until_s: float = math.inf) -> float:
     """Of the last half second, over 0.1 s each time; ``until_s``: before that moment."""
     rows = twin.track()
     rows = rows[rows[:, 0] <= until_s][-25::5]
     return max((math.dist(a[1:3], b[1:3]) / (b[0] - a[0]) for a, b in pairwise(rows)), default=0.0)
 
 
-def driven_since_m(twin: TwinRobot, from_s: float) -> float:
+def driven_since_m(twin: SimulatedRobot, from_s: float) -> float:
     """The length of its track from a moment of the clock on."""
     rows = twin.track()
     return sum(math.dist(a[1:3], b[1:3]) for a, b in pairwise(rows[rows[:, 0] >= from_s]))

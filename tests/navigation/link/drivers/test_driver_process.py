@@ -21,7 +21,8 @@ from navigation.link.drivers.driver_link import DriverLink
 from navigation.link.drivers.driver_process import DriverProcess
 from navigation.link.drivers.recognise import recognise
 from navigation.link.serial_port import PortError, open_port
-from navigation.simulator.twins.twin_robot import TwinRobot
+from navigation.simulator.robot import SimulatedRobot
+from navigation.simulator.twins.kinds import TWINS
 from tests.support.robots.driven_bench import settings_of
 from tests.support.waiting import wait_until
 
@@ -31,7 +32,7 @@ PATIENCE_S = 20.0
 
 
 @contextmanager
-def driven(name: str, twin: TwinRobot) -> Iterator[tuple[DriverProcess, DriverLink]]:
+def driven(name: str, twin: SimulatedRobot) -> Iterator[tuple[DriverProcess, DriverLink]]:
     """A driver on the twin, its link, and a control loop that gives poses and leases."""
     driver = DriverProcess(name, twin.port, KNOWN_ROBOTS[name].baud, settings_of(name))
     driver.start()
@@ -55,8 +56,8 @@ def driven(name: str, twin: TwinRobot) -> Iterator[tuple[DriverProcess, DriverLi
         driver.stop()
 
 
-def twin_of(name: str) -> TwinRobot:
-    return TwinRobot(name, rng=np.random.default_rng(3))
+def twin_of(name: str) -> SimulatedRobot:
+    return SimulatedRobot(twin=TWINS[name](), rng=np.random.default_rng(3))
 
 
 def send(link: DriverLink, mission: int = 5) -> None:
@@ -64,7 +65,7 @@ def send(link: DriverLink, mission: int = 5) -> None:
     link.upload(mission, [Waypoint(1.0, 0.0, 0.1), Waypoint(3.0, 0.0, 0.0, flags=END)])
 
 
-def drives(twin: TwinRobot) -> bool:
+def drives(twin: SimulatedRobot) -> bool:
     return twin.moving and twin.pose().x_m > 0.02
 
 

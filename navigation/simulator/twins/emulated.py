@@ -1,0 +1,75 @@
+"""The robot with its real firmware: an emulated microcontroller, in lockstep with the robot's time.
+
+What arrives goes to the emulated UART, which takes it at its true baud rate; the motor outputs
+drive the wheels; their travel turns the emulated encoders. Which settings the robot has is compiled
+into its firmware. A reset pulls the processor's reset line; while the robot is frozen its clock
+stands still, and with it its watchdog: the motors keep what they were told.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from pathlib import Path
+
+from firmware_protocol.robot.controller import WheelSpeeds
+from navigation.simulator.drive_model import DriveModel
+from navigation.simulator.emulated_processor import TICK_M, EmulatedProcessor, Motors
+from navigation.simulator.twins.twin import STEP_S, Body
+
+
+class EmulatedTwin:
+    """``command`` is an emulator that speaks as :mod:`emulated_processor` says.
+
+    EmulatorError where it cannot be started, and from :meth:`step` when it has ended.
+    """
+
+    baud = math.inf
+    has_frames = True
+
+    def __init__(self, command: Sequence[str | Path], *, model: DriveModel | None = None) -> None:
+        model = model or DriveModel()
+        self.body = Body(model.track_m, 1.0 / TICK_M, model.max_wheel_m_s)
+        self.motors = Motors(0.0, 0.0, False, 0.0, 0.0)
+        self._waiting = b""
+        self._said = b""
+        self._ticks: tuple[int, int] | None = None
+        self._was_found = self._is_reset = False
+        self._processor = EmulatedProcessor(command)
+
+    def boot(self, now_s: float) -> None:
+        """Be found as it has started, and reset from then on."""
+        self._is_reset = self._was_found
+        self._was_found = True
+        self._ticks = None
+        self._waiting = b""
+
+    def bump(self, pressed: bool) -> None:
+        """Its board has no button."""
+
+    def lift(self, lifted: bool) -> None:
+        """It does not feel that."""
+
+    def receive(self, data: bytes, now_s: float) -> None:
+        """Bytes for the UART, in the next step."""
+        self._waiting += data
+
+    def step(self, now_s: float, left_ticks: int, right_ticks: int) -> WheelSpeeds:
+        """Let the processor run for STEP_S while its wheels travel as they did."""
+        before = self._ticks or (left_ticks, right_ticks)
+        self._ticks = left_ticks, right_ticks
+        travel_m = ((left_ticks - before[0]) * TICK_M, (right_ticks - before[1]) * TICK_M)
+        waiting, self._waiting = self._waiting, b""
+        is_reset, self._is_reset = self._is_reset, False
+        self.motors, said = self._processor.run(STEP_S, waiting, travel_m, is_reset)
+        self._said += said
+        return WheelSpeeds(self.motors.left_m_s, self.motors.right_m_s, self.motors.powered)
+
+    def bytes_to_send(self, now_s: float) -> bytes:
+        """What the UART has sent."""
+        said, self._said = self._said, b""
+        return said
+
+    def close(self) -> None:
+        """End the emulator; a step that waits for it fails."""
+        self._processor.close()
