@@ -3,6 +3,9 @@
 #include <string.h>
 
 #define DRIFT_MAX 419904ul /* 0.6 rad/m */
+/* 537 m. What the wheels have travelled since the last fix is counted no further, so that it does
+ * not wrap: below 2^30 with a cycle's travel more, as MicroPython needs it too. */
+#define TRAVEL_MAX 536870912l
 #define HISTORY_STEP 156u  /* 40 ms */
 #define JUMP_UM 150000ul
 #define JUMP_SHIFT 11 /* of a heading: 0.45 rad */
@@ -20,10 +23,17 @@ void cw_estimate_advance(cw_estimate *estimate, int32_t travel_um, int32_t turn,
 {
     cw_past *past = estimate->history;
     int32_t step[3];
+    int32_t travelled;
     if ((uint16_t)(past->time - past[1].time) >= HISTORY_STEP) {
         memmove(past + 1, past, sizeof *past * (CW_HISTORY - 1u));
     }
-    estimate->travel_um = cw_sum(estimate->travel_um, travel_um);
+    travelled = cw_sum(estimate->travel_um, travel_um);
+    if (travelled > TRAVEL_MAX) {
+        travelled = TRAVEL_MAX;
+    } else if (travelled < -TRAVEL_MAX) {
+        travelled = -TRAVEL_MAX;
+    }
+    estimate->travel_um = travelled;
     step[0] = travel_um;
     step[1] = 0;
     step[2] = cw_sum(

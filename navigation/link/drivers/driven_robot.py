@@ -168,9 +168,16 @@ class DrivenRobot:
         self._stepped_s, self._report_s = now_s, heard.odometry_s
 
     def _is_time_for_a_step(self, now_s: float) -> bool:
-        """At each report, and while travel of the last ones is still being dealt out."""
+        """At each report, and while travel of the last ones is still being dealt out.
+
+        A second report of the same moment is dealt out with what comes after it.
+        """
         heard = self.driver.heard
-        if heard.odometry_s != self._report_s or self._stepped_s is None:
+        if self._stepped_s is None:
+            return True
+        if now_s <= self._stepped_s:
+            return False
+        if heard.odometry_s != self._report_s:
             return True
         return self._given != (heard.left_m, heard.right_m) and now_s - self._stepped_s >= CYCLE_S
 

@@ -260,3 +260,17 @@ def test_a_battery_that_is_nearly_empty_is_said() -> None:
     bench.robot.driver.heard.battery = 0.1
     remark = bench.robot.word(bench.now_s).remark
     assert remark == "the iRobot Create 2's battery is nearly empty: charge it"
+
+
+def test_two_reports_of_one_moment_are_one_step() -> None:
+    """A step in which no time has passed would divide its travel by nothing."""
+    bench = DrivenBench("create2")
+    drive_off(bench, "create2")
+    heard = bench.robot.driver.heard
+    for _ in range(2):
+        heard.left_m, heard.right_m = heard.left_m + 0.001, heard.right_m + 0.001
+        heard.odometry_s = bench.now_s + 1e-9 * heard.left_m
+        bench.robot.tick(bench.now_s)
+    bench.run(0.1)
+    assert bench.state is RobotState.RUN
+    assert bench.robot._given == pytest.approx((heard.left_m, heard.right_m))
