@@ -14,7 +14,7 @@ import math
 from pathlib import Path
 from typing import Final, NamedTuple
 
-from firmware_protocol.robot.controller import StopReason
+from firmware_protocol.wire.messages import StopReason
 from navigation.config import load_config
 from navigation.config.known_robots import CLEARWAY, least_wheel_m_s
 from navigation.link.drivers.create2_wheel import LEAST_MM_S, driven

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator
 
 import pytest
 
@@ -11,8 +10,8 @@ from firmware_protocol.robot.clearway.estimate import TRAVEL_MAX
 from firmware_protocol.wire.messages import PoseFix
 from tests.support.robots.c_robot import missing_tool
 from tests.support.robots.micropython_interpreter import interpreter
-from tests.support.robots.micropython_robot import MicroRobot, Process
-from tests.support.robots.robot_pair import IDENTITY, Pair
+from tests.support.robots.micropython_robot import MicroPair, Process
+from tests.support.robots.robot_pair import Pair
 
 CYCLE_M = 0.9
 """Hardly less than wheels are believed to travel in a cycle."""
@@ -25,26 +24,6 @@ needs_c = pytest.mark.skipif(missing_tool() is not None, reason=f"needs {missing
 needs_micropython = pytest.mark.skipif(
     interpreter() is None, reason="needs MicroPython: .ci/micropython"
 )
-
-
-class MicroPair(Pair):
-    """The robot here and under MicroPython, whose heap is locked."""
-
-    def __init__(self, process: Process) -> None:
-        self._process = process
-        super().__init__()
-
-    def other(self) -> MicroRobot:  # type: ignore[override]
-        return MicroRobot(self._process, IDENTITY, self.settings)
-
-
-@pytest.fixture
-def process() -> Iterator[Process]:
-    found = interpreter()
-    assert found is not None
-    process = Process([found])
-    yield process
-    process.close()
 
 
 def drive_far(pair: Pair, metres: float, bend_m: float) -> None:

@@ -6,7 +6,6 @@ A call of the robot that allocates ends the test.
 from __future__ import annotations
 
 import random
-from collections.abc import Iterator
 
 import pytest
 from hypothesis import given
@@ -19,8 +18,7 @@ from firmware_protocol.wire.drive_settings import DriveSettings
 from firmware_protocol.wire.messages import ESTOP_FRAME, ResetEstop, RobotState
 from tests.firmware_protocol.test_c_firmware import random_deed
 from tests.support.robots.micropython_interpreter import interpreter
-from tests.support.robots.micropython_robot import MicroRobot, Process
-from tests.support.robots.robot_pair import IDENTITY, Pair
+from tests.support.robots.micropython_robot import MicroPair, MicroRobot, Process
 from tests.support.wire.fault_scenarios import SCENARIOS, robot_maker
 
 needs_micropython = pytest.mark.skipif(
@@ -28,24 +26,7 @@ needs_micropython = pytest.mark.skipif(
 )
 
 
-@pytest.fixture(scope="module")
-def process() -> Iterator[Process]:
-    found = interpreter()
-    assert found is not None
-    process = Process([found])
-    yield process
-    process.close()
-
-
-class MicroPair(Pair):
-    """The robot here and under MicroPython."""
-
-    def __init__(self, process: Process) -> None:
-        self._process = process
-        super().__init__(DriveSettings(least_wheel_m_s=0.03))
-
-    def other(self) -> MicroRobot:  # type: ignore[override]
-        return MicroRobot(self._process, IDENTITY, self.settings)
+SETTINGS = DriveSettings(least_wheel_m_s=0.03)
 
 
 def compare(pair: MicroPair, seed: int, deeds: int) -> int:
@@ -66,7 +47,7 @@ def compare(pair: MicroPair, seed: int, deeds: int) -> int:
 
 @needs_micropython
 def test_it_answers_alike_whatever_the_host_does(process: Process) -> None:
-    assert sum(compare(MicroPair(process), seed, 100) for seed in range(20, 24)) > 20
+    assert sum(compare(MicroPair(process, SETTINGS), seed, 100) for seed in range(20, 24)) > 20
 
 
 @needs_micropython

@@ -16,6 +16,7 @@ from firmware_protocol.robot.controller import EIGHTHS_PER_M, LEAP_UM, WheelSpee
 from firmware_protocol.wire.drive_settings import DriveSettings
 from firmware_protocol.wire.messages import RobotState, StopReason
 from tests.support.robots.micropython_commands import SETTINGS, VIEW
+from tests.support.robots.robot_pair import IDENTITY, Pair
 
 CLEARWAY = Path(link.__file__).parent
 SERVER = Path(__file__).with_name("micropython_commands.py")
@@ -159,3 +160,14 @@ class MicroController:
 
     def emergency_stop(self, reason: StopReason = StopReason.ESTOP_HOST) -> None:
         self._robot.ask(b"E", 0.0, bytes([reason]))
+
+
+class MicroPair(Pair):
+    """The robot here and under MicroPython, in place of the one in C."""
+
+    def __init__(self, process: Process, settings: DriveSettings | None = None) -> None:
+        self._process = process
+        super().__init__(settings)
+
+    def other(self) -> MicroRobot:  # type: ignore[override]
+        return MicroRobot(self._process, IDENTITY, self.settings)
