@@ -46,7 +46,7 @@ class RobotConnection:
     def next_frame(self, now_s: float) -> bytes:
         """The most urgent frame that is due, empty where none is; call when the line is free."""
         size = self.link.next_frame(self._pass_time(now_s))
-        return bytes(self.link.frame[:size])
+        return bytes(self.link.frame[:size]) if size else b""
 
     @property
     def session(self) -> int | None:

@@ -196,7 +196,7 @@ class Robot:
 
     @micropython.native
     def _lease_runs(self, issued_us: int, ttl_ms: int) -> bool:
-        return self._since(issued_us) < min(ttl_ms, LEASE_MAX_MS) * 1000 + AHEAD_US
+        return self.now_us - issued_us + AHEAD_US & TIME < ttl_ms * 1000 + AHEAD_US
 
     @micropython.native
     def _pose_age_us(self) -> int:
@@ -263,7 +263,7 @@ class Robot:
         False for one that has run out on its way, or is older than the present one.
         """
         issued_us = get_time(data, at)
-        ttl_ms = get_u16(data, at + 4)
+        ttl_ms = min(get_u16(data, at + 4), LEASE_MAX_MS)
         if not self._lease_runs(issued_us, ttl_ms):
             return False
         if self.lease_valid and issued_us - self._lease_us & TIME > TIME >> 1:
@@ -306,8 +306,9 @@ class Robot:
         self.now_us = now_us
         if self.lease_valid and not self._lease_runs(self._lease_us, self._lease_ttl_ms):
             self.lease_valid = False
-        if self.estimate.fix_recent and self._pose_age_us() >= NEVER_US:
-            self.estimate.fix_recent = False
+        estimate = self.estimate
+        if estimate.fix_recent and now_us - estimate.fix_us & TIME >= NEVER_US:
+            estimate.fix_recent = False
         if self.state == RUN:
             if not self.lease_valid:
                 self._change(HALT, LEASE_LAPSED)
@@ -415,7 +416,7 @@ class Robot:
         """The time that the lease still runs."""
         if not self.lease_valid:
             return 0
-        granted_us = min(self._lease_ttl_ms, LEASE_MAX_MS) * 1000 + AHEAD_US
+        granted_us = self._lease_ttl_ms * 1000 + AHEAD_US
         return (granted_us - self._since(self._lease_us) + 500) // 1000
 
     def pose_age_ms(self) -> int:
