@@ -140,6 +140,20 @@ def test_both_robots_answer_alike_whatever_the_host_does(seed: int) -> None:
         pair.pass_time(rng.choice([1, 3, 20, 60]))
 
 
+def test_a_robot_that_brakes_sees_the_line_of_its_new_mission() -> None:
+    """The line to the next waypoint is measured once; with the queue it has to be forgotten."""
+    pair = Pair()
+    pair.hello(20)
+    begin_to_drive(pair, random.Random(1))
+    x_m, y_m, _ = pair.python.controller.pose
+    beside = Mission(10, [Waypoint(x_m - 0.02, y_m - 0.1 * i, 0.3) for i in range(3, 6)])
+    assert pair.python.controller.wheels.left_m_s > 0.0
+    pair.send(Clear(5, beside.id))
+    pair.send(Waypoints(beside.id, 0, beside.records))
+    pair.pass_time(100)
+    assert pair.python.controller.exec_next == 0, "none of them lies on its way"
+
+
 @given(st.binary(max_size=600), st.lists(st.integers(0, 600), max_size=6))
 @settings(max_examples=200, deadline=None)
 def test_any_bytes_in_any_portions_leave_both_alike(stream: bytes, cuts: list[int]) -> None:
