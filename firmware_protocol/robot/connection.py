@@ -15,7 +15,7 @@ from firmware_protocol.wire.messages import SCHEMA_HASH, ResetCause
 
 @dataclass(frozen=True, slots=True)
 class Identity:
-    """Who the robot is; ``boot_id`` differs from boot to boot."""
+    """The robot's name tag; ``boot_id`` differs from boot to boot."""
 
     boot_id: int
     firmware: int = 0

@@ -115,7 +115,7 @@ class RobotController:
 
     @property
     def state(self) -> RobotState:
-        """What the robot is doing."""
+        """The state that it is in."""
         return RobotState(self.robot.state)
 
     @property
@@ -131,7 +131,7 @@ class RobotController:
 
     @property
     def pose(self) -> Pose:
-        """Where it believes to be."""
+        """The place that it believes to be at."""
         x_um, y_um, angle, _ = self.robot.estimate.pose
         heading_rad = max(-math.pi, min(math.pi, heading_of(angle) / 1e4))
         return Pose(x_um / UM_PER_M, y_um / UM_PER_M, heading_rad)

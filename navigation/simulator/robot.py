@@ -46,7 +46,7 @@ TRACK_EVERY: Final = 10
 """Steps to a row of the track: 20 ms."""
 READ_BYTES: Final = 4096
 RING_BYTES: Final = 256
-"""What a small processor's receive buffer holds."""
+"""The size of a small processor's receive buffer."""
 FASTEST_BAUD: Final = 4_000_000
 LONGEST_WAIT_S: Final = 0.1
 END_S: Final = 2.0
@@ -158,7 +158,7 @@ class SimulatedRobot:
     # What is true, for any thread.
 
     def pose(self) -> TruePose:
-        """Where the robot is now; waits for a robot whose thread is behind."""
+        """The place of the robot now; waits for a robot whose thread is behind."""
         self._time.wait_for(self._clock())
         return self._drive.pose
 
@@ -168,7 +168,7 @@ class SimulatedRobot:
         return self._drive.moving
 
     def track(self) -> NDArray[np.float64]:
-        """Where it has been: (n, 4) of time, x_m, y_m, heading_rad, every 20 ms."""
+        """The places where it has been: (n, 4) of time, x_m, y_m, heading_rad, every 20 ms."""
         return self._track.rows()
 
     def late_since_s(self) -> float:
@@ -214,7 +214,7 @@ class SimulatedRobot:
         self._unread_since_s = math.inf
 
     def fileno(self) -> int:
-        """What the host's bytes arrive at."""
+        """The descriptor that the host's bytes arrive at."""
         return self._fd
 
     def turn(self) -> float:

@@ -76,7 +76,7 @@ class SendWindow:
         self._next_sequence = 0
         self._pending: deque[PendingFrame] = deque()
         self._sent = 0
-        """How many of ``_pending``, from the left, are in flight."""
+        """The count of those of ``_pending``, from the left, that are in flight."""
         self._timer_s = 0.0
         self._quiet_until_s = 0.0
 
@@ -87,7 +87,7 @@ class SendWindow:
 
     @property
     def next_sequence(self) -> int:
-        """What the receiver expects once it has everything."""
+        """The number that the receiver expects once it has everything."""
         return self._next_sequence
 
     @property

@@ -1,4 +1,4 @@
-"""Where the robot is: wheel odometry, corrected by camera poses that are already old.
+"""The robot's pose: wheel odometry, corrected by camera poses that are already old.
 
 - Odometry moves the estimate at every step; a short history remembers how far the wheels had
   moved it, corrections left out.

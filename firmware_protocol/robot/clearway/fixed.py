@@ -15,7 +15,7 @@ from array import array
 from .native import micropython
 
 VECTOR = array("i", (0, 0))
-"""Where ``turn`` and ``measure`` take their vector, and leave it."""
+"""The vector that ``turn`` and ``measure`` take, and leave there."""
 
 
 @micropython.native

@@ -1,4 +1,4 @@
-"""How the robot follows its waypoints: drives a differential drive along the queued ones.
+"""The follower: drives a robot with two wheels along its queued waypoints.
 
 - Between waypoints: pure pursuit (Coulter, 1992) of the polyline through them; beyond a stop
   the last line is extended, so that the robot runs straight into its target.
@@ -23,7 +23,7 @@ from .waypoints import FAR, Queue, begin_leg, leg_length
 from .wire import HEADING_FREE, WAYPOINT_BYTES, get_i16, get_place, get_u16
 
 TRACK, TURN, SETTLE, DOCK, ALIGN, DWELL = 0, 1, 2, 3, 4, 5
-"""What it does for the next waypoint: follow the line; turn on the spot towards it; stand until the
+"""The phases of reaching a waypoint: follow the line; turn on the spot towards it; stand until the
 pose is sure; drive the last millimetres; turn to the final heading; stand as long as asked."""
 NO_TROUBLE, OFF_PATH, STUCK = 0, 1, 2
 """Why it gives up: too far from the line, or no progress."""
@@ -52,10 +52,10 @@ STOOD_UM = 1000
 """A robot that travels further while it settles does not stand: 4 mm/s. One late step of both
 encoders, 250 um, is no movement."""
 CLEARLY = 2000
-"""What counts as the travel of wheels that clearly turn, in micrometres."""
+"""Micrometres that count as the travel of wheels that clearly turn."""
 STUCK_US = 3000000
 PROGRESS = 12
-"""Of 256 um: 3 mm."""
+"""Counts of 256 um: 3 mm."""
 TURNED = 312
 """0.03 rad."""
 DOCK_ATTEMPTS = 8
@@ -83,7 +83,7 @@ class Follower:
         self.spin = 0
         self.trouble = NO_TROUBLE
         self.dt_us = 0
-        """How long the cycle is that :meth:`step` or :meth:`halt` is called for."""
+        """The length of the cycle that :meth:`step` or :meth:`halt` is called for."""
         self.phase = TRACK
         self._bend = 0
         """Spin over speed, times 16384: as steered last."""

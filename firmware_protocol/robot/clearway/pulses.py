@@ -55,7 +55,7 @@ class WheelPulses:
 
 @micropython.native
 def pulsed(least: int, order: int, driven: int, owed: int, ahead: bool) -> int:
-    """What to drive a wheel at that is ordered to turn at ``order`` and is driven at ``driven``."""
+    """The speed to drive a wheel at that is ordered ``order`` and was driven at ``driven``."""
     if order == 0 or abs(order) >= least:
         return order
     pulse = least * PULSE_US

@@ -63,7 +63,7 @@ DT_MAX_US = 60000
 """A cycle that took longer moves the commands no further than this."""
 SMOOTHING_US = 30000
 MOVING = 2
-"""What is slower does not move: a quarter of a millimetre a second."""
+"""A slower robot does not move: a quarter of a millimetre a second."""
 TURNING = 72
 """9 mm/s: one late step of both encoders reads as 8.3; from here on the wheels clearly turn."""
 # where the halves of 32-bit numbers lie, in the order of STATUS and HELLO_ACK

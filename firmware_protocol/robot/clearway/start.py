@@ -7,7 +7,7 @@ would lock its owner out. So a board's file asks here first, before either.
 import time
 
 WINDOW_MS = 1500
-"""How long Ctrl-C is listened to at every start; ``mpremote`` and Thonny send it several times."""
+"""The time for Ctrl-C at every start; ``mpremote`` and Thonny send it several times."""
 STEP_MS = 50
 
 

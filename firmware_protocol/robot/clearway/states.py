@@ -1,4 +1,4 @@
-"""What the robot may do, as a table: ``TRANSITIONS[event][state]`` is the state after an event.
+"""The robot's states, as a table: ``TRANSITIONS[event][state]`` is the state after an event.
 
 What is not in the table (NEVER) cannot be, whatever a host sends. ESTOP is latched; nothing but
 START leads to RUN, so the robot never resumes by itself.

@@ -1,4 +1,4 @@
-"""What most boards share: encoder counts into micrometres, speeds into a driver's range."""
+"""Sums that most boards share: encoder counts into micrometres, speeds into a driver's range."""
 
 from array import array
 

@@ -66,7 +66,7 @@ class EmulatedTwin:
         return WheelSpeeds(self.motors.left_m_s, self.motors.right_m_s, self.motors.powered)
 
     def bytes_to_send(self, now_s: float) -> bytes:
-        """What the UART has sent."""
+        """The bytes that the UART has sent."""
         said, self._said = self._said, b""
         return said
 

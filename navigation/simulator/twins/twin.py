@@ -1,4 +1,4 @@
-"""What every twin is to its surroundings: bytes and wheels, and what a person does to the robot.
+"""The face of every twin: bytes and wheels, and what a person does to the robot.
 
 Metres, seconds of the robot's own clock; a wheel's travel is positive forwards.
 """
@@ -20,7 +20,7 @@ class Body(NamedTuple):
 
     track_m: float
     ticks_per_m: float
-    """Of the encoders."""
+    """The resolution of the encoders."""
     wheel_m_s: float
     """The fastest that a wheel turns."""
 
@@ -48,7 +48,7 @@ class Twin(Protocol):
         ...
 
     def bytes_to_send(self, now_s: float) -> bytes:
-        """What it puts on the line now; called whenever the line is free."""
+        """The bytes that it puts on the line now; called whenever the line is free."""
         ...
 
     def bump(self, pressed: bool) -> None:

@@ -18,7 +18,7 @@ CYCLE_M = 0.9
 OFF_RAD = 0.001
 """So little is off after so long a way that a drift is learnt from it."""
 BENDS = {"straight on": 0.0, "round and round": 0.004}
-"""What the right wheel travels more in a cycle."""
+"""The right wheel travels so much more in a cycle."""
 
 needs_c = pytest.mark.skipif(missing_tool() is not None, reason=f"needs {missing_tool()}")
 needs_micropython = pytest.mark.skipif(

@@ -1,4 +1,4 @@
-"""What the line and the thread do for any twin: what waits, what ends, and who is held up."""
+"""The line and the thread of any twin: what waits, what ends, and who is held up."""
 
 from __future__ import annotations
 
@@ -14,6 +14,7 @@ import numpy as np
 import pytest
 
 from firmware_protocol.robot.controller import WheelSpeeds
+from firmware_protocol.wire.messages import RobotState, StopReason
 from navigation.config import Config, load_config
 from navigation.link.serial_port import PortError
 from navigation.run.devices import simulated
@@ -22,6 +23,7 @@ from navigation.run.simulation import Simulation
 from navigation.simulator.emulated_processor import EmulatorError
 from navigation.simulator.line_faults import FaultSpec, FaultSpecError
 from navigation.simulator.robot import END_S, RING_BYTES, SimulatedRobot
+from navigation.simulator.twins.clearway import ClearwayTwin
 from navigation.simulator.twins.emulated import EmulatedTwin
 from navigation.simulator.twins.twin import Body
 from planner.scene import SceneError
@@ -148,6 +150,18 @@ def test_a_port_that_cannot_be_opened_leaves_no_twin_behind() -> None:
     with pytest.raises(PortError):
         SimulatedRobot(twin=twin, rng=np.random.default_rng(1), port="/dev/tty_that_is_not_there")
     assert twin.is_closed
+
+
+def test_a_person_presses_the_emergency_stop_on_a_robot_of_ours() -> None:
+    twin = ClearwayTwin()
+    robot = SimulatedRobot(twin=twin, rng=np.random.default_rng(1))
+    robot.switched_on()
+    robot.bump(False)
+    assert twin.controller.state is RobotState.BOOT
+    robot.bump()
+    assert twin.controller.state is RobotState.ESTOP
+    assert twin.controller.reason is StopReason.ESTOP_LOCAL
+    robot.stop()
 
 
 def test_faults_of_whole_frames_are_refused_where_the_line_has_none() -> None:
