@@ -28,8 +28,8 @@ FEW = settings(
 )
 SEEDS = st.integers(0, 2**32 - 1)
 IN_NOISE_PX = 6.0
-"""What an outline and its border may be apart in noise: the light crosses the half level up to 2.5 px
-beside a crack (``WANDER`` and half a pixel), so up to 3.5 px where the border runs diagonally, and
+"""What an outline and its border may be apart in noise: the light crosses the half level up to
+2.5 px beside a crack (``WANDER`` and half a pixel), so up to 3.5 px on a diagonal border, and
 points of an outline that are 2 px apart lie within 2 px of crossings, all others within 2.3."""
 
 
