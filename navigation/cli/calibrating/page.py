@@ -3,15 +3,13 @@
 Rules
 - The page only looks: what there is to do is done with the board. So it needs no token; the gate of
   the dashboard (`dashboard.admission.access`) refuses names that are not this machine's.
-- The loop leaves its last state and frame here and goes on; the page asks for them, and a picture
-  is encoded when it is asked for.
+- What it shows is what a panel of the dashboard shows (`dashboard.calibrating.shown`).
 """
 
 from __future__ import annotations
 
 import asyncio
 import threading
-from collections import deque
 from importlib.resources import files
 from typing import Final
 
@@ -26,15 +24,12 @@ from navigation.config.dashboard import DashboardSection
 from navigation.dashboard.admission.access import AccessGate
 from navigation.dashboard.admission.listener import ACCEPTS_A_ROUND, Listener
 from navigation.dashboard.app import HEADERS, TYPES
-from navigation.dashboard.calibrating.shown import as_json, jpeg_of
+from navigation.dashboard.calibrating.shown import ShownViews
 from navigation.dashboard.messages.palette import stylesheet
 from vision.calibrate.live.session import LiveState
 from vision.camera.camera import Frame
 
 HOST: Final = "127.0.0.1"
-MOST_REMARKS: Final = 50
-FRAMES_KEPT: Final = 16
-"""A page asks for the picture of a state some time after the state."""
 LAST_WORDS_S: Final = 1.0
 CLOSE_WITHIN_S: Final = 2.0
 SHARED_FILES: Final = ("board.js", "board.css")
@@ -52,11 +47,9 @@ class LivePage:
         number = self._socket.getsockname()[1]
         self.url = f"http://{HOST}:{number}/"
         self._gate = AccessGate(DashboardSection(host=HOST, port=number))
-        self._shown: tuple[LiveState, Frame] | None = None
-        self._frames: deque[Frame] = deque(maxlen=FRAMES_KEPT)
+        self._views = ShownViews()
         self._asked = False
         self._told = threading.Event()
-        self._remarks: list[str] = []
         self._ended = ""
         self._files = _page_files()
         self._server = uvicorn.Server(
@@ -80,11 +73,8 @@ class LivePage:
         self._socket.close()
 
     def show(self, state: LiveState, frame: Frame) -> None:
-        """The next frame; costs nothing until the page asks."""
-        if (state.taken or "not taken" in state.remark) and state.remark not in self._remarks[-1:]:
-            self._remarks = [*self._remarks, state.remark][-MOST_REMARKS:]
-        self._frames.append(frame)
-        self._shown = state, frame
+        """The next frame."""
+        self._views.show(state, frame)
 
     def end(self, sentence: str) -> None:
         """What came of it."""
@@ -124,22 +114,19 @@ class LivePage:
         return Response(body, media_type=kind, headers=HEADERS)
 
     async def _state(self, _request: Request) -> Response:
-        shown, ended = self._shown, self._ended
+        ended = self._ended
         self._asked = True
         if ended:
             self._told.set()
-        state = None if shown is None else as_json(*shown)
-        body = {"state": state, "remarks": self._remarks, "ended": ended}
+        body = {"state": self._views.state, "remarks": self._views.remarks, "ended": ended}
         return JSONResponse(body, headers=HEADERS)
 
     async def _picture(self, request: Request) -> Response:
         """The frame that a state was of, or the newest where it is no longer kept."""
-        frames = list(self._frames)
-        if not frames:
+        data = self._views.picture(request.query_params.get("frame", ""))
+        if data is None:
             return Response(status_code=404, headers=HEADERS)
-        asked = request.query_params.get("frame", "")
-        frame = next((one for one in frames if str(one.sequence) == asked), frames[-1])
-        return Response(jpeg_of(frame), media_type="image/jpeg", headers=HEADERS)
+        return Response(data, media_type="image/jpeg", headers=HEADERS)
 
 
 def _page_files() -> dict[str, tuple[bytes, str]]:

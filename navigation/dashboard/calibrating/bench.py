@@ -11,20 +11,19 @@ Rules
 from __future__ import annotations
 
 import threading
-from collections import deque
 from collections.abc import Callable, Mapping
 from typing import Any, Final, Literal, Protocol, TypeAlias
 
 from navigation.config import Config
 from navigation.config.sections import SIMULATED
 from navigation.dashboard.calibrating.frames import LentFrames
-from navigation.dashboard.calibrating.shown import as_json, jpeg_of
+from navigation.dashboard.calibrating.shown import ShownViews
 from navigation.dashboard.visits import RefusedError
 from navigation.simulator.picture.held_board import HeldBoardCamera
 from vision.calibrate.board import BoardSpec
 from vision.calibrate.lens import MIN_VIEWS, Lens, estimate_lens
 from vision.calibrate.live.guide import HeldPose
-from vision.calibrate.live.session import LiveSession, LiveState
+from vision.calibrate.live.session import LiveSession
 from vision.calibrate.live.taking import take_live
 from vision.calibration.calibration import Calibration, CalibrationError
 from vision.camera.camera import Camera, CameraError, Clock, Frame, Image
@@ -32,9 +31,6 @@ from vision.markers.marker_search import MarkerError, dictionary_by_name
 
 Phase: TypeAlias = Literal["idle", "taking", "fitting", "found"]
 LENT: Final = "the camera is being calibrated from the page"
-FRAMES_KEPT: Final = 16
-"""A page asks for the picture of a state some time after the state."""
-MOST_REMARKS: Final = 50
 ENDS_WITHIN_S: Final = 2.0
 
 
@@ -75,28 +71,23 @@ class Bench:
         self._cancelled = threading.Event()
         self._thread: threading.Thread | None = None
         self._lens: Lens | None = None
-        self._shown: tuple[LiveState, Frame] | None = None
-        self._frames: deque[Frame] = deque(maxlen=FRAMES_KEPT)
-        self._remarks: list[str] = []
+        self._views = ShownViews()
         self._said = ""
 
     def told(self) -> dict[str, Any]:
         """What the page shows."""
-        shown = self._shown
+        views = self._views
         return {
             "refusal": self._refusal,
             "phase": self._phase,
-            "state": None if shown is None or self._phase == "idle" else as_json(*shown),
-            "remarks": self._remarks,
+            "state": None if self._phase == "idle" else views.state,
+            "remarks": views.remarks,
             "said": self._said,
         }
 
     def picture(self, number: str) -> bytes | None:
         """The frame of a state, or the newest where it is no longer kept; None without any."""
-        frames = list(self._frames)
-        if not frames:
-            return None
-        return jpeg_of(next((one for one in frames if str(one.sequence) == number), frames[-1]))
+        return self._views.picture(number)
 
     def start(self, spec: BoardSpec) -> str:
         """Borrow the camera and take views of this board; ``RefusedError`` where that cannot be."""
@@ -107,11 +98,13 @@ class Bench:
                 raise RefusedError(f"{LENT} already")
             self._run.lent = LENT
             self._phase, self._said, self._lens = "taking", "", None
-            self._shown, self._remarks = None, []
-            self._frames.clear()
+            self._views = ShownViews()
             self._cancelled = threading.Event()
             self._thread = threading.Thread(
-                target=self._take, args=(spec, self._cancelled), name="calibration", daemon=True
+                target=self._take,
+                args=(spec, self._views, self._cancelled),
+                name="calibration",
+                daemon=True,
             )
             self._thread.start()
         return "calibrates the camera; the robot holds meanwhile"
@@ -145,20 +138,13 @@ class Bench:
         if self._thread is not None:
             self._thread.join(ENDS_WITHIN_S)
 
-    def show(self, state: LiveState, frame: Frame) -> None:
-        """The next frame, from the thread that takes views."""
-        if (state.taken or "not taken" in state.remark) and state.remark not in self._remarks[-1:]:
-            self._remarks = [*self._remarks, state.remark][-MOST_REMARKS:]
-        self._frames.append(frame)
-        self._shown = state, frame
-
     # In the thread.
 
-    def _take(self, spec: BoardSpec, cancelled: threading.Event) -> None:
+    def _take(self, spec: BoardSpec, views: ShownViews, cancelled: threading.Event) -> None:
         try:
             session = LiveSession(spec)
             camera = self._camera(spec, session)
-            taken = take_live(camera, spec, session, [self], self._clock, cancelled.is_set)
+            taken = take_live(camera, spec, session, [views], self._clock, cancelled.is_set)
             if len(taken.views) < MIN_VIEWS:
                 raise CalibrationError(
                     f"{len(taken.views)} views of the board were taken, at least {MIN_VIEWS} are "

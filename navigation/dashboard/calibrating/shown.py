@@ -1,8 +1,13 @@
-"""A live calibration as a page draws it: the state as JSON, the picture as JPEG."""
+"""A live calibration as pages show it: the state as JSON, the picture as JPEG, the remarks.
+
+The loop that takes views leaves its last state and frame here and goes on; a page asks for them,
+and a picture is encoded when it is asked for.
+"""
 
 from __future__ import annotations
 
 import math
+from collections import deque
 from typing import Any, Final
 
 import cv2
@@ -20,6 +25,39 @@ from vision.camera.camera import Frame
 
 LARGEST_PX: Final = 1280
 JPEG_QUALITY: Final = 80
+MOST_REMARKS: Final = 50
+FRAMES_KEPT: Final = 16
+"""A page asks for the picture of a state some time after the state."""
+
+
+class ShownViews:
+    """What pages show of one live calibration; `show` is called by the thread that takes views."""
+
+    def __init__(self) -> None:
+        self.remarks: list[str] = []
+        """Views taken and not taken, the newest last."""
+        self._shown: tuple[LiveState, Frame] | None = None
+        self._frames: deque[Frame] = deque(maxlen=FRAMES_KEPT)
+
+    def show(self, state: LiveState, frame: Frame) -> None:
+        """The next frame; costs nothing until a page asks."""
+        if (state.taken or "not taken" in state.remark) and state.remark not in self.remarks[-1:]:
+            self.remarks = [*self.remarks, state.remark][-MOST_REMARKS:]
+        self._frames.append(frame)
+        self._shown = state, frame
+
+    @property
+    def state(self) -> dict[str, Any] | None:
+        """The newest state; None before the first frame."""
+        shown = self._shown
+        return None if shown is None else as_json(*shown)
+
+    def picture(self, number: str) -> bytes | None:
+        """The frame of a state, or the newest where it is no longer kept; None without any."""
+        frames = list(self._frames)
+        if not frames:
+            return None
+        return jpeg_of(next((one for one in frames if str(one.sequence) == number), frames[-1]))
 
 
 def as_json(state: LiveState, frame: Frame) -> dict[str, Any]:
