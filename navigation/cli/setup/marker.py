@@ -6,12 +6,18 @@ from pathlib import Path
 
 import click
 
+from navigation.cli.setup.starter_values import OWN_MARKER_M
+
 
 @click.command("marker")
 @click.argument("marker_id", metavar="[ID]", type=click.IntRange(min=0), required=False)
 @click.option("--dictionary", default=None, help="OpenCV's name; DICT_4X4_50 for a marker.")
 @click.option(
-    "--size-mm", type=float, default=80.0, show_default=True, help="The black square's side."
+    "--size-mm",
+    type=float,
+    default=1000.0 * OWN_MARKER_M,
+    show_default=True,
+    help="The black square's side.",
 )
 @click.option(
     "--board", type=click.Choice(["charuco", "chessboard"]), help="A calibration board instead."

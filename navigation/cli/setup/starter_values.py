@@ -12,6 +12,8 @@ from typing import Any, Final
 from navigation.config.known_robots import CLEARWAY, KNOWN_ROBOTS
 
 OWN_RADIUS_M: Final = 0.09
+OWN_MARKER_M: Final = 0.09
+"""The side of the marker that ``clearway marker`` prints and ``clearway init`` writes."""
 SAFE_SHARE: Final = 0.8
 """Of the fastest that its maker states."""
 ROOMY: Final = 1.05
@@ -27,7 +29,12 @@ L 4 (1.15,0.60) (1.15,0.30) (1.05,0.30) (1.05,0.60)
 L 4 (0.95,1.40) (1.25,1.30) (1.20,1.15) (0.90,1.25)
 L 3 (1.85,0.62) (2.05,0.40) (1.75,0.38)
 """
-_OWN: Final = {"marker_id": 7, "marker_size_m": 0.09, "marker_height_m": 0.12, "radius_m": 0.09}
+_OWN: Final = {
+    "marker_id": 7,
+    "marker_size_m": OWN_MARKER_M,
+    "marker_height_m": 0.12,
+    "radius_m": OWN_RADIUS_M,
+}
 PORTS: Final = {"turtlebot3": "/dev/ttyACM0", "epuck2": "/dev/ttyACM0"}
 
 

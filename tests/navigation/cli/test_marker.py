@@ -11,6 +11,7 @@ from pathlib import Path
 import cv2
 import numpy as np
 import pytest
+import yaml
 from numpy.typing import NDArray
 
 from navigation.cli.main import run
@@ -212,3 +213,12 @@ def test_a_printed_board_shows_its_axes_from_its_first_corner(tmp_path: Path, ki
     (first,) = np.flatnonzero(np.hypot(*view.points_m.T) < 1e-9)
     x, y = (view.corners_px[first] + 0.5) / DOTS_PER_MM
     np.testing.assert_allclose(meet, (x, page[1] - y), atol=0.3)
+
+
+def test_the_usual_marker_is_as_large_as_a_first_configuration_says(tmp_path: Path) -> None:
+    page, config = tmp_path / "marker.pdf", tmp_path / "arena.yaml"
+    assert run(["marker", "7", "-o", str(page)]) == 0
+    assert run(["init", "--real", str(config)]) == 0
+    size_m = yaml.safe_load(config.read_text())["robot"]["marker_size_m"]
+    assert run(["marker", "7", "--size-mm", str(1000 * size_m), "-o", str(tmp_path / "o.pdf")]) == 0
+    assert page.read_bytes() == (tmp_path / "o.pdf").read_bytes()
