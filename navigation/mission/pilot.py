@@ -37,6 +37,7 @@ from navigation.mission.watch import Action, Facts, Verdict, judge
 from planner.path import NoPath
 
 NO_PLAN = RunningPlan()
+CONTINUES = "continuing as ordered"
 
 
 class Pilot:
@@ -152,11 +153,14 @@ class Pilot:
         emergency stop the robot is re-armed and does not move; a second resume continues with the
         remaining stations. A failed mission is tried again.
         """
+        if self.mission.paused and self.mission.state is State.HOLDING:
+            # until the next plan; what else holds it is said in the next cycle
+            self.mission = replace(self.mission, reason=CONTINUES)
         self.mission = replace(self.mission, paused=False)
         if self.mission.state is State.STOPPED:
             self._leave_stop()
         elif self.mission.state in (State.IDLE, State.FAILED) and self.mission.remaining:
-            self.mission = self.mission.after(Event.GIVEN, "continuing as ordered")
+            self.mission = self.mission.after(Event.GIVEN, CONTINUES)
             self._forget_plan()
             self._begin_again()
             self.trust.vouch()

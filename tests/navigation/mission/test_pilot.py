@@ -74,8 +74,23 @@ def test_a_pause_holds_until_resumed(world: World) -> None:
     world.run_until(State.DRIVING)
     world.pilot.pause()
     assert not any(orders.permit for orders in world.run(100))
+    assert world.pilot.mission.reason == "paused by the operator"
     world.pilot.resume()
+    assert world.pilot.mission.reason == "continuing as ordered"
+    world.cycle()
+    assert world.pilot.mission.reason != "paused by the operator"
     world.run_until(State.DONE)
+
+
+def test_what_else_holds_a_robot_is_said_after_the_pause(world: World) -> None:
+    world.pilot.give(TOUR)
+    world.run_until(State.DRIVING)
+    world.pilot.pause()
+    world.run(10)
+    world.sight = replace(world.sight, pose_age_s=0.4)
+    world.pilot.resume()
+    world.cycle()
+    assert "marker was not seen" in world.pilot.mission.reason
 
 
 def test_stop_is_latched_and_repeated_until_re_armed(world: World) -> None:
