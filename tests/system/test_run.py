@@ -78,7 +78,9 @@ def test_a_run_reaches_its_goal_and_leaves_its_report_and_picture(
     assert json.loads((the_run(tmp_path) / "report.json").read_text()) == report
     assert_report_is_whole(report)
     assert (report["state"], report["stations"]) == ("done", 2)
-    assert report["waypoints_executed"] == report["waypoints_sent"] >= 4
+    assert report["waypoints_sent"] >= report["waypoints_executed"] >= 4
+    # beside much other work the robot may have held, and its path was sent once more
+    assert report["replans"] > 0 or report["waypoints_executed"] == report["waypoints_sent"]
     assert report["goal_error_m"] < 0.02
     assert report["goal_error_deg"] < 5.0
     assert report["min_clearance_m"] >= RADIUS_M

@@ -193,13 +193,14 @@ def test_a_viewer_stays_and_has_a_moment_after_its_end(
         assert client.recv(1) == b""
 
 
-def test_connections_by_the_thousand_cut_no_viewer(
+def test_connections_far_beyond_the_places_cut_no_viewer(
     ends: tuple[Connection, socket.socket], listener: Listener
 ) -> None:
     accepted, client = ends
     become_viewer(accepted, listener, [])
     accepted._is_over = False  # its application was only stopped for this test
     places = listener.places
+    places.most = places.most_an_address = 20
     with contextlib.ExitStack() as opened:
         for _ in range(2 * places.most):
             opened.enter_context(socket.create_connection(listener.getsockname(), 5.0))
