@@ -41,6 +41,14 @@ NO_ROOM = frozenset((errno.ENOSPC, errno.EDQUOT, errno.EFBIG))
 FFMPEG_ERRORS, FFMPEG_QUIET = "16", "-8"
 """Levels of its log: AV_LOG_ERROR and AV_LOG_QUIET."""
 
+FIRST_ANSWER = """\
+Clearway: one camera above an arena, a roadmap with the largest clearance, robots that follow it.
+  clearway demo               a simulated arena and its page, no file needed
+  clearway plan PICTURE ...   one plan through a picture, scene or map
+  clearway run CONFIG.yaml    drive the robot
+  clearway --help             all commands"""
+"""What ``clearway`` alone says."""
+
 OUR_PACKAGES = ("vision", "planner", "navigation", "firmware_protocol")
 
 
@@ -153,7 +161,7 @@ def _show_version(ctx: click.Context, _param: click.Parameter, wanted: bool) -> 
 def clearway(ctx: click.Context, debug: bool) -> None:
     """One camera above an arena, a roadmap with the largest clearance, a robot that follows it."""
     if ctx.invoked_subcommand is None:
-        click.echo(ctx.get_help(), err=True)
+        click.echo(FIRST_ANSWER, err=True)
         ctx.exit(BAD_INPUT)
 
 
@@ -207,6 +215,8 @@ def _end_process(code: int) -> None:
 def run(arguments: Sequence[str]) -> int:
     """Run the command line and return its exit code; nothing but a bug here raises."""
     arguments, debug = _take_debug(list(arguments))
+    if arguments[:1] == ["help"]:
+        arguments = [*arguments[1:], "--help"]
     os.environ.setdefault("OPENCV_LOG_LEVEL", "INFO" if debug else "SILENT")
     os.environ.setdefault("OPENCV_FFMPEG_LOGLEVEL", FFMPEG_ERRORS if debug else FFMPEG_QUIET)
     try:

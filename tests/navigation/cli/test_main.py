@@ -137,11 +137,33 @@ def test_an_unknown_option_is_a_usage_error(
     assert err.count("\n") == 1
 
 
-def test_no_command_shows_the_help_and_fails(capsys: pytest.CaptureFixture[str]) -> None:
+def test_no_command_says_in_five_lines_how_to_begin_and_fails(
+    capsys: pytest.CaptureFixture[str],
+) -> None:
     assert entry.run([]) == 2
     out, err = capsys.readouterr()
     assert out == ""
-    assert "Commands:" in err
+    first, *ways = err.splitlines()
+    assert first.startswith("Clearway: ")
+    names = [way.split()[1] for way in ways]
+    assert names == ["demo", "plan", "run", "--help"]
+    assert all(way.startswith("  clearway ") and len(way) <= 80 for way in ways)
+    assert all(name in entry.COMMANDS for name in names[:3])
+
+
+@pytest.mark.parametrize("command", [[], ["marker"]])
+def test_help_may_be_a_word(command: list[str], capsys: pytest.CaptureFixture[str]) -> None:
+    assert entry.run([*command, "--help"]) == 0
+    shown = capsys.readouterr().out
+    assert entry.run(["help", *command]) == 0
+    assert capsys.readouterr().out == shown
+
+
+def test_help_of_a_command_that_there_is_not_is_an_error(
+    capsys: pytest.CaptureFixture[str],
+) -> None:
+    assert entry.run(["help", "fly"]) == 2
+    assert "no command 'fly'" in capsys.readouterr().err
 
 
 def test_help_lists_every_command_with_its_line(capsys: pytest.CaptureFixture[str]) -> None:
