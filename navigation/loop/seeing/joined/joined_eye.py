@@ -123,9 +123,10 @@ class JoinedEye:
         index = self._index[frame.source]
         self._note_arrival(index, frame.captured_s)
         view = self._views[index]
-        fused = {pose.id: pose for pose in self._fusion.take(index, view.tracker.update(frame))}
-        tell(fused)
-        self._last_seen.update({i: self._on_plan(index, pose) for i, pose in fused.items()})
+        fused = self._fusion.take(index, view.tracker.update(frame))
+        fresh = {pose.id: self._on_plan(index, pose) for pose in fused}
+        tell(fresh)
+        self._last_seen.update(fresh)
         now = self._present(frame.captured_s)
         discs = self._body_discs(index, frame.captured_s, now)
         if view.place is not None:
