@@ -1,4 +1,4 @@
-"""Which model a lens follows: the one that foretells views it has not seen.
+"""The lens model, Brown's or the fisheye's: the one that foretells views it has not seen.
 
 Rules
 - Views are left out by turns, a fifth at a time; the lens is fitted to the others, and only the
