@@ -30,6 +30,7 @@ class LinkSnapshot:
     robot's last report, None before the first. ``mission_id``, ``accepted``, ``executed`` and
     ``mission_done`` are the robot's; ``mission_id`` is None where it holds none.
     ``moving`` is True in RUN and until the robot has come to a stand after it.
+    ``no_permit`` says why the robot cannot be given a lease, None where it can;
     ``standing_reason`` says why the robot is not running, None while it is in RUN.
     ``leaving_estop``: the robot was told to leave its emergency stop and has not answered; what
     it reports is the old stop. ``clock_offset_s`` is the robot's clock minus the host's, wrong by
@@ -56,6 +57,7 @@ class LinkSnapshot:
     leaving_estop: bool = False
     disarmed: bool = False
     stands: bool | None = None
+    no_permit: str | None = None
     standing_reason: str | None = None
     boot_id: int | None = None
     rtt_s: float | None = None
@@ -149,5 +151,6 @@ def snapshot_of(
         estopped=status.state is RobotState.ESTOP,
         disarmed=status.reason is StopReason.DISARMED,
         fault=STOP_SENTENCES[status.reason] if status.state is RobotState.ESTOP else None,
+        no_permit=no_permit,
         standing_reason=None if running else no_permit or STOP_SENTENCES[status.reason],
     )

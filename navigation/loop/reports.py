@@ -29,6 +29,7 @@ def robot_report(snapshot: LinkSnapshot) -> RobotReport:
         disarmed=snapshot.disarmed,
         mission_id=snapshot.mission_id,
         executed=snapshot.executed,
+        no_permit=snapshot.no_permit,
         standing_reason=snapshot.standing_reason,
         fault=snapshot.fault,
         waits=status is not None and bool(status.flags & StatusFlag.UNDERRUN),

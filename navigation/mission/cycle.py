@@ -88,6 +88,8 @@ class RobotReport:
     """The mission that the robot holds."""
     executed: int = 0
     """How many waypoints of that mission the robot has reached."""
+    no_permit: str | None = None
+    """Why the robot cannot be given a lease to drive; None where it can."""
     standing_reason: str | None = None
     """Why the robot does not run its mission; None while it does."""
     waits: bool = False

@@ -91,7 +91,10 @@ class FactFinder:
     def _idle_reason(
         self, now_s: float, sight: Sight, robot: RobotReport, situation: PilotSituation
     ) -> str | None:
-        """Why the robot does not do what it was told, once it had time to begin."""
+        """Why the robot does not do what it was told, once it had time to begin.
+
+        It is doubted then, and is not told again before it can be given a lease.
+        """
         targets = situation.plan.targets
         ours = robot.mission_id == situation.wire_id
         runs = ours and robot.standing_reason is None
@@ -101,6 +104,8 @@ class FactFinder:
             self._idle_since_s = None
             return self._motionless(now_s, sight, robot, targets[robot.executed])
         self.stillness.need_not_move()
+        if situation.mission.state is State.HOLDING and robot.no_permit is not None:
+            return robot.no_permit
         if not ordered or finished:
             self._idle_since_s = None
             return None
@@ -108,7 +113,9 @@ class FactFinder:
             self._idle_since_s = now_s
         if now_s - self._idle_since_s < self._settings.robot_grace_s:
             return None
-        return (robot.standing_reason if ours else None) or "it has not taken the plan"
+        reason = (robot.standing_reason if ours else None) or "it has not taken the plan"
+        self._trust.doubt(f"the robot stands still: {reason}")
+        return reason
 
     def _motionless(
         self, now_s: float, sight: Sight, robot: RobotReport, target: Target

@@ -29,7 +29,6 @@ from navigation.mission.progress import Progress
 from navigation.mission.proving import Proving
 from navigation.mission.running_plan import RunningPlan, what_is_driven, why_no_plan
 from navigation.mission.slowing import WORTH_A_PLAN, speed_with
-from navigation.mission.stillness import MOTIONLESS
 from navigation.mission.targets import Target
 from navigation.mission.traffic import Encounter, discs_to_avoid, encounter
 from navigation.mission.trust import Level, Trust, slow_at_first
@@ -406,7 +405,7 @@ class Pilot:
             self._clear_since_s = None
             if self.mission.state in (State.DRIVING, State.PLANNING, State.PROVING):
                 self.mission = self.mission.after(Event.HOLD, self.verdict.sentence)
-                if facts.robot_idle_reason == MOTIONLESS:
+                if facts.robot_idle_reason is not None:
                     self._ask_again_s = now_s + self._facts.stillness.pause_s()
                 self._closed_way = self.plan.left
                 self._forget_plan()

@@ -16,6 +16,7 @@ from navigation.loop.stages import stations_of
 from navigation.mission.mission import State
 from navigation.run.virtual_run import run_virtually
 from navigation.run.virtual_world import VirtualWorld
+from navigation.simulator.virtual_loop import PacedLine
 from tests.navigation.run.test_fleet_runs import open_hall
 from tests.support.runs.virtual import cycle_until, is_driving, set_trouble, short_config
 
@@ -105,6 +106,48 @@ def test_a_robot_that_cannot_turn_on_the_spot_is_tried_again_more_and_more_seldo
         holds = holds[:-1]  # the last is cut off by the end
         assert len(holds) >= 2
         assert all(after > 1.5 * before for before, after in pairwise(holds)), holds
+
+
+class LateLine(PacedLine):
+    """A line whose bytes may arrive late."""
+
+    late_s = 0.0
+
+    def put(self, data: bytes, now_s: float) -> None:
+        super().put(data, now_s + self.late_s)
+
+    def free(self, now_s: float) -> bool:
+        return super().free(now_s + self.late_s)
+
+
+@pytest.mark.parametrize("late_s", [0.6, 1.0, 2.0])
+@pytest.mark.parametrize("from_the_start", [True, False])
+def test_a_robot_that_hears_late_is_not_said_to_drive_in_try_after_try(
+    late_s: float, from_the_start: bool
+) -> None:
+    config = short_config(FAR)
+    world = VirtualWorld(config, pictures=False)
+    loop = world.body.loop
+    loop.to_robot = line = LateLine(loop.baud)
+    told_s = longest_s = 0.0
+    with Daemon(config, world, first_mission_id=7) as daemon:
+        daemon.people.give(stations_of(config))
+        if not from_the_start:
+            cycle_until(daemon, is_driving)
+        line.late_s = late_s
+        before_s = world.clock()
+
+        def note(now: RobotSnapshot) -> None:
+            nonlocal told_s, longest_s, before_s
+            told_s += (world.clock() - before_s) * (now.mission.state is State.DRIVING)
+            if loop.drive.moving:
+                told_s = 0.0
+            longest_s, before_s = max(longest_s, told_s), world.clock()
+
+        ended = cycle_until(daemon, lambda now: now.mission.is_over, 60.0, each=note)
+    assert longest_s < SAID_WITHIN_S
+    assert ended.mission.state is State.FAILED
+    assert "without progress" in ended.sentence
 
 
 @pytest.mark.parametrize("dwell_s", [6.0])
