@@ -6,7 +6,7 @@ import sys
 from collections.abc import Callable
 from typing import Any, Literal
 
-from navigation.cli.progress import CLEAR_LINE
+from navigation.cli.progress import CLEAR_LINE, is_live
 
 Part = Literal["eye", "planner"]
 
@@ -25,7 +25,7 @@ def compile_what_is_missing(*parts: Part) -> None:
     from navigation.run.kernels.compiling import compile_parts
 
     first = "compiling the kernels, once on this machine"
-    live = sys.stderr is not None and sys.stderr.isatty()
+    live = is_live()
     if not live:
         print(f"{first}: some minutes", file=sys.stderr, flush=True)
     for progress in compile_parts(missing):

@@ -243,10 +243,15 @@ def _invoke(arguments: list[str]) -> object:
     if "_CLEARWAY_COMPLETE" in os.environ:
         return clearway.main(args=arguments, prog_name="clearway", standalone_mode=False)
     try:
-        with clearway.make_context("clearway", arguments) as ctx:
+        with clearway.make_context("clearway", arguments, color=_colour()) as ctx:
             return clearway.invoke(ctx)
     except click.exceptions.Exit as done:
         return done.exit_code
+
+
+def _colour() -> bool | None:
+    """False where colours are not wanted (no-color.org) or not known; None as click decides."""
+    return False if os.environ.get("NO_COLOR") or os.environ.get("TERM") == "dumb" else None
 
 
 def exit_code_of(error: BaseException) -> int:

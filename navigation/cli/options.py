@@ -5,13 +5,28 @@ from __future__ import annotations
 import math
 from collections.abc import Callable
 from dataclasses import dataclass
+from functools import wraps
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, TypeAlias
+from typing import TYPE_CHECKING, Any, NamedTuple, TypeAlias
 
 import click
 
+from vision.binarise import METHODS, Method, Polarity
+
 Decorator: TypeAlias = Callable[[Callable[..., Any]], Callable[..., Any]]
 """What an option does with a command's function."""
+
+
+STANDARD_STREAM = Path("-")
+"""As a source standard input, as an output standard output."""
+
+
+class Binarising(NamedTuple):
+    """How a picture is made black and white, as ``vision.extract`` takes it."""
+
+    polarity: Polarity = "dark"
+    method: Method = "auto"
+    threshold: float | None = None
 
 
 @dataclass(frozen=True, slots=True)
@@ -107,17 +122,20 @@ class PreferenceType(PreferenceBase):
 class OutputType(OutputBase):
     """A file to be written, in a folder that is there; with ``suffixes``, one of those kinds.
 
-    Checked where it is typed, so that nobody waits for an answer that cannot be kept.
+    Checked where it is typed, so that nobody waits for an answer that cannot be kept. With
+    ``stream``, ``-`` is standard output.
     """
 
     name = "FILE"
 
-    def __init__(self, *suffixes: str) -> None:
-        self.suffixes = suffixes
+    def __init__(self, *suffixes: str, stream: bool = False) -> None:
+        self.suffixes, self.stream = suffixes, stream
 
     def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> Path:
         """The path; click's usage error where nothing can be written there."""
         path = Path(value)
+        if self.stream and path == STANDARD_STREAM:
+            return path
         if self.suffixes and path.suffix.lower() not in self.suffixes:
             *others, last = self.suffixes
             kinds = f"{', '.join(others)} or {last}" if others else last
@@ -130,7 +148,7 @@ class OutputType(OutputBase):
 
 
 class InputType(click.Path):
-    """A file that is read; an empty name would be the present folder."""
+    """A file that is read, ``-`` standard input; an empty name would be the present folder."""
 
     def __init__(self) -> None:
         super().__init__(path_type=Path)
@@ -143,7 +161,7 @@ class InputType(click.Path):
 
 
 INPUT = InputType()
-OUTPUT = OutputType()
+OUTPUT = OutputType(stream=True)
 DRAWING = OutputType(".svg", ".png")
 STATION = StationType()
 POSITIVE = NumberType()
@@ -168,12 +186,33 @@ def format_option(meaning: str = "The form of the answer.") -> Decorator:
     )
 
 
-def polarity_option(
-    meaning: str = "For a picture: whether the obstacles are dark or light.",
-) -> Decorator:
-    """``--polarity dark|light|auto``."""
-    choice = click.Choice(["dark", "light", "auto"])
-    return click.option("--polarity", type=choice, default="dark", show_default=True, help=meaning)
+def binarise_options(command: Callable[..., Any]) -> Callable[..., Any]:
+    """``--polarity``, ``--method`` and ``--threshold``, as ``binarising``."""
+
+    @click.option(
+        "--polarity",
+        type=click.Choice(["dark", "light", "auto"]),
+        default="dark",
+        show_default=True,
+        help="For a picture: whether the obstacles are dark or light.",
+    )
+    @click.option(
+        "--method",
+        type=click.Choice(METHODS),
+        default="auto",
+        show_default=True,
+        help="How a picture is made black and white.",
+    )
+    @click.option("--threshold", type=float, help="The grey level of method fixed, 0 to 255.")
+    @wraps(command)
+    def with_one(polarity: Polarity, method: Method, threshold: float | None, **others: Any) -> Any:
+        if threshold is not None and not 0.0 <= threshold <= 255.0:
+            raise click.BadParameter(f"{threshold}: must lie in 0..255", param_hint="--threshold")
+        if threshold is not None and method != "fixed":
+            raise click.BadParameter("is for --method fixed only", param_hint="--threshold")
+        return command(binarising=Binarising(polarity, method, threshold), **others)
+
+    return with_one
 
 
 RADIUS_OPTION = click.option(

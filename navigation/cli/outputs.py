@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 import click
+
+from navigation.cli.options import STANDARD_STREAM
 
 if TYPE_CHECKING:
     from planner.scene import Scene
@@ -21,9 +23,13 @@ def keep_apart(outputs: Iterable[tuple[str, Path | None]], inputs: Iterable[Path
 
     Only files count: a terminal or /dev/null may be named as often as one likes.
     """
-    taken = {_identity(path): f"overwrite {path}, which is read" for path in inputs if path}
+    taken = {
+        _identity(path): f"overwrite {path}, which is read"
+        for path in inputs
+        if path not in (None, STANDARD_STREAM)
+    }
     for option, path in outputs:
-        if path is None or (path.exists() and not path.is_file()):
+        if path in (None, STANDARD_STREAM) or (path.exists() and not path.is_file()):
             continue
         here = _identity(path)
         if here in taken:
@@ -31,12 +37,24 @@ def keep_apart(outputs: Iterable[tuple[str, Path | None]], inputs: Iterable[Path
         taken[here] = f"overwrite the file of {option}"
 
 
-def write_text(path: Path, text: str) -> None:
-    """Write a whole file as UTF-8; ``OutputError`` where the disk is full or the like."""
+def write_text(path: Path | None, text: str) -> None:
+    """Write a whole file as UTF-8, or to standard output where there is none or it is ``-``.
+
+    ``OutputError`` where the disk is full or the like.
+    """
+    if path is None or path == STANDARD_STREAM:
+        click.echo(text, nl=False)
+        return
     try:
         path.write_text(text, encoding="utf-8")
     except OSError as error:
         raise OutputError(f"{path}: cannot be written: {error.strerror or error}") from error
+
+
+def tell_times(timings_ms: Mapping[str, float]) -> None:
+    """Say on standard error how long each stage took."""
+    stages = (f"{stage} {time_ms:.1f}" for stage, time_ms in timings_ms.items())
+    click.echo(f"ms: {', '.join(stages)}", err=True)
 
 
 def warn_of_doubts(scene: Scene, source: Path) -> None:
@@ -46,7 +64,12 @@ def warn_of_doubts(scene: Scene, source: Path) -> None:
     from vision.doubts import doubts_about
 
     for doubt in doubts_about(scene):
-        click.echo(f"clearway: warning: {source}: {doubt}", err=True)
+        click.echo(f"clearway: warning: {named(source)}: {doubt}", err=True)
+
+
+def named(source: Path) -> Path:
+    """What messages call a source."""
+    return Path("standard input") if source == STANDARD_STREAM else source
 
 
 def _identity(path: Path) -> object:

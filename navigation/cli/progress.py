@@ -7,6 +7,7 @@ is open that could be left half written.
 
 from __future__ import annotations
 
+import os
 import signal
 import sys
 import threading
@@ -19,6 +20,11 @@ PATIENCE_S: Final = 1.0
 """Shorter work says nothing."""
 EVERY_S: Final = 0.5
 CLEAR_LINE: Final = "\r\x1b[2K"
+
+
+def is_live() -> bool:
+    """True if a line on stderr can be renewed: at a terminal that is not a dumb one."""
+    return sys.stderr is not None and sys.stderr.isatty() and os.environ.get("TERM") != "dumb"
 
 
 @contextmanager
@@ -49,7 +55,7 @@ def _ended_by_ctrl_c() -> Iterator[None]:
 @contextmanager
 def _told(stage: Callable[[], str]) -> Iterator[None]:
     """One line at a terminal's stderr that is renewed, and gone at the end."""
-    if sys.stderr is None or not sys.stderr.isatty():
+    if not is_live():
         yield
         return
     began_s, over = time.monotonic(), threading.Event()

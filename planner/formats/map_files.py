@@ -57,12 +57,14 @@ class MapHeader:
     pose: GridPose
 
 
-def read_ros_map(path: Path, read_picture: ReadPicture | None = None) -> Scene:
-    """The scene of a ROS map; ``read_picture`` reads pictures other than PGM.
+def read_ros_map(text: str, path: Path, read_picture: ReadPicture | None = None) -> Scene:
+    """The scene of a ROS map by its YAML's text; ``read_picture`` reads pictures other than PGM.
+
+    ``path`` is the YAML file, whose folder has the picture.
 
     Raises :class:`SceneError` with the file and, for the YAML, line and column.
     """
-    header = parse_map_header(read_text(path), str(path))
+    header = parse_map_header(text, str(path))
     picture = path.parent / header.image
     data = read_bytes(picture)
     if data[:2] in (b"P2", b"P5"):

@@ -29,7 +29,14 @@ def load_scene(path: str | os.PathLike[str], *, read_picture: ReadPicture | None
     Raises :class:`SceneError` naming the file and, where there is one, the line and column.
     """
     file = Path(path)
-    data = read_bytes(file)
+    return scene_from_bytes(read_bytes(file), file, read_picture=read_picture)
+
+
+def scene_from_bytes(data: bytes, file: Path, *, read_picture: ReadPicture | None = None) -> Scene:
+    """The scene in the bytes of a file, as :func:`load_scene` reads it.
+
+    Errors name ``file``, and the picture of a ROS map lies in its folder.
+    """
     if is_picture(data):
         raise SceneError(
             f"{file}: a picture, not a scene: give it to vision.extract, or, for the picture of"
@@ -37,7 +44,7 @@ def load_scene(path: str | os.PathLike[str], *, read_picture: ReadPicture | None
         )
     text = decode(data, str(file))
     if file.suffix.lower() in (".yaml", ".yml") or _looks_like_map_header(text):
-        return read_ros_map(file, read_picture)
+        return read_ros_map(text, file, read_picture)
     if re.match(r"\s*type\s+\w+\s*\n", text):
         return parse_movingai(text, str(file))
     return read_scene_text(text, str(file))

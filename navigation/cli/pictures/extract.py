@@ -11,10 +11,16 @@ from typing import TYPE_CHECKING, Any, Literal
 import click
 
 from navigation.cli.cold_kernels import compile_what_is_missing
-from navigation.cli.options import INPUT, OUTPUT, OutputType, format_option, polarity_option
-from navigation.cli.outputs import keep_apart, warn_of_doubts, write_text
+from navigation.cli.options import (
+    INPUT,
+    OUTPUT,
+    Binarising,
+    OutputType,
+    binarise_options,
+    format_option,
+)
+from navigation.cli.outputs import keep_apart, named, tell_times, warn_of_doubts, write_text
 from navigation.cli.progress import long_work
-from vision.binarise import METHODS, Method
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -31,15 +37,7 @@ class ExtractError(ValueError):
 @format_option("The paper's records, or one JSON object.")
 @click.option("-o", "--output", type=OUTPUT, help="Write the answer to this file.")
 @click.option("--paper", is_flag=True, help="Follow the paper's method to the letter.")
-@polarity_option("Whether the obstacles are dark or light.")
-@click.option(
-    "--method",
-    type=click.Choice(METHODS),
-    default="auto",
-    show_default=True,
-    help="How the picture is made black and white.",
-)
-@click.option("--threshold", type=float, help="The grey level of method fixed.")
+@binarise_options
 @click.option(
     "--render",
     type=OutputType(".png", ".jpg", ".jpeg", ".webp", ".tif", ".tiff", ".bmp", ".svg"),
@@ -51,9 +49,7 @@ def command(
     form: Literal["text", "json"],
     output: Path | None,
     paper: bool,
-    polarity: Literal["dark", "light", "auto"],
-    method: Method,
-    threshold: float | None,
+    binarising: Binarising,
     render: Path | None,
     timings: bool,
 ) -> None:
@@ -62,18 +58,13 @@ def command(
     Coordinates are pixels, x right, y down, pixel centres at integers, of the picture as viewers
     show it: turned as its EXIF orientation asks.
     """
-    if threshold is not None and not 0.0 <= threshold <= 255.0:
-        raise click.BadParameter(f"{threshold}: must lie in 0..255", param_hint="--threshold")
-    if threshold is not None and method != "fixed":
-        raise click.BadParameter("is for --method fixed only", param_hint="--threshold")
     keep_apart((("--output", output), ("--render", render)), (image,))
 
     import vision
-    from navigation.cli.pictures.sources import decode_picture
-    from planner.formats.map_files import read_bytes
+    from navigation.cli.pictures.sources import decode_picture, read_source
 
     begin_s = time.perf_counter()
-    picture, remarks = decode_picture(read_bytes(image), image)
+    picture, remarks = decode_picture(read_source(image), named(image))
     load_ms = 1e3 * (time.perf_counter() - begin_s)
     compile_what_is_missing("eye")
     try:
@@ -81,26 +72,23 @@ def command(
             scene = vision.extract(
                 picture,
                 mode="paper" if paper else "exact",
-                polarity=polarity,
-                method=method,
-                threshold=threshold,
+                **binarising._asdict(),
             )
     except ValueError as error:
-        raise ExtractError(f"{image}: {error}") from error
+        raise ExtractError(f"{named(image)}: {error}") from error
     total_ms = 1e3 * (time.perf_counter() - begin_s)
     timings_ms = {"load": load_ms, **scene.timings_ms, "total": total_ms}
     scene = replace(scene, timings_ms=timings_ms, remarks=(*remarks, *scene.remarks))
     warn_of_doubts(scene, image)
-    # a file is the same each time that it is made, unless times are asked for
-    told = scene if timings or output is None else replace(scene, timings_ms={})
-    answer = _as_json(told) if form == "json" else _as_text(told)
-    if output is None:
-        click.echo(answer, nl=False)
-    else:
-        write_text(output, answer)
+    # an answer is the same each time that it is made, unless times are asked for
+    timed = timings or (form == "json" and output is None)
+    told = scene if timed else replace(scene, timings_ms={})
+    write_text(output, _as_json(told) if form == "json" else _as_text(told))
+    if form == "text":
+        tell_times(timings_ms)
     if render is not None:
         with long_work("drawing"):
-            _render(render, picture, scene, image.name)
+            _render(render, picture, scene, named(image).name)
 
 
 def _as_json(scene: Scene) -> str:

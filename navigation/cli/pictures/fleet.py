@@ -9,7 +9,14 @@ from typing import TYPE_CHECKING, Literal
 
 import click
 
-from navigation.cli.options import INPUT, OUTPUT, OutputType, format_option, polarity_option
+from navigation.cli.options import (
+    INPUT,
+    OUTPUT,
+    Binarising,
+    OutputType,
+    binarise_options,
+    format_option,
+)
 from navigation.cli.outputs import keep_apart, warn_of_doubts, write_text
 from navigation.cli.progress import long_work
 
@@ -47,7 +54,7 @@ class FleetError(ValueError):
     type=click.Choice(("sum", "last")),
     help="Give each goal to the robot that suits: least sum of driving times, or last arrival.",
 )
-@polarity_option()
+@binarise_options
 @format_option()
 @click.option("--render", type=OutputType(".svg"), help="Draw the plan, animated: FILE.svg.")
 @click.option("-o", "--output", type=OUTPUT, help="Write the answer to this file.")
@@ -56,7 +63,7 @@ def command(
     robots_file: Path,
     time_limit_s: float,
     assign: Literal["sum", "last"] | None,
-    polarity: Literal["dark", "light", "auto"],
+    binarising: Binarising,
     form: str,
     render: Path | None,
     output: Path | None,
@@ -81,7 +88,7 @@ def command(
     compile_for(source)
     begin_s = time.perf_counter()
     with long_work("looking for obstacles"):
-        scene = load_source(source, polarity)
+        scene = load_source(source, binarising)
     warn_of_doubts(scene, source)
     radii = [robot.radius for robot in robots]
     stations = [robot.start for robot in robots] + [robot.goal for robot in robots]
@@ -104,10 +111,7 @@ def command(
         remarks += plan.remarks
     answer = FleetOutput(scene.units, robots, plan, timings_ms, remarks)
     text = answer.as_json() + "\n" if form == "json" else answer.as_text()
-    if output is None:
-        click.echo(text, nl=False)
-    else:
-        write_text(output, text)
+    write_text(output, text)
     if not isinstance(plan, FleetPlan):
         click.echo(f"clearway: no plan: {answer.sentence()}", err=True)
         return NO_PLAN

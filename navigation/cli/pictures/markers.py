@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any, Literal
 import click
 
 from navigation.cli.options import INPUT, OUTPUT, OutputType, format_option
-from navigation.cli.outputs import keep_apart, write_text
+from navigation.cli.outputs import keep_apart, named, write_text
 
 if TYPE_CHECKING:
     from vision.camera.camera import Image
@@ -61,11 +61,10 @@ def command(
     keep_apart((("--output", output), ("--render", render)), (image,))
 
     import vision
-    from navigation.cli.pictures.sources import decode_picture
-    from planner.formats.map_files import read_bytes
+    from navigation.cli.pictures.sources import decode_picture, read_source
     from vision.markers.marker_search import MarkerError
 
-    picture, remarks = decode_picture(read_bytes(image), image)
+    picture, remarks = decode_picture(read_source(image), named(image))
     if picture.dtype != "uint8":
         picture = (picture >> 8).astype("uint8")
         remarks = (*remarks, "read with 8 of its 16 bits")
@@ -74,7 +73,7 @@ def command(
     try:
         found = vision.find_markers(picture, dictionary, calibration=model, height_m=height_m)
     except MarkerError as error:
-        raise MarkersError(f"{image}: {error}") from error
+        raise MarkersError(f"{named(image)}: {error}") from error
     size = (picture.shape[1], picture.shape[0])
     answer = _as_json(found, size) if form == "json" else _as_text(found)
     if output is None:

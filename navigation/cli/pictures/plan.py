@@ -16,12 +16,14 @@ from navigation.cli.options import (
     PREFERENCE,
     RADIUS_OPTION,
     SPACING_OPTION,
+    STANDARD_STREAM,
     STATION,
+    Binarising,
     StationArgument,
+    binarise_options,
     format_option,
-    polarity_option,
 )
-from navigation.cli.outputs import keep_apart, warn_of_doubts, write_text
+from navigation.cli.outputs import keep_apart, tell_times, warn_of_doubts, write_text
 from navigation.cli.progress import long_work
 
 if TYPE_CHECKING:
@@ -71,7 +73,7 @@ class PlanError(ValueError):
     metavar="K",
     help="Other routes round the obstacles, besides the best.",
 )
-@polarity_option()
+@binarise_options
 @format_option()
 @click.option("--render", type=DRAWING, help="Draw the plan: FILE.svg or FILE.png.")
 @click.option("-o", "--output", type=OUTPUT, help="Write the answer to this file.")
@@ -86,7 +88,7 @@ def command(  # noqa: PLR0913 (an argument for each option of the command line)
     spacing: float | None,
     prefer: str | float,
     alternatives: int,
-    polarity: Literal["dark", "light", "auto"],
+    binarising: Binarising,
     form: str,
     render: Path | None,
     output: Path | None,
@@ -106,7 +108,7 @@ def command(  # noqa: PLR0913 (an argument for each option of the command line)
     compile_for(source)
     begin_s = time.perf_counter()
     with long_work("looking for obstacles"):
-        scene = load_source(source, polarity)
+        scene = load_source(source, binarising)
     warn_of_doubts(scene, source)
     stations = [start, *via, goal]
     room = 4.0 * (radius + margin)
@@ -138,10 +140,11 @@ def command(  # noqa: PLR0913 (an argument for each option of the command line)
     finally:  # the answer is there, whatever becomes of its picture
         timings_ms["total"] = 1e3 * (time.perf_counter() - begin_s)
         _tell(answer, form, output)
-    if answer.trajectory is not None:
-        return 0
-    click.echo(f"clearway: {answer.no_path_sentence()}", err=True)
-    return NO_PATH
+    if answer.trajectory is None:
+        click.echo(f"clearway: {answer.no_path_sentence()}", err=True)
+    if form == "text":
+        tell_times(answer.stage_times_ms())
+    return NO_PATH if answer.trajectory is None else 0
 
 
 def timed_roadmap(
@@ -220,15 +223,16 @@ def _answer(
 
 
 def _tell(answer: PlanOutput, form: str, output: Path | None) -> None:
-    """The answer on standard output or in a file; why there is no path is on standard error."""
+    """The answer on standard output or in a file.
+
+    Why there is no path is on standard error.
+    """
     if form == "json":
         text = answer.as_json() + "\n"
     else:
-        text = answer.as_text(with_reason=output is not None)
-    if output is None:
-        click.echo(text, nl=False)
-    else:
-        write_text(output, text)
+        to_file = output is not None and output != STANDARD_STREAM
+        text = answer.as_text(with_reason=to_file)
+    write_text(output, text)
 
 
 def _render(

@@ -129,6 +129,10 @@ class PlanOutput:
         radius = sized(self.robot_radius, self.scene.units)
         return f"no path for a robot of radius {radius}: {self.path.reason}"
 
+    def stage_times_ms(self) -> dict[str, float]:
+        """The milliseconds of every stage that there was, in order."""
+        return {name: self.timings_ms[name] for name in STAGES if name in self.timings_ms}
+
     def as_text(self, with_reason: bool = True) -> str:
         """For people: the result first, then the waypoints, then how it came about.
 
@@ -154,8 +158,6 @@ class PlanOutput:
             f"{value} {name.replace('_', ' ')}" for name, value in self.counts.items()
         )
         yield f"from {counts}"
-        stages = (f"{n} {self.timings_ms[n]:.1f}" for n in STAGES if n in self.timings_ms)
-        yield f"ms: {', '.join(stages)}"
 
     def _path_lines(self, path: Path, units: str) -> Iterator[str]:
         yield f"path of length {sized(path.length, units)}"

@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
+import json
+from collections import Counter
 from datetime import UTC, datetime
 from pathlib import Path
-from typing import Literal
 
 import click
 
@@ -14,8 +15,10 @@ from navigation.cli.options import (
     POSITIVE,
     RADIUS_OPTION,
     SPACING_OPTION,
+    STANDARD_STREAM,
+    Binarising,
     OutputType,
-    polarity_option,
+    binarise_options,
 )
 from navigation.cli.outputs import keep_apart, warn_of_doubts, write_text
 from navigation.cli.progress import long_work
@@ -29,12 +32,12 @@ SUFFIXES = (".graphml", ".geojson", ".json")
 @click.option(
     "-o",
     "--output",
-    type=OutputType(*SUFFIXES),
+    type=OutputType(*SUFFIXES, stream=True),
     required=True,
-    help="FILE.graphml, FILE.geojson (Nav2's route server) or FILE.json (node-link).",
+    help="FILE.graphml, FILE.geojson (Nav2's route server) or FILE.json (node-link, also for -).",
 )
 @SPACING_OPTION
-@polarity_option()
+@binarise_options
 @click.option("--frame", default="map", show_default=True, help="TF frame in GeoJSON.")
 @click.option(
     "--map",
@@ -51,7 +54,7 @@ def command(
     radius: float,
     output: Path,
     spacing: float | None,
-    polarity: Literal["dark", "light", "auto"],
+    binarising: Binarising,
     frame: str,
     map_file: Path | None,
     resolution: float,
@@ -70,7 +73,7 @@ def command(
 
     compile_for(source)
     with long_work("looking for obstacles"):
-        scene = load_source(source, polarity)
+        scene = load_source(source, binarising)
     warn_of_doubts(scene, source)
     with long_work("building the roadmap"):
         roadmap, _ = timed_roadmap(scene, radius, spacing)
@@ -92,14 +95,20 @@ def command(
 
         save_picture(render, scene, roadmap=roadmap)
     counts = roadmap.counts
-    click.echo(
-        f"{output}: {counts['roadmap_nodes']} nodes, {counts['roadmap_edges']} edges,"
-        f" robot radius {radius:g} {scene.units}"
-    )
+    to_stream = output == STANDARD_STREAM
+    name = "roadmap" if to_stream else output
+    parts = f"{counts['roadmap_nodes']} nodes, {counts['roadmap_edges']} edges"
+    if output.suffix.lower() == ".geojson":
+        kinds = Counter(one["geometry"]["type"] for one in json.loads(text)["features"])
+        parts = (
+            f"{kinds['Point']} points, {kinds.total() - kinds['Point']} lines, one in each"
+            f" direction, of {parts}"
+        )
+    click.echo(f"{name}: {parts}, robot radius {radius:g} {scene.units}", err=to_stream)
     if output.suffix.lower() == ".geojson" and scene.units != "m":
         click.echo(
             f"note: Nav2 takes coordinates as metres, y up: these are {scene.units}, y down, and"
             f" fit frame '{frame}' only once they are converted"
         )
     for remark in (*scene.remarks, *roadmap.remarks):
-        click.echo(f"note: {remark}")
+        click.echo(f"note: {remark}", err=to_stream)

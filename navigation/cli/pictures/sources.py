@@ -1,28 +1,32 @@
 """From a SOURCE on the command line to a scene: a picture, a scene text, a ROS or MovingAI map.
 
-A file is judged by its content: what begins like a picture goes to ``vision.extract``, anything
-else to ``planner.load_scene``. This is also where the pictures of ROS maps that are not PGM
-(map_saver can write PNG) are decoded, since the planner knows no OpenCV.
+A file, or standard input, is judged by its content: what begins like a picture goes to
+``vision.extract``, anything else is read as ``planner.load_scene`` does. This is also where the
+pictures of ROS maps that are not PGM (map_saver can write PNG) are decoded, since the planner
+knows no OpenCV.
 """
 
 from __future__ import annotations
 
+import sys
 import time
 from collections.abc import Callable
 from dataclasses import replace
+from functools import cache
 from pathlib import Path
-from typing import Any, Literal
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from navigation.cli.cold_kernels import compile_what_is_missing
-from planner.formats.map_files import Shades, read_bytes
-from planner.formats.scene_io import is_picture, load_scene
+from navigation.cli.options import STANDARD_STREAM, Binarising
+from navigation.cli.outputs import named
+from planner.formats.map_files import MOST_BYTES, Shades, read_bytes
+from planner.formats.scene_io import is_picture, scene_from_bytes
 from planner.scene import Bounds, Scene, SceneError
 
-Polarity = Literal["dark", "light", "auto"]
-
+AS_USUAL = Binarising()
 PICTURE_SUFFIXES = frozenset(
     (
         *(".png", ".jpg", ".jpeg", ".bmp", ".gif", ".tif", ".tiff"),
@@ -34,28 +38,52 @@ PICTURE_SUFFIXES = frozenset(
 
 def compile_for(source: Path) -> None:
     """Compile, where it is missing, what planning on a SOURCE needs: the eye only for pictures."""
-    with source.open("rb") as stream:
-        picture = is_picture(stream.read(64)) or source.suffix.lower() in PICTURE_SUFFIXES
+    if source == STANDARD_STREAM:
+        begin = read_source(source)[:64]
+    else:
+        with source.open("rb") as stream:
+            begin = stream.read(64)
+    picture = is_picture(begin) or source.suffix.lower() in PICTURE_SUFFIXES
     compile_what_is_missing(*(("eye", "planner") if picture else ("planner",)))
 
 
+def read_source(path: Path) -> bytes:
+    """The bytes of a file, or of standard input; :class:`SceneError` where it cannot be read."""
+    return _standard_input() if path == STANDARD_STREAM else read_bytes(path)
+
+
+@cache
+def _standard_input() -> bytes:
+    """All of standard input, which can be read once."""
+    if sys.stdin is None:
+        raise SceneError("standard input: is closed")
+    data = sys.stdin.buffer.read(MOST_BYTES + 1)
+    if len(data) > MOST_BYTES:
+        raise SceneError(f"standard input: more than {MOST_BYTES} bytes: must be at most that")
+    return data
+
+
 def load_source(
-    path: Path, polarity: Polarity = "dark", clock: Callable[[], float] = time.perf_counter
+    path: Path,
+    binarising: Binarising = AS_USUAL,
+    clock: Callable[[], float] = time.perf_counter,
 ) -> Scene:
     """The scene of any SOURCE; ``timings_ms`` gains ``load``: reading and decoding.
 
-    ``polarity`` is for pictures: whether the obstacles are dark or light. Raises
-    :class:`SceneError`, or a ValueError of ``vision``, naming the file.
+    Raises :class:`SceneError`, or a ValueError of ``vision``, naming the file; also where
+    something that is no picture is to be binarised by a method.
     """
     begin_s = clock()
-    data = read_bytes(path)
+    data, file = read_source(path), named(path)
     if is_picture(data) or path.suffix.lower() in PICTURE_SUFFIXES:
-        image, remarks = decode_picture(data, path)
+        image, remarks = decode_picture(data, file)
         loaded_s = clock()
-        scene = _extract(image, polarity, path)
+        scene = _extract(image, binarising, file)
         scene = replace(scene, remarks=(*remarks, *scene.remarks))
+    elif binarising.method != "auto":
+        raise SceneError(f"{file}: no picture: --method {binarising.method} is for pictures only")
     else:
-        scene = load_scene(path, read_picture=read_shades)
+        scene = scene_from_bytes(data, file, read_picture=read_shades)
         loaded_s = clock()
     return replace(scene, timings_ms={"load": 1e3 * (loaded_s - begin_s), **scene.timings_ms})
 
@@ -141,10 +169,10 @@ def _decode(data: bytes, path: Path) -> tuple[NDArray[Any], tuple[str, ...]]:
     return image, ((f"the picture may be damaged: {said.doubt}",) if said.doubt else ())
 
 
-def _extract(image: NDArray[Any], polarity: Polarity, path: Path) -> Scene:
+def _extract(image: NDArray[Any], binarising: Binarising, path: Path) -> Scene:
     import vision
 
     try:
-        return vision.extract(image, polarity=polarity)
+        return vision.extract(image, **binarising._asdict())
     except ValueError as error:
         raise SceneError(f"{path}: {error}") from error

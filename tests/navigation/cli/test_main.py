@@ -273,3 +273,23 @@ def test_a_reader_that_goes_away_is_met_with_silence() -> None:
 def test_each_command_explains_itself(name: str, capsys: pytest.CaptureFixture[str]) -> None:
     assert entry.run([name, "--help"]) == 0
     assert "Usage: clearway" in capsys.readouterr().out
+
+
+@pytest.mark.parametrize(
+    ("variable", "value", "coloured"),
+    [("NO_COLOR", "1", False), ("NO_COLOR", "", True), ("TERM", "dumb", False)],
+)
+def test_colours_are_left_out_where_they_are_not_wanted(
+    monkeypatch: pytest.MonkeyPatch, variable: str, value: str, coloured: bool
+) -> None:
+    for name in ("NO_COLOR", "TERM"):
+        monkeypatch.delenv(name, raising=False)
+    monkeypatch.setenv(variable, value)
+    said: list[bool | None] = []
+    command = click.Command(
+        "probe", callback=lambda: said.append(click.get_current_context().color)
+    )
+    monkeypatch.setattr(entry.LazyGroup, "get_command", lambda *_: command)
+    monkeypatch.setitem(entry.COMMANDS, "probe", entry.Listed("", ""))
+    assert entry.run(["probe"]) == 0
+    assert said == [None if coloured else False]

@@ -94,3 +94,16 @@ def test_another_s_handler_of_ctrl_c_stays() -> None:
             assert signal.getsignal(signal.SIGINT) is signal.SIG_IGN
     finally:
         signal.signal(signal.SIGINT, before)
+
+
+@pytest.mark.parametrize(("term", "live"), [("xterm", True), ("dumb", False)])
+def test_a_dumb_terminal_gets_no_line_that_is_renewed(
+    monkeypatch: pytest.MonkeyPatch, term: str, live: bool
+) -> None:
+    terminal = Terminal()
+    monkeypatch.setattr(sys, "stderr", terminal)
+    monkeypatch.setenv("TERM", term)
+    monkeypatch.setattr(progress, "PATIENCE_S", 0.0)
+    with progress.long_work("drawing"):
+        assert wait_until(lambda: not live or "drawing" in terminal.getvalue())
+    assert bool(terminal.getvalue()) == live

@@ -101,7 +101,21 @@ def test_an_arena_is_answered_without_a_warning(
     arena: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     assert run(["extract", str(arena)]) == 0
-    assert capsys.readouterr().err == ""
+    told = capsys.readouterr()
+    assert re.fullmatch(r"ms: load [\d.]+, .*, total [\d.]+\n", told.err)
+    assert "ms" not in told.out
+    assert run(["extract", str(arena), "--timings"]) == 0
+    assert "#@ timings_ms" in capsys.readouterr().out
+
+
+def test_the_answer_on_standard_output_is_the_file_and_the_same_again(
+    arena: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert run(["extract", str(arena), "-o", str(tmp_path / "a.txt")]) == 0
+    capsys.readouterr()
+    for more in ([], ["-o", "-"]):
+        assert run(["extract", str(arena), *more]) == 0
+        assert capsys.readouterr().out == (tmp_path / "a.txt").read_text()
 
 
 @pytest.mark.parametrize(

@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import json
+import re
+from collections import Counter
 from pathlib import Path
 
 import networkx as nx
@@ -23,16 +25,26 @@ def roadmap(*arguments: object) -> int:
 
 
 def test_the_suffix_chooses_the_format(arena, tmp_path, capsys):
+    said = {}
     for suffix in ("graphml", "geojson", "json"):
         assert roadmap(arena, "--radius", 0.3, "-o", tmp_path / f"r.{suffix}") == 0
         out = capsys.readouterr().out
         assert f"r.{suffix}: " in out
-        assert "nodes" in out
+        said[suffix] = [
+            int(number) for number in re.findall(r"(\d+) (?:points|lines|nodes|edges)", out)
+        ]
     graph = nx.read_graphml(tmp_path / "r.graphml")
     linked = nx.node_link_graph(json.loads((tmp_path / "r.json").read_text()), edges="edges")
     assert nx.is_isomorphic(graph, linked)
     features = json.loads((tmp_path / "r.geojson").read_text())["features"]
-    assert {f["geometry"]["type"] for f in features} == {"Point", "MultiLineString"}
+    kinds = Counter(f["geometry"]["type"] for f in features)
+    assert set(kinds) == {"Point", "MultiLineString"}
+    parts = [graph.number_of_nodes(), graph.number_of_edges()]
+    assert said == {
+        "graphml": parts,
+        "json": parts,
+        "geojson": [kinds["Point"], kinds["MultiLineString"], *parts],
+    }
 
 
 def test_a_picture_of_the_roadmap_can_be_drawn(arena, tmp_path):

@@ -14,6 +14,7 @@ import pytest
 
 import vision
 from navigation.cli.decoder_lines import caught_decoder_lines
+from navigation.cli.options import Binarising
 from navigation.cli.pictures.sources import hold_points, load_source, read_shades
 from planner.formats.scene_io import read_scene_text
 from planner.scene import Bounds, SceneError
@@ -45,8 +46,9 @@ def test_a_picture_is_known_by_its_content(tmp_path, name):
 def test_polarity_says_which_side_is_obstacle(tmp_path):
     path = tmp_path / "arena.png"
     cv2.imwrite(str(path), arena(230, 20))
-    assert load_source(path, "light").objects == load_source(path, "auto").objects
-    (obj,) = load_source(path, "light").objects
+    light, either = Binarising("light"), Binarising("auto")
+    assert load_source(path, light).objects == load_source(path, either).objects
+    (obj,) = load_source(path, light).objects
     assert not obj.holes
 
 
