@@ -72,10 +72,28 @@ class People:
     def give(
         self, stations: tuple[Station, ...], robot: str | None = None, *, any_order: bool = False
     ) -> None:
-        """A new mission for one robot; ``MissionError`` where it cannot be."""
+        """A new mission for one robot; ``MissionError`` where it cannot be.
+
+        Also where the newest scene shows that the robot does not fit at a station.
+        """
         one = self._one(robot)
         if self._daemon.lent is not None:
             raise MissionError(self._daemon.lent)
+        limits = one.pilot.settings.limits
+        for number, station in enumerate(stations, 1):
+            clearance_m = self._daemon.traffic.planner.clearance_m((station.x, station.y))
+            if (
+                clearance_m is None
+                or clearance_m >= limits.robot_radius_m - limits.clearance_slack_m
+            ):
+                continue
+            where = f"station {number} at ({station.x:g}, {station.y:g}) m"
+            if clearance_m <= 0.0:
+                raise MissionError(f"{where}: lies in an obstacle")
+            raise MissionError(
+                f"{where}: the nearest obstacle is {clearance_m:.3f} m away, the robot's radius is"
+                f" {limits.robot_radius_m:.3f} m"
+            )
         with self._daemon.lock:
             one.pilot.give(stations, any_order=any_order)
 
