@@ -219,4 +219,7 @@ def _remove_leftover(path: Path) -> None:
         except OSError:
             path.unlink()
             return
-    raise ControlError(f"control socket {path}: another daemon listens there already")
+    raise ControlError(
+        f"control socket {path}: another daemon listens there already; for a second one give"
+        " `clearway run --socket FILE`, and the same --socket to its orders"
+    )

@@ -10,14 +10,14 @@ from typing import TYPE_CHECKING, Literal
 import click
 
 from navigation.cli.options import (
+    DRAWING,
     INPUT,
     OUTPUT,
     Binarising,
-    OutputType,
     binarise_options,
     format_option,
 )
-from navigation.cli.outputs import keep_apart, warn_of_doubts, write_text
+from navigation.cli.outputs import keep_apart, tell_times, warn_of_doubts, write_text
 from navigation.cli.progress import long_work
 
 if TYPE_CHECKING:
@@ -56,7 +56,7 @@ class FleetError(ValueError):
 )
 @binarise_options
 @format_option()
-@click.option("--render", type=OutputType(".svg"), help="Draw the plan, animated: FILE.svg.")
+@click.option("--render", type=DRAWING, help="Draw the plan: FILE.svg, animated, or FILE.png.")
 @click.option("-o", "--output", type=OUTPUT, help="Write the answer to this file.")
 def command(
     source: Path,
@@ -76,7 +76,7 @@ def command(
     hangs on.
     """
     from navigation.cli.pictures.fleet_answer import FleetOutput
-    from navigation.cli.pictures.fleet_picture import draw_fleet
+    from navigation.cli.pictures.fleet_picture import draw_fleet, drawn_robots
     from navigation.cli.pictures.fleet_robots import load_robots
     from navigation.cli.pictures.plan import timed_roadmap
     from navigation.cli.pictures.sources import compile_for, hold_points, load_source
@@ -112,11 +112,17 @@ def command(
     answer = FleetOutput(scene.units, robots, plan, timings_ms, remarks)
     text = answer.as_json() + "\n" if form == "json" else answer.as_text()
     write_text(output, text)
+    if form == "text":
+        tell_times(timings_ms)
     if not isinstance(plan, FleetPlan):
         click.echo(f"clearway: no plan: {answer.sentence()}", err=True)
         return NO_PLAN
-    if render is not None:
+    if render is not None and render.suffix.lower() == ".svg":
         write_text(render, draw_fleet(scene, robots, plan))
+    elif render is not None:
+        from navigation.draw import save_picture
+
+        save_picture(render, scene, driven=drawn_robots(robots, plan), title="Fleet")
     return 0
 
 

@@ -100,4 +100,3 @@ class FleetOutput:
             yield f"no plan: {self.sentence()}"
         for remark in self.remarks:
             yield f"note: {remark}"
-        yield f"ms: {', '.join(f'{name} {ms:.1f}' for name, ms in self.timings_ms.items())}"

@@ -1,4 +1,4 @@
-"""The animated picture of a fleet's plan: an SVG in which each robot moves along its track (SMIL).
+"""The picture of a fleet's plan: an SVG in which each robot moves along its track (SMIL).
 
 The scene below is that of ``navigation.draw``; each robot has its colour, its way a line, its
 start a ring and its goal a cross, and the legend its name. The film lasts as long as the plan, is
@@ -8,10 +8,14 @@ played over and over, and holds its end for a moment.
 from __future__ import annotations
 
 import colorsys
+import math
 from collections.abc import Iterator, Sequence
 from xml.sax.saxutils import escape
 
+import numpy as np
+
 from navigation.cli.pictures.fleet_robots import FleetRobot
+from navigation.draw.driven import DrawnRobot
 from navigation.draw.layers import Content, layers
 from navigation.draw.legend import LEGEND_WIDTH
 from navigation.draw.picture import LEAST_HEIGHT, MARGIN, PLOT_HEIGHT, PLOT_WIDTH
@@ -51,6 +55,25 @@ def draw_fleet(scene: Scene, robots: Sequence[FleetRobot], plan: FleetPlan) -> s
         radius = robot.radius * screen.scale
         lines.append(_disc(i, robot, track, radius, len(robots), plan.makespan_s, film_s))
     return "\n".join([*lines, "</svg>"]) + "\n"
+
+
+def drawn_robots(robots: Sequence[FleetRobot], plan: FleetPlan) -> tuple[DrawnRobot, ...]:
+    """The robots at their goals, each with its way, for a picture that does not move."""
+    return tuple(
+        DrawnRobot(robot.name, robot.radius, _with_headings(track), [robot.goal])
+        for robot, track in zip(robots, plan.tracks, strict=True)
+    )
+
+
+def _with_headings(track: FloatArray) -> FloatArray:
+    """Rows x, y, heading_rad of a track: a robot looks the way it drove last."""
+    steps = np.diff(track[:, 1:], axis=0)
+    headings_rad = np.zeros(len(track))
+    last_rad = 0.0
+    for k, (dx, dy) in enumerate(steps.tolist(), start=1):
+        last_rad = math.atan2(dy, dx) if (dx, dy) != (0.0, 0.0) else last_rad
+        headings_rad[k] = last_rad
+    return np.column_stack([track[:, 1:], headings_rad])
 
 
 def _on_screen(track: FloatArray, screen: Screen) -> list[tuple[float, float, float]]:

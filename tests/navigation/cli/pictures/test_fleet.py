@@ -7,6 +7,7 @@ import re
 from pathlib import Path
 from xml.etree import ElementTree
 
+import cv2
 import numpy as np
 import pytest
 
@@ -98,6 +99,9 @@ def test_text_says_when_each_arrives(
 def test_the_picture_moves_a_disc_for_each_robot(
     arena: Path, capsys: pytest.CaptureFixture[str], tmp_path: Path
 ) -> None:
+    still = tmp_path / "fleet.png"
+    assert asked(capsys, arena, "--robots", robots, "--render", still)[0] == 0
+    assert len(np.unique(cv2.imread(str(still)).reshape(-1, 3), axis=0)) > 10
     target = tmp_path / "fleet.svg"
     robots = robots_file(tmp_path, ROBOTS.replace("ada", "<ada & co>"))
     assert asked(capsys, arena, "--robots", robots, "--render", target)[0] == 0
@@ -163,7 +167,7 @@ def test_files_that_are_read_are_not_written_over(
     assert asked(capsys, arena, "--robots", robots, "-o", robots)[0] == 2
     assert robots.read_text() == ROBOTS
     assert asked(capsys, arena, "--robots", tmp_path / "none.csv")[0] == 2
-    assert asked(capsys, arena, "--robots", robots, "--render", tmp_path / "f.png")[0] == 2
+    assert asked(capsys, arena, "--robots", robots, "--render", tmp_path / "f.gif")[0] == 2
 
 
 @pytest.mark.parametrize("objective", ["sum", "last"])
