@@ -12,6 +12,7 @@ import numpy as np
 import pytest
 
 from navigation.cli.main import run
+from navigation.draw.driven import colour_of
 from tests.support.oracles.fleet_judge import least_gap
 
 ARENA = """\
@@ -96,12 +97,21 @@ def test_text_says_when_each_arrives(
     assert re.search(r"^ada: \d+ points, arrives after", target.read_text(), re.M)
 
 
-def test_the_picture_moves_a_disc_for_each_robot(
+def test_a_picture_of_pixels_shows_each_robot_in_its_colour(
     arena: Path, capsys: pytest.CaptureFixture[str], tmp_path: Path
 ) -> None:
     still = tmp_path / "fleet.png"
+    robots = robots_file(tmp_path, ROBOTS)
     assert asked(capsys, arena, "--robots", robots, "--render", still)[0] == 0
-    assert len(np.unique(cv2.imread(str(still)).reshape(-1, 3), axis=0)) > 10
+    colours = {tuple(c) for c in np.unique(cv2.imread(str(still)).reshape(-1, 3), axis=0)}
+    for number in range(3):
+        red, green, blue = colour_of(number)
+        assert (blue, green, red) in colours
+
+
+def test_the_picture_moves_a_disc_for_each_robot(
+    arena: Path, capsys: pytest.CaptureFixture[str], tmp_path: Path
+) -> None:
     target = tmp_path / "fleet.svg"
     robots = robots_file(tmp_path, ROBOTS.replace("ada", "<ada & co>"))
     assert asked(capsys, arena, "--robots", robots, "--render", target)[0] == 0
