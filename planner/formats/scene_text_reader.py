@@ -6,7 +6,6 @@ The format is described in :mod:`planner.formats.scene_text`.
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Iterator
 from dataclasses import replace
 from itertools import pairwise
 from typing import Any, get_args
@@ -28,8 +27,8 @@ from planner.scene import (
     SegmentRecord,
     Units,
     Vec,
-    object_records,
-    record_edges,
+    derived_bounds,
+    extent_points,
 )
 
 HEADER = "#@ clearway.scene/1"
@@ -296,22 +295,3 @@ def arc_problem(arc: Arc) -> str | None:
             limit = f"at most {ARC_END_TOLERANCE:g} of the radius {arc.radius:g}"
             return f"the arc's {which} lies {off:g} off its circle: {limit}"
     return None
-
-
-def derived_bounds(points: Iterable[Vec]) -> Bounds:
-    """A generous rectangle: the bounding box of ``points``, grown by its diagonal (at least 1)."""
-    xs, ys = zip(*points, strict=True)
-    grow = max(1.0, math.dist((min(xs), min(ys)), (max(xs), max(ys))))
-    return Bounds(min(xs) - grow, min(ys) - grow, max(xs) + grow, max(ys) + grow)
-
-
-def extent_points(obj: SceneObject) -> Iterator[Vec]:
-    """Points whose bounding box holds the object; an arc counts as its whole circle."""
-    for record in object_records(obj):
-        if isinstance(record, PointRecord):
-            yield record.at
-        for edge in record_edges(record):
-            if isinstance(edge, Arc):
-                (x, y), r = edge.center, edge.radius
-                yield from ((x - r, y - r), (x + r, y + r))
-            yield from (edge.start, edge.end)

@@ -26,6 +26,7 @@ from planner.scene.records import (
     Segment,
     SegmentRecord,
     Vec,
+    extent_points,
     object_records,
     printable,
     record_edges,
@@ -35,6 +36,7 @@ from planner.scene.scene import (
     Bounds,
     Scene,
     Units,
+    derived_bounds,
 )
 from planner.scene.unknown_cells import UnknownCells
 
@@ -63,6 +65,8 @@ __all__ = [
     "Units",
     "UnknownCells",
     "Vec",
+    "derived_bounds",
+    "extent_points",
     "flatten",
     "object_records",
     "printable",

@@ -203,3 +203,15 @@ def record_edges(record: Record) -> tuple[Edge, ...]:
             )
         case ArcRecord(edges) | PolygonRecord(edges):
             return edges
+
+
+def extent_points(obj: SceneObject) -> Iterator[Vec]:
+    """Points whose bounding box holds the object; an arc counts as its whole circle."""
+    for record in object_records(obj):
+        if isinstance(record, PointRecord):
+            yield record.at
+        for edge in record_edges(record):
+            if isinstance(edge, Arc):
+                (x, y), r = edge.center, edge.radius
+                yield from ((x - r, y - r), (x + r, y + r))
+            yield from (edge.start, edge.end)

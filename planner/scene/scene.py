@@ -17,12 +17,15 @@ Rules and units
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
-from typing import TYPE_CHECKING, Literal, TypeAlias
+from typing import TYPE_CHECKING, Any, Literal, TypeAlias, get_args
+
+from numpy.typing import ArrayLike
 
 from planner.scene.drawing import Layer, View, obstacle_layers, plot, to_svg, wall_layer
 from planner.scene.flat_arcs import flatten
+from planner.scene.polygons import geo_of, objects_from_geo, objects_from_polygons
 from planner.scene.primitives import Primitives
 from planner.scene.records import (
     ArcRecord,
@@ -33,6 +36,7 @@ from planner.scene.records import (
     Segment,
     SegmentRecord,
     Vec,
+    extent_points,
     object_records,
 )
 from planner.scene.unknown_cells import UnknownCells
@@ -41,6 +45,8 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
 Units: TypeAlias = Literal["px", "m", "cells"]
+GEO_TOLERANCE = 1e-4
+"""By how much chords leave their arcs in ``__geo_interface__``, as a share of the bounds."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -74,6 +80,13 @@ class Bounds:
             (self.x_max, self.y_max),
             (self.x_min, self.y_max),
         )
+
+
+def derived_bounds(points: Iterable[Vec]) -> Bounds:
+    """A generous rectangle: the bounding box of ``points``, grown by its diagonal (at least 1)."""
+    xs, ys = zip(*points, strict=True)
+    grow = max(1.0, math.dist((min(xs), min(ys)), (max(xs), max(ys))))
+    return Bounds(min(xs) - grow, min(ys) - grow, max(xs) + grow, max(ys) + grow)
 
 
 @dataclass(frozen=True, slots=True)
@@ -114,6 +127,82 @@ class Scene:
             raise SceneError(f"bounds {b}: must be finite")
         if not (b.x_min < b.x_max and b.y_min < b.y_max):
             raise SceneError(f"bounds {b}: must have a positive width and height")
+        for number, one in enumerate(self.objects):
+            if not isinstance(one, SceneObject):
+                raise SceneError(
+                    f"object {number} is a {type(one).__name__}: must be a SceneObject; "
+                    "Scene.from_polygons makes them of arrays"
+                )
+
+    @classmethod
+    def from_polygons(
+        cls,
+        polygons: Iterable[ArrayLike] = (),
+        circles: Iterable[Sequence[float]] = (),
+        *,
+        bounds: Bounds | Sequence[float] | None = None,
+        units: Units = "m",
+    ) -> Scene:
+        """Return the scene of obstacles that are polygons (n, 2) or circles (x, y, radius).
+
+        Polygons may turn either way; those that overlap stay two objects. Without ``bounds``
+        (x_min, y_min, x_max, y_max) a generous rectangle is derived. Raises :class:`SceneError`
+        that names what cannot be used: too few vertices, no area, sides that cross.
+        """
+        objects = objects_from_polygons(polygons, circles, y_down=units != "m")
+        return cls._around(objects, bounds, units)
+
+    @classmethod
+    def from_geo(
+        cls,
+        geometry: object,
+        *,
+        bounds: Bounds | Sequence[float] | None = None,
+        units: Units = "m",
+    ) -> Scene:
+        """Return the scene of what has ``__geo_interface__``, or of a mapping as GeoJSON has it.
+
+        That is a geometry of shapely, a GeoSeries or GeoDataFrame of GeoPandas, or this scene's own
+        ``__geo_interface__``: polygons with their holes, lines and points, several in collections.
+        Bounds, units and errors are as in :meth:`from_polygons`.
+        """
+        return cls._around(objects_from_geo(geometry, y_down=units != "m"), bounds, units)
+
+    @classmethod
+    def _around(
+        cls,
+        objects: tuple[SceneObject, ...],
+        bounds: Bounds | Sequence[float] | None,
+        units: Units,
+    ) -> Scene:
+        if units not in get_args(Units):
+            raise SceneError(f"units {units!r}: must be one of {', '.join(get_args(Units))}")
+        if isinstance(bounds, Bounds):
+            return cls(units, bounds, objects)
+        if bounds is not None:
+            sides = tuple(float(side) for side in bounds)
+            if len(sides) != 4:
+                raise SceneError(f"bounds {sides}: must be x_min, y_min, x_max, y_max")
+            return cls(units, Bounds(*sides), objects)
+        if not objects:
+            raise SceneError("no obstacle and no bounds: one of them must be given")
+        points = (point for one in objects for point in extent_points(one))
+        return cls(units, derived_bounds(points), objects, bounds_given=False)
+
+    @property
+    def __geo_interface__(self) -> dict[str, Any]:
+        """The objects as a GeoJSON-like feature collection, for shapely, GeoPandas and others.
+
+        Arcs are chords within 1/10,000 of the bounds' longer side; :meth:`to_geo` takes another
+        tolerance.
+        """
+        return self.to_geo(GEO_TOLERANCE * max(self.bounds.width, self.bounds.height))
+
+    def to_geo(self, tolerance: float) -> dict[str, Any]:
+        """Return the same with chords that leave their arcs by ``tolerance`` (> 0) at most."""
+        if not tolerance > 0.0:
+            raise SceneError(f"tolerance {tolerance}: must be > 0")
+        return geo_of(self.objects, tolerance, y_down=self.y_down)
 
     def __repr__(self) -> str:
         """One line; ``objects`` has the rest."""
