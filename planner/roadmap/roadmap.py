@@ -11,8 +11,10 @@ Rules and units
 
 from __future__ import annotations
 
+import os
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
+from pathlib import Path as FilePath
 from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
@@ -139,6 +141,33 @@ class Roadmap:
 
             self._made["graph"] = make_graph(self.clipped, self.borders, self.radius, self.spacing)
         return self._made["graph"]  # type: ignore[no-any-return]
+
+    def to_networkx(self) -> nx.Graph[int]:
+        """Return the graph with attributes that are numbers or text, for files and other programs.
+
+        Nodes have ``x``, ``y``, ``clearance`` and ``owners`` ("0 2"), edges ``length``,
+        ``clearance``, ``owners`` and ``polyline`` ("x,y x,y ..."), the graph ``radius``,
+        ``spacing`` and ``units``: ``networkx.write_graphml`` takes it.
+        """
+        from planner.roadmap.roadmap_export import to_networkx
+
+        return to_networkx(self)
+
+    def save(self, path: str | os.PathLike[str], *, frame: str = "map") -> None:
+        """Write the graph as FILE.graphml, FILE.geojson (Nav2's route server) or FILE.json.
+
+        ``frame`` is the TF frame that GeoJSON names. Raises
+        :class:`planner.roadmap.roadmap_export.ExchangeError` where the suffix is another, or the
+        file cannot be written.
+        """
+        from planner.roadmap.roadmap_export import ExchangeError, as_text
+
+        file = FilePath(path)
+        text = as_text(self, file.suffix, frame=frame)
+        try:
+            file.write_text(text, encoding="utf-8")
+        except OSError as error:
+            raise ExchangeError(f"{file}: {error.strerror or error}") from None
 
     def layers(self) -> list[Layer]:
         """What is drawn of the roadmap: its scene, where that is one, and its edges."""

@@ -17,7 +17,7 @@ from __future__ import annotations
 import json
 from collections.abc import Iterator
 from itertools import pairwise
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, Protocol
 
 import numpy as np
 
@@ -25,8 +25,12 @@ from planner.borders.polyline import fewer_vertices
 from planner.scene import FloatArray
 
 if TYPE_CHECKING:
-    from planner.roadmap.roadmap import Roadmap
+    import networkx as nx
+    from numpy.typing import ArrayLike
 
+    from planner.borders.generators import Borders
+
+SUFFIXES = (".graphml", ".geojson", ".json")
 STRAIGHT_TOLERANCE = 0.02
 """How far a straight piece may leave the roadmap, as a part of the robot's radius."""
 
@@ -36,12 +40,57 @@ NAV2_CRS = "urn:ogc:def:crs:EPSG::3857"
 """What Nav2's own graphs name; the route server takes the coordinates as metres in its frame."""
 
 
+class Exported(Protocol):
+    """What is written of a :class:`planner.Roadmap`, which imports this module."""
+
+    @property
+    def radius(self) -> float:
+        """The robot's."""
+
+    @property
+    def spacing(self) -> float:
+        """Largest distance between generators."""
+
+    @property
+    def scene(self) -> object:
+        """What it is the roadmap of."""
+
+    @property
+    def borders(self) -> Borders:
+        """Its borders."""
+
+    @property
+    def graph(self) -> nx.Graph[int]:
+        """Nodes and edges."""
+
+    def path_clearance(self, polyline: ArrayLike) -> Any:
+        """The least ``distance`` of a polyline (n, 2) to any border."""
+
+
 class ExchangeError(ValueError):
     """A roadmap cannot be written in a format; the message says why."""
 
 
-def to_graphml(roadmap: Roadmap) -> str:
-    """The graph as GraphML; a polyline is "x,y x,y ...", owners are "1 2"."""
+def as_text(
+    roadmap: Exported, suffix: str, *, frame: str = "map", generated: str | None = None
+) -> str:
+    """The graph in the format of a file's suffix: .graphml, .geojson or .json.
+
+    ``frame`` and ``generated`` are for GeoJSON, see :func:`to_geojson`. Raises
+    :class:`ExchangeError` where there is no such format.
+    """
+    match suffix.lower():
+        case ".graphml":
+            return to_graphml(roadmap)
+        case ".geojson":
+            return to_geojson(roadmap, frame, generated)
+        case ".json":
+            return to_node_link(roadmap)
+    raise ExchangeError(f"suffix '{suffix}': must be one of {', '.join(SUFFIXES)}")
+
+
+def to_networkx(roadmap: Exported) -> nx.Graph[int]:
+    """The graph with numbers and text only; a polyline is "x,y x,y ...", owners are "1 2"."""
     import networkx as nx
 
     plain: nx.Graph[int] = nx.Graph(**_graph_fields(roadmap))
@@ -50,10 +99,17 @@ def to_graphml(roadmap: Roadmap) -> str:
     for u, v, data in _edges(roadmap):
         points = " ".join(f"{x!r},{y!r}" for x, y in data["polyline"])
         plain.add_edge(u, v, **data | {"owners": _joined(data["owners"]), "polyline": points})
-    return "\n".join(nx.generate_graphml(plain)) + "\n"
+    return plain
 
 
-def to_node_link(roadmap: Roadmap) -> str:
+def to_graphml(roadmap: Exported) -> str:
+    """The graph as GraphML, as :func:`to_networkx` has it."""
+    import networkx as nx
+
+    return "\n".join(nx.generate_graphml(to_networkx(roadmap))) + "\n"
+
+
+def to_node_link(roadmap: Exported) -> str:
     """The graph as node-link JSON: ``networkx.node_link_graph(data, edges="edges")`` reads it."""
     document = {
         "directed": False,
@@ -65,7 +121,7 @@ def to_node_link(roadmap: Roadmap) -> str:
     return json.dumps(document, allow_nan=False, indent=1) + "\n"
 
 
-def to_geojson(roadmap: Roadmap, frame: str = "map", generated: str | None = None) -> str:
+def to_geojson(roadmap: Exported, frame: str = "map", generated: str | None = None) -> str:
     """The graph as GeoJSON that Nav2's route server loads; ``frame`` is its TF frame.
 
     ``generated`` is the date for ``date_generated``, left out where None. Raises
@@ -106,7 +162,7 @@ def to_geojson(roadmap: Roadmap, frame: str = "map", generated: str | None = Non
 
 
 def _numbered(
-    roadmap: Roadmap, points: list[dict[str, Any]], frame: str, same: float
+    roadmap: Exported, points: list[dict[str, Any]], frame: str, same: float
 ) -> dict[int, int]:
     """The nodes as ``points``, and the number of each; ends of an edge without length share one."""
     first: dict[int, int] = {}
@@ -127,7 +183,7 @@ def _numbered(
     return {node: number[leader(node)] for node, _ in _nodes(roadmap)}
 
 
-def _straight(roadmap: Roadmap, line: FloatArray) -> list[int]:
+def _straight(roadmap: Exported, line: FloatArray) -> list[int]:
     """Vertices to keep, so that every straight piece keeps the robot's radius."""
     tolerance = STRAIGHT_TOLERANCE * roadmap.radius
     kept: list[int] = fewer_vertices(line, tolerance).tolist()
@@ -138,7 +194,7 @@ def _straight(roadmap: Roadmap, line: FloatArray) -> list[int]:
     return result
 
 
-def _from_to(roadmap: Roadmap, u: int, line: FloatArray) -> FloatArray:
+def _from_to(roadmap: Exported, u: int, line: FloatArray) -> FloatArray:
     """The polyline turned so that it begins at node ``u``."""
     x, y = roadmap.graph.nodes[u]["pos"]
     ends = np.hypot(*(line[[0, -1]] - (x, y)).T)
@@ -175,13 +231,13 @@ def _feature_edge(
     }
 
 
-def _graph_fields(roadmap: Roadmap) -> dict[str, Any]:
+def _graph_fields(roadmap: Exported) -> dict[str, Any]:
     units = getattr(roadmap.scene, "units", None)
     fields = {"radius": float(roadmap.radius), "spacing": float(roadmap.spacing)}
     return fields | ({"units": units} if units else {})
 
 
-def _nodes(roadmap: Roadmap) -> Iterator[tuple[int, dict[str, Any]]]:
+def _nodes(roadmap: Exported) -> Iterator[tuple[int, dict[str, Any]]]:
     for node, data in roadmap.graph.nodes(data=True):
         x, y = data["pos"]
         yield (
@@ -195,7 +251,7 @@ def _nodes(roadmap: Roadmap) -> Iterator[tuple[int, dict[str, Any]]]:
         )
 
 
-def _edges(roadmap: Roadmap) -> Iterator[tuple[int, int, dict[str, Any]]]:
+def _edges(roadmap: Exported) -> Iterator[tuple[int, int, dict[str, Any]]]:
     for u, v, data in roadmap.graph.edges(data=True):
         yield (
             int(u),

@@ -77,14 +77,9 @@ def command(
     warn_of_doubts(scene, source)
     with long_work("building the roadmap"):
         roadmap, _ = timed_roadmap(scene, radius, spacing)
-    match output.suffix.lower():
-        case ".graphml":
-            text = roadmap_export.to_graphml(roadmap)
-        case ".geojson":
-            now = datetime.now(UTC).isoformat(timespec="seconds")
-            text = roadmap_export.to_geojson(roadmap, frame, now)
-        case _:
-            text = roadmap_export.to_node_link(roadmap)
+    now = datetime.now(UTC).isoformat(timespec="seconds")
+    suffix = ".json" if output == STANDARD_STREAM else output.suffix
+    text = roadmap_export.as_text(roadmap, suffix, frame=frame, generated=now)
     write_text(output, text)
     if map_file is not None:
         from planner.formats.map_writer import write_map

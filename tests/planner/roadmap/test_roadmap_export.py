@@ -202,3 +202,28 @@ def test_a_nav2_graph_says_its_crs_and_the_date_that_it_is_given(roadmap):
     assert document["crs"]["properties"]["name"].startswith("urn:ogc:def:crs:")
     assert document["date_generated"] == "2026-11-23T07:00:00+00:00"
     assert "date_generated" not in strict(to_geojson(roadmap))
+
+
+@pytest.mark.parametrize(
+    ("name", "text"),
+    [("r.graphml", to_graphml), ("r.GeoJSON", to_geojson), ("r.json", to_node_link)],
+)
+def test_a_roadmap_saves_itself_by_the_suffix(roadmap, tmp_path, name, text):
+    roadmap.save(tmp_path / name)
+    assert (tmp_path / name).read_text() == text(roadmap)
+
+
+def test_a_file_that_cannot_be_is_refused(roadmap, tmp_path):
+    with pytest.raises(ExchangeError, match=r"suffix '.dot': must be one of .graphml, .geojson, "):
+        roadmap.save(tmp_path / "r.dot")
+    with pytest.raises(ExchangeError, match="No such file or directory"):
+        roadmap.save(tmp_path / "none" / "r.json")
+
+
+def test_networkx_writes_the_plain_graph_and_reads_it_back(roadmap, tmp_path):
+    plain = roadmap.to_networkx()
+    nx.write_graphml(plain, tmp_path / "r.graphml")
+    again = nx.read_graphml(tmp_path / "r.graphml", node_type=int)
+    assert dict(again.nodes(data=True)) == dict(plain.nodes(data=True))
+    assert again.graph["units"] == "m"
+    assert len(again.edges) == len(roadmap.graph.edges)
