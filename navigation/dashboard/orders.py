@@ -46,7 +46,7 @@ def refusal_of(order: object, *, may_drive: bool, holds: bool, may_stop: bool = 
     if not may_drive:
         return "this token is for looking and stopping only"
     if not holds:
-        return "take the arena first"
+        return "take control first"
     return None
 
 

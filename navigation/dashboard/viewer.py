@@ -253,7 +253,7 @@ class Viewer:
             error = self.hub.seat.take(self.attention.key, self.name, self.hub.clock())
             if error is None and not was_mine:
                 self.hub.tell_now()
-                self.hub.note("info", f"{self.name} holds the arena")
+                self.hub.note("info", f"{self.name} is in control")
         self._reply(message, {"ok": error is None, **({"error": error} if error else {})})
 
     def _order(self, message: dict[str, Any]) -> None:
@@ -302,7 +302,7 @@ class Viewer:
         if robot is not None and not isinstance(robot, str):
             raise MalformedError(f"robot: must be a name, not {in_short(robot)}")
         if self.role is not Role.OPERATOR or not self.hub.seat.is_held_by(self.attention.key):
-            self._reply(message, {"ok": False, "reason": "take the arena first"})
+            self._reply(message, {"ok": False, "reason": "take control first"})
             return
         self.hub.seat.touch(self.attention.key, self.hub.clock())
         if self._preview is not None:

@@ -66,7 +66,7 @@ class Visits:
         hub = self._hub
         holder = hub.seat.holder
         if holder is None or holder.key != body.get("key"):
-            return JSONResponse({"ok": False, "error": "take the arena first"})
+            return JSONResponse({"ok": False, "error": "take control first"})
 
         def work() -> dict[str, Any]:
             people = hub.daemon.people

@@ -145,7 +145,7 @@ class Report:
                 f"{self.frames.captured} frames, {self.frames.processed} processed, "
                 f"{self.frames.dropped} dropped",
             ),
-            ("capture to wire", f"{_number(c.p50)} ms p50, {_number(c.p99)} ms p99"),
+            ("picture to command", f"{_number(c.p50)} ms p50, {_number(c.p99)} ms p99"),
         ]
 
 

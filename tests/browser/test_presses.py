@@ -174,7 +174,7 @@ def test_an_arena_just_taken_is_not_lost_to_a_state_from_before(open_page: OpenP
         page.wait_for_function("() => named.length >= 2")
         assert page.evaluate("named.includes(null)") is False
         page.locator("#seat").click()
-        expect(page.locator("#seat")).to_have_text("Take arena")
+        expect(page.locator("#seat")).to_have_text("Take control")
 
 
 def test_an_arena_that_somebody_else_has_just_taken_is_refused_with_a_sentence(
@@ -184,7 +184,7 @@ def test_an_arena_that_somebody_else_has_just_taken_is_refused_with_a_sentence(
     wait_for_picture(page)
     program.hub.seat.take("somebody-elses-key", "Ada", program.hub.clock())
     page.keyboard.press("t")
-    expect(page.locator("#refusal-text")).to_contain_text("Ada holds the arena")
+    expect(page.locator("#refusal-text")).to_contain_text("Ada is in control")
 
 
 def test_a_stop_latch_is_left_by_nothing_but_rearm_and_the_page_says_so(

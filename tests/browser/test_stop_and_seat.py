@@ -96,10 +96,10 @@ def test_one_operator_holds_the_arena_and_everybody_may_stop(
     first.locator("#name").fill("<b>Ada</b>")
     first.locator("#name").press("Tab")
     first.locator("#seat").click()
-    expect(first.locator("#seat-text")).to_have_text("You hold the arena")
-    expect(second.locator("#seat-text")).to_have_text("<b>Ada</b> holds the arena")
+    expect(first.locator("#seat-text")).to_have_text("You are in control")
+    expect(second.locator("#seat-text")).to_have_text("<b>Ada</b> is in control")
     click_at(second, *HERE)
-    expect(second.locator("#refusal")).to_contain_text("holds the arena")
+    expect(second.locator("#refusal")).to_contain_text("is in control")
     expect(second.locator("#goal-preview")).to_be_hidden()
     keep(second, "somebody_else_holds_the_arena")
     drive(program, first)
@@ -107,4 +107,24 @@ def test_one_operator_holds_the_arena_and_everybody_may_stop(
     until(program.is_stopped)
     expect(first.locator("#stopped")).to_be_visible()
     first.locator("#seat").click()
-    expect(second.locator("#seat")).to_have_text("Take arena")
+    expect(second.locator("#seat")).to_have_text("Take control")
+
+
+def test_on_a_phone_nothing_covers_what_became_of_a_stop(
+    open_page: OpenPage, program: ShownProgram, keep: Keep
+) -> None:
+    page = open_page(viewport={"width": 390, "height": 844}, has_touch=True, is_mobile=True)
+    wait_for_picture(page)
+    drive(program, page)
+    page.evaluate("localStorage.removeItem('clearway.name')")
+    expect(page.locator("#name-form")).to_be_visible()
+    page.locator("#stop").tap()
+    expect(page.locator("#stopped-text")).to_contain_text("its wheels are off")
+    keep(page, "stopped_on_a_phone")
+    expect(page.locator("#name-form")).to_be_hidden()
+    text = page.locator("#stopped-text").bounding_box()
+    card = page.locator("#said").bounding_box()
+    assert text is not None
+    assert card is not None
+    assert card["y"] <= text["y"]
+    assert text["y"] + text["height"] <= card["y"] + card["height"] + 1.0, "it is read whole"

@@ -31,7 +31,8 @@ def command(once: bool, no_browser: bool, port: int) -> int:
     """Show a simulated arena: the robot drives, the dashboard opens in the browser.
 
     Camera, arena and robot are simulated; vision, planning, the serial link and the dashboard are
-    the real ones. Nothing is kept. Click in the arena to send the robot elsewhere; Ctrl-C ends it.
+    the real ones. Nothing is kept. Click in the arena to see
+    the way there, then press "Send the robot"; Ctrl-C ends it.
     """
     from navigation.cli.running.run import show, signals_heard
     from navigation.cli.setup.starter_values import demo_values

@@ -52,7 +52,7 @@ class Seat:
         holder = self.holder
         if holder is not None and holder.key != key:
             left_s = self.free_in_s(now_s)
-            return f"{holder.name} holds the arena (free in {left_s:.0f} s without an order)"
+            return f"{holder.name} is in control (until {left_s:.0f} s pass without an order)"
         self.holder = Holder(key, name, now_s)
         return None
 
@@ -100,4 +100,4 @@ class Seat:
             return None
         self.holder = None
         why = "did nothing for a while" if holder.back_until_s is None else "went away"
-        return f"{holder.name} {why}: the arena is free"
+        return f"{holder.name} {why}: nobody is in control"

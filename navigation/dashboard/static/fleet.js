@@ -128,5 +128,5 @@ export function condition(robot) {
   if (robot.paused) return ["warn", "Paused", "!"];
   if (mission.state === "holding") return ["warn", "Holding", "!"];
   if (waits) return ["warn", other ? `Waits for ${other}` : "Waiting", "‖"];
-  return { driving: ["good", "Driving", ""], done: ["good", "Arrived", ""], planning: ["calm", "Planning", ""], proving: ["calm", "Proving itself", ""] }[mission.state] ?? ["calm", "Ready", ""];
+  return { driving: ["good", "Driving", ""], done: ["good", "Arrived", ""], planning: ["calm", "Planning", ""], proving: ["calm", "Checking itself", ""] }[mission.state] ?? ["calm", "Ready", ""];
 }

@@ -286,7 +286,7 @@ export class Goal {
     if (this.stopped) return "the robot is stopped; re-arm it first";
     if (!this.#preview) return "the plan is not there yet; look at it, then send again";
     if (!this.#preview.ok) return "there is no plan to this goal";
-    if (this.seat.other) return `${this.seat.other} holds the arena`;
+    if (this.seat.other) return `${this.seat.other} is in control`;
     return this.#isSending ? "the last order is still on its way" : "";
   }
 

@@ -9,7 +9,7 @@ const SHOWN_LEAST = 60; // half a minute, until there is more
 
 const ROWS = [
   { id: "camera", title: "Camera", column: "camera_hz", least: 30, unit: "pictures/s", judge: cameraWord, detail: cameraDetail },
-  { id: "wire", title: "Capture to wire", column: "wire_ms", least: 20, unit: "ms", judge: (s) => (s.loop_ms > 1000 ? ["bad", "control loop hangs"] : ["good", "control loop runs"]), detail: (s, last) => both(last("wire_ms"), "ms at most", last("look_ms"), "ms vision") },
+  { id: "wire", title: "Picture to command", column: "wire_ms", least: 20, unit: "ms", judge: (s) => (s.loop_ms > 1000 ? ["bad", "control loop hangs"] : ["good", "control loop runs"]), detail: (s, last) => both(last("wire_ms"), "ms at most", last("look_ms"), "ms vision") },
   { id: "link", title: "Link to the robot", column: "round_trip_ms", least: 20, unit: "ms", judge: linkWord, detail: linkDetail },
   { id: "planner", title: "Planner", column: "plan_ms", least: 50, unit: "ms", judge: plannerWord, detail: (s) => both(s.times.roadmap_ms, "ms roadmap", s.times.plan_ms, "ms plan") },
   { id: "clearance", title: "Clearance", column: "clearance_m", least: 0.5, unit: "m", judge: () => null, detail: (s) => figure(s.clearance_m, "m") },
@@ -139,10 +139,10 @@ function cameraWord({ camera }) {
 }
 
 function cameraDetail({ camera }) {
-  const age = camera.latency_ms === null ? "" : `, ${camera.latency_ms.toFixed(0)} ms old on arrival`;
+  const age = camera.latency_ms === null ? "" : `, ${camera.latency_ms.toFixed(0)} ms old when it arrives`;
   const again = camera.reopened ? `, opened again ${camera.reopened}×` : "";
-  const rate = camera.each.length ? "" : `${camera.rate_hz.toFixed(1)}/s, `;
-  return `${rate}${camera.dropped} dropped${age}${again}`;
+  const rate = camera.each.length ? "" : `${camera.rate_hz.toFixed(1)} pictures/s, `;
+  return `${rate}${camera.dropped} skipped${age}${again}`;
 }
 
 /** Of several cameras each, with its rate, or why it gives no picture. */

@@ -15,8 +15,8 @@ const FIGURES = [
   ["Off the goal", (r) => figure(r.goal_error_m, 3, "m")],
   ["Off its heading", (r) => figure(r.goal_error_deg, 1, "°")],
   ["Plans made again", (r) => figure(r.replans, 0, "")],
-  ["Capture to wire, median", (r) => figure(r.latency_ms?.capture_to_wire?.p50, 1, "ms")],
-  ["Capture to wire, 99 of 100", (r) => figure(r.latency_ms?.capture_to_wire?.p99, 1, "ms")],
+  ["Picture to command, median", (r) => figure(r.latency_ms?.capture_to_wire?.p50, 1, "ms")],
+  ["Picture to command, 99 of 100", (r) => figure(r.latency_ms?.capture_to_wire?.p99, 1, "ms")],
   ["Pictures", (r) => `${figure(r.frames?.processed, 0, "")}, ${figure(r.frames?.dropped, 0, "dropped")}`],
   ["Sent again on the link", (r) => figure(r.link?.retransmits, 0, "")],
 ];

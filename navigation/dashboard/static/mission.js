@@ -3,7 +3,7 @@
 import { allow, onPress } from "./press.js";
 
 const WORDS = {
-  idle: "Ready", planning: "Planning", proving: "Proving itself", driving: "Driving", holding: "Holding",
+  idle: "Ready", planning: "Planning", proving: "Checking itself", driving: "Driving", holding: "Holding",
   stopped: "Stopped", done: "Arrived", failed: "Failed",
 };
 

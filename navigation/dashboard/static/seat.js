@@ -109,12 +109,13 @@ export class Seat {
     if (this.isRecording) return; // the bar says what is played
     const up = this.connection.isUp && this.#state !== null;
     const holder = this.#state?.seat;
-    this.form.hidden = !(up && this.isMine && localStorage.getItem("clearway.name") === null);
+    this.form.hidden = !(up && this.isMine && localStorage.getItem("clearway.name") === null
+      && this.#state.mission.state !== "stopped"); // what became of a STOP needs the room
     this.button.hidden = !up || !this.mayDrive || (Boolean(holder) && !this.isMine);
-    this.button.textContent = this.isMine ? "Release" : "Take arena";
+    this.button.textContent = this.isMine ? "Release" : "Take control";
     if (!up) this.text.textContent = "";
-    else if (this.isMine) this.text.textContent = "You hold the arena";
-    else if (holder) this.text.textContent = `${holder.name} holds the arena`;
+    else if (this.isMine) this.text.textContent = "You are in control";
+    else if (holder) this.text.textContent = `${holder.name} is in control`;
     else this.text.textContent = this.mayNot && !this.isRecording ? "Looking only" : "";
     const others = (this.#state?.viewers ?? 1) - 1;
     this.text.title = others > 0 ? `${others} more ${others === 1 ? "page is" : "pages are"} open` : "";

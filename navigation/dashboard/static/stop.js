@@ -36,7 +36,10 @@ export class Stop {
     }, { capture: true });
     onPress(this.rearm, say, () => this.#leave());
     connection.on("state", (state) => this.#follow(state));
-    connection.on("down", () => { this.#isAtRest = false; });
+    connection.on("down", () => {
+      this.#isAtRest = false;
+      allow(this.rearm, "there is no connection to the program");
+    });
   }
 
   async fire() {

@@ -77,14 +77,14 @@ def test_a_name_is_asked_once_and_shown_to_others(open_page: OpenPage) -> None:
     ready(other)
     expect(page.locator("#name-form")).to_be_hidden()
     page.keyboard.press("t")
-    expect(other.locator("#seat-text")).to_have_text("somebody holds the arena")
+    expect(other.locator("#seat-text")).to_have_text("somebody is in control")
     page.locator("#name-asked").fill("<b>Ann</b>")
     page.locator("#name-asked").press("Enter")
     expect(page.locator("#name-form")).to_be_hidden()
-    expect(other.locator("#seat-text")).to_have_text("<b>Ann</b> holds the arena")
+    expect(other.locator("#seat-text")).to_have_text("<b>Ann</b> is in control")
     page.reload()
     ready(page)
-    expect(page.locator("#seat-text")).to_have_text("You hold the arena")
+    expect(page.locator("#seat-text")).to_have_text("You are in control")
     expect(page.locator("#name-form")).to_be_hidden()
 
 

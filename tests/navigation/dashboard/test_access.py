@@ -129,7 +129,7 @@ def test_one_at_a_time_holds_the_arena() -> None:
     assert seat.take(KEY, "Ada", 1.0) is None, "again is no mistake"
     refusal = seat.take(ELSE, "Ben", 2.0)
     assert refusal is not None
-    assert "Ada holds the arena" in refusal
+    assert "Ada is in control" in refusal
     assert not seat.release(ELSE)
     assert seat.release(KEY)
     assert seat.take(ELSE, "Ben", 3.0) is None
@@ -141,7 +141,7 @@ def test_who_does_nothing_loses_the_arena_and_each_order_keeps_it() -> None:
     seat.touch(KEY, 200.0)
     assert seat.tick(499.9) is None
     told = seat.tick(500.0)
-    assert told == "Ada did nothing for a while: the arena is free"
+    assert told == "Ada did nothing for a while: nobody is in control"
     assert seat.holder is None
 
 
@@ -154,7 +154,7 @@ def test_a_page_that_comes_back_in_time_is_the_same_operator(left: bool, patienc
     seat.come(KEY, "Ada")
     assert seat.tick(10.0 + patience_s + 50.0) is None
     seat.go(KEY, 100.0, left=left)
-    assert seat.tick(100.0 + patience_s) == "Ada went away: the arena is free"
+    assert seat.tick(100.0 + patience_s) == "Ada went away: nobody is in control"
 
 
 def test_the_comings_and_goings_of_others_do_not_touch_the_seat() -> None:
@@ -180,7 +180,7 @@ def test_everybody_may_stop_and_only_the_holder_may_drive() -> None:
             assert refusal_of("stop", may_drive=may_drive, holds=holds) is None
     for order in ("go", "pause", "resume", "rearm", "replan"):
         assert refusal_of(order, may_drive=True, holds=True) is None
-        assert refusal_of(order, may_drive=True, holds=False) == "take the arena first"
+        assert refusal_of(order, may_drive=True, holds=False) == "take control first"
         assert "looking" in (refusal_of(order, may_drive=False, holds=True) or "")
 
 

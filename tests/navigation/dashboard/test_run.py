@@ -88,7 +88,7 @@ def test_a_busy_port_does_not_end_a_run(config: Path, monkeypatch: pytest.Monkey
         monkeypatch.setenv("CLEARWAY_DASHBOARD__PORT", str(taken.getsockname()[1]))
         told = run(config)
     assert "no dashboard: 127.0.0.1:" in told.out
-    assert "capture to wire" in told.out, "the run went on to its report"
+    assert "picture to command" in told.out, "the run went on to its report"
 
 
 def test_an_open_dashboard_without_a_token_is_a_bad_configuration(

@@ -130,15 +130,15 @@ def test_only_the_holder_drives_and_everybody_stops(site: Site) -> None:
     with site.live() as one, site.live() as other:
         one.join("a" * 32, "Ada")
         other.join("b" * 32, "Ben")
-        assert other.order("go", stations=goal)["error"] == "take the arena first"
+        assert other.order("go", stations=goal)["error"] == "take control first"
         one.send(type="take", id=1)
         assert one.hear("answer")["ok"]
         other.send(type="take", id=2)
-        assert "Ada holds the arena" in other.hear("answer")["error"]
+        assert "Ada is in control" in other.hear("answer")["error"]
         assert one.order("go", stations=goal)["ok"]
-        assert other.order("pause")["error"] == "take the arena first"
+        assert other.order("pause")["error"] == "take control first"
         assert other.order("stop")["ok"]
-        assert other.order("rearm")["error"] == "take the arena first"
+        assert other.order("rearm")["error"] == "take control first"
         assert one.order("rearm")["ok"]
         one.send(type="release")
         other.send(type="take", id=3)

@@ -165,7 +165,7 @@ def test_a_preview_changes_nothing_and_is_for_the_holder(site: Site) -> None:
     with site.live() as page:
         page.join()
         page.send(type="preview", id=1, stations=goal)
-        assert "take the arena" in page.hear("preview")["reason"]
+        assert "take control" in page.hear("preview")["reason"]
         page.send(type="take", id=2)
         page.hear("answer")
         page.send(type="preview", id=3, stations=goal)

@@ -189,7 +189,7 @@ def test_settings_are_read_checked_and_saved_over_the_page(open_page: Site, offi
         {"ok": True, "problems": []},
     )
     _, told = post(open_page, "/api/settings/save", changes=changes, base=base, key=KEY)
-    assert told == {"ok": False, "error": "take the arena first"}
+    assert told == {"ok": False, "error": "take control first"}
     with open_page.live() as page:
         page.join(name="Ada")
         page.send(type="take", id=1)
