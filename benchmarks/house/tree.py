@@ -7,7 +7,7 @@ from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 from pathlib import Path, PurePosixPath
 
-PACKAGES = ("vision", "planner", "navigation", "firmware_protocol")
+PACKAGES = ("clearway", "vision", "planner", "navigation", "firmware_protocol")
 """What is shipped."""
 ALL = (*PACKAGES, "tests", "benchmarks")
 

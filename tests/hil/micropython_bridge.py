@@ -74,6 +74,7 @@ def main():  # type: ignore[no-untyped-def]
     import os
 
     import micropython  # type: ignore[import-not-found]
+
     from clearway import program, settings, wheels  # type: ignore[import-not-found]
 
     ask, say = sys.stdin.buffer, sys.stdout.buffer

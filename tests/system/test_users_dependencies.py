@@ -10,7 +10,7 @@ from pathlib import Path
 import pytest
 
 TOP = Path(__file__).resolve().parents[2]
-PACKAGES = ("vision", "planner", "navigation", "firmware_protocol")
+PACKAGES = ("clearway", "vision", "planner", "navigation", "firmware_protocol")
 SOURCES = sorted(path for package in PACKAGES for path in (TOP / package).rglob("*.py"))
 KERNELS = [path for path in SOURCES if path.name.endswith("_kernels.py")]
 NEEDS_SCIPY = {"linalg", "dot", "vdot", "matmul"}

@@ -106,6 +106,7 @@ def view_of(link, robot):  # type: ignore[no-untyped-def]
 def main():  # type: ignore[no-untyped-def]
     """Serve stdin, under MicroPython."""
     import micropython  # type: ignore[import-not-found]
+
     from clearway import link, robot, settings  # type: ignore[import-not-found]
 
     def lock(locked):  # type: ignore[no-untyped-def]

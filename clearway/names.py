@@ -1,0 +1,20 @@
+"""What ``vision``, ``planner`` and ``navigation`` lend to ``clearway``.
+
+In a module beside ``__init__.pyi``, because lazy-loader finds names of its own package only.
+"""
+
+from navigation import save_picture
+from planner import NoPath, Path, Roadmap, Scene, build_roadmap, load_scene, time_path
+from vision import extract
+
+__all__ = [
+    "NoPath",
+    "Path",
+    "Roadmap",
+    "Scene",
+    "build_roadmap",
+    "extract",
+    "load_scene",
+    "save_picture",
+    "time_path",
+]
