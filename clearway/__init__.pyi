@@ -6,6 +6,7 @@ from .names import Scene as Scene
 from .names import build_roadmap as build_roadmap
 from .names import extract as extract
 from .names import load_scene as load_scene
+from .names import sample as sample
 from .names import save_picture as save_picture
 from .names import time_path as time_path
 

@@ -4,7 +4,7 @@ In a module beside ``__init__.pyi``, because lazy-loader finds names of its own 
 """
 
 from navigation import save_picture
-from planner import NoPath, Path, Roadmap, Scene, build_roadmap, load_scene, time_path
+from planner import NoPath, Path, Roadmap, Scene, build_roadmap, load_scene, sample, time_path
 from vision import extract
 
 __all__ = [
@@ -15,6 +15,7 @@ __all__ = [
     "build_roadmap",
     "extract",
     "load_scene",
+    "sample",
     "save_picture",
     "time_path",
 ]

@@ -20,6 +20,7 @@ from .path import Trajectory as Trajectory
 from .path import Waypoint as Waypoint
 from .roadmap.roadmap import Roadmap as Roadmap
 from .roadmap.roadmap import build_roadmap as build_roadmap
+from .samples.sample import sample as sample
 from .scene import Arc as Arc
 from .scene import ArcRecord as ArcRecord
 from .scene import Bounds as Bounds

@@ -22,6 +22,7 @@ EXAMPLES: dict[str, Example] = {
         "clearway demo --no-browser",
         "Run a simulated arena and print the dashboard's address.",
     ),
+    "sample": Example("clearway sample arena", "Write arena.png, a picture of three obstacles."),
     "run": Example(
         "clearway run arena.yaml --once --report report.json",
         "Drive the configured mission, write the report, and end.",

@@ -64,6 +64,7 @@ class Listed(NamedTuple):
 
 COMMANDS: dict[str, Listed] = {
     "demo": Listed(".running.demo:command", "A simulated arena and its dashboard, no file needed."),
+    "sample": Listed(".setup.sample:command", "A picture or a map to try things with."),
     "run": Listed(".running.run:command", "Drive the robot: camera, planning, serial link."),
     "extract": Listed(".pictures.extract:command", "The geometric structure of a picture."),
     "plan": Listed(".pictures.plan:command", "One plan through a picture, scene or map."),

@@ -45,8 +45,13 @@ def write_text(path: Path | None, text: str) -> None:
     if path is None or path == STANDARD_STREAM:
         click.echo(text, nl=False)
         return
+    write_bytes(path, text.encode())
+
+
+def write_bytes(path: Path, data: bytes) -> None:
+    """Write a whole file; ``OutputError`` where the disk is full or the like."""
     try:
-        path.write_text(text, encoding="utf-8")
+        path.write_bytes(data)
     except OSError as error:
         raise OutputError(f"{path}: cannot be written: {error.strerror or error}") from error
 
