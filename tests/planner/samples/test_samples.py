@@ -1,4 +1,4 @@
-"""The samples that come with Clearway are small, drawn by a command, and good for what they show."""
+"""The samples that come with Clearway are small, drawn by a command, and of use."""
 
 from __future__ import annotations
 
