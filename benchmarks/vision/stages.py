@@ -44,6 +44,7 @@ FARTHER_BY = 1.02
 """What makes a difference: one more wrong shape, or so many times the distance."""
 Figures = dict[str, tuple[int, float, float]]
 STAGES = (
+    "corners",
     "lines",
     "ends",
     "fillets",
@@ -56,10 +57,10 @@ STAGES = (
     "joints relaxed",
     "runs merged",
 )
-"""What is switched off; the first three are the edits, by their numbers."""
+"""What is switched off; the first four are the edits, by their numbers."""
 OFF = np.zeros(len(STAGES), np.int64)
 """Which stages are: kernels read it where it lies, so that they are compiled once."""
-TOUCHING, SQUARING, MISSED, SNAPPING, START, FITS, RELAXING, MERGING = range(3, len(STAGES))
+TOUCHING, SQUARING, MISSED, SNAPPING, START, FITS, RELAXING, MERGING = range(4, len(STAGES))
 STEPS: tuple[tuple[int, ModuleType, str], ...] = (
     (TOUCHING, edit_search_kernels, "touch_lines"),
     (SQUARING, edit_search_kernels, "square_ends"),

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import sys
 from collections.abc import Iterable, Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -57,7 +58,9 @@ def write_bytes(path: Path, data: bytes) -> None:
 
 
 def tell_times(timings_ms: Mapping[str, float]) -> None:
-    """Say on standard error how long each stage took."""
+    """Say on standard error how long each stage took, where that is a terminal."""
+    if sys.stderr is None or not sys.stderr.isatty():
+        return
     stages = (f"{stage} {time_ms:.1f}" for stage, time_ms in timings_ms.items())
     click.echo(f"ms: {', '.join(stages)}", err=True)
 

@@ -42,6 +42,8 @@ def board(request: pytest.FixtureRequest, monkeypatch: pytest.MonkeyPatch) -> Mo
     """A board's file as the board imports it."""
     for folder in (STAND_INS, FOLDER, FOLDER / "boards"):
         monkeypatch.syspath_prepend(str(folder))
+    for name in [name for name in sys.modules if name.split(".")[0] == "clearway"]:
+        monkeypatch.delitem(sys.modules, name)  # the host's package, which a board has not
     before = set(sys.modules)
     world = importlib.import_module("world")
     monkeypatch.setattr(time, "ticks_us", lambda: world.now_us, raising=False)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import io
 import subprocess
 import sys
 from pathlib import Path
@@ -12,7 +13,7 @@ import numpy as np
 import pytest
 
 from navigation.cli.main import run
-from navigation.cli.outputs import keep_apart
+from navigation.cli.outputs import keep_apart, tell_times
 
 PLAN = ["--start", "10,10", "--goal", "80,80", "--radius", "3"]
 
@@ -85,3 +86,14 @@ def test_an_empty_name_is_not_the_present_folder(
 ) -> None:
     assert run([*command, ""]) == 2
     assert "the name is empty: must be a file" in capsys.readouterr().err
+
+
+@pytest.mark.parametrize("at_terminal", [True, False])
+def test_times_are_told_at_a_terminal_only(
+    monkeypatch: pytest.MonkeyPatch, at_terminal: bool
+) -> None:
+    stream = io.StringIO()
+    monkeypatch.setattr(stream, "isatty", lambda: at_terminal)
+    monkeypatch.setattr(sys, "stderr", stream)
+    tell_times({"load": 1.25, "total": 3.0})
+    assert stream.getvalue() == ("ms: load 1.2, total 3.0\n" if at_terminal else "")

@@ -33,6 +33,7 @@ from vision.outline.corners.fillet_kernels import (
     ANCHOR_FROM,
     ANCHOR_TO,
     MOST_TURN,
+    set_corner,
     try_fillet,
 )
 from vision.outline.corners.wall_end_kernels import try_end, turns_back
@@ -42,20 +43,20 @@ from vision.outline.fitted_borders import FEWEST_LINES
 from vision.outline.outline_types import Run
 from vision.shared.typed_numbers import NO, ONE
 
-LINE, END, FILLET = np.int64(0), np.int64(1), np.int64(2)
-"""What may take the place of a run of edges (defined): one line through all their points, a line
-square to both that stay at the end of a wall, an arc that touches both.
+CORNER, LINE, END, FILLET = np.int64(0), np.int64(1), np.int64(2), np.int64(3)
+"""What may take the place of a run of edges (defined): the corner of the two that stay, one line
+through all their points, a line square to both at the end of a wall, an arc that touches both.
 Typed, so that kernels are compiled for numbers and not once more for these."""
-KINDS = 3
+KINDS = 4
 """So many of them: defined."""
-SHARES = 1.0, 1.0, 1.5
+SHARES = 0.0, 1.0, 1.0, 1.5
 """Their prices in lines. A fillet has one free number, a line and its break have two: between the
 line that it is dearer than and the two that it saves, so that a bevel stays straight (chosen)."""
 LONGEST_RUN = 6
 """Edges that one edit may replace: a bound on the work, O(edges) (indifferent)."""
 SHORT_RUN = 2
-"""Edges that a wall's end may replace: blur rounds it to two sides at most, and what is longer was
-seen by the search (chosen)."""
+"""Edges that a corner or a wall's end may replace: blur rounds a corner to two sides at most, and
+what is longer was seen by the search (chosen)."""
 COUNTER_TURN = math.radians(3.0)
 """Edges that turn back by more are no chords of one arc: noise alone turns short ones (chosen)."""
 FLAT = 0.25
@@ -150,7 +151,7 @@ def _is_wide(border, p, q, r, costs):
 @njit(**LEAF)
 def _may_be(border, outline, edges, run, kind, line_price, blur, stays):
     """Whether an edit is worth a closer look, by the edges alone."""
-    if run.length - 1 > run.spare:
+    if run.length - (kind != CORNER) > run.spare:
         return False
     if kind == LINE:
         return run.price > line_price and not run.bent and _may_be_line(outline, edges, run)
@@ -168,7 +169,10 @@ def _may_be(border, outline, edges, run, kind, line_price, blur, stays):
         )
     if run.length > SHORT_RUN or outline.is_arc[i] or outline.is_arc[j]:
         return False
-    return run.untouched and turns_back(outline.shape[i], outline.shape[j], stays)
+    if kind == END:
+        return run.untouched and turns_back(outline.shape[i], outline.shape[j], stays)
+    # blur rounds no farther to both sides
+    return run.length > 0 and stays[2] - stays[1] <= 2.0 * REACH * blur.sigma
 
 
 @njit(**LEAF)
@@ -224,7 +228,9 @@ def _cost_of_edit(border, outline, edges, run, kind, blur, costs, change):
         return try_fillet(border, blur, costs, change)
     if not _compare_from(border, outline, run, blur, change):
         return HUGE
-    return try_end(border, blur, costs, change)
+    if kind == END:
+        return try_end(border, blur, costs, change)
+    return _try_corner(border, blur, costs, change)
 
 
 @njit(**LEAF)
@@ -284,3 +290,28 @@ def _try_line(border, outline, edges, run, blur, costs, change):
     points[0] = lo
     points[3] = hi
     return cost - costs.expected * (hi - lo)
+
+
+@njit(**LEAF)
+def _try_corner(border, blur, costs, change):
+    """The corner of the two edges that stay, for a run that is no longer than what blur rounds."""
+    px, py = border.x, border.y
+    rows, points, meeting = change.rows, change.points, change.meeting
+    if not set_corner(rows[0], rows[2], meeting):
+        return HUGE
+    middle = (change.stays[1] + change.stays[2]) // 2
+    dx = px[middle] - meeting[0]
+    dy = py[middle] - meeting[1]
+    if dx * dx + dy * dy > (REACH * blur.sigma) ** 2:
+        return HUGE
+    along_x = rows[0, 2] + rows[2, 2]
+    along_y = rows[0, 3] + rows[2, 3]
+    points[1] = points[2] = change.stays[2]
+    for k in range(change.stays[2], change.stays[1] - 1, -1):
+        if (px[k] - meeting[0]) * along_x + (py[k] - meeting[1]) * along_y >= 0.0:
+            points[1] = points[2] = k
+    for side in range(2):
+        change.joints[side, 0] = meeting[0]
+        change.joints[side, 1] = meeting[1]
+        put_corner(rows[0, 2], rows[0, 3], rows[2, 2], rows[2, 3], change.corners[side])
+    return change_cost(border, change, NO, 0.0, blur.sigma, costs, costs.worst)

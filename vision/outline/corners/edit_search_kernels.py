@@ -15,7 +15,7 @@ import math
 from numba import njit
 
 from planner.scene.compile_options import LEAF
-from vision.outline.corners.edit_kernels import FILLET, find_edits
+from vision.outline.corners.edit_kernels import CORNER, FILLET, find_edits
 from vision.outline.corners.fillet_kernels import PIXEL_BLUR_PX, half_variance, touch_lines
 from vision.outline.corners.joint_kernels import fit_and_join
 from vision.outline.corners.wall_end_kernels import square_ends
@@ -129,7 +129,7 @@ def _write_edits(n, outline, edges, edits, room):
             is_arc[m] = outline.is_arc[e]
             is_fillet[m] = outline.is_fillet[e]
             m += 1
-        if used[e]:
+        if used[e] and edits.kind[e] != CORNER:
             breaks[m] = edits.first[e] % n
             is_arc[m] = edits.kind[e] == FILLET
             is_fillet[m] = is_arc[m]

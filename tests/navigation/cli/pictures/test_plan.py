@@ -281,7 +281,7 @@ def test_a_plan_through_a_picture_that_shows_nothing_is_warned_of(tmp_path, caps
     assert run([command, str(path), *more, "--radius", "3"]) == 0
     told = capsys.readouterr()
     assert told.err.startswith(f"clearway: warning: {path}: no obstacle was found in the picture")
-    assert told.err.count("\n") == told.err.count("\nms: ") + 1
+    assert told.err.count("\n") == 1
     assert "note: no obstacle was found in the picture" in told.out
 
 
@@ -293,7 +293,7 @@ def test_a_picture_of_one_colour_is_answered_without_a_traceback(tmp_path, capsy
     captured = capsys.readouterr()
     assert code == (2 if value == 0 else 0)
     # why there is no free space, or that nothing was found
-    assert captured.err.count("\n") == captured.err.count("\nms: ") + 1
+    assert captured.err.count("\n") == 1
 
 
 def test_an_output_that_cannot_be_written_is_exit_code_2(arena, tmp_path, capsys):
