@@ -1,4 +1,4 @@
-"""What ``vision``, ``planner`` and ``navigation`` lend to ``clearway``.
+"""The names of ``vision``, ``planner`` and ``navigation`` that ``clearway`` has, too.
 
 In a module beside ``__init__.pyi``, because lazy-loader finds names of its own package only.
 """

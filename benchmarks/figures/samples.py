@@ -13,7 +13,7 @@ WIDTH, HEIGHT = 640, 480
 FINER = 4
 """Drawn so many times larger, then reduced: edges become grey as a lens shows them."""
 CELL_PX, WALL_PX = 40, 6
-"""Of the maze; its corridors are as wide as the difference."""
+"""The maze's cells and walls: a corridor is 34 pixels wide."""
 ROOMS_YAML = """\
 image: rooms.pgm
 resolution: 0.05

@@ -18,11 +18,11 @@ Decorator: TypeAlias = Callable[[Callable[..., Any]], Callable[..., Any]]
 
 
 STANDARD_STREAM = Path("-")
-"""As a source standard input, as an output standard output."""
+"""Standard input where a source is asked for, standard output where an output is."""
 
 
 class Binarising(NamedTuple):
-    """How a picture is made black and white, as ``vision.extract`` takes it."""
+    """The arguments of ``vision.extract`` that make a picture black and white."""
 
     polarity: Polarity = "dark"
     method: Method = "auto"

@@ -76,7 +76,7 @@ def warn_of_doubts(scene: Scene, source: Path) -> None:
 
 
 def named(source: Path) -> Path:
-    """What messages call a source."""
+    """The name of a source in messages."""
     return Path("standard input") if source == STANDARD_STREAM else source
 
 

@@ -91,9 +91,9 @@ class FactFinder:
     def _idle_reason(
         self, now_s: float, sight: Sight, robot: RobotReport, situation: PilotSituation
     ) -> str | None:
-        """Why the robot does not do what it was told, once it had time to begin.
+        """The reason why a robot that had time to begin does not do its plan; it is doubted then.
 
-        It is doubted then, and is not told again before it can be given a lease.
+        While it holds and no lease can be dated for it, that is the reason.
         """
         targets = situation.plan.targets
         ours = robot.mission_id == situation.wire_id

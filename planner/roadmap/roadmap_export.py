@@ -41,7 +41,7 @@ NAV2_CRS = "urn:ogc:def:crs:EPSG::3857"
 
 
 class Exported(Protocol):
-    """What is written of a :class:`planner.Roadmap`, which imports this module."""
+    """The part of a :class:`planner.Roadmap` that is written; it imports this module itself."""
 
     @property
     def radius(self) -> float:
@@ -53,7 +53,7 @@ class Exported(Protocol):
 
     @property
     def scene(self) -> object:
-        """What it is the roadmap of."""
+        """The scene whose roadmap it is."""
 
     @property
     def borders(self) -> Borders:

@@ -15,7 +15,7 @@ NEXT = {
     "maze": "plan {file} --start 20,20 --goal 620,460 --radius 9 --render plan.svg",
     "rooms": "plan {file} --start=-1,1 --goal 5.5,2.5 --radius 0.22 --render plan.svg",
 }
-"""What to do with each, as the command says at its end."""
+"""The next command to try with each sample."""
 
 
 @click.command(short_help="A picture or a map to try things with.")
