@@ -1,7 +1,7 @@
 """The wire: messages, framing, and both ends of the serial link, sans-IO.
 
-``docs/protocol.md`` has the bits and the reasons. A host needs ``HostConnection``,
-``Mission`` and ``Waypoint``; a robot ``RobotConnection`` and ``RobotController``, around the one of
+``docs/protocol.md`` has the bits and the reasons. A host needs ``HostConnection``, ``Mission`` and
+``Waypoint``; a robot ``RobotConnection`` and ``RobotController``, wrapped around the robot of
 ``robot/clearway``; ``firmware/`` holds the same robot in C99.
 """
 

@@ -1,7 +1,13 @@
-"""Trajectory Planning: from a scene to a roadmap, a path and timed waypoints.
+"""Trajectory planning: from a scene to a roadmap, a path and timed waypoints.
 
-``__init__.pyi`` lists the public names. They are imported on first use, so that a module that
-needs the scene's types only does not pay for the compiled kernels.
+- ``formats`` reads a scene; ``scene`` defines its obstacles and bounds.
+- ``borders`` places generators along the borders, ``delaunay`` triangulates them, ``diagram``
+  solves the generalized Voronoi diagram, ``roadmap`` clips it for a robot.
+- ``search`` and ``route`` plan on it; ``path.py`` holds the answers.
+- ``motion`` times a path, ``fleet`` plans for several robots; ``samples`` are inputs to try.
+
+``__init__.pyi`` lists the public names. They are imported on first use, so that modules that need
+only the scene's types do not load the compiled kernels.
 """
 
 from pathlib import Path as _FilePath

@@ -1,7 +1,7 @@
-"""The answers of the planner: a path with its certified clearance, or why there is none.
+"""Answers of the planner: a path with its certified clearance, or the reason why there is none.
 
-Units are those of the scene; angles are radians in the scene's own coordinates (counter-
-clockwise in metres, where y is up; clockwise as seen in pictures, where y is down).
+Units are those of the scene; angles are radians in the scene's own coordinates (counter-clockwise
+in metres, y up; clockwise as seen in pictures, y down).
 """
 
 from __future__ import annotations
@@ -18,16 +18,16 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True, slots=True)
 class Path:
-    """A polyline from the start through the stations to the goal.
+    """Polyline from the start through the stations to the goal.
 
-    ``points`` (n, 2) and ``clearances`` (n,) are read-only; ``min_clearance`` is exact for
-    the whole polyline (not only its points) against every border and the bounds, and lies at
+    ``points`` (n, 2) and ``clearances`` (n,) are read-only; ``min_clearance`` is exact for the
+    whole polyline (not only its points) against every border and the bounds, at
     ``min_clearance_at``. ``stations`` are indices into ``points``: start, every via, goal.
-    ``order`` is the order in which the vias are visited, as indices into the request.
-    ``headings_rad`` has one entry a station, None where any heading will do. ``remarks`` are
-    plain sentences on what the search could not make certain. ``cost`` is what the planner chose
-    it by: its length, and more where it is narrow, before any corner was rounded. ``scene`` is what
-    it was planned in, for pictures; two paths are equal whatever it is.
+    ``order`` is the order of visits to the vias, as indices into the request. ``headings_rad`` has
+    one entry per station, None for any heading. ``remarks`` are plain sentences on uncertainties of
+    the search. ``cost`` is the planner's criterion: the length, plus a penalty where the path is
+    narrow, before any corner was rounded. ``scene`` is for pictures; it does not count in
+    comparisons of paths.
     """
 
     points: FloatArray
@@ -45,23 +45,23 @@ class Path:
     scene: Scene | None = field(default=None, repr=False, compare=False)
 
     def __repr__(self) -> str:
-        """One line; ``points`` has the rest."""
+        """Return one line; ``points`` has the rest."""
         units = self.scene.units if self.scene is not None else ""
         length, least = (f"{v:.6g} {units}".rstrip() for v in (self.length, self.min_clearance))
         return f"<Path of {len(self.points)} points, length {length}, least clearance {least}>"
 
     def layers(self) -> list[Layer]:
-        """What is drawn of the path: its scene, where it has one, the alternatives, and itself."""
+        """Layers to draw: the scene, if there is one, the alternatives, and the path itself."""
         below = self.scene.layers() if self.scene is not None else []
         others = [other.points for other in self.alternatives]
         return [*below, Layer(others, PATH, 0.8), Layer([self.points], PATH, 2.2)]
 
     def plot(self, axes: Axes | None = None) -> Axes:
-        """Draw the path on Matplotlib axes, the current ones by default, without its scene."""
+        """Draw the path on Matplotlib axes, by default the current ones, without its scene."""
         return plot(self.layers()[-2:], self.scene is not None and self.scene.y_down, axes)
 
     def _repr_svg_(self) -> str | None:
-        """What a notebook shows; nothing of a path that knows no scene."""
+        """Picture for a notebook; None for a path without a scene."""
         if self.scene is None:
             return None
         title = f"a path of {len(self.points)} points"
@@ -70,7 +70,7 @@ class Path:
 
 @dataclass(frozen=True, slots=True)
 class Bottleneck:
-    """The narrowest place on the widest path: ``width`` is twice the clearance there."""
+    """Narrowest place on the widest path: ``width`` is twice the clearance there."""
 
     x: float
     y: float
@@ -79,11 +79,11 @@ class Bottleneck:
 
 @dataclass(frozen=True, slots=True)
 class NoPath:
-    """There is no path for this robot: an expected answer, not a failure.
+    """Answer that there is no path for this robot; not a failure.
 
-    ``widest_radius`` is the largest radius that could make the journey, None where no robot
-    could (start or goal inside an obstacle, outside the bounds, or walled in). ``remarks`` are
-    plain sentences on what the search could not make certain.
+    ``widest_radius`` is the largest radius that could make the journey, None if no robot could
+    (start or goal inside an obstacle, outside the bounds, or walled in). ``remarks`` are plain
+    sentences on uncertainties of the search.
     """
 
     reason: str
@@ -97,13 +97,13 @@ class NoPath:
 
 @dataclass(frozen=True, slots=True)
 class Limits:
-    """What the robot can do; units of the scene and seconds, every value > 0.
+    """Limits of the robot; units of the scene and seconds, every value > 0.
 
-    ``chord_tolerance`` bounds how far the straight line between two waypoints may leave the
-    path; ``spacing`` is the largest distance between waypoints. ``turns_on_spot`` is True
-    for a differential drive. ``slow_clearance``: below this clearance the speed falls
-    linearly to ``slow_speed`` at the robot's radius. ``turning_radius`` >= 0 is that of the
-    tightest bend the robot can drive: a tighter one is turned on the spot, standing, or refused.
+    ``chord_tolerance`` is the most that the straight line between two waypoints may leave the path;
+    ``spacing`` is the largest distance between waypoints. ``turns_on_spot`` is True for a
+    differential drive. Below ``slow_clearance`` the speed falls linearly to ``slow_speed`` at the
+    robot's radius. ``turning_radius`` >= 0 is that of the tightest bend the robot can drive:
+    tighter ones are turned on the spot, at rest, or refused.
     """
 
     speed: float
@@ -122,7 +122,7 @@ class Limits:
 
 @dataclass(frozen=True, slots=True)
 class Waypoint:
-    """Where to be, heading where, how fast and when; ``dwell_s`` is how long to stay."""
+    """Place on a trajectory with heading, speed and time; ``dwell_s`` is the length of the stay."""
 
     x: float
     y: float

@@ -1,7 +1,12 @@
 """Global Vision: from a picture to a scene and robot poses.
 
-``__init__.pyi`` lists the public names. They are imported on first use, so that a module that
-needs one part does not pay for the compiled kernels of the others.
+``__init__.pyi`` lists the public names. They are imported on first use: a module that needs one
+part does not pay for the others' compiled kernels.
+
+- `camera` delivers frames; `calibrate` makes the `calibration` that maps them to the floor.
+- `pipeline` turns a picture into a scene: `binarise`, then `borders`, `outline` (or `paper`) and
+  `records`; `doubts` adds remarks about the whole scene, `errors` has ``PictureError``.
+- `markers` finds the robots in a picture and follows them.
 """
 
 import lazy_loader

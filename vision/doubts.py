@@ -1,10 +1,10 @@
-"""Whether a scene as a whole is in doubt: nothing was seen in a picture, or far too much.
+"""Doubts about a scene as a whole: nothing was found in the picture, or far too much.
 
 Rules
-- A doubt is a sentence among the scene's remarks, and the same for whoever asks later: it follows
-  from the scene alone. Scenes of maps and texts without a binarisation have none.
-- An arena may be empty, and a picture without contrast looks the same: whoever drives where there
-  were obstacles before has to ask.
+- A doubt is one of the scene's remarks and follows from the scene alone, so that a later check
+  gives the same. Scenes of maps and texts have no binarisation, hence no doubts.
+- An empty arena and a picture without contrast look the same: a driver that had obstacles there
+  before has to ask.
 """
 
 from __future__ import annotations
@@ -19,7 +19,7 @@ rooms with a chessboard held up in them 264 at most (640 x 480); smoothed noise 
 
 
 def doubts_about(scene: Scene) -> tuple[str, ...]:
-    """Why nobody should drive in a picture's scene unasked; mostly nothing. O(objects)."""
+    """Reasons not to drive in a picture's scene without asking; usually none. O(objects)."""
     if scene.binarisation is None:
         return ()
     if not scene.objects:
@@ -34,6 +34,6 @@ def doubts_about(scene: Scene) -> tuple[str, ...]:
 
 
 def with_doubts(scene: Scene) -> Scene:
-    """The scene with its doubts before its remarks."""
+    """Return the scene with its doubts put before its remarks."""
     doubts = doubts_about(scene)
     return replace(scene, remarks=(*doubts, *scene.remarks)) if doubts else scene

@@ -1,7 +1,7 @@
-"""What is wrong with what Global Vision was given: a picture, or an option that goes with it."""
+"""Error for a picture, or an option that goes with it, that Global Vision cannot use."""
 
 from __future__ import annotations
 
 
 class PictureError(ValueError):
-    """A picture, or an option for it, cannot be used; the message says what is wrong with it."""
+    """A picture or an option that cannot be used; the message gives the reason."""

@@ -1,11 +1,10 @@
-"""Global Vision on one screen: from a picture to a scene.
+"""Global Vision in one file: from a picture to a scene.
 
 Rules and units
-- A picture's scene is in pixels, centres at integers, y down, its bounds the picture's edges.
-- With a calibration the edge points are mapped to the floor before anything is fitted, into
+- A scene is in pixels, centres at integers, y down; its bounds are the picture's edges.
+- With a calibration, edge points are mapped to the floor before anything is fitted, into
   rectified pixels of the nominal size, each border shrunk to its size in the picture, so that
-  tolerances stay in pixels; the records come out in metres, y up, inside the bounds that the
-  caller gives.
+  tolerances stay in pixels. The records are in metres, y up, inside the caller's bounds.
 """
 
 from __future__ import annotations
@@ -53,20 +52,18 @@ def extract(
     bounds: Bounds | Sequence[float] | NDArray[np.float64] | None = None,
     ignore: NDArray[np.bool_] | Sequence[tuple[float, float, float]] | None = None,
 ) -> Scene:
-    """The minimum geometric structure of a picture: its obstacles as records P, S, C, A, L.
+    """Return the minimum geometric structure of a picture: obstacles as records P, S, C, A, L.
 
-    ``image`` (h, w), (h, w, 1), (h, w, 3) BGR or (h, w, 4) BGRA, uint8 or uint16, or as plain
-    sequences of whole numbers, is never changed. ``mode`` is ``exact`` or the paper's recipe to
-    the letter, ``paper``.
-    ``polarity`` says which side of the level is obstacle, ``method`` and ``threshold`` how
-    the level is found (see ``vision.binarise.binarise``); a threshold alone is method ``fixed``.
+    ``image`` (h, w), (h, w, 1), (h, w, 3) BGR or (h, w, 4) BGRA, uint8, uint16 or plain sequences
+    of whole numbers, is never changed. ``mode`` is ``exact`` or ``paper``, the paper's recipe to
+    the letter. ``polarity`` is the side of the level that is obstacle; ``method`` and ``threshold``
+    find the level (see ``vision.binarise.binarise``); a threshold alone is method ``fixed``.
     ``calibration`` and ``bounds`` (in metres, or x_min, y_min, x_max, y_max) make a scene in
-    metres; objects wholly outside the bounds are dropped, with a remark. Where nothing is left,
-    or far too much is found, a remark says so (see ``vision.doubts``).
-    ``ignore`` marks pixels that are no obstacle: (h, w) bool, or discs (x, y, radius) in
-    pixels. Raises ``PictureError`` for a picture or an option that cannot be
-    used, and where no pixel is free. Safe to call from several threads. O(pixels) to threshold,
-    then O(border pixels).
+    metres; objects wholly outside the bounds are dropped, with a remark. If nothing is left, or far
+    too much is found, a remark says so (see ``vision.doubts``). ``ignore`` marks pixels that are
+    not obstacles: (h, w) bool, or discs (x, y, radius) in pixels. Raises ``PictureError`` for an
+    unusable picture or option, and if no pixel is free. Thread-safe. O(pixels) to threshold, then
+    O(border pixels).
     """
     _refuse(mode, calibration, bounds)
     clock = _StopWatch()
@@ -114,7 +111,7 @@ def _refuse(
     calibration: Calibration | None,
     bounds: Bounds | Sequence[float] | NDArray[np.float64] | None,
 ) -> None:
-    """``PictureError`` for options that are none, or do not go together."""
+    """Raise ``PictureError`` for options that are unknown or contradict each other."""
     if mode not in ("exact", "paper"):
         raise PictureError(f"mode {mode!r}: must be exact or paper")
     if bounds is not None and calibration is None:

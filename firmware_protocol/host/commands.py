@@ -1,8 +1,8 @@
-"""The host's wishes as commands: one at a time, until STATUS tells what became of it.
+"""The host's wishes as commands: one at a time, until STATUS reports its outcome.
 
-A wish stays until the robot has answered; START is patient for a moment where a lease or a
-pose is still on its way. When the session ends every command in flight is given up: after a
-lost link only a new wish moves the robot.
+A wish stays until the robot has answered; START retries for a moment while a lease or a pose is on
+its way. The end of a session gives up every command in flight: after a lost link only a new wish
+moves the robot.
 """
 
 from __future__ import annotations
@@ -36,7 +36,7 @@ Command: TypeAlias = Pause | Clear | Start | ResetEstop
 
 @dataclass(frozen=True, slots=True)
 class _Outstanding:
-    """The command that waits for its answer."""
+    """The command that awaits its answer."""
 
     number: int
     kind: MessageType
@@ -44,7 +44,7 @@ class _Outstanding:
 
 
 class Commands:
-    """What is wanted of the robot, and the command that waits for an answer."""
+    """The user's wishes, and the command that awaits an answer."""
 
     def __init__(self) -> None:
         self._reset = False
@@ -59,33 +59,33 @@ class Commands:
     # Wishes.
 
     def want_start(self, now_s: float) -> None:
-        """Drive the mission."""
+        """Wish to drive the mission."""
         self._pause = False
         self._start_s, self._start_again_s = now_s, -math.inf
 
     def want_no_start(self) -> None:
-        """Do not drive, if it has not begun yet."""
+        """Withdraw the wish to drive if it has not begun."""
         self._start_s = None
 
     def want_pause(self) -> None:
-        """Stop under control and keep the mission."""
+        """Wish to stop under control and keep the mission."""
         self._start_s, self._pause = None, True
 
     def want_clear(self) -> None:
-        """Stop under control and forget the mission."""
+        """Wish to stop under control and forget the mission."""
         self._start_s, self._pause, self._clear = None, False, True
 
     def want_mission(self) -> None:
-        """Another mission replaces all wishes about the last one."""
+        """Drop all wishes: another mission replaces the last one."""
         self._start_s, self._pause, self._clear = None, False, False
 
     @property
     def reset_wanted(self) -> bool:
-        """Whether the robot was told, or is to be told, to leave its emergency stop."""
+        """True while the robot still has to leave its emergency stop."""
         return self._reset
 
     def want_reset(self, wanted: bool) -> None:
-        """Leave the emergency stop, or no longer."""
+        """Set or withdraw the wish to leave the emergency stop."""
         self._reset = wanted
 
     # The robot's side.
@@ -124,7 +124,7 @@ class Commands:
         return None
 
     def settle(self, status: Status, now_s: float) -> CommandEnded | None:
-        """Look for the answer in a report; the command's end, if this is it."""
+        """Look for the answer in a report; return the command's end if found."""
         waiting = self._waiting
         if waiting is None or status.command != waiting.number:
             return None
@@ -146,7 +146,7 @@ class Commands:
         return CommandEnded(waiting.kind, status.result)
 
     def give_up(self) -> CommandEnded | None:
-        """The session is over: what waits is void, and so is the wish to drive."""
+        """End the session: the command in flight is void, and so is the wish to drive."""
         waiting, self._waiting = self._waiting, None
         start_s, self._start_s = self._start_s, None
         self._number = 0

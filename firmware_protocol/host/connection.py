@@ -1,11 +1,11 @@
 """The host's end of the link, sans-IO: bytes in, events out, one frame at a time out.
 
-- ``receive_bytes`` and ``tick`` take the time; ``next_event`` tells what happened;
-  ``bytes_to_send`` hands out at most one frame, paced to the baud rate, so that no more than
-  one waits in the operating system and an emergency stop is never stuck behind a queue.
-- Orders (``upload``, ``start``, ``pause``, ``clear``, ``reset_estop``) are wishes: they are sent
-  until STATUS confirms them. A lease and a pose are sent once each; a newer one replaces them.
-- After a lost link the robot stands. It drives again only on a new ``start``.
+- ``receive_bytes`` and ``tick`` take the time; ``next_event`` returns what happened;
+  ``bytes_to_send`` returns at most one frame, paced to the baud rate, so that at most one waits
+  in the operating system and an emergency stop is never stuck behind a queue.
+- Orders (``upload``, ``start``, ``pause``, ``clear``, ``reset_estop``) are wishes, sent until
+  STATUS confirms them. Lease and pose are sent once; a newer one replaces an unsent one.
+- After a lost link the robot stands still and drives again only on a new ``start``.
 - Seconds of the host's monotonic clock; metres and radians.
 """
 
@@ -59,8 +59,8 @@ REFUSED_S: Final = 8.0
 class HostConnection:
     """One robot at the other end of one line.
 
-    ``rng`` gives session numbers; ``baud`` paces the output, None does not pace;
-    ``expected_boot_id`` is the boot that a journalled mission belongs to.
+    ``rng`` gives session numbers; ``baud`` paces the output, None does not; ``expected_boot_id`` is
+    the boot of a journalled mission.
     """
 
     def __init__(
@@ -90,14 +90,14 @@ class HostConnection:
     # Orders.
 
     def open(self, now_s: float) -> None:
-        """The port is open: ask for a robot. LocalError where it was open already."""
+        """Ask for a robot on the open port. LocalError if it was open already."""
         self._change(LinkEvent.OPEN, "looking for a robot")
         self._opened_s = now_s
         self._out.pace.reset()
         self._new_session(now_s)
 
     def close(self, reason: str = "the port was closed") -> None:
-        """The port is gone or closed; orders in flight are given up."""
+        """End the link: the port is gone or closed; orders in flight are given up."""
         self._drop_session()
         self._change(LinkEvent.CLOSE, reason)
         self._reason = reason
@@ -105,7 +105,7 @@ class HostConnection:
     def upload(self, mission: Mission, now_s: float, start: bool = True) -> None:
         """Replace the mission: stop under control, clear, send, and (``start``) drive.
 
-        A mission that the robot already holds (same id, same waypoints) goes on where it was.
+        A mission that the robot already holds (same id, same waypoints) continues where it was.
         LocalError for the id of a mission that became void: part of it may have been driven.
         """
         upload = self._mission.give(mission)
@@ -120,7 +120,7 @@ class HostConnection:
             self.start(now_s)
 
     def start(self, now_s: float) -> None:
-        """Drive the mission; LocalError where there is none."""
+        """Drive the mission; LocalError without one."""
         if self.upload_state is None:
             raise LocalError("start: there is no mission")
         self._out.commands.want_start(now_s)
@@ -143,18 +143,19 @@ class HostConnection:
         pose_age_s: float = math.inf,
         odometry: bool = False,
     ) -> None:
-        """Sent once: the control loop lived at ``now_s``. ``odometry``: may drive without poses.
+        """Send a lease once: the control loop lived at ``now_s``. ``odometry``: may drive without
+        poses.
 
-        It runs out ``ttl_s`` after that by the robot's clock, however long it takes to get there.
+        It expires ``ttl_s`` later by the robot's clock, whatever its time on the way.
         """
         self._out.freshest.give_lease(lease_of(ttl_s, permit, pose_age_s, odometry), now_s)
 
     def pose_fix(self, x_m: float, y_m: float, heading_rad: float, captured_s: float) -> None:
-        """Sent once: where the camera saw the robot at host time ``captured_s``."""
+        """Send once the camera's pose of the robot at host time ``captured_s``."""
         self._out.freshest.give_pose(PoseFix(x_m, y_m, heading_rad), captured_s)
 
     def estop(self) -> None:
-        """Emergency stop: past every queue, repeated until the robot confirms it."""
+        """Send the emergency stop, past every queue, until the robot confirms it."""
         self._out.want_estop()
 
     def reset_estop(self, now_s: float) -> None:
@@ -166,52 +167,52 @@ class HostConnection:
             self._change(LinkEvent.RENEW, "a fresh session, to leave the emergency stop")
             self._new_session(now_s)
 
-    # What is known.
+    # State.
 
     @property
     def upload_state(self) -> Upload | None:
-        """How far the mission is that the robot is to have, None where there is none."""
+        """Progress of the mission meant for the robot; None without one."""
         return self._mission.upload
 
     def next_event(self) -> Event | None:
-        """The oldest event not yet told, None where all are."""
+        """The oldest unread event; None if there is none."""
         return self._events.popleft() if self._events else None
 
     @property
     def estopped(self) -> bool:
-        """Whether the robot's last report was ESTOP."""
+        """True if the robot's last report was ESTOP."""
         return self.status is not None and self.status.state is RobotState.ESTOP
 
     @property
     def estop_pending(self) -> bool:
-        """Whether an emergency stop waits for its confirmation."""
+        """True if an emergency stop awaits its confirmation."""
         return self._out.estop_wanted
 
     @property
     def leaving_estop(self) -> bool:
-        """Whether the robot is to leave its emergency stop and has not answered yet.
+        """True if the robot is to leave its emergency stop and has not answered yet.
 
-        Until then its reports tell of the old stop; afterwards ESTOP is a new one.
+        Until then its reports mean the old stop; afterwards ESTOP is a new one.
         """
         return self._out.commands.reset_wanted
 
     def why_no_permit(self, now_s: float) -> str | None:
-        """A plain sentence on why no lease can be given, None where one can."""
+        """The reason, as a sentence, why no lease can be given; None if one can."""
         return self._out.clock.why_unknown(now_s)
 
     @property
     def clock(self) -> ClockEstimate:
-        """The robot's clock, as far as it is known."""
+        """The current estimate of the robot's clock."""
         return self._out.clock.estimate
 
     @property
     def pose_captured_s(self) -> float:
-        """When the pose that was sent last was seen: the user's measure of its way here."""
+        """Capture time of the pose sent last, to measure the delay up to here."""
         return self._out.freshest.pose_captured_s
 
     @property
     def heard_s(self) -> float:
-        """When the last frame of the session came; -infinity before the first."""
+        """Time of the session's last frame; -infinity before the first."""
         return self._heard_s
 
     def heard_age_s(self, now_s: float) -> float:
@@ -219,7 +220,7 @@ class HostConnection:
         return now_s - self._heard_s
 
     def why_down(self, now_s: float) -> str | None:
-        """A plain sentence on why nothing can be ordered, None where frames pass both ways."""
+        """The reason, as a sentence, why no order can be given; None if frames pass both ways."""
         if self.state.is_up:
             return self._hearing.why_deaf
         if self.state in (LinkState.CLOSED, LinkState.REFUSED):
@@ -233,7 +234,7 @@ class HostConnection:
     # Bytes in.
 
     def receive_bytes(self, data: bytes, now_s: float) -> None:
-        """Take what has arrived, in any portion."""
+        """Take the bytes that arrived, in any portion."""
         if data:
             self._bytes_s = now_s
         for frame in self.parser.feed(data):
@@ -353,7 +354,7 @@ class HostConnection:
     # Time and bytes out.
 
     def tick(self, now_s: float) -> None:
-        """Timeouts: call at least every 20 ms, and before :meth:`bytes_to_send`."""
+        """Handle timeouts: call at least every 20 ms, and before :meth:`bytes_to_send`."""
         if self.state.is_asking or self.state is LinkState.CLOSED:
             if self.state is LinkState.REFUSED and now_s - self._refused_s > REFUSED_S:
                 self._change(LinkEvent.SILENCE, f"no answer for {REFUSED_S:g} s")
@@ -370,7 +371,7 @@ class HostConnection:
         self._out.window.tick(now_s)
 
     def bytes_to_send(self, now_s: float) -> bytes:
-        """At most one frame, empty where none is due or the line is still busy."""
+        """At most one frame; empty if none is due or the line is busy."""
         if self.state is LinkState.CLOSED:
             return b""
         data = self._out.next_bytes(self.state, self.status, self.upload_state, now_s)
@@ -379,7 +380,7 @@ class HostConnection:
         return data
 
     def deadline_s(self, now_s: float) -> float:
-        """When to call :meth:`tick` and :meth:`bytes_to_send` again if nothing arrives."""
+        """The time to call :meth:`tick` and :meth:`bytes_to_send` again if nothing arrives."""
         if self.state is LinkState.CLOSED:
             return now_s + 0.1
         return self._out.deadline_s(now_s)
@@ -391,7 +392,7 @@ class HostConnection:
         self.counters.sessions += 1
 
     def _drop_session(self) -> None:
-        """Orders in flight end here; the robot stands, and only a new start moves it."""
+        """Give up the orders in flight; the robot stands still, and only a new start moves it."""
         ended = self._out.commands.give_up()
         if ended is not None:
             self._events.append(ended)

@@ -1,4 +1,4 @@
-"""What the host's end of the link counts."""
+"""Counters of the host's end of the link."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 @dataclass(slots=True)
 class HostCounters:
-    """What the host's end did and met, beside the parser's own counters."""
+    """Counts of the host's end, beside the parser's own counters."""
 
     frames_sent: int = 0
     bytes_sent: int = 0

@@ -1,4 +1,4 @@
-"""What the host's end of the link tells its user, in order, through ``next_event``."""
+"""Events of the host's end of the link, in order, through ``next_event``."""
 
 from __future__ import annotations
 
@@ -50,7 +50,7 @@ class MissionDone:
 
 @dataclass(frozen=True, slots=True)
 class MissionVoid:
-    """The mission can not go on; plan again and give a new one."""
+    """The mission cannot continue; plan again and give a new one."""
 
     mission: int
     reason: str
@@ -58,7 +58,7 @@ class MissionVoid:
 
 @dataclass(frozen=True, slots=True)
 class RobotRebooted:
-    """The robot's processor has started again; its queue is gone."""
+    """The robot's processor has restarted; its queue is gone."""
 
     boot_id: int
     cause: ResetCause
@@ -66,7 +66,7 @@ class RobotRebooted:
 
 @dataclass(frozen=True, slots=True)
 class StrayHello:
-    """Somebody else, or a frame from long ago, has asked the robot for a session; it stays ours."""
+    """Another host, or an old frame, has asked the robot for a session; it stays ours."""
 
     session: int
 

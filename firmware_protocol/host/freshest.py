@@ -1,8 +1,8 @@
-"""Lease and pose: sent once each, and a newer one replaces one that still waits.
+"""Lease and pose: each sent once, and a newer one replaces one that still waits.
 
-Both carry a time of the robot's own clock, so that they age on the line, in every buffer and in
-the robot alike. A lease is dated as early as the clock's bound allows, a pose as it is known best.
-Nothing is sent while that bound is wider than ``ERROR_MAX_S``. Seconds of the host's clock.
+Both carry a time of the robot's own clock, so that they age alike on the line, in buffers and in
+the robot. A lease gets the earliest date within the clock's bound, a pose the best estimate.
+Nothing is sent while that bound exceeds ``ERROR_MAX_S``. Seconds of the host's clock.
 """
 
 from __future__ import annotations
@@ -20,7 +20,7 @@ _POSE_KEPT_S: Final = 0.5
 
 
 class Freshest:
-    """What waits to be sent of each, and when the pose sent last was seen."""
+    """The waiting lease and pose, and the capture time of the pose sent last."""
 
     def __init__(self) -> None:
         self.pose_captured_s = -math.inf
@@ -30,21 +30,21 @@ class Freshest:
         self._pose: tuple[PoseFix, float] | None = None
 
     def give_lease(self, lease: Lease, issued_s: float) -> None:
-        """LocalError where a value does not fit the wire."""
+        """Replace the waiting lease; LocalError if a value does not fit the wire."""
         lease.pack()
         self._lease = (lease, issued_s)
 
     def give_pose(self, fix: PoseFix, captured_s: float) -> None:
-        """LocalError where a value does not fit the wire."""
+        """Replace the waiting pose; LocalError if a value does not fit the wire."""
         fix.pack()
         self._pose = (fix, captured_s)
 
     def forget(self) -> None:
-        """Nothing waits any more."""
+        """Drop both."""
         self._lease = self._pose = None
 
     def take(self, now_s: float, clock: ClockEstimate) -> Lease | PoseFix | None:
-        """What goes out now, the lease first; None where nothing waits or the clock is unknown."""
+        """Take the next to send, the lease first; None if none waits or the clock is unknown."""
         if self._lease is None and self._pose is None:
             return None
         self._drop_stale(now_s)
@@ -71,6 +71,6 @@ class Freshest:
 
 
 def lease_of(ttl_s: float, permit: bool, pose_age_s: float, odometry: bool) -> Lease:
-    """A lease in the words of the control loop."""
+    """A lease in the terms of the control loop."""
     flags = LeaseFlag.PERMIT * permit | LeaseFlag.ODOMETRY * odometry
     return Lease(ttl_s, LeaseFlag(flags), pose_age_s)

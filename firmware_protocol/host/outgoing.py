@@ -1,9 +1,9 @@
-"""What the host's end says next: at most one frame at a time, the most urgent first.
+"""Output of the host's end: at most one frame at a time, the most urgent first.
 
-An emergency stop goes past every queue and past the line's pace. Then, while no robot answers,
-HELLO; while it has not been verified, its challenge given back; else lease, pose and the
-question for its clock, each sent once; then commands and waypoints, which the window keeps until
-they are acknowledged. Seconds of the host's monotonic clock.
+An emergency stop passes every queue and the line's pace. Otherwise HELLO, while no robot answers;
+its challenge returned, until it is verified; else lease, pose and the question for its clock, each
+sent once; then commands and waypoints, which the window keeps until they are acknowledged. Seconds
+of the host's monotonic clock.
 """
 
 from __future__ import annotations
@@ -36,7 +36,7 @@ ESTOP_REPEAT_S: Final = 0.02
 
 
 class Outgoing:
-    """All that waits to be sent, and the line's pace at ``baud``; None does not pace."""
+    """Everything waiting to be sent, and the line's pace at ``baud``; None does not pace."""
 
     def __init__(self, sessions: HostSessions, counters: HostCounters, baud: int | None) -> None:
         self.pace = LinePace(baud)
@@ -52,14 +52,14 @@ class Outgoing:
         self._estop_s = -math.inf
 
     def want_estop(self) -> None:
-        """Stop, at once and until it is confirmed; what would move the robot again is void."""
+        """Stop at once, and until confirmed; all wishes that would move the robot again are void."""
         self.estop_wanted = True
         self._estop_s = -math.inf
         self.commands.want_reset(False)
         self.commands.want_no_start()
 
     def drop_session(self) -> None:
-        """What is in flight ends here."""
+        """Drop everything in flight."""
         self._counters.timeouts += self.window.timeouts
         self.window = SendWindow(0)
         self.freshest.forget()
@@ -68,7 +68,7 @@ class Outgoing:
     def next_bytes(
         self, state: LinkState, status: Status | None, upload: Upload | None, now_s: float
     ) -> bytes:
-        """At most one frame, empty where none is due or the line is still busy."""
+        """At most one frame; empty if none is due or the line is busy."""
         if self.estop_wanted and now_s - self._estop_s >= ESTOP_REPEAT_S:
             self._estop_s = now_s
             return self._account(ESTOP_FRAME, now_s)
@@ -78,7 +78,7 @@ class Outgoing:
         return b"" if frame is None else self._account(encode_frame(frame, Sender.HOST), now_s)
 
     def deadline_s(self, now_s: float) -> float:
-        """When to ask again if nothing arrives."""
+        """The time to ask again if nothing arrives."""
         soon = [now_s + 0.02]
         if self.pace.ready_s > now_s:
             soon.append(self.pace.ready_s)
@@ -133,7 +133,7 @@ class Outgoing:
         return self._frame(Hello(SCHEMA_HASH)) if self._sessions.hello_due(now_s) else None
 
     def _next_confirm(self, state: LinkState, now_s: float) -> Frame | None:
-        """The challenge given back; HELLO again where it, or the robot's report, was lost."""
+        """The challenge returned; HELLO again if it, or the robot's report, was lost."""
         if self.nonce is None:
             return self._next_hello(state, now_s)
         nonce, self.nonce = self.nonce, None

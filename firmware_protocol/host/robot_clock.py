@@ -1,7 +1,7 @@
-"""The robot's clock as one connection keeps it: asks for it, takes the answers, doubts, forgets.
+"""The robot's clock over one connection: its questions, answers, doubts and resets.
 
-``estimate`` is what is known (``clock_sync``), ``sync_schedule`` when to ask. Seconds of the host's
-monotonic clock.
+``estimate`` is the estimate (``clock_sync``), ``sync_schedule`` times the questions. Seconds of the
+host's monotonic clock.
 """
 
 from __future__ import annotations
@@ -26,11 +26,11 @@ class RobotClock:
         self._schedule = SyncSchedule()
 
     def next_question(self, now_s: float) -> TimeSync | None:
-        """The question that is due, None where none is; it counts as sent."""
+        """The question that is due, which then counts as sent; None if none is."""
         return self._schedule.next_question(now_s)
 
     def take(self, answer: TimeSyncReply, now_s: float) -> None:
-        """An answer; one to no question of ours is left out."""
+        """Take an answer; ignore one to no question of ours."""
         sent_s = self._schedule.sent_s(answer.host_sent_us)
         if sent_s is None:
             return
@@ -40,21 +40,21 @@ class RobotClock:
         self.jumps += self.estimate.jumps - before
 
     def compare(self, status: Status, now_s: float) -> None:
-        """A report that has come just now: where its time does not fit, ask soon."""
+        """Compare a report just received; ask soon if its time does not fit."""
         if self.estimate.is_in_doubt(status.time_us, now_s):
             self._schedule.doubt()
 
     def new_session(self) -> None:
-        """Answers on their way are void; ask quickly again."""
+        """Void the answers on their way; ask quickly again."""
         self._schedule.begin_again()
 
     def new_boot(self) -> None:
-        """The clock is another one."""
+        """Restart: a rebooted robot has a new clock."""
         self.estimate = ClockEstimate()
         self._schedule.begin_again()
 
     def why_unknown(self, now_s: float) -> str | None:
-        """A plain sentence on why no lease can be dated by it, None where one can."""
+        """The reason, as a sentence, why no lease can be dated by it; None if one can."""
         error_s = self.estimate.error_s(now_s)
         if error_s <= ERROR_MAX_S:
             return None

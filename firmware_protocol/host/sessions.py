@@ -1,13 +1,13 @@
-"""The host's sessions: their numbers, when HELLO goes out, and who else is on the line.
+"""The host's sessions: their numbers, the times of HELLO, and other hosts on the line.
 
-- A session's number is drawn at random and never one of the last sixteen: late frames of an own
-  session are told from those of a stranger.
-- HELLO is repeated, each time a half later, until the robot reports in the session; to a robot of
-  another schema every few seconds.
-- A stranger's HELLO is no stranger's session: the robot answers it, and stays with ours. Only what
-  it says in an open session shows that another host has given its challenge back.
-- Such a host has the robot while the robot hears it: while the count of frames grows that the
-  robot's STATUS brings. This one keeps still meanwhile, and takes the robot back afterwards.
+- A session's number is drawn at random, never one of the last sixteen: this distinguishes late
+  frames of our own sessions from a stranger's.
+- HELLO is repeated at intervals that grow by half, until the robot reports in the session; to a
+  robot of another schema every few seconds.
+- A stranger's HELLO is not yet its session: the robot answers it and stays with ours. Only its
+  messages in an open session show that another host has returned the challenge.
+- That host has the robot while the robot hears it: while the count of frames in the robot's
+  STATUS grows. This host is silent meanwhile and takes the robot back afterwards.
 - Seconds of the host's monotonic clock.
 """
 
@@ -36,7 +36,7 @@ _OPENING: Final = (MessageType.HELLO_ACK, MessageType.CHALLENGE)
 
 
 class HostSessions:
-    """The present session, and what is known of the others."""
+    """The present session, and our knowledge of the others."""
 
     def __init__(self, rng: random.Random) -> None:
         self.present = 0
@@ -54,7 +54,7 @@ class HostSessions:
         self._wait_s = HELLO_FIRST_S
 
     def renew(self, now_s: float) -> None:
-        """Another session; its first HELLO is due at once."""
+        """Begin another session; its first HELLO is due at once."""
         self._own.append(self.present)
         while self.present in self._own:
             self.present = self._rng.randrange(1, 1 << 16)
@@ -62,7 +62,7 @@ class HostSessions:
         self._wait_s = HELLO_FIRST_S
 
     def is_late(self, frame: Frame, now_s: float) -> bool:
-        """Whether a frame of another session is one of ours; a stranger's is looked at."""
+        """True if a frame of another session is one of ours; a stranger's is examined."""
         if frame.session in self._own:
             return True
         if frame.kind == MessageType.HELLO_ACK:
@@ -79,13 +79,13 @@ class HostSessions:
         try:
             frames = Status.unpack(frame.payload).counters.frames
         except RemoteError:
-            return  # another schema's: its session is known, what it counts is not
+            return  # another schema's: its session is known, its count is not
         if self._frames not in (None, frames):
             self._foreign_s = now_s
         self._frames = frames
 
     def stray_is_news(self, now_s: float) -> bool:
-        """Whether a stray HELLO has come that the user should hear of; then it counts as told."""
+        """True, once, if a stray HELLO has come that the user should hear of."""
         more = self.stray_hellos != self._told_hellos
         self._told_hellos = self.stray_hellos
         if not more or now_s - self._told_s < STRAY_TOLD_S:
@@ -94,11 +94,11 @@ class HostSessions:
         return True
 
     def foreigner_speaks(self, now_s: float) -> bool:
-        """Whether the robot has heard another host in an open session just now."""
+        """True if the robot has just heard another host in an open session."""
         return now_s - self._foreign_s < FOREIGN_S
 
     def hello_due(self, now_s: float) -> bool:
-        """Whether to say HELLO now; the next is due a half later than this one was."""
+        """True if HELLO is due now; the next interval is longer by half."""
         if now_s < self._hello_s:
             return False
         self._hello_s = now_s + self._wait_s
@@ -107,5 +107,5 @@ class HostSessions:
         return True
 
     def wait_long(self, now_s: float) -> None:
-        """The robot cannot be used: ask it again, but seldom."""
+        """Ask an unusable robot again, but seldom."""
         self._hello_s = now_s + HELLO_REFUSED_S

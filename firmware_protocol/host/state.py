@@ -1,11 +1,11 @@
 """The states of the host's end of the link, as a table: ``TRANSITIONS[state, event]``.
 
-CLOSED: no port. HELLO: asking for a robot. VERIFY: a robot has answered; its mission is
-compared with ours. STREAM: up. DRAIN: up, the whole mission is with the robot, which executes
-it. LINK_LOST: it was up and fell silent; asking again. REBOOTED: up, but the robot's memory is
-gone; its mission is void until a new one is given. REFUSED: a robot of another version or schema
-has answered; it is asked again every few seconds. A pair that is not in the table cannot be:
-whatever a robot sends, only a mistake of this program leads to it.
+CLOSED: no port. HELLO: asking for a robot. VERIFY: a robot has answered; its mission is compared
+with ours. STREAM: up. DRAIN: up, the robot has the whole mission and executes it. LINK_LOST: it was
+up and fell silent; asking again. REBOOTED: up, but the robot's memory is gone; its mission is void
+until a new one is given. REFUSED: a robot of another version or schema has answered and is asked
+again every few seconds. A pair missing from the table can only come from a mistake of this program,
+whatever a robot sends.
 """
 
 from __future__ import annotations
@@ -17,7 +17,7 @@ from firmware_protocol.wire.errors import LocalError
 
 
 class LinkState(Enum):
-    """Where the link stands."""
+    """State of the link."""
 
     CLOSED = "closed"
     HELLO = "hello"
@@ -30,17 +30,17 @@ class LinkState(Enum):
 
     @property
     def is_up(self) -> bool:
-        """Whether frames of the session flow both ways."""
+        """True if frames of the session flow both ways."""
         return self in _UP
 
     @property
     def is_asking(self) -> bool:
-        """Whether no robot has answered yet, or none that can be used."""
+        """True if no robot has answered yet, or none that is usable."""
         return self in _ASKING
 
 
 class LinkEvent(Enum):
-    """What can happen to the link."""
+    """Events of the link."""
 
     OPEN = "the port was opened"
     CLOSE = "the port was closed"
@@ -83,7 +83,7 @@ TRANSITIONS: Final[dict[tuple[LinkState, LinkEvent], LinkState]] = {
 
 
 def state_after(state: LinkState, event: LinkEvent) -> LinkState:
-    """What the link becomes; LocalError for an event that cannot happen to it."""
+    """State of the link after an event; LocalError for an event that cannot happen in it."""
     if (state, event) not in TRANSITIONS:
         raise LocalError(f"{event.name} ({event.value}) cannot happen to a link in {state.name}")
     return TRANSITIONS[state, event]

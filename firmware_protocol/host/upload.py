@@ -1,10 +1,10 @@
-"""The upload of a mission: which waypoints to send next, and whether the robot has the same.
+"""The upload of a mission: the waypoints to send next, and a comparison with the robot's.
 
-The robot's reports are the truth: what it has accepted is never sent again, what it lost is.
-Its two fingerprints, over the accepted and over the executed waypoints, are compared with the
-mission's at every report; a difference ends the mission with a sentence.
-A mission may be released in parts: waypoints beyond the released ones are not sent, and a robot
-that has driven all it has waits at the last of them.
+The robot's reports are the truth: accepted waypoints are never sent again, lost ones are. Every
+report's two fingerprints, over the accepted and the executed waypoints, are compared with the
+mission's; a difference ends the mission with a sentence. A mission may be released in parts:
+waypoints beyond the released ones are not sent, and a robot that has driven all it has waits at the
+last of them.
 """
 
 from __future__ import annotations
@@ -38,16 +38,16 @@ class Upload:
 
     @property
     def complete(self) -> bool:
-        """Whether the robot has all waypoints."""
+        """True if the robot has all waypoints."""
         return self.on_robot and self.accepted == len(self.mission)
 
     @property
     def blocked(self) -> bool:
-        """Whether nothing more can be sent before the robot drives: full queue or all sent."""
+        """True if nothing more can be sent before the robot drives: full queue or all sent."""
         return self.accepted == self._next > 0 and self.next_batch() is None
 
     def hold_back(self, count: int) -> None:
-        """Send no more than the first ``count`` waypoints before :meth:`release`."""
+        """Send only the first ``count`` waypoints before :meth:`release`."""
         self.released = min(count, len(self.mission))
 
     def release(self, count: int) -> None:
@@ -55,20 +55,20 @@ class Upload:
         self.released = max(self.released, min(count, len(self.mission)))
 
     def new_session(self) -> None:
-        """Frames in flight are void; go on from the robot's next report."""
+        """Void the frames in flight; continue from the robot's next report."""
         self._next = self.accepted
         self._limit = 0
 
     def see_ack(self, accept_next: int, credit: int) -> None:
-        """The robot acknowledged; a number beyond what was sent is an old mission's."""
+        """Take an acknowledgement; a number beyond what was sent is an old mission's."""
         if self.on_robot and accept_next <= self._next:
             self.accepted = max(self.accepted, accept_next)
             self._limit = accept_next + credit
 
     def see_status(self, status: Status, credit: int, all_acknowledged: bool) -> str | None:
-        """Compare with a report; a sentence where the mission cannot go on.
+        """Compare with a report; return a sentence if the mission cannot continue.
 
-        ``all_acknowledged``: the report was made after the robot had every frame sent.
+        ``all_acknowledged``: the robot had every frame sent when it made the report.
         """
         if status.mission != self.mission.id:
             if self.on_robot:
@@ -90,14 +90,14 @@ class Upload:
         return None
 
     def next_batch(self) -> Waypoints | None:
-        """The next frame's waypoints, None where the queue is full or all released are sent."""
+        """The next frame's waypoints; None if the queue is full or all released are sent."""
         end = min(self._next + BATCH, self._limit, self.released)
         full = end - self._next == BATCH or end == self.released
-        # a frame that carries less than it could would cost the line more than it brings
+        # a partly filled frame would cost the line more than it brings
         if not self.on_robot or end <= self._next or not full:
             return None
         return Waypoints(self.mission.id, self._next, self.mission.records[self._next : end])
 
     def sent(self, batch: Waypoints) -> None:
-        """The batch is on its way; the next one follows it."""
+        """Count the batch as sent."""
         self._next = batch.first + len(batch.records)

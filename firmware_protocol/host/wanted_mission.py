@@ -1,7 +1,7 @@
-"""The mission that the robot is to have: given, followed to its end, or void.
+"""The mission meant for the robot: given, followed to its end, or void.
 
-A mission is void once its robot may not have what was sent: after a reboot, an emergency stop, or
-where the robot reports other waypoints. Its id does not come back: part of it may have been driven.
+It is void once the robot may not have what was sent: after a reboot or an emergency stop, or if the
+robot reports other waypoints. Its id is not used again: part of it may have been driven.
 """
 
 from __future__ import annotations
@@ -18,7 +18,7 @@ from firmware_protocol.wire.mission import Mission
 
 
 class WantedMission:
-    """At most one mission; ``tell`` takes events for the user, ``change`` those of the link."""
+    """At most one mission; ``tell`` takes events for the user, ``change`` the link's."""
 
     def __init__(
         self, tell: Callable[[Event], None], change: Callable[[LinkEvent, str], None]
@@ -35,9 +35,9 @@ class WantedMission:
         return self.upload
 
     def follow(self, upload: Upload, status: Status, credit: int, everything: bool) -> str | None:
-        """What a report says of the mission under way; a sentence where it is void by it.
+        """Follow the mission by a report; return a sentence if the report makes it void.
 
-        ``everything``: the report was made after the robot had every frame sent.
+        ``everything``: the robot had every frame sent when it made the report.
         """
         was_done = upload.done
         void = upload.see_status(status, credit, everything)
@@ -54,7 +54,7 @@ class WantedMission:
         return None
 
     def void(self, reason: str) -> None:
-        """The mission cannot go on."""
+        """Make the mission void: it cannot continue."""
         assert self.upload is not None
         self._tell(MissionVoid(self.upload.mission.id, reason))
         self._void_ids.append(self.upload.mission.id)

@@ -1,8 +1,8 @@
 """CRC-32C, the check of every frame and the fingerprint of every mission.
 
-Reflected polynomial 0x82F63B78 (Castagnoli), initial value and final inversion 0xFFFFFFFF;
-the check value of ``b"123456789"`` is 0xE3069283. A running value can be continued:
-``crc32c(b, crc32c(a)) == crc32c(a + b)``.
+Reflected polynomial 0x82F63B78 (Castagnoli), initial value and final inversion 0xFFFFFFFF; the
+check value of ``b"123456789"`` is 0xE3069283. A running value can be continued: ``crc32c(b,
+crc32c(a)) == crc32c(a + b)``.
 """
 
 from __future__ import annotations
@@ -28,7 +28,7 @@ _TABLE: Final = _byte_table()
 
 
 def crc32c(data: bytes | bytearray, running: int = 0) -> int:
-    """The CRC-32C of ``data``, continued from ``running``; an integer in [0, 2**32). O(n)."""
+    """CRC-32C of ``data``, continued from ``running``; an integer in [0, 2**32). O(n)."""
     table = _TABLE
     crc = running ^ 0xFFFFFFFF
     for value in data:

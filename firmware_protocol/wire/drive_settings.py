@@ -1,4 +1,4 @@
-"""What the robot is and can do, in SI units, and the whole numbers that its firmware has of it."""
+"""A robot's size and abilities in SI units, and as whole numbers for its firmware."""
 
 from __future__ import annotations
 
@@ -14,13 +14,12 @@ LEAST_WHEEL_MAX_MM_S: Final = 200
 
 @dataclass(frozen=True, slots=True)
 class DriveSettings:
-    """What the robot is and can do.
+    """A robot's size and abilities.
 
-    Every value > 0, but for ``least_wheel_m_s``, which may be 0: its wheels turn however slowly
-    they are ordered to. The firmware computes with a track up to 1 m, a speed up to 2 m/s, turning
-    that gives the wheels no more than 2 m/s, 15 rad/s2, 8 m/s2, looking ahead by 1 m and 0.5 s,
-    a deviation up to 2 m, and a least speed up to 0.2 m/s, and keeps to these where more is asked
-    for.
+    Every value > 0, but for ``least_wheel_m_s``, which may be 0 for wheels that turn at any ordered
+    speed. The firmware computes with a track up to 1 m, a speed up to 2 m/s, turning that gives the
+    wheels at most 2 m/s, 15 rad/s2, 8 m/s2, lookahead of 1 m and 0.5 s, a deviation up to 2 m, and
+    a least speed up to 0.2 m/s; it clips larger values to these.
     """
 
     track_m: float = 0.12

@@ -1,11 +1,11 @@
-"""Whose fault it is: ours (``LocalError``) or the wire's (``RemoteError``)."""
+"""Errors by origin: ours (``LocalError``) or the wire's (``RemoteError``)."""
 
 from __future__ import annotations
 
 
 class LocalError(ValueError):
-    """This program asked for what the wire cannot carry or the state rules out; it says what."""
+    """A request of this program that the wire cannot carry or the state rules out."""
 
 
 class RemoteError(ValueError):
-    """The other end sent something that is whole but makes no sense; the message says what."""
+    """A message from the other end that is whole but makes no sense; the text gives the reason."""

@@ -1,6 +1,6 @@
 """Frames on a byte stream: ``00 | COBS(header | payload | CRC-32C) | 00``.
 
-- The header has 8 bytes, the payload at most 112, the check 4; one frame is at most 124 bytes
+- The header has 8 bytes, the payload at most 112, the check 4; a frame is at most 124 bytes
   decoded and 127 on the wire, 15 of them overhead.
 - The CRC also covers one byte that is not sent, ``H`` from the host and ``R`` from the robot,
   so that an echoed frame never validates.
@@ -40,7 +40,7 @@ _FROZEN_TYPES: Final = frozenset((0x01, 0x81))
 
 
 class Sender(IntEnum):
-    """Who sent a frame: the byte that the CRC covers and the wire does not carry."""
+    """Sender of a frame: the byte that the CRC covers and the wire does not carry."""
 
     HOST = ord("H")
     ROBOT = ord("R")
@@ -68,7 +68,7 @@ class Frame:
 
 @dataclass(slots=True)
 class ParserCounters:
-    """What a parser has seen since it was made; every kind of fault has its own number."""
+    """A parser's counts since it was made, one for each kind of fault."""
 
     bytes: int = 0
     frames: int = 0
@@ -82,7 +82,7 @@ class ParserCounters:
 
     @property
     def faults(self) -> int:
-        """All faults together."""
+        """Sum of all faults."""
         return (
             self.cobs_errors
             + self.short_frames
@@ -95,9 +95,9 @@ class ParserCounters:
 
 
 def encode_frame(frame: Frame, sender: Sender) -> bytes:
-    """The bytes of a frame on the wire, both delimiters included.
+    """Encode a frame for the wire, with both delimiters.
 
-    Raises LocalError where a field does not fit.
+    Raises LocalError if a field does not fit.
     """
     if len(frame.payload) > MAX_PAYLOAD:
         raise LocalError(f"payload of {len(frame.payload)} bytes: at most {MAX_PAYLOAD} fit")
@@ -121,12 +121,12 @@ def encode_frame(frame: Frame, sender: Sender) -> bytes:
 
 
 def wire_bytes(payload_bytes: int) -> int:
-    """How many bytes a frame with a payload of that size takes on the wire."""
+    """Number of bytes on the wire of a frame with a payload of that size."""
     return payload_bytes + OVERHEAD
 
 
 class FrameParser:
-    """Turns the other end's byte stream into frames."""
+    """Parser of the other end's byte stream."""
 
     def __init__(self, sender: Sender) -> None:
         self.sender = sender
@@ -135,7 +135,7 @@ class FrameParser:
         self._too_long = False
 
     def feed(self, data: bytes) -> list[Frame]:
-        """Take the next bytes, in any portion; the frames that they complete, in order."""
+        """Take the next bytes, in any portion; return the frames that they complete, in order."""
         self.counters.bytes += len(data)
         frames: list[Frame] = []
         pieces = data.split(b"\0")

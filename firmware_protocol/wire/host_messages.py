@@ -1,4 +1,4 @@
-"""What the host says. SI units outside; each message packs and checks its own payload."""
+"""Messages of the host. SI units outside; each message packs and checks its own payload."""
 
 from __future__ import annotations
 
@@ -28,7 +28,7 @@ WAYPOINTS_PER_FRAME: Final = (MAX_PAYLOAD - 10) // WAYPOINT_BYTES
 
 @dataclass(frozen=True, slots=True)
 class Hello:
-    """The host asks for a session; sent until it is open. Layout frozen for ever."""
+    """Request for a session, sent until it is open. Layout frozen for ever."""
 
     schema: int
     major: int = VERSION
@@ -43,14 +43,14 @@ class Hello:
 
     @classmethod
     def unpack(cls, payload: bytes) -> Self:
-        """Read a payload; RemoteError where it is none."""
+        """Read a payload; RemoteError if invalid."""
         major, minor, schema = unpack_exactly("HELLO", cls.LAYOUT, payload)
         return cls(schema, major, minor)
 
 
 @dataclass(frozen=True, slots=True)
 class Confirm:
-    """The host gives the robot's number back: it is here now, and no recording."""
+    """The robot's number returned: the host is live, not a recording."""
 
     nonce: int
 
@@ -63,18 +63,18 @@ class Confirm:
 
     @classmethod
     def unpack(cls, payload: bytes) -> Self:
-        """Read a payload; RemoteError where it is none."""
+        """Read a payload; RemoteError if invalid."""
         (nonce,) = unpack_exactly("CONFIRM", cls.LAYOUT, payload)
         return cls(nonce)
 
 
 @dataclass(frozen=True, slots=True)
 class Waypoint:
-    """One target: where, how fast to pass it, and how exactly.
+    """One target: its place, the speed to pass it, and the precision.
 
-    ``heading_rad`` counts only where the robot stops (flag STOP or END); None is any.
-    ``acceptance_m`` is the radius within which the point counts as reached; at a stop it is
-    the tolerance of the position, 0 for the robot's own. ``dwell_s`` is how long to stand.
+    ``heading_rad`` counts only if the robot stops there (flag STOP or END); None is any.
+    ``acceptance_m`` is the radius within which the point counts as reached; at a stop it is the
+    tolerance of the position, 0 for the robot's own. ``dwell_s`` is the time to stand still.
     Ranges: |x|, |y| < 2147 m, speed to 65 m/s, acceptance to 6.5 m, dwell to 25.5 s.
     """
 
@@ -89,7 +89,7 @@ class Waypoint:
     LAYOUT: ClassVar[Struct] = Struct("<iihHHBB")
 
     def pack(self) -> bytes:
-        """The 16 bytes of the wire; LocalError where a value does not fit."""
+        """The 16 bytes of the wire; LocalError if a value does not fit."""
         return self.LAYOUT.pack(
             to_um("x_m", self.x_m),
             to_um("y_m", self.y_m),
@@ -102,7 +102,7 @@ class Waypoint:
 
     @classmethod
     def unpack(cls, record: bytes) -> Self:
-        """Read the 16 bytes; RemoteError where a value is out of range."""
+        """Read the 16 bytes; RemoteError if a value is out of range."""
         x, y, heading, speed, acceptance, dwell, flags = unpack_exactly(
             "waypoint", cls.LAYOUT, record
         )
@@ -123,7 +123,7 @@ class Waypoint:
 
 @dataclass(frozen=True, slots=True)
 class Waypoints:
-    """Up to six consecutive waypoints of a mission, as the 16-byte records of the wire."""
+    """Up to six consecutive waypoints of a mission, as the wire's 16-byte records."""
 
     mission: int
     first: int
@@ -133,7 +133,7 @@ class Waypoints:
     LAYOUT: ClassVar[Struct] = Struct("<IIBB")
 
     def pack(self) -> bytes:
-        """The payload; LocalError where there are too many."""
+        """The payload; LocalError for too many waypoints."""
         if not 1 <= len(self.records) <= WAYPOINTS_PER_FRAME:
             raise LocalError(
                 f"{len(self.records)} waypoints in a frame: 1 to {WAYPOINTS_PER_FRAME} fit"
@@ -143,7 +143,7 @@ class Waypoints:
 
     @classmethod
     def unpack(cls, payload: bytes) -> Self:
-        """Read a payload and check every record; RemoteError where one is wrong."""
+        """Read a payload and check every record; RemoteError if one is wrong."""
         if len(payload) < cls.LAYOUT.size:
             raise RemoteError(f"WAYPOINTS of {len(payload)} bytes: at least {cls.LAYOUT.size}")
         mission, first, count, _flags = cls.LAYOUT.unpack_from(payload)
@@ -177,7 +177,7 @@ class Start:
 
     @classmethod
     def unpack(cls, payload: bytes) -> Self:
-        """Read a payload; RemoteError where it is none."""
+        """Read a payload; RemoteError if invalid."""
         command, mission, exec_next = unpack_exactly("START", cls.LAYOUT, payload)
         return cls(command, mission, exec_next)
 
@@ -197,14 +197,14 @@ class Pause:
 
     @classmethod
     def unpack(cls, payload: bytes) -> Self:
-        """Read a payload; RemoteError where it is none."""
+        """Read a payload; RemoteError if invalid."""
         (command,) = unpack_exactly("PAUSE", cls.LAYOUT, payload)
         return cls(command)
 
 
 @dataclass(frozen=True, slots=True)
 class Clear:
-    """Stop under control, drop the queue; ``mission`` is the one to come (0: none)."""
+    """Stop under control, drop the queue; ``mission`` is the next one (0: none)."""
 
     command: int
     mission: int
@@ -218,7 +218,7 @@ class Clear:
 
     @classmethod
     def unpack(cls, payload: bytes) -> Self:
-        """Read a payload; RemoteError where it is none."""
+        """Read a payload; RemoteError if invalid."""
         command, mission = unpack_exactly("CLEAR", cls.LAYOUT, payload)
         return cls(command, mission)
 
@@ -238,16 +238,17 @@ class ResetEstop:
 
     @classmethod
     def unpack(cls, payload: bytes) -> Self:
-        """Read a payload; RemoteError where it is none."""
+        """Read a payload; RemoteError if invalid."""
         (command,) = unpack_exactly("RESET_ESTOP", cls.LAYOUT, payload)
         return cls(command)
 
 
 @dataclass(frozen=True, slots=True)
 class Lease:
-    """The control loop lived; with PERMIT the robot may drive for ``ttl_s`` from then.
+    """Sign that the control loop is alive; with PERMIT the robot may drive for ``ttl_s``.
 
-    ``issued_us`` is when, of the robot's clock modulo 2**32; ``pose_age_s`` was the pose's age.
+    ``ttl_s`` counts from ``issued_us`` of the robot's clock, modulo 2**32; ``pose_age_s`` was the
+    pose's age then.
     """
 
     ttl_s: float
@@ -259,14 +260,14 @@ class Lease:
     LAYOUT: ClassVar[Struct] = Struct("<IHHB")
 
     def pack(self) -> bytes:
-        """The payload; LocalError where a time is negative."""
+        """The payload; LocalError for a negative time."""
         ttl = clamped(self.ttl_s, 1e3, 0xFFFF)
         age = clamped(self.pose_age_s, 1e3, NO_POSE_MS)
         return self.LAYOUT.pack(self.issued_us, ttl, age, self.flags)
 
     @classmethod
     def unpack(cls, payload: bytes) -> Self:
-        """Read a payload; RemoteError where it is none."""
+        """Read a payload; RemoteError if invalid."""
         issued_us, ttl, age, flags = unpack_exactly("LEASE", cls.LAYOUT, payload)
         if flags & ~3:
             raise RemoteError(f"LEASE flags {flags:#x}: only PERMIT and ODOMETRY are known")
@@ -276,7 +277,7 @@ class Lease:
 
 @dataclass(frozen=True, slots=True)
 class PoseFix:
-    """Where the camera saw the robot at ``captured_us`` of the robot's clock, modulo 2**32."""
+    """The robot's pose by the camera at ``captured_us`` of the robot's clock, modulo 2**32."""
 
     x_m: float
     y_m: float
@@ -287,13 +288,13 @@ class PoseFix:
     LAYOUT: ClassVar[Struct] = Struct("<iihI")
 
     def pack(self) -> bytes:
-        """The payload; LocalError where a value does not fit."""
+        """The payload; LocalError if a value does not fit."""
         x, y = to_um("x_m", self.x_m), to_um("y_m", self.y_m)
         return self.LAYOUT.pack(x, y, heading_to_wire(self.heading_rad), self.captured_us)
 
     @classmethod
     def unpack(cls, payload: bytes) -> Self:
-        """Read a payload; RemoteError where it is none."""
+        """Read a payload; RemoteError if invalid."""
         x, y, wire_heading, captured_us = unpack_exactly("POSE", cls.LAYOUT, payload)
         heading = heading_from_wire(wire_heading)
         if heading is None:
@@ -303,7 +304,7 @@ class PoseFix:
 
 @dataclass(frozen=True, slots=True)
 class TimeSync:
-    """The host asks for the robot's clock; microseconds, modulo 2**32."""
+    """Question for the robot's clock; microseconds, modulo 2**32."""
 
     host_sent_us: int
 
@@ -316,6 +317,6 @@ class TimeSync:
 
     @classmethod
     def unpack(cls, payload: bytes) -> Self:
-        """Read a payload; RemoteError where it is none."""
+        """Read a payload; RemoteError if invalid."""
         (host_sent_us,) = unpack_exactly("TIMESYNC", cls.LAYOUT, payload)
         return cls(host_sent_us)

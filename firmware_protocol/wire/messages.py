@@ -1,8 +1,8 @@
-"""All messages: how a frame's payload is read, the schema's hash, the emergency stop's frame.
+"""All messages: reading a frame's payload, the schema's hash, the emergency stop's frame.
 
 - ``pack()`` gives a payload, ``unpack(payload)`` reads one; the header is framing's.
-- A message made here checks its ranges (LocalError); one read from the wire is checked before
-  it is trusted (RemoteError). Integers are little-endian.
+- A message made here checks its ranges (LocalError); one from the wire is checked before it is
+  trusted (RemoteError). Integers are little-endian.
 - Host messages have types below 0x80, robot messages from 0x80 on.
 """
 
@@ -101,7 +101,7 @@ RELIABLE: Final = frozenset(
 
 
 def read_message(frame: Frame) -> Message:
-    """The message in a frame; RemoteError where its type or content is unknown."""
+    """The message in a frame; RemoteError for an unknown type or content."""
     message = MESSAGES.get(known(MessageType, frame.kind))
     if message is None:
         raise RemoteError(f"{MessageType(frame.kind).name} carries no message")
@@ -109,7 +109,7 @@ def read_message(frame: Frame) -> Message:
 
 
 def schema_text() -> str:
-    """The layouts of all messages in one line each; its CRC is the schema's hash."""
+    """The layouts of all messages, one line each; its CRC is the schema's hash."""
     lines = [f"{int(kind):02x} {message.LAYOUT.format}" for kind, message in MESSAGES.items()]
     return "\n".join([*lines, f"waypoint {Waypoint.LAYOUT.format}"])
 

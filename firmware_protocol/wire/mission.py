@@ -1,8 +1,8 @@
 """A mission: waypoints with an id, and the fingerprints of its beginnings.
 
-The prefix CRC of n waypoints is the CRC-32C over the mission id (u32, little-endian) and the
-first n 16-byte records. The robot computes it over what it has accepted and, separately, over
-what it has executed; equal to the host's, they prove: nothing lost, doubled or reordered.
+The prefix CRC of n waypoints is the CRC-32C over the mission id (u32, little-endian) and the first
+n 16-byte records. The robot computes it over the accepted waypoints and, separately, over the
+executed ones; equality with the host's proves that none was lost, doubled or reordered.
 """
 
 from __future__ import annotations
@@ -47,5 +47,5 @@ class Mission:
         return len(self.records)
 
     def prefix_crc(self, count: int) -> int | None:
-        """The CRC of the first ``count`` waypoints, None where there are not as many."""
+        """CRC of the first ``count`` waypoints; None if there are fewer."""
         return self._prefix[count] if 0 <= count <= len(self.records) else None

@@ -1,4 +1,4 @@
-"""What the robot says. SI units outside; each message packs and checks its own payload."""
+"""Messages of the robot. SI units outside; each message packs and checks its own payload."""
 
 from __future__ import annotations
 
@@ -30,7 +30,7 @@ from firmware_protocol.wire.vocabulary import (
 
 @dataclass(frozen=True, slots=True)
 class HelloAck:
-    """The robot's answer: who it is and where it stands. Layout frozen for ever."""
+    """The robot's answer: its identity and state. Layout frozen for ever."""
 
     major: int
     minor: int
@@ -75,7 +75,7 @@ class HelloAck:
 
     @classmethod
     def unpack(cls, payload: bytes) -> Self:
-        """Read a payload; RemoteError where it is none."""
+        """Read a payload; RemoteError if invalid."""
         v = list(unpack_exactly("HELLO_ACK", cls.LAYOUT, payload))
         cause, state = known(ResetCause, v[5]), known(RobotState, v[9])
         return cls(v[0], v[1], v[2], v[3], v[4], cause, v[6], v[7], v[8], state, *v[10:])
@@ -83,7 +83,7 @@ class HelloAck:
 
 @dataclass(frozen=True, slots=True)
 class Challenge:
-    """The session that was asked for opens when the host has given this number back."""
+    """Number that the host must return to open the session asked for."""
 
     nonce: int
     """Another one for every session and boot."""
@@ -97,14 +97,14 @@ class Challenge:
 
     @classmethod
     def unpack(cls, payload: bytes) -> Self:
-        """Read a payload; RemoteError where it is none."""
+        """Read a payload; RemoteError if invalid."""
         (nonce,) = unpack_exactly("CHALLENGE", cls.LAYOUT, payload)
         return cls(nonce)
 
 
 @dataclass(frozen=True, slots=True)
 class TimeSyncReply:
-    """The robot's clock at receiving and at answering; microseconds, modulo 2**32."""
+    """The robot's clock at receipt and at the answer; microseconds, modulo 2**32."""
 
     host_sent_us: int
     robot_received_us: int
@@ -119,14 +119,14 @@ class TimeSyncReply:
 
     @classmethod
     def unpack(cls, payload: bytes) -> Self:
-        """Read a payload; RemoteError where it is none."""
+        """Read a payload; RemoteError if invalid."""
         sent, received, answered = unpack_exactly("TIMESYNC_REPLY", cls.LAYOUT, payload)
         return cls(sent, received, answered)
 
 
 @dataclass(frozen=True, slots=True)
 class Ack:
-    """The robot acknowledges at once; sequence and credit stand in the frame's header."""
+    """Immediate acknowledgement; sequence and credit are in the frame's header."""
 
     accept_next: int
 
@@ -139,14 +139,14 @@ class Ack:
 
     @classmethod
     def unpack(cls, payload: bytes) -> Self:
-        """Read a payload; RemoteError where it is none."""
+        """Read a payload; RemoteError if invalid."""
         (accept_next,) = unpack_exactly("ACK", cls.LAYOUT, payload)
         return cls(accept_next)
 
 
 @dataclass(frozen=True, slots=True)
 class RobotCounters:
-    """What the robot's receiver has seen since it booted; each modulo 2**16."""
+    """Counts of the robot's receiver since boot, each modulo 2**16."""
 
     frames: int = 0
     crc_errors: int = 0
@@ -162,7 +162,7 @@ class RobotCounters:
 
 @dataclass(frozen=True, slots=True)
 class Status:
-    """Where the robot stands, 20 times a second; cumulative, so that none may be missed."""
+    """State of the robot, 20 times a second; cumulative, so that a lost one does no harm."""
 
     time_us: int
     boot_id: int
@@ -216,7 +216,7 @@ class Status:
 
     @classmethod
     def unpack(cls, payload: bytes) -> Self:
-        """Read a payload; RemoteError where it is none."""
+        """Read a payload; RemoteError if invalid."""
         v = list(unpack_exactly("STATUS", cls.LAYOUT, payload))
         heading = heading_from_wire(v[14])
         if heading is None:

@@ -1,6 +1,6 @@
-"""Between SI units and the integers of the wire: scaling, ranges, angles, exact sizes.
+"""Conversion between SI units and the integers of the wire: scaling, ranges, angles, sizes.
 
-What this program gives is checked with LocalError, what the wire brings with RemoteError.
+Values of this program raise LocalError, values from the wire RemoteError.
 """
 
 from __future__ import annotations
@@ -63,14 +63,14 @@ def heading_from_wire(wire: int) -> float | None:
 
 
 def clamped(value: float, scale: float, high: int) -> int:
-    """For times whose excess says nothing more: infinity is the highest value."""
+    """A clamped time, where excess does not matter; infinity becomes the highest value."""
     if math.isnan(value) or value < 0.0:
         raise LocalError(f"time {value}: must be >= 0")
     return high if value * scale >= high else round(value * scale)
 
 
 def unpack_exactly(what: str, layout: Struct, payload: bytes) -> tuple[int, ...]:
-    """The fields of a payload; RemoteError where its size is another."""
+    """The fields of a payload; RemoteError if its size differs."""
     if len(payload) != layout.size:
         raise RemoteError(f"{what} of {len(payload)} bytes: must have {layout.size}")
     return layout.unpack(payload)
@@ -80,7 +80,7 @@ _Known = TypeVar("_Known", bound=IntEnum)
 
 
 def known(enum: type[_Known], value: int) -> _Known:
-    """The member with that number; RemoteError where there is none."""
+    """The member with that number; RemoteError if there is none."""
     try:
         return enum(value)
     except ValueError:
@@ -88,5 +88,5 @@ def known(enum: type[_Known], value: int) -> _Known:
 
 
 def saturated(value: float, high: int) -> int:
-    """The nearest integer within plus and minus ``high``: for what is only told, not obeyed."""
+    """The nearest integer within plus and minus ``high``, for reported values, not orders."""
     return max(-high, min(high, round(value)))

@@ -1,4 +1,4 @@
-"""The numbers that messages speak with: types, states, reasons, results and flags."""
+"""Numbers used in messages: types, states, reasons, results and flags."""
 
 from __future__ import annotations
 
@@ -28,7 +28,7 @@ class MessageType(IntEnum):
 
 
 class RobotState(IntEnum):
-    """The robot's states; the table of changes is in ``clearway.states``."""
+    """The robot's states; ``clearway.states`` has the table of transitions."""
 
     BOOT = 0
     IDLE = 1
@@ -38,7 +38,7 @@ class RobotState(IntEnum):
 
 
 class StopReason(IntEnum):
-    """Why the robot is not in RUN (the last cause)."""
+    """Last reason for not being in RUN."""
 
     NONE = 0
     BOOTED = 1
@@ -78,7 +78,7 @@ STOP_SENTENCES: Final = {
 
 
 class ResetCause(IntEnum):
-    """Why the robot's processor started."""
+    """Reason for the start of the robot's processor."""
 
     UNKNOWN = 0
     POWER_ON = 1
@@ -88,7 +88,7 @@ class ResetCause(IntEnum):
 
 
 class CommandResult(IntEnum):
-    """What became of the last command."""
+    """Outcome of the last command."""
 
     NONE = 0
     DONE = 1
@@ -101,7 +101,7 @@ class CommandResult(IntEnum):
 
 
 class WaypointFlag(IntFlag):
-    """STOP: come to rest here, and turn to the heading if there is one. END: the last one."""
+    """STOP: come to rest here, and turn to the heading, if any. END: the last waypoint."""
 
     NONE = 0
     STOP = 1

@@ -1,4 +1,14 @@
-"""The configuration of a run: read, overridden from the environment, checked, then trusted."""
+"""The configuration of a run: read, overridden from the environment, checked, then trusted.
+
+- ``load.py`` reads the file in this order: ``secrecy`` learns the secrets, ``marks.py`` parses the
+  YAML with its places, ``overrides.py`` applies the environment, and the sections and
+  ``checks.py`` (with ``several`` for several robots or cameras) check it.
+- ``sections.py``, ``simulation.py``, ``dashboard.py`` and ``recording.py`` are the sections, made
+  of the kinds in ``values.py``; ``known_robots.py`` holds the vendors' numbers.
+- ``errors.py`` words the problems; ``unknown_keys.py`` hides the values of unknown keys.
+- ``limits.py`` gives the planner its limits; ``last_good.py`` keeps a good text.
+- ``reference.py`` writes the reference and the first file; ``editing`` changes a text.
+"""
 
 from navigation.config.errors import ConfigError
 from navigation.config.limits import limits_of

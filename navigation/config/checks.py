@@ -1,8 +1,8 @@
-"""What must fit together across a configuration's keys and sections.
+"""Checks across a configuration's keys and sections.
 
-Each check gets the sections that it needs, all of them sound by themselves, and yields the
-place and the sentence of what does not fit. `CHECKS` is the table of all of them. A check of
-`robot` or `serial` that does not take `robots` looks at one robot: it is made for each.
+Each check gets the sections that it needs, each already valid, and yields the place of a
+contradiction and a sentence. `CHECKS` lists all checks. A check of `robot` or `serial` that does
+not take `robots` looks at one robot and is made for each.
 """
 
 from __future__ import annotations
@@ -31,7 +31,7 @@ def _bounds_have_an_inside(arena: Any) -> _Found:
 
 def _camera_has_a_scale(camera: Any, cameras: Any) -> _Found:
     if cameras:
-        return  # each for itself
+        return  # each camera is checked by itself
     if camera.calibration is not None and camera.metres_per_pixel is not None:
         yield ("camera", "metres_per_pixel"), "must not be given beside a calibration"
     if camera.source != SIMULATED and camera.calibration is None and not camera.metres_per_pixel:
@@ -68,7 +68,7 @@ def _wheels_can_crawl(robot: Any) -> _Found:
 
 
 def _driver_can_drive_it(robot: Any, serial: Any) -> _Found:
-    """What its maker says of the robot, compared with what is asked of it."""
+    """Compare the maker's data of the robot with what is asked of it."""
     models = () if robot.driver == CLEARWAY else KNOWN_ROBOTS[robot.driver].models
     if robot.model is not None and robot.model not in models:
         yield (
@@ -132,7 +132,7 @@ _APRILTAG_SIZES = {"16h5": 30, "25h9": 35, "36h10": 2320, "36h11": 587, "36h12":
 
 
 def dictionary_size(name: str) -> int:
-    """How many markers a dictionary of OpenCV holds."""
+    """Return the number of markers in an OpenCV dictionary."""
     if name == "DICT_ARUCO_ORIGINAL":
         return 1024
     kind = name.rsplit("_", 1)[1]

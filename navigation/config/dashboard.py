@@ -1,4 +1,4 @@
-"""The configuration of the dashboard: where it listens, who may, and how much it shows."""
+"""The dashboard's section: its address, who may use it, and how much it shows."""
 
 from __future__ import annotations
 
@@ -53,7 +53,7 @@ class DashboardSection(Section):
 
     @property
     def is_local(self) -> bool:
-        """Whether only this machine can reach it."""
+        """True if only this machine can reach it."""
         if self.host == "localhost":
             return True
         try:

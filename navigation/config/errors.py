@@ -1,7 +1,7 @@
-"""What is wrong with a configuration, reported so that it can be fixed at once.
+"""Problems of a configuration, reported so that each can be corrected at once.
 
-Every problem is ``file:line:column: key: what is wrong``, the line itself, a caret under the
-place and, where one can be guessed, what was meant. All problems are reported together.
+Every problem is ``file:line:column: key: what is wrong``, the line itself, a caret under the place
+and, if it can be guessed, the intended word. All problems are reported together.
 """
 
 from __future__ import annotations
@@ -24,7 +24,7 @@ LONGEST_LINE = 100
 
 @dataclass(frozen=True, slots=True)
 class Problem:
-    """One thing that is wrong: the key, the sentence, and the place (None: environment)."""
+    """A problem: the key, the sentence, and the place (None: environment)."""
 
     where: Location
     message: str
@@ -35,7 +35,7 @@ class Problem:
 
     @property
     def key(self) -> str:
-        """The key as people write it: ``mission.stations[0].x_m``."""
+        """The written key: ``mission.stations[0].x_m``."""
         return key_name(self.where)
 
 
@@ -66,13 +66,13 @@ class ConfigError(ValueError):
         super().__init__("\n".join(told))
 
     def with_advice(self, advice: str) -> ConfigError:
-        """The same with a hint at the end of its text."""
+        """Add a hint at the end of its text."""
         self.args = (f"{self}\n{advice}",)
         return self
 
 
 def key_name(where: Location) -> str:
-    """``("stations", 0, "x_m")`` as ``stations[0].x_m``."""
+    """Return ``("stations", 0, "x_m")`` as ``stations[0].x_m``."""
     name = ""
     for part in where:
         name += f"[{part}]" if isinstance(part, int) else f".{part}"
@@ -94,7 +94,7 @@ def _told(problem: Problem, file: str, lines: Sequence[str]) -> str:
 
 
 def _around(line: str, place: int) -> tuple[str, int]:
-    """The part of a long line around a place, and where in it the place is."""
+    """Return the part of a long line around a place, and the place in it."""
     if len(line) <= LONGEST_LINE:
         return line, place
     begin = min(max(0, place - LONGEST_LINE // 3), max(0, len(line) - LONGEST_LINE))
@@ -104,7 +104,7 @@ def _around(line: str, place: int) -> tuple[str, int]:
 
 
 def mark_of(document: Document, where: Location, *, of_key: bool = False) -> Mark | None:
-    """The place of a value, or of the nearest thing around it that the text has."""
+    """Return the place of a value, or of the nearest thing around it in the text."""
     if of_key and where in document.keys:
         return document.keys[where]
     while where and where not in document.values:
@@ -117,7 +117,7 @@ def mark_of(document: Document, where: Location, *, of_key: bool = False) -> Mar
 def problems_of(
     errors: Iterable[Any], document: Document, model: type[BaseModel]
 ) -> Iterator[Problem]:
-    """pydantic's error details as problems, with suggestions; a misspelt key is told once."""
+    """Yield pydantic's error details as problems with suggestions; a misspelt key appears once."""
     errors = list(errors)
     unknown = [tuple(e["loc"]) for e in errors if e["type"] == "extra_forbidden"]
     missing = [tuple(e["loc"]) for e in errors if e["type"] == "missing"]
@@ -137,14 +137,14 @@ def problems_of(
 
 
 def _is_misspelt(where: Location, unknown: list[Location], missing: list[Location]) -> bool:
-    """Whether an unknown key of the same section will be told to mean this missing one."""
+    """True if an unknown key of the same section will be reported as this missing one."""
     near = [str(u[-1]) for u in unknown if u[:-1] == where[:-1]]
     mates = [str(m[-1]) for m in missing if m[:-1] == where[:-1]]
     return any(difflib.get_close_matches(key, mates, n=1) == [where[-1]] for key in near)
 
 
 def fields_at(where: Location, model: type[BaseModel]) -> type[BaseModel] | None:
-    """The model of the section at ``where``, None where there is none."""
+    """Return the model of the section at ``where``, None if there is none."""
     here: type[BaseModel] | None = model
     for part in where:
         if isinstance(part, int):
@@ -156,7 +156,7 @@ def fields_at(where: Location, model: type[BaseModel]) -> type[BaseModel] | None
 
 
 def model_in(annotation: Any) -> type[BaseModel] | None:
-    """The model inside an annotation such as ``Model | None`` or ``tuple[Model, ...]``."""
+    """Return the model inside an annotation such as ``Model | None`` or ``tuple[Model, ...]``."""
     if isinstance(annotation, type) and issubclass(annotation, BaseModel):
         return annotation
     for inner in getattr(annotation, "__args__", ()):
@@ -179,7 +179,7 @@ def _unknown(where: Location, model: type[BaseModel]) -> str:
 
 
 def _home_of(key: str, model: type[BaseModel]) -> str | None:
-    """Where a key belongs; in a section rather than in a list's entries."""
+    """Return the place where a key belongs; in a section rather than in a list's entries."""
     fields = sorted(model.model_fields.items(), key=lambda item: "tuple" in str(item[1].annotation))
     for name, field in fields:
         if key == name:
@@ -215,7 +215,7 @@ _KINDS = {
 
 
 def _sentence(error: Any, instead: str | None = None) -> str:
-    """What must be, and the value there, or ``instead`` of that."""
+    """Return the requirement and the given value, or ``instead`` of the value."""
     kind, context = error["type"], error.get("ctx", {})
     given = instead or _given(error["input"])
     if kind in _KINDS:
@@ -249,11 +249,11 @@ def _given(value: Any) -> str:
         return "a list"
     try:
         shown = repr(value)
-    except ValueError:  # a whole number of thousands of digits has no decimal form
+    except ValueError:  # an integer of thousands of digits has no decimal form
         return "a number of thousands of digits"
     return shown if len(shown) <= 60 else shown[:57] + "..."
 
 
 def in_order(problems: list[Problem]) -> list[Problem]:
-    """As they stand in the file, from the top."""
+    """Sort problems by their place in the file."""
     return sorted(problems, key=lambda p: (p.mark.line, p.mark.column) if p.mark else (0, 0))

@@ -1,4 +1,4 @@
-"""The robots that people own and what each of them is and can do, as their vendors state it.
+"""Robots on the market, and their data and abilities as their vendors state them.
 
 `robot.driver` chooses one. `clearway init --robot` writes these numbers, `clearway check` compares
 a configuration with them, and the drivers convert by them. Metres, seconds, radians.
@@ -26,13 +26,12 @@ OWN_LEAST_WHEEL_M_S: Final = 0.01
 class KnownRobot:
     """One robot.
 
-    ``wheel_m_s`` is the fastest that a wheel turns and ``speed_m_s`` the fastest that the robot
-    drives; ``radius_m`` the smallest disc around the middle of its axle that holds its body.
-    ``metres_per_count`` is a wheel's travel for a count of its encoder, None where the robot
-    reports speeds. ``watchdog_s``: its own motors stop so long after the last order, None where
-    they never do. ``help`` is what to look at when it does not answer. ``models``: which of the
-    maker's robots `robot.model` may name, the first if it is empty; none where the robot says it.
-    ``least_wheel_m_s`` is as in `robot.least_wheel_m_s`.
+    ``wheel_m_s`` is the highest speed of a wheel and ``speed_m_s`` that of the robot; ``radius_m``
+    is the smallest disc around the middle of its axle that holds its body. ``metres_per_count`` is
+    a wheel's travel per encoder count, None if the robot reports speeds. ``watchdog_s``: time after
+    the last order until its own motors stop, None if they never do. ``help``: things to check when
+    it does not answer. ``models``: the maker's robots that `robot.model` may name, the first if it
+    is empty; none if the robot reports it. ``least_wheel_m_s`` is as in `robot.least_wheel_m_s`.
     """
 
     title: str
@@ -70,7 +69,7 @@ KNOWN_ROBOTS: Final[Mapping[str, KnownRobot]] = {
         metres_per_count=3.14159265 * 0.072 / 508.8,
         watchdog_s=None,
         help="press CLEAN to wake it, and look at the cable",
-        least_wheel_m_s=0.0,  # `Create2Wheel` shares out the steps that its wheels have
+        least_wheel_m_s=0.0,  # `Create2Wheel` shares out the steps of its wheels
     ),
     "turtlebot3": KnownRobot(
         title="TurtleBot3",
@@ -87,7 +86,7 @@ KNOWN_ROBOTS: Final[Mapping[str, KnownRobot]] = {
         metres_per_count=2 * 3.14159265 * 0.033 / 4_096,
         watchdog_s=0.5,
         help="is its battery switched on, and the OpenCR board plugged in by USB?",
-        least_wheel_m_s=0.02,  # of one wheel alone is a linear speed of 1 cm/s, a whole step
+        least_wheel_m_s=0.02,  # for one wheel alone: a linear speed of 1 cm/s, a whole step
     ),
     "epuck2": KnownRobot(
         title="e-puck2",
@@ -127,7 +126,7 @@ KNOWN_ROBOTS: Final[Mapping[str, KnownRobot]] = {
 
 
 def least_wheel_m_s(driver: DriverName, chosen_m_s: float | None) -> float:
-    """`robot.least_wheel_m_s`, the robot's own where it is empty."""
+    """Return `robot.least_wheel_m_s`, or the robot's own value if it is empty."""
     if chosen_m_s is not None:
         return chosen_m_s
     return OWN_LEAST_WHEEL_M_S if driver == CLEARWAY else KNOWN_ROBOTS[driver].least_wheel_m_s

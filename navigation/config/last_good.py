@@ -2,9 +2,9 @@
 
 Rules
 - It is never used silently: a broken file is an error (exit code 78) that says where the last
-  good one is, and `clearway run --last-good` is the explicit way to run it.
-- What is kept is the file's text; the files that it names stay where they are.
-- A state folder that cannot be written to costs the roll-back, not the run.
+  good one is, and `clearway run --last-good` runs it explicitly.
+- Only the file's text is kept; the files that it names stay where they are.
+- If the state folder cannot be written, the roll-back is lost, not the run.
 """
 
 from __future__ import annotations
@@ -28,7 +28,7 @@ MOST_LINES: Final = 12
 
 
 def state_folder(environment: Mapping[str, str]) -> Path:
-    """Where the program keeps what outlives a run: systemd's folder, XDG's, or the home's."""
+    """Return the folder for data that outlives a run: systemd's, XDG's, or the home's."""
     if service := environment.get("STATE_DIRECTORY"):
         return Path(service.split(":")[0])
     if xdg := environment.get("XDG_STATE_HOME"):
@@ -45,7 +45,7 @@ class LastGood:
         self.kept = state / FOLDER / f"{self.file.stem}-{number}.yaml"
 
     def keep(self, text: str) -> str | None:
-        """Keep a good text; why that was impossible, or None."""
+        """Keep a good text; return the reason if that fails, else None."""
         try:
             if self.kept.exists() and self.kept.read_text(encoding="utf-8") == text:
                 return None
@@ -58,12 +58,14 @@ class LastGood:
         return None
 
     def load(self, environment: Mapping[str, str]) -> Config:
-        """The kept configuration; ``ConfigError`` where it is none any more, OSError where gone."""
+        """Parse the kept configuration; ``ConfigError`` if it is not valid any more, OSError if
+        gone.
+        """
         text = self.kept.read_text(encoding="utf-8")
         return parse_config(text, str(self.kept), self.file.parent, environment)
 
     def changes(self) -> list[str]:
-        """What differs between the kept text and the file now, as a unified diff's lines."""
+        """Return the unified diff between the kept text and the present file."""
         try:
             old = _shown(self.kept.read_text(encoding="utf-8"))
             new = _shown(read_source(self.file))
@@ -75,7 +77,7 @@ class LastGood:
         return lines
 
     def advice(self) -> str | None:
-        """How to go back, for the end of an error's text; None where nothing was kept."""
+        """Return a hint at the way back for an error's text; None if nothing was kept."""
         if not self.kept.exists():
             return None
         lines = [
@@ -87,5 +89,5 @@ class LastGood:
 
 
 def _shown(text: str) -> list[str]:
-    """The lines of a configuration, without its secrets and the values of unknown keys."""
+    """Return a configuration's lines without its secrets and the values of unknown keys."""
     return masked(text, values_of_unknown_keys(text, Config)).splitlines()

@@ -1,4 +1,4 @@
-"""From a configuration to the limits that the planner takes."""
+"""The planner's limits, from a configuration."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ from planner.path import Limits
 
 
 def limits_of(config: Config) -> Limits:
-    """What the robot can do, as the planner takes it; metres."""
+    """Return the robot's limits, as the planner takes them; metres."""
     robot, planning = config.robot, config.planning
     return Limits(
         speed=robot.speed_m_s,

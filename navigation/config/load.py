@@ -1,9 +1,9 @@
-"""Reads a configuration: the file, the environment's overrides, the checks; then it is trusted.
+"""Reads and checks a configuration and the environment's overrides; the result is trusted.
 
 Rules
-- `load_config` gives a whole `Config` or raises `ConfigError` with every problem at once.
+- `load_config` returns a whole `Config` or raises `ConfigError` with every problem at once.
 - Environment variables override the file (`overrides.py`).
-- What spans sections (`checks.py`) is told together with the errors of other sections.
+- Problems across sections (`checks.py`) are reported together with the sections' own errors.
 """
 
 from __future__ import annotations
@@ -34,10 +34,10 @@ MOST_BYTES: Final = 2_000_000
 
 
 def load_config(path: str | Path, environment: Mapping[str, str] | None = None) -> Config:
-    """The configuration in a file, with ``environment``'s overrides (default: the process's).
+    """Load a file's configuration, with ``environment``'s overrides (default: the process's).
 
-    Raises ``ConfigError`` (exit code 78) with every problem: unreadable file, YAML, unknown
-    or missing keys, wrong types and values, and what does not fit together.
+    Raises ``ConfigError`` (exit code 78) with every problem: unreadable file, YAML, unknown or
+    missing keys, wrong types and values, and contradictions.
     """
     file = Path(path)
     text = read_source(file)
@@ -46,7 +46,7 @@ def load_config(path: str | Path, environment: Mapping[str, str] | None = None) 
 
 
 def read_source(file: Path) -> str:
-    """The text of a configuration; ``ConfigError`` where there is none or far too much of it."""
+    """Read a configuration's text; ``ConfigError`` if it is missing or far too long."""
     try:
         with file.open("rb") as source:
             data = source.read(MOST_BYTES + 1)
@@ -68,7 +68,7 @@ def parse_config(
     folder: Path | None = None,
     environment: Mapping[str, str] | None = None,
 ) -> Config:
-    """The configuration in a text; ``name`` is used in errors, ``folder`` for relative files."""
+    """Parse a configuration's text; ``name`` is used in errors, ``folder`` for relative files."""
     learn(secrets_in_source(text))
     learn(secrets_in_environment(environment or {}))
     document = read_document(text)
@@ -93,7 +93,7 @@ def parse_config(
 def _validate(
     document: Document, folder: Path | None
 ) -> tuple[Config | None, list[Problem], dict[str, Any]]:
-    """The configuration, what is wrong, and the sections that can be trusted all the same."""
+    """Return the configuration, the problems, and the sections that can still be trusted."""
     context = {"folder": folder}
     data = with_source_of_cameras(document.data)
     try:
@@ -110,7 +110,7 @@ def _validate(
 
 
 def _without(data: Any, keys: Sequence[Location]) -> Any:
-    """The data without those keys; they are told, and the rest can be looked at."""
+    """Return the data without those keys: they are reported, and the rest can be checked."""
     here = {where[0] for where in keys if len(where) == 1}
     if isinstance(data, dict):
         pairs = data.items()
@@ -127,7 +127,7 @@ def _below(keys: Sequence[Location], part: Any) -> list[Location]:
 def _sound_sections(
     data: dict[str, Any], bad: set[str], context: dict[str, Path | None]
 ) -> dict[str, Any]:
-    """The sections without errors of their own, for the checks that need no others."""
+    """Return the sections without errors of their own, for the checks that need no others."""
     sound: dict[str, Any] = {}
     for name, field in Config.model_fields.items():
         if name in bad:
@@ -145,5 +145,5 @@ def _cross_problems(sections: Mapping[str, Any], document: Document) -> Iterator
         if all(name in sections for name in needed):
             for where, sentence in found_in(sections, needed, check):
                 if is_overridden(sections, where):
-                    continue  # the value is nobody's; each entry's own is checked
+                    continue  # no entry uses the value; each entry's own is checked
                 yield Problem(where, sentence, mark_of(document, where))

@@ -2,8 +2,8 @@
 
 Rules
 - The scalars are those of YAML 1.2's core schema: ``1e-3`` is a number, ``on`` and ``no`` are
-  words. PyYAML alone follows YAML 1.1, where it is the other way round.
-- A key that stands twice, a key that is not a word and an alias inside itself are errors.
+  words. PyYAML alone follows YAML 1.1, which is the other way round.
+- A duplicate key, a key that is not a word and an alias inside itself are errors.
 - Length, depth and the number of values, with every alias written out, are bounded: nine lines
   of aliases of aliases would be a billion values.
 - Lines and columns count from 1.
@@ -31,7 +31,7 @@ Location: TypeAlias = tuple[str | int, ...]
 
 @dataclass(frozen=True, slots=True)
 class Mark:
-    """A place in the text: line and column from 1, and how many characters to underline."""
+    """A place in the text: line and column from 1, and number of characters to underline."""
 
     line: int
     column: int
@@ -40,7 +40,7 @@ class Mark:
 
 @dataclass(frozen=True, slots=True)
 class Defect:
-    """What is wrong with the YAML itself, and where."""
+    """An error of the YAML itself, and its place."""
 
     mark: Mark
     message: str
@@ -76,7 +76,7 @@ class _Loader(yaml.SafeLoader):
         """How many values each node is, written out, by its identity."""
 
     def compose_node(self, parent: yaml.Node | None, index: Any) -> yaml.Node | None:
-        """A node, counted; ``TooMuchError`` at the value or alias that is too much."""
+        """Count and compose a node; ``TooMuchError`` at the value or alias that is too much."""
         mark: yaml.Mark = self.peek_event().start_mark  # type: ignore[no-untyped-call]
         is_alias = self.check_event(yaml.AliasEvent)
         before = self._values
@@ -97,10 +97,10 @@ class _Loader(yaml.SafeLoader):
 
 
 def compose(text: str) -> yaml.Node | None:
-    """The tree of nodes of a YAML text, None of an empty one.
+    """Return the node tree of a YAML text, None for an empty one.
 
-    ``yaml.YAMLError`` says what is wrong; ``TooMuchError`` where it is longer, deeper or larger
-    than any configuration.
+    ``yaml.YAMLError`` for bad YAML; ``TooMuchError`` if it is longer, deeper or larger than any
+    configuration.
     """
     if len(text) > MOST_CHARACTERS:
         raise TooMuchError(f"is longer than {MOST_CHARACTERS} characters", Mark(1, 1))
@@ -148,7 +148,7 @@ _CONSTRUCT: dict[str, Callable[[str], Any]] = {
 
 
 def read_document(text: str) -> Document:
-    """Parse YAML text; what is wrong with it stands in ``defects``, nothing is raised."""
+    """Parse YAML text; errors are listed in ``defects``, never raised."""
     document = Document(text)
     try:
         node = compose(text)
@@ -176,7 +176,7 @@ def _mark(start: yaml.Mark, end: yaml.Mark | None = None) -> Mark:
 
 
 class _Walk:
-    """Turns nodes into plain data, noting where everything stood."""
+    """Turns nodes into plain data, and notes their places."""
 
     def __init__(self, document: Document) -> None:
         self._document = document

@@ -1,8 +1,8 @@
-"""The environment's variables that override a configuration's values.
+"""Environment variables that override a configuration's values.
 
-CLEARWAY_SERIAL__PORT=/dev/ttyUSB0 sets serial.port; two underscores go one level down, a number
-is an entry of a list, and the value is read as YAML. A variable that would set nothing is an
-error: it would be ignored for ever where another was meant.
+CLEARWAY_SERIAL__PORT=/dev/ttyUSB0 sets serial.port; two underscores lead one level down, a number
+is an entry of a list, and the value is read as YAML. A variable that would set nothing is an error,
+since it would be ignored for ever.
 """
 
 from __future__ import annotations
@@ -24,7 +24,7 @@ OTHERS_VARIABLES = (
 def override(
     data: dict[str, Any], environment: Mapping[str, str]
 ) -> tuple[dict[Location, str], list[Problem]]:
-    """Put the environment's values into ``data``; where each came from, and what is wrong."""
+    """Put the environment's values into ``data``; return each one's source, and the problems."""
     came_from: dict[Location, str] = {}
     problems: list[Problem] = []
     for name in sorted(environment):
@@ -46,7 +46,7 @@ def override(
 
 
 def _location(name: str) -> Location:
-    """CLEARWAY_MISSION__STATIONS__0__X_M as ("mission", "stations", 0, "x_m")."""
+    """Return CLEARWAY_MISSION__STATIONS__0__X_M as ("mission", "stations", 0, "x_m")."""
     parts = name[len(ENVIRONMENT_PREFIX) :].lower().split("__")
     return tuple(int(part) if part.isdecimal() else part for part in parts)
 
@@ -75,7 +75,7 @@ def _first_key(section: str) -> str:
 
 
 def _set(data: dict[str, Any], where: Location, value: Any) -> bool:
-    """Set a value, making the sections on the way; False where a list has no such entry."""
+    """Set a value and create missing sections; False if a list has no such entry."""
     here: Any = data
     for part, following in zip(where, (*where[1:], None), strict=True):
         if isinstance(here, list) and not (isinstance(part, int) and part < len(here)):
@@ -92,7 +92,7 @@ def _set(data: dict[str, Any], where: Location, value: Any) -> bool:
 
 
 def sourced(problem: Problem, came_from: Mapping[Location, str]) -> Problem:
-    """Blame the environment's variable for what it set."""
+    """Blame the environment's variable for the values it set."""
     for where, source in came_from.items():
         if problem.where[: len(where)] == where or where[: len(problem.where)] == problem.where:
             return Problem(problem.where, problem.message, problem.mark, source)

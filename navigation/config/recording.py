@@ -1,4 +1,4 @@
-"""The section `recording` of a configuration: what a run leaves behind."""
+"""The section `recording` of a configuration."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from navigation.config.values import Positive, Rate, Section
 
 
 class RecordingSection(Section):
-    """What a run leaves behind."""
+    """Files that a run leaves behind."""
 
     runs_dir: Path = Field(
         default=Path("runs"),

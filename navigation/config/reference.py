@@ -27,13 +27,13 @@ LINE_WIDTH = 100
 
 
 def json_schema() -> dict[str, Any]:
-    """The JSON Schema of a configuration, for editors."""
+    """Return a configuration's JSON Schema, for editors."""
     schema = without_overridden(Config.model_json_schema())
     return {"$schema": "https://json-schema.org/draft/2020-12/schema", **schema}
 
 
 def reference_markdown() -> str:
-    """Every section and key: type, limits, default and meaning."""
+    """Return every section and key with type, limits, default and meaning."""
     schema = json_schema()
     lines = [
         "# Configuration",
@@ -49,10 +49,9 @@ def reference_markdown() -> str:
 
 
 def starter_yaml(values: Mapping[str, Any], heading: str) -> str:
-    """A commented configuration with ``values``, every other key at its default.
+    """Return a commented configuration with ``values`` and every other key at its default.
 
-    A key without a value stands there as a comment. The result loads where ``values`` has
-    every required key.
+    A key without a value is a comment. The result loads if ``values`` has every required key.
     """
     lines = [f"# {line}".rstrip() for line in heading.splitlines()]
     for name, field in Config.model_fields.items():
@@ -102,7 +101,7 @@ _LIMITS = {
 
 
 def _kind(schema: Mapping[str, Any], root: Mapping[str, Any]) -> str:
-    """A JSON Schema in words: ``number > 0``, ``list of 4``, one of some words."""
+    """Describe a JSON Schema in words: ``number > 0``, ``list of 4``, one of some words."""
     if "anyOf" in schema:
         return " or ".join(_kind(one, root) for one in schema["anyOf"] if one != {"type": "null"})
     if "enum" in schema:
@@ -157,13 +156,13 @@ def _starter_value(name: str, field: FieldInfo, value: Any, indent: str) -> Iter
 
 
 def _commented(line: str, field: FieldInfo) -> Iterator[str]:
-    """The line with its meaning behind it, or above it where that would be too wide."""
+    """Yield the line with its meaning behind it, or above it if too wide."""
     beside = f"{line:<{COMMENT_COLUMN}}  # {field.description}"
     if len(beside) <= LINE_WIDTH:
         yield beside
         return
     indent = line[: len(line) - len(line.lstrip())]
-    if line.startswith("# "):  # a key that is commented out, with its own indentation behind that
+    if line.startswith("# "):  # a key commented out keeps its own indentation
         key = line[2:]
         indent = "# " + key[: len(key) - len(key.lstrip())]
     yield from textwrap.wrap(
@@ -174,7 +173,7 @@ def _commented(line: str, field: FieldInfo) -> Iterator[str]:
 
 
 def _yaml(value: Any) -> str:
-    """A value on one line, as YAML reads it."""
+    """Return a value on one line, as YAML reads it."""
     if isinstance(value, Path):
         value = str(value)
     if isinstance(value, str) and _PLAIN.fullmatch(value) and read_document(value).data == value:

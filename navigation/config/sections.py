@@ -1,9 +1,8 @@
 """The sections of a configuration, in the order of the data: arena, camera, ..., recording.
 
-Units are SI and stand in the names; angles in a configuration are degrees, because people
-write them. The arena's frame: metres, x right, y up, headings counter-clockwise from +x.
-The descriptions here are the reference: `clearway schema`, `clearway init` and
-docs/configuration.md are made from them.
+Units are SI and part of the names; angles are degrees, because people write them. The arena's
+frame: metres, x right, y up, headings counter-clockwise from +x. `clearway schema`, `clearway init`
+and docs/configuration.md are made from the descriptions here.
 """
 
 from __future__ import annotations
@@ -60,7 +59,7 @@ Dictionary: TypeAlias = Literal[
 
 
 class CameraSection(Section):
-    """The camera above the arena and how its pixels become metres."""
+    """The camera above the arena, and the conversion of its pixels to metres."""
 
     source: Source = Field(
         description="'simulated', a camera's number (0), a device (/dev/v4l/by-id/...), "
@@ -112,7 +111,7 @@ class CameraSection(Section):
 
 @as_in(CameraSection, leave_out=("metres_per_pixel",))
 class CameraEntry(Section):
-    """One of several cameras over one arena; what is empty is as in ``camera``."""
+    """One of several cameras over one arena; an empty key is as in ``camera``."""
 
     name: Name = Field(description="what messages call it: letters, digits, _ and -")
     source: Source | None = Field(default=None, description="where its pictures come from")
@@ -122,7 +121,7 @@ class CameraEntry(Section):
 
 
 class VisionSection(Section):
-    """How obstacles are told from the floor."""
+    """Separation of obstacles from the floor."""
 
     polarity: Literal["dark", "light"] = Field(
         default="dark", description="whether obstacles are darker or lighter than the floor"
@@ -147,7 +146,7 @@ class MarkerSection(Section):
 
 
 class RobotSection(MarkerSection):
-    """The robot that is driven: its marker, its body, what it can do, its wheels."""
+    """The driven robot: its marker, body, abilities and wheels."""
 
     driver: DriverName = Field(
         default="clearway",
@@ -192,7 +191,7 @@ class RobotSection(MarkerSection):
 
 
 class PlanningSection(Section):
-    """Which way to choose and how to drive it."""
+    """Choice of the path, and how to drive it."""
 
     margin_m: Annotated[NotNegative, Field(le=100)] = Field(
         default=0.01, description="kept free around the robot's radius in every plan"
@@ -243,14 +242,14 @@ class SerialSection(Section):
 
 @as_in(SerialSection, RobotSection)
 class RobotEntry(Section):
-    """One of several driven robots; what is empty is as in ``robot`` and ``serial``."""
+    """One of several driven robots; an empty key is as in ``robot`` and ``serial``."""
 
     name: Name = Field(description="what orders and reports call it: letters, digits, _ and -")
     marker_id: Count = Field(description="the number of the marker on this robot")
 
 
 class SafetySection(Section):
-    """When the robot must hold or stop."""
+    """Conditions in which the robot must hold or stop."""
 
     pose_stale_s: Positive = Field(
         default=0.2, description="hold when the marker was not seen for longer"
@@ -304,7 +303,7 @@ class SafetySection(Section):
 
 
 class RobotMissionSection(Section):
-    """Where one of several robots goes."""
+    """Stations of one of several robots."""
 
     name: Name = Field(description="which of robots it is")
     stations: tuple[StationSection, ...] = Field(
@@ -313,7 +312,7 @@ class RobotMissionSection(Section):
 
 
 class MissionSection(Section):
-    """Where to go; without stations the program waits for orders."""
+    """Stations of the mission; without them the program waits for orders."""
 
     stations: tuple[StationSection, ...] = Field(
         default=(),

@@ -1,6 +1,6 @@
 """The section ``simulation``: the simulated world, its camera's and its robot's errors.
 
-Units as in `config_sections`: SI in the names, angles in degrees, pictures in pixels.
+Units as in ``sections.py``: SI in the names, angles in degrees, pictures in pixels.
 """
 
 from __future__ import annotations
@@ -35,7 +35,7 @@ from navigation.config.values import (
 
 
 class SimulatedKnockSection(Section):
-    """A knock against the simulated camera: it hangs otherwise from then on."""
+    """A knock after which the simulated camera hangs differently."""
 
     from_s: NotNegative = Field(description="when, after the beginning")
     until_s: Positive | None = Field(
@@ -52,7 +52,7 @@ class SimulatedKnockSection(Section):
 
 
 class SimulatedCameraSection(Section):
-    """The simulated camera: a pinhole with lens distortion, or a fisheye, above the arena."""
+    """The simulated camera above the arena: a pinhole with lens distortion, or a fisheye."""
 
     position_m: tuple[Metres, Metres, Length] = Field(
         default=(1.155, 0.975, 2.5), description="[x, y, height] of the lens"
@@ -104,7 +104,9 @@ class SimulatedCameraSection(Section):
 
 
 class SimulatedCameraEntry(Section):
-    """Where one of several simulated cameras is; what is empty is as in ``simulation.camera``."""
+    """Pose and errors of one of several simulated cameras; an empty key is as in
+    ``simulation.camera``.
+    """
 
     name: Name = Field(description="which of cameras it is")
     position_m: tuple[Metres, Metres, Length] | None = Field(
@@ -132,7 +134,7 @@ class SimulatedCameraEntry(Section):
 
 
 class SimulatedRobotSection(Section):
-    """How the simulated robot differs from the ideal one."""
+    """Differences of the simulated robot from the ideal one."""
 
     wheel_radius_error: tuple[RelativeError, RelativeError] = Field(
         default=(0.01, -0.005), description="relative error of the [left, right] wheel's radius"
@@ -177,13 +179,13 @@ class SimulatedRobotSection(Section):
 
 
 class RobotStartSection(Pose):
-    """Where one of several simulated robots is at the beginning."""
+    """Start of one of several simulated robots."""
 
     name: Name = Field(description="which of robots it is")
 
 
 class SimulatedTrackSection(Section):
-    """Where one of ``other_robots`` drives by itself, standing to turn at each place."""
+    """Track of one of ``other_robots``, which drives by itself and stops to turn at each place."""
 
     marker_id: Count = Field(description="which of other_robots it is")
     track: tuple[Place, ...] = Field(
@@ -199,7 +201,7 @@ class SimulatedTrackSection(Section):
 
 
 class SimulatedObstacleSection(Section):
-    """An obstacle that is not always there; moving one: two that follow each other."""
+    """An obstacle that is not always there; two that follow each other make a moving one."""
 
     record: Text = Field(
         description="one record of the scene text, metres: 'C (1.2,0.9) 0.08' or 'L 3 (..) ..'"
@@ -209,7 +211,7 @@ class SimulatedObstacleSection(Section):
 
 
 class SimulationSection(Section):
-    """The simulated world; ignored where camera and port are real."""
+    """The simulated world; ignored if camera and port are real."""
 
     seed: Count = Field(default=1, description="of everything random")
     arena: NeighbourFile | None = Field(

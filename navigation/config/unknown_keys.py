@@ -1,7 +1,7 @@
 """Places of the values of unknown keys in a file: any of them may be a secret, so none is shown.
 
-`tokn: ...` is a token all the same. The tree of YAML nodes is followed beside the model, so that a
-key that is there twice, or in a section that is refused as a whole, is found too.
+`tokn: ...` is a token all the same. The tree of YAML nodes is followed beside the model, which also
+finds a key that is there twice, or in a section refused as a whole.
 """
 
 from __future__ import annotations
@@ -16,7 +16,7 @@ from navigation.config.marks import compose
 
 
 def values_of_unknown_keys(text: str, model: type[BaseModel]) -> list[tuple[int, int]]:
-    """Where in the text they begin and end; none where the text is no YAML."""
+    """Return their beginnings and ends in the text; none if the text is not YAML."""
     try:
         root = compose(text)
     except (yaml.YAMLError, RecursionError):

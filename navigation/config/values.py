@@ -1,7 +1,7 @@
-"""The kinds of values in a configuration: bounded numbers, files, places and headings.
+"""Kinds of values in a configuration: bounded numbers, files, places and headings.
 
-Every number has a smallest and a largest value, far beyond what any arena or robot needs and far
-below what fills a machine's memory; where a key needs tighter ones, its section says so.
+Every number has bounds, far beyond the needs of any arena or robot and far below a size that fills
+a machine's memory; a section states tighter ones where a key needs them.
 """
 
 from __future__ import annotations
@@ -47,7 +47,7 @@ Degrees = Annotated[float, Field(strict=True, allow_inf_nan=False, ge=-3600, le=
 
 
 def _from(least: float) -> AfterValidator:
-    """No less than this: what is not above 0 is told as that first."""
+    """Require at least this; a value not above 0 is reported as that first."""
 
     def check(value: float) -> float:
         if value < least:
@@ -134,7 +134,7 @@ Name = Annotated[
 
 
 def _beside_the_file(path: Path, info: ValidationInfo) -> Path:
-    """A relative path is meant from the folder of the configuration."""
+    """Resolve a relative path from the configuration's folder."""
     folder = (info.context or {}).get("folder")
     return path if folder is None or path.is_absolute() else Path(folder) / path
 
@@ -143,7 +143,7 @@ NeighbourFile = Annotated[Path, AfterValidator(_beside_the_file)]
 
 
 class Section(BaseModel):
-    """A section: nothing but its own keys, and unchangeable."""
+    """A section: only its own keys, and immutable."""
 
     model_config = ConfigDict(extra="forbid", frozen=True, arbitrary_types_allowed=False)
 
@@ -156,7 +156,7 @@ def as_in(
 ) -> Callable[[type[_Entry]], type[_Entry]]:
     """Give a list's entry each key of ``sections`` that it lacks, with the same limits.
 
-    All of them may be empty: the section's own value holds then (`several`).
+    All may be empty: the section's own value then applies (`several`).
     """
 
     def made(entry: type[_Entry]) -> type[_Entry]:
@@ -189,7 +189,7 @@ _Whole = TypeVar("_Whole", bound=Section)
 
 
 def with_own(section: _Whole, entry: Section) -> _Whole:
-    """The section with every value that the entry has for one of its keys."""
+    """Return the section with the entry's values for its keys."""
     own = {
         key: value
         for key in type(section).model_fields
@@ -233,7 +233,7 @@ class StationSection(Place):
 
 
 class FloorMarkerSection(Section):
-    """A marker that lies on the floor, by which the camera's place is watched."""
+    """A marker on the floor, for watching the camera's place."""
 
     marker_id: Count = Field(description="its number, in robot.dictionary")
     size_m: Length = Field(description="side of its black square")
@@ -263,6 +263,6 @@ class ArenaSection(Section):
 
 
 def wrapped_rad(heading_deg: float) -> float:
-    """Degrees as radians in (-pi, pi]."""
+    """Return degrees as radians in (-pi, pi]."""
     turned = math.remainder(math.radians(heading_deg), math.tau)
     return math.pi if turned == -math.pi else turned

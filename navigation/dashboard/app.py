@@ -1,7 +1,7 @@
-"""What is at which address: the page, its websocket, /api, /metrics and /healthz.
+"""The dashboard's addresses: the page, its websocket, /api, /metrics and /healthz.
 
-Everything passes the gate first: Host and Origin at once, a token where one is needed. The
-page's own files hold no secrets and are open, since a browser cannot send a token for them.
+Everything passes the gate first: Host and Origin at once, a token where one is needed. The page's
+own files hold no secrets and are open, since a browser cannot send a token for them.
 """
 
 from __future__ import annotations
@@ -75,7 +75,7 @@ def make_app(
 
 
 class _Gatekeeper:
-    """Host and Origin before anything else, and the headers that every answer carries."""
+    """Checks Host and Origin first, and adds the headers of every answer."""
 
     def __init__(self, app: ASGIApp, gate: AccessGate) -> None:
         self._app, self._gate = app, gate
@@ -113,12 +113,12 @@ class _Pages:
         self.files = _page_files()
 
     async def show(self, request: Request) -> Response:
-        """One of the page's files."""
+        """Serve one of the page's files."""
         body, kind = self.files[request.url.path]
         return Response(body, media_type=kind)
 
     async def state(self, request: Request) -> Response:
-        """The present state, as JSON."""
+        """Serve the present state as JSON."""
         role = self._hub.gate.role(bearer_of(request.headers.get("authorization")))
         if isinstance(role, Refusal):
             return _refused(role)
@@ -126,7 +126,7 @@ class _Pages:
         return JSONResponse(state or {"type": "state", "mission": None})
 
     async def stop(self, request: Request) -> Response:
-        """Emergency stop without a websocket: what the page tries when its own is lost."""
+        """Stop without a websocket: the page's fallback when its own is lost."""
         refusal = self._hub.gate.may_stop(bearer_of(request.headers.get("authorization")))
         if refusal is not None:
             return _refused(refusal)
@@ -142,14 +142,14 @@ class _Pages:
         return JSONResponse({k: result[k] for k in ("ok", "error") if k in result})
 
     async def metrics(self, request: Request) -> Response:
-        """For Prometheus."""
+        """Serve the numbers for Prometheus."""
         role = self._hub.gate.role(bearer_of(request.headers.get("authorization")))
         if isinstance(role, Refusal):
             return _refused(role)
         return Response(metrics_text(self._hub), media_type="text/plain; version=0.0.4")
 
     async def health(self, _request: Request) -> Response:
-        """200 while the control loop runs, 503 when it hangs; what is wrong beside it in words."""
+        """200 while the control loop runs, 503 when it hangs; other troubles in words."""
         alive = self._hub.loop_age_s < LOOP_DEAD_S
         state = self._hub.state_now()
         body: dict[str, object] = {"status": "ok" if alive else "the control loop does not answer"}
@@ -163,7 +163,7 @@ class _Pages:
         return JSONResponse(body, status_code=200 if alive else 503)
 
     async def live(self, socket: WebSocket) -> None:
-        """A page's websocket."""
+        """Serve a page's websocket."""
         hub = self._hub
         offered = socket.scope.get("subprotocols", [])
         role = hub.gate.role(token_of(offered))
@@ -193,7 +193,7 @@ async def _deny(socket: WebSocket, refusal: Refusal) -> None:
 
 
 def _page_files() -> dict[str, tuple[bytes, str]]:
-    """Every file of the page by its address, read once: nothing else can be asked for."""
+    """Every file of the page by its address, read once: nothing else is served."""
     folder = files("navigation.dashboard") / "static"
     found = {
         f"/{item.name}": (item.read_bytes(), TYPES["." + item.name.rsplit(".", 1)[-1]])

@@ -1,7 +1,7 @@
-"""What one viewer attends to: whether there is news for it, and whether it could take a picture.
+"""One viewer's attention: whether it has news, and whether it could take a picture.
 
-Pictures are sent on credit: two are on their way at most, and each that the page has drawn
-brings the credit back. Seconds of the dashboard's clock.
+Pictures are sent on credit: at most two are on their way, and each one drawn by the page brings the
+credit back. Seconds of the dashboard's clock.
 """
 
 from __future__ import annotations
@@ -18,7 +18,7 @@ EARLY: Final = 0.75
 
 
 class Attention:
-    """As the hub sees a viewer; ``key`` is what it joined with, empty before.
+    """A viewer as the hub sees it; ``key`` is the one it joined with, empty before.
 
     ``number`` counts viewers up; ``displaced`` is set when it has to leave for another.
     """
@@ -36,15 +36,15 @@ class Attention:
         self._shown_s = -math.inf
 
     def wants_picture(self, now_s: float, pause_s: float) -> bool:
-        """Whether a new picture could be sent now, ``pause_s`` after the last one or later."""
+        """True if a new picture could be sent now, ``pause_s`` after the last one or later."""
         due = now_s - self._shown_s >= EARLY * pause_s
         return self.is_watching and self._credits > 0 and due
 
     def shown(self, now_s: float) -> None:
-        """A picture was sent."""
+        """Note that a picture was sent."""
         self._credits -= 1
         self._shown_s = now_s
 
     def drawn(self) -> None:
-        """The page has drawn a picture."""
+        """Note that the page has drawn a picture."""
         self._credits = min(CREDITS, self._credits + 1)

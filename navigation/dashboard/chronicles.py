@@ -1,7 +1,7 @@
-"""What happened lately, of one robot or of several: one log for all, tracks and charts of each.
+"""The recent past of one robot or several: one common log, tracks and charts for each.
 
-The chronicle of a single robot has no name. Of several robots each has its own, by name, and one
-without a name has what there is once: the log, and what concerns camera and program.
+A single robot's chronicle has no name. With several, each robot has its own by name; the one
+without a name has the log and everything about camera and program.
 """
 
 from __future__ import annotations
@@ -27,7 +27,7 @@ class Chronicles:
         }
 
     def rings(self) -> Iterator[tuple[str | None, Chronicle]]:
-        """Whose tracks and charts there are, by name; one without a name where it is one robot."""
+        """Yield the chronicles with tracks and charts, by name (None for a single robot)."""
         yield from self.each.items() if self.each else ((None, self.all),)
 
     def see(
@@ -38,7 +38,7 @@ class Chronicles:
         *,
         charted: bool = True,
     ) -> None:
-        """Take what is new; ``charted`` False leaves the charts as they are."""
+        """Record the news; ``charted`` False leaves the charts unchanged."""
         for name, chronicle in self.rings():
             mine = state.robots[name or ""]
             chronicle.see_robot(mine, wall_s)

@@ -1,12 +1,12 @@
-"""The hub: looks at the daemon's published state and makes the messages that viewers get.
+"""The hub: reads the daemon's published state and makes the viewers' messages.
 
 Rules
-- Everything runs in the dashboard's event loop; what takes long (warping and packing a picture,
-  a diagram, a preview) runs in a worker thread beside it.
-- A message is made once, whoever gets it: twenty viewers cost twenty writes, nothing more.
-- Pictures are made only when somebody looks, and all viewers together get at most
-  ``PICTURES_S`` a second.
-- The control loop is never waited for, and never waits: the hub reads what it has published.
+- Everything runs in the dashboard's event loop; slow work (warping and packing a picture, a
+  diagram, a preview) runs in a worker thread.
+- A message is made once for all: twenty viewers cost twenty writes, nothing more.
+- Pictures are made only while somebody looks; all viewers together get at most ``PICTURES_S`` a
+  second.
+- The control loop and the hub never wait for each other.
 """
 
 from __future__ import annotations
@@ -65,7 +65,7 @@ LOOP_DEAD_S: Final = 1.0
 
 
 class Hub:
-    """The newest of every message, with its number; `run` keeps them so."""
+    """The newest of every message, with its number; `run` keeps them current."""
 
     def __init__(
         self,
@@ -131,7 +131,7 @@ class Hub:
     # The loop.
 
     async def run(self) -> None:
-        """Look, again and again, until the dashboard closes."""
+        """Look repeatedly until the dashboard closes."""
         while not self.closing.is_set():
             try:
                 self.look(self.clock())
@@ -140,7 +140,7 @@ class Hub:
             await asyncio.sleep(LOOK_EVERY_S if self.viewers else IDLE_EVERY_S)
 
     def look(self, now_s: float) -> None:
-        """Take what the daemon has published, and wake those for whom there is news."""
+        """Read the daemon's published state, and wake viewers if there is news."""
         freed = self.seat.tick(now_s)
         if freed is not None:
             self.note("info", freed)
@@ -166,21 +166,21 @@ class Hub:
             self.wake()
 
     def tell_now(self) -> None:
-        """Make the state again: no viewer hears, after an answer, what was so before it."""
+        """Make the state again, so that no viewer hears an older one after an answer."""
         if self._state is not None:
             self.state_text = self._tell(self._state, self.clock())
             self.state_number += 1
             self.wake()
 
     def wake(self) -> None:
-        """There is something new: every viewer looks whether it is for it."""
+        """Make every viewer check for news."""
         for viewer in self.viewers:
             viewer.news.set()
 
     def admit(self, role: Role) -> Attention | None:
-        """A viewer's place; None where all are taken by others who may do as much.
+        """Give a viewer a place; None if viewers with the same rights hold them all.
 
-        Else the one that may do least, and of those the first to come, has to leave.
+        Otherwise the viewer with the fewest rights, and among those the oldest, has to leave.
         """
         if len(self.viewers) >= MOST_VIEWERS:
             ranks = list(Role)
@@ -195,24 +195,24 @@ class Hub:
         return attention
 
     def steer(self, _message: Mapping[str, Any]) -> str | None:
-        """Play, pause, seek: why not, where nothing is replayed."""
+        """Play, pause or seek; return why not: a live run is not replayed."""
         return "nothing is replayed here"
 
     @property
     def loop_age_s(self) -> float:
-        """How long ago the control loop ended a cycle; infinite before the first."""
+        """Time since the control loop's last cycle; infinite before the first."""
         return self.clock() - self._seen_s
 
     def note(self, level: str, text: str) -> None:
-        """A line for the log."""
+        """Add a line to the log."""
         self.chronicle.note(self.wall_clock(), level, text)
 
     def state_now(self) -> dict[str, Any] | None:
-        """The present state as viewers get it; None before the first cycle."""
+        """Present state as viewers get it; None before the first cycle."""
         return None if self._state is None else self._facts(self._state, self.clock())
 
     def give(self, request: Mapping[str, Any], who: str) -> dict[str, Any]:
-        """Carry out an order that ``who`` may give; its answer, as that of `give`."""
+        """Carry out an order of ``who`` and return the answer of `give`."""
         people = self.daemon.people
         if people is None:
             return {"ok": False, "error": IT_IS_A_RECORDING}
@@ -221,7 +221,7 @@ class Hub:
     async def preview(
         self, stations: tuple[Station, ...], robot: str | None = None
     ) -> dict[str, Any]:
-        """The plan that these stations would lead to, planned in a worker thread."""
+        """Plan to these stations in a worker thread."""
         people = self.daemon.people
         if people is None:
             return {"ok": False, "reason": IT_IS_A_RECORDING}
@@ -233,7 +233,7 @@ class Hub:
         return preview_facts(answer)
 
     async def change_places(self, message: Mapping[str, Any]) -> str | None:
-        """Save, rename or remove a place; None, or why it was not done."""
+        """Save, rename or remove a place; return None, or the reason for refusing."""
         async with self._saving:
             work = asyncio.get_running_loop().run_in_executor
             try:
@@ -245,12 +245,12 @@ class Hub:
         return None
 
     def complain(self, text: str) -> None:
-        """Into the log, once in a row."""
+        """Add a warning to the log, once in a row."""
         last = self.chronicle.log.last
         if last is None or last.text != text:
             self.note("warn", text)
 
-    # What is kept ready.
+    # The messages kept ready.
 
     def _observe(self, state: RunState) -> None:
         configs = self.chronicles.configs.values() or (self.daemon.config,)
@@ -293,7 +293,7 @@ class Hub:
         if same and self.plan:
             return False
         if "" in each and each[""] is None and state.only.mission.paused and self.plan:
-            return False  # what was driven is shown until another plan is, or the mission ends
+            return False  # show the driven plan until there is another or the mission ends
         self._paths = paths
         self.plan_number += 1
         number = self.plan_number
@@ -314,7 +314,7 @@ class Hub:
         self.wake()
 
     def _renew_heat(self, roadmap: Roadmap | None) -> None:
-        """Only while somebody has the layer on."""
+        """Make the layer only while somebody has it on."""
         if roadmap is None or roadmap is self._heated or "heat" in self._busy:
             return
         if any(viewer.wants_heat for viewer in self.viewers):
@@ -354,7 +354,7 @@ class Hub:
         self.wake()
 
     def _start(self, name: str, work: Any) -> None:
-        """Run a piece of work once at a time; an error in it is said and ends nothing else."""
+        """Run one piece of work of a name at a time; an error is logged and ends nothing else."""
 
         async def guarded() -> None:
             try:
@@ -370,13 +370,13 @@ class Hub:
         task.add_done_callback(self._tasks.discard)
 
     def picture_pause_s(self) -> float:
-        """The least time between two pictures for one viewer, as many as there are."""
+        """Least time between two pictures for one viewer, by the number of viewers."""
         watching = sum(viewer.is_watching for viewer in self.viewers)
         return max(1.0 / self.section.picture_rate_hz, watching / PICTURES_S)
 
 
 def preview_facts(answer: PlanAnswer) -> dict[str, Any]:
-    """A preview as JSON takes it: the path with its figures, or why there is none."""
+    """A preview as JSON data: the path with its figures, or why there is none."""
     path = answer.path
     if isinstance(path, NoPath):
         return {"ok": False, **no_path_facts(path)}

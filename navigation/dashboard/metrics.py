@@ -1,6 +1,6 @@
-"""/metrics: the running program's numbers for Prometheus, gathered only when asked for.
+"""/metrics: the running program's numbers for Prometheus, gathered only on request.
 
-What each of several robots has a value of is labelled with its name: ``robot="ada"``.
+With several robots a robot's value is labelled with its name: ``robot="ada"``.
 """
 
 from __future__ import annotations
@@ -23,7 +23,7 @@ class DaemonCollector(Collector):
         self._hub = hub
 
     def collect(self) -> Iterator[Any]:
-        """Every metric; those of the daemon from its first cycle on."""
+        """Yield every metric; the daemon's from its first cycle on."""
         hub = self._hub
         yield _gauge("dashboard_viewers", "Pages that are open.", len(hub.viewers))
         yield _counter("dashboard_pictures", "Pictures sent to pages.", hub.pictures_sent)
@@ -39,7 +39,7 @@ class DaemonCollector(Collector):
 
 
 def metrics_text(hub: Hub) -> bytes:
-    """The text that Prometheus reads."""
+    """Text that Prometheus reads."""
     registry = CollectorRegistry(auto_describe=False)
     registry.register(DaemonCollector(hub))
     return generate_latest(registry)
@@ -61,7 +61,7 @@ def _daemon_metrics(state: dict[str, Any]) -> Iterator[Any]:
 
 
 def _robot_metrics(state: dict[str, Any]) -> Iterator[Any]:
-    """Of several robots every metric has a value for each, labelled with its name."""
+    """Yield each robot's metrics, labelled with its name if there are several."""
     named = state.get("robots")
     robots = {one["name"]: one for one in named} if named else {None: state}
     labels = ["robot"] if named else []

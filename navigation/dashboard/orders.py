@@ -1,12 +1,12 @@
-"""Orders from viewers: read, checked against who may, and carried out as those of the socket.
+"""Orders from viewers: read, checked for permission, and carried out like the socket's.
 
 Rules
-- STOP is for everybody with a token, whoever holds the arena, and goes straight to the link.
+- Anyone with a token may STOP, whoever holds the arena; it is passed straight to the link.
 - Everything else is for the operator who holds the arena.
-- A stop is left by ``rearm`` only, and ``rearm`` leaves nothing but a stop: a page that has missed
-  a stop cannot undo it, and a button pressed twice does not set the robot going.
+- Only ``rearm`` leaves a stop, and it does nothing else: a page that has missed a stop cannot undo
+  it, and a button pressed twice does not set the robot going.
 
-Which orders there are, and which of them the page has a button for, `navigation.orders.table` says.
+`navigation.orders.table` lists the orders and their buttons.
 """
 
 from __future__ import annotations
@@ -34,7 +34,7 @@ BUTTONS: Final = {name: order.button for name, order in ORDERS.items() if order.
 
 
 def refusal_of(order: object, *, may_drive: bool, holds: bool, may_stop: bool = True) -> str | None:
-    """Why somebody may not give this order; None where they may."""
+    """Reason for refusing this order; None if it is allowed."""
     who = WHO.get(order) if isinstance(order, str) else None
     if who is None:
         *names, last = WHO
@@ -55,7 +55,7 @@ def give(request: Mapping[str, Any], people: People, who: str) -> dict[str, Any]
     name, whose = request.get("order"), {k: v for k, v in request.items() if k == "robot"}
     if name == "stop":
         return carry_out({"order": "stop", "reason": f"stopped by {who}", **whose}, people)
-    # asked at this moment: what was published may be a cycle old, and a second press that fast
+    # asked now: the published state may be a cycle old, and a second press that fast
     told = carry_out({"order": "status", **whose}, people)
     if not told["ok"]:
         return told
@@ -76,7 +76,7 @@ def give(request: Mapping[str, Any], people: People, who: str) -> dict[str, Any]
 
 
 def _give_each(order: str, robots: Mapping[str, Any], people: People) -> dict[str, Any]:
-    """Re-arm all robots that are stopped, or resume all that are not."""
+    """Re-arm all stopped robots, or resume all others."""
     wanted = order == REARM
     chosen = [
         name for name, one in robots.items() if (one["state"] == State.STOPPED.value) is wanted
@@ -89,7 +89,7 @@ def _give_each(order: str, robots: Mapping[str, Any], people: People) -> dict[st
 
 
 def cannot(mission: Mission) -> dict[str, str]:
-    """The buttons that would do nothing for a mission, and why."""
+    """Buttons that would do nothing for a mission, with the reason."""
     if mission.state is State.STOPPED:
         return dict.fromkeys(BUTTONS, "the robot is stopped; re-arm it first")
     reasons = {name: button.why_not(mission) for name, button in BUTTONS.items()}
@@ -97,7 +97,7 @@ def cannot(mission: Mission) -> dict[str, str]:
 
 
 def buttons() -> str:
-    """The buttons of the orders, as the page has them."""
+    """HTML of the orders' buttons."""
     quiet = {True: ' class="quiet"', False: ""}
     return "\n        ".join(
         f'<button id="{name}" type="button"{quiet[button.is_quiet]}>{button.label}</button>'

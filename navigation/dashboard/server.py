@@ -1,10 +1,9 @@
-"""The dashboard's port and thread: it opens, it says where it is, it closes; the run continues.
+"""The dashboard's port and thread: it opens, says where it is, and closes; the run continues.
 
-Connections have places (`admission/listener.py`), well below what the process may open, and are cut
-when they keep a request back: a flood of them takes neither the page's STOP nor descriptors from
-the rest.
-A port that cannot be had is said, never raised: the robot does not need a page to drive. The
-thread has an event loop of its own; nobody else touches it.
+Connections have places (`admission/listener.py`), well below the process's limit, and are cut when
+they keep a request back: a flood of them takes neither the page's STOP nor descriptors from the
+rest. An unavailable port is reported, never raised: the robot needs no page to drive. The thread
+has its own event loop, which no other thread touches.
 """
 
 from __future__ import annotations
@@ -45,11 +44,11 @@ LAST_WORDS_S: Final = 0.2
 class Dashboard:
     """Serves the page of a running daemon; a context manager.
 
-    ``say`` gets the address, or why there is none; with ``show_token`` the address has the
-    token in its fragment, which browsers keep to themselves. ``own_token`` is what one needs to
-    stop and drive where no token is configured. ``desk`` is where the configuration is changed,
-    ``bench`` where the camera is calibrated. ``runs``: the earlier runs that the page shows, those
-    of the configuration by default. ``hub``: makes another hub than that of a running daemon.
+    ``say`` gets the address, or why there is none; ``show_token`` puts the token into the address's
+    fragment, which browsers keep to themselves. ``own_token`` is needed to stop and drive if no
+    token is configured. ``desk`` changes the configuration, ``bench`` calibrates the camera.
+    ``runs``: the earlier runs to show, by default the configuration's. ``hub``: makes another hub
+    than a daemon's.
     """
 
     def __init__(
@@ -83,7 +82,7 @@ class Dashboard:
 
     @property
     def places(self) -> OpenConnections | None:
-        """The connections; None where it does not listen."""
+        """The connections; None if it does not listen."""
         return self._socket.places if self._socket else None
 
     def __enter__(self) -> Dashboard:
@@ -100,7 +99,7 @@ class Dashboard:
         return self
 
     def begin_closing(self) -> None:
-        """Let the page go, without waiting until it has gone."""
+        """Begin to close the page, without waiting."""
         self._closing.set()
         loop, hub = self._loop, self.hub
         if loop is not None and hub is not None:
@@ -142,7 +141,7 @@ class Dashboard:
         self.hub = hub = (self._make_hub or self._hub_of_a_run)()
         listener = self._socket
         assert listener is not None
-        # by ourselves, as uvicorn would change who the client is before the listener has seen it
+        # here, since uvicorn would change the client before the listener has seen it
         app = ProxyHeadersMiddleware(
             make_app(hub, self._runs, self._desk, self._bench)  # type: ignore[arg-type]
         )
@@ -165,7 +164,7 @@ class Dashboard:
                 timeout_graceful_shutdown=round(CLOSE_WITHIN_S),
             )
         )
-        if self._closing.is_set():  # a run that ended before its page was ready
+        if self._closing.is_set():  # the run ended before its page was ready
             return
         self._loop.set_exception_handler(partial(_on_error, hub, listener.places))
         serving = asyncio.ensure_future(server.serve(sockets=[listener]))
@@ -181,7 +180,7 @@ class Dashboard:
 def _on_error(
     hub: Hub, places: OpenConnections, _loop: asyncio.AbstractEventLoop, context: dict[str, Any]
 ) -> None:
-    """What went wrong in the loop itself is said, and a lack of descriptors is met."""
+    """Report an error of the loop itself, and free a place if descriptors run out."""
     error = context.get("exception")
     if isinstance(error, OSError) and error.errno in NONE_LEFT:
         places.make_room()

@@ -19,17 +19,17 @@ class Shown(Protocol):
 
     @property
     def config(self) -> Config:
-        """What runs."""
+        """The run's configuration."""
         ...
 
     @property
     def calibration(self) -> Calibration:
-        """Where pixels lie on the floor."""
+        """The camera's mapping from pixels to the floor."""
         ...
 
     @property
     def state(self) -> RunState | None:
-        """The end of the last cycle, another object after each; None before the first."""
+        """State at the end of the last cycle, a new object each time; None before the first."""
         ...
 
     def camera_status(self) -> CameraStatus:

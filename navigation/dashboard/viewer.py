@@ -1,10 +1,10 @@
-"""One viewer: a websocket with a task that sends what is new and one that takes what comes.
+"""One viewer: a websocket with a task that sends news and one that receives messages.
 
 Rules
-- Nothing is queued but answers: a viewer that is slow gets the newest of everything, less often.
+- Only answers are queued: a slow viewer gets the newest of everything, less often.
 - Pictures are sent on credit (`attention.py`).
-- What is malformed or too long is refused and counted; whoever goes on with it is cut off, and
-  so is whoever sends more messages than a page has reason to.
+- Malformed or oversized messages are refused and counted; a viewer that repeats them, or sends
+  more messages than a page has reason to, is cut off.
 """
 
 from __future__ import annotations
@@ -49,11 +49,11 @@ POLICY, TOO_BIG, GOING_AWAY, TRY_LATER = 1008, 1009, 1001, 1013
 
 
 class MalformedError(ValueError):
-    """A message that is none of the protocol's; the text says why."""
+    """A message outside the protocol; the text says why."""
 
 
 class Viewer:
-    """Somebody at the other end of a websocket that is let in; ``attention`` is their place."""
+    """The other end of an admitted websocket; ``attention`` is its place."""
 
     def __init__(self, hub: Hub, socket: WebSocket, attention: Attention) -> None:
         self.hub, self.attention = hub, attention
@@ -72,7 +72,7 @@ class Viewer:
         self._saving: set[asyncio.Task[None]] = set()
 
     async def serve(self) -> None:
-        """Until the visitor leaves, misbehaves, or the dashboard closes."""
+        """Serve until the visitor leaves, misbehaves, or the dashboard closes."""
         tasks: list[asyncio.Task[Any]] = []
         try:
             await self._socket.accept(subprotocol=PROTOCOL)
@@ -94,7 +94,7 @@ class Viewer:
     # Out.
 
     async def _greet(self) -> None:
-        """The greeting; whatever was sent before it is sent again."""
+        """Send the greeting, and everything again that was sent before it."""
         self._epoch = self.hub.epoch
         self._sent = dict.fromkeys(self._sent, 0)
         self._next.clear()
@@ -330,7 +330,7 @@ def _read(text: str | None) -> dict[str, Any]:
 
 
 def _number_of(message: dict[str, Any]) -> int | None:
-    """The number that the page gave its message, for the answer."""
+    """The page's number for its message, for the answer."""
     number = message.get("id")
     return number if isinstance(number, int) and abs(number) < 2**53 else None
 
@@ -343,7 +343,7 @@ def _told(message: dict[str, Any]) -> str:
 
 def _order_told(message: dict[str, Any]) -> str:
     if message.get("order") != "go" or not isinstance(message.get("stations"), list):
-        return str(message.get("order")).upper()  # it is none but those that were let through
+        return str(message.get("order")).upper()  # only admitted orders get here
     stations = message["stations"]
     last = stations[-1] if stations and isinstance(stations[-1], dict) else {}
     x, y = (finite_number(last.get(name)) for name in ("x_m", "y_m"))

@@ -1,9 +1,9 @@
-"""What operators read and change beside orders: who is let in, who may change, and the answer.
+"""Requests of operators beside orders: admission, permission to change, and the answer.
 
 Rules
-- All of it is for operators, and what changes something is for the one who holds the arena.
-- Something is changed while no robot has a mission under way or is stopped: nobody sets a robot
-  going, or leaves a stop, by it.
+- Only operators are served; changes need the holder of the arena.
+- Changes wait until no robot has a mission under way or is stopped: they can neither set a robot
+  going nor leave a stop.
 - A body is JSON; its ``key`` is the seat's.
 - Work is done in a worker thread: neither the page nor the control loop waits.
 """
@@ -30,20 +30,20 @@ AT_REST: Final = frozenset(one.value for one in (State.IDLE, State.DONE, State.F
 
 
 class RefusedError(ValueError):
-    """What was asked cannot be done; the message says why."""
+    """A request cannot be done; the message says why."""
 
 
 class Visits:
-    """Answers requests of operators; ``subject`` is what they are about, in the plural.
+    """Answers operators' requests; ``subject`` names their topic, in the plural.
 
-    ``closed``: why nobody is let in; None where operators are.
+    ``closed``: why no one is admitted; None if operators are.
     """
 
     def __init__(self, hub: Hub, subject: str, closed: Refusal | None) -> None:
         self._hub, self._subject, self._closed = hub, subject, closed
 
     async def read(self, request: Request, work: Callable[[], dict[str, Any]]) -> Response:
-        """What ``work`` gives; nothing is changed, so nobody has to hold the arena."""
+        """Answer with the result of ``work``; reading needs no hold of the arena."""
         refusal = self.refusal(request)
         if refusal is not None:
             return refused(refusal)
@@ -52,14 +52,14 @@ class Visits:
     async def ask(
         self, request: Request, work: Callable[[dict[str, Any]], dict[str, Any]]
     ) -> Response:
-        """The same for a question that comes with a body."""
+        """Answer a question that comes with a body."""
         body = self.refusal(request) or await self._body(request)
         if isinstance(body, Refusal):
             return refused(body)
         return (await self._tried(lambda: {"ok": True, **work(body)}))[0]
 
     async def change(self, request: Request, act: Callable[[dict[str, Any]], str]) -> Response:
-        """Let the holder of the arena change something; ``act`` gives the sentence for the log."""
+        """Let the holder of the arena change something; ``act`` returns the sentence for the log."""
         body = self.refusal(request) or await self._body(request)
         if isinstance(body, Refusal):
             return refused(body)
@@ -72,9 +72,9 @@ class Visits:
             people = hub.daemon.people
             if people is None:
                 raise RefusedError(IT_IS_A_RECORDING)
-            people.settle()  # a stop that was ordered just before counts
+            people.settle()  # a stop ordered just before counts
             told = people.describe()
-            robots = told.get("robots", {"": told})  # of several each, asked at this moment
+            robots = told.get("robots", {"": told})  # one per robot if there are several, asked now
             states = {one["state"] for one in robots.values()}
             if not states <= AT_REST:
                 first = "re-arm the robot" if State.STOPPED.value in states else "stop"
@@ -90,7 +90,7 @@ class Visits:
         return response
 
     def refusal(self, request: Request) -> Refusal | None:
-        """Why somebody is not let in; None for operators."""
+        """Reason for turning the visitor away; None for operators."""
         gate = self._hub.gate
         role = gate.role(bearer_of(request.headers.get("authorization")))
         if isinstance(role, Refusal):
@@ -116,7 +116,7 @@ class Visits:
     async def _tried(
         self, work: Callable[[], dict[str, Any]]
     ) -> tuple[Response, dict[str, Any] | None]:
-        """What came of it in a worker thread, as an answer and, where it went well, as it is."""
+        """Do the work in a worker thread; return the response, and the answer if it succeeded."""
         loop = asyncio.get_running_loop()
         try:
             answer = await loop.run_in_executor(self._hub.workers, work)
@@ -126,6 +126,6 @@ class Visits:
 
 
 def refused(refusal: Refusal) -> Response:
-    """The answer to somebody who is not let in."""
+    """Response to a visitor who is turned away."""
     headers = {"www-authenticate": "Bearer"} if refusal.status == 401 else {}
     return PlainTextResponse(refusal.sentence + "\n", refusal.status, headers=headers)

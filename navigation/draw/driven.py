@@ -1,6 +1,6 @@
-"""Several robots that were driven: where each was to go, its plan, its track, and its last place.
+"""Several driven robots: their goals, plans, tracks and last places.
 
-Each has the colour that the page gives it, its number from 1, and its name.
+Each has the page's colour, its number from 1, and its name.
 """
 
 from __future__ import annotations
@@ -21,10 +21,9 @@ PLAN_DASH: Final = (3.0, 5.0)
 
 @dataclass(frozen=True, slots=True)
 class DrawnRobot:
-    """One of several: its track (n, 3) of x, y, heading_rad, which breaks at a row of NaN.
+    """One of several robots, with its track (n, 3) of x, y, heading_rad; a row of NaN breaks it.
 
-    ``goals`` (x, y) are the stations of its last mission, ``plan`` (n, 2) the path that was
-    planned last.
+    ``goals`` (x, y) are the stations of its last mission, ``plan`` (n, 2) its last planned path.
     """
 
     name: str
@@ -35,12 +34,12 @@ class DrawnRobot:
 
 
 def colour_of(number: int) -> Colour:
-    """The colour of a robot by its number from 0."""
+    """Return the colour of a robot by its number from 0."""
     return ROBOTS[number % len(ROBOTS)]
 
 
 def plan_shapes(robots: Sequence[DrawnRobot], screen: Screen) -> Iterator[Shape]:
-    """The last plan of each, dashed: a track that follows it covers it."""
+    """Draw each last plan dashed; a track that follows it covers it."""
     for number, robot in enumerate(robots):
         if len(robot.plan) > 1:
             line = (screen.points(robot.plan),)
@@ -48,7 +47,7 @@ def plan_shapes(robots: Sequence[DrawnRobot], screen: Screen) -> Iterator[Shape]
 
 
 def driven_shapes(robots: Sequence[DrawnRobot], screen: Screen) -> Iterator[Shape]:
-    """All tracks, and over them all robots."""
+    """Draw all tracks, then all robots over them."""
     for number, robot in enumerate(robots):
         lines = tuple(screen.points(line[:, :2]) for line in lines_of(robot.track))
         if lines:

@@ -1,4 +1,4 @@
-"""The layers of a picture, from the floor up: obstacles, roadmap, path, track, places."""
+"""The layers of a picture, bottom up: obstacles, roadmap, path, track, places."""
 
 from __future__ import annotations
 
@@ -68,9 +68,9 @@ CROP_BELOW = 0.5
 
 @dataclass(frozen=True, slots=True)
 class OtherRobot:
-    """Another robot as seen: its track (n, 3) of x, y, heading_rad, at whose end it was last.
+    """Another robot as seen, at the end of its track (n, 3) of x, y, heading_rad.
 
-    The line breaks at a row of NaN.
+    A row of NaN breaks the line.
     """
 
     name: str
@@ -80,7 +80,7 @@ class OtherRobot:
 
 @dataclass(frozen=True, slots=True)
 class Content:
-    """All that one picture shows; None or empty is not drawn."""
+    """Contents of one picture; None or empty is not drawn."""
 
     scene: Scene
     roadmap: Roadmap | None
@@ -96,26 +96,27 @@ class Content:
 
     @property
     def found(self) -> Path | None:
-        """The path, where there is one."""
+        """The path, if there is one."""
         return self.path if isinstance(self.path, Path) else None
 
     @property
     def robot_radius(self) -> float | None:
-        """The robot's radius, where something tells it."""
+        """The robot's radius, from the path or else the roadmap."""
         if self.found:
             return self.found.robot_radius
         return self.roadmap.radius if self.roadmap else None
 
     def clearance_span(self) -> tuple[float, float] | None:
-        """Least and largest clearance on the roadmap: the ends of the colour ramp."""
+        """Return the least and largest clearance on the roadmap: the ends of the colour ramp."""
         if self.curves is None:
             return None
         low = self.curves.narrowest
         return low, max(float(self.curves.clearances.max()), low)
 
     def window(self) -> Bounds:
-        """The part of the scene that is shown: all of it, or, where the robot can only be in
-        less than half of it, as on a map with much unknown ground, that part with a rim."""
+        """Return the part of the scene to show: all of it, or the reachable part with a rim if that
+        is less than half, as on a map with much unknown ground.
+        """
         whole = self.scene.bounds
         if self.roadmap is None or self.curves is None:
             return whole
@@ -133,7 +134,7 @@ class Content:
         return part if small else whole
 
     def bottleneck(self) -> tuple[float, float, float] | None:
-        """x, y and width of the narrowest place, of the path or of the widest way."""
+        """Return x, y and width of the narrowest place on the path, or on the widest route."""
         if self.found:
             return (*self.found.min_clearance_at, 2.0 * self.found.min_clearance)
         if isinstance(self.path, NoPath) and self.path.bottleneck:
@@ -143,7 +144,7 @@ class Content:
 
 
 def layers(content: Content, screen: Screen) -> tuple[Layer, ...]:
-    """The layers inside the plot, from the bottom up."""
+    """Return the layers inside the plot, bottom up."""
     return (
         Layer("floor", (Area((screen.frame,), FLOOR),)),
         Layer("corridor", tuple(_corridor(content, screen))),
@@ -164,14 +165,14 @@ def layers(content: Content, screen: Screen) -> tuple[Layer, ...]:
 
 
 def ring_points(records: tuple[Record, ...], y_down: bool) -> Iterator[FloatArray]:
-    """The closed borders among the records as (n, 2) rings in the scene's units."""
+    """Yield the closed borders among the records as (n, 2) rings in the scene's units."""
     for record in records:
         if isinstance(record, PolygonRecord | CircleRecord):
             yield chain_points(record, y_down)
 
 
 def chain_points(record: Record, y_down: bool) -> FloatArray:
-    """A record's edges as an (n, 2) polyline; arcs in steps of ``ARC_STEP_RAD``."""
+    """Return a record's edges as an (n, 2) polyline; arcs in steps of ``ARC_STEP_RAD``."""
     points: list[tuple[float, float]] = []
     for edge in record_edges(record):
         points.append(edge.start)
@@ -206,7 +207,7 @@ def _obstacles(scene: Scene, screen: Screen) -> Iterator[Shape]:
 
 
 def screen_borders(scene: Scene, screen: Screen) -> list[list[FloatArray]]:
-    """For each object its borders (n, 2), or its points, in screen pixels."""
+    """Return each object's borders (n, 2), or its points, in screen pixels."""
     borders = []
     for obj in scene.objects:
         lines = [chain_points(record, scene.y_down) for record in object_records(obj)]
@@ -245,7 +246,7 @@ def _roadmap(content: Content, screen: Screen) -> Iterator[Shape]:
     width = span[1] - span[0]
     part = (clearances - span[0]) / width if width > 0.0 else np.ones(len(clearances))
     steps = np.clip(np.rint(part * (RAMP_STEPS - 1)), 0, RAMP_STEPS - 1).astype(int)
-    # a link has the colour of its first point; each stretch of one colour is one line
+    # a link has its first point's colour; each stretch of one colour is one line
     changes = (steps[1:] != steps[:-1]) | last[:-1]
     cuts = [0, *(np.flatnonzero(changes) + 1).tolist(), len(points)]
     by_step: dict[int, list[FloatArray]] = {}
@@ -258,8 +259,9 @@ def _roadmap(content: Content, screen: Screen) -> Iterator[Shape]:
 
 
 def _densely(curves: Curves, step: float) -> tuple[FloatArray, FloatArray, NDArray[np.bool_]]:
-    """Points at most ``step`` apart with clearances, straight between those of the curves, and
-    which of them are the last of a line."""
+    """Return points at most ``step`` apart with interpolated clearances, and a mask of the last
+    point of each line.
+    """
     last = np.zeros(len(curves.points), dtype=np.bool_)
     last[curves.first[1:] - 1] = True
     ahead = np.minimum(np.arange(len(last)) + 1, len(last) - 1)

@@ -1,4 +1,4 @@
-"""The legend beside the plot: what each mark means, with its figures, and a scale."""
+"""The legend beside the plot: the meaning and figures of each mark, and a scale."""
 
 from __future__ import annotations
 
@@ -44,7 +44,7 @@ _TEXT = 40.0
 
 
 def legend(content: Content, screen: Screen, left: float, top: float, bottom: float) -> Layer:
-    """The legend's shapes, from ``top`` down, and the scale at ``bottom``."""
+    """Draw the legend from ``top`` down, with the scale at ``bottom``."""
     shapes: list[Shape] = [Label(left, top + 16.0, content.title, 18.0, INK, bold=True)]
     y = top + 34.0
     for line in _subtitle(content):
@@ -82,7 +82,7 @@ def _wrapped(text: str, width: int) -> Iterator[str]:
 
 
 def _rows(content: Content, left: float, first_y: float) -> Iterator[tuple[list[Shape], str]]:
-    """The rows' marks and words, from ``first_y`` down, one every ``ROW`` pixels."""
+    """Yield the rows' marks and words, from ``first_y`` down, one every ``ROW`` pixels."""
     units = content.scene.units
     y = first_y
     found = content.found
@@ -184,7 +184,7 @@ def _box(x0: float, y0: float, x1: float, y1: float) -> FloatArray:
 
 
 def scale_bar(screen: Screen, units: str, left: float, bottom: float) -> Iterator[Shape]:
-    """A bar of a round length, about 120 pixels long."""
+    """Draw a bar of a round length, about 120 pixels long."""
     wanted = 120.0 / screen.scale
     power = 10.0 ** math.floor(math.log10(wanted))
     length = power * max(m for m in (1.0, 2.0, 5.0) if m * power <= wanted)

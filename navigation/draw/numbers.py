@@ -1,8 +1,8 @@
-"""The obstacles' numbers, which messages name them by, and the costs of the alternatives.
+"""Labels with the obstacles' numbers, which messages use, and the costs of the alternatives.
 
 Rules and units
-- A number is inside its obstacle where it fits, else beside it; of very many obstacles only those
-  are numbered where it fits inside.
+- A number is inside its obstacle if it fits, else beside it; among very many obstacles, numbers
+  that do not fit inside are left out.
 - Widths of text are estimates, in screen pixels: SVG and PNG have different fonts.
 """
 
@@ -33,9 +33,9 @@ LOOKED_AT = 64
 def obstacle_labels(
     borders: list[list[FloatArray]], texts: list[str], screen: Screen, inside: Colour
 ) -> Iterator[Label]:
-    """A label for each obstacle: its closed borders (n, 2) in screen pixels, or its points.
+    """Label each obstacle, given its closed borders (n, 2) in screen pixels, or its points.
 
-    ``inside`` is the colour of labels that are in their obstacles.
+    ``inside`` is the colour of labels inside their obstacles.
     """
     low, high = screen.frame.min(axis=0), screen.frame.max(axis=0)
     crowded = len(borders) > MOST_BESIDE
@@ -60,7 +60,7 @@ def obstacle_labels(
 
 
 def _holds(sides: FloatArray, places: FloatArray) -> NDArray[np.bool_]:
-    """Which of the places (m, 2) lie inside borders of the sides (n, 2, 2), by even-odd."""
+    """Return a mask of the places (m, 2) inside borders of the sides (n, 2, 2), by even-odd."""
     (x0, y0), (x1, y1) = sides[:, 0].T, sides[:, 1].T
     x, y = places[:, 0, None], places[:, 1, None]
     cut = (y0 <= y) != (y1 <= y)
@@ -69,9 +69,9 @@ def _holds(sides: FloatArray, places: FloatArray) -> NDArray[np.bool_]:
 
 
 def _widest_row(sides: FloatArray) -> tuple[float, float]:
-    """The middle of the widest horizontal stretch inside borders of the sides (n, 2, 2).
+    """Return the middle of the widest horizontal stretch inside borders of the sides (n, 2, 2).
 
-    The one nearest to the middle wins where several are about as wide.
+    Among stretches of about the same width, the one nearest to the middle wins.
     """
     (x0, y0), (x1, y1) = sides[:, 0].T, sides[:, 1].T
     top, bottom = float(y0.min()), float(y0.max())
@@ -87,7 +87,7 @@ def _widest_row(sides: FloatArray) -> tuple[float, float]:
 
 
 def costs(path: Path, units: str, screen: Screen) -> Iterator[Label]:
-    """What each alternative costs, where it is farthest from the path and from the others."""
+    """Label each alternative with its cost, farthest from the path and from the others."""
     lines = [screen.points(path.points), *(screen.points(p.points) for p in path.alternatives)]
     taken: list[FloatArray] = []
     for number, other in enumerate(path.alternatives, start=1):

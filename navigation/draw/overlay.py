@@ -1,11 +1,10 @@
-"""The records of a scene drawn over the picture that they were found in.
+"""The records of a scene, drawn over the picture they were found in.
 
 Rules and units
-- The scene is in pixels. The picture is enlarged so that half a pixel can be seen, and its
-  contrast is lowered so that the lines stand out.
+- The scene is in pixels. The picture is enlarged so that half a pixel shows, with lower contrast
+  so that the lines stand out.
 - Colours are those of the other pictures (``shapes.py``): segments crimson, arcs violet,
-  circles green, corners dots of ink. Every obstacle bears its number and the letters of its
-  outline's records.
+  circles green, corners dots of ink. Every obstacle bears its number and its outline's letters.
 """
 
 from __future__ import annotations
@@ -66,7 +65,7 @@ LETTERS: dict[type[Record], tuple[str, str, str]] = {
 
 
 def overlay_drawing(image: NDArray[Any], scene: Scene, title: str = "Clearway") -> Drawing:
-    """The picture, enlarged, in pale colours, with every record drawn, labels and a legend."""
+    """Draw every record over the enlarged, pale picture, with labels and a legend."""
     rows, columns = image.shape[:2]
     scale = max(1, min(MOST_SCALE, LARGEST_PX // max(rows, columns)))
     screen = Screen(scene.bounds, True, float(scale), MARGIN, MARGIN)

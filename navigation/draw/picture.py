@@ -1,11 +1,10 @@
-"""Pictures of a scene and what was made of it, as SVG or PNG, in one visual language.
+"""Pictures of a scene, its roadmap and path, as SVG or PNG, in one visual language.
 
-Dark obstacles on a light floor; the roadmap coloured by clearance, from warm (tight) to cool
-(wide); the planned path green with the corridor that the robot sweeps, plans that it replaced
-pale green as far as they were driven; waypoints as dots; the driven track violet, other robots
-and their tracks pale violet; the narrowest place a red measure across the way; a legend and a
-scale.
-The same shapes go into both formats (``shapes.py``).
+Obstacles are dark on a light floor; the roadmap is coloured by clearance, from warm (tight) to cool
+(wide). The planned path is green with the corridor that the robot sweeps; replaced plans are pale
+green as far as they were driven. Waypoints are dots; the driven track is violet, other robots and
+their tracks pale violet. The narrowest place is a red measure across the path. A legend and a scale
+follow. Both formats use the same shapes (``shapes.py``).
 """
 
 from __future__ import annotations
@@ -42,7 +41,7 @@ class DrawError(ValueError):
 
 
 class PictureOptions(TypedDict, total=False):
-    """What a picture may show besides scene, roadmap and path; what is not given is not drawn."""
+    """Optional contents of a picture besides scene, roadmap and path."""
 
     trajectory: Trajectory | None
     track: ArrayLike | None
@@ -63,7 +62,7 @@ def draw_svg(
     path: Path | NoPath | None = None,
     **shown: Unpack[PictureOptions],
 ) -> str:
-    """The picture as SVG text."""
+    """Return the picture as SVG text."""
     from navigation.draw.svg import to_svg
 
     return to_svg(_drawing(scene, roadmap, path, shown))
@@ -75,7 +74,7 @@ def draw_png(
     path: Path | NoPath | None = None,
     **shown: Unpack[PictureOptions],
 ) -> NDArray[np.uint8]:
-    """The same picture as (height, width, 3) uint8 pixels, BGR."""
+    """Return the same picture as (height, width, 3) uint8 pixels, BGR."""
     from navigation.draw.png import to_pixels
 
     return to_pixels(_drawing(scene, roadmap, path, shown))
@@ -88,12 +87,12 @@ def save_picture(
     path: Path | NoPath | None = None,
     **shown: Unpack[PictureOptions],
 ) -> None:
-    """Write the picture as ``.svg`` or ``.png``; :class:`DrawError` where that cannot be done."""
+    """Write the picture as ``.svg`` or ``.png``; :class:`DrawError` if that fails."""
     save_drawing(file, _drawing(scene, roadmap, path, shown))
 
 
 def save_drawing(file: str | os.PathLike[str], drawing: Drawing) -> None:
-    """Write a drawing as ``.svg``, or as pixels; :class:`DrawError` where that cannot be done."""
+    """Write a drawing as ``.svg`` or as pixels; :class:`DrawError` if that fails."""
     target = FilePath(file)
     suffix = target.suffix.lower()
     if suffix == ".svg":
@@ -112,7 +111,7 @@ def save_drawing(file: str | os.PathLike[str], drawing: Drawing) -> None:
     try:
         target.write_bytes(data)
     except OSError as error:
-        with contextlib.suppress(OSError):  # half a picture is none, but a device stays
+        with contextlib.suppress(OSError):  # remove half a picture, but keep a device
             if target.is_file():
                 target.unlink()
         raise DrawError(f"{target}: cannot be written: {error.strerror or error}") from None

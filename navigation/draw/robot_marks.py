@@ -1,4 +1,4 @@
-"""What marks a robot in a picture: its heading, its name beside it, its track in pieces."""
+"""Marks of a robot in a picture: its heading, its name beside it, its track in pieces."""
 
 from __future__ import annotations
 
@@ -14,14 +14,14 @@ from planner.scene import FloatArray
 def nose(
     x: float, y: float, size: float, heading_rad: float, colour: Colour, screen: Screen
 ) -> Strokes:
-    """From a robot's middle to its rim: where it looks."""
+    """Draw a line along the heading from a robot's middle to its rim."""
     angle = screen.heading(heading_rad)
     tip = (x + size * math.cos(angle), y + size * math.sin(angle))
     return Strokes((np.array([(x, y), tip]),), colour, 2.5)
 
 
 def lines_of(track: FloatArray | None) -> list[FloatArray]:
-    """The lines (k >= 2, m) between the rows of NaN of a track (n, m)."""
+    """Return the lines (k >= 2, m) between the rows of NaN of a track (n, m)."""
     if track is None:
         return []
     pieces = np.split(track, np.flatnonzero(np.isnan(track[:, 0])))
@@ -32,7 +32,7 @@ def lines_of(track: FloatArray | None) -> list[FloatArray]:
 def name_beside(
     name: str, x: float, y: float, size: float, colour: Colour, screen: Screen, path: FloatArray
 ) -> Label:
-    """The name right or left of the place, below or above: in the frame, off the path."""
+    """Place the name right, left, below or above: inside the frame and off the path."""
     width = 8.0 * len(name)
     low, high = screen.frame.min(axis=0), screen.frame.max(axis=0)
     places = [

@@ -1,7 +1,7 @@
-"""What pictures are made of: a few flat shapes in screen pixels, and the colours they share.
+"""The flat shapes of pictures, in screen pixels, and their shared colours.
 
-A picture is drawn once, as a list of shapes; ``svg.py`` and ``png.py`` write the list
-down. Screen pixels: x right, y down, (0, 0) is the picture's upper left corner.
+A picture is drawn once, as a list of shapes; ``svg.py`` and ``png.py`` write it down. Screen
+pixels: x right, y down, (0, 0) is the picture's upper left corner.
 """
 
 from __future__ import annotations
@@ -98,7 +98,7 @@ class DiscShape:
 
 @dataclass(frozen=True, slots=True)
 class Label:
-    """A line of text; (x, y) is the left end of its base line, or the middle, or the right end."""
+    """A line of text; (x, y) is the left end, middle or right end of its base line."""
 
     x: float
     y: float
@@ -127,9 +127,9 @@ Shape: TypeAlias = Area | Strokes | DiscShape | Label | Photo
 
 @dataclass(frozen=True, slots=True)
 class Layer:
-    """Shapes that belong together, under a name that the SVG keeps.
+    """A named group of shapes; the SVG keeps the name.
 
-    ``clipped``: nothing of them shows outside the drawing's ``view``.
+    ``clipped``: nothing shows outside the drawing's ``view``.
     """
 
     name: str
@@ -139,7 +139,7 @@ class Layer:
 
 @dataclass(frozen=True, slots=True)
 class Drawing:
-    """A whole picture: its size in pixels and its layers from the bottom up.
+    """A whole picture: its size in pixels and its layers, bottom up.
 
     ``view`` is the plot's rectangle: left, top, right, bottom.
     """
@@ -153,7 +153,7 @@ class Drawing:
 
 @dataclass(frozen=True, slots=True)
 class Screen:
-    """Where the scene lies on the page: a window of ``bounds`` at ``scale`` pixels a unit."""
+    """Position of the scene on the page: a window of ``bounds`` at ``scale`` pixels a unit."""
 
     bounds: Bounds
     y_down: bool
@@ -168,27 +168,27 @@ class Screen:
         object.__setattr__(self, "frame", corners)
 
     def points(self, scene_points: FloatArray | Sequence[Sequence[float]]) -> FloatArray:
-        """(n, 2) screen pixels of (n, 2) points of the scene."""
+        """Return (n, 2) screen pixels of (n, 2) scene points."""
         xy = np.asarray(scene_points, dtype=np.float64).reshape(-1, 2)
         x = self.left + (xy[:, 0] - self.bounds.x_min) * self.scale
         down = xy[:, 1] - self.bounds.y_min if self.y_down else self.bounds.y_max - xy[:, 1]
         return np.stack([x, self.top + down * self.scale], axis=1)
 
     def heading(self, heading_rad: float) -> float:
-        """The same heading as an angle on the screen, clockwise from the right."""
+        """Return the heading as an angle on the screen, clockwise from the right."""
         return heading_rad if self.y_down else -heading_rad
 
 
 def fit_screen(
     window: Bounds, y_down: bool, width: float, height: float, left: float, top: float
 ) -> Screen:
-    """The window as large as it fits into ``width`` x ``height`` pixels."""
+    """Fit the window into ``width`` x ``height`` pixels, as large as possible."""
     scale = min(width / window.width, height / window.height)
     return Screen(window, y_down, scale, left, top)
 
 
 def ramp_colour(step: int) -> Colour:
-    """Colour of one of ``RAMP_STEPS`` steps from tight (0) to wide."""
+    """Return the colour of one of ``RAMP_STEPS`` steps from tight (0) to wide."""
     at = step / (RAMP_STEPS - 1) * (len(CLEARANCE_RAMP) - 1)
     low = min(int(at), len(CLEARANCE_RAMP) - 2)
     part = at - low

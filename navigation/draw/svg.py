@@ -1,4 +1,4 @@
-"""A drawing as SVG text: one group a layer, two decimals, no script, no outside resources."""
+"""A drawing as SVG text: one group per layer, two decimals, no script, no outside resources."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ FONT = "DejaVu Sans, Helvetica, Arial, sans-serif"
 
 
 def to_svg(drawing: Drawing) -> str:
-    """The whole SVG document."""
+    """Return the whole SVG document."""
     return "\n".join(_lines(drawing)) + "\n"
 
 
@@ -82,7 +82,7 @@ def _element(shape: Shape) -> str:
 
 
 def _photo(photo: Photo) -> str:
-    """The pixels inside the document, as PNG."""
+    """Embed the pixels in the document, as PNG."""
     import cv2
 
     data = base64.b64encode(cv2.imencode(".png", photo.pixels)[1].tobytes()).decode("ascii")

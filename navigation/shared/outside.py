@@ -1,9 +1,10 @@
-"""What comes from outside the program: read without surprises, and made fit to be repeated.
+"""Safe reading and repeating of data from outside the program.
 
 Rules
-- `read_object` reads any bytes or text: one JSON object, or one `OutsideError` with a sentence.
-- What is repeated in sentences, logs and answers is printable and short: no control character,
-  no half of a surrogate pair and no endless number gets further than here.
+- `read_object` reads any bytes or text: it returns one JSON object or raises one `OutsideError`
+  with a sentence.
+- Text repeated in sentences, logs and answers is printable and short: no control characters,
+  half surrogate pairs or endless numbers.
 """
 
 from __future__ import annotations
@@ -18,11 +19,11 @@ REPLACEMENT: Final = "\N{REPLACEMENT CHARACTER}"
 
 
 class OutsideError(ValueError):
-    """What came is not what was asked for; the message says what it must be."""
+    """Outside data is not what was asked for; the message says what it must be."""
 
 
 def read_object(data: bytes | str) -> dict[str, Any]:
-    """One JSON object; `OutsideError` for anything else, however long, deep or broken it is."""
+    """Read one JSON object; `OutsideError` for anything else, however long, deep or broken."""
     try:
         found = json.loads(data)
     except ValueError:
@@ -35,13 +36,13 @@ def read_object(data: bytes | str) -> dict[str, Any]:
 
 
 def printable(text: str, most: int) -> str:
-    """The text on one line, at most so many characters; what cannot be printed is replaced."""
+    """Return the text on one line, at most ``most`` characters, with unprintable ones replaced."""
     shown = "".join(c if c.isprintable() else REPLACEMENT for c in text[:most])
     return shown if len(text) <= most else shown[:-1] + "…"
 
 
 def in_short(value: object) -> str:
-    """A value from JSON as a sentence repeats it: itself where it is short, else what it is."""
+    """Return a JSON value as a sentence repeats it: itself if short, else its kind."""
     match value:
         case None | bool() | float():
             return repr(value)
@@ -59,7 +60,7 @@ def in_short(value: object) -> str:
 
 
 def finite_number(value: object) -> float | None:
-    """A number from JSON that is finite as a float; None for everything else."""
+    """Return a JSON number as a finite float, None for everything else."""
     if isinstance(value, bool) or not isinstance(value, int | float):
         return None
     try:

@@ -1,7 +1,8 @@
-"""A text with a first line that says what it is and sums it up: any change of it is noticed.
+"""Texts under a first line that names their kind and holds a checksum, so that any change is
+noticed.
 
-The line is ``clearway KIND VERSION LENGTH SHA256``; the sum is over the rest of the line and the
-text, so that a flipped bit or a lost byte anywhere makes the whole unusable.
+The line is ``clearway KIND VERSION LENGTH SHA256``. The sum covers the rest of the line and the
+text: a flipped bit or lost byte anywhere makes the whole unusable.
 """
 
 from __future__ import annotations
@@ -14,14 +15,14 @@ class SealError(ValueError):
 
 
 def seal(kind: str, version: int, text: str) -> bytes:
-    """The text behind its line."""
+    """Return the text with its line in front."""
     body = text.encode()
     head = f"clearway {kind} {version} {len(body)}"
     return f"{head} {_sum(head, body)}\n".encode() + body
 
 
 def unseal(kind: str, version: int, data: bytes) -> str:
-    """The text; ``SealError`` where anything of it, or of its line, is another."""
+    """Return the text; ``SealError`` if any of it, or of its line, has changed."""
     line, _, body = data.partition(b"\n")
     head = f"clearway {kind} {version} {len(body)}"
     if line != f"{head} {_sum(head, body)}".encode():

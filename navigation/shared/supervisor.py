@@ -1,8 +1,8 @@
-"""Starts failed parts of the program again, with growing pauses, and says which and why.
+"""Restarts failed parts of the program with growing pauses, and reports which and why.
 
-A part that fails makes the robot hold; it is started again after a quarter of a second, then
-after twice that, up to ``LONGEST_PAUSE_S``; one that has run well for ``WELL_S`` begins with the
-short pause again. The supervisor opens nothing and reads no clock.
+A failing part makes the robot hold. It is restarted after a quarter of a second, then after twice
+that, up to ``LONGEST_PAUSE_S``; a part that has run well for ``WELL_S`` starts with the short pause
+again. The supervisor opens nothing and reads no clock.
 """
 
 from __future__ import annotations
@@ -18,7 +18,7 @@ WELL_S: Final = 30.0
 
 @dataclass(frozen=True, slots=True)
 class Part:
-    """A part of the program: its failure in words, None while it is well, and how to restart it."""
+    """A part of the program: its failure in words, None while it is well, and its restart."""
 
     failure: Callable[[], str | None]
     restart: Callable[[], None]
@@ -33,24 +33,24 @@ class _Record:
 
 
 class Supervisor:
-    """Looks after parts by name; `look` once a control cycle."""
+    """Supervisor of named parts; call `look` once a control cycle."""
 
     def __init__(self, parts: Mapping[str, Part]) -> None:
         self._parts = dict(parts)
         self._records = {name: _Record() for name in parts}
 
     def add(self, name: str, part: Part) -> None:
-        """Look after one more part from now on."""
+        """Add a part to supervise."""
         self._parts[name] = part
         self._records[name] = _Record()
 
     @property
     def restarts(self) -> int:
-        """How often a part was started again."""
+        """Number of restarts."""
         return sum(record.failures for record in self._records.values())
 
     def look(self, now_s: float) -> str | None:
-        """What has failed, in one sentence; None where every part is well."""
+        """Return all failures in one sentence, or None if every part is well."""
         for name, part in self._parts.items():
             self._look_at(part, self._records[name], now_s)
         return "; ".join(
@@ -77,6 +77,6 @@ class Supervisor:
 
 
 def in_words(error: BaseException) -> str:
-    """An error as a reason: its type, and its text where it has one."""
+    """Return an error's type, and its text if it has one."""
     text = str(error).strip().splitlines()
     return f"{type(error).__name__}: {text[0]}" if text else type(error).__name__

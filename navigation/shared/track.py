@@ -1,7 +1,7 @@
-"""Where a robot has been, in a buffer that never grows, and which of it the robot drove.
+"""Track of a robot in a buffer of fixed size, and the pieces of it that the robot drove.
 
-Rows of time_s, x_m, y_m, heading_rad; one thread writes, any thread reads. A robot that is lifted
-and set down elsewhere has not driven what lies between: its track is in pieces.
+Rows are time_s, x_m, y_m, heading_rad; one thread writes, any thread reads. Lifting a robot and
+setting it down elsewhere splits its track into pieces.
 """
 
 from __future__ import annotations
@@ -31,18 +31,18 @@ FASTER: Final = 1.5
 class Track:
     """The newest ``most_rows`` rows.
 
-    With ``least_m`` the last row follows the robot until it is so far from the one before.
+    With ``least_m`` the last row follows the robot until it is that far from the one before.
     """
 
     def __init__(self, most_rows: int = MOST_ROWS, least_m: float = 0.0) -> None:
         self._least_m = least_m
-        # filled, not empty: the memory is taken now and not in the course of hours
+        # filled, not empty: takes the memory now instead of over hours
         self._rows = np.full((most_rows, 4), np.nan)
         self._count = 0
         self._lock = threading.Lock()
 
     def add(self, time_s: float, x_m: float, y_m: float, heading_rad: float) -> None:
-        """One more row; the oldest makes room where the buffer is full."""
+        """Add a row; a full buffer drops its oldest."""
         with self._lock:
             if self._moves_the_last():
                 self._count -= 1
@@ -57,7 +57,7 @@ class Track:
         return math.dist(before, last) < self._least_m
 
     def rows(self) -> FloatArray:
-        """A copy (n, 4), the oldest first."""
+        """Return a copy (n, 4), oldest first."""
         with self._lock:
             size = len(self._rows)
             if self._count <= size:
@@ -66,7 +66,7 @@ class Track:
 
 
 def driven_pieces(rows: FloatArray, fastest_m_s: float) -> list[FloatArray]:
-    """The pieces (k >= 1, 4) of a track (n, 4) between which the robot did not drive: it jumped.
+    """Split a track (n, 4) into pieces (k >= 1, 4) where the robot jumped instead of driving.
 
     ``fastest_m_s`` is the speed that its wheels do not exceed.
     """
@@ -79,7 +79,7 @@ def driven_pieces(rows: FloatArray, fastest_m_s: float) -> list[FloatArray]:
 
 
 def with_breaks(pieces: Sequence[FloatArray]) -> FloatArray:
-    """The pieces (k, m) of a track in one array (n, m), a row of NaN between two."""
+    """Join the pieces (k, m) of a track into one array (n, m), with a row of NaN between two."""
     rows = [row for piece in pieces for row in (np.full((1, piece.shape[1]), np.nan), piece)]
     return np.vstack(rows[1:]) if rows else np.empty((0, 4))
 
@@ -87,7 +87,7 @@ def with_breaks(pieces: Sequence[FloatArray]) -> FloatArray:
 def is_jump(
     before: tuple[float, float, float], after: tuple[float, float, float], fastest_m_s: float
 ) -> bool:
-    """Whether from one (time_s, x_m, y_m) to the next no wheels can have brought the robot."""
+    """True if no wheels can have brought the robot from one (time_s, x_m, y_m) to the next."""
     passed_s, moved_m = after[0] - before[0], math.dist(before[1:], after[1:])
     return bool(_jumped(np.array(passed_s), np.array(moved_m), fastest_m_s))
 

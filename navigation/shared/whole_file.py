@@ -1,4 +1,4 @@
-"""Files that are there whole or not at all, whatever happens while they are written."""
+"""Files that are complete or not there at all, whatever happens while they are written."""
 
 from __future__ import annotations
 
@@ -14,11 +14,11 @@ class UnwrittenFileError(ValueError):
 def write_whole(
     path: Path, data: str | bytes, *, private: bool = False, durable: bool = False
 ) -> None:
-    """Write a file under another name and give it its own at the end.
+    """Write a file under another name, then rename it.
 
-    ``private``: only its owner may read it. ``durable``: it is on the disk, under its name, when
-    this returns. What is no ordinary file, such as /dev/stdout, is
-    written to as it is. Raises ``UnwrittenFileError``; nothing is left behind then.
+    ``private``: only its owner may read it. ``durable``: the file and its name are on the disk when
+    this returns. Anything but an ordinary file, such as /dev/stdout, is written to directly. Raises
+    ``UnwrittenFileError`` and then leaves nothing behind.
     """
     content = data.encode() if isinstance(data, str) else data
     fresh = path.with_name(f".{path.name}.new")
@@ -37,7 +37,7 @@ def write_whole(
             if durable:
                 sync_folder(path.parent)
         except OSError:
-            with contextlib.suppress(OSError):  # the first error is the one to tell
+            with contextlib.suppress(OSError):  # report the first error
                 fresh.unlink(missing_ok=True)
             raise
     except OSError as error:
@@ -46,7 +46,7 @@ def write_whole(
 
 
 def sync_folder(folder: Path) -> None:
-    """Bring the names in a folder to the disk: new, changed and removed ones; ``OSError``."""
+    """Sync a folder's names (new, changed and removed) to the disk; ``OSError``."""
     opened = os.open(folder, os.O_RDONLY | os.O_DIRECTORY)
     try:
         os.fsync(opened)

@@ -1,12 +1,12 @@
-"""Hands the runs of a sweep out to processes or a cluster, in virtual time, and takes their rows.
+"""Hands a sweep's runs to processes or a cluster, in virtual time, and collects their rows.
 
 Rules
-- A row is always the same: nothing depends on which worker runs it, on when, or on how many
-  there are.
-- A worker that dies costs time, not results: what it was doing is done again. A variation that
-  has killed ``MOST_ATTEMPTS`` workers gets a row that says so.
-- Only a few runs are handed out at a time, and after a death those that were at work go alone:
-  then it is known whose fault the next one is.
+- A variation's row is always the same: which worker runs it, when, and the number of workers do
+  not matter.
+- The death of a worker costs time, not results: its run is repeated. A variation that has killed
+  ``MOST_ATTEMPTS`` workers gets a row that says so.
+- Only a few runs are handed out at a time. After a death the runs at work are repeated alone, so
+  that the next death has a known culprit.
 """
 
 from __future__ import annotations
@@ -32,7 +32,7 @@ IDLE: Final = "idle"
 
 @dataclass(frozen=True, slots=True)
 class Row:
-    """One run and what came of it; None where a thing could not be known."""
+    """One run and its results; unknown ones are None."""
 
     run: int
     seed: int
@@ -70,12 +70,12 @@ COLUMNS: Final = tuple(name for name in FLEET_COLUMNS if name not in ("robot", "
 
 
 def run_rows(config: Config, v: Variation, *, pictures: bool = True) -> tuple[Row, ...]:
-    """One run of a sweep, in a worker: a row for each robot."""
+    """Do one run of a sweep, in a worker; one row per robot."""
     import cv2
 
     from navigation.run.virtual_run import run_virtually
 
-    cv2.setNumThreads(1)  # the other cores have runs of their own
+    cv2.setNumThreads(1)  # the other cores have their own runs
     whole, bodies = varied(config, v)
     report = run_virtually(whole, bodies=bodies, pictures=pictures)
     rows = {
@@ -110,10 +110,10 @@ def _row(report: Report, v: RobotVariation, robot: str, least_gap_m: float | Non
 
 
 class Sweep:
-    """Hands variations out to workers and takes rows, whatever becomes of the workers.
+    """Hands variations to workers and collects rows, even if workers die.
 
-    ``open_executor`` makes the executor, and another when it broke; ``work`` is `run_rows`, or
-    another function of the same arguments in tests.
+    ``open_executor`` makes the executor, and a new one after it broke; ``work`` is `run_rows`, or
+    in tests another function with the same arguments.
     """
 
     def __init__(
@@ -135,8 +135,7 @@ class Sweep:
         """How often workers died."""
 
     def rows(self) -> Iterator[Row]:
-        """A row for every variation, of several robots one for each, in the order in which they
-        are done."""
+        """Yield a row for every variation and each of its robots, in order of completion."""
         executor = self._open_executor()
         running: dict[Future[tuple[Row, ...]], Variation] = {}
         try:
@@ -168,7 +167,7 @@ class Sweep:
             executor.shutdown(wait=False)
 
     def _next(self, running: int) -> Iterator[Variation]:
-        """What to hand out now; one that was at work when a worker died goes alone."""
+        """Yield the variations to hand out now; one at work when a worker died runs alone."""
         if self._suspects:
             if running == 0:
                 yield self._suspects.popleft()
@@ -178,7 +177,7 @@ class Sweep:
             yield self._left.popleft()
 
     def _again(self, chosen: Variation) -> Iterator[Row]:
-        """Try a variation again whose worker died; a row where that was too often."""
+        """Retry a variation whose worker died, or yield its row after too many deaths."""
         attempts = self._attempts[chosen.run] = self._attempts.get(chosen.run, 0) + 1
         if attempts < MOST_ATTEMPTS:
             self._suspects.append(chosen)
@@ -187,7 +186,7 @@ class Sweep:
 
 
 def _is_death(error: BaseException | None) -> bool:
-    """Whether the worker died, not the run: of a process, or a cluster's KilledWorker."""
+    """True if the worker died, not the run: a broken process pool, or a cluster's KilledWorker."""
     return isinstance(error, BrokenProcessPool) or type(error).__name__ in (
         "KilledWorker",
         "CancelledError",

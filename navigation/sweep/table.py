@@ -1,7 +1,7 @@
 """The rows of a sweep as a file, and their summary.
 
-CSV, or Parquet where pyarrow is installed. Rows are appended as they come, so that a sweep that
-is cut short leaves what it had; at its end the file is written anew in the order of the runs.
+The file is CSV, or Parquet if pyarrow is installed. Rows are appended as they come, so an
+interrupted sweep keeps them; at the end the file is rewritten in the order of the runs.
 """
 
 from __future__ import annotations
@@ -32,7 +32,7 @@ MEASURES: Final = (
 
 
 class SweepFile:
-    """Where rows go; a context manager. ``SweepError`` where that cannot be."""
+    """Output file for rows, as a context manager; ``SweepError`` if it cannot be written."""
 
     def __init__(self, path: Path, columns: Sequence[str] = COLUMNS) -> None:
         self.path, self.columns = path, columns
@@ -41,7 +41,7 @@ class SweepFile:
             raise SweepError(f"{path}: must end in .csv or .parquet")
         if path.suffix == ".parquet":
             _pyarrow()
-        # rows of a Parquet file cannot be appended: they wait in a CSV file beside it
+        # Parquet rows cannot be appended: they wait in a CSV file beside it
         self._growing = path if path.suffix == ".csv" else path.with_suffix(".part.csv")
         try:
             self._file = self._growing.open("w", newline="", encoding="utf-8")
@@ -54,7 +54,7 @@ class SweepFile:
         return self
 
     def add(self, row: Row) -> None:
-        """Keep a row, at once."""
+        """Write a row immediately."""
         self.rows.append(row)
         self._writer.writerow(_as_written(row, self.columns))
         self._file.flush()
@@ -79,7 +79,7 @@ def _as_written(row: Row, columns: Sequence[str]) -> dict[str, Any]:
 
 
 def write_rows(path: Path, rows: Sequence[Row], columns: Sequence[str] = COLUMNS) -> None:
-    """Write all rows, whole or not at all."""
+    """Write all rows, or nothing."""
     fresh = path.with_suffix(path.suffix + ".new")
     if path.suffix == ".parquet":
         arrow = _pyarrow()
@@ -105,7 +105,7 @@ def _pyarrow() -> Any:
 
 @dataclass(frozen=True, slots=True)
 class Spread:
-    """How a measure is spread over the runs that have it."""
+    """Spread of a measure over the runs that have it."""
 
     count: int
     least: float
@@ -116,8 +116,9 @@ class Spread:
 
 @dataclass(frozen=True, slots=True)
 class Summary:
-    """A sweep in a few numbers: how many runs there were, how many rows ended how (of several
-    robots a run has a row for each), and the measures."""
+    """Summary of a sweep: number of runs, number of rows by outcome (one row per robot and run),
+    and the measures.
+    """
 
     runs: int
     states: dict[str, int]
@@ -125,7 +126,7 @@ class Summary:
 
 
 def summarise_rows(rows: Iterable[Row]) -> Summary:
-    """The summary of rows; the same whatever their order."""
+    """Summarise rows, whatever their order."""
     rows = sorted(rows, key=lambda row: row.run)
     measures = {}
     for name in MEASURES:

@@ -1,8 +1,7 @@
-"""Variations of a sweep and their configurations: each robot has a start and wheels of its own.
+"""Variations of a sweep and their configurations: each robot has its own start and wheels.
 
-Several robots share the camera's errors.
-Variation k of a seed is always the same, whatever is asked of the sweep besides.
-Units: metres, radians; degrees in configurations.
+Several robots share the camera's errors. Variation k of a seed is always the same, whatever else
+the sweep is asked for. Units: metres, radians; degrees in configurations.
 """
 
 from __future__ import annotations
@@ -43,7 +42,7 @@ class SweepError(ValueError):
 
 @dataclass(frozen=True, slots=True)
 class RobotVariation:
-    """What one run of a sweep changes for a robot: everything random, and the world's errors."""
+    """Changes of one run to one robot: everything random, and the world's errors."""
 
     run: int
     seed: int
@@ -58,24 +57,24 @@ class RobotVariation:
     blur_px: float
 
     def with_run_of(self, other: RobotVariation) -> RobotVariation:
-        """The same robot in another one's run: its seed and its camera."""
+        """Return the same robot with another one's seed and camera."""
         return replace(self, seed=other.seed, noise_grey=other.noise_grey, blur_px=other.blur_px)
 
 
 @dataclass(frozen=True, slots=True)
 class Variation:
-    """One run's variation of each robot, by name; the seed and the camera's errors are the same."""
+    """One run's variation of each robot, by name, with one seed and one set of camera errors."""
 
     run: int
     robots: Mapping[str, RobotVariation]
 
 
 def variation(config: Config, seed: int, run: int, spread: float = 1.0) -> Variation:
-    """Variation ``run`` (from 0) of a sweep's ``seed``; ``spread`` 0 changes the seed only.
+    """Return variation ``run`` (from 0) of a sweep's ``seed``; ``spread`` 0 changes the seed only.
 
-    Errors are uniform up to the limits above times ``spread``, around the configured starts; a
-    start that would not be free is drawn towards the configured one, and none is nearer to another
-    robot's than ``APART_M`` between their bodies, or than configured. ``SweepError`` without a
+    Errors are uniform up to the limits above times ``spread``, around the configured starts. A
+    start that would not be free is drawn towards the configured one. Starts keep ``APART_M``
+    between two robots' bodies, or the configured distance if that is less. ``SweepError`` without a
     simulation and for a spread outside [0, 16], beyond which no configuration allows the errors.
     """
     if config.simulation is None:
@@ -98,7 +97,7 @@ def variation(config: Config, seed: int, run: int, spread: float = 1.0) -> Varia
 
 
 def varied(config: Config, v: Variation) -> tuple[Config, dict[str, Config] | None]:
-    """The configuration of one run, and what each of several simulated robots really is."""
+    """Return one run's configuration, and the true configuration of each of several robots."""
     first = next(iter(v.robots.values()))
     whole = _varied_one(config, first)
     if not config.robots:
@@ -119,7 +118,7 @@ def varied(config: Config, v: Variation) -> tuple[Config, dict[str, Config] | No
 
 
 def _body(alone: Config, v: RobotVariation) -> Config:
-    """One robot with the wheels that were drawn for it, and its own seed."""
+    """Return one robot with its drawn wheels and its own seed."""
     assert alone.simulation is not None
     seed = alone.simulation.seed
     simulation = _varied_one(alone, v).simulation
@@ -147,11 +146,11 @@ def _draw(
     arena: SimulatedArena,
     others: Sequence[tuple[Vec, float]],
 ) -> RobotVariation:
-    """One robot's variation; ``others`` are places, and how far its start must be from each."""
+    """Draw one robot's variation; ``others`` are places and their least distances to its start."""
     assert config.simulation is not None
     if not 0.0 <= spread <= MOST_SPREAD:
         raise SweepError(f"spread {spread:g}: must be >= 0 and <= {MOST_SPREAD:g}")
-    # each drawn whatever the spread is, so that a wider sweep is the same one, only wider
+    # draw all, whatever the spread: a wider sweep is the same one, only wider
     unit = rng.uniform(-1.0, 1.0, 9)
     share = 0.5 + 0.5 * unit
     simulation, camera, robot = config.simulation, config.simulation.camera, config.simulation.robot
@@ -187,8 +186,9 @@ def _free_start(
     arena: SimulatedArena,
     others: Sequence[tuple[Vec, float]],
 ) -> tuple[float, float]:
-    """The configured start moved by the offset (2,), or by as many halves of it as it takes to
-    be as free as planning wants and as far from other starts, or as the configured one is."""
+    """Move the configured start by the offset (2,), halved until the place is as free as planning
+    requires and as far from other starts, or as the configured one is.
+    """
     assert config.simulation is not None
     start = config.simulation.start
     assert start is not None
@@ -205,7 +205,7 @@ def _free_start(
 
 
 def _varied_one(config: Config, v: RobotVariation) -> Config:
-    """The configuration with one robot's variation."""
+    """Return the configuration with one robot's variation."""
     assert config.simulation is not None
     camera = config.simulation.camera.model_copy(
         update={"noise_grey": v.noise_grey, "blur_px": v.blur_px}

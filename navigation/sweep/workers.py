@@ -1,4 +1,4 @@
-"""Where a sweep's runs are done: processes of this machine, or a Dask cluster.
+"""Workers of a sweep: processes of this machine, or a Dask cluster.
 
 Both are `concurrent.futures.Executor`s. Dask is the optional extra ``cluster``.
 """
@@ -15,12 +15,12 @@ CONNECT_S: Final = 10.0
 
 
 def local_executor(workers: int) -> ProcessPoolExecutor:
-    """Fresh processes, that end with this one."""
+    """Return fresh processes that end with this one."""
     return ProcessPoolExecutor(workers, mp_context=FRESH, initializer=end_with_parent)
 
 
 class Cluster:
-    """A Dask cluster by its scheduler's address; ``SweepError`` where it cannot be reached."""
+    """A Dask cluster at its scheduler's address; ``SweepError`` if it cannot be reached."""
 
     def __init__(self, address: str) -> None:
         try:
@@ -36,12 +36,12 @@ class Cluster:
             raise SweepError(f"scheduler {address}: {error}") from None
 
     def executor(self) -> Executor:
-        """Its executor; the scheduler itself gives the work of a dead worker to another."""
+        """Return its executor; the scheduler itself reassigns the work of a dead worker."""
         executor: Executor = self._client.get_executor(pure=False)
         return executor
 
     def workers(self) -> int:
-        """How many runs it can do at a time."""
+        """Number of runs it can do at a time."""
         return max(1, sum(int(threads) for threads in self._client.nthreads().values()))
 
     def close(self) -> None:

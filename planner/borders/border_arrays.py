@@ -1,10 +1,10 @@
-"""What kernels pass on about borders: their pieces, and the tree that finds the nearest.
+"""Arrays about borders that kernels share: the pieces, and the tree that finds the nearest.
 
 Rules and units
 - All lengths are in the scene's units. A piece is a primitive of the scene or a corner point;
   pieces 0 to k - 1 are the primitives, and k to k + c - 1 the corner points.
-- The classes are tuples of arrays that numba knows by their names: a kernel is compiled once for
-  each, and takes them at no cost. From Python a call takes some 2 us longer.
+- The classes are named tuples, which numba knows: each kernel compiles once per class and takes
+  them at no cost. A call from Python takes some 2 us longer.
 """
 
 from __future__ import annotations
@@ -16,11 +16,11 @@ from numpy.typing import NDArray
 
 
 class Tree(NamedTuple):
-    """The box tree of :func:`planner.borders.box_tree_kernels.build_tree`, and what it is of.
+    """The box tree of :func:`planner.borders.box_tree_kernels.build_tree` with its pieces.
 
-    ``kind`` (n,) and ``data`` (n, 9) are the pieces, see :class:`Pieces`; ``order`` (k,) the
-    primitives along a curve past their boxes, the ``large`` ones first, which are in no box;
-    ``boxes`` (2 leaves, 4) x_min, y_min, x_max, y_max of every node.
+    ``kind`` (n,) and ``data`` (n, 9) are the pieces, see :class:`Pieces`. ``order`` (k,) lists the
+    primitives along a curve past their boxes; the first ``large`` of them are in no box. ``boxes``
+    (2 leaves, 4) are x_min, y_min, x_max, y_max of every node.
     """
 
     kind: NDArray[np.int8]
@@ -31,9 +31,9 @@ class Tree(NamedTuple):
 
 
 class Corners(NamedTuple):
-    """Of :class:`Pieces` what the diagram asks: which are what, and which meet in a corner point.
+    """The part of :class:`Pieces` that the diagram needs, and the primitives that meet in corners.
 
-    A call that is not inlined hands on every array of a tuple, which its hottest loops would feel.
+    A call that is not inlined passes on every array of a tuple, which slows the hottest loops.
     """
 
     kind: NDArray[np.int8]
@@ -48,10 +48,10 @@ class Pieces(NamedTuple):
 
     ``kind`` (k + c,) is POINT, SEGMENT, CIRCLE or ARC, ``data`` (k + c, 9) the rows of
     :func:`planner.scene.primitive_kernels.with_middles`, ``owner`` (k + c,) the object, -1 for the
-    bounds. ``backwards`` (k,) says that an arc runs against its border; ``following``,
-    ``preceding`` (k,) are the neighbours along it or -1; ``solid`` (k,) is +1 where the solid
-    lies to the left of travel, -1 to the right, 0 where both sides are free. ``before``,
-    ``after`` (c,) are the primitives that meet in a corner point, -1 where a chain ends.
+    bounds. ``backwards`` (k,) marks arcs that run against their border; ``following``,
+    ``preceding`` (k,) are the neighbours along it or -1; ``solid`` (k,) is +1 if the solid lies
+    left of travel, -1 if right, 0 if both sides are free. ``before``, ``after`` (c,) are the
+    primitives that meet in a corner point, -1 where a chain ends.
     """
 
     kind: NDArray[np.int8]

@@ -1,13 +1,13 @@
-"""From flat primitives to pieces that join; and to those of a scene that differs a little.
+"""Pieces of a scene: joined from flat primitives, or patched from a slightly different scene.
 
 Rules and units
-- Pieces are those of :class:`planner.borders.border_arrays.Pieces`: the
-  primitives in the order of their objects, the bounds last, then the corner points likewise.
-- No border knows of any other: what belongs to an object is the same wherever it stands, but
-  for the numbers of its pieces.
+- Pieces are those of :class:`planner.borders.border_arrays.Pieces`: the primitives in the order
+  of their objects, the bounds last, then the corner points likewise.
+- Borders are independent: an object's pieces do not depend on other objects, except for their
+  numbers.
 """
 
-# The arrays' types are in the docstrings; numba infers them.
+# numba infers types; docstrings state them.
 # mypy: allow-untyped-defs
 
 from __future__ import annotations
@@ -28,11 +28,10 @@ from planner.scene.primitive_kernels import POINT, with_middles
 
 
 class NewBorders(NamedTuple):
-    """The borders of objects that came.
+    """The borders of new objects.
 
     ``kind`` (m,) and ``rows`` (m, 6) are their primitives, ``turned`` (t,) the rows that run
-    backwards; ``borders`` (b, 3) how many rows each border has, whose it is and whether it is a
-    hole's.
+    backwards; ``borders`` (b, 3) are each border's number of rows, its owner, and 1 for a hole.
     """
 
     kind: NDArray[np.int8]
@@ -43,9 +42,9 @@ class NewBorders(NamedTuple):
 
 @njit(**OWNING)
 def join_primitives(kind, data, owner, border, is_hole, backwards, no_length, joint, every):
-    """The pieces of flat primitives and how they join.
+    """Pieces of flat primitives and how they join.
 
-    Edges up to ``no_length`` are points, ends up to ``joint`` apart are one joint; with
+    Edges up to ``no_length`` become points; ends up to ``joint`` apart are one joint. With
     ``every``, each joint has a corner point.
     """
     all_kind, all_data, keep = without_repeats(kind, data, border, backwards, no_length)
@@ -83,7 +82,7 @@ def join_primitives(kind, data, owner, border, is_hole, backwards, no_length, jo
 
 @njit(**LEAF)
 def walls_box(data, owner):
-    """x_min, y_min, x_max, y_max of the bounds' walls; infinite the wrong way without any."""
+    """Return x_min, y_min, x_max, y_max of the bounds' walls; inverted infinities without walls."""
     x0, y0, x1, y1 = np.inf, np.inf, -np.inf, -np.inf
     for i in range(len(owner)):
         if owner[i] == -1:
@@ -94,12 +93,11 @@ def walls_box(data, owner):
 
 @njit(**OWNING)
 def find_pieces(pieces):
-    """What finds pieces: the primitives' box tree, the objects' boxes and spans, and the index of
-    the closed ones."""
+    """Primitives' box tree, the objects' boxes and spans, and the closed borders' index."""
     kind, data = pieces.kind, pieces.data
     k = len(pieces.solid)
     own = build_tree(kind[:k], data[:k])
-    # who finds a primitive asks for corner points as well
+    # queries that find a primitive also ask for corner points
     tree = Tree(kind, data, own.order, own.large, own.boxes)
     object_boxes, span = object_spans(kind, data, pieces.owner, k)
     return tree, object_boxes, span, index_closed(pieces)
@@ -107,7 +105,7 @@ def find_pieces(pieces):
 
 @njit(**OWNING, error_model="numpy")
 def _flatten(new):
-    """Owner, border, is_hole and reversed of the new rows: what :func:`join_primitives` takes."""
+    """Owner, border, is_hole and reversed of the new rows, for :func:`join_primitives`."""
     borders = new.borders
     n = len(new.rows)
     owner, border = np.empty(n, np.int32), np.empty(n, np.int32)
@@ -124,13 +122,13 @@ def _flatten(new):
 
 @njit(**OWNING, error_model="numpy")
 def change_borders(kept, objects, old, old_boxes, new, no_length, joint, disc, spacing):
-    """The borders of a scene of ``kept`` objects, see :func:`patch_borders`, and of new ones.
+    """Borders of a scene of ``kept`` objects, see :func:`patch_borders`, and new ones.
 
-    ``new`` are the new objects' (:class:`NewBorders`), ``no_length`` and ``joint`` as in
-    :func:`join_primitives`, ``old_boxes`` (o, 4) the old objects' boxes. Returns all pieces; what
-    finds them, as :func:`find_pieces`; where the old pieces are now; the generators of the new
-    objects, at most ``spacing`` apart in the ``disc``, and the pieces they are on; and (b, 4) the
-    boxes of what came and went.
+    ``new`` are the new objects' borders (:class:`NewBorders`), ``no_length`` and ``joint`` as in
+    :func:`join_primitives`, ``old_boxes`` (o, 4) the old objects' boxes. Returns all pieces; the
+    results of :func:`find_pieces`; the new places of the old pieces; the new objects' generators,
+    at most ``spacing`` apart in the ``disc``, and their pieces; and (b, 4) the boxes of the objects
+    added and removed.
     """
     came = np.int64(0)
     for j in range(len(kept)):
@@ -151,7 +149,7 @@ def change_borders(kept, objects, old, old_boxes, new, no_length, joint, disc, s
         elif j < len(object_boxes):
             touched[n] = object_boxes[j]
             n += 1
-    # the last objects have no boxes where they have no pieces
+    # trailing objects without pieces have no boxes
     for o in range(min(objects, len(old_boxes))):
         if not stays[o]:
             touched[n] = old_boxes[o]
@@ -170,7 +168,7 @@ def change_borders(kept, objects, old, old_boxes, new, no_length, joint, disc, s
 
 @njit(**OWNING, error_model="numpy")
 def _ranges(owner, begin, end, objects):
-    """First index and count of every object's pieces among ``begin`` to ``end``; bounds last."""
+    """First index and count of each object's pieces in ``begin`` to ``end``; bounds last."""
     first, count = np.zeros(objects + 1, np.int64), np.zeros(objects + 1, np.int64)
     for i in range(end - 1, begin - 1, -1):
         o = owner[i] if owner[i] >= 0 else objects
@@ -181,12 +179,12 @@ def _ranges(owner, begin, end, objects):
 
 @njit(**OWNING, error_model="numpy", inline="always")
 def patch_borders(kept, objects, old, came, fresh):
-    """The pieces of objects that were there before, of new ones, and of the old bounds.
+    """Pieces of kept objects, of new ones, and of the old bounds.
 
-    ``kept`` (n,) is which of the old ``objects`` each one is, -1 for the ``came`` new ones in
-    turn; ``old`` and ``fresh`` are pieces, the latter those of the new objects alone. Returns
-    those of all, where the old pieces are now (-1 for those that are no more, and at
-    the end), and where the fresh ones are.
+    ``kept`` (n,) gives each object's number among the old ``objects``, or -1 for the ``came`` new
+    ones in turn. ``old`` and ``fresh`` are pieces, the latter of the new objects alone. Returns all
+    pieces, the new places of the old ones (-1 for removed ones, and at the end), and those of the
+    fresh ones.
     """
     kind, data, owner = old.kind, old.data, old.owner
     new_kind, new_data, new_owner = fresh.kind, fresh.data, fresh.owner
@@ -232,7 +230,7 @@ def patch_borders(kept, objects, old, came, fresh):
 
 @njit(**LEAF)
 def _renumber(label, old, out):
-    """Copy how the ``old`` pieces join to where they are now, ``label``; -1 is left out."""
+    """Copy the joins of the ``old`` pieces to their places in ``label``; skip -1."""
     following, preceding, before, after = old.following, old.preceding, old.before, old.after
     k = len(out.solid)
     for i in range(len(old.solid)):

@@ -1,15 +1,15 @@
-"""A box tree over flat primitives that finds the nearest of many.
+"""Box tree over flat primitives that finds the nearest one.
 
 Rules and units
-- The primitives are those of :mod:`planner.scene.primitive_kernels`; distances are in the scene's
-  units.
-- The tree is an implicit binary tree over the boxes in Morton order: node 1 is the root,
-  node i has children 2i and 2i + 1, and every leaf holds ``LEAF`` primitives. Primitives that
-  span a large part of the scene (its walls) would bloat every box above them: they are kept
-  in a list of their own and tried first, which also gives a good first bound.
+- The primitives are those of :mod:`planner.scene.primitive_kernels`; distances are in the
+  scene's units.
+- The tree is an implicit binary tree over the boxes in Morton order: node 1 is the root, node i
+  has children 2i and 2i + 1, and every leaf holds ``LEAF`` primitives. Primitives that span much
+  of the scene (its walls) would bloat every box above them: they are kept in a separate list and
+  tried first, which also gives a good first bound.
 """
 
-# The arrays' types are in the docstrings; numba infers them.
+# numba infers types; docstrings state them.
 # mypy: allow-untyped-defs
 
 from __future__ import annotations
@@ -31,7 +31,7 @@ LARGE = 0.25
 
 @njit(**BORROWING)
 def _spread(v):
-    """The 16 low bits of v, one every second bit."""
+    """Spread the 16 low bits of v, one every second bit."""
     v = (v | (v << 8)) & 0x00FF00FF
     v = (v | (v << 4)) & 0x0F0F0F0F
     v = (v | (v << 2)) & 0x33333333
@@ -61,7 +61,7 @@ def morton_codes(boxes):
 
 @njit(**OWNING)
 def build_tree(kind, data):
-    """The box tree of all primitives: an empty box is (inf, inf, -inf, -inf)."""
+    """Build the box tree of all primitives; an empty box is (inf, inf, -inf, -inf)."""
     n = len(kind)
     own = np.empty((n, 4), np.float64)
     for i in range(n):
@@ -94,7 +94,7 @@ def build_tree(kind, data):
 
 @njit(**BORROWING)
 def box_distance2(boxes, node, x, y):
-    """The square of the distance from (x, y) to a node's box; infinite to an empty one."""
+    """Squared distance from (x, y) to a node's box; infinite for an empty one."""
     dx = max(boxes[node, 0] - x, 0.0, x - boxes[node, 2])
     dy = max(boxes[node, 1] - y, 0.0, y - boxes[node, 3])
     return dx * dx + dy * dy
@@ -102,10 +102,10 @@ def box_distance2(boxes, node, x, y):
 
 @njit(**BORROWING)
 def after_branch(node, later):
-    """The node to go on with after a branch of the box tree, and what then waits; 0 at the end.
+    """Next node after a branch of the box tree, and the new ``later``; 0 at the end.
 
-    ``later`` has a bit for every level above, the last one's lowest: whether the node's sibling
-    waits for its turn there.
+    ``later`` has a bit for every level above, the last one lowest, set if the node's sibling there
+    is still to be visited.
     """
     while node > 1 and later & 1 == 0:
         node >>= 1
@@ -119,7 +119,7 @@ def after_branch(node, later):
 def nearest(tree, x, y, bound):
     """Distance to and index of the primitive nearest to (x, y), if nearer than ``bound``.
 
-    Returns (bound, -1) where none is.
+    Otherwise returns (bound, -1).
     """
     kind, data, order, large, boxes = tree
     best, which = bound, NONE
@@ -151,7 +151,7 @@ def nearest(tree, x, y, bound):
 
 @njit(**BORROWING)
 def _box_to_segment(boxes, node, ax, ay, bx, by, nx, ny):
-    """A lower bound of the distance between a box and a segment with unit normal (nx, ny)."""
+    """Lower bound of the distance between a box and a segment with unit normal (nx, ny)."""
     x0, y0, x1, y1 = boxes[node, 0], boxes[node, 1], boxes[node, 2], boxes[node, 3]
     if x0 > x1:
         return np.inf
@@ -164,10 +164,9 @@ def _box_to_segment(boxes, node, ax, ay, bx, by, nx, ny):
 
 @njit(**BORROWING)
 def segment_clearance(tree, ax, ay, bx, by, bound):
-    """Least distance between the segment a b and any primitive, if less than ``bound``.
+    """Least distance of the segment a b to any primitive, if less than ``bound``.
 
-    Returns the distance, where along a b it is taken, and the primitive; (bound, 0, -1)
-    where none is nearer.
+    Returns the distance, its place along a b, and the primitive; otherwise (bound, 0, -1).
     """
     kind, data, order, large, boxes = tree
     best, at, which = bound, 0.0, NONE
@@ -209,7 +208,7 @@ def nearest_many(tree, points):
 
 @njit(**OWNING)
 def polyline_clearance(tree, points):
-    """Least distance between a polyline and any primitive: distance, place, piece, primitive."""
+    """Least distance of a polyline to any primitive: distance, place, piece, primitive."""
     best, where = nearest(tree, points[0, 0], points[0, 1], np.inf)
     px, py, piece = points[0, 0], points[0, 1], 0
     for i in range(len(points) - 1):
@@ -223,7 +222,7 @@ def polyline_clearance(tree, points):
 
 @njit(**OWNING)
 def object_spans(kind, data, owner, count):
-    """The objects' boxes (o, 4) and their primitives' range (o, 2), first and last + 1."""
+    """Objects' boxes (o, 4) and their primitives' range (o, 2), first and last + 1."""
     most = -1
     for i in range(count):
         most = max(most, owner[i])

@@ -1,11 +1,11 @@
-"""Whether straight lines keep a distance to every border: yes or no, at the first that is nearer.
+"""Tests that straight lines keep a distance to every border, stopping at the first nearer one.
 
 Rules and units
-- The answers are those of :func:`planner.borders.box_tree_kernels.segment_clearance` with a bound,
-  and are found several times sooner: the least distance itself is not asked for.
+- The answers are those of :func:`planner.borders.box_tree_kernels.segment_clearance` with a
+  bound, but several times faster, as the least distance itself is not computed.
 """
 
-# The arrays' types are in the docstrings; numba infers them.
+# numba infers types; docstrings state them.
 # mypy: allow-untyped-defs
 
 from __future__ import annotations
@@ -23,10 +23,9 @@ from planner.scene.shape_kernels import is_beyond
 
 @njit(**BORROWING)
 def blocker(tree, ax, ay, bx, by, keep, guess):
-    """A primitive nearer than ``keep`` to the segment a b, -1 where there is none.
+    """Primitive nearer than ``keep`` to the segment a b, or -1.
 
-    ``guess`` is a primitive to look at first, or -1: what stood in the way of the last line
-    often stands in the way of the next.
+    ``guess`` is a primitive to try first, or -1: the last line's blocker often blocks the next.
     """
     kind, data, order, large, boxes = tree
     if guess >= 0 and segment_distance(kind, data, guess, ax, ay, bx, by)[0] < keep:
@@ -38,7 +37,7 @@ def blocker(tree, ax, ay, bx, by, keep, guess):
     nx, ny = 0.0, 0.0
     if length > 0.0:
         nx, ny = (ay - by) / length, (bx - ax) / length
-    # what is as far but for rounding is measured
+    # measure primitives that are this far apart except for rounding
     sure = keep * (1.0 + 1e-9)
     for j in range(large):
         i = np.int64(order[j])
@@ -73,7 +72,7 @@ def blocker(tree, ax, ay, bx, by, keep, guess):
 
 @njit(**BORROWING)
 def keeps(tree, line, keep):
-    """Whether the polyline (n, 2), n >= 1, is nowhere nearer than ``keep`` to any primitive."""
+    """True if the polyline (n, 2), n >= 1, is nowhere nearer than ``keep`` to any primitive."""
     last = len(line) - 1
     for i in range(max(last, 1)):
         j = min(i + 1, last)
@@ -85,7 +84,7 @@ def keeps(tree, line, keep):
 
 @njit(**OWNING)
 def within(tree, x, y, reach):
-    """The primitives no farther than ``reach`` from (x, y), in the tree's order."""
+    """Primitives no farther than ``reach`` from (x, y), in the tree's order."""
     kind, data, order, large, boxes = tree
     out = np.empty(len(order), np.int32)
     m = 0

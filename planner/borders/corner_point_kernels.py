@@ -1,13 +1,13 @@
-"""How the primitives of borders join, and which of their corners need a point of their own.
+"""Joins between the primitives of borders, and the corners that need a point of their own.
 
 Rules
 - A piece is a primitive of the scene or a corner point: the end of an open chain, or a corner
   that the free space goes round. Corners that the free space runs into need no piece: the
-  bisector of their two sides reaches them by itself, with generators half a spacing away on
-  either side. Where a border crosses itself its sides change, and all its corners have one.
+  bisector of their sides reaches them by itself, with generators half a spacing away on either
+  side. If a border crosses itself, its sides change, and all its corners have a point.
 """
 
-# The arrays' types are in the docstrings; numba infers them.
+# numba infers types; docstrings state them.
 # mypy: allow-untyped-defs
 
 from __future__ import annotations
@@ -40,11 +40,10 @@ SMOOTH = 1e-3
 
 @njit(**OWNING)
 def without_repeats(kind, data, border, backwards, tolerance):
-    """Degenerate primitives made points, and points at a neighbour's end left out.
+    """Turn degenerate primitives into points, and leave out points at a neighbour's end.
 
-    Segments, circles and arcs shorter than ``tolerance`` have no direction, and a repeated
-    vertex is a segment without length. Returns ``kind`` (k,), ``data`` (k, 6) and ``keep``
-    (k,) bool.
+    Segments, circles and arcs shorter than ``tolerance`` have no direction; a repeated vertex is a
+    segment without length. Returns ``kind`` (k,), ``data`` (k, 6) and ``keep`` (k,) bool.
     """
     n = len(kind)
     out_kind, out = kind.copy(), data.copy()
@@ -71,12 +70,12 @@ def without_repeats(kind, data, border, backwards, tolerance):
 
 @njit(**OWNING, inline="always")
 def link_borders(kind, data, border, is_hole, backwards, tolerance):
-    """How the primitives of every border join.
+    """Join the primitives of every border.
 
-    Returns ``following`` and ``preceding`` (k,) int32, -1 at the ends of open chains,
-    ``solid`` (k,) int8: +1 where the solid lies to the left of travel, -1 to the right, 0
-    where both sides are free, and ``crossed`` (k,) bool: part of a border that crosses itself,
-    whose solid changes sides.
+    Returns ``following`` and ``preceding`` (k,) int32, -1 at the ends of open chains; ``solid``
+    (k,) int8: +1 if the solid lies to the left of travel, -1 to the right, 0 if both sides are
+    free; and ``crossed`` (k,) bool: part of a border that crosses itself, whose solid changes
+    sides.
     """
     n = len(kind)
     following = np.full(n, -1, np.int32)
@@ -111,7 +110,7 @@ def link_borders(kind, data, border, is_hole, backwards, tolerance):
             area = _signed_area(kind, data, backwards, first, last)
             side = 1 if (area > 0.0) != is_hole[first] else -1
             crossed[first : last + 1] = _crosses_itself(kind, data, first, last)
-            # two lobes of one size make no area, and are solid; there and back is a wall
+            # two lobes of equal size have area 0 but are solid; a line there and back is a wall
             solid[first : last + 1] = 0 if area == 0.0 and not crossed[first] else side
         first = last + 1
     return following, preceding, solid, crossed
@@ -119,7 +118,7 @@ def link_borders(kind, data, border, is_hole, backwards, tolerance):
 
 @njit(**OWNING)
 def _crosses_itself(kind, data, first, last):
-    """Whether two sides of a closed border that are no neighbours meet. O(n log n) for most."""
+    """True if two non-adjacent sides of a closed border meet. O(n log n) for most borders."""
     n = last + 1 - first
     if n < 4:
         return False
@@ -147,7 +146,7 @@ def _crosses_itself(kind, data, first, last):
 
 @njit(**BORROWING)
 def _signed_area(kind, data, backwards, first, last):
-    """Area inside a closed chain, positive where it turns from x to y."""
+    """Area inside a closed chain, positive if it turns from x to y."""
     area = 0.0
     ox, oy = end_of(kind, data, backwards, first, FIRST)
     for i in range(first, last + 1):
@@ -160,10 +159,10 @@ def _signed_area(kind, data, backwards, first, last):
 
 @njit(**OWNING)
 def corner_points(kind, data, backwards, following, preceding, solid, every):
-    """The corners that need a point of their own.
+    """Corners that need a point of their own.
 
-    Returns ``at`` (c, 2), ``before`` and ``after`` (c,) the primitives that meet there (-1
-    where a chain ends). ``every`` (k,): each joint of the primitive has one.
+    Returns ``at`` (c, 2), and ``before`` and ``after`` (c,), the primitives that meet there (-1
+    where a chain ends). ``every`` (k,) marks primitives whose joints all have one.
     """
     n = len(kind)
     at = np.empty((2 * n, 2), np.float64)

@@ -1,12 +1,12 @@
-"""Generators along borders: how many, and where.
+"""Generators along borders: their number and places.
 
 Rules
-- Borders have generators in the ``disc`` (x, y, radius) around the bounds only. Beyond the bounds
-  nothing is free, and from any free place a wall of the bounds is nearer than what is behind it.
+- Borders have generators only in the ``disc`` (x, y, radius) around the bounds. Beyond the bounds
+  nothing is free, and every free place is nearer to a wall of the bounds than to what is behind.
 - A label is the index of a generator's piece, see :mod:`planner.borders.corner_point_kernels`.
 """
 
-# The arrays' types are in the docstrings; numba infers them.
+# numba infers types; docstrings state them.
 # mypy: allow-untyped-defs
 
 from __future__ import annotations
@@ -30,7 +30,7 @@ LEAST = 1e-300
 
 @njit(**OWNING)
 def disc_around(box, spacing):
-    """The disc (x, y, radius) that has generators, around a box x_min, y_min, x_max, y_max."""
+    """Disc (x, y, radius) that has generators, around a box x_min, y_min, x_max, y_max."""
     width, height = box[2] - box[0], box[3] - box[1]
     reach = 0.5 * math.sqrt(width * width + height * height) + AROUND * spacing
     return box[0] + 0.5 * width, box[1] + 0.5 * height, reach
@@ -38,13 +38,13 @@ def disc_around(box, spacing):
 
 @njit(**LEAF)
 def _is_shown(x, y, disc):
-    """Whether (x, y) lies in the disc."""
+    """True if (x, y) lies in the disc."""
     return (x - disc[0]) ** 2 + (y - disc[1]) ** 2 <= disc[2] * disc[2]
 
 
 @njit(**LEAF)
 def _shown_straight(data, i, disc):
-    """The part of segment i in the disc: from, to; from > to where there is none."""
+    """Part of segment i in the disc: from, to; from > to if there is none."""
     ax, ay = data[i, 0], data[i, 1]
     dx, dy = data[i, 2] - ax, data[i, 3] - ay
     dd = max(dx * dx + dy * dy, LEAST)
@@ -59,10 +59,10 @@ def _shown_straight(data, i, disc):
 
 @njit(**LEAF)
 def _shown_round(kind, data, backwards, i, disc, lap):
-    """The part of circle or arc i in the disc, which it may enter twice: ``lap`` 0 and 1."""
+    """Part of circle or arc i in the disc, which it may enter twice: ``lap`` 0 and 1."""
     dx, dy, r = disc[0] - data[i, 0], disc[1] - data[i, 1], data[i, 2]
     d, reach = math.sqrt(dx * dx + dy * dy), disc[2]
-    # the square of the sine of a quarter of the angle that the disc covers
+    # the squared sine of a quarter of the angle that the disc covers
     sine2 = (reach * reach - (d - r) ** 2) / max(4.0 * d * r, LEAST)
     if d + r <= reach or sine2 >= 1.0:
         return 0.0, 1.0 - 2.0 * lap
@@ -77,9 +77,9 @@ def _shown_round(kind, data, backwards, i, disc, lap):
 
 @njit(**BORROWING)
 def _steps(kind, data, i, spacing, at_start, at_end):
-    """How many generators all of piece i would have, steps before the first, step, and length.
+    """Number of generators on all of piece i, steps before the first, step, and length.
 
-    ``at_start`` and ``at_end`` say whether a corner point is there.
+    ``at_start`` and ``at_end`` mark ends with a corner point.
     """
     length = length_of(kind, data, i)
     lead, tail = 1.0 if at_start else 0.5, 1.0 if at_end else 0.5
@@ -108,9 +108,9 @@ def _shown_steps(kind, data, backwards, i, disc, lap, steps):
 
 @njit(**BORROWING)
 def count_generators(kind, data, backwards, disc, spacing):
-    """An upper bound of the number of generators, as a float: it may be astronomical.
+    """Upper bound of the number of generators, as a float: it may be astronomical.
 
-    NaN where a place is not finite: such a border would lie nowhere, and be lost without a word.
+    NaN if a place is not finite: such a border would be lost silently.
     """
     total = 0.0
     for i in range(len(kind)):
@@ -119,7 +119,7 @@ def count_generators(kind, data, backwards, disc, spacing):
             return np.nan
         if kind[i] == POINT:
             continue
-        # with corner points the steps are as long, and perhaps begin and end one later
+        # corner points do not change the step, but may shift its first and last by one
         steps = _steps(kind, data, i, spacing, False, False)
         if not steps[0] <= MOST_STEPS:
             return np.nan if np.isnan(steps[0]) else np.inf
@@ -131,7 +131,7 @@ def count_generators(kind, data, backwards, disc, spacing):
 
 @njit(**OWNING)
 def place_generators(kind, data, backwards, at, before, after, disc, spacing, room):
-    """Generators at most ``spacing`` apart along every primitive, and on every corner point.
+    """Place generators at most ``spacing`` apart on every primitive, and on every corner point.
 
     Returns ``sites`` (n, 2) and ``label`` (n,): the primitive, or k + c for corner point c.
     """

@@ -3,7 +3,7 @@
 Rules and units
 - Everything is in the scene's units. ``delta`` is called ``spacing`` here; it is always less
   than twice the robot's radius, so that no robot fits between two neighbouring generators.
-- A generator remembers its piece: the primitive it lies on, or the corner point it is.
+- A generator has the label of its piece: the primitive it lies on, or the corner point it is.
 """
 
 from __future__ import annotations
@@ -44,10 +44,10 @@ far from the origin, as in a map's coordinates, that is much more than the share
 
 
 class HasPrimitives(Protocol):
-    """A scene, or anything else that can say its borders."""
+    """A scene, or any other source of borders."""
 
     def primitives(self) -> Primitives:
-        """All borders as flat arrays, the bounds (owner -1) included."""
+        """Return all borders as flat arrays, the bounds (owner -1) included."""
         ...
 
 
@@ -55,11 +55,12 @@ class HasPrimitives(Protocol):
 class Borders:
     """All borders as pieces, how they join, and a box tree that finds the nearest.
 
-    ``pieces`` are the k primitives and then the c corner points; ``corners`` what the diagram's
-    kernels take of them; ``tree`` what every query of :mod:`planner.borders.box_tree_kernels`
-    starts with. ``object_boxes`` (o, 4) and ``span`` (o, 2) are every object's box and range of
-    primitives; ``closed`` says which of them hold a place. ``box`` is x_min, y_min, x_max, y_max
-    of the free space, and ``extent`` its larger side. Places are ``equal`` within so much.
+    ``pieces`` are the k primitives and then the c corner points; ``corners`` is their part for the
+    diagram's kernels; ``tree`` the first argument of every query of
+    :mod:`planner.borders.box_tree_kernels`. ``object_boxes`` (o, 4) and ``span`` (o, 2) are every
+    object's box and range of primitives; ``closed`` finds the objects around a place. ``box`` is
+    x_min, y_min, x_max, y_max of the free space, and ``extent`` its larger side. Places up to
+    ``equal`` apart are equal.
     """
 
     pieces: Pieces
@@ -74,40 +75,40 @@ class Borders:
 
     @property
     def kind(self) -> NDArray[np.int8]:
-        """(k + c,) what every piece is."""
+        """(k + c,) kind of every piece."""
         return self.pieces.kind
 
     @property
     def data(self) -> FloatArray:
-        """(k + c, 9) where every piece is."""
+        """(k + c, 9) geometry of every piece."""
         return self.pieces.data
 
     @property
     def owner(self) -> IntArray:
-        """(k + c,) the object of every piece, -1 for the bounds."""
+        """(k + c,) object of every piece, -1 for the bounds."""
         return self.pieces.owner
 
     @property
     def primitive_count(self) -> int:
-        """How many of the pieces are primitives; the rest are corner points."""
+        """Number of primitives among the pieces; the rest are corner points."""
         return len(self.pieces.solid)
 
     def distances(self, points: FloatArray) -> tuple[FloatArray, IntArray]:
-        """Exact distance of every point (n, 2) to the nearest border, and which primitive."""
+        """Return each point's (n, 2) exact distance to the nearest border, and that primitive."""
         return box_tree_kernels.nearest_many(self.tree, points)  # type: ignore[no-any-return]
 
     def signed_distances(self, points: FloatArray) -> FloatArray:
-        """As :meth:`distances`, negative in an obstacle and out of the bounds."""
+        """Distances as :meth:`distances`, negative in an obstacle and out of the bounds."""
         return inside_kernels.signed_distances(  # type: ignore[no-any-return]
             self.tree, self.closed, self.box, points
         )
 
     def is_solid(self, x: float, y: float, reach: float) -> bool:
-        """Whether (x, y), ``reach`` away from every border, lies in an object."""
+        """True if (x, y), ``reach`` away from every border, lies in an object."""
         return bool(inside_kernels.in_object(self.kind, self.data, self.closed, x, y, reach))
 
     def owners_around(self, x: float, y: float, reach: float) -> NDArray[np.bool_]:
-        """Which objects hold (x, y) inside, by even-odd; ``reach`` is its clearance."""
+        """Mark the objects that contain (x, y), by even-odd; ``reach`` is its clearance."""
         count = int(self.owner.max(initial=-1)) + 1
         votes = inside_kernels.vote(self.kind, self.data, self.closed, x, y, reach, count)
         return votes >= inside_kernels.MOST  # type: ignore[no-any-return]
@@ -124,12 +125,12 @@ class Generators:
 
     @property
     def owner(self) -> IntArray:
-        """(n,) the object of every generator, -1 for the bounds."""
+        """(n,) object of every generator, -1 for the bounds."""
         return self.borders.owner[self.label]
 
 
 def check_radius(radius: float) -> float:
-    """The radius as a float; ``ValueError`` unless it is > 0 and finite."""
+    """Radius as a float; ``ValueError`` unless it is > 0 and finite."""
     value = as_float(radius)
     if not (math.isfinite(value) and value > 0.0):
         raise ValueError(f"radius = {radius}: must be > 0 and finite")
@@ -137,7 +138,7 @@ def check_radius(radius: float) -> float:
 
 
 def choose_spacing(radius: float, spacing: float | None) -> float:
-    """The spacing to use: the given one, checked, or one radius."""
+    """Given spacing, checked, or one radius by default."""
     if spacing is None:
         return SPACING_PER_RADIUS * radius
     value = as_float(spacing)
@@ -149,11 +150,11 @@ def choose_spacing(radius: float, spacing: float | None) -> float:
 
 
 def gather_borders(scene: HasPrimitives, mode: Mode = "exact") -> Borders:
-    """The scene's borders as pieces, joined and indexed. O(k log k)."""
+    """Scene's borders as pieces, joined and indexed. O(k log k)."""
     flat = scene.primitives()
     box = _free_box(flat)
     extent = extent_of(box)
-    # a scene's arrays are read-only: for those the kernels would be compiled once more
+    # a scene's arrays are read-only, for which numba would compile the kernels again
     kind, data, owner, border, is_hole, backwards = (
         np.array(array)
         for array in (flat.kind, flat.data, flat.owner, flat.border, flat.is_hole, flat.reversed)
@@ -168,7 +169,7 @@ def gather_borders(scene: HasPrimitives, mode: Mode = "exact") -> Borders:
 def as_borders(
     pieces: Pieces, found: tuple[Any, ...], box: FloatArray, extent: float, equal: float
 ) -> Borders:
-    """Joined pieces and what finds them, see :mod:`planner.borders.border_kernels`."""
+    """Combine joined pieces and their indices, see :mod:`planner.borders.border_kernels`."""
     p = pieces
     corners = Corners(p.kind, p.data, p.owner, p.before, p.after)
     tree, object_boxes, span, closed = found
@@ -176,20 +177,21 @@ def as_borders(
 
 
 def extent_of(box: FloatArray) -> float:
-    """The larger side of a box."""
+    """Larger side of a box."""
     x0, y0, x1, y1 = box.tolist()
     return float(max(x1 - x0, y1 - y0))
 
 
 def _equal(box: FloatArray) -> float:
-    """How far apart equal places may be in a scene of this box."""
+    """Largest distance between equal places in a scene of this box."""
     return max(EQUAL * extent_of(box), UNITS * math.ulp(max(map(abs, box.tolist()))))
 
 
 def _free_box(flat: Primitives) -> FloatArray:
-    """The rectangle of the bounds' walls, or else a generous one.
+    """Rectangle of the bounds' walls, or else a generous one.
 
-    Generous as for a scene's text: around all borders, grown by its diagonal on every side.
+    The generous one, as for a scene's text, is the box of all borders grown by its diagonal on
+    every side.
     """
     walls = border_kernels.walls_box(flat.data, flat.owner)
     if walls[0] <= walls[2]:
@@ -203,9 +205,9 @@ def _free_box(flat: Primitives) -> FloatArray:
 
 
 def count_generators(borders: Borders, spacing: float) -> float:
-    """An upper bound of the generators that :func:`place_generators` makes.
+    """Upper bound of the generators that :func:`place_generators` makes.
 
-    Infinite where they are too many to count, NaN where a border has a place that is not finite.
+    Infinite if they are too many to count, NaN if a border has a place that is not finite.
     """
     k, pieces = borders.primitive_count, borders.pieces
     most = generator_kernels.count_generators(
@@ -215,14 +217,14 @@ def count_generators(borders: Borders, spacing: float) -> float:
 
 
 def disc_around(borders: Borders, spacing: float) -> tuple[float, float, float]:
-    """The disc (x, y, radius) around the bounds that has generators."""
+    """Disc (x, y, radius) around the bounds that has generators."""
     return generator_kernels.disc_around(borders.box, spacing)  # type: ignore[no-any-return]
 
 
 def place_generators(borders: Borders, spacing: float) -> Generators:
-    """Generators at most ``spacing`` apart on every border, as far as it lies about the bounds.
+    """Place generators at most ``spacing`` apart on every border in the disc around the bounds.
 
-    Raises ``ValueError`` where their diagram would take more memory than ``MOST_BYTES``.
+    Raises ``ValueError`` if their diagram would take more memory than ``MOST_BYTES``.
     """
     k, pieces = borders.primitive_count, borders.pieces
     room = count_generators(borders, spacing)

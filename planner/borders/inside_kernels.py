@@ -1,16 +1,16 @@
-"""Which objects hold a place: rays over closed borders, and an index that skips most of them.
+"""Objects that contain a place: rays over closed borders, and an index that skips most of them.
 
 Rules and units
-- A place lies in an object where a rightward ray from it crosses the object's closed borders,
-  those with a ``solid`` side, an odd number of times (even-odd, holes included).
-- The index holds the closed borders' primitives one after the other, border by border and object
-  by object, neighbours in the plane near one another, and for every aligned block of 1, 2, 4, ...
-  of them its box and where it begins and ends in y. A block beside the ray crosses it nowhere. One
-  wholly to the right crosses it as often, but for an even number, as its ends lie on both sides of
-  it. Only blocks around the place are looked into: O(log n) of n for most borders.
+- A place lies in an object if a rightward ray from it crosses the object's closed borders, those
+  with a ``solid`` side, an odd number of times (even-odd, holes included).
+- The index holds the closed borders' primitives border by border and object by object, close ones
+  next to each other. Every aligned block of 1, 2, 4, ... primitives has its box and the y of its
+  ends. A block beside the ray is not crossed. A block wholly to the right is crossed an odd number
+  of times if its ends lie on both sides of the ray. Only blocks around the place are opened:
+  O(log n) of n for most borders.
 """
 
-# The arrays' types are in the docstrings; numba infers them.
+# numba infers types; docstrings state them.
 # mypy: allow-untyped-defs
 
 from __future__ import annotations
@@ -39,9 +39,9 @@ MOST = 2
 class ClosedBorders(NamedTuple):
     """The index: ``order`` (n,) the primitives, ``owner`` (n,) each one's object.
 
-    ``blocks`` (b, 8) are x_min, y_min, x_max, y_max, and in y where the block's first border is
-    entered and left, and its last one where that is another. Those of 2 ** l primitives begin at
-    ``level[l]``. ``none`` (0,) is room for no votes.
+    ``blocks`` (b, 8) are x_min, y_min, x_max, y_max, and the y at which the block's first border is
+    entered and left, and its last one if that is another. Blocks of 2 ** l primitives begin at
+    ``level[l]``. ``none`` (0,) is an empty array of votes.
     """
 
     order: NDArray[np.int32]
@@ -53,7 +53,7 @@ class ClosedBorders(NamedTuple):
 
 @njit(**OWNING)
 def _closed_runs(pieces):
-    """The closed borders: rows (m, 3), first and last primitive, and owner; of objects only."""
+    """Objects' closed borders: rows (m, 3), first and last primitive, and owner."""
     owner, solid = pieces.owner, pieces.solid
     following, preceding = pieces.following, pieces.preceding
     runs = np.empty((len(solid), 3), np.int32)
@@ -71,7 +71,7 @@ def _closed_runs(pieces):
 
 @njit(**OWNING)
 def _in_order(kind, data, runs, objects):
-    """The runs object by object, both by their boxes' place in the plane."""
+    """Sort the runs object by object, both by their boxes' place in the plane."""
     m = len(runs)
     boxes, around = np.empty((m, 4)), np.empty((objects, 4))
     around[:, :2], around[:, 2:] = np.inf, -np.inf
@@ -96,7 +96,7 @@ def _in_order(kind, data, runs, objects):
 
 @njit(**OWNING, inline="always")
 def index_closed(pieces):
-    """The index of the closed borders among the pieces (:class:`ClosedBorders`). O(n log n)."""
+    """Index the closed borders among the pieces (:class:`ClosedBorders`). O(n log n)."""
     objects = np.int64(0)
     for i in range(len(pieces.solid)):
         objects = max(objects, pieces.owner[i] + 1)
@@ -129,7 +129,7 @@ def index_closed(pieces):
 
 @njit(**OWNING)
 def _fill_boxes(pieces, order, level, blocks):
-    """Write the box of every block: those of one primitive, and then those of two blocks each."""
+    """Write the box of every block, first those of one primitive, then those of two blocks."""
     for p in range(len(order)):
         box_of(pieces.kind, pieces.data, np.int64(order[p]), blocks[p])
     top = len(level) - 2
@@ -145,7 +145,7 @@ def _fill_boxes(pieces, order, level, blocks):
 
 @njit(**BORROWING)
 def _fill_heights(pieces, order, begin, end, level, blocks):
-    """Write where in y the first and the last border of every block are entered and left."""
+    """Write the y at which the first and last border of every block are entered and left."""
     kind, data, backwards = pieces.kind, pieces.data, pieces.backwards
     n = len(order)
     for tier in range(len(level) - 1):
@@ -166,9 +166,9 @@ def _fill_heights(pieces, order, begin, end, level, blocks):
 
 @njit(**BORROWING)
 def _ray(kind, data, closed, x, y, only, votes):
-    """Whether one ray says that an object holds (x, y): ``only`` that one, or any where < 0.
+    """True if one ray finds (x, y) in object ``only``, or in any object if ``only`` < 0.
 
-    Each that does gets one of the ``votes`` (objects,), where there is room for them.
+    Each such object gets one of the ``votes`` (objects,), unless that array is empty.
     """
     order, owner, level, blocks, _ = closed
     n, tier = len(order), len(level) - 2
@@ -205,10 +205,10 @@ def _ray(kind, data, closed, x, y, only, votes):
 
 @njit(**BORROWING)
 def in_object(kind, data, closed, x, y, reach, only=-1):
-    """Whether (x, y), ``reach`` away from every border, lies in an object, by even-odd.
+    """True if (x, y), ``reach`` away from every border, lies in an object, by even-odd.
 
-    In object ``only``, where that is no less than 0. Asked at three heights within reach, so
-    that a ray that grazes a joint is outvoted.
+    Only object ``only`` counts if it is >= 0. Rays at three heights within reach outvote one that
+    grazes a joint.
     """
     votes = 0
     for j in range(3):
@@ -221,14 +221,14 @@ def in_object(kind, data, closed, x, y, reach, only=-1):
 
 @njit(**BORROWING)
 def standing(tree, closed, x, y):
-    """How far the nearest primitive is from (x, y), which it is, and whether an object is there."""
+    """Distance from (x, y) to the nearest primitive, that primitive, and True in an object."""
     d, which = nearest(tree, x, y, np.inf)
     return d, which, in_object(tree.kind, tree.data, closed, x, y, d)
 
 
 @njit(**OWNING)
 def vote(kind, data, closed, x, y, reach, objects):
-    """How many of three rays say that each of the objects holds (x, y): (objects,) int32."""
+    """Count the rays, of three, that find (x, y) in each of the objects: (objects,) int32."""
     votes = np.zeros(objects, np.int32)
     for part in RAYS:
         _ray(kind, data, closed, x, y + part * reach, -1, votes)
@@ -237,9 +237,9 @@ def vote(kind, data, closed, x, y, reach, objects):
 
 @njit(**OWNING)
 def signed_distances(tree, closed, box, points):
-    """The distance of every point (n, 2), negative in an object and out of the ``box``.
+    """Distance of every point (n, 2), negative in an object and out of the ``box``.
 
-    A point within the clearance of the one before lies on the same side of every border.
+    A point within the previous one's clearance lies on the same side of every border.
     """
     kind, data = tree.kind, tree.data
     out = np.empty(len(points))

@@ -1,11 +1,11 @@
-"""Which objects meet, and which lie within another.
+"""Pairs of objects that meet, or of which one lies within the other.
 
 Rules and units
 - Everything is in the scene's units; borders that come within ``tolerance`` meet.
-- Objects are compared where their boxes overlap only.
+- Objects are compared only if their boxes overlap.
 """
 
-# The arrays' types are in the docstrings; numba infers them.
+# numba infers types; docstrings state them.
 # mypy: allow-untyped-defs
 
 from __future__ import annotations
@@ -27,7 +27,7 @@ MEET, WITHIN = 1, 2
 
 @njit(**OWNING)
 def _related(kind, data, closed, boxes, span, a, b, tolerance):
-    """MEET, WITHIN (a inside b), or 0."""
+    """Return MEET, WITHIN (a inside b), or 0."""
     own = np.empty(4)
     for i in range(span[a, 0], span[a, 1]):
         box_of(kind, data, i, own)
@@ -39,7 +39,7 @@ def _related(kind, data, closed, boxes, span, a, b, tolerance):
             if meet(kind, data, i, j, tolerance):
                 return MEET
     x, y = place_on(kind, data, span[a, 0])
-    # the borders do not meet here
+    # the borders do not meet
     if in_object(kind, data, closed, x, y, tolerance, b):
         return WITHIN
     return 0
@@ -47,10 +47,10 @@ def _related(kind, data, closed, boxes, span, a, b, tolerance):
 
 @njit(**OWNING)
 def related_objects(kind, data, closed, boxes, span, tolerance):
-    """Pairs of objects that meet, and of one within another: rows (n, 3) a, b, how; a within b.
+    """Pairs of objects that meet or lie within: rows (n, 3) a, b, how; a within b.
 
-    O(o log o) for o objects whose boxes overlap few others', and the product of two objects'
-    primitives for each pair that does.
+    O(o log o) for o objects whose boxes overlap few others', plus the product of two objects'
+    primitives for each overlapping pair.
     """
     o = len(boxes)
     order = np.argsort(boxes[:, 0])

@@ -9,13 +9,13 @@ from planner.scene import FloatArray, IntArray
 
 
 def arc_lengths(points: FloatArray) -> FloatArray:
-    """(n,) length along the (n, 2) polyline at each of its points, from 0."""
+    """Length (n,) along the (n, 2) polyline at each of its points, from 0."""
     steps = np.hypot(*np.diff(points, axis=0).T)
     return np.concatenate([[0.0], np.cumsum(steps)])
 
 
 def points_at(points: FloatArray, lengths: FloatArray, at: FloatArray) -> FloatArray:
-    """(m, 2) points of the polyline at the lengths ``at`` (m,) along it. O(m log n)."""
+    """Points (m, 2) of the polyline at the lengths ``at`` (m,) along it. O(m log n)."""
     if len(points) == 1:
         return np.repeat(points, len(at), axis=0)
     i = np.clip(np.searchsorted(lengths, at, side="right") - 1, 0, len(points) - 2)
@@ -30,11 +30,11 @@ def points_at(points: FloatArray, lengths: FloatArray, at: FloatArray) -> FloatA
 def fewer_vertices(
     points: FloatArray, tolerance: float, spacing: float = np.inf, lengths: FloatArray | None = None
 ) -> IntArray:
-    """Indices of vertices, first and last among them, whose chords stay near the polyline.
+    """Indices of vertices, including first and last, whose chords stay near the polyline.
 
     Every skipped vertex lies within ``tolerance`` of its chord; no chord spans more than
-    ``spacing`` along the polyline where a vertex lies closer. Greedy, by doubling and halving
-    the reach of each chord: O(n log n) for chords that skip many vertices.
+    ``spacing`` along the polyline if a vertex lies closer. Greedy, by doubling and halving each
+    chord's reach: O(n log n) for chords that skip many vertices.
     """
     along = arc_lengths(points) if lengths is None else lengths
     return kernels.fewer_vertices(  # type: ignore[no-any-return]

@@ -1,9 +1,9 @@
-"""Fewer vertices of a polyline, and limits that reach out along it, on flat arrays.
+"""Polylines on flat arrays: fewer vertices, and limits that spread along them.
 
 Units are the polyline's.
 """
 
-# The arrays' types are in the docstrings; numba infers them.
+# numba infers types; docstrings state them.
 # mypy: allow-untyped-defs
 
 from __future__ import annotations
@@ -17,7 +17,7 @@ from planner.scene.primitive_kernels import point_to_segment
 
 @njit(**BORROWING)
 def _fits(points, here, there, tolerance):
-    """Whether all vertices between two lie within ``tolerance`` of the chord between these."""
+    """True if all vertices between two lie within ``tolerance`` of their chord."""
     ax, ay, bx, by = points[here, 0], points[here, 1], points[there, 0], points[there, 1]
     for i in range(here + 1, there):
         if point_to_segment(points[i, 0], points[i, 1], ax, ay, bx, by)[0] > tolerance:
@@ -27,7 +27,7 @@ def _fits(points, here, there, tolerance):
 
 @njit(**BORROWING)
 def _reach(points, here, limit, tolerance):
-    """How far a chord from vertex ``here`` may go; at least to the next vertex."""
+    """Last vertex that a chord from ``here`` may reach; at least the next vertex."""
     good, step = here + 1, 1
     while good < limit:
         there = min(good + step, limit)
@@ -60,7 +60,7 @@ def fewer_vertices(points, along, tolerance, spacing):
 
 @njit(**OWNING)
 def reach_out(limits, first, last):
-    """Each cell's limit, lowered to that of every cell i that reaches it: first[i] to last[i]."""
+    """Lower each cell's limit to that of every cell i that reaches it: first[i] to last[i]."""
     lowered = limits.copy()
     top = limits.max()
     for i in range(len(limits)):

@@ -1,11 +1,11 @@
-"""From a triangulation to the Voronoi diagram's arrays, and the proof that it is one.
+"""Voronoi diagram's arrays from a triangulation, and a proof of them.
 
 Rules
-- A triangulation is what :func:`planner.delaunay.insertion_kernels.triangulate` leaves.
-- Edges without length, between vertices of cocircular sites, are there and flagged.
+- Triangulations are those of :func:`planner.delaunay.insertion_kernels.triangulate`.
+- Edges without length, between vertices of cocircular sites, are included and flagged.
 """
 
-# The arrays' types are in the docstrings; numba infers them.
+# numba infers types; docstrings state them.
 # mypy: allow-untyped-defs
 
 from __future__ import annotations
@@ -35,7 +35,7 @@ TURNED, NOT_EMPTY, WRONG_FLAG, NOT_CONVEX = 1, 2, 3, 4
 
 @njit(**LEAF)
 def first_bad_row(sites, limit):
-    """The first row with a NaN, an infinity or a magnitude above `limit`, or -1."""
+    """First row with a NaN, an infinity or a magnitude above `limit`, or -1."""
     for i in range(sites.shape[0]):
         if not (abs(sites[i, 0]) <= limit and abs(sites[i, 1]) <= limit):
             return i
@@ -44,7 +44,7 @@ def first_bad_row(sites, limit):
 
 @njit(**OWNING, error_model="numpy")
 def _label(order, alias):
-    """(n + 1,) int32: the site's row for each place; of coincident sites, the first row's."""
+    """(n + 1,) int32: each place's row in the sites; the first row of coincident ones."""
     n = order.shape[0]
     label = np.empty(n + 1, np.int32)
     for i in range(n):
@@ -59,10 +59,10 @@ def _label(order, alias):
 
 @njit(**OWNING, error_model="numpy")
 def finite_vertices(w, xy, ghost, exponent, tri, circ, label):
-    """The finite triangles' centres (m, 2) and sites (m, 3); each triangle's spare gets its row.
+    """Finite triangles' centres (m, 2) and sites (m, 3); each triangle's spare gets its row.
 
-    A centre whose error bound is above VERTEX_TOLERANCE of the scene or its circle is computed
-    again by expansions.
+    A centre whose error bound exceeds VERTEX_TOLERANCE of the scene or its circle is recomputed by
+    expansions.
     """
     vertices = np.empty((2 * ghost, 2))
     vertex_sites = np.empty((2 * ghost, 3), np.int32)
@@ -99,9 +99,9 @@ def finite_vertices(w, xy, ghost, exponent, tri, circ, label):
 def list_edges(w, xy, ghost, tri, circ, label, ties, linked):
     """(k, 4) int32 edges and (k,) flags of those without length; half-edge ids by triangle.
 
-    The ids are for who goes on from edge to edge: there are none unless ``linked``.
-    An edge: the site on its left, the site on its right, the vertex it comes from, the vertex
-    it goes to; -1 is at infinity. Where no site ever lay on a circle no edge has length zero.
+    The ids link edges to their successors; they are empty unless ``linked``. An edge is the site on
+    its left, the site on its right, and the vertices it comes from and goes to; -1 is at infinity.
+    Edges have length zero only if some site lay on a circle.
     """
     edges = np.empty((3 * ghost, 4), np.int32)
     flat = np.zeros(3 * ghost, np.bool_)
@@ -162,11 +162,11 @@ def _links(n, tri, ids, n_half_edges):
 
 @njit(**OWNING, error_model="numpy")
 def diagram(sites, linked):
-    """The diagram of (n, 2) finite float64 sites.
+    """Diagram of (n, 2) finite float64 sites.
 
-    Returns status (0: done, 1: no three sites off one line, nothing else is set), vertices
-    (m, 2), vertex_sites (m, 3), edges (k, 4), flat (k,), representative (n,), and next and prev
-    (2 k,), which are empty unless `linked`. Linear time on average after sorting.
+    Returns status (0: done, 1: all sites on one line, the rest is not set), vertices (m, 2),
+    vertex_sites (m, 3), edges (k, 4), flat (k,), representative (n,), and next and prev (2 k,),
+    empty unless `linked`. Linear time on average after sorting.
     """
     n = sites.shape[0]
     status, order, xy, tri, circ, alias, exponent, ties = triangulate(sites, 0)
@@ -191,12 +191,12 @@ def diagram(sites, linked):
 
 @njit(**OWNING, error_model="numpy")
 def certify(sites, vertex_sites, origin, before, cell, flat):
-    """Check a diagram's circles exactly; returns (0, 0) or the first fault and where it is.
+    """Check a diagram's circles exactly; return (0, 0) or the first fault and its place.
 
     Each vertex's sites turn left; no site beyond an edge lies inside the circle of the vertex
-    before it, and lies on it just where the edge is flagged as without length; the unbounded
-    cells' sites form a convex ring. Delaunay's lemma makes of this that all circles are empty,
-    where the vertices' triangles cover the hull once.
+    before it, and it lies on it exactly if the edge is flagged as without length; the unbounded
+    cells' sites form a convex ring. By Delaunay's lemma all circles are then empty, if the
+    vertices' triangles cover the hull once.
     """
     n = sites.shape[0]
     xy = np.empty(2 * n + 2)

@@ -1,14 +1,14 @@
-"""Numbers without rounding: sums of floats, and products of whole numbers.
+"""Exact arithmetic: sums of floats, and products of whole numbers.
 
 Rules
-- An expansion is an array whose first number counts the terms that follow, least first; their
-  sum is its exact value (Shewchuk 1997, "Adaptive precision floating-point arithmetic and fast
-  robust geometric predicates"). The working space comes as an array too: nothing here allocates.
+- An expansion is an array: the number of terms, then the terms, least first; their sum is its
+  exact value (Shewchuk 1997, "Adaptive precision floating-point arithmetic and fast robust
+  geometric predicates"). Callers pass the working space: nothing here allocates.
 - Whole numbers have up to 58 bits. A sum of their products is four limbs of 29 bits, least first,
   the last one signed: enough for differences of nearby sites, and far faster than expansions.
 """
 
-# The arrays' types are in the docstrings; numba infers them.
+# numba infers types; docstrings state them.
 # mypy: allow-untyped-defs
 
 from __future__ import annotations
@@ -44,7 +44,7 @@ def difference(a, b, out):
 
 @njit(**LEAF, forceinline=True)
 def _close(out, m, q):
-    """End an expansion of m terms with the largest, q, unless that is zero and not the only one."""
+    """End an expansion of m terms with the largest, q, unless it is a superfluous zero."""
     if q != 0.0 or m == 0:
         m += 1
         out[m] = q
@@ -105,7 +105,7 @@ def scale(e, factor, out):
 
 @njit(**LEAF)
 def product(e, f, out, spare):
-    """out = e * f, exactly; `spare` has room for twice the result."""
+    """out = e * f, exactly; `spare` holds twice the result."""
     half = spare.shape[0] // 2
     part, total = spare[:half], spare[half:]
     scale(e, f[1], out)
@@ -118,7 +118,7 @@ def product(e, f, out, spare):
 
 @njit(**LEAF)
 def two_products(a, b, c, d, sign, out, spare):
-    """out = a * b + sign * c * d, exactly; `spare` has room for four products."""
+    """out = a * b + sign * c * d, exactly; `spare` holds four products."""
     quarter = spare.shape[0] // 4
     left, right, rest = spare[:quarter], spare[quarter : 2 * quarter], spare[2 * quarter :]
     product(a, b, left, rest)
@@ -128,7 +128,7 @@ def two_products(a, b, c, d, sign, out, spare):
 
 @njit(**LEAF)
 def value(e):
-    """The value of an expansion, rounded."""
+    """Value of an expansion, rounded."""
     total = 0.0
     for i in range(1, np.int64(e[0]) + 1):
         total += e[i]
@@ -169,7 +169,7 @@ def minor(ax, ay, bx, by):
 
 @njit(**LEAF)
 def limb_product(m, s):
-    """The product of two numbers of four limbs as seven sums, without carries."""
+    """Product of two numbers of four limbs as seven sums, without carries."""
     return (
         m[0] * s[0],
         m[0] * s[1] + m[1] * s[0],

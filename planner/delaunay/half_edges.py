@@ -4,10 +4,10 @@ Rules
 - Edge j is the half-edges 2 j and 2 j + 1; the twin of half-edge e is e ^ 1.
 - A half-edge runs from its `origin` to its twin's, with the site `cell` on its left, where x
   points right and y up; `next` and `prev` go counter-clockwise around that cell. An origin of
-  -1 is at infinity; `next` of a half-edge that goes to infinity is the one of the same cell
-  that comes back from there, so every cell is a closed cycle.
-- Edges without length (`zero_length`) tie the vertices of cocircular sites together; the sites
-  beside such an edge are no neighbours.
+  -1 is at infinity; a half-edge that ends there has as `next` the one by which the same cell
+  returns, so every cell is a closed cycle.
+- Edges without length (`zero_length`) connect the vertices of cocircular sites; the sites beside
+  them are not neighbours.
 """
 
 from __future__ import annotations
@@ -32,17 +32,17 @@ _FAULTS = {
 
 
 class DiagramError(AssertionError):
-    """A diagram breaks an invariant of Voronoi diagrams; the message says which and where."""
+    """A broken invariant of a Voronoi diagram; the message gives the invariant and its place."""
 
 
 @dataclass(frozen=True, slots=True)
 class HalfEdges:
-    """A Voronoi diagram; n sites, m vertices, k edges. Made by `planner.voronoi`.
+    """Voronoi diagram with n sites, m vertices, k edges. Made by `planner.voronoi`.
 
     sites (n, 2); vertices (m, 2), the finite ones, in the sites' unit; vertex_sites (m, 3), the
-    rows of the sites that define each vertex, counter-clockwise; origin, next, prev, cell (2 k,),
-    see the file's head; zero_length (k,); representative (n,), the row that represents a site
-    where several coincide. Only representatives have cells.
+    rows of each vertex's sites, counter-clockwise; origin, next, prev, cell (2 k,), see the file's
+    head; zero_length (k,); representative (n,), the row that represents coincident sites and has
+    their cell.
     """
 
     sites: NDArray[np.float64]
@@ -67,7 +67,7 @@ class HalfEdges:
         return np.hstack((self.cell.reshape(-1, 2), self.origin.reshape(-1, 2)))
 
     def neighbours(self) -> NDArray[np.int32]:
-        """(., 2): the pairs i < j of sites whose cells share an edge with a length, sorted.
+        """(., 2): sorted pairs i < j of sites whose cells share an edge with a length.
 
         Sites are named by their representatives.
         """
@@ -76,10 +76,10 @@ class HalfEdges:
         return np.column_stack((keys >> 32, keys & 0xFFFFFFFF)).astype(np.int32)
 
     def check(self) -> None:
-        """Raise DiagramError where an invariant of Voronoi diagrams is broken.
+        """Raise DiagramError if an invariant of Voronoi diagrams is broken.
 
-        Twins, cycles, Euler's formula, vertices equidistant to their sites, convex cells, and
-        empty circles; the circles exactly, with the kernel's predicates. O(n log n).
+        Checks twins, cycles, Euler's formula, equidistant vertices, convex cells and, with the
+        kernel's exact predicates, empty circles. O(n log n).
         """
         _check_links(self)
         _check_cycles(self)
@@ -98,7 +98,7 @@ def _require(holds: bool | np.bool_, message: str) -> None:
 
 
 def _check_links(d: HalfEdges, simple: bool = True) -> None:
-    """Indices, twins and cycles fit together; `simple`: two cells share one edge only."""
+    """Check indices, twins and cycles; `simple`: two cells share one edge only."""
     n, m, h = len(d.sites), len(d.vertices), len(d.origin)
     e = np.arange(h)
     _require(h % 2 == 0, f"{h} half-edges: must be even")
@@ -134,7 +134,7 @@ def _check_links(d: HalfEdges, simple: bool = True) -> None:
 
 
 def _check_cycles(d: HalfEdges) -> None:
-    """Each cell is one cycle, and Euler's formula holds with infinity as a vertex."""
+    """Check that each cell is one cycle, and Euler's formula with infinity as a vertex."""
     cells = np.flatnonzero(d.representative == np.arange(len(d.sites)))
     label, jump = np.arange(len(d.next)), d.next.astype(np.int64)
     for _ in range(max(len(d.next), 1).bit_length()):
@@ -158,19 +158,19 @@ def _unit(d: HalfEdges) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
 
 
 def _tolerance(d: HalfEdges) -> float:
-    """CHECK_TOLERANCE, or what float64's finest step means to sites that are hardly larger."""
+    """CHECK_TOLERANCE, or float64's finest step for sites that are hardly larger."""
     exponent = int(np.frexp(np.abs(d.sites).max(initial=0.0))[1])
     return max(CHECK_TOLERANCE, float(np.ldexp(4.0, -1074 - exponent)))
 
 
 def read_sites(sites: NDArray[np.float64], exponent: int) -> NDArray[np.float64]:
-    """The sites as the kernel sees them: times 2^-exponent, to multiples of 2^-268."""
+    """Sites as the kernel sees them: times 2^-exponent, to multiples of 2^-268."""
     scaled = np.ldexp(sites, -exponent)
     return np.where(np.abs(scaled) < TINY, (scaled + TINY) - TINY, scaled)
 
 
 def _check_vertices(d: HalfEdges) -> None:
-    """Each vertex is as far from one of its sites as from the others."""
+    """Check that each vertex is equidistant to its sites."""
     sites, vertices = _unit(d)
     distance = np.hypot(*np.moveaxis(sites[d.vertex_sites] - vertices[:, None], 2, 0))
     spread = distance.max(axis=1, initial=0.0) - distance.min(axis=1, initial=np.inf)
@@ -180,7 +180,7 @@ def _check_vertices(d: HalfEdges) -> None:
 
 
 def _check_cover(d: HalfEdges) -> None:
-    """The vertices' triangles cover the sites' hull once: their areas add up to its area."""
+    """Check that the vertices' triangles cover the sites' hull once: the areas are equal."""
     sites, _ = _unit(d)
     corner = sites[d.vertex_sites] - (sites[0] if len(sites) else 0.0)
     a, b, c = corner[:, 0], corner[:, 1], corner[:, 2]
@@ -192,7 +192,7 @@ def _check_cover(d: HalfEdges) -> None:
 
 
 def _check_convex(d: HalfEdges) -> None:
-    """Around each cell the finite edges turn left, within the vertices' accuracy."""
+    """Check that each cell's finite edges turn left, within the vertices' accuracy."""
     _, vertices = _unit(d)
     h = len(d.origin)
     e = np.arange(h)

@@ -1,28 +1,26 @@
-"""The Voronoi diagram by incremental insertion: Sugihara and Iri's method on flat arrays.
+"""Voronoi diagram by incremental insertion: Sugihara and Iri's method on flat arrays.
 
-The method. Sites go in one at a time; a new site removes the Voronoi vertices whose empty circle
-it enters and takes their place with a cell of its own. Topology comes first (Sugihara and Iri
-1992): the removed vertices must form a non-empty tree, and each touched cell must meet that tree
-in one connected piece. `insert` enforces this with one rule, see there; whatever the numbers
-say, the result is a sphere's triangulation. Numbers only choose among the legal moves, and they
-choose rightly: every doubtful sign is computed exactly.
+The method. Sites are inserted one at a time; a new site removes the Voronoi vertices whose empty
+circle it enters and puts its own cell in their place. Topology comes first (Sugihara and Iri 1992):
+the removed vertices must form a non-empty tree, and each touched cell must meet that tree in one
+connected piece. `insert` enforces this with one rule; whatever the numbers say, the result is a
+sphere's triangulation. Numbers only choose among the legal moves, and choose correctly: every
+doubtful sign is computed exactly.
 
 The order is that of :mod:`planner.delaunay.site_order_kernels`: along a curve, coarse to fine.
 
 The arrays. A Voronoi vertex is a triangle of three sites, counter-clockwise in x right, y up;
-`ghost`, the site at infinity, closes the sphere. Triangle t owns tri[8t : 8t + 8]: three sites,
-a spare, three links, a spare. Link k and half-edge 8t + k lie opposite site k and run from site
-k + 1 to site k + 2; a link holds the half-edge on the other side. circ[4t : 4t + 4] is the
-vertex: x, y, and the squared radii below which a site is surely inside and above which it is
-surely outside. Whatever falls between, or is NaN, as all ghosts are, is decided exactly.
-Site i owns the triangles 2i and 2i + 1; sites are numbered along the curve, so neighbours in
-the plane are neighbours in memory.
+`ghost`, the site at infinity, closes the sphere. ``tri`` holds the triangles as in
+``triangle_kernels.py``. circ[4t : 4t + 4] is the vertex: x, y, and the squared radii below which a
+site is surely inside and above which it is surely outside. Anything between, and any NaN, as for
+all ghosts, is decided exactly. Site i owns the triangles 2i and 2i + 1; sites are numbered along
+the curve, so neighbours in the plane are neighbours in memory.
 
-Exact arithmetic. Coordinates are scaled by a power of two to at most 1 and rounded to multiples
-of 2^-268; doubtful signs are those of :mod:`planner.delaunay.predicate_kernels`.
+Exact arithmetic. Coordinates are scaled by a power of two to at most 1 and rounded to multiples of
+2^-268; doubtful signs are those of :mod:`planner.delaunay.predicate_kernels`.
 """
 
-# The arrays' types are in the docstrings; numba infers them.
+# numba infers types; docstrings state them.
 # mypy: allow-untyped-defs
 
 from __future__ import annotations
@@ -49,7 +47,7 @@ CIRCLE_SLACK = 32.0 * UNIT
 
 @njit(**LEAF)
 def conflict(w, xy, ghost, tri, t, px, py):
-    """1 where p removes triangle t (given as 8 t), 0 where it lies on its circle, else -1; exact.
+    """1 if p removes triangle t (given as 8 t), 0 if it lies on its circle, else -1; exact.
 
     A ghost's circle is the half-plane beyond its two sites, with the open segment between them.
     """
@@ -73,11 +71,11 @@ def conflict(w, xy, ghost, tri, t, px, py):
 
 @njit(**LEAF)
 def _locate(w, xy, ghost, tri, t, px, py):
-    """The triangle (as 8 t) that p removes, or -1 - site where p coincides with that site.
+    """Triangle (as 8 t) that p removes, or -1 - site if p coincides with that site.
 
-    An exact visibility walk; it cannot circle in a Delaunay triangulation. Should it, all
-    triangles are tried, and should none be removed by p, the walk's last one has to be: the
-    removed tree is never empty.
+    An exact visibility walk, which cannot circle in a Delaunay triangulation. If it does, all
+    triangles are tried; if p removes none, the walk's last one is returned, as the removed tree is
+    never empty.
     """
     n_slots = tri.shape[0] // 8
     for _ in range(n_slots + 1):
@@ -93,7 +91,7 @@ def _locate(w, xy, ghost, tri, t, px, py):
             if a == ghost or b == ghost:
                 continue
             side = orient(w, xy[2 * a], xy[2 * a + 1], xy[2 * b], xy[2 * b + 1], px, py)
-            # a ghost is left through its only edge, also by a site on that edge's line
+            # leave a ghost through its only edge, even for a site on that edge's line
             if side < 0 or (side == 0 and v == ghost):
                 over = k
         if over < 0:
@@ -112,7 +110,7 @@ def _locate(w, xy, ghost, tri, t, px, py):
 
 @njit(**LEAF)
 def _first_triangle(w, xy, n, ghost, tri, circ):
-    """Lay the first triangle and its ghosts; returns its three sites, -1 where there is none."""
+    """Make the first triangle and its ghosts; return its three sites, or -1."""
     second = 1
     while second < n and xy[2 * second] == xy[0] and xy[2 * second + 1] == xy[1]:
         second += 1
@@ -147,7 +145,7 @@ def _first_triangle(w, xy, n, ghost, tri, circ):
         tri[g + 5] = slot[1 + next_side(k)]
         tri[g + 6] = k
     for k in range(4):
-        # no circle: decided exactly
+        # no circle: decide exactly
         circ[(slot[k] >> 1) + 0] = np.nan
         circ[(slot[k] >> 1) + 1] = np.nan
         circ[(slot[k] >> 1) + 2] = np.nan
@@ -157,16 +155,16 @@ def _first_triangle(w, xy, n, ghost, tri, circ):
 
 @njit(**LEAF, forceinline=True)
 def circle_band(px, py, ax, ay, a_square, a_sum, bx, by, b_square, b_sum):
-    """The circle through p and the sites at a and b from it: x, y, and its squared radii.
+    """Circle through p and the sites at a and b from it: x, y, and its squared radii.
 
     A site is surely inside below the first radius and outside above the second. ``a_square`` and
     ``a_sum`` are the sums of a's coordinates' squares and magnitudes.
 
     The error of a circle through p, a, b with A = a - p, B = b - p, sums of magnitudes s and t,
-    squares la and lb, determinant d and centre p + C, |C| <= c: to first order
-    E <= u (7 (la t + lb s) / 2d + 11 s t c / 2d + 3 c + 2), and a site is surely inside below
-    (r - 2 E)^2 and outside above (r + 2 E)^2; 32 u for each coefficient leaves a factor of two
-    for the rounding of r^2, of the distance, and of this bound.
+    squares la and lb, determinant d and centre p + C, |C| <= c is to first order E <= u (7 (la t +
+    lb s) / 2d + 11 s t c / 2d + 3 c + 2). A site is surely inside below (r - 2 E)^2 and outside
+    above (r + 2 E)^2; 32 u for each coefficient leaves a factor of two for rounding r^2, the
+    distance, and this bound.
     """
     half = 0.5 / (ax * by - ay * bx)
     cx = (a_square * by - b_square * ay) * half
@@ -187,9 +185,9 @@ def circle_band(px, py, ax, ay, a_square, a_sum, bx, by, b_square, b_sum):
 
 @njit(**LEAF, forceinline=True)
 def _walk(xy, tri, circ, t, px, py, limit):
-    """Walk from triangle t towards p: the triangle, and whether p surely lies in its circle.
+    """Walk from triangle t towards p: the triangle, and True if p surely lies in its circle.
 
-    Plain arithmetic, at most ``limit`` steps: :func:`_locate` does what is doubtful.
+    Plain arithmetic, at most ``limit`` steps; :func:`_locate` resolves doubtful cases.
     """
     found = False
     for _ in range(limit):
@@ -220,11 +218,11 @@ def _walk(xy, tri, circ, t, px, py, limit):
 
 @njit(**LEAF, forceinline=True)
 def _grow_removed(w, xy, ghost, tri, circ, t, p, space):
-    """The removed tree, from triangle t outwards, its rim counter-clockwise.
+    """Removed tree, from triangle t outwards, its rim counter-clockwise.
 
-    How many triangles go, how many half-edges are on the rim, and how often p lay on a circle.
-    The triangles are in ``space[3]``, the rim's half-edges, of those that stay, in ``space[1]``
-    and the sites where they end in ``space[2]``.
+    Returns the numbers of removed triangles, of half-edges on the rim, and of circles with p on
+    them. ``space[3]`` holds the triangles, ``space[1]`` the rim's half-edges on the kept side,
+    ``space[2]`` the sites where they end.
     """
     stamp, rim, rim_site, gone, stack = space[0], space[1], space[2], space[3], space[4]
     px, py = xy[2 * p], xy[2 * p + 1]
@@ -257,7 +255,7 @@ def _grow_removed(w, xy, ghost, tri, circ, t, p, space):
             depth += 1
             e = t + next_side(k)
             continue
-        # the rim's site is where the kept side's half-edge ends
+        # a rim's site is the end of the kept half-edge
         rim_site[n_rim] = tri[t + previous_side(k)]
         rim[n_rim] = o
         n_rim += 1
@@ -269,12 +267,12 @@ def _grow_removed(w, xy, ghost, tri, circ, t, p, space):
 
 @njit(**LEAF, forceinline=True)
 def _fill(xy, tri, circ, p, n_gone, n_rim, space):
-    r"""The new cell: a fan of triangles around p, in the place of those that go; the last one.
+    r"""Fill the hole with a fan of triangles around p, the new cell; return the last triangle.
 
       before                 after
     d ------- c            d ------- c
-    | \       |            | \     / |       the rim a, b, c, d stays; p's own two
-    |   \  p  |            |    p    |       triangles, and those that go, are the fan
+    | \       |            | \     / |       the rim a, b, c, d stays; the fan takes
+    |   \  p  |            |    p    |       p's own two triangles, and the removed ones
     |     \   |            | /     \ |
     a ------- b            a ------- b
     """
@@ -316,12 +314,11 @@ def _fill(xy, tri, circ, p, n_gone, n_rim, space):
 
 @njit(**LEAF)
 def _insert(w, xy, ghost, tri, circ, alias, todo, start, space):
-    """:func:`insert` with ``space`` (5, 2 ghost + 8) uint32 to work in.
+    """Work of :func:`insert`, with ``space`` (5, 2 ghost + 8) uint32.
 
     Topology first: a triangle joins the removed tree only through an edge, and only if its far
-    corner is not yet on the tree's rim. So the removed part stays a disc with every corner
-    once on its rim: it is a tree, and each touched cell meets it in one piece. A refused
-    triangle is simply kept.
+    corner is not yet on the tree's rim. So the removed part stays a disc with every corner once on
+    its rim: it is a tree, and each touched cell meets it in one piece. A refused triangle is kept.
     """
     ties = 0
     given = start.shape[0]
@@ -353,9 +350,9 @@ def _insert(w, xy, ghost, tri, circ, alias, todo, start, space):
 def insert(w, xy, ghost, tri, circ, alias, todo, start):
     """Insert the sites ``todo`` into tri and circ; see the file's head for the arrays.
 
-    alias[i] becomes the site that i coincides with. The search for ``todo[j]`` begins at
-    triangle ``start[j]`` where that is given, and where the last one ended otherwise. Returns
-    how often a site lay exactly on a circle.
+    alias[i] becomes the site that i coincides with. The search for ``todo[j]`` begins at triangle
+    ``start[j]`` if given, otherwise where the last one ended. Returns the number of times that a
+    site lay exactly on a circle.
     """
     space = np.empty((5, 2 * ghost + 8), np.uint32)
     space[0, : ghost + 1] = DEAD
@@ -364,11 +361,11 @@ def insert(w, xy, ghost, tri, circ, alias, todo, start):
 
 @njit(**OWNING, error_model="numpy")
 def triangulate(sites, room):
-    """The triangulation of (n, 2) finite float64 sites, with room for ``room`` more of them.
+    """Triangulation of (n, 2) finite float64 sites, with space for ``room`` more.
 
-    Returns status (0: done, 1: no three sites off one line, nothing else is set), order (n,),
-    the row of every site, xy, tri, circ and alias (see the file's head; the ghost is site
-    n + room), the exponent that scales xy back, and how often a site lay on a circle.
+    Returns status (0: done, 1: all sites on one line, the rest is not set), order (n,), the row of
+    every site, xy, tri, circ and alias (see the file's head; the ghost is site n + room), the
+    exponent that scales xy back, and the number of times that a site lay on a circle.
     """
     n = sites.shape[0]
     ghost = n + room

@@ -1,12 +1,12 @@
-"""On which side, inside or outside: signs of determinants, exact.
+"""Exact signs of determinants: left or right, inside or outside.
 
-The method. Plain determinants decide where their error bound allows; differences that fit a
-lattice are multiplied as integers, others as expansions (Shewchuk 1997). Coordinates are at most
-1 and multiples of 2^-268, so that no product of four differences underflows. The working space
-`w` has room for SCRATCH floats.
+The method. Plain determinants decide within their error bound; otherwise differences that fit a
+lattice are multiplied as integers, the rest as expansions (Shewchuk 1997). Coordinates are at most
+1 and multiples of 2^-268, so that no product of four differences underflows. The working space `w`
+holds SCRATCH floats.
 """
 
-# The arrays' types are in the docstrings; numba infers them.
+# numba infers types; docstrings state them.
 # mypy: allow-untyped-defs
 
 from __future__ import annotations
@@ -55,7 +55,7 @@ def _differences(w, ax, ay, bx, by, cx, cy):
 
 @njit(**LEAF)
 def _orient_exact(w, ax, ay, bx, by, cx, cy):
-    """The sign of `orient` by expansions."""
+    """Sign of `orient` by expansions."""
     acx, acy, bcx, bcy = w[0:3], w[3:6], w[6:9], w[9:12]
     _differences(w, ax, ay, bx, by, cx, cy)
     out = w[12:30]
@@ -65,7 +65,7 @@ def _orient_exact(w, ax, ay, bx, by, cx, cy):
 
 @njit(**LEAF)
 def _in_circle_exact(w, ax, ay, bx, by, cx, cy, px, py):
-    """The sign of `in_circle` by expansions."""
+    """Sign of `in_circle` by expansions."""
     adx, ady, bdx, bdy, cdx, cdy = w[0:3], w[3:6], w[6:9], w[9:12], w[12:15], w[15:18]
     _differences(w, ax, ay, bx, by, px, py)
     difference(cx, px, cdx)
@@ -88,7 +88,7 @@ def _in_circle_exact(w, ax, ay, bx, by, cx, cy, px, py):
 
 @njit(**LEAF)
 def _in_circle_whole(ax, ay, bx, by, cx, cy):
-    """The sign of `in_circle` for whole differences to p of at most 58 bits."""
+    """Sign of `in_circle` for whole differences to p of at most 58 bits."""
     one = limb_product(minor(bx, by, cx, cy), minor(ax, -ay, ay, ax))
     two = limb_product(minor(cx, cy, ax, ay), minor(bx, -by, by, bx))
     six = limb_product(minor(ax, ay, bx, by), minor(cx, -cy, cy, cx))
@@ -106,11 +106,11 @@ def _in_circle_whole(ax, ay, bx, by, cx, cy):
 
 @njit(**LEAF)
 def orient(w, ax, ay, bx, by, cx, cy):
-    """1 where a, b, c turn left, -1 right, 0 on one line; exact. `w`: SCRATCH floats."""
+    """1 if a, b, c turn left, -1 if right, 0 on one line; exact. `w`: SCRATCH floats."""
     left = (ax - cx) * (by - cy)
     right = (ay - cy) * (bx - cx)
     det = left - right
-    # two factors cannot underflow (see the file's head), so zeros are zeros
+    # two factors cannot underflow (see the file's head): zero means zero
     bound = ORIENT_SLACK * (abs(left) + abs(right))
     if det > bound:
         return 1
@@ -132,7 +132,7 @@ def orient(w, ax, ay, bx, by, cx, cy):
 
 @njit(**LEAF)
 def in_circle(w, ax, ay, bx, by, cx, cy, px, py):
-    """1 where p lies inside the circle through a, b, c (turning left), -1 outside, 0 on it; exact.
+    """1 if p lies inside the circle through a, b, c (turning left), -1 outside, 0 on it; exact.
 
     `w`: SCRATCH floats.
     """
@@ -166,7 +166,7 @@ def in_circle(w, ax, ay, bx, by, cx, cy, px, py):
     unit = bits & -bits
     if reach * factor > LATTICE_LIMIT * np.float64(unit):
         return _in_circle_whole(i_ax, i_ay, i_bx, i_by, i_cx, i_cy)
-    # the sites lie on a lattice: few bits
+    # sites on a lattice: few bits
     per_unit = factor / np.float64(unit)
     i_ax, i_ay = np.int64(adx * per_unit), np.int64(ady * per_unit)
     i_bx, i_by = np.int64(bdx * per_unit), np.int64(bdy * per_unit)
@@ -181,7 +181,7 @@ def in_circle(w, ax, ay, bx, by, cx, cy, px, py):
 
 @njit(**LEAF)
 def circumcentre(w, ax, ay, bx, by, cx, cy):
-    """The centre of the circle through three sites not on one line, to a few ulps of its reach."""
+    """Centre of the circle through three sites not on one line, to a few ulps of its reach."""
     acx, acy, bcx, bcy = w[0:3], w[3:6], w[6:9], w[9:12]
     _differences(w, ax, ay, bx, by, cx, cy)
     aa, bb, area = w[12:29], w[29:46], w[46:63]

@@ -1,15 +1,15 @@
-"""Taking sites out of a triangulation again.
+"""Removal of sites from a triangulation.
 
 Rules and units
-- Arrays as in :mod:`planner.delaunay.insertion_kernels`. A site's star becomes a hole, which is
-  filled ear by ear: three corners in a row whose circle holds no other corner (decided exactly) are
-  a triangle of the new triangulation (Devillers 2002).
-- Site i owns the triangles 2 i and 2 i + 1, which must not exist when it goes in again: two of
-  the star's become free, and whatever lies in the two of the site moves there.
-- A site on the convex hull is not taken out; the caller starts anew then.
+- Arrays are those of :mod:`planner.delaunay.insertion_kernels`. A site's star becomes a hole,
+  which is filled ear by ear: three consecutive corners whose circle holds no other corner
+  (decided exactly) are a triangle of the new triangulation (Devillers 2002).
+- Site i owns the triangles 2 i and 2 i + 1, which must be free when it is inserted again: the
+  removal frees two of the star's, and moves any triangles in the site's own two there.
+- A site on the convex hull is not removed; the caller then triangulates again.
 """
 
-# The arrays' types are in the docstrings; numba infers them.
+# numba infers types; docstrings state them.
 # mypy: allow-untyped-defs
 
 from __future__ import annotations
@@ -26,7 +26,7 @@ from planner.scene.primitive_kernels import predecessor, successor
 
 @njit(**LEAF)
 def _circle(px, py, ax, ay, bx, by):
-    """The circle of three sites: x, y, and the squared radii that `circle_band` explains."""
+    """Circle of three sites: x, y, and the squared radii of `circle_band`."""
     ax, ay, bx, by = ax - px, ay - py, bx - px, by - py
     return circle_band(
         px, py, ax, ay, ax * ax + ay * ay, abs(ax) + abs(ay),
@@ -36,9 +36,9 @@ def _circle(px, py, ax, ay, bx, by):
 
 @njit(**LEAF)
 def _find_ear(w, xy, ring, m, circle):
-    """The first corner of a hole that is a triangle with an empty circle with its neighbours.
+    """First corner of a hole that forms an empty-circle triangle with its neighbours, or -1.
 
-    -1 where none is. ``circle`` (4,) becomes the ear's, see `_circle`.
+    ``circle`` (4,) becomes the ear's, see `_circle`.
     """
     before = m - 1
     for i in range(m):
@@ -56,7 +56,7 @@ def _find_ear(w, xy, ring, m, circle):
                 square = (qx - x) * (qx - x) + (qy - y) * (qy - y)
                 if square > high:
                     continue
-                # whatever is NaN or in the band is decided exactly
+                # decide NaN, and anything in the band, exactly
                 if square < low or in_circle(w, ax, ay, bx, by, cx, cy, qx, qy) > 0:
                     is_empty = False
                     break
@@ -94,7 +94,7 @@ def _move(tri, circ, at, old, new):
 
 @njit(**LEAF)
 def _find_stars(tri, wanted, at):
-    """Set in ``at`` (ghost + 1,) a half-edge opposite each site that is ``wanted`` (ghost + 1,)."""
+    """Set in ``at`` (ghost + 1,) a half-edge opposite each ``wanted`` (ghost + 1,) site."""
     for h in range(0, len(tri), 8):
         a = np.int64(tri[h])
         if a == DEAD:
@@ -106,10 +106,10 @@ def _find_stars(tri, wanted, at):
 
 @njit(**LEAF)
 def _star(tri, ghost, start, ring, outer, slot):
-    """Write the star of the site opposite half-edge ``start``, counter-clockwise: its size.
+    """Write the star of the site opposite half-edge ``start``, counter-clockwise; return its size.
 
-    ``ring`` are the sites round it, ``outer`` the half-edges across from it, ``slot`` its
-    triangles. -1 where the site is on the hull.
+    ``ring`` are the sites around it, ``outer`` the half-edges across from it, ``slot`` its
+    triangles. Returns -1 if the site is on the hull.
     """
     m = 0
     e = start
@@ -128,7 +128,7 @@ def _star(tri, ghost, start, ring, outer, slot):
 
 @njit(**LEAF)
 def _free_own(tri, circ, at, p, free_0, free_1):
-    """Make the two triangles of site p free: two others are, and what lies in p's moves there."""
+    """Free the two triangles of site p: move their contents to two other free ones."""
     tri[free_0], tri[free_1] = DEAD, DEAD
     for own in (16 * p, 16 * p + 8):
         if np.int64(tri[own]) == DEAD:
@@ -161,7 +161,7 @@ def _remove(w, xy, ghost, tri, circ, order, at, circle, space):
         m = _star(tri, ghost, at[p], ring, outer, slot)
         if m < 0:
             return False
-        # the site's own two triangles last among the slots
+        # put the site's own two triangles last among the slots
         last = m - 1
         for own in (16 * p + 8, 16 * p):
             for j in range(last):
@@ -200,16 +200,16 @@ def _remove(w, xy, ghost, tri, circ, order, at, circle, space):
 
 @njit(**OWNING, error_model="numpy")
 def remove(xy, ghost, tri, circ, gone):
-    """Take the sites ``gone`` out of tri and circ; False where one is on the hull.
+    """Take the sites ``gone`` out of tri and circ; False if one is on the hull.
 
-    Then, or where the hole cannot be filled, the arrays are left half done.
+    If so, or if a hole cannot be filled, the arrays are left unfinished.
     """
     wanted = np.zeros(ghost + 1, np.bool_)
     for g in gone:
         wanted[g] = True
     at = np.full(ghost + 1, -1, np.int64)
     _find_stars(tri, wanted, at)
-    # every other one first, then every other one of the rest: stars stay small for longest
+    # every other site first, then every other one of the rest: keeps stars small longest
     step = 2
     order = np.empty(len(gone), np.int64)
     count = 0

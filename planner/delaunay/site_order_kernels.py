@@ -1,11 +1,11 @@
-"""In which order sites are inserted, along a Hilbert curve and coarse to fine; and their scale.
+"""Order of the sites for insertion, along a Hilbert curve and coarse to fine; and their scale.
 
 The order. Sites are sorted along a Hilbert curve, crowded cells again within themselves (the
-quaternary tree with buckets of Ohya, Iri and Murota 1984), and inserted coarse to fine: every
-64th, every 16th, every 4th, all. Each site starts its search where the last one ended.
+quaternary tree with buckets of Ohya, Iri and Murota 1984), and inserted coarse to fine: every 64th,
+every 16th, every 4th, all. Each site's search starts where the last one ended.
 """
 
-# The arrays' types are in the docstrings; numba infers them.
+# numba infers types; docstrings state them.
 # mypy: allow-untyped-defs
 
 from __future__ import annotations
@@ -28,7 +28,7 @@ CROWD = 12
 
 @njit(**LEAF)
 def _hilbert(x, y, levels):
-    """The place of cell (x, y) along the Hilbert curve over 2^levels by 2^levels cells."""
+    """Place of cell (x, y) along the Hilbert curve over 2^levels by 2^levels cells."""
     place = 0
     flip = 0
     swap = 0
@@ -49,7 +49,7 @@ def _hilbert(x, y, levels):
 def _sort_run(sites, order, lo, hi, keyed, spare, counts):
     """Sort order[lo:hi] along a Hilbert curve over its own bounding square.
 
-    keyed[lo:hi] holds key << 32 | site afterwards. Returns False where all coincide.
+    keyed[lo:hi] holds key << 32 | site afterwards. Returns False if all coincide.
     """
     n = hi - lo
     x_min = y_min = np.inf
@@ -99,7 +99,7 @@ def _sort_run(sites, order, lo, hi, keyed, spare, counts):
 
 @njit(**OWNING, error_model="numpy")
 def spatial_order(sites):
-    """(n,) int64: the sites along a Hilbert curve, crowded cells sorted within themselves."""
+    """(n,) int64: sites along a Hilbert curve, crowded cells sorted within themselves."""
     n = sites.shape[0]
     order = np.arange(n)
     keyed = np.empty(n, np.int64)
@@ -125,7 +125,7 @@ def spatial_order(sites):
 
 @njit(**OWNING, error_model="numpy")
 def coarse_to_fine(n, first, second, third):
-    """The sites in the order of their insertion, without the three that are in already."""
+    """Sites in order of insertion, without the first three."""
     todo = np.empty(max(n - 3, 0), np.int32)
     stride = 1
     while stride * COARSENING < n:
@@ -145,7 +145,7 @@ def coarse_to_fine(n, first, second, third):
 
 @njit(**LEAF)
 def load_sites(sites, order, xy):
-    """Scale the sites into xy[: 2n], in this order; returns the factor that scales back."""
+    """Scale the sites into xy[: 2n], in this order; return the exponent that scales back."""
     n = order.shape[0]
     top = 0.0
     for i in range(n):

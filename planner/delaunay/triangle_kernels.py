@@ -1,9 +1,9 @@
 r"""Names in a triangulation: triangles, their sides, and half-edges.
 
 Rules
-- Triangle t owns tri[8t : 8t + 8]: three sites, a spare, three links, a spare. It is named by 8 t,
-  and its half-edge k, opposite its site k, by 8 t + k. Half-edge k runs from site k + 1 to site
-  k + 2, counted round the triangle, and link k holds the half-edge on its other side:
+- Triangle t owns tri[8t : 8t + 8]: three sites, a spare, three links, a spare. Its name is 8 t;
+  8 t + k names its half-edge k, opposite its site k, from site k + 1 to site k + 2, counted round
+  the triangle. Link k holds the half-edge on its other side:
 
             site k                h = 8 t + k
              /  \                 tri[h]                        its opposite site
@@ -14,7 +14,7 @@ Rules
              \  /
 """
 
-# The arrays' types are in the docstrings; numba infers them.
+# numba infers types; docstrings state them.
 # mypy: allow-untyped-defs
 
 from __future__ import annotations
@@ -29,23 +29,23 @@ DEAD = 0xFFFFFFFF
 
 @njit(**LEAF, forceinline=True)
 def next_side(k):
-    """The side after side k, counter-clockwise: 1, 2, 0."""
+    """Side after side k, counter-clockwise: 1, 2, 0."""
     return (9 >> (2 * k)) & 3
 
 
 @njit(**LEAF, forceinline=True)
 def previous_side(k):
-    """The side before side k, counter-clockwise: 2, 0, 1."""
+    """Side before side k, counter-clockwise: 2, 0, 1."""
     return (18 >> (2 * k)) & 3
 
 
 @njit(**LEAF, forceinline=True)
 def side_of(half_edge):
-    """Which side of its triangle a half-edge is."""
+    """Side of its triangle that a half-edge is."""
     return half_edge & 3
 
 
 @njit(**LEAF, forceinline=True)
 def triangle_of(half_edge):
-    """The triangle of a half-edge, as 8 t."""
+    """Triangle of a half-edge, as 8 t."""
     return (half_edge >> 3) << 3

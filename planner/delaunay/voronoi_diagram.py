@@ -1,12 +1,12 @@
-"""The ordinary Voronoi diagram of points: from sites to flat arrays, or to half-edges.
+"""Ordinary Voronoi diagram of points: from sites to flat arrays, or to half-edges.
 
 Rules
-- Sites are rows of an (n, 2) array, in any unit; they are read as x right, y up. A cell's border
-  runs counter-clockwise in that sense (clockwise on the screen for pictures, y down).
+- Sites are rows of an (n, 2) array, in any unit, read as x right, y up. A cell's border runs
+  counter-clockwise in that sense (clockwise on the screen for pictures, y down).
 - Coincident sites share one cell; `representative` names the first row of each group.
-- Four or more sites on one empty circle: their common vertex appears once for each triangle of
-  some triangulation of them, joined by edges without length, which are flagged. Which
-  triangulation is not defined; the flags, and all else, are exact.
+- Four or more sites on one empty circle: their common vertex appears once per triangle of some
+  triangulation of them, joined by edges without length, which are flagged. Which triangulation
+  is not defined; the flags, and all else, are exact.
 - Coordinates are read to 2^-268 of the largest: sites closer than that coincide.
 """
 
@@ -31,7 +31,7 @@ MOST_SITES = 130_000_000
 
 @dataclass(frozen=True, slots=True)
 class DiagramArrays:
-    """A Voronoi diagram as raw arrays (which the holder may change); see `voronoi_arrays`."""
+    """Voronoi diagram as raw arrays (which the caller may change); see `voronoi_arrays`."""
 
     vertices: NDArray[np.float64]
     vertex_sites: NDArray[np.int32]
@@ -44,13 +44,13 @@ def voronoi(sites: ArrayLike) -> HalfEdges:
     """Compute the Voronoi diagram of `sites` as half-edges.
 
     Sites: (n, 2) finite numbers of at most 1e150, n >= 0; a sequence or an array, which is not
-    changed. Any such input has a diagram: collinear, coincident and cocircular sites included.
-    Linear time on average; safe to call from several threads, and frees the interpreter lock.
+    changed. Collinear, coincident and cocircular sites are allowed. Linear time on average; safe to
+    call from several threads, and releases the interpreter lock.
 
-    Raises ValueError where the shape is wrong or a coordinate is not finite or too large.
+    Raises ValueError if the shape is wrong or a coordinate is not finite or too large.
 
-    Method: K. Sugihara and M. Iri, "Construction of the Voronoi diagram for one million
-    generators in single-precision arithmetic", Proc. IEEE 80 (1992).
+    Method: K. Sugihara and M. Iri, "Construction of the Voronoi diagram for one million generators
+    in single-precision arithmetic", Proc. IEEE 80 (1992).
     """
     points = _checked(sites)
     vertices, vertex_sites, edges, zero_length, representative, after, before = _compute(
@@ -72,11 +72,9 @@ def voronoi(sites: ArrayLike) -> HalfEdges:
 def voronoi_arrays(sites: ArrayLike) -> DiagramArrays:
     """Compute the Voronoi diagram of `sites` as edges only, for hot paths.
 
-    vertices (m, 2): the finite vertices, in the sites' unit. vertex_sites (m, 3): the rows of
-    the three sites that define each, counter-clockwise. edges (k, 4): site on the left, site on
-    the right, vertex it comes from, vertex it goes to; -1 is at infinity. zero_length (k,): the
-    edges between vertices that coincide exactly. representative (n,): the row that represents
-    each site. Input, errors and method as in `voronoi`.
+    Arrays as of `HalfEdges`, and edges (k, 4): site on the left, site on the right, vertex it comes
+    from, vertex it goes to; -1 is at infinity. zero_length (k,) marks edges between vertices that
+    coincide exactly. Input, errors and method as in `voronoi`.
     """
     return DiagramArrays(*_compute(_checked(sites), linked=False)[:5])
 
@@ -90,7 +88,7 @@ def _checked(sites: ArrayLike) -> NDArray[np.float64]:
     if len(points) > MOST_SITES:
         raise ValueError(f"sites: {len(points)} rows: at most {MOST_SITES}")
     if not points.flags.writeable:
-        # numba compiles once more for read-only arrays; a copy is cheaper
+        # numba compiles again for read-only arrays; a copy is cheaper
         points = points.copy()
     bad = first_bad_row(points, LARGEST)
     if bad >= 0:
@@ -110,7 +108,7 @@ def _compute(points: NDArray[np.float64], linked: bool) -> Arrays:
 
 
 def _on_one_line(points: NDArray[np.float64]) -> Arrays:
-    """The diagram of sites on one line: parallel edges from infinity to infinity."""
+    """Diagram of sites on one line: parallel edges from infinity to infinity."""
     n = len(points)
     exponent = int(np.frexp(np.abs(points).max(initial=0.0))[1])
     scaled = read_sites(points, exponent)

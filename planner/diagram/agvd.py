@@ -1,11 +1,11 @@
-"""The approximate generalized Voronoi diagram: the generators' diagram without invalid edges.
+"""Approximate generalized Voronoi diagram: the generators' diagram without invalid edges.
 
 Rules and units
 - ``mode="paper"`` omits the edges between generators of one object, as the paper does.
-- ``mode="exact"`` omits those within one piece of a border only, so that the free space
-  inside a U, or in a room whose wall is one object, keeps its diagram.
-- A chain is a maximal run of valid edges; its ends are nodes. Its clearances are exact: they
-  are distances to the borders, not to the generators.
+- ``mode="exact"`` omits only those within one piece of a border, so that the free space inside
+  a U, or in a room whose wall is one object, keeps its diagram.
+- A chain is a maximal run of valid edges; its ends are nodes. Its clearances are exact: they are
+  distances to the borders, not to the generators.
 """
 
 from __future__ import annotations
@@ -35,10 +35,10 @@ from planner.scene import FloatArray, IntArray
 
 @dataclass(frozen=True, slots=True)
 class Agvd:
-    """The generators, their diagram, and which of its edges are valid.
+    """Generators, their diagram, and its valid edges.
 
-    The rest is made of the ``mesh`` when it is first asked for. There is none where all generators
-    are on one line.
+    The rest is made from the ``mesh`` on demand. There is no mesh if all generators are on one
+    line.
     """
 
     borders: Borders
@@ -48,7 +48,7 @@ class Agvd:
 
     @property
     def generators(self) -> Generators:
-        """All generators, those that refining added included."""
+        """All generators, including those added by refinement."""
         if "generators" not in self._made:
             assert self.mesh is not None
             self._made["generators"] = generators_of(self.mesh, self.borders, self.spacing)
@@ -61,7 +61,7 @@ class Agvd:
 
     @property
     def valid(self) -> BoolArray:
-        """(m,) which edges of the ordinary diagram belong to the generalized one's free part."""
+        """(m,) True for edges of the ordinary diagram in the generalized one's free part."""
         return self._diagram()[1]
 
     def _diagram(self) -> tuple[DiagramArrays, BoolArray]:
@@ -75,16 +75,16 @@ class Agvd:
 
     @property
     def counts(self) -> tuple[int, int]:
-        """How many generators and Voronoi vertices there are."""
+        """Numbers of generators and Voronoi vertices."""
         if self.mesh is None:
             return len(self.generators.sites), len(self.ordinary.vertices)
         return self.mesh.used - len(self.mesh.vacant), int(np.isfinite(self.mesh.at[:, 0]).sum())
 
     def vertices_proved(self, radius: float) -> tuple[int, int]:
-        """How many exact vertices that are ``radius`` wide are proved, of how many there are.
+        """Number of proved exact vertices at least ``radius`` wide, and number of all such.
 
         The others are near-singular: their pieces are almost parallel there, or touch. They stay
-        where they were sampled, and the links of chains to them are measured, not proved.
+        where they were sampled, and the chain links to them are measured, not proved.
         """
         if self.mesh is None:
             return 0, 0
@@ -94,15 +94,14 @@ class Agvd:
 
 @dataclass(frozen=True, slots=True)
 class Chains:
-    """The valid edges as chains between nodes, measured.
+    """Valid edges as measured chains between nodes.
 
-    Chain c runs from node ``ends[c, 0]`` to ``ends[c, 1]`` through the points
-    ``points[first[c] : first[c + 1]]``. Per point ``rho``, its exact clearance; ``gap`` and
-    ``step``, the clearance and length of the link to the next point (inf and 0 at a chain's
-    last); ``pieces`` (p, 2), the two pieces that link lies between. Per chain ``length`` and
-    ``clearance``. A node that no chain meets has a chain of a single point. ``proved`` (p,):
-    the link to the next point follows the bisector of its two pieces, and is as wide as its
-    narrower end; other links are straight lines, measured.
+    Chain c runs from node ``ends[c, 0]`` to ``ends[c, 1]`` through ``points[first[c] : first[c +
+    1]]``. Per point: ``rho``, its exact clearance; ``gap`` and ``step``, clearance and length of
+    the next link (inf and 0 at a chain's last); ``pieces`` (p, 2), the pieces beside that link;
+    ``proved`` (p,), True if that link follows their bisector and is as wide as its narrower end;
+    other links are straight lines, measured. Per chain: ``length`` and ``clearance``. A node
+    without chains has a chain of a single point.
     """
 
     points: FloatArray
@@ -123,7 +122,7 @@ class Chains:
 
     @property
     def arrays(self) -> ChainArrays:
-        """The chains as kernels take them."""
+        """The chains' arrays for kernels."""
         return ChainArrays(
             self.points, self.first, self.pieces, self.proved, self.rho, self.gap, self.step,
             self.ends, self.length, self.clearance,
@@ -131,7 +130,7 @@ class Chains:
 
 
 def omit_invalid(mesh: Mesh | None, generators: Generators, mode: Mode) -> Agvd:
-    """Mark the edges of the generators' mesh that belong to the diagram's free part. O(n)."""
+    """Mark the edges of the generators' mesh in the diagram's free part. O(n)."""
     borders, spacing = generators.borders, generators.spacing
     if mesh is None:
         return Agvd(borders, spacing, None, {"generators": generators})
@@ -152,7 +151,7 @@ def join_chains(agvd: Agvd) -> Chains:
 
 
 def solve_chains(mesh: Mesh | None, generators: Generators) -> tuple[Agvd, Chains]:
-    """The exact diagram of the generators' borders, and its chains along the bisectors.
+    """Exact diagram of the generators' borders, and its chains along the bisectors.
 
     ``mesh`` is the generators' and becomes the diagram's.
     """
@@ -164,13 +163,13 @@ def solve_chains(mesh: Mesh | None, generators: Generators) -> tuple[Agvd, Chain
 
 
 def mesh_chains(mesh: Mesh, borders: Borders, spacing: float) -> Chains:
-    """Solve a mesh, refining it where it must be, and measure its chains."""
+    """Solve a mesh, refining it if needed, and measure its chains."""
     solve(mesh, borders, spacing)
     return _measured(borders, mesh.bent, mesh.traced.ends, mesh.place[mesh.traced.node])
 
 
 def _measured(borders: Borders, bent: Bent, ends: IntArray, node_xy: FloatArray) -> Chains:
-    """The chains, and one of a single point for every centre that lies on none, measured."""
+    """Measure the chains, and a single-point chain for every centre that lies on none."""
     points, pieces, first, proved = bent
     lonely: FloatArray = kernels.lonely_centres(
         borders.pieces, borders.tree, borders.closed, borders.box, points, 1e-7 * borders.extent

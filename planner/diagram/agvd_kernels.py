@@ -1,12 +1,12 @@
-"""Which edges of the generators' Voronoi diagram are valid, and the centres no chain passes.
+"""Valid edges of the generators' Voronoi diagram, and the centres that no chain passes.
 
 Rules
-- A label is the index of a generator's piece, see :mod:`planner.borders.corner_point_kernels`. A
-  Voronoi edge is valid where the feet on the two labels differ: not within one piece, and not
+- A label is the index of a generator's piece, see :mod:`planner.borders.corner_point_kernels`.
+  A Voronoi edge is valid if the feet on the two labels differ: not within one piece, and not
   between a corner point and its own sides.
 """
 
-# The arrays' types are in the docstrings; numba infers them.
+# numba infers types; docstrings state them.
 # mypy: allow-untyped-defs
 
 from __future__ import annotations
@@ -22,7 +22,7 @@ from planner.scene.primitive_kernels import POINT, SEGMENT, distance, is_round
 
 @njit(**LEAF, forceinline=True)
 def is_valid(pieces, label_a, label_b, tolerance):
-    """Whether a Voronoi edge between two labels belongs to the diagram."""
+    """True if a Voronoi edge between two labels belongs to the diagram."""
     if label_a == label_b:
         return False
     kind = pieces.kind
@@ -36,7 +36,7 @@ def is_valid(pieces, label_a, label_b, tolerance):
 
 @njit(**LEAF)
 def is_end(pieces, p, q, tolerance):
-    """Whether p is a point that lies on piece q, as a corner point on its sides."""
+    """True if p is a point on piece q, as a corner point is on its sides."""
     kind, data, before, after = pieces.kind, pieces.data, pieces.before, pieces.after
     k = len(kind) - len(before)
     if p >= k:
@@ -45,7 +45,7 @@ def is_end(pieces, p, q, tolerance):
     elif kind[p] != POINT:
         return False
     x, y = data[p, 0], data[p, 1]
-    # most are far away, which takes no root to see
+    # most are far away, which needs no root
     if kind[q] == POINT:
         if abs(x - data[q, 0]) > tolerance or abs(y - data[q, 1]) > tolerance:
             return False
@@ -59,10 +59,10 @@ def is_end(pieces, p, q, tolerance):
 
 @njit(**OWNING)
 def lonely_centres(pieces, tree, closed, box, points, tolerance):
-    """Centres of circles and arcs that are free, as near to nothing else, and on no chain.
+    """Free centres of circles and arcs that have no other border as near, and lie on no chain.
 
-    Rows (n, 3): x, y and clearance. Within one such border nothing else is equidistant to two
-    places, but the clearance is greatest there: the way from one place to another leads over it.
+    Rows (n, 3): x, y and clearance. Within one such border no place is equidistant to two others,
+    but the clearance is greatest at the centre: the route between two places leads over it.
     """
     data, solid = pieces.data, pieces.solid
     out = np.empty((len(solid), 3))
@@ -86,7 +86,7 @@ def lonely_centres(pieces, tree, closed, box, points, tolerance):
         for j in range(n):
             if abs(out[j, 0] - x) + abs(out[j, 1] - y) <= tolerance:
                 alone = False
-        # nor where another object lies around
+        # nor inside another object
         d, _ = nearest(tree, x, y, np.inf)
         if alone and not in_object(pieces.kind, data, closed, x, y, d):
             out[n, 0], out[n, 1], out[n, 2] = x, y, d

@@ -1,16 +1,15 @@
-"""Places on the borders' bisectors: vertices, turning points, and the way along an edge.
+"""Places on the borders' bisectors: vertices, turning points, and polylines along an edge.
 
 Rules and units
 - A vertex of three different pieces is where their distances agree: Newton's method on
   ``distance_i(x) - rho = 0``, whose rows are the unit normals, started at the sampled vertex.
-- A turning point is where an edge passes from a primitive to that primitive's own corner
-  point: there both have the same foot, Newton's rows coincide, and the vertex is sought along
-  the primitive's normal instead.
+- At a turning point an edge passes from a primitive to that primitive's own corner point: both
+  have the same foot, Newton's rows coincide, and the search follows the primitive's normal instead.
 - All other places of a chain are slid onto the bisector of the two pieces beside them.
 - Left and right are those of ``cross(along, left - right) > 0`` in the scene's coordinates.
 """
 
-# The arrays' types are in the docstrings; numba infers them.
+# numba infers types; docstrings state them.
 # mypy: allow-untyped-defs
 
 from __future__ import annotations
@@ -48,7 +47,7 @@ def _normal(kind, data, i, x, y):
 
 @njit(**LEAF)
 def meet_three(kind, data, a, b, c, x, y, reach, tolerance):
-    """The place equidistant to three pieces near (x, y): x, y, whether it was found."""
+    """Place equidistant to three pieces near (x, y): x, y, found."""
     sx, sy = x, y
     for _ in range(STEPS):
         da, ax, ay = _normal(kind, data, a, x, y)
@@ -74,7 +73,7 @@ def meet_three(kind, data, a, b, c, x, y, reach, tolerance):
 
 @njit(**LEAF)
 def slide_between(kind, data, a, b, x, y, tolerance):
-    """Slide (x, y) onto the bisector of two pieces: x, y, whether it got there."""
+    """Slide (x, y) onto the bisector of two pieces: x, y, found."""
     sx, sy = x, y
     for _ in range(STEPS):
         da, ax, ay = _normal(kind, data, a, x, y)
@@ -92,7 +91,7 @@ def slide_between(kind, data, a, b, x, y, tolerance):
 
 @njit(**LEAF)
 def turn_at(kind, data, corner, side, c, x, y, tolerance):
-    """The place on a primitive's normal at its corner point that piece c is as near to."""
+    """Place on a primitive's normal at its corner point that is equally near to piece c."""
     px, py = data[corner, 0], data[corner, 1]
     nx, ny = normal_at(kind, data, side, px, py)
     n = math.sqrt(nx * nx + ny * ny)
@@ -117,10 +116,9 @@ def turn_at(kind, data, corner, side, c, x, y, tolerance):
 
 @njit(**LEAF)
 def heading(kind, data, left, right, x, y):
-    """The direction along the bisector with ``left`` to the left, and how clearance grows.
+    """Direction along the bisector with ``left`` to the left, and the clearance's growth.
 
-    Returns the unit direction and the derivative of the clearance along it; all 0 where the
-    feet coincide.
+    Returns the unit direction and the clearance's derivative along it; all 0 if the feet coincide.
     """
     lx, ly = foot(kind, data, left, x, y)
     rx, ry = foot(kind, data, right, x, y)
@@ -138,7 +136,7 @@ def heading(kind, data, left, right, x, y):
 
 @njit(**LEAF)
 def narrowest(kind, data, left, right, x0, y0, x1, y1, tolerance):
-    """The bisector's least clearance between two of its places, if inside: x, y, found."""
+    """Place of the bisector's least clearance between two of its places, if inside: x, y, found."""
     lo, hi = 0.0, 1.0
     x, y, found = x0, y0, False
     for _ in range(50):
@@ -160,7 +158,7 @@ def narrowest(kind, data, left, right, x0, y0, x1, y1, tolerance):
 
 @njit(**LEAF)
 def _tangents_meet(kind, data, left, right, ax, ay, bx, by):
-    """Where the bisector's tangents at a and at b meet, between the two: x, y, found."""
+    """Intersection of the bisector's tangents at a and b, between the two: x, y, found."""
     ux, uy, _ = heading(kind, data, left, right, ax, ay)
     vx, vy, _ = heading(kind, data, left, right, bx, by)
     dx, dy = bx - ax, by - ay
@@ -176,21 +174,20 @@ def _tangents_meet(kind, data, left, right, ax, ay, bx, by):
 
 @njit(**LEAF)
 def _keeps(tree, ax, ay, bx, by, need):
-    """Whether the straight line from a to b is ``need`` off all borders."""
+    """True if the straight line from a to b stays ``need`` away from all borders."""
     _, _, which = segment_clearance(tree, ax, ay, bx, by, need)
     return which < 0
 
 
 @njit(**OWNING, error_model="numpy")
 def follow(tree, points, pairs, need, flatness, tolerance, exact):
-    """A polyline that follows the bisectors its links stand for, as closely as it must.
+    """Polyline that follows its links' bisectors as closely as required.
 
-    ``pairs`` (n, 2) are the pieces beside each link, -1 where the link is straight. A link is
-    halved on its bisector while its straight line is nearer than ``need`` to a border or
-    bulges by more than ``flatness``. Where ``exact`` is finite, what a line lacks of that is made
-    good by the corner where the bisector's tangents meet, if that keeps it: of two borders that
-    bulge towards one another the tangent at the narrowest place is nowhere nearer. Returns
-    points and pairs.
+    ``pairs`` (n, 2) are the pieces beside each link, -1 if the link is straight. A link is halved
+    on its bisector while its straight line is nearer than ``need`` to a border or bulges by more
+    than ``flatness``. If ``exact`` is finite, a line nearer than that is replaced by the corner of
+    the bisector's tangents, if that keeps it: between two borders that bulge towards one another,
+    the tangent at the narrowest place is nowhere nearer. Returns points and pairs.
     """
     kind, data = tree.kind, tree.data
     n = len(points)

@@ -1,8 +1,8 @@
-"""What a roadmap's edges are exactly: lines, parabolas, hyperbolas and ellipses.
+"""Exact curves of a roadmap's edges: lines, parabolas, hyperbolas and ellipses.
 
 Rules and units
-- An edge runs along bisectors, each of two pieces of the borders; everything is in the
-  scene's units.
+- An edge runs along bisectors, each of two pieces of the borders; everything is in the scene's
+  units.
 """
 
 from __future__ import annotations
@@ -25,12 +25,12 @@ Curve: TypeAlias = Literal["line", "parabola", "hyperbola", "ellipse", "straight
 
 @dataclass(frozen=True, slots=True)
 class Piece:
-    """A part of an edge: the bisector of the pieces ``left`` and ``right`` of the borders.
+    """Part of an edge: the bisector of the pieces ``left`` and ``right`` of the borders.
 
-    ``curve`` is what it is exactly: "line", "parabola", "hyperbola", or "ellipse" (between a
-    circle and what lies inside it); "straight" where the bisector could not be proved and the
-    straight line between the ends was measured instead. ``left`` and ``right`` index
-    ``Borders.kind`` and ``Borders.data``, as seen from ``start`` to ``end``.
+    ``curve`` is "line", "parabola", "hyperbola", or "ellipse" (between a circle and what lies
+    inside it); "straight" if the bisector could not be proved and the straight line between the
+    ends was measured instead. ``left`` and ``right`` index ``Borders.kind`` and ``Borders.data``,
+    as seen from ``start`` to ``end``.
     """
 
     curve: Curve
@@ -43,9 +43,9 @@ class Piece:
 def describe(
     borders: Borders, points: FloatArray, pairs: IntArray, proved: BoolArray
 ) -> tuple[Piece, ...]:
-    """The runs between the same two pieces along a chain; ``pairs`` as in ``Chains``.
+    """Runs between the same two pieces along a chain; ``pairs`` as in ``Chains``.
 
-    Every straight line that was measured stays by itself.
+    Every measured straight line stays separate.
     """
     out: list[Piece] = []
     last = len(points) - 1
@@ -67,7 +67,7 @@ def describe(
 
 
 def edge_curve(borders: Borders, pieces: Sequence[Piece], flatness: float) -> FloatArray:
-    """An edge's exact geometry as a polyline (n, 2) that leaves it by about ``flatness``."""
+    """Exact geometry of an edge as a polyline (n, 2), to within about ``flatness``."""
     points = np.array([pieces[0].start, *(piece.end for piece in pieces)])
     pairs = [(-1, -1) if p.curve == "straight" else (p.left, p.right) for p in pieces]
     curve: FloatArray
@@ -79,7 +79,7 @@ def edge_curve(borders: Borders, pieces: Sequence[Piece], flatness: float) -> Fl
 
 
 def _curve(borders: Borders, left: int, right: int, at: FloatArray) -> Curve:
-    """What the bisector of two pieces is, seen from a place on it."""
+    """Curve of the bisector of two pieces, seen from a place on it."""
     round_left, round_right = _radius(borders, left, at), _radius(borders, right, at)
     if round_left is None and round_right is None:
         return "line"
@@ -91,7 +91,7 @@ def _curve(borders: Borders, left: int, right: int, at: FloatArray) -> Curve:
 
 
 def _radius(borders: Borders, piece: int, at: FloatArray) -> float | None:
-    """The radius of a round piece, negative as seen from inside; None for a straight one."""
+    """Radius of a round piece, negative as seen from inside; None for a straight one."""
     kind = borders.kind[piece]
     if kind == POINT:
         return 0.0

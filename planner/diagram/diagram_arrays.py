@@ -1,8 +1,8 @@
-"""What kernels pass on about the diagram: its mesh, its vertices, its chains.
+"""Arrays about the diagram that kernels share: its mesh, its vertices, its chains.
 
 Rules and units
-- All places and clearances are in the scene's units, but for ``FlatMesh.xy``. Triangles and
-  half-edges are named as in :mod:`planner.delaunay.insertion_kernels`; there is room for t
+- All places and clearances except ``FlatMesh.xy`` are in the scene's units. Triangles and
+  half-edges are named as in :mod:`planner.delaunay.insertion_kernels`; there are t slots for
   triangles, two for each site.
 - The classes are tuples of arrays, as in :mod:`planner.borders.border_arrays`.
 """
@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 
 
 class FlatMesh(NamedTuple):
-    """The triangulated sites, and what :func:`.mesh_kernels.nearest_piece` needs to search them.
+    """Triangulated sites, as :func:`.mesh_kernels.nearest_piece` searches them.
 
     ``xy`` (2 ghost + 2,) are the sites in units of ``up``, a power of two, ``tri`` (8 t,) the
     triangles, ``label`` and ``also`` (ghost,) each site's piece and the next site at its place.
@@ -35,10 +35,10 @@ class FlatMesh(NamedTuple):
 
 
 class MeshSites(NamedTuple):
-    """The mesh's sites as they come and go, ``used`` of which are taken.
+    """The mesh's sites, ``used`` of which are taken.
 
-    ``tri`` (8 t,) and per site ``alias``, the one that stands for it, ``label``, its piece or
-    -1, ``refined``, whether it was added around a vertex, and ``also``, the next at its place.
+    ``tri`` (8 t,) and per site ``alias``, the site that represents it, ``label``, its piece or -1,
+    ``refined``, True if it was added around a vertex, and ``also``, the next at its place.
     """
 
     tri: NDArray[np.uint32]
@@ -50,13 +50,13 @@ class MeshSites(NamedTuple):
 
 
 class Triangles(NamedTuple):
-    """What is known of every triangle, which is a vertex of the sampled diagram.
+    """State of every triangle, which is a vertex of the sampled diagram.
 
-    ``seen`` (t, 3) are the sites it was computed for, ``at`` (t, 2) its circle's centre.
-    ``place`` (t, 2), ``rho`` (t,) and ``state`` (t,) are the vertex on the borders themselves,
-    its clearance and what is known of it, see :mod:`planner.diagram.vertex_kernels`. ``side``
-    (t,) says whether it is free, ``mask`` (t,) holds its valid edges, and ``stale`` (t,) says
-    that chains through it are to be traced again.
+    ``seen`` (t, 3) are the sites it was computed for, ``at`` (t, 2) its circle's centre. ``place``
+    (t, 2), ``rho`` (t,) and ``state`` (t,) are the vertex on the borders themselves, its clearance
+    and its status, see :mod:`planner.diagram.vertex_kernels`. ``side`` (t,) is FREE or BLOCKED,
+    ``mask`` (t,) its valid edges, and ``stale`` (t,) marks that chains through it must be traced
+    again.
     """
 
     seen: NDArray[np.uint32]
@@ -70,8 +70,9 @@ class Triangles(NamedTuple):
 
 
 class Tolerances(NamedTuple):
-    """``half`` a spacing; the clearance from which on chains are ``relevant``; and how far apart
-    ``equal`` distances may be."""
+    """Half a spacing, the least relevant clearance of chains, and the difference of equal
+    distances.
+    """
 
     half: float
     relevant: float
@@ -82,8 +83,8 @@ class Traced(NamedTuple):
     """Chains as links.
 
     ``node`` (n,) are the nodes' triangles, ``ends`` (c, 2) each chain's nodes, ``first`` (c + 1,)
-    the chains' offsets into ``link`` (l,), the half-edges crossed from inside; ``mask`` (t,)
-    are the valid edges as they were then.
+    the chains' offsets into ``link`` (l,), the half-edges crossed from inside; ``mask`` (t,) are
+    the valid edges at that time.
     """
 
     mask: NDArray[np.uint8]
@@ -94,11 +95,11 @@ class Traced(NamedTuple):
 
 
 class Bent(NamedTuple):
-    """Where chains run.
+    """Geometry of chains.
 
     ``points`` (p, 3) are x, y and exact clearance, ``pieces`` (p, 2) those left and right of the
-    link that follows (-1 at a chain's last point), ``start`` (c + 1,) the chains' offsets, and
-    ``proved`` (p,) says whether the link that follows is on the bisector of its pieces.
+    next link (-1 at a chain's last point), ``start`` (c + 1,) the chains' offsets, and ``proved``
+    (p,) is True if the next link is on its pieces' bisector.
     """
 
     points: NDArray[np.float64]
@@ -110,7 +111,7 @@ class Bent(NamedTuple):
 class KnownRuns(NamedTuple):
     """Chains as in :class:`Bent` whose points are found by their place.
 
-    ``bits`` (p, 3) are the points' own as integers, ``table`` the points by their place's hash.
+    ``bits`` (p, 3) are the points as integers, ``table`` the points by their place's hash.
     """
 
     points: NDArray[np.float64]

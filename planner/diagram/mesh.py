@@ -1,12 +1,12 @@
-"""The exact generalized diagram: a triangulation of generators, solved and refined in place.
+"""Exact generalized diagram: a triangulation of generators, solved and refined in place.
 
 Rules and units
-- The sampled topology is a proposal. Its vertices are solved on their pieces, and each must
-  prove itself by an empty circle; where one cannot, generators are added at the feet around
-  it. At an exact vertex the added generators have the same empty circle, so the proposal
-  becomes right where it was wrong. What they do not touch is not solved again.
+- The sampled topology is a proposal. Its vertices are solved on their pieces, and each must be
+  proved by an empty circle; otherwise generators are added at the feet around it. These share the
+  empty circle of an exact vertex, so the proposal becomes right where it was wrong. Parts that they
+  do not touch are not solved again.
 - Clearances below half the spacing are not refined: no robot of the radius gets there.
-- A mesh belongs to whoever made it until it is handed on; from then on nobody changes it.
+- Only its maker changes a mesh, and only until it is passed on.
 """
 
 from __future__ import annotations
@@ -51,16 +51,15 @@ ROWS = {
 
 @dataclass(slots=True)
 class Mesh:
-    """A triangulation of generators with room for more, and its solved vertices.
+    """Triangulation of generators with spare space, and its solved vertices.
 
-    ``xy``, ``tri``, ``circ``, ``alias`` as in :mod:`planner.delaunay.insertion_kernels`, ``label``
-    and ``also`` as in :mod:`planner.diagram.mesh_kernels`; ``refined`` are the sites that were
-    added at feet around vertices; ``used`` of the sites are taken. Per triangle
-    its centre ``at`` and the sites ``seen`` that it was computed for, and ``place``, ``rho``,
-    ``state`` as in :mod:`planner.diagram.vertex_kernels`; ``side``, whether it is free, and
-    ``mask``, its valid edges. ``vacant`` are sites that were taken out again. ``traced`` are the
-    chains as they were last, and ``bent`` where they run: those through triangles that are
-    ``stale`` have to be traced and bent again.
+    ``xy``, ``tri``, ``circ``, ``alias`` are as in :mod:`planner.delaunay.insertion_kernels`,
+    ``label`` and ``also`` as in :mod:`planner.diagram.mesh_kernels`; ``refined`` marks sites added
+    at feet around vertices; ``used`` sites are taken, of which ``vacant`` were removed again. Per
+    triangle: its centre ``at`` and the sites ``seen`` that it was computed for; ``place``, ``rho``,
+    ``state`` as in :mod:`planner.diagram.vertex_kernels`; ``side``, free or not; ``mask``, its
+    valid edges. ``traced`` are the last chains, and ``bent`` their geometry; chains through
+    ``stale`` triangles must be traced and bent again.
     """
 
     xy: FloatArray
@@ -86,29 +85,29 @@ class Mesh:
 
     @property
     def triangles(self) -> Triangles:
-        """What is known of every triangle, as kernels take it."""
+        """State of every triangle, for kernels."""
         return Triangles(
             self.seen, self.at, self.place, self.rho, self.state, self.side, self.mask, self.stale
         )
 
     @property
     def sites(self) -> MeshSites:
-        """The sites as they come and go, as kernels take them."""
+        """The sites, for kernels."""
         return MeshSites(self.tri, self.alias, self.label, self.refined, self.also, self.used)
 
     @property
     def ghost(self) -> int:
-        """The site at infinity, which is also how many sites there is room for."""
+        """Site at infinity, which is also the capacity for sites."""
         return len(self.alias)
 
     @property
     def up(self) -> float:
-        """What scaled coordinates are multiplied by."""
+        """Factor that scales coordinates back."""
         return 2.0**self.exponent
 
 
 def make_mesh(generators: Generators) -> Mesh | None:
-    """Triangulate the generators; None where all of them are on one line."""
+    """Triangulate the generators; None if all of them are on one line."""
     n = len(generators.sites)
     room = 64 + int(ROOM * n)
     if n < 3:
@@ -149,7 +148,7 @@ def make_mesh(generators: Generators) -> Mesh | None:
 
 
 def no_chains() -> tuple[Traced, Bent]:
-    """The chains of a mesh where nothing was traced yet."""
+    """Chains of a mesh before any are traced."""
     none = np.empty(0, np.int32)
     zero = np.zeros(1, np.int32)
     return (
@@ -163,7 +162,7 @@ def no_chains() -> tuple[Traced, Bent]:
 def solve(mesh: Mesh, borders: Borders, spacing: float) -> None:
     """Solve the vertices, refine where their circles are not empty, and bend the chains.
 
-    Changes the mesh; its chains are then ``traced`` and ``bent``.
+    Changes the mesh, including ``traced`` and ``bent``.
     """
     half = 0.5 * spacing
     pieces, tolerances = borders.corners, Tolerances(half, half, borders.equal)
@@ -193,7 +192,7 @@ def solve(mesh: Mesh, borders: Borders, spacing: float) -> None:
 
 
 def mark(mesh: Mesh, borders: Borders, spacing: float, mode: Mode) -> None:
-    """Mark the sampled diagram's valid edges; nothing is solved."""
+    """Mark the sampled diagram's valid edges; solve nothing."""
     vertex_kernels.mark_changed(
         _flat(mesh, 0.0), mesh.circ, borders.corners, mesh.triangles, borders.closed, borders.box,
         0.5 * spacing, SAME_PLACE * borders.extent, mode == "paper",
@@ -201,7 +200,7 @@ def mark(mesh: Mesh, borders: Borders, spacing: float, mode: Mode) -> None:
 
 
 def lay_straight(mesh: Mesh) -> tuple[FloatArray, IntArray, IntArray, Traced]:
-    """The marked diagram's chains as they were sampled: points, pieces, offsets; and as links."""
+    """Chains of the marked diagram as sampled: points, pieces, offsets; and as links."""
     _, *parts = trace_kernels.trace_chains(mesh.tri, mesh.mask, mesh.stale, mesh.traced)
     traced = Traced(mesh.mask, *parts)
     laid = trace_kernels.lay_straight(_flat(mesh, 0.0), mesh.at, traced.first, traced.link)
@@ -209,7 +208,7 @@ def lay_straight(mesh: Mesh) -> tuple[FloatArray, IntArray, IntArray, Traced]:
 
 
 def _flat(mesh: Mesh, sag: float) -> FlatMesh:
-    """What :func:`planner.diagram.mesh_kernels.nearest_piece` takes."""
+    """Arrays of the mesh for :func:`planner.diagram.mesh_kernels.nearest_piece`."""
     stamp, queue = np.zeros(mesh.ghost + 2, np.int32), np.empty(mesh.ghost, np.int64)
     return FlatMesh(mesh.xy, mesh.tri, mesh.label, mesh.also, stamp, queue, mesh.up, sag)
 
@@ -235,7 +234,7 @@ def insert(
     *,
     refined: bool = False,
 ) -> None:
-    """Insert the sites ``todo``, which are new where there are ``places`` for them."""
+    """Insert the sites ``todo``; they are new if ``places`` are given."""
     spare = mesh_kernels.insert_sites(
         mesh.xy, mesh.circ, mesh.sites, 1.0 / mesh.up, todo, places, labels, where, refined
     )
@@ -253,7 +252,7 @@ def _numbers(mesh: Mesh, count: int) -> IntArray:
 
 
 def grow(mesh: Mesh, more: int) -> None:
-    """Make room for ``more`` sites."""
+    """Add capacity for ``more`` sites."""
     ghost, room = mesh.ghost, mesh.ghost + more
 
     def longer(array: NDArray[Any], length: int, fill: float) -> NDArray[Any]:
@@ -271,13 +270,13 @@ def grow(mesh: Mesh, more: int) -> None:
 
 
 def copy_mesh(mesh: Mesh) -> Mesh:
-    """A mesh of its own, to be changed."""
+    """Copy of a mesh that may be changed."""
     arrays = {name: getattr(mesh, name).copy() for name in ("xy", "alias", *ROWS)}
     return replace(mesh, vacant=list(mesh.vacant), **arrays)
 
 
 def generators_of(mesh: Mesh, borders: Borders, spacing: float) -> Generators:
-    """The mesh's sites, those that were added included, in its own order."""
+    """The mesh's sites, including added ones, in its own order."""
     sites = mesh.xy[: 2 * mesh.used].reshape(-1, 2) * mesh.up
     here = np.ones(mesh.used, np.bool_)
     here[mesh.vacant] = False
@@ -285,7 +284,7 @@ def generators_of(mesh: Mesh, borders: Borders, spacing: float) -> Generators:
 
 
 def ordinary(mesh: Mesh) -> tuple[DiagramArrays, BoolArray]:
-    """The generators' own diagram and which of its edges are valid.
+    """Diagram of the generators, and its valid edges.
 
     Sites are numbered as in :func:`generators_of`.
     """

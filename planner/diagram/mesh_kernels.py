@@ -1,16 +1,16 @@
-"""The generators' triangulation as it stands: its circles' centres, its free part, what is near.
+"""Queries on the generators' triangulation: circles' centres, the free part, the nearest piece.
 
 Rules and units
-- A mesh is what :func:`planner.delaunay.insertion_kernels.triangulate` leaves: sites ``xy``,
+- A mesh is the result of :func:`planner.delaunay.insertion_kernels.triangulate`: sites ``xy``,
   triangles ``tri``, circles ``circ``, in units of ``up``, a power of two. Triangles are named by
   8 t and half-edges by 8 t + k, as there.
-- ``label`` is every site's piece. Of sites that coincide one is in the mesh; ``also`` leads
+- ``label`` is every site's piece. One of several coincident sites is in the mesh; ``also`` leads
   from it to the next one, and -1 ends the list.
 - No point of a border is further than ``half`` from a site of its own piece, along the border
   (half a spacing; at most 0.4 radii on round pieces).
 """
 
-# The arrays' types are in the docstrings; numba infers them.
+# numba infers types; docstrings state them.
 # mypy: allow-untyped-defs
 
 from __future__ import annotations
@@ -44,8 +44,8 @@ LOOSE = 1e-9
 def link_coincident(alias, label, count):
     """``also`` (count,) int32: the next site at the same place, -1 at the end.
 
-    The first one has the least ``label``, which is swapped with another's for that: where two
-    borders coincide, one of them stands for both all along, whichever site went in first.
+    The least ``label`` is swapped to the first site: if two borders coincide, the same one
+    represents both everywhere, in whatever order the sites were inserted.
     """
     also = np.full(count, -1, np.int32)
     for p in range(count):
@@ -62,10 +62,9 @@ def link_coincident(alias, label, count):
 def find_changed(mesh, circ, triangles, changed, w):
     """Write the centres of new ``triangles`` into their ``at``, in the scene's units.
 
-    ``seen`` holds the sites that a row of ``at`` was computed for. A row is NaN for a triangle
-    that does not exist or reaches infinity. ``state`` and ``side`` become 0 where the triangle
-    changed, and it is ``stale``. Writes the rows that changed: how many there are. ``w`` is
-    working space.
+    ``seen`` holds the sites for which a row of ``at`` was computed. A row is NaN if its triangle
+    does not exist or reaches infinity. Changed triangles get ``state`` and ``side`` 0 and become
+    ``stale``. Writes the changed rows and returns their number. ``w`` is working space.
     """
     xy, tri, up, ghost = mesh.xy, mesh.tri, mesh.up, len(mesh.label)
     seen, at, state, side = triangles.seen, triangles.at, triangles.state, triangles.side
@@ -94,7 +93,7 @@ def find_changed(mesh, circ, triangles, changed, w):
 
 @njit(**LEAF)
 def _is_joined(xy, up, tri, at, i, k, j, limit):
-    """Whether the Voronoi edge from i over half-edge k to j stays off the borders."""
+    """True if the Voronoi edge from i over half-edge k to j stays off the borders."""
     a, b = np.int64(tri[8 * i + next_side(k)]), np.int64(tri[8 * i + previous_side(k)])
     ax, ay = xy[2 * a] * up, xy[2 * a + 1] * up
     bx, by = xy[2 * b] * up, xy[2 * b + 1] * up
@@ -110,12 +109,12 @@ def _is_joined(xy, up, tri, at, i, k, j, limit):
 
 @njit(**LEAF)
 def mark_sides(mesh, triangles, changed, pieces, closed, box, half, queue):
-    """Mark the changed triangles FREE or BLOCKED: in the bounds and in no object, or not.
+    """Mark the changed triangles FREE (in the bounds and in no object) or BLOCKED.
 
     ``closed`` is the index of :mod:`planner.borders.inside_kernels`. A Voronoi edge that stays
-    further than ``half`` a spacing from its generators crosses no border, so that all vertices
-    joined by such edges lie on one side. One is asked for all, the one with the most room, where
-    none is marked yet. There is a ``queue`` (2 ghost,) to work in.
+    further than ``half`` a spacing from its generators crosses no border, so all vertices joined by
+    such edges lie on one side. If none of them is marked yet, only the one with the largest circle
+    is tested. ``queue`` (2 ghost,) is working space.
     """
     xy, tri, up, at, side = mesh.xy, mesh.tri, mesh.up, triangles.at, triangles.side
     limit = half**2 * (1.0 + 1e-9)
@@ -163,7 +162,7 @@ def mark_sides(mesh, triangles, changed, pieces, closed, box, half, queue):
 
 @njit(**LEAF)
 def _nearest_site(xy, tri, h, x, y):
-    """The half-edge opposite the site nearest to (x, y), scaled, by walking from h's site."""
+    """Half-edge opposite the site nearest to (x, y), scaled, by walking from h's site."""
     s = np.int64(tri[h])
     best = (xy[2 * s] - x) ** 2 + (xy[2 * s + 1] - y) ** 2
     while True:
@@ -186,11 +185,12 @@ def _nearest_site(xy, tri, h, x, y):
 
 @njit(**OWNING, error_model="numpy")
 def insert_sites(xy, circ, sites, down, todo, places, labels, where, refined):
-    """Insert the sites ``todo``, each searched for from triangle ``where``; those not needed.
+    """Insert the sites ``todo``, each searched for from triangle ``where``; return superfluous
+    ones.
 
-    Where there are ``places``, they are new, lie there, have these ``labels``, and are ``refined``
-    or not; ``down`` scales them. A site that turns out to coincide with others is appended to
-    their list, and is not needed where one of them is of the same piece.
+    With ``places``, the sites are new, lie there, have these ``labels``, and are ``refined`` or
+    not; ``down`` scales the places. A site that coincides with others is appended to their list,
+    and is superfluous if one of them is of the same piece.
     """
     tri, label, alias, also = sites.tri, sites.label, sites.alias, sites.also
     for j in range(len(places)):
@@ -225,7 +225,7 @@ def insert_sites(xy, circ, sites, down, todo, places, labels, where, refined):
 
 @njit(**LEAF)
 def largest_sag(kind, data, half):
-    """The largest s^2 / R of round primitives, s the chord from a place to its nearest site."""
+    """Largest s^2 / R of round primitives, s the chord from a place to its nearest site."""
     sag = 0.0
     for i in range(len(kind)):
         if is_round(kind[i]) and data[i, 2] > 0.0:
@@ -238,14 +238,15 @@ def largest_sag(kind, data, half):
 def nearest_piece(mesh, pieces, t, x, y, bound, half, but_a=NONE, but_b=NONE, but_c=NONE):
     """Distance to and number of the primitive nearest to (x, y), if nearer than ``bound``.
 
-    (bound, -1) where none is. The primitives ``but_a``, ``but_b`` and ``but_c`` do not count.
-    ``mesh`` is a :class:`planner.diagram.diagram_arrays.FlatMesh`; ``t`` a triangle to start
-    from, with no site at infinity. Of a primitive that
-    is nearer, the site nearest to its foot is its own or its corner's and within ``half`` of
-    it, and so nearer to (x, y) than the root of bound^2 + half^2 + sag bound: on a round piece
-    of radius R the chord s to that site adds s^2 bound / R, and ``sag`` is the largest s^2 / R
-    of any. The sites in a disc are connected in the triangulation of all, so that those few
-    are all that is looked at.
+    Otherwise (bound, -1). Skips the primitives ``but_a``, ``but_b`` and ``but_c``. ``mesh`` is a
+    :class:`planner.diagram.diagram_arrays.FlatMesh`; ``t`` a triangle to start from, without a site
+    at infinity.
+
+    If a primitive is nearer, the site nearest to its foot is its own or its corner's and within
+    ``half`` of it, and so nearer to (x, y) than the root of bound^2 + half^2 + sag bound: on a
+    round piece of radius R the chord s to that site adds s^2 bound / R, and ``sag`` is the largest
+    s^2 / R. The sites in a disc are connected in the triangulation of all, so only those few are
+    visited.
     """
     xy, tri, label, also, stamp, queue, up, sag = mesh
     kind, data, before, after = pieces.kind, pieces.data, pieces.before, pieces.after
@@ -260,7 +261,7 @@ def nearest_piece(mesh, pieces, t, x, y, bound, half, but_a=NONE, but_b=NONE, bu
     last = len(stamp) - 1
     stamp[last] += 1
     query = stamp[last]
-    # half-edges opposite the sites to look at
+    # half-edges opposite the sites to visit
     queue[0] = h
     head, tail = 0, 1
     stamp[np.int64(tri[h])] = query
@@ -302,11 +303,10 @@ def nearest_piece(mesh, pieces, t, x, y, bound, half, but_a=NONE, but_b=NONE, bu
 
 @njit(**OWNING, error_model="numpy")
 def ordinary(xy, ghost, exponent, tri, circ, alias, used, mask, vacant):
-    """The sites' own diagram as arrays: see
-    :class:`planner.delaunay.voronoi_diagram.DiagramArrays`.
+    """The sites' own diagram as arrays of :class:`~planner.delaunay.voronoi_diagram.DiagramArrays`.
 
-    And which of the edges are valid by ``mask`` (2 ghost,). The ``vacant`` sites are left out
-    and the others numbered anew.
+    Also returns the edges that are valid by ``mask`` (2 ghost,). The ``vacant`` sites are left out
+    and the others renumbered.
     """
     w = np.empty(SCRATCH)
     tri = tri.copy()

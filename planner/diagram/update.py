@@ -1,12 +1,11 @@
-"""The diagram of a scene that differs from the last one by a few objects, without a rebuild.
+"""Diagram of a scene that differs from the last one by a few objects, without a rebuild.
 
 Rules and units
-- Objects that are the same in both scenes, wherever they stand in the list, keep their
-  generators and whatever of the diagram nothing new comes near. The others' generators are
-  taken out or put in, and the diagram is solved there only.
-- The answer is the one that building from scratch gives, up to the order of nodes and edges and to
-  where the polylines of the edges have their points. Where the bounds change, or most of the
-  objects, it is built from scratch.
+- Objects in both scenes, at any place in the list, keep their generators and all of the diagram
+  that nothing new comes near. Other generators are removed or added, and the diagram is solved
+  there only.
+- The result equals that of a build from scratch, up to the order of nodes and edges and the points
+  of the edges' polylines. If the bounds or most objects change, it is built from scratch.
 """
 
 from __future__ import annotations
@@ -47,10 +46,10 @@ MOST = 0.34
 
 
 def update_diagram(agvd: Agvd, old: Scene, scene: Scene) -> Agvd | None:
-    """The diagram of ``scene`` from that of ``old``; None where it is to be built from scratch.
+    """Diagram of ``scene`` from that of ``old``; None if it must be built from scratch.
 
-    Finds by itself which objects came, went or moved; ``agvd`` itself does not change.
-    O(n) copies and scans for n generators, and the work of building for what changed.
+    Finds the objects added, removed or moved; ``agvd`` itself does not change. O(n) copies and
+    scans for n generators, and the work of building for the changes.
     """
     mesh = agvd.mesh
     if mesh is None or old.bounds != scene.bounds:
@@ -75,8 +74,8 @@ def update_diagram(agvd: Agvd, old: Scene, scene: Scene) -> Agvd | None:
 
 
 def match_objects(old: Sequence[SceneObject], new: Sequence[SceneObject]) -> list[int]:
-    """Which old object every new one is, -1 where it is none; each old one once at most."""
-    # most share their records with those where they were, or moved up by one
+    """Old object of every new one, or -1; each old one is used at most once."""
+    # most share their records with an old object at the same place, or shifted by one
     ahead = _first_other(old, new)
     behind = _first_other(old[ahead:][::-1], new[ahead:][::-1])
     kept = [*range(ahead), *[-1] * (len(new) - ahead - behind), *range(len(old) - behind, len(old))]
@@ -105,7 +104,7 @@ def match_objects(old: Sequence[SceneObject], new: Sequence[SceneObject]) -> lis
 
 
 def _mark(item: SceneObject) -> Hashable:
-    """What equal objects share, and hardly any others: all their edges take long to hash."""
+    """Key that equal objects share, and hardly any others: hashing all edges takes long."""
     record = item.records[0] if item.records else None
     if isinstance(record, ArcRecord | PolygonRecord) and record.edges:
         return record.edges[0]
@@ -113,7 +112,7 @@ def _mark(item: SceneObject) -> Hashable:
 
 
 def _first_other(old: Sequence[SceneObject], new: Sequence[SceneObject]) -> int:
-    """How many objects at the beginning of both share their records, and have no holes."""
+    """Number of objects at the beginning of both that share records and holes."""
     n = 0
     for a, b in zip(old, new, strict=False):
         if a is not b and not (a.records is b.records and a.holes is b.holes):
@@ -123,7 +122,7 @@ def _first_other(old: Sequence[SceneObject], new: Sequence[SceneObject]) -> int:
 
 
 def _flatten(scene: Scene, came: list[int]) -> NewBorders:
-    """The borders of the objects that ``came``."""
+    """Borders of the new objects ``came``."""
     flat = flatten([scene.objects[j] for j in came], scene.view, scene.y_down)
     return NewBorders(
         np.array(flat.kind, np.int8), np.array(flat.numbers, np.float64).reshape(-1, 6),
@@ -142,7 +141,7 @@ def _fits_memory(agvd: Agvd, new: NewBorders) -> bool:
 def _change_borders(
     agvd: Agvd, old_objects: int, kept: list[int], new: NewBorders
 ) -> tuple[Borders, IntArray, FloatArray, IntArray, FloatArray]:
-    """The scene's borders, and the rest of what :func:`border_kernels.change_borders` returns.
+    """The scene's borders, and the other results of :func:`border_kernels.change_borders`.
 
     The ``new`` borders are joined, the ``kept`` objects' pieces copied.
     """
@@ -157,7 +156,7 @@ def _change_borders(
 
 
 def _take_out(mesh: Mesh, new_label: IntArray, touched: FloatArray) -> bool:
-    """Take out the sites of pieces that are no more; False where the mesh is spoiled by that."""
+    """Remove the sites of removed pieces; False if that spoils the mesh."""
     traced, bent = mesh.traced, mesh.bent
     gone, quiet, heirs, pieces, proved = update_kernels.unlink(
         touched, new_label, mesh.sites, mesh.triangles, traced, bent

@@ -1,11 +1,11 @@
-"""What of a solved mesh a change of objects touches.
+"""Parts of a solved mesh that a change of objects touches.
 
 Rules and units
-- Everything is in the scene's units. A place is touched where an object that comes or goes
-  reaches into its circle, or may lie around it: judged by the objects' boxes, generously.
+- Everything is in the scene's units. A place is touched if an added or removed object reaches
+  into its circle, or may lie around it: judged by the objects' boxes, generously.
 """
 
-# The arrays' types are in the docstrings; numba infers them.
+# numba infers types; docstrings state them.
 # mypy: allow-untyped-defs
 
 from __future__ import annotations
@@ -22,7 +22,7 @@ SLACK = 1e-9
 
 @njit(**LEAF)
 def _reaches(boxes, b, x, y, r):
-    """Whether box b comes within r of (x, y)."""
+    """True if box b comes within r of (x, y)."""
     dx = max(boxes[b, 0] - x, 0.0, x - boxes[b, 2])
     dy = max(boxes[b, 1] - y, 0.0, y - boxes[b, 3])
     return dx * dx + dy * dy <= r * r * (1.0 + SLACK)
@@ -30,7 +30,7 @@ def _reaches(boxes, b, x, y, r):
 
 @njit(**LEAF)
 def _mark_inside(boxes, at, inside):
-    """Set in ``inside`` (n,) which of the places ``at`` (n, 2) are in one of the boxes."""
+    """Set in ``inside`` (n,) the places ``at`` (n, 2) that are in one of the boxes."""
     for b in range(len(boxes)):
         x0, y0, x1, y1 = boxes[b, 0], boxes[b, 1], boxes[b, 2], boxes[b, 3]
         for i in range(len(at)):
@@ -41,11 +41,11 @@ def _mark_inside(boxes, at, inside):
 
 @njit(**LEAF)
 def _forget_touched(boxes, triangles, inside, traced, bent, proved):
-    """Make everything in the ``boxes`` (b, 4) be computed again.
+    """Mark everything in the ``boxes`` (b, 4) to be computed again.
 
-    Triangles are forgotten (``seen``), chains with a touched point become ``stale``, and
-    nothing is ``proved`` of the links there. ``inside`` (n,) is False for every triangle, and
-    becomes True where it is forgotten.
+    Triangles are forgotten (``seen``), chains with a touched point become ``stale``, and links
+    there are not ``proved``. ``inside`` (n,) is all False, and becomes True for forgotten
+    triangles.
     """
     seen, at, place, rho, state, _, _, stale = triangles
     out, start, first = bent.points, bent.start, traced.first
@@ -70,11 +70,11 @@ def _forget_touched(boxes, triangles, inside, traced, bent, proved):
 
 @njit(**LEAF)
 def _doubtful_sites(sites, forgotten, added, around, doubtful, goes):
-    """Sites that were added around a vertex that is forgotten: there may be no reason any more.
+    """Mark sites added around a forgotten vertex: the reason for them may be gone.
 
-    Nor may there be for those that were added next to them. Where borders are nearer than the
-    spacing, what was added decides what is found. Set in ``goes`` (ghost,), of which all is
-    False, as of ``added`` and ``doubtful`` (ghost + 1,); ``around`` (n,) is working space.
+    So may that for sites added next to them: where borders are nearer than the spacing, added sites
+    decide what is found. Sets ``goes`` (ghost,), initially False like ``added`` and ``doubtful``
+    (ghost + 1,); ``around`` (n,) is working space.
     """
     tri, alias, _, refined, _, used = sites
     any_added = False
@@ -109,11 +109,11 @@ def _doubtful_sites(sites, forgotten, added, around, doubtful, goes):
 
 @njit(**LEAF)
 def _unlink_sites(sites, new_label, doubtful, stands, gone, quiet, heirs):
-    """Give all sites their new labels and find out which have to go: the ``doubtful``, too.
+    """Relabel all sites and find the ones to remove, including the ``doubtful``.
 
-    ``new_label`` holds -1 for labels that are no more. Writes the sites that are in the
-    triangulation and go, those that go without being in it, and those that have to be put in
-    because the site that stood for them goes; returns how many. ``stands`` (used,) is False.
+    ``new_label`` is -1 for removed labels. Writes the sites to remove inside the triangulation,
+    those to remove outside it, and those to insert because their representative goes; returns their
+    numbers. ``stands`` (used,) is all False.
     """
     _, alias, label, refined, also, used = sites
     n_gone, n_quiet, n_heirs = 0, 0, 0
@@ -147,7 +147,7 @@ def _unlink_sites(sites, new_label, doubtful, stands, gone, quiet, heirs):
                 alias[other] = head
                 also[last] = other
                 last = other
-                # of borders that coincide the same one takes over, wherever it goes
+                # of coincident borders the same one takes over everywhere
                 if label[p] < 0 and label[other] < label[head]:
                     label[other], label[head] = label[head], label[other]
                     refined[other], refined[head] = refined[head], refined[other]
@@ -157,15 +157,14 @@ def _unlink_sites(sites, new_label, doubtful, stands, gone, quiet, heirs):
 
 @njit(**OWNING, error_model="numpy")
 def unlink(boxes, new_label, sites, triangles, traced, bent):
-    """Find the sites of pieces that are no more in a mesh, given as its sites, triangles and
-    chains (:mod:`planner.diagram.diagram_arrays`).
+    """Find the sites of removed pieces in a mesh.
 
-    Everything that reaches into the ``boxes`` (b, 4) of what changed is to be computed again.
-    ``new_label`` is where the pieces are now, -1 for those that are no more. Sites that were
-    added around what is computed again go, too. Returns the sites to be taken out of the
-    triangulation, those that were not in it and go, and those that have to be put in because
-    the site that stood for them goes; the chains' pieces (p, 2) as they are numbered now, and
-    what is still proved (p,) of them.
+    The mesh is given by its sites, triangles and chains, see :mod:`planner.diagram.diagram_arrays`.
+    Everything that reaches into the ``boxes`` (b, 4) of changes is to be computed again, without
+    the sites added around it. ``new_label`` gives each piece's new number, -1 for removed ones.
+    Returns the sites to remove inside the triangulation, those to remove outside it, and those to
+    insert because their representative goes; the chains' pieces (p, 2) by new numbers, and flags
+    (p,) of their links still proved.
     """
     n, ghost, used, pieces = len(triangles.seen), len(sites.alias), sites.used, bent.pieces
     proved = bent.proved.copy()

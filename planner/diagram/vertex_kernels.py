@@ -1,15 +1,15 @@
-"""The diagram's vertices on the borders themselves: which edges are valid, and where they meet.
+"""The diagram's vertices on the borders themselves: valid edges, and the places where they meet.
 
 Rules and units
-- A triangle's vertex is where its three sites' pieces are equally far. Its ``mask`` holds bit
-  k where the Voronoi edge opposite its site k is valid.
-- A vertex with two valid edges between the same two pieces is a passage: nothing is decided
-  there, and it is not solved. All other vertices with a valid edge are.
-- Nothing is believed that its empty circle does not prove; where a border lies inside, the
-  sampling got the topology wrong and has to be refined at the feet around that circle.
+- A triangle's vertex is equally far from its three sites' pieces. Its ``mask`` holds bit k if the
+  Voronoi edge opposite its site k is valid.
+- A vertex with two valid edges between the same two pieces is a passage: it decides nothing and
+  is not solved. All other vertices with a valid edge are.
+- Each vertex must be proved by its empty circle. If a border lies inside, the sampling got the
+  topology wrong and is refined at the feet around that circle.
 """
 
-# The arrays' types are in the docstrings; numba infers them.
+# numba infers types; docstrings state them.
 # mypy: allow-untyped-defs
 
 from __future__ import annotations
@@ -45,10 +45,10 @@ empty; that near-parallel pieces left it as sampled; that a border lies inside i
 
 @njit(**LEAF)
 def _mark_valid(tri, label, triangles, changed, pieces, tolerance, between):
-    """Set bit k in the ``mask`` of free triangles where the edge opposite site k is valid.
+    """Set bit k in the ``mask`` of free triangles if the edge opposite site k is valid.
 
-    With ``between``, edges between two objects are, and no others. Only the edges of the
-    ``changed`` triangles are looked at; they may change the masks of their neighbours.
+    With ``between``, only edges between two objects are valid. Only the ``changed`` triangles'
+    edges are examined; they may change the masks of their neighbours.
     """
     side, mask, owner = triangles.side, triangles.mask, pieces.owner
     for i in changed:
@@ -86,16 +86,16 @@ def _mark_valid(tri, label, triangles, changed, pieces, tolerance, between):
 
 @njit(**LEAF)
 def is_passage(mask, a, b, c):
-    """Whether a vertex with labels a, b, c only passes from one edge to the next."""
+    """True if a vertex with labels a, b, c only passes from one edge to the next."""
     return (mask == 3 or mask == 5 or mask == 6) and (a == b or b == c or c == a)
 
 
 @njit(**LEAF)
 def _is_corner(kind, data, a, b, x, y, relevant, tolerance):
-    """Whether two pieces are equally far from (x, y) because both of their feet are one corner.
+    """True if two pieces are equally far from (x, y) because both feet are one corner.
 
-    They are that all round it, and no vertex of theirs is there. Within ``tolerance`` of such a
-    place a foot moves by the root of that.
+    They are so all around it, and have no vertex there. Within ``tolerance`` of such a place a foot
+    moves by the root of that.
     """
     ax, ay = foot(kind, data, a, x, y)
     bx, by = foot(kind, data, b, x, y)
@@ -106,7 +106,7 @@ def _is_corner(kind, data, a, b, x, y, relevant, tolerance):
 
 @njit(**LEAF, forceinline=True)
 def _meeting(pieces, a, b, c, x, y, tolerances):
-    """Where three pieces are equally far, and not by one corner of two: x, y, found."""
+    """Place equally far from three pieces, and not by one corner of two: x, y, found."""
     kind, data, half, tolerance = pieces.kind, pieces.data, tolerances.half, tolerances.equal
     reach = 4.0 * half + distance(kind, data, a, x, y)
     qx, qy, found = meet_three(kind, data, a, b, c, x, y, reach, tolerance)
@@ -120,9 +120,9 @@ def _meeting(pieces, a, b, c, x, y, tolerances):
 
 @njit(**LEAF, forceinline=True)
 def _turning(mesh, pieces, t, a, b, c, x, y, tolerances):
-    """The turning point of a piece and its own corner, ``a`` and ``b``, opposite ``c``.
+    """Turning point of a piece and its own corner, ``a`` and ``b``, opposite ``c``.
 
-    x, y, whether it was found, and whether its circle is known to be empty.
+    Returns x, y, found, and True if its circle is known to be empty.
     """
     kind, data, half, tolerance = pieces.kind, pieces.data, tolerances.half, tolerances.equal
     # a point of one object may lie on another's piece: they touch
@@ -140,7 +140,7 @@ def _turning(mesh, pieces, t, a, b, c, x, y, tolerances):
         if empty:
             break
         if is_end(pieces, corner, i, tolerance):
-            # the corner's other side comes before this one all along its normal
+            # the corner's other side is nearer all along this one's normal
             found = False
             break
         c = i
@@ -150,7 +150,7 @@ def _turning(mesh, pieces, t, a, b, c, x, y, tolerances):
 
 @njit(**LEAF, forceinline=True)
 def _middle_of_arc(pieces, a, b, c, x, y):
-    """Which of three labels is an arc whose centre (x, y) is, or -1."""
+    """Label, of three, of an arc with centre (x, y), or -1."""
     kind, data = pieces.kind, pieces.data
     k = len(kind) - len(pieces.before)
     for i in (a, b, c):
@@ -170,9 +170,9 @@ def _slid(pieces, a, b, x, y, tolerance):
 
 @njit(**LEAF)
 def solve_one(mesh, pieces, t, a, b, c, x, y, tolerances):
-    """The exact place of the sampled vertex (x, y) of labels a, b, c.
+    """Exact place of the sampled vertex (x, y) of labels a, b, c.
 
-    Returns x, y, state and whether its circle is known to be empty.
+    Returns x, y, state, and True if its circle is known to be empty.
     """
     tolerance = tolerances.equal
     if a in (b, c) or b == c:
@@ -210,10 +210,10 @@ def solve_one(mesh, pieces, t, a, b, c, x, y, tolerances):
 
 @njit(**LEAF)
 def _choose(tri, label, changed, mask, state, wanted, todo):
-    """The vertices to solve among the changed triangles and their neighbours, in order.
+    """Choose the vertices to solve among the changed triangles and their neighbours, in order.
 
-    Writes them into ``todo`` (t,): how many. ``wanted`` (t,) bool is False at first. All others
-    with valid edges are solved already, or passages.
+    Writes them into ``todo`` (t,) and returns their number. ``wanted`` (t,) bool is False at first.
+    All others with valid edges are solved already, or passages.
     """
     n = len(mask)
     some = MANY * len(changed) < n
@@ -235,9 +235,9 @@ def _choose(tri, label, changed, mask, state, wanted, todo):
 
 @njit(**LEAF)
 def _solve(mesh, pieces, triangles, todo, doubt, tolerances, bad):
-    """Solve the vertices ``todo``: how many rows of ``bad`` (v, 2) are set.
+    """Solve the vertices ``todo``; return the number of rows set in ``bad`` (v, 2).
 
-    Those are vertices whose circles are not empty, and what they lack, see
+    Those are vertices with non-empty circles, and the label missing there, see
     :func:`solve_vertices`.
     """
     tri, label, kind, data = mesh.tri, mesh.label, pieces.kind, pieces.data
@@ -270,7 +270,7 @@ def _solve(mesh, pieces, triangles, todo, doubt, tolerances, bad):
                 bad[count, 0], bad[count, 1] = i, which
                 count += 1
         elif got == KEPT and r >= relevant:
-            # the pieces do not meet here: one that is nearer than they are has too few sites
+            # the pieces do not meet here: a nearer piece has too few sites
             far = max(distance(kind, data, a, x, y), distance(kind, data, b, x, y))
             far = max(far, distance(kind, data, c, x, y))
             if doubt:
@@ -291,9 +291,9 @@ def _solve(mesh, pieces, triangles, todo, doubt, tolerances, bad):
 
 @njit(**OWNING, error_model="numpy")
 def mark_changed(mesh, circ, pieces, triangles, closed, box, half, same_place, between):
-    """Bring centres, sides and valid edges of the triangles that changed up to date: which did.
+    """Update centres, sides and valid edges of the changed triangles, and return these.
 
-    ``circ`` are their circles, ``closed`` and ``box`` say what is free, ``half`` is half a
+    ``circ`` are their circles, ``closed`` and ``box`` define the free space, ``half`` is half a
     spacing, and ends within ``same_place`` of a piece lie on it. ``between`` as in ``_mark_valid``.
     """
     n = len(triangles.mask)
@@ -306,15 +306,13 @@ def mark_changed(mesh, circ, pieces, triangles, closed, box, half, same_place, b
 
 @njit(**OWNING, error_model="numpy")
 def solve_vertices(mesh, circ, pieces, triangles, closed, box, doubt, tolerances, same_place):
-    """Exact places of the vertices that valid edges meet, passages left out.
+    """Find the exact places of vertices of valid edges, except passages.
 
-    Brings the triangles that changed up to date first (:func:`mark_changed`). Then writes
-    ``place``, ``rho``, the exact clearance, and ``state`` of every vertex that is UNUSED; the
-    others are as they were. Only the changed triangles and their neighbours, whose valid edges may
-    have, are looked at. Returns sites that are missing around circles that were not empty, at
-    clearances that are relevant: places (e, 2), labels (e,) and a triangle near each (e,). So are
-    they where pieces did not meet because one of them is nearer than its sites and, with
-    ``doubt``, because another one is.
+    Updates the changed triangles (:func:`mark_changed`), then writes ``place``, ``rho`` (the exact
+    clearance) and ``state`` of every UNUSED vertex among them and their neighbours. Returns the
+    sites missing around non-empty circles of relevant clearance: places (e, 2), labels (e,) and a
+    triangle near each (e,); also where pieces did not meet because one of them is nearer than its
+    sites or, with ``doubt``, because another one is.
     """
     tri, label = mesh.tri, mesh.label
     at, xy, rho = triangles.at, triangles.place, triangles.rho

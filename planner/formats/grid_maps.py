@@ -1,12 +1,12 @@
-"""Grid maps, exactly: an obstacle is the union of its cells, its border the cells' edges.
+"""Exact grid maps: an obstacle is the union of its cells, its border the cells' edges.
 
-Cell (i, j) is column i, row j counted from the top; it covers [i - 1/2, i + 1/2] x
-[j - 1/2, j + 1/2] in cells, y down. Cells that touch, be it only at a corner, belong to one
-object and leave no gap; free cells that touch only at a corner are not connected. Collinear
-edges are merged into the longest segments. Outlines run clockwise as seen on the screen, holes
-counter-clockwise: the obstacle is always on the right hand.
+Cell (i, j) is column i, row j counted from the top; it covers [i - 1/2, i + 1/2] x [j - 1/2, j +
+1/2] in cells, y down. Cells that touch, even at a corner only, belong to one object without a gap;
+free cells that touch only at a corner are not connected. Collinear edges are merged into the
+longest segments. Outlines run clockwise on the screen, holes counter-clockwise: the obstacle is
+always on the right.
 
-All steps are numpy on whole arrays but the last, which walks the segments, not the cells.
+All steps use numpy on whole arrays, except the last, which walks the segments, not the cells.
 """
 
 from __future__ import annotations
@@ -37,7 +37,7 @@ IndexArray = NDArray[np.int64]
 
 @dataclass(frozen=True, slots=True)
 class GridPose:
-    """Where a map's lower left corner lies, how it is turned, and how large a cell is."""
+    """A map's lower left corner, its rotation, and the size of a cell."""
 
     resolution: float
     x: float
@@ -47,7 +47,7 @@ class GridPose:
 
 @dataclass(frozen=True, slots=True)
 class _Borders:
-    """The segments of all borders: ends as grid vertices, heading, and the loop they run in."""
+    """Segments of all borders: ends as grid vertices, heading, and the loop they run in."""
 
     start: IndexArray  # (k, 2) column, row of grid vertices
     end: IndexArray  # (k, 2)
@@ -56,7 +56,7 @@ class _Borders:
 
 
 def grid_scene(obstacle: NDArray[np.bool_], remarks: tuple[str, ...] = ()) -> Scene:
-    """The scene of an (h, w) grid in units of cells; True is an obstacle.
+    """Return the scene of an (h, w) grid in units of cells; True is an obstacle.
 
     O(cells) in numpy, O(segments) in Python. Raises :class:`SceneError` on an empty grid.
     """
@@ -82,12 +82,12 @@ def map_scene(
     remarks: tuple[str, ...] = (),
     unknown: NDArray[np.bool_] | None = None,
 ) -> Scene:
-    """The scene of an (h, w) grid in metres, y up, as a ROS map: row 0 is the top.
+    """Return the scene of an (h, w) grid in metres, y up, as a ROS map: row 0 is the top.
 
-    ``unknown`` (h, w) are the obstacles among the cells of which nobody knows what they are.
+    ``unknown`` (h, w) marks obstacle cells of unknown content.
 
-    A turned map lies in an upright rectangle; what the map does not cover is an obstacle, with
-    a rim one cell wide. Raises :class:`SceneError` on an empty grid.
+    A turned map lies in an upright rectangle; everything outside the map is an obstacle, with a rim
+    one cell wide. Raises :class:`SceneError` on an empty grid.
     """
     height, width = _checked_shape(obstacle)
     turned = math.sin(pose.yaw_rad) != 0.0 or math.cos(pose.yaw_rad) < 0.0
@@ -127,7 +127,7 @@ def _checked_shape(obstacle: NDArray[np.bool_]) -> tuple[int, int]:
 
 
 def _fill_rectangle(rim: SceneObject, bounds: Bounds) -> SceneObject:
-    """The rim of a turned map, grown outwards until it fills the upright rectangle."""
+    """Grow the rim of a turned map outwards until it fills the upright rectangle."""
     x0, y0, x1, y1 = bounds.x_min, bounds.y_min, bounds.x_max, bounds.y_max
     corners = [(x0, y1), (x1, y1), (x1, y0), (x0, y0)]
     sides = tuple(Segment(corners[k], corners[(k + 1) % 4]) for k in range(4))
@@ -135,7 +135,7 @@ def _fill_rectangle(rim: SceneObject, bounds: Bounds) -> SceneObject:
 
 
 def _border_cells(obstacle: NDArray[np.bool_]) -> int:
-    """Obstacle cells with a free side neighbour or on the map's edge: n of the paper."""
+    """Number of obstacle cells with a free side neighbour or on the map's edge: the paper's n."""
     free = np.pad(~obstacle, 1, constant_values=True)
     beside = free[:-2, 1:-1] | free[2:, 1:-1] | free[1:-1, :-2] | free[1:-1, 2:]
     return int(np.count_nonzero(obstacle & beside))
@@ -164,15 +164,15 @@ def _objects(
 
 
 def _trace(obstacle: NDArray[np.bool_]) -> _Borders:
-    """Every border as a closed loop of longest segments, the obstacle on the right hand.
+    """Every border as a closed loop of longest segments, the obstacle on the right.
 
-    Loops come in the order of their first vertex, top row first; each begins there.
+    Loops are sorted by their first vertex, top row first; each begins there.
     """
     cell = np.pad(obstacle, 1).view(np.int8)
     across = cell[1:, :] - cell[:-1, :]  # +1: the obstacle begins below this row of edges
     along = cell[:, 1:] - cell[:, :-1]  # +1: the obstacle begins right of this edge
-    # horizontal edges run east above an obstacle and west below one; vertical ones run north
-    # left of an obstacle and south right of one
+    # horizontal edges run east above an obstacle and west below one; vertical ones run north left
+    # of an obstacle and south right of one
     h_first, h_last, h_sign = _runs(across)
     v_first, v_last, v_sign = _runs(np.ascontiguousarray(along.T))
     # a run of sign s between vertices: (row, column) for across, (column, row) for along
@@ -204,7 +204,7 @@ def _trace(obstacle: NDArray[np.bool_]) -> _Borders:
 def _runs(sign: NDArray[np.int8]) -> tuple[IndexArray, IndexArray, IndexArray]:
     """Runs of equal non-zero signs along the rows: first and last (row, column), and the sign.
 
-    Where four cells meet as a chess board the sign flips, so that a run ends there.
+    Where four cells meet like a chess board the sign flips, so a run ends there.
     """
     edge = np.pad(sign, ((0, 0), (1, 1)))
     change = edge[:, 1:] != edge[:, :-1]
@@ -214,8 +214,10 @@ def _runs(sign: NDArray[np.int8]) -> tuple[IndexArray, IndexArray, IndexArray]:
 
 
 def _followers(start: IndexArray, end: IndexArray, heading: IndexArray, columns: int) -> list[int]:
-    """For each segment the one that follows: left where both turns are open, so that obstacle
-    cells which touch at a corner stay together, else the only one."""
+    """Follower of each segment: left where both turns are open, else the only one.
+
+    Obstacle cells that touch at a corner thus stay together.
+    """
     key = (start[:, 1] * columns + start[:, 0]) * 4 + heading
     at_end = (end[:, 1] * columns + end[:, 0]) * 4
     left = _find(key, at_end + (heading + 3) % 4)
@@ -225,7 +227,7 @@ def _followers(start: IndexArray, end: IndexArray, heading: IndexArray, columns:
 
 
 def _find(sorted_keys: IndexArray, wanted: IndexArray) -> IndexArray:
-    """The index of each wanted key, -1 where it is not there."""
+    """Index of each wanted key, -1 if it is missing."""
     if sorted_keys.size == 0:
         return np.empty(0, dtype=np.int64)
     index = np.minimum(np.searchsorted(sorted_keys, wanted), sorted_keys.size - 1)
@@ -248,11 +250,11 @@ def _loops(follower: list[int]) -> list[list[int]]:
 
 
 def _parents(obstacle: NDArray[np.bool_], borders: _Borders) -> list[int]:
-    """For each loop -1 if it is an outline, else the number of the outline it is a hole of.
+    """For each loop, -1 if it is an outline, else the number of the outline around it.
 
-    A loop's first vertex is its topmost, leftmost one: an outline leaves it eastwards. From a
-    hole's leftmost edge the obstacle reaches left to an edge of another loop of the same
-    object; following that leads to the outline, since every step goes further left.
+    A loop's first vertex is its topmost, leftmost one: an outline leaves it eastwards. Left of a
+    hole's leftmost edge the obstacle extends to an edge of another loop of the same object. Each
+    such step leads further left, so they end at the outline.
     """
     loop_of = np.empty(len(borders.heading), dtype=np.int64)
     for number, loop in enumerate(borders.loops):
@@ -279,7 +281,7 @@ def _parents(obstacle: NDArray[np.bool_], borders: _Borders) -> list[int]:
 def _left_neighbours(
     obstacle: NDArray[np.bool_], borders: _Borders, loop_of: IndexArray, holes: list[int]
 ) -> dict[int, int]:
-    """For each hole the loop that bounds the obstacle left of the hole's leftmost edge."""
+    """For each hole, the loop that bounds the obstacle left of its leftmost edge."""
     height, width = obstacle.shape
     flat = obstacle.ravel()
     begins = obstacle.copy()

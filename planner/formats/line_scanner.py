@@ -18,7 +18,7 @@ SEPARATOR = re.compile(r"[\s,]*")
 
 
 class Scanner:
-    """One line, read from left to right; knows where it is for the error messages."""
+    """A line read from left to right; it knows its position for error messages."""
 
     def __init__(self, name: str, line_number: int, line: str) -> None:
         self.name = name
@@ -28,21 +28,21 @@ class Scanner:
         self.skip_space()
 
     def error(self, what: str, at: int | None = None) -> SceneError:
-        """The error to raise, with file, line and column; ``at`` an index into the line."""
+        """The error to raise, with file, line and column; ``at`` indexes the line."""
         column = (self.at if at is None else at) + 1
         return SceneError(f"{self.name}:{self.line_number}:{column}: {what}")
 
     def skip_space(self, pattern: re.Pattern[str] = _SPACE) -> None:
-        """Go on to what follows the pattern."""
+        """Skip the pattern if it is next."""
         match = pattern.match(self.line, self.at)
         self.at = match.end() if match else self.at
 
     def rest(self) -> str:
-        """What is still unread."""
+        """Unread rest of the line."""
         return self.line[self.at :]
 
     def at_end(self) -> bool:
-        """Whether nothing but a comment follows."""
+        """True if only a comment, or nothing, follows."""
         return self.at >= len(self.line) or self.line[self.at] == "#"
 
     def end(self) -> None:
@@ -51,7 +51,7 @@ class Scanner:
             raise self.error(f"nothing more is expected here, found {self.found()}")
 
     def found(self) -> str:
-        """What stands here, for an error message."""
+        """Text at this position, for an error message."""
         rest = self.rest()
         if not rest:
             return "the end of the line"
@@ -59,7 +59,7 @@ class Scanner:
         return repr(word.group()[:24] if word else rest[0])
 
     def word(self, what: str) -> str:
-        """A word; ``what`` names it in the error."""
+        """Read a word; ``what`` names it in the error."""
         match = _WORD.match(self.line, self.at)
         if match is None:
             raise self.error(f"expected {what}, found {self.found()}")
@@ -68,7 +68,7 @@ class Scanner:
         return match.group()
 
     def number(self, what: str) -> float:
-        """A finite number within +-``MAX_COORDINATE``."""
+        """Read a finite number within +-``MAX_COORDINATE``."""
         match = _NUMBER.match(self.line, self.at)
         if match is None:
             raise self.error(f"expected {what}, a finite number, found {self.found()}")
@@ -80,7 +80,7 @@ class Scanner:
         return value
 
     def radius(self) -> float:
-        """A number > 0."""
+        """Read a number > 0."""
         at = self.at
         value = self.number("a radius")
         if value <= 0.0:
@@ -88,7 +88,7 @@ class Scanner:
         return value
 
     def count(self, what: str, least: int) -> int:
-        """A whole number >= ``least``."""
+        """Read a whole number >= ``least``."""
         at = self.at
         word = self.word(what)
         if re.fullmatch(r"[0-9]{1,9}", word) is None or int(word) < least:
@@ -96,7 +96,7 @@ class Scanner:
         return int(word)
 
     def point(self) -> Vec:
-        """A point, (x,y)."""
+        """Read a point, (x,y)."""
         self.skip_space(SEPARATOR)
         self.symbol("(")
         x = self.number("x")
@@ -106,14 +106,14 @@ class Scanner:
         return x, y
 
     def symbol(self, symbol: str) -> None:
-        """This very character."""
+        """Read this very character."""
         if not self.line.startswith(symbol, self.at):
             raise self.error(f"expected {symbol!r}, found {self.found()}")
         self.at += 1
         self.skip_space()
 
     def points(self, least: int) -> list[Vec]:
-        """The number of points, at least ``least``, and then as many."""
+        """Read the number of points, at least ``least``, then the points."""
         at = self.at
         count = self.count("the number of vertices", least)
         points: list[Vec] = []
@@ -124,7 +124,7 @@ class Scanner:
         return points
 
     def json(self, what: str) -> Any:
-        """The rest of the line as strict JSON."""
+        """Read the rest of the line as strict JSON."""
         try:
             value = json.loads(self.rest(), parse_constant=_refuse_constant)
         except ValueError as error:

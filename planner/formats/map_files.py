@@ -1,16 +1,15 @@
 """Map files: the ROS map_server's YAML with its picture, and MovingAI's ``.map``.
 
-ROS (Nav2 map_server, "map_io"): a cell's occupancy is p = 1 - shade, or the shade itself where
-``negate`` is set. In ``trinary`` and ``scale`` mode it is occupied where p >= occupied_thresh
-and free where p <= free_thresh; in ``raw`` mode the picture's byte is the occupancy in percent
-and the same thresholds apply. Where both hold, it is occupied. A cell that is not free is an
-obstacle: occupied, unknown or in between. The byte 205 is what map_saver writes for unknown;
-since p = 0.196 there, a
-``free_thresh`` above that would call it free: here it stays unknown in trinary mode.
-``origin`` is the pose of the lower left corner of the lower left cell, in metres and radians.
+ROS (Nav2 map_server, "map_io"): a cell's occupancy is p = 1 - shade, or the shade itself if
+``negate`` is set. In ``trinary`` and ``scale`` mode it is occupied if p >= occupied_thresh, and
+free if p <= free_thresh; in ``raw`` mode the picture's byte is the occupancy in percent, with the
+same thresholds. If both hold, it is occupied. A cell that is not free (occupied, unknown or in
+between) is an obstacle. map_saver writes the byte 205 for unknown, where p = 0.196; a larger
+``free_thresh`` would call it free, but here it remains unknown in trinary mode. ``origin`` is the
+pose of the lower left corner of the lower left cell, in metres and radians.
 
-MovingAI (Sturtevant 2012): ``.``, ``G`` and ``S`` are passable; ``@``, ``O``, ``T`` and ``W``
-are not.
+MovingAI (Sturtevant 2012): ``.``, ``G`` and ``S`` are passable; ``@``, ``O``, ``T`` and ``W`` are
+not.
 """
 
 from __future__ import annotations
@@ -47,7 +46,7 @@ PASSABLE, BLOCKED = ".GS", "@OTW"
 
 @dataclass(frozen=True, slots=True)
 class MapHeader:
-    """The YAML file of a ROS map."""
+    """Contents of a ROS map's YAML file."""
 
     image: str
     mode: str
@@ -58,9 +57,9 @@ class MapHeader:
 
 
 def read_ros_map(text: str, path: Path, read_picture: ReadPicture | None = None) -> Scene:
-    """The scene of a ROS map by its YAML's text; ``read_picture`` reads pictures other than PGM.
+    """Return the scene of a ROS map from its YAML; ``read_picture`` reads pictures other than PGM.
 
-    ``path`` is the YAML file, whose folder has the picture.
+    ``path`` is the YAML file, whose folder contains the picture.
 
     Raises :class:`SceneError` with the file and, for the YAML, line and column.
     """
@@ -79,14 +78,14 @@ def read_ros_map(text: str, path: Path, read_picture: ReadPicture | None = None)
 
 
 def parse_map_header(text: str, name: str) -> MapHeader:
-    """The map's YAML, checked; errors are :class:`SceneError` with line and column."""
+    """Parse and check the map's YAML; errors are :class:`SceneError` with line and column."""
     return _HeaderReader(text, name).read()
 
 
 def classify(
     shade: NDArray[np.float64], transparent: NDArray[np.bool_], header: MapHeader
 ) -> tuple[NDArray[np.bool_], NDArray[np.bool_], tuple[str, ...]]:
-    """Which cells are certainly free, which unknown, and what was done with the latter."""
+    """Certainly free cells, unknown cells, and remarks on the latter."""
     byte = np.rint(shade * 255.0)
     unknown = transparent.copy()
     if header.mode == "raw":
@@ -115,7 +114,7 @@ def classify(
 
 
 def parse_movingai(text: str, name: str) -> Scene:
-    """The scene of a MovingAI ``.map`` in units of cells, cell (i, j) at x = i, y = j."""
+    """Return the scene of a MovingAI ``.map`` in units of cells, cell (i, j) at x = i, y = j."""
     lines = text.splitlines()
     fields: dict[str, str] = {}
     at = 0
@@ -158,7 +157,7 @@ def _map_side(fields: dict[str, str], key: str, name: str) -> int:
 
 
 class _HeaderReader:
-    """Checks the YAML's values one by one, each error with its place."""
+    """A reader that checks the YAML's values one by one; errors include the place."""
 
     def __init__(self, text: str, name: str) -> None:
         self.name = name
@@ -253,7 +252,7 @@ class _HeaderReader:
 
 
 def read_bytes(path: Path) -> bytes:
-    """The file's bytes; :class:`SceneError` where it cannot be read."""
+    """Return the file's bytes; :class:`SceneError` if it cannot be read."""
     try:
         with path.open("rb") as file:
             data = file.read(MOST_BYTES + 1)
@@ -267,14 +266,14 @@ def read_bytes(path: Path) -> bytes:
 
 
 def read_text(path: Path) -> str:
-    """The file's text; :class:`SceneError` where it cannot be read or is not UTF-8."""
+    """Return the file's text; :class:`SceneError` if it cannot be read or is not UTF-8."""
     return decode(read_bytes(path), str(path))
 
 
 def decode(data: bytes, name: str) -> str:
-    """UTF-8 text without NUL bytes, and without a byte order mark before it.
+    """Decode UTF-8 text without NUL bytes, dropping a leading byte order mark.
 
-    :class:`SceneError` says where it is not.
+    Raises :class:`SceneError` on other bytes.
     """
     try:
         text = data.decode("utf-8").removeprefix("\ufeff")

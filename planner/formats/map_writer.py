@@ -1,11 +1,11 @@
 """A scene as a ROS map: a YAML header and a PGM picture that Nav2's map_server loads.
 
 Rules and units
-- A cell is occupied where an obstacle or its border has a part inside it, so that no obstacle
-  gets smaller; a border that only runs along the cell's edge has none. Cells that reach over
-  the bounds are occupied too.
-- A ROS map is in metres with y up: so must the scene be. A scene that was a ROS map gives the
-  same cells again at its own resolution.
+- A cell is occupied if part of an obstacle or its border is inside it, so no obstacle shrinks; a
+  border that only runs along the cell's edge does not count. Cells that extend beyond the bounds
+  are occupied too.
+- A ROS map is in metres with y up, and the scene must be so too. A scene read from a ROS map
+  gives the same cells again at its own resolution.
 """
 
 from __future__ import annotations
@@ -42,10 +42,10 @@ SAGITTA = 0.01
 
 
 def write_map(scene: Scene, path: str | os.PathLike[str], resolution: float) -> None:
-    """Write ``path``, a ``.yaml`` file, and its picture beside it, of the same name.
+    """Write ``path``, a ``.yaml`` file, and its picture of the same name beside it.
 
-    ``resolution`` is a cell's side in metres. Raises :class:`SceneError` where the scene is not
-    in metres, the resolution makes no sense, or a file cannot be written.
+    ``resolution`` is a cell's side in metres. Raises :class:`SceneError` if the scene is not in
+    metres, the resolution makes no sense, or a file cannot be written.
     """
     file = Path(path)
     occupied = occupied_cells(scene, resolution)
@@ -66,7 +66,7 @@ def write_map(scene: Scene, path: str | os.PathLike[str], resolution: float) -> 
 
 
 def occupied_cells(scene: Scene, resolution: float) -> NDArray[np.bool_]:
-    """(rows, columns) which cells are occupied; row 0 is at the bounds' least y.
+    """Occupied cells as (rows, columns); row 0 is at the bounds' least y.
 
     Raises :class:`SceneError`, see :func:`write_map`.
     """
@@ -97,7 +97,7 @@ def occupied_cells(scene: Scene, resolution: float) -> NDArray[np.bool_]:
 
 
 def _chain(record: Record, y_down: bool, sagitta: float) -> FloatArray:
-    """A record's border as (n, 2); chords of an arc lie outside it by no more than sagitta."""
+    """A record's border as (n, 2); chords of an arc lie outside it by at most sagitta."""
     if isinstance(record, PointRecord):
         return np.array([record.at, record.at])
     points: list[FloatArray] = []
@@ -116,12 +116,12 @@ def _chain(record: Record, y_down: bool, sagitta: float) -> FloatArray:
 
 
 def _cells_along(line: FloatArray) -> FloatArray:
-    """(n, 2) places, in cells, one inside each cell that the line passes through."""
+    """(n, 2) places in units of cells, one inside each cell that the line crosses."""
     return np.concatenate([*(_crossed(a, b) for a, b in pairwise(line)), line])
 
 
 def _crossed(a: FloatArray, b: FloatArray) -> FloatArray:
-    """A segment's middles between the grid's lines."""
+    """Midpoints of a segment's parts between grid lines."""
     cuts = [np.array([0.0, 1.0])]
     for axis in range(2):
         low, high = sorted((a[axis], b[axis]))
@@ -134,7 +134,7 @@ def _crossed(a: FloatArray, b: FloatArray) -> FloatArray:
 
 
 def _mark(occupied: NDArray[np.bool_], places: FloatArray) -> None:
-    """Occupy the cells that hold the places; those on cells' edges occupy none."""
+    """Occupy the cells that contain the places; places on cell edges occupy none."""
     off = np.abs(places - np.rint(places))
     inside = places[(off > ON_EDGE).all(axis=1)]
     cell = np.floor(inside).astype(np.int64)
@@ -144,7 +144,7 @@ def _mark(occupied: NDArray[np.bool_], places: FloatArray) -> None:
 
 
 def _fill(occupied: NDArray[np.bool_], rings: list[FloatArray]) -> None:
-    """Occupy the cells whose centre lies within the rings, by even-odd along every row."""
+    """Occupy cells with their centre inside the rings, by even-odd along every row."""
     rows, columns = occupied.shape
     crossings: dict[int, list[float]] = {}
     for row, x in _row_crossings(rings):
@@ -159,7 +159,7 @@ def _fill(occupied: NDArray[np.bool_], rings: list[FloatArray]) -> None:
 
 
 def _row_crossings(rings: list[FloatArray]) -> Iterator[tuple[int, float]]:
-    """Where the rings cross the lines through the cells' centres: row, x."""
+    """Crossings of the rings with the lines through the cells' centres: row, x."""
     for ring in rings:
         for (ax, ay), (bx, by) in zip(ring.tolist(), np.roll(ring, -1, 0).tolist(), strict=True):
             low, high = min(ay, by), max(ay, by)

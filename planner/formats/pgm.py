@@ -1,4 +1,4 @@
-"""Pictures of maps in Netpbm's PGM format, P2 (text) and P5 (binary)."""
+"""Map pictures in Netpbm's PGM format, P2 (text) and P5 (binary)."""
 
 from __future__ import annotations
 
@@ -19,9 +19,9 @@ GLUED_COMMENTS = re.compile(rb"(?:#[^\r\n]*[\r\n])+")
 
 
 def parse_pgm(data: bytes, name: str) -> NDArray[np.float64]:
-    """An (h, w) array of shades in [0, 1] from a PGM file, P2 (text) or P5 (binary).
+    """Parse a PGM file, P2 (text) or P5 (binary), into (h, w) shades in [0, 1].
 
-    Comments may follow any number at once, the maximum included.
+    A comment may directly follow any number, including the maximum.
     """
     header = PGM_HEADER.match(data)
     if header is None:
@@ -44,11 +44,11 @@ def parse_pgm(data: bytes, name: str) -> NDArray[np.float64]:
 
 
 def _binary_values(body: bytes, cells: int, maximum: int, name: str) -> NDArray[Any]:
-    """The pixels of a P5 file from what follows its maximum.
+    """Pixels of a P5 file, from the bytes after its maximum.
 
-    One character of white space comes before the pixels. After a comment that is glued to the
-    maximum it comes too, says Netpbm's document, while Netpbm's readers take the comment's own
-    line end for it: the number of bytes tells which it is.
+    One white space precedes the pixels. After a comment attached to the maximum, Netpbm's document
+    requires another one, while Netpbm's readers use the comment's own line end: the number of bytes
+    decides between the two.
     """
     kind = np.dtype(np.uint8) if maximum < 256 else np.dtype(">u2")
     size = cells * kind.itemsize

@@ -1,8 +1,8 @@
-"""Scene and map files in and out: the planner's only door to the disk.
+"""Scene and map files in and out: the planner's only access to the disk.
 
-``load_scene`` finds out from the content what a file is: the scene text of ``scene_text.py``, the
-YAML of a ROS map, or a MovingAI ``.map`` (``map_files.py``). A picture is not a scene: it has
-to be looked at first, which is the work of ``vision.extract``.
+``load_scene`` recognises a file by its content: the scene text of ``scene_text.py``, the YAML of a
+ROS map, or a MovingAI ``.map`` (``map_files.py``). A picture is not a scene; ``vision.extract``
+turns it into one.
 """
 
 from __future__ import annotations
@@ -24,18 +24,18 @@ _PICTURE_STARTS = (
 
 
 def load_scene(path: str | os.PathLike[str], *, read_picture: ReadPicture | None = None) -> Scene:
-    """The scene in a file; ``read_picture`` reads the pictures of ROS maps that are not PGM.
+    """Load the scene in a file; ``read_picture`` reads pictures of ROS maps other than PGM.
 
-    Raises :class:`SceneError` naming the file and, where there is one, the line and column.
+    Raises :class:`SceneError` naming the file and, if there is one, the line and column.
     """
     file = Path(path)
     return scene_from_bytes(read_bytes(file), file, read_picture=read_picture)
 
 
 def scene_from_bytes(data: bytes, file: Path, *, read_picture: ReadPicture | None = None) -> Scene:
-    """The scene in the bytes of a file, as :func:`load_scene` reads it.
+    """Return the scene in the bytes of a file, as :func:`load_scene` reads it.
 
-    Errors name ``file``, and the picture of a ROS map lies in its folder.
+    Errors name ``file``; the picture of a ROS map is in its folder.
     """
     if is_picture(data):
         raise SceneError(
@@ -51,7 +51,7 @@ def scene_from_bytes(data: bytes, file: Path, *, read_picture: ReadPicture | Non
 
 
 def save_scene(scene: Scene, path: str | os.PathLike[str]) -> None:
-    """Write the scene as text; :class:`SceneError` where the file cannot be written."""
+    """Write the scene as text; :class:`SceneError` if the file cannot be written."""
     text = write_scene_text(scene)
     try:
         Path(path).write_text(text, encoding="utf-8")
@@ -60,7 +60,7 @@ def save_scene(scene: Scene, path: str | os.PathLike[str]) -> None:
 
 
 def is_picture(data: bytes) -> bool:
-    """Whether a file that begins so is a picture.
+    """True if a file with this beginning is a picture.
 
     PNG, JPEG, BMP, GIF, TIFF, WebP, AVIF, JPEG 2000, Netpbm, PFM, PAM, Radiance, Sun raster.
     """

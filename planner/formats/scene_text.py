@@ -1,4 +1,4 @@
-"""The scene as text: the paper's records (section 3.3), one a line, read and written without loss.
+"""The scene as text: the paper's records (section 3.3), one a line, without loss.
 
 The plain format
     P (x,y)                     a point
@@ -6,25 +6,25 @@ The plain format
     C (xc,yc) r                 a circle
     A N (x1,y1)...(xn,yn)       an open chain of N vertices
     L N (x1,y1)...(xn,yn)       a generalized polygon of N vertices, closed from last to first
-``#`` begins a comment. Spaces, tabs and commas between coordinates are all the same.
+``#`` begins a comment. Spaces, tabs and commas between coordinates are equivalent.
 
-The extensions, for what the plain format cannot say, hide in comments. They count only where
-the first line that is not blank is ``#@ clearway.scene/1``; any other reader skips them.
+Extensions of the plain format are comments. They count only if the first line that is not blank is
+``#@ clearway.scene/1``; other readers skip them.
     #@ units px|m|cells
     #@ bounds given|derived x_min y_min x_max y_max
     #@ size width height            of the picture, in pixels, or of the grid, in cells
     #@ border_pixels n
-    #@ binarisation {...}           JSON, as are the next two
+    #@ binarisation {...}           JSON, like the next two
     #@ timings_ms {...}
     #@ remark "..."
     #@ object id                    the records below belong to this object
     #@ hole                         the records below are the border of a hole of the object
     #@ arc k xc yc r cw|ccw         edge k (from 1) of the record above is this arc
-    #@ residual_px d                how far the record above lies from its pixels
+    #@ residual_px d                distance of the record above from its pixels
 
-A file without extensions is in px; each record is an object of its own; polygons are turned to
-run clockwise as seen on the screen; the bounds are derived, generously: the records' bounding
-box, grown by its diagonal on every side. Numbers are written as Python's shortest ``repr``.
+A file without extensions is in px; each record is an object of its own; polygons are reoriented
+clockwise as seen on the screen. The bounds are derived generously: the records' bounding box, grown
+by its diagonal on every side. Numbers are written as Python's shortest ``repr``.
 """
 
 from __future__ import annotations
@@ -38,11 +38,11 @@ __all__ = ["HEADER", "read_scene_text", "write_scene_text"]
 
 
 def read_scene_text(text: str, name: str = "<text>") -> Scene:
-    """The scene that ``text`` holds; ``name`` is the file's name in errors.
+    """Read the scene in ``text``; ``name`` is the file's name in errors.
 
-    Raises :class:`SceneError` ("name:line:column: what") for anything that is not the format of
-    this module: unknown records, wrong counts, numbers that are not finite or beyond
-    ``MAX_COORDINATE``, radii <= 0, trailing characters. O(length of the text).
+    Raises :class:`SceneError` ("name:line:column: what") on anything outside this module's format:
+    unknown records, wrong counts, numbers that are not finite or beyond ``MAX_COORDINATE``, radii
+    <= 0, trailing characters. O(length of the text).
     """
     reader = SceneReader(name)
     for number, line in enumerate(text.removeprefix("\ufeff").splitlines(), start=1):
@@ -51,9 +51,9 @@ def read_scene_text(text: str, name: str = "<text>") -> Scene:
 
 
 def write_scene_text(scene: Scene) -> str:
-    """The scene as text with all extensions; ``read_scene_text`` gives an equal scene back.
+    """Write the scene as text with all extensions; ``read_scene_text`` returns an equal scene.
 
-    Raises :class:`SceneError` where a record cannot be written: edges that do not connect,
-    numbers that are not finite, arcs off their circles.
+    Raises :class:`SceneError` if a record cannot be written: edges that do not connect, numbers
+    that are not finite, arcs off their circles.
     """
     return "\n".join(scene_lines(scene)) + "\n"

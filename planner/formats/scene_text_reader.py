@@ -1,4 +1,4 @@
-"""Reads the scene's text, line by line, into records, objects and the scene's own fields.
+"""Reader of the scene's text, line by line, into records, objects and the scene's fields.
 
 The format is described in :mod:`planner.formats.scene_text`.
 """
@@ -38,7 +38,7 @@ fraction of a pixel off; more means that the numbers belong to another edge."""
 
 
 class SceneReader:
-    """Collects records into objects and the extensions into the scene's fields."""
+    """Collector of records into objects and of extensions into the scene's fields."""
 
     def __init__(self, name: str) -> None:
         self.name = name
@@ -52,7 +52,7 @@ class SceneReader:
         self.borders: list[list[Record]] = []
 
     def take_line(self, scan: Scanner) -> None:
-        """Take the next line of the text."""
+        """Read the next line of the text."""
         if scan.rest() == "":
             return
         if self.extended is None:
@@ -179,7 +179,7 @@ class SceneReader:
         self._replace_last(replace(record, edges=edges))
 
     def finish(self) -> Scene:
-        """The scene, once all lines are taken."""
+        """Return the scene after all lines."""
         if self.in_object:
             if not self.borders[-1]:
                 raise SceneError(f"{self.name}: the last object or hole has no records")
@@ -224,7 +224,7 @@ def _chords(points: list[Vec]) -> tuple[Segment, ...]:
 
 
 def _clockwise(record: Record) -> Record:
-    """The same polygon, clockwise as seen on a screen whose y grows downwards."""
+    """The same polygon, clockwise as seen on a screen with y down."""
     if not isinstance(record, PolygonRecord):
         return record
     corners = [edge.start for edge in record.edges]
@@ -288,7 +288,7 @@ def _read_remark(scan: Scanner) -> str:
 
 
 def arc_problem(arc: Arc) -> str | None:
-    """What is wrong with an arc's ends, or None."""
+    """Description of a fault in an arc's ends, or None."""
     for which, end in (("start", arc.start), ("end", arc.end)):
         off = abs(math.dist(arc.center, end) - arc.radius)
         if off > ARC_END_TOLERANCE * arc.radius:

@@ -1,4 +1,4 @@
-"""Writes a scene as lines of text, so that reading them gives an equal scene.
+"""Writer of a scene as lines of text that read back as an equal scene.
 
 The format is described in :mod:`planner.formats.scene_text`.
 """
@@ -26,7 +26,7 @@ from planner.scene import (
 
 
 def scene_lines(scene: Scene) -> Iterator[str]:
-    """The lines of the whole text."""
+    """Lines of the whole text."""
     b = scene.bounds
     corners = " ".join(_number(v) for v in (b.x_min, b.y_min, b.x_max, b.y_max))
     yield HEADER

@@ -1,1 +1,8 @@
-"""From a path to timed waypoints: rounded corners, stops, speeds."""
+"""From a path to timed waypoints: rounded corners, stops, speeds.
+
+- ``smooth.py`` rounds the path's corners and proves the clearance again; ``smooth_kernels.py``
+  computes the curves.
+- ``stops_and_bends.py`` cuts the path into legs at its stops and limits the speed along each.
+- ``speed_profile.py`` plans the speed along one leg, with bounded jerk.
+- ``trajectory.py`` combines these into timed waypoints.
+"""

@@ -1,13 +1,12 @@
 """Rounds a path's corners inside the free corridor, and proves the clearance again.
 
-A corner is cut from a point before it to a point after it by a parabola that leaves and joins
-the path along its own directions (a quadratic Bezier curve: its control point is where the two
-tangents meet). The sharpest corners come first. A cut begins as long as the cuts beside it
-allow and is halved until the exact clearance of the new piece is enough; where even the
-shortest is not, the corner stays. For a robot with a turning radius cuts are arcs of at least
-that radius, and a corner without room for one stays, to be turned on the spot.
-Nothing is sampled: the clearance is that of the whole new polyline against every border, by the
-callable that is given.
+A parabola cuts each corner from a point before it to a point after it, tangent to the path at both
+ends (a quadratic Bezier curve: its control point is where the tangents meet). The sharpest corners
+come first. A cut begins with the greatest length that the adjacent cuts allow, and is halved until
+the exact clearance of the new piece suffices; if even the shortest fails, the corner stays. For a
+robot with a turning radius, cuts are arcs of at least that radius, and a corner without room for
+one stays, to be turned on the spot. Nothing is sampled: the given callable measures the clearance
+of the whole new polyline against every border.
 
 Units are the scene's.
 """
@@ -50,16 +49,16 @@ class SmoothError(ValueError):
 
 
 class LeastClearance(Protocol):
-    """The least clearance of a polyline and where it is, as ``Roadmap.path_clearance`` reports."""
+    """The least clearance of a polyline and its place, as ``Roadmap.path_clearance`` reports."""
 
     @property
     def distance(self) -> float:
-        """The exact distance to the nearest border or wall."""
+        """Exact distance to the nearest border or wall."""
         ...
 
     @property
     def at(self) -> Vec:
-        """The point of the polyline where it is."""
+        """Point of the polyline with this clearance."""
         ...
 
 
@@ -78,7 +77,7 @@ class _Cut:
 
 @dataclass(frozen=True, slots=True)
 class _Rules:
-    """What every cut must keep: ``floor``, but for a path that is ``nearer`` than it already."""
+    """Requirements of a cut: clearance ``floor``, or, if the path is ``nearer``, that replaced."""
 
     radius: float
     floor: float
@@ -95,13 +94,12 @@ def smooth_path(
     keep: float | None = None,
     turning_radius: float = 0.0,
 ) -> Path:
-    """The path with its corners rounded; stations stay where they are.
+    """Return the path with rounded corners; stations stay in place.
 
-    ``keep`` is the clearance that every changed piece must have, or what the piece that it replaces
-    had where that is less: the path's own least clearance where None. It is never less than the
-    robot's radius, but for a path that is nearer by rounding. The answer's clearances are computed
-    again. Alternatives are smoothed too. Raises :class:`SmoothError` where ``keep`` is below the
-    radius or not finite.
+    ``keep`` is the clearance of every changed piece, or that of the piece replaced if smaller; None
+    means the path's own least clearance. It is at least the robot's radius, unless the path is nearer
+    by rounding. Clearances are computed again, and alternatives smoothed too. Raises
+    :class:`SmoothError` if ``keep`` is below the radius or not finite.
     """
     floor = path.min_clearance if keep is None else keep
     radius = min(path.robot_radius, path.min_clearance)
@@ -145,7 +143,7 @@ def smooth_path(
 
 
 def _smooth_leg(points: FloatArray, rules: _Rules) -> FloatArray:
-    """One stretch between stations, corner after corner. O(n log n)."""
+    """Smooth one stretch between stations, corner by corner. O(n log n)."""
     if len(points) < 3:
         return points
     points = np.ascontiguousarray(points, dtype=np.float64)
@@ -170,9 +168,9 @@ def _smooth_leg(points: FloatArray, rules: _Rules) -> FloatArray:
 
 
 def _room(corner: float, cuts: list[_Cut], after: int, length: float) -> float:
-    """How far a cut may reach to either side before it meets another one or the leg's end.
+    """Largest reach of a cut to either side before another cut or the leg's end.
 
-    The ``cuts`` are in order, and the first that begins beyond the corner is number ``after``.
+    The ``cuts`` are in order; ``after`` is the number of the first that begins beyond the corner.
     """
     room = min(corner, length - corner)
     if after > 0:
@@ -185,7 +183,7 @@ def _room(corner: float, cuts: list[_Cut], after: int, length: float) -> float:
 def _round_corner(
     points: FloatArray, lengths: FloatArray, corner: float, reach: float, rules: _Rules
 ) -> _Cut | None:
-    """The longest cut whose clearance is proved, None where there is none."""
+    """Return the longest cut with proved clearance, or None."""
     tolerance = CURVE_TOLERANCE * rules.radius
     for _ in range(HALVINGS):
         if reach <= tolerance:
@@ -208,7 +206,7 @@ def _is_wide(
     reach: float,
     rules: _Rules,
 ) -> bool:
-    """Whether the curve has the clearance asked for, or what it replaces where that has less."""
+    """True if the curve has the required clearance, or at least that of the piece replaced."""
     gap = rules.path_clearance(curve).distance
     if gap >= rules.floor or not rules.nearer:
         return gap >= rules.floor
@@ -219,7 +217,7 @@ def _is_wide(
 
 
 def _with_cuts(points: FloatArray, lengths: FloatArray, cuts: list[_Cut]) -> FloatArray:
-    """The points with the cuts put in, which are in order."""
+    """Insert the cuts, which are in order, into the points."""
     pieces = []
     done = 0
     for cut in cuts:

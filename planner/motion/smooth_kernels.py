@@ -3,12 +3,12 @@
 Rules and units
 - A curve runs from ``reach`` before the corner to ``reach`` after it, by lengths along the
   polyline, and is tangent to it at both ends: its control point is where the tangents meet.
-- Chords leave a curve by no more than ``tolerance``, unless that took more than ``MOST`` of them.
-- An empty curve (0, 2) says that there is none: the tangents do not meet ahead of the first end
-  and behind the last, or the curve would be longer than what it replaces.
+- Chords leave a curve by at most ``tolerance``, unless that takes more than ``MOST`` of them.
+- An empty curve (0, 2) means that none exists: the tangents do not meet ahead of the first end
+  and behind the last, or the curve would be longer than the piece it replaces.
 """
 
-# The arrays' types are in the docstrings; numba infers them.
+# numba infers types; docstrings state them.
 # mypy: allow-untyped-defs
 
 from __future__ import annotations
@@ -30,7 +30,7 @@ BEND_SPARE = 0.05
 
 @njit(**BORROWING)
 def _place(points, lengths, i, at):
-    """The place at a length along link i."""
+    """Place at a length along link i."""
     step = lengths[i + 1] - lengths[i]
     t = (at - lengths[i]) / step if step > 0.0 else 0.0
     x, y = points[i, 0], points[i, 1]
@@ -39,7 +39,7 @@ def _place(points, lengths, i, at):
 
 @njit(**BORROWING)
 def _control(points, lengths, corner, reach, out):
-    """Write both ends of the cut and where their tangents meet (3, 2); False where they do not."""
+    """Write both ends of the cut and the tangents' meeting point (3, 2); False if there is none."""
     begin, end = corner - reach, corner + reach
     last = len(points) - 1
     i = min(max(np.searchsorted(lengths, begin, side="right"), 1), last) - 1
@@ -63,7 +63,7 @@ def _control(points, lengths, corner, reach, out):
 
 @njit(**OWNING)
 def _if_shorter(curve, most):
-    """The curve, or none where it is longer than ``most``."""
+    """The curve, or an empty one if it is longer than ``most``."""
     length = 0.0
     for i in range(len(curve) - 1):
         length += math.hypot(curve[i + 1, 0] - curve[i, 0], curve[i + 1, 1] - curve[i, 1])
@@ -72,7 +72,7 @@ def _if_shorter(curve, most):
 
 @njit(**OWNING)
 def parabola(points, lengths, corner, reach, tolerance):
-    """The parabola across a corner of a polyline (n, 2) with its ``lengths`` (n,)."""
+    """Parabola across a corner of a polyline (n, 2) with its ``lengths`` (n,)."""
     met = np.empty((3, 2))
     if not _control(points, lengths, corner, reach, met):
         return met[:0]
@@ -90,9 +90,9 @@ def parabola(points, lengths, corner, reach, tolerance):
 
 @njit(**OWNING)
 def bend(points, lengths, corner, reach, tolerance, least_radius):
-    """An arc of at least ``least_radius`` that joins both tangents, and what is left of them.
+    """Arc of at least ``least_radius`` joining both tangents, and the rest of the tangents.
 
-    There is none, too, where the tangents have no room for the arc.
+    Also empty if the tangents have no room for the arc.
     """
     met = np.empty((3, 2))
     if not _control(points, lengths, corner, reach, met):
@@ -106,7 +106,7 @@ def bend(points, lengths, corner, reach, tolerance, least_radius):
     ux, uy, vx, vy = ux / before, uy / before, vx / after, vy / after
     turn = math.atan2(ux * vy - uy * vx, ux * vx + uy * vy)
     radius = room / math.tan(0.5 * abs(turn))
-    # driven in chords, an arc is bent a little more than it is
+    # driven in chords, an arc bends slightly more
     if radius < least_radius * (1.0 + BEND_SPARE):
         return met[:0]
     steps = math.ceil(abs(turn) / math.sqrt(8.0 * tolerance / radius))

@@ -1,17 +1,17 @@
 """Speed along one leg, from rest to rest, under limits on speed, acceleration and jerk.
 
 Method. With T = 2 a / j:
-1. The speed limit V(s), a step function on cells of the leg, is lowered to
+1. Lower the speed limit V(s), a step function on cells of the leg, to
    W(s) = min{V(u) : |u - s| <= V(u) T}: slow places reach as far as they must (see 3).
-2. The fastest profile under W with acceleration <= a, from rest to rest: two cones in v^2
+2. Take the fastest profile under W with acceleration <= a, from rest to rest: two cones in v^2
    (Bobrow, Dubowsky and Gibson 1985, for one limit a).
-3. Its position over time is averaged over a window of length T. The average of an acceleration
+3. Average its position over time in a window of length T. The average of an acceleration
    within +-a lies within +-a and changes by at most 2 a / T = j. Its speed at s is
-   (p(t + T/2) - p(t - T/2)) / T for a window whose way I contains s. Were that more than V(s),
-   I would be longer than V(s) T, so that at least V(s) T of it, next to s, would be driven at
+   (p(t + T/2) - p(t - T/2)) / T for a window whose path I contains s. If that were more than
+   V(s), I would be longer than V(s) T, so at least V(s) T of it, next to s, would be driven at
    no more than W <= V(s): that alone takes the time T. So every speed limit holds exactly.
-4. So does a lower limit of the acceleration in single cells: at s the average is taken over
-   places within V(s) T of it, and there the raw profile keeps the limit of s.
+4. A lower acceleration limit in single cells holds too: at s the average covers places within
+   V(s) T of it, where the raw profile keeps the limit of s.
 """
 
 from __future__ import annotations
@@ -36,8 +36,8 @@ _STEPS = 16
 class SpeedProfile:
     """Position over time along a leg: ``times`` and ``speeds`` (n,) at ``lengths`` (n,).
 
-    Between two entries the acceleration is constant; ``area`` is the integral of the position
-    over time. The profile driven is the average of this one over ``window_s``.
+    The acceleration is constant between two entries; ``area`` is the integral of the position over
+    time. The robot drives the average of this profile over ``window_s``.
     """
 
     lengths: FloatArray
@@ -48,7 +48,7 @@ class SpeedProfile:
 
     @property
     def duration_s(self) -> float:
-        """From rest at the leg's start to rest at its end."""
+        """Duration from rest at the leg's start to rest at its end."""
         return float(self.times[-1]) + self.window_s
 
     def position(self, time_s: FloatArray) -> FloatArray:
@@ -64,7 +64,7 @@ class SpeedProfile:
         return speeds
 
     def time_at(self, lengths: FloatArray) -> FloatArray:
-        """The time at which each length is reached: Newton's steps kept inside a bracket."""
+        """Time at each length, by Newton's steps inside a bracket."""
         breaks = np.sort(np.concatenate([self.times, self.times + self.window_s]))
         reached = np.maximum.accumulate(self.position(breaks))
         above = np.minimum(np.searchsorted(reached, lengths), len(breaks) - 1)
@@ -85,7 +85,7 @@ class SpeedProfile:
         return times
 
     def _cell(self, time_s: FloatArray) -> tuple[IndexArray, FloatArray, FloatArray]:
-        """For each time: its cell's index, the time since the cell began, the acceleration."""
+        """For each time, its cell's index, the time since the cell began, the acceleration."""
         clamped = np.minimum(np.maximum(time_s, 0.0), self.times[-1])
         cell = np.searchsorted(self.times, clamped, side="right") - 1
         cell = np.minimum(cell, len(self.times) - 2)
@@ -116,10 +116,10 @@ def plan_speed(
     jerk: float,
     gentle: FloatArray | None = None,
 ) -> SpeedProfile:
-    """The profile along cells that end at ``lengths`` (n + 1,) with speed ``limits`` (n,) > 0.
+    """Plan the profile along cells with ends ``lengths`` (n + 1,) and speed ``limits`` (n,) > 0.
 
-    ``lengths`` grow strictly from 0. ``gentle`` (n,) > 0 are limits of the acceleration in single
-    cells, below ``acceleration``. O(n log n).
+    ``lengths`` grow strictly from 0. ``gentle`` (n,) > 0 limits the acceleration of single cells
+    below ``acceleration``. O(n log n).
     """
     window = 2.0 * acceleration / jerk
     reach = limits * window
@@ -147,14 +147,14 @@ def plan_speed(
 def _with_middle(
     lengths: FloatArray, limits: FloatArray, acceleration: float
 ) -> tuple[FloatArray, FloatArray]:
-    """One cell only: speed up to its middle, then slow down."""
+    """For a single cell, speed up to its middle, then slow down."""
     middle = 0.5 * float(lengths[1])
     top = min(float(limits[0]), math.sqrt(2.0 * acceleration * middle))
     return np.array([0.0, middle, lengths[1]]), np.array([0.0, top, 0.0])
 
 
 def _reach_out(lengths: FloatArray, limits: FloatArray, reach: FloatArray) -> FloatArray:
-    """Each cell's limit, lowered to that of every cell that is lower within its own ``reach``."""
+    """Each cell's limit, lowered to that of any slower cell whose own ``reach`` includes it."""
     first = np.searchsorted(lengths, lengths[:-1] - reach, side="right") - 1
     last = np.searchsorted(lengths, lengths[1:] + reach, side="left")
     return polyline_kernels.reach_out(limits, first, last)  # type: ignore[no-any-return]

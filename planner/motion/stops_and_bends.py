@@ -1,11 +1,11 @@
-"""A path cut at the places where the robot is at rest, and what it may do between them.
+"""A path cut into legs at the robot's stops, with the limits that apply between them.
 
-- A corner of the path is taken as a bend that leaves the corner by ``chord_tolerance``: the
-  heading turns evenly from t before to t after it, ``EVEN`` of t = tolerance / tan(turn / 4) (at
-  most half way to the next corner), and is then averaged over a stretch of the leg (``ease``
-  before and after), so that the curvature grows and falls evenly. The speed there keeps the
-  angular rate, the lateral and the angular acceleration. Where that would be a crawl, or the
-  bend tighter than the turning radius, a robot that can turn on the spot stops.
+- A corner of the path becomes a bend that leaves the corner by ``chord_tolerance``. The heading
+  turns evenly from t before to t after it, ``EVEN`` of t = tolerance / tan(turn / 4) (at most half
+  way to the next corner), and is then averaged over a stretch of the leg (``ease`` before and
+  after), so that the curvature grows and falls evenly. The speed there keeps the angular rate and
+  the lateral and angular acceleration. Where that would be a crawl, or the bend tighter than the
+  turning radius, a robot that can turn on the spot stops.
 - Lengths are measured along a leg, from 0, in the scene's units.
 """
 
@@ -44,21 +44,21 @@ _LEAST_WAYPOINTS = 4
 
 @dataclass(frozen=True, slots=True)
 class Leg:
-    """A stretch between two stops: dense points, the heading's corners, its station."""
+    """A stretch between two stops: dense points, the heading's corners, stations passed."""
 
     points: FloatArray
     lengths: FloatArray
     clearances: FloatArray
     turn_at: FloatArray  # lengths at which the heading before averaging changes slope
     heading: FloatArray  # there, unwrapped
-    ease: float  # the heading is averaged so far before and after
+    ease: float  # half-width of the heading's averaging
     forced: FloatArray  # lengths that need a waypoint
     stations: dict[float, int]  # length -> station passed without a stop
 
     def headings(self, at: FloatArray) -> FloatArray:
-        """The heading, unwrapped, at lengths ``at`` from 0 to the leg's: averaged.
+        """Averaged, unwrapped heading at lengths ``at`` from 0 to the leg's.
 
-        Beyond the ends the heading is thought mirrored, so that it is kept at the ends.
+        The heading is mirrored beyond the ends, so that the ends keep theirs.
         """
         knots, values = self._beyond()
         steps = np.diff(knots)
@@ -67,21 +67,21 @@ class Leg:
         return (high - low) / (2.0 * self.ease)
 
     def curvatures(self, at: FloatArray) -> FloatArray:
-        """The averaged heading's slope, signed: linear between the :meth:`breaks`."""
+        """Signed slope of the averaged heading: linear between the :meth:`breaks`."""
         knots, values = self._beyond()
         low, high = (np.interp(at + d, knots, values) for d in (-self.ease, self.ease))
         slopes: FloatArray = (high - low) / (2.0 * self.ease)
         return slopes
 
     def breaks(self) -> FloatArray:
-        """The lengths at which the curvature's slope changes."""
+        """Lengths at which the curvature's slope changes."""
         knots, _ = self._beyond()
         both = np.concatenate([knots - self.ease, knots + self.ease])
         inside: FloatArray = both[(both > 0.0) & (both < self.lengths[-1])]
         return inside
 
     def _beyond(self) -> tuple[FloatArray, FloatArray]:
-        """The heading before averaging, and mirrored by its ends on both sides."""
+        """The heading before averaging, mirrored beyond both ends."""
         at, value = self.turn_at, self.heading
         knots = [-at[:0:-1], at, 2.0 * at[-1] - at[-2::-1]]
         values = [2.0 * value[0] - value[:0:-1], value, 2.0 * value[-1] - value[-2::-1]]
@@ -90,7 +90,7 @@ class Leg:
 
 @dataclass(frozen=True, slots=True)
 class Stop:
-    """A place where the robot is at rest: a station, a sharp corner or both ends."""
+    """A place of rest: a station, a sharp corner or one of both ends."""
 
     vertex: int
     station: int | None
@@ -150,7 +150,7 @@ class Track:
                 self.stops.append(self._standing_at(int(vertex)))
 
     def _add_tight_bends(self) -> None:
-        """Stops until nothing between them is too tight: fewer vertices count between fewer."""
+        """Add stops until no bend between them is too tight; shorter stretches keep fewer vertices."""
         tightest = self._tightest()
         done = self.stops[:1]
         ahead = self.stops[:0:-1]
@@ -170,11 +170,11 @@ class Track:
         return Stop(vertex, self.passed.pop(vertex, None), None, 0.0)
 
     def _tightest(self) -> float:
-        """The greatest curvature that can be driven."""
+        """Greatest curvature that can be driven."""
         return (1.0 + ROUNDING) / self.limits.turning_radius
 
     def too_tight(self, leg: Leg) -> tuple[float, float, float] | None:
-        """Where the leg bends tighter than the turning radius, and how tight it is there."""
+        """Place where the leg is tighter than the turning radius, and the radius there; or None."""
         if self.limits.turning_radius == 0.0 or not len(leg.lengths):
             return None
         at = np.concatenate([[0.0], leg.breaks(), leg.lengths[-1:]])
@@ -197,11 +197,10 @@ class Track:
     def _corners(
         self, first: int, last: int
     ) -> tuple[IntArray, FloatArray, FloatArray, FloatArray]:
-        """Between two vertices: those where the heading turns, by how much, from where to where.
+        """Corners between two vertices: vertex, turn, and the lengths before and after it.
 
-        The last two are lengths before and after the vertex. Vertices within a tenth of the
-        chord tolerance of a straight line do not count, so that the noise of a finely sampled
-        path is no corner.
+        Vertices within a tenth of the chord tolerance of a straight line do not count, so the noise
+        of a finely sampled path makes no corners.
         """
         span = slice(first, last + 1)
         kept = first + fewer_vertices(self.points[span], 0.1 * self.limits.chord_tolerance)
@@ -215,10 +214,11 @@ class Track:
         return kept[1:-1], turns, before, after
 
     def _ease(self, turns: FloatArray, spread: FloatArray, length: float) -> float:
-        """How far the heading is averaged, so that no bend leaves its corner by more for it.
+        """Half-width of the heading's averaging that keeps every bend within the tolerance.
 
-        An even bend of curvature k is moved by k ease^2 / 6: by a quarter of the tolerance. Where
-        the tolerance alone says how far the heading turns, this is as far as it turns.
+        Averaging moves an even bend of curvature k by k ease^2 / 6: a quarter of the tolerance.
+        Where the tolerance alone sets the turning length before and after a corner, the half-width
+        equals it.
         """
         turned = turns != 0.0
         curvature = np.abs(turns[turned]) / spread[turned]
@@ -226,7 +226,7 @@ class Track:
         return float(min(least.min(initial=math.inf), 0.5 * length))
 
     def legs(self) -> list[Leg]:
-        """The stretches between consecutive stops, as many as stops less one."""
+        """Stretches between consecutive stops, one fewer than stops."""
         return [self._leg(before.vertex, after.vertex) for before, after in pairwise(self.stops)]
 
     def _leg(self, first: int, last: int) -> Leg:
@@ -263,14 +263,14 @@ class Track:
         return step
 
     def chord_tolerance(self) -> float:
-        """How far the waypoints' chords may leave the path, so that no clearance is lost."""
+        """Largest distance of the waypoints' chords from the path that loses no clearance."""
         rounding = 1e-9 * self.path.robot_radius
         return max(min(self.limits.chord_tolerance, self.slack), rounding)
 
     def speed_limits(self, leg: Leg, nodes: FloatArray) -> tuple[FloatArray, FloatArray]:
-        """The speed and the acceleration allowed in each cell between ``nodes`` along the leg.
+        """Speed and acceleration allowed in each cell between ``nodes`` along the leg.
 
-        The turning rate is curvature times speed, and changes by growth of curvature times speed
+        The turning rate is curvature times speed. It changes by growth of curvature times speed
         squared and by curvature times acceleration: each has its share of the limit.
         """
         limits = self.limits
@@ -281,7 +281,8 @@ class Track:
             clearances = np.interp(nodes, leg.lengths, leg.clearances)
         else:
             clearances = self.exact_clearance(points_at(leg.points, leg.lengths, nodes))
-        # clearance falls by no more than the way made: what both ends leave possible between
+        # clearance falls at most by the distance driven: this is the least that both ends allow
+        # between
         least = 0.5 * (clearances[:-1] + clearances[1:] - np.diff(nodes))
         spare = least - self.path.robot_radius
         room = limits.slow_clearance - self.path.robot_radius
@@ -298,7 +299,7 @@ class Track:
         return speed, np.minimum(gentle, limits.acceleration)
 
     def waypoint_lengths(self, leg: Leg) -> FloatArray:
-        """Lengths along the leg at which it gets a waypoint; both ends are among them."""
+        """Lengths along the leg of its waypoints, including both ends."""
         spacing = min(self.limits.spacing, float(leg.lengths[-1]) / _LEAST_WAYPOINTS)
         marks = np.concatenate([leg.lengths, leg.forced])
         fine = np.unique(marks)
@@ -320,7 +321,7 @@ class Track:
 def _integral(
     knots: FloatArray, values: FloatArray, area: FloatArray, at: FloatArray
 ) -> FloatArray:
-    """The integral up to ``at`` of what is linear between knots; ``area`` is that up to each."""
+    """Integral up to ``at`` of values linear between knots; ``area`` is that up to each knot."""
     cell = np.clip(np.searchsorted(knots, at, side="right") - 1, 0, len(knots) - 2)
     width = knots[cell + 1] - knots[cell]
     gone = at - knots[cell]
@@ -331,7 +332,7 @@ def _integral(
 
 
 def speed_cells(leg: Leg, spacing: float) -> FloatArray:
-    """(n,) ends of the cells in which the speed limit is constant, from 0 to the leg's length."""
+    """(n,) ends of the cells of constant speed limit, from 0 to the leg's length."""
     length = float(leg.lengths[-1])
     wanted = math.ceil(min(length / spacing, _MOST_CELLS) * _CELLS_PER_SPACING - 1e-6)
     count = min(max(wanted, _LEAST_CELLS), _MOST_CELLS)

@@ -1,14 +1,14 @@
-"""Timed waypoints along a path: where to be, heading where, how fast and when.
+"""Timed waypoints along a path: place, heading, speed and time.
 
-- The waypoints lie on the path. The straight lines between them leave it by no more than
-  ``chord_tolerance``, and by no more than the path has clearance to spare above the robot's
-  radius: the line through the waypoints is as free of collisions as the path.
-- Corners slow the robot, or stop it and turn it on the spot (``legs.py``).
+- The waypoints lie on the path. The straight lines between them leave it by at most
+  ``chord_tolerance``, and by at most the path's clearance beyond the robot's radius: the line
+  through the waypoints is as free of collisions as the path.
+- Corners slow the robot, or stop it and turn it on the spot (``stops_and_bends.py``).
 - Between two stops the speed keeps its limits with bounded jerk (``speed_profile.py``).
 - The robot stops and turns where a station asks for a heading, and stops where it dwells.
 
-Units are the scene's, seconds and radians; headings are in (-pi, pi] and in the coordinates'
-own sense (``planner.path``).
+Units are the scene's, seconds and radians; headings are in (-pi, pi] and in the coordinates' own
+sense (``planner.path``).
 """
 
 from __future__ import annotations
@@ -35,7 +35,7 @@ class TrajectoryError(ValueError):
 
 
 def default_limits(robot_radius: float) -> Limits:
-    """Moderate limits for a differential drive, from its radius: one diameter a second."""
+    """Moderate limits for a differential drive of this radius: one diameter a second."""
     if not (math.isfinite(robot_radius) and robot_radius > 0.0):
         raise TrajectoryError(f"robot radius = {robot_radius:g}: must be > 0 and finite")
     r = robot_radius
@@ -60,15 +60,14 @@ def time_path(
     clearance: Clearance | None = None,
     dwell_s: Sequence[float] = (),
 ) -> Trajectory:
-    """Timed waypoints along ``path`` that keep every one of ``limits``.
+    """Return timed waypoints along ``path`` that keep all ``limits``.
 
-    ``clearance`` maps (n, 2) points to (n,) exact clearances, so that the robot slows between
-    the path's points too; without it the path's own clearances are interpolated.
-    ``dwell_s`` has one entry a station, start and goal included; empty means none.
-    Times never fall, and grow wherever place or heading changes. Raises
-    :class:`TrajectoryError` on limits that are not > 0, dwells that are not >= 0, and where a
-    robot that cannot turn on the spot would have to: for a station's heading, or in a bend
-    tighter than its turning radius.
+    ``clearance`` maps (n, 2) points to (n,) exact clearances, so that the robot also slows between
+    the path's points; without it the path's own clearances are interpolated. ``dwell_s`` has one
+    entry per station, start and goal included; empty means none. Times never fall, and grow
+    wherever place or heading changes. Raises :class:`TrajectoryError` on limits that are not > 0,
+    dwells that are not >= 0, and if a robot that cannot turn on the spot would have to: for a
+    station's heading, or in a bend tighter than its turning radius.
     """
     _check(path, limits, dwell_s)
     dwells = tuple(dwell_s) or (0.0,) * len(path.stations)
@@ -118,7 +117,7 @@ def _check(path: Path, limits: Limits, dwell_s: Sequence[float]) -> None:
 
 
 class _Clock:
-    """Writes the waypoints down while time passes."""
+    """A writer of waypoints that keeps the time."""
 
     def __init__(self, limits: Limits) -> None:
         self.limits = limits
@@ -130,7 +129,7 @@ class _Clock:
         self.waypoints.append(Waypoint(x, y, wrap_angle(heading_rad), 0.0, 0.0))
 
     def stand(self, stop: Stop) -> None:
-        """Turn to the stop's heading, if it asks for one, and dwell."""
+        """Turn to the stop's heading, if it has one, and dwell."""
         if stop.heading is not None:
             self._turn(stop.heading)
         last = self.waypoints[-1]

@@ -1,11 +1,11 @@
-"""The chains for a robot: cut where their clearance passes its radius.
+"""Chains for a robot: cut where their clearance passes its radius.
 
 Rules and units
-- A chain that is as wide as the robot in places only is cut there: its wide parts are chains of
-  their own, and what is too narrow between them, too. What the cuts make are nodes.
-- What is narrower than the robot by rounding only is as wide as the robot.
-- Nodes at one place are one: beside walls much thinner than the generators' spacing a vertex may
-  be there twice, with what is too narrow for any robot between.
+- A chain that is wide enough only in places is cut: its wide parts, and the narrow ones between
+  them, become chains; the cuts become nodes.
+- A chain narrower than the robot only by rounding is wide enough.
+- Nodes at one place are merged: beside walls much thinner than the generators' spacing a vertex
+  may occur twice, joined by parts too narrow for any robot.
 """
 
 from __future__ import annotations
@@ -28,9 +28,9 @@ ASTRAY = 16.0
 
 @dataclass(frozen=True, slots=True)
 class Clipped:
-    """Chains each of which the robot follows throughout, or nowhere: ``wide`` (c,) says which.
+    """Chains that the robot follows throughout, or nowhere: ``wide`` (c,) says which.
 
-    Nodes keep their numbers; those of the cuts come behind them.
+    Nodes keep their numbers; those of the cuts come after them.
     """
 
     chains: Chains

@@ -1,18 +1,16 @@
-"""Cutting chains where their clearance passes the robot's radius, on flat arrays.
+"""Cuts chains where their clearance passes the robot's radius, on flat arrays.
 
 Rules and units
-- Chains are numbered as :func:`planner.diagram.chains.trace_kernels.trace_chains` leaves them;
-  chain c's points are ``points[first[c] : first[c + 1]]``, and link i runs from point i to point i
-  + 1.
-- A wide part is a stretch of a chain that keeps ``radius``. What is narrower than that only by
-  rounding, down to ``floor``, does not end it.
-- A cut lies on the bisector that its link follows, or on the link where that is straight, and
-  keeps the radius itself.
-- A dead end off the bisector that it should end is sampling's, in a gap much narrower than the
-  generators' spacing: what leads to it and is not proved is no part.
+- Chain c's points are ``points[first[c] : first[c + 1]]``, and link i runs from point i to point
+  i + 1, as in :func:`planner.diagram.chains.trace_kernels.trace_chains`.
+- A wide part is a stretch of a chain that keeps ``radius``. Places narrower only by rounding,
+  down to ``floor``, do not end it.
+- A cut keeps the radius, and lies on its link's bisector, or on the link if that is straight.
+- A dead end off its own bisector is an artefact of sampling, in a gap much narrower than the
+  generators' spacing: the unproved links to it are part of nothing.
 """
 
-# The arrays' types are in the docstrings; numba infers them.
+# numba infers types; docstrings state them.
 # mypy: allow-untyped-defs
 
 from __future__ import annotations
@@ -36,14 +34,16 @@ HALVINGS = 52
 
 
 class Solids(NamedTuple):
-    """Where no disc is: in a closed border, or out of the ``box``, x_min, y_min, x_max, y_max."""
+    """Places that no disc fits: in a closed border, or out of the ``box`` x_min, y_min, x_max,
+    y_max.
+    """
 
     closed: ClosedBorders
     box: NDArray[np.float64]
 
 
 class Limits(NamedTuple):
-    """What a part is: as wide as ``radius``, or as ``floor`` but for rounding, and longer than
+    """Definition of a part: as wide as ``radius``, or ``floor`` by rounding, and longer than
     ``least``.
 
     Places are equidistant within ``equal``; a dead end may be ``astray`` off its bisector.
@@ -75,7 +75,9 @@ def _copy(chains, i, out):
 
 @njit(**LEAF)
 def _reach(tree, chains, link, a, b, limits, out):
-    """Write how far from ``a`` (3,), which is wide, the link to b keeps the radius: x, y, rho."""
+    """Write the end of the link's part from ``a`` (3,), wide, to b that keeps the radius: x, y,
+    rho.
+    """
     kind, data, radius = tree.kind, tree.data, limits.radius
     left, right = np.int64(chains.pieces[link, 0]), np.int64(chains.pieces[link, 1])
     out[0], out[1], out[2] = a[0], a[1], a[2]
@@ -100,7 +102,7 @@ def _reach(tree, chains, link, a, b, limits, out):
 
 @njit(**LEAF)
 def _is_longer(points, where, ends, least):
-    """Whether a part is longer than ``least``."""
+    """True if a part is longer than ``least``."""
     x, y, total = ends[0, 0], ends[0, 1], 0.0
     for i in range(where[1] + 1, where[2] + 2):
         px, py = points[i, 0], points[i, 1]
@@ -115,7 +117,7 @@ def _is_longer(points, where, ends, least):
 
 @njit(**LEAF)
 def _is_astray(tree, solids, chains, i, link, tolerance):
-    """Whether a chain's end, point i, is off the bisector of its link, or behind a border."""
+    """True if a chain's end, point i, is off the bisector of its link, or behind a border."""
     kind, data, box = tree.kind, tree.data, solids.box
     x, y, r = chains.points[i, 0], chains.points[i, 1], chains.rho[i]
     for side in range(2):
@@ -128,9 +130,9 @@ def _is_astray(tree, solids, chains, i, link, tolerance):
 
 @njit(**LEAF)
 def _trusted(tree, solids, chains, is_end, c, limits):
-    """The first and the last point of a chain between which it is not a dead end gone astray.
+    """First and last point of a chain without its astray dead ends.
 
-    ``is_end`` are two flags, whether the chain is a dead end there.
+    ``is_end`` are two flags, True if the chain is a dead end there.
     """
     proved, rho, radius = chains.proved, chains.rho, limits.radius
     lo, hi = np.int64(chains.first[c]), np.int64(chains.first[c + 1]) - 1
@@ -150,10 +152,10 @@ def _trusted(tree, solids, chains, is_end, c, limits):
 
 @njit(**LEAF)
 def _parts_of(tree, chains, c, lo, hi, limits, parts, m, here):
-    """Write the wide parts of chain c between its points lo and hi: how many parts there are then.
+    """Write the wide parts of chain c between its points lo and hi; return the number of parts.
 
-    ``m`` parts are there before; there is room for one for every link, and one more. ``here``
-    (2, 3) is working space.
+    ``m`` parts exist before; there is space for one per link, and one more. ``here`` (2, 3) is
+    working space.
     """
     where, places = parts
     rho, gap, radius, floor = chains.rho, chains.gap, limits.radius, limits.floor
@@ -179,7 +181,7 @@ def _parts_of(tree, chains, c, lo, hi, limits, parts, m, here):
             continue
         is_open = True
         if narrowest >= floor and m > begun:
-            m -= 1  # narrow by rounding only: as if it had not ended
+            m -= 1  # only narrow by rounding: continue the last part
         elif narrowest >= floor:
             where[m, 0], where[m, 1] = c, lo
             _copy(chains, lo, places[m, 0])
@@ -197,11 +199,11 @@ def _parts_of(tree, chains, c, lo, hi, limits, parts, m, here):
 
 @njit(**OWNING, error_model="numpy")
 def wide_parts(tree, solids, chains, nodes, limits):
-    """The parts of chains that keep the radius, of every chain that does so in places only.
+    """Parts that keep the radius, of all chains that keep it only in places.
 
-    ``nodes`` is how many nodes the chains have. Parts that are too short are left out. Chains that
-    keep the floor throughout have none, nor those that keep the radius nowhere: ``whole`` (c,),
-    the second value, says which are the former.
+    ``nodes`` is the chains' number of nodes. Short parts are left out. Chains that keep the floor
+    throughout have no parts and are ``whole`` (c,), the second value; chains that keep the radius
+    nowhere have none either.
     """
     first, ends = chains.first, chains.ends
     parts = Parts(np.empty((64, 3), np.int32), np.empty((64, 2, 3)))
@@ -234,7 +236,7 @@ def wide_parts(tree, solids, chains, nodes, limits):
 
 @njit(**LEAF)
 def _copy_point(chains, i, out, n):
-    """Write point i of the chains, and the link that follows, as point n."""
+    """Write point i of the chains, and the next link, as point n."""
     for c in range(2):
         out.points[n, c], out.pieces[n, c] = chains.points[i, c], chains.pieces[i, c]
     out.proved[n], out.rho[n] = chains.proved[i], chains.rho[i]
@@ -243,7 +245,7 @@ def _copy_point(chains, i, out, n):
 
 @njit(**LEAF)
 def _write(tree, chains, a, s, b, e, out, n):
-    """Write a chain from the place a in link s to the place b in link e; how many points then."""
+    """Write a chain from the place a in link s to b in link e; return the number of points."""
     points, rho = chains.points, chains.rho
     if s < e and a[0] == points[s + 1, 0] and a[1] == points[s + 1, 1]:
         s += 1
@@ -271,7 +273,7 @@ def _write(tree, chains, a, s, b, e, out, n):
 
 @njit(**LEAF)
 def _copy_chain(chains, c, out, n):
-    """Write chain c as it is; how many points then."""
+    """Write chain c unchanged; return the number of points."""
     for i in range(np.int64(chains.first[c]), np.int64(chains.first[c + 1])):
         _copy_point(chains, i, out, n)
         n += 1
@@ -280,11 +282,10 @@ def _copy_chain(chains, c, out, n):
 
 @njit(**OWNING, error_model="numpy")
 def cut_chains(tree, chains, nodes, parts, whole):
-    """The chains, those with wide parts cut into these and what is between them, in order.
+    """Cut chains into their wide parts and those between, in order.
 
-    ``parts`` and ``whole`` are as :func:`wide_parts` returns them, ``nodes`` is how many nodes
-    there are. Returns the chains, which of them are wide, and the new nodes' x, y and clearance
-    (k, 3).
+    ``parts`` and ``whole`` are those of :func:`wide_parts`, ``nodes`` is the number of nodes.
+    Returns the chains, flags of the wide ones, and the new nodes' x, y and clearance (k, 3).
     """
     where, places = parts
     first, ends = chains.first, chains.ends
@@ -350,7 +351,7 @@ def cut_chains(tree, chains, nodes, parts, whole):
 
 @njit(**LEAF)
 def _measure(chains, count):
-    """Write length and clearance of the first ``count`` chains, the lengths being 0."""
+    """Write length and clearance of the first ``count`` chains; their lengths start at 0."""
     for c in range(count):
         chains.clearance[c] = chains.rho[chains.first[c]]
         for i in range(chains.first[c], chains.first[c + 1] - 1):
@@ -360,9 +361,9 @@ def _measure(chains, count):
 
 @njit(**OWNING, error_model="numpy")
 def same_nodes(node_xy, ends, wide, tolerance):
-    """The node that each one is (n,) int32: the other one at its place, or itself.
+    """Merged node (n,) int32 of each node: the other one at its place, or itself.
 
-    Only wide chains' nodes are joined, and only such as no wide chains join already.
+    Only nodes of wide chains are merged, and only if no wide chains connect them already.
     """
     n = len(node_xy)
     above = np.arange(n)

@@ -1,7 +1,7 @@
-"""The roadmap as lines with clearances, for pictures: what the graph holds, without making it.
+"""The roadmap as lines with clearances, for pictures, without its graph.
 
-A graph of thousands of edges takes seconds to make, each edge with its exact geometry and owners;
-a picture needs places and clearances only, all in a few arrays.
+A graph of thousands of edges takes seconds to make, with each edge's exact geometry and owners; a
+picture needs only places and clearances, in a few arrays.
 """
 
 from __future__ import annotations
@@ -24,11 +24,11 @@ END = -2
 
 @dataclass(frozen=True, slots=True)
 class Curves:
-    """Lines one behind the other: line i is ``points[first[i] : first[i + 1]]``.
+    """Consecutive lines: line i is ``points[first[i] : first[i + 1]]``.
 
-    ``clearances`` (n,) are those of the points, exact; ``pairs`` (n, 2) the pieces beside the link
-    to the next point, -1 where it is straight, ``END`` at a line's last. ``narrowest`` is the least
-    clearance of all lines.
+    ``clearances`` (n,) are the points', exact; ``pairs`` (n, 2) the pieces beside the link to the
+    next point, -1 if it is straight, ``END`` at a line's last. ``narrowest`` is the least clearance
+    of all lines.
     """
 
     points: FloatArray
@@ -39,7 +39,7 @@ class Curves:
 
 
 def curves_of(roadmap: Roadmap) -> Curves | None:
-    """The roadmap's edges through the places that its chains carry; None where it has none."""
+    """The roadmap's edges through the points of its chains; None if it has none."""
     chains = roadmap.clipped.chains
     kept = [
         c
@@ -59,7 +59,7 @@ def curves_of(roadmap: Roadmap) -> Curves | None:
 
 
 def followed(roadmap: Roadmap, curves: Curves, flatness: float) -> Curves:
-    """The same lines through more places: they leave the bisectors by about ``flatness``."""
+    """The same lines with more points, within about ``flatness`` of the bisectors."""
     borders = roadmap.borders
     points, pairs = bisector_kernels.follow(
         borders.tree, np.ascontiguousarray(curves.points), curves.pairs, 0.0, flatness,

@@ -1,17 +1,16 @@
-"""The roadmap as a ``networkx.Graph``: what a robot of the radius can use, without spurs.
+"""The roadmap as a ``networkx.Graph`` of edges that a robot of the radius can use, without spurs.
 
 Rules
-- What of a chain keeps the radius is in the graph: one that is too narrow in places is cut there,
-  see ``clip.py``, and the cuts are nodes.
-- A dead end is a spur, and left out, where the disc at its end reaches less than ``REACH``
-  radii beyond the disc at its junction, or where it only runs into a corner: there the
-  clearance falls by more than ``TAPER`` a step. Whatever a spur leads to is reached from its
-  junction. The branches into a U, or into a room whose wall is one object, stay.
-- Chains that meet two by two are one edge. A ``Graph`` holds one edge a pair of nodes and no
-  loop: of two edges between the same nodes one is halved by a node of its own, and an edge
-  that returns to its node is cut in three.
-- An edge's polyline leaves its bisectors by little, and is as wide as the edge but for
-  ``NARROWER``, never less than the radius but for ``TIGHT``: where chords cut in, they are halved.
+- The graph holds the parts of chains that keep the radius; the cuts, see ``clip.py``, are nodes.
+- A dead end is a spur, and left out, if the disc at its end reaches less than ``REACH`` radii
+  beyond the disc at its junction, or if it only runs into a corner: there the clearance falls by
+  more than ``TAPER`` a step. Everything that a spur leads to is reached from its junction. The
+  branches into a U, or into a room whose wall is one object, stay.
+- Chains that meet two by two are one edge. A ``Graph`` holds one edge per pair of nodes and no
+  loop: one of two edges between the same nodes is halved by an extra node, and an edge that
+  returns to its node is cut in three.
+- An edge's polyline stays near its bisectors, and is as wide as the edge but for ``NARROWER``,
+  never less than the radius but for ``TIGHT``: chords that cut in are halved.
 """
 
 from __future__ import annotations
@@ -54,7 +53,7 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True, slots=True)
 class Strand:
-    """Chains that are one edge from node ``u`` to node ``v``: (chain, walked forwards)."""
+    """Chains that form one edge from node ``u`` to node ``v``: (chain, walked forwards)."""
 
     u: int
     v: int
@@ -63,7 +62,7 @@ class Strand:
 
 @dataclass(frozen=True, slots=True)
 class Run:
-    """A strand's points (n, 2) and clearances (n,), and of each link to the next point.
+    """A strand's points (n, 2) and clearances (n,), with the links to the next points.
 
     ``pairs`` (n, 2), ``gap``, ``step`` and ``proved`` (n,) as in
     :class:`planner.diagram.agvd.Chains`.
@@ -77,7 +76,7 @@ class Run:
     proved: BoolArray
 
     def part(self, first: int, last: int) -> Run:
-        """From one point to another, both included."""
+        """Part from one point to another, both included."""
         s = slice(first, last + 1)
         return Run(
             self.points[s], self.rho[s], self.pairs[s], self.gap[s], self.step[s], self.proved[s]
@@ -85,9 +84,9 @@ class Run:
 
 
 def make_graph(clipped: Clipped, borders: Borders, radius: float, spacing: float) -> nx.Graph[int]:
-    """The chains that keep the radius as a graph."""
+    """Graph of the chains that keep the radius."""
     chains = clipped.chains
-    import networkx as nx  # late: a plan counts the graph without it, and it takes 0.2 s
+    import networkx as nx  # late: it takes 0.2 s, and a plan counts the graph without it
 
     graph: nx.Graph[int] = nx.Graph(radius=radius)
     owners: defaultdict[int, set[int]] = defaultdict(set)
@@ -123,7 +122,7 @@ def make_graph(clipped: Clipped, borders: Borders, radius: float, spacing: float
 
 
 def count_graph(clipped: Clipped, radius: float) -> tuple[int, int]:
-    """How many nodes and edges the graph has, without making it."""
+    """Numbers of nodes and edges of the graph, without making it."""
     chains = clipped.chains
     nodes: set[int] = set()
     pairs: set[tuple[int, int]] = set()
@@ -142,7 +141,7 @@ def count_graph(clipped: Clipped, radius: float) -> tuple[int, int]:
 
 
 def lay_strands(clipped: Clipped, radius: float) -> list[Strand]:
-    """The edges: maximal rows of the chains that are kept, joined where only two meet."""
+    """The edges: maximal rows of kept chains, joined where only two meet."""
     chains = clipped.chains
     kept = without_spurs(clipped, radius)
     around: defaultdict[int, list[tuple[int, int]]] = defaultdict(list)
@@ -174,7 +173,7 @@ def lay_strands(clipped: Clipped, radius: float) -> list[Strand]:
 
 
 def without_spurs(clipped: Clipped, radius: float) -> list[int]:
-    """The wide chains, less the dead ends that lead nowhere of their own."""
+    """The wide chains, without the dead ends that lead nowhere of their own."""
     chains = clipped.chains
     kept = set(np.flatnonzero(clipped.wide).tolist())
     if not kept:
@@ -185,7 +184,7 @@ def without_spurs(clipped: Clipped, radius: float) -> list[int]:
     for c in kept:
         for n in ends[c]:
             around[n].add(c)
-    # the shortest first, of those as long the lowest: nothing hangs on the chains' order
+    # the shortest first, of equal ones the lowest: the chains' order does not matter
     step = ALIKE * max(float(np.ptp(chains.node_xy, axis=0).max()), radius)
     place = np.rint(chains.node_xy / step).tolist()
     ready = [
@@ -217,7 +216,7 @@ def without_spurs(clipped: Clipped, radius: float) -> list[int]:
 
 
 def _run(chains: Chains, strand: Strand) -> Run:
-    """The strand's chains as one line."""
+    """Join the strand's chains to one line."""
     runs = []
     for c, forwards in strand.chains:
         s = slice(int(chains.first[c]), int(chains.first[c + 1]))
@@ -232,12 +231,12 @@ def _run(chains: Chains, strand: Strand) -> Run:
 
 
 def _turned(of_links: NDArray[Any]) -> NDArray[Any]:
-    """What belongs to the links, the other way round; the last row stays the last."""
+    """Reverse an array of links; the last row stays last."""
     return np.concatenate([of_links[:-1][::-1], of_links[-1:]])
 
 
 def _followed(borders: Borders, run: Run, radius: float, bulge: float) -> Run:
-    """The run with its proved links halved on their bisectors, where chords leave them too far."""
+    """Halve the run's proved links on their bisectors if chords leave them too far."""
     keep = max(radius * (1.0 - TIGHT), float(run.gap[:-1].min()) * (1.0 - NARROWER))
     pairs = np.where(run.proved[:, None], run.pairs, -1)
     points, _ = bisector_kernels.follow(
@@ -258,7 +257,7 @@ def _followed(borders: Borders, run: Run, radius: float, bulge: float) -> Run:
 
 
 def _divisible(borders: Borders, run: Run, parts: int) -> Run:
-    """The run with at least ``parts`` links: each is divided evenly where there are fewer."""
+    """Return the run with at least ``parts`` links, dividing each evenly if there are fewer."""
     links = len(run.points) - 1
     if links >= parts:
         return run
@@ -282,9 +281,9 @@ def _divisible(borders: Borders, run: Run, parts: int) -> Run:
 
 
 def _with_points(borders: Borders, run: Run, points: FloatArray, link: IntArray) -> Run:
-    """The run through more points: ``link`` (m,) says in or at the start of which link each lies.
+    """Return the run through more points, each in or at the start of a ``link`` (m,).
 
-    A part of a proved link is as wide as its narrower end, that of another as is measured.
+    A part of a proved link is as wide as its narrower end; others are measured.
     """
     rho = borders.distances(np.ascontiguousarray(points))[0]
     proved = run.proved[link]
@@ -310,7 +309,7 @@ def _add_node(graph: nx.Graph[int], n: int, xy: FloatArray, clearance: float) ->
 def _add_edge(
     graph: nx.Graph[int], borders: Borders, u: int, v: int, run: Run, radius: float
 ) -> None:
-    """Add a run, which is wide: where it is narrower than ``radius``, it is so by rounding."""
+    """Add a wide run; anything narrower than ``radius`` is so by rounding."""
     polyline = np.array(run.points)
     polyline.setflags(write=False)
     graph.add_edge(

@@ -1,8 +1,8 @@
-"""What is remarkable about a scene as a planner sees it, in plain sentences.
+"""Remarks on a scene as the planner sees it, in plain sentences.
 
 Rules
-- Objects that touch, cross, nest or coincide, and such as leave the bounds, are accepted: the
-  solid is whatever lies in any of them. That they do is said, since a picture seldom means it.
+- Objects that touch, cross, nest or coincide, or leave the bounds, are accepted: the solid is
+  everything in any of them. A remark says so, since a picture seldom means it.
 - Obstacles are named by their index in the scene, as in the reasons of ``NoPath``.
 """
 
@@ -24,7 +24,7 @@ COMPASS = np.array([(1.0, 0.0), (0.0, 1.0), (-1.0, 0.0), (0.0, -1.0)])
 
 
 def remarks_on(borders: Borders, clipped: Clipped, radius: float) -> tuple[str, ...]:
-    """Sentences on the scene's objects and on a roadmap that is empty."""
+    """Sentences on the scene's objects and on an empty roadmap."""
     out: list[str] = []
     if not len(borders.span):
         out.append("the scene has no objects: the roadmap is that of the empty bounds")
@@ -65,7 +65,7 @@ def _relations(borders: Borders) -> list[str]:
 
 
 def _strays(borders: Borders) -> list[str]:
-    """Objects that reach the bounds' walls, where there are bounds."""
+    """Sentences on objects that reach the bounds' walls, if there are bounds."""
     if not (borders.owner < 0).any():
         return []
     x0, y0, x1, y1 = borders.box
@@ -87,7 +87,7 @@ def _reaches(box: FloatArray, bounds: Sequence[float] | FloatArray) -> bool:
 
 
 def _exact_box(borders: Borders, owner: int) -> FloatArray:
-    """An object's box; `Borders.object_boxes` take an arc's whole circle."""
+    """Exact box of an object; `Borders.object_boxes` take an arc's whole circle."""
     low, high = np.full(2, np.inf), np.full(2, -np.inf)
     data = borders.data
     for i in range(*borders.span[owner].tolist()):

@@ -3,10 +3,10 @@
 Rules and units
 - Everything is in the scene's units. The clearance of a place is its distance to the nearest
   border or wall of the bounds, exact, negative inside an obstacle or outside the bounds.
-- A roadmap is built for a robot of one radius: its graph holds what that robot can use.
-- The stages are functions of their own, so that a caller with a clock can time them:
-  ``gather_borders``, ``place_generators``, ``make_mesh``, then ``solve_chains``, or in the
-  paper's mode ``omit_invalid``, ``join_chains``.
+- A roadmap is for a robot of one radius: its graph holds the edges which that robot can use.
+- The stages are separate functions, so that a caller can time them:
+  ``gather_borders``, ``place_generators``, ``make_mesh``, then ``solve_chains``, or in the paper's
+  mode ``omit_invalid``, ``join_chains``.
 """
 
 from __future__ import annotations
@@ -62,7 +62,7 @@ NOT_FINER = "ways narrower than the generators' spacing were not looked for: the
 
 @dataclass(frozen=True, slots=True)
 class Clearance:
-    """The least clearance of a polyline, where it is, on which piece, and to which object.
+    """Least clearance of a polyline, its place, and the piece and object there.
 
     ``owner`` is the object's index in ``Scene.objects``, -1 for the bounds.
     """
@@ -75,7 +75,7 @@ class Clearance:
 
 @dataclass(frozen=True, slots=True)
 class Roadmap:
-    """The AGVD roadmap of a scene for a robot of ``radius``; see :func:`build_roadmap`."""
+    """AGVD roadmap of a scene for a robot of ``radius``; see :func:`build_roadmap`."""
 
     radius: float
     spacing: float
@@ -86,19 +86,19 @@ class Roadmap:
     _made: dict[str, Any] = field(default_factory=dict, repr=False, compare=False)
 
     def __repr__(self) -> str:
-        """One line; ``graph`` and ``counts`` have the rest."""
+        """Return one line; ``graph`` and ``counts`` have the rest."""
         units = str(getattr(self.scene, "units", ""))
         radius = f"{self.radius:.6g} {units}".rstrip()
         return f"<Roadmap for radius {radius}, {len(self.chains)} chains of {self.scene!r}>"
 
     @property
     def borders(self) -> Borders:
-        """The scene's borders, indexed for distance queries."""
+        """Borders of the scene, indexed for distance queries."""
         return self.agvd.borders
 
     @property
     def clipped(self) -> Clipped:
-        """The chains, cut where their clearance passes the radius."""
+        """Chains, cut where their clearance passes the radius."""
         if "clipped" not in self._made:
             self._made["clipped"] = clip_chains(self.borders, self.chains, self.radius)
         return self._made["clipped"]  # type: ignore[no-any-return]
@@ -128,7 +128,7 @@ class Roadmap:
 
     @property
     def graph(self) -> nx.Graph[int]:
-        """The roadmap as a ``networkx.Graph``, made when first asked for.
+        """Graph as a ``networkx.Graph``, made on demand.
 
         Nodes have ``pos`` (x, y), ``clearance`` and ``owners``; edges ``geometry``
         (:class:`planner.diagram.bisectors.Piece` in order), ``polyline`` (n, 2) through exact
@@ -143,11 +143,11 @@ class Roadmap:
         return self._made["graph"]  # type: ignore[no-any-return]
 
     def to_networkx(self) -> nx.Graph[int]:
-        """Return the graph with attributes that are numbers or text, for files and other programs.
+        """Return the graph with numbers or text as attributes, for files and other programs.
 
         Nodes have ``x``, ``y``, ``clearance`` and ``owners`` ("0 2"), edges ``length``,
         ``clearance``, ``owners`` and ``polyline`` ("x,y x,y ..."), the graph ``radius``,
-        ``spacing`` and ``units``: ``networkx.write_graphml`` takes it.
+        ``spacing`` and ``units``. ``networkx.write_graphml`` accepts it.
         """
         from planner.roadmap.roadmap_export import to_networkx
 
@@ -156,9 +156,9 @@ class Roadmap:
     def save(self, path: str | os.PathLike[str], *, frame: str = "map") -> None:
         """Write the graph as FILE.graphml, FILE.geojson (Nav2's route server) or FILE.json.
 
-        ``frame`` is the TF frame that GeoJSON names. Raises
-        :class:`planner.roadmap.roadmap_export.ExchangeError` where the suffix is another, or the
-        file cannot be written.
+        ``frame`` is the TF frame in GeoJSON. Raises
+        :class:`planner.roadmap.roadmap_export.ExchangeError` if the suffix is another, or the file
+        cannot be written.
         """
         from planner.roadmap.roadmap_export import ExchangeError, as_text
 
@@ -170,27 +170,27 @@ class Roadmap:
             raise ExchangeError(f"{file}: {error.strerror or error}") from None
 
     def layers(self) -> list[Layer]:
-        """What is drawn of the roadmap: its scene, where that is one, and its edges."""
+        """Layers to draw: the scene, if it can be drawn, and the edges."""
         below = self.scene.layers() if isinstance(self.scene, Scene) else []
         lines = [data["polyline"] for _, _, data in self.graph.edges(data=True)]
         return [*below, Layer(lines, ROAD, 1.2)]
 
     def plot(self, axes: Axes | None = None) -> Axes:
-        """Draw scene and roadmap on Matplotlib axes, the current ones by default; the axes."""
+        """Draw scene and roadmap on Matplotlib axes, by default the current ones; return them."""
         return plot(self.layers(), getattr(self.scene, "y_down", False), axes)
 
     def _repr_svg_(self) -> str | None:
-        """What a notebook shows; nothing of a roadmap whose scene cannot be drawn."""
+        """Picture for a notebook; None if the scene cannot be drawn."""
         if not isinstance(self.scene, Scene):
             return None
         title = f"a roadmap for radius {self.radius:g}"
         return to_svg(title, self.layers(), self.scene.view, self.scene.y_down)
 
     def updated(self, scene: Scene) -> Roadmap:
-        """The roadmap of a scene that differs by a few objects, much faster than from scratch.
+        """Roadmap of a scene that differs by a few objects, much faster than from scratch.
 
-        Finds by itself which objects came, went or moved, see :mod:`planner.diagram.update`. This
-        roadmap does not change.
+        Finds the objects added, removed or moved, see :mod:`planner.diagram.update`. This roadmap
+        does not change.
         """
         from planner.diagram.update import update_diagram
 
@@ -205,12 +205,12 @@ class Roadmap:
     def clearance(self, points: ArrayLike) -> FloatArray:
         """Exact clearance of every point (n, 2), negative in obstacles and out of bounds.
 
-        ``ValueError`` where a point is not finite.
+        ``ValueError`` if a point is not finite.
         """
         return self.borders.signed_distances(_places("points", points))
 
     def path_clearance(self, polyline: ArrayLike) -> Clearance:
-        """The least distance of a polyline (n, 2) to any border: exact, nothing is sampled."""
+        """Least distance of a polyline (n, 2) to any border: exact, without sampling."""
         xy = _places("polyline", polyline)
         if not len(xy):
             raise ValueError("polyline: must have at least one point")
@@ -230,22 +230,21 @@ class Roadmap:
         relaxed: bool = False,
         near: Path | NoPath | None = None,
     ) -> Path | NoPath:
-        """A path from start to goal for this roadmap's robot, or why there is none.
+        """Plan a path from start to goal for this roadmap's robot, or explain why there is none.
 
         Stations are (x, y) or (x, y, heading_rad), anywhere in free space. ``prefer`` is
-        "clearance" (the widest path, along the middle; of paths as wide within 1e-9 the cheapest),
-        "length" (the shortest that keeps the radius), "balanced", or a number from 0 (length) to 1
-        (clearance). ``order`` "best" visits the stations so that the whole path is shortest, of
-        legs planned as preferred; the goal stays the last. A leg is the same there and back.
-        ``margin`` is kept on top of the radius. No path ever comes nearer to a border than the
-        radius and the margin; with ``relaxed``, a station that lies within the margin is left
-        and come to on a short straight line out of it, which a remark says, and which keeps the
-        radius. ``alternatives`` is the number of other paths, where there are, none a
-        shift of another: the best, once taut, of the cheapest routes without a loop, at least twice
-        as many. ``near`` is the last path, on which the robot is: while it is clear, and within
-        2 % as good as the best, the answer is that path from here on, so that noise does not make
-        plans jump; a refusal is no path to stay on. Raises ``ValueError`` on options that make no
-        sense.
+        "clearance" (the widest path, along the middle; the cheapest of those equally wide within
+        1e-9), "length" (the shortest that keeps the radius), "balanced", or a number from 0
+        (length) to 1 (clearance). ``order`` "best" orders the stations so that the whole path is
+        shortest, of legs planned as preferred; the goal stays last. A leg is the same in both
+        directions. ``margin`` is added to the radius. No path comes nearer to a border than radius
+        and margin; with ``relaxed``, a station within the margin is connected by a short straight
+        line that keeps the radius, and a remark reports it. ``alternatives`` is the number of other
+        paths, if they exist, none a shift of another: the best, once taut, of the cheapest routes
+        without a loop, at least twice as many. ``near`` is the last path, on which the robot is:
+        while it is clear, and within 2 % as good as the best, the answer is that path from here on,
+        so that noise does not make plans jump; a refusal is no path to stay on. Raises
+        ``ValueError`` on invalid options.
         """
         request = Request.of(start, goal, prefer, via, order, alternatives, margin, relaxed=relaxed)
         units = str(getattr(self.scene, "units", ""))
@@ -266,7 +265,7 @@ class Roadmap:
         return answer
 
     def _finer(self) -> Roadmap:
-        """The same roadmap from denser generators, made when a refusal hangs on narrow places.
+        """The same roadmap from denser generators, made if narrow places decide a refusal.
 
         With generators every delta, paths narrower than delta are not distinguished from walls.
         """
@@ -278,7 +277,7 @@ class Roadmap:
         return self._made["finer"]  # type: ignore[no-any-return]
 
     def _explain(self, blocked: Blocked, units: str) -> NoPath:
-        """Where the widest path is too narrow, or that there is none for any robot."""
+        """Report where the widest path is too narrow, or that no robot has one."""
         told = explain(self.borders, self.chains, blocked, self.radius, units)
         if told is not None and told.bottleneck and told.bottleneck.width >= self.spacing:
             return told
@@ -292,8 +291,8 @@ class Roadmap:
 
 
 def _places(name: str, points: ArrayLike) -> FloatArray:
-    """Points (n, 2) as the kernels take them; ``ValueError`` where one is not finite."""
-    # a copy: for read-only arrays the kernels would be compiled once more
+    """Points (n, 2) for the kernels; ``ValueError`` if one is not finite."""
+    # a copy: numba would compile the kernels again for read-only arrays
     xy = np.array(points, np.float64, order="C").reshape(-1, 2)
     if not np.isfinite(xy).all():
         at = int(np.flatnonzero(~np.isfinite(xy).all(axis=1))[0])
@@ -311,8 +310,8 @@ def build_roadmap(
 ) -> Roadmap:
     """Build the roadmap of a scene for a disc-like robot.
 
-    ``radius`` > 0 and ``spacing`` < 2 radius (one radius where None) are in the scene's units;
-    ``ValueError`` otherwise. ``mode="paper"`` follows the paper's section 2.3.1 to the letter:
+    ``radius`` > 0 and ``spacing`` < 2 radius (default: one radius) are in the scene's units;
+    otherwise ``ValueError``. ``mode="paper"`` follows the paper's section 2.3.1 to the letter:
     edges between generators of one object are omitted. ``lap`` is called with the name of each
     stage as it ends: geometry, voronoi, roadmap. O(n) on average for n generators.
     """
@@ -339,5 +338,5 @@ def build_roadmap(
 def finish_roadmap(
     scene: HasPrimitives, radius: float, mode: Mode, agvd: Agvd, chains: Chains
 ) -> Roadmap:
-    """Put the stages' results together; for callers that time the stages."""
+    """Combine the stages' results; for callers that time the stages."""
     return Roadmap(radius, agvd.spacing, mode, scene, agvd, chains)

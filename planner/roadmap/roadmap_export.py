@@ -1,13 +1,13 @@
-"""The roadmap for other programs, as text: GraphML, GeoJSON for Nav2's route server, node-link.
+"""Text of the roadmap for other programs: GraphML, GeoJSON for Nav2's route server, node-link.
 
-- GraphML and node-link JSON carry the graph as it is: nodes with x, y, clearance and owners,
+- GraphML and node-link JSON contain the graph as it is: nodes with x, y, clearance and owners,
   edges with length, clearance, owners and their polyline.
-- Nav2's route server (nav2_route, GeoJsonGraphFileLoader) drives straight from node to node
-  and reads an edge in one direction. So every edge is cut where it bends, each straight piece keeps
-  the robot's radius, and both directions are written. Node and edge numbers are unsigned and never
-  the same; ``cost`` is the length; a piece's clearance is in its ``metadata``, which may
-  hold numbers but no nested lists. A route server's frame is in metres, y up. No edge has the
-  length 0: nodes at one place are one.
+- Nav2's route server (nav2_route, GeoJsonGraphFileLoader) drives straight from node to node and
+  reads an edge in one direction. So every edge is cut where it bends, each straight piece keeps
+  the robot's radius, and both directions are written. Node and edge numbers are unsigned and
+  distinct; ``cost`` is the length; a piece's clearance is in its ``metadata``, which may hold
+  numbers but no nested lists. The server's frame is in metres, y up. No edge has length 0: nodes
+  at one place are merged.
 
 Coordinates and lengths are in the scene's units; no text holds NaN or infinity.
 """
@@ -41,11 +41,11 @@ NAV2_CRS = "urn:ogc:def:crs:EPSG::3857"
 
 
 class Exported(Protocol):
-    """The part of a :class:`planner.Roadmap` that is written; it imports this module itself."""
+    """The part of a :class:`planner.Roadmap` that is written; that class imports this module."""
 
     @property
     def radius(self) -> float:
-        """The robot's."""
+        """Radius of the robot."""
 
     @property
     def spacing(self) -> float:
@@ -53,18 +53,18 @@ class Exported(Protocol):
 
     @property
     def scene(self) -> object:
-        """The scene whose roadmap it is."""
+        """Scene of the roadmap."""
 
     @property
     def borders(self) -> Borders:
-        """Its borders."""
+        """Borders of the scene."""
 
     @property
     def graph(self) -> nx.Graph[int]:
         """Nodes and edges."""
 
     def path_clearance(self, polyline: ArrayLike) -> Any:
-        """The least ``distance`` of a polyline (n, 2) to any border."""
+        """Least ``distance`` of a polyline (n, 2) to any border."""
 
 
 class ExchangeError(ValueError):
@@ -74,10 +74,10 @@ class ExchangeError(ValueError):
 def as_text(
     roadmap: Exported, suffix: str, *, frame: str = "map", generated: str | None = None
 ) -> str:
-    """The graph in the format of a file's suffix: .graphml, .geojson or .json.
+    """Graph in the format of a file's suffix: .graphml, .geojson or .json.
 
     ``frame`` and ``generated`` are for GeoJSON, see :func:`to_geojson`. Raises
-    :class:`ExchangeError` where there is no such format.
+    :class:`ExchangeError` for another suffix.
     """
     match suffix.lower():
         case ".graphml":
@@ -90,7 +90,7 @@ def as_text(
 
 
 def to_networkx(roadmap: Exported) -> nx.Graph[int]:
-    """The graph with numbers and text only; a polyline is "x,y x,y ...", owners are "1 2"."""
+    """Graph with numbers and text only; a polyline is "x,y x,y ...", owners are "1 2"."""
     import networkx as nx
 
     plain: nx.Graph[int] = nx.Graph(**_graph_fields(roadmap))
@@ -103,14 +103,14 @@ def to_networkx(roadmap: Exported) -> nx.Graph[int]:
 
 
 def to_graphml(roadmap: Exported) -> str:
-    """The graph as GraphML, as :func:`to_networkx` has it."""
+    """GraphML of the graph of :func:`to_networkx`."""
     import networkx as nx
 
     return "\n".join(nx.generate_graphml(to_networkx(roadmap))) + "\n"
 
 
 def to_node_link(roadmap: Exported) -> str:
-    """The graph as node-link JSON: ``networkx.node_link_graph(data, edges="edges")`` reads it."""
+    """Graph as node-link JSON: ``networkx.node_link_graph(data, edges="edges")`` reads it."""
     document = {
         "directed": False,
         "multigraph": False,
@@ -122,10 +122,10 @@ def to_node_link(roadmap: Exported) -> str:
 
 
 def to_geojson(roadmap: Exported, frame: str = "map", generated: str | None = None) -> str:
-    """The graph as GeoJSON that Nav2's route server loads; ``frame`` is its TF frame.
+    """Graph as GeoJSON that Nav2's route server loads; ``frame`` is its TF frame.
 
-    ``generated`` is the date for ``date_generated``, left out where None. Raises
-    :class:`ExchangeError` where the graph has no edge, since the server refuses that.
+    ``generated`` is the value of ``date_generated``, omitted if None. Raises :class:`ExchangeError`
+    if the graph has no edge, which the server refuses.
     """
     same = SAME_PLACE * roadmap.borders.extent
     points: list[dict[str, Any]] = []
@@ -164,7 +164,9 @@ def to_geojson(roadmap: Exported, frame: str = "map", generated: str | None = No
 def _numbered(
     roadmap: Exported, points: list[dict[str, Any]], frame: str, same: float
 ) -> dict[int, int]:
-    """The nodes as ``points``, and the number of each; ends of an edge without length share one."""
+    """Append the nodes to ``points``; return each one's number. Ends of a zero-length edge share
+    one.
+    """
     first: dict[int, int] = {}
 
     def leader(node: int) -> int:
@@ -195,7 +197,7 @@ def _straight(roadmap: Exported, line: FloatArray) -> list[int]:
 
 
 def _from_to(roadmap: Exported, u: int, line: FloatArray) -> FloatArray:
-    """The polyline turned so that it begins at node ``u``."""
+    """Turn the polyline so that it begins at node ``u``."""
     x, y = roadmap.graph.nodes[u]["pos"]
     ends = np.hypot(*(line[[0, -1]] - (x, y)).T)
     return line if ends[0] <= ends[1] else line[::-1]

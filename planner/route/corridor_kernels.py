@@ -1,14 +1,14 @@
 """The shortest way along a route: a funnel through the free corridor around it.
 
 Rules and units
-- A corridor is what a route leaves free on both sides until the borders it runs between. The
-  shortest way in it that keeps ``keep`` off them is taut: straight, and around corners.
-- A portal is a line across the corridor, from ``keep`` off the left border to ``keep`` off the
-  right one through a place of the route; where there is no room it is that place alone.
+- A corridor is the free space on both sides of a route, up to the borders. Its shortest way that
+  keeps ``keep`` off them is taut: straight, and around corners.
+- A portal is a line across the corridor through a place of the route, ``keep`` off both borders;
+  without room for it, the place alone.
 - Left and right are those of ``cross(along, left - right) > 0``.
 """
 
-# The arrays' types are in the docstrings; numba infers them.
+# numba infers types; docstrings state them.
 # mypy: allow-untyped-defs
 
 from __future__ import annotations
@@ -31,7 +31,7 @@ TURNS_RAD = (0.2, 0.05)
 
 @njit(**BORROWING)
 def _look(kind, data, left, right, x, y, out):
-    """Write a place and, from the feet on both sides, the vectors to it and their lengths."""
+    """Write a place, the vectors to it from the feet on both sides, and their lengths."""
     out[0], out[1] = x, y
     fx, fy = foot(kind, data, left, x, y)
     dx, dy = x - fx, y - fy
@@ -43,7 +43,7 @@ def _look(kind, data, left, right, x, y, out):
 
 @njit(**BORROWING)
 def _portal(seen, keep, out):
-    """Write left x, y and right x, y of the portal at a place that was looked from."""
+    """Write left x, y and right x, y of the portal at a place described by ``_look``."""
     s = 1.0 - keep / seen[4] if seen[4] > keep else 0.0
     t = 1.0 - keep / seen[7] if seen[7] > keep else 0.0
     out[0], out[1] = seen[0] - s * seen[2], seen[1] - s * seen[3]
@@ -52,10 +52,10 @@ def _portal(seen, keep, out):
 
 @njit(**BORROWING)
 def _turns_little(a, b, round_left, round_right, least_cosine):
-    """Whether the directions from both pieces' feet turn by little from one place to another.
+    """True if the directions from both pieces' feet turn little between two places.
 
-    A chord around a circle of radius R, ``keep`` off it, bulges by 1 + R / keep times more
-    than one around a point: its angle counts as so much larger (``round_left`` and the like).
+    A chord around a circle of radius R, ``keep`` off it, bulges by 1 + R / keep times more than one
+    around a point: its angle counts as that much larger (``round_left``, ``round_right``).
     """
     n, e = a[4] * b[4], a[7] * b[7]
     bulge = round_left * (n - a[2] * b[2] - a[3] * b[3])
@@ -65,7 +65,7 @@ def _turns_little(a, b, round_left, round_right, least_cosine):
 
 @njit(**BORROWING)
 def _roundness(kind, data, piece, keep):
-    """How much more a chord around a piece bulges than one around a point."""
+    """Bulge of a chord around a piece, relative to one around a point."""
     if is_round(kind[piece]):
         return 1.0 + data[piece, 2] / keep
     return 1.0
@@ -73,9 +73,9 @@ def _roundness(kind, data, piece, keep):
 
 @njit(**OWNING, inline="always")
 def portals(kind, data, points, pairs, keep, least_cosine, tolerance):
-    """The portals (n, 4) of a route, so dense that feet turn by little from one to the next.
+    """Portals (n, 4) of a route, so dense that feet turn little between them.
 
-    Where the pieces beside a link are unknown (-1) its ends are portals without a width.
+    A link with unknown pieces beside it (-1) has its ends as portals without width.
     """
     out = np.empty((4 * len(points) + 64, 4))
     here = np.empty(8)
@@ -133,10 +133,10 @@ def _side(ax, ay, bx, by, cx, cy):
 
 @njit(**BORROWING)
 def between(gates, sx, sy, gx, gy):
-    """The first and last portal that the way from s to g has to pass: first, last + 1.
+    """Range of portals that the way from s to g must pass: first, last + 1.
 
-    Portals that s has passed already, or lies on, are left out, and so are those beyond g:
-    the first ones of a route often lie behind its start, which retraction moved sideways.
+    Portals that s has passed or lies on, and those beyond g, are left out: a route's first portals
+    often lie behind its start, which retraction moved sideways.
     """
     first, last = 0, len(gates)
     while first < last:
@@ -158,10 +158,9 @@ def between(gates, sx, sy, gx, gy):
 
 @njit(**OWNING, inline="always")
 def funnel(gates, sx, sy, gx, gy):
-    """The shortest polyline from s to g through all portals in order.
+    """Shortest polyline from s to g through all portals in order.
 
-    The funnel algorithm of Lee and Preparata (1984) in its short form, which starts anew at
-    each corner it fixes.
+    The short form of Lee and Preparata's funnel algorithm (1984), restarted at each fixed corner.
     """
     n = len(gates)
     gate = np.empty((n + 1, 4))
@@ -191,7 +190,7 @@ def funnel(gates, sx, sy, gx, gy):
         if turned < 0:
             i += 1
             continue
-        # the funnel starts anew at the corner that was turned
+        # restart the funnel at this corner
         if m < len(out) and (out[m - 1, 0] != px or out[m - 1, 1] != py):
             out[m, 0], out[m, 1] = px, py
             m += 1
@@ -204,12 +203,12 @@ def funnel(gates, sx, sy, gx, gy):
 
 @njit(**OWNING, inline="always")
 def pull_taut(tree, points, pairs, keep, need, tolerance):
-    """The taut polyline along a route; empty where it cannot be proved to keep ``need``.
+    """Taut polyline along a route; empty if it is not proved to keep ``need``.
 
-    ``pairs`` (n, 2) are the pieces left and right of each link, -1 where unknown: there the
-    route itself is kept, but for its ends, where a station lies in the first or last disc.
-    ``keep`` >= ``need`` is kept where there is room. Borders are kept off by so much more that
-    the chord between two portals does not come nearer. The proof is against all borders.
+    ``pairs`` (n, 2) are the pieces left and right of each link, -1 where unknown: there the route
+    itself is kept, except its ends, where a station lies in the first or last disc. The way keeps
+    ``keep`` >= ``need`` where there is room, plus the bulge of chords between portals. It is proved
+    against all borders.
     """
     lo, hi = 0, len(points) - 1
     while lo <= hi and pairs[lo, 0] < 0:

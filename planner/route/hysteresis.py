@@ -1,10 +1,10 @@
-"""Staying with the way that is driven: a plan that is asked for again with the last one at hand.
+"""Hysteresis between plans: a repeated request keeps the last path unless another is better.
 
 Rules and units
-- Two paths may cost the same but for noise, and a scene seen again differs by noise: without
-  memory the plan would jump from one to the other.
-- The last path is continued from where the robot is now. It stays the answer while it keeps
-  what is needed and no other way is cheaper by more than ``STAY``; where it is blocked, so does
+- Noise decides between paths of equal cost, and a scene seen again differs by noise: without
+  memory the plan would jump between them.
+- The last path is continued from the robot's place. It remains the answer while it keeps the
+  need and no other way is cheaper by more than ``STAY``; if it is blocked, the same holds for
   the cheapest path on the same sides of the obstacles. Lengths are in the scene's units.
 """
 
@@ -31,10 +31,9 @@ MERGE = 4.0
 
 
 def last_legs(path: Path | NoPath | None, count: int) -> list[FloatArray | None]:
-    """The path's last ``count`` stretches between stations, after None for any that it lacks.
+    """The path's last ``count`` stretches between stations, with leading None for missing ones.
 
-    A refusal has none. Stations that are behind the robot are no longer asked for: what is left
-    of both ends alike.
+    A refusal has none. Stretches match from the end, as passed stations are not requested again.
     """
     legs: list[FloatArray | None] = [None] * count
     if isinstance(path, Path):
@@ -43,10 +42,10 @@ def last_legs(path: Path | NoPath | None, count: int) -> list[FloatArray | None]
 
 
 def continued(borders: Borders, last: FloatArray, start: Vec, goal: Vec, need: float) -> FloatArray:
-    """The last path (n, 2) from its place nearest to the start to its place nearest to the goal.
+    """The last path (n, 2) between its places nearest to the start and the goal, joined to both.
 
-    Both ends are joined to it with little of a turn, where ``need`` is kept on the way there, and
-    straight across where it is not. It need not keep ``need``.
+    The ends join it at a small angle if ``need`` is kept there, else straight across. The result
+    need not keep ``need``.
     """
     lengths = arc_lengths(last)
     begin = _nearest(last, lengths, start, 0.0)
@@ -61,7 +60,7 @@ def continued(borders: Borders, last: FloatArray, start: Vec, goal: Vec, need: f
 
 
 def _nearest(line: FloatArray, lengths: FloatArray, place: Vec, least: float) -> float:
-    """The length along the line, at least ``least``, at which it is nearest to the place."""
+    """Length along the line, at least ``least``, at its nearest point to the place."""
     a, step = line[:-1], np.diff(line, axis=0)
     squared = np.maximum((step**2).sum(axis=1), 1e-300)
     part = np.clip(((np.array(place) - a) * step).sum(axis=1) / squared, 0.0, 1.0)
@@ -79,7 +78,7 @@ def _joined(
     towards: float,
     need: float,
 ) -> float:
-    """Where a place beside the line joins it: a few of its distances on, if that is clear."""
+    """Length at which a place joins the line: a few of its distances ahead, if that is clear."""
     (near,) = points_at(line, lengths, np.array([at]))
     reach = min(MERGE * math.dist(near, place), abs(towards - at))
     for part in (1.0, 0.5, 0.25):
@@ -91,7 +90,7 @@ def _joined(
 
 
 def is_kept(borders: Borders, way: FloatArray, need: float) -> bool:
-    """Whether the path is nowhere nearer to a border than is needed."""
+    """True if the path keeps ``need`` from all borders."""
     return bool(clear_kernels.keeps(borders.tree, way, need - borders.equal))
 
 
@@ -118,7 +117,7 @@ def preferred(
 
 
 def _cost(borders: Borders, way: FloatArray, need: float, preference: float) -> float:
-    """What a path costs; for the widest path how narrow it is."""
+    """Cost of a path; of the widest path, the inverse of its clearance."""
     if preference < 1.0:
         return judge(borders, way, need, preference)
     gap = float(box_tree_kernels.polyline_clearance(borders.tree, way)[0])

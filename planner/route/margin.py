@@ -1,11 +1,10 @@
-"""Out of the margin: from a station that lies within it, straight to where it is kept.
+"""Straight ways out of the margin, from stations within it to where it is kept.
 
 Rules and units
-- The margin is a wish on top of the radius, the radius is not. A station between the two from a
-  border is left, or come to, on the shortest straight line that ends where radius and margin are
-  kept, and is nowhere nearer to a border than the station is; if there is none, nowhere nearer
-  than the radius.
-- Such a line is no longer than ``REACH`` radii and margins: the margin is given up nowhere else.
+- The radius is mandatory, the margin on top of it a wish. A station that keeps only the radius is
+  left, or reached, on the shortest straight line that ends where both are kept, and is nowhere
+  nearer to a border than the station; failing that, nowhere nearer than the radius.
+- Such a line is at most ``REACH`` radii and margins long: the margin is given up nowhere else.
   Lengths are in the scene's units.
 """
 
@@ -34,7 +33,7 @@ HALVINGS = 30
 
 @dataclass(frozen=True, slots=True)
 class WayOut:
-    """Where the margin is kept again, and the remark that says where it is not."""
+    """Place where the margin is kept again, and the remark on where it is not."""
 
     place: Vec
     remark: str
@@ -43,7 +42,7 @@ class WayOut:
 def way_out(
     borders: Borders, name: str, place: Vec, radius: float, margin: float, units: str = ""
 ) -> WayOut | None:
-    """The shortest straight path out of the margin, None where none is short enough."""
+    """Shortest straight path out of the margin; None if none is short enough."""
     need, reach = radius + margin, REACH * (radius + margin)
     standing, which = box_tree_kernels.nearest(borders.tree, *place, np.inf)
     fx, fy = primitive_kernels.foot(borders.kind, borders.data, which, *place)
@@ -67,8 +66,10 @@ def way_out(
 def _shortest(
     borders: Borders, place: Vec, away: float, least: float, reach: float, need: float, keep: float
 ) -> Vec | None:
-    """The end of the shortest straight line out that keeps ``keep``, directions near ``away``
-    first where they are as good."""
+    """End of the shortest straight line out that keeps ``keep``.
+
+    Among equal lines, directions near ``away`` come first.
+    """
     turn = np.arange(DIRECTIONS)
     angle = away + (turn + 1) // 2 * np.where(turn % 2 == 1, 1.0, -1.0) * math.tau / DIRECTIONS
     steps = np.geomspace(least, reach, DISTANCES) if least < reach else np.array([least])
@@ -89,7 +90,7 @@ def _shortest(
 def _nearest_end(
     borders: Borders, place: Vec, way: FloatArray, low: float, high: float, need: float
 ) -> Vec:
-    """The place along ``way``, between two distances, from which on ``need`` is kept."""
+    """Nearest place along ``way``, between two distances, that keeps ``need``."""
     for _ in range(HALVINGS):
         middle = 0.5 * (low + high)
         end = np.array(place) + middle * way

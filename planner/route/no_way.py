@@ -1,8 +1,8 @@
-"""Why there is no path: who stands where it cannot, where it is too narrow, what would fit.
+"""Reasons for a refusal: a station too near to a border, the narrowest place, the radius that fits.
 
 Rules and units
-- The widest robot is that of the widest path over the chains, exact where the path is wider than
-  the generators' spacing: narrower ones are not distinguished from walls.
+- The widest robot is that of the widest path over the chains. It is exact if the path is wider
+  than the generators' spacing: narrower gaps count as walls.
 - A reason is a sentence with the scene's units in it.
 """
 
@@ -26,11 +26,11 @@ from planner.shared.figures import placed, sized
 
 @dataclass(frozen=True, slots=True)
 class Blocked:
-    """No path for a disc of radius ``need`` leads from ``start`` to ``goal``.
+    """Absence of a path for a disc of radius ``need`` from ``start`` to ``goal``.
 
-    ``stations`` are all that were asked for, in order. ``reason`` is what keeps it from standing
-    at one of them, None where the path is at fault. ``names`` are those of the two ends, and
-    ``remarks`` what the search could not make certain.
+    ``stations`` are all requested ones, in order. ``reason`` says why the disc cannot be at one of
+    them, None if the path is at fault. ``names`` name both ends, and ``remarks`` say what the
+    search left uncertain.
     """
 
     start: Vec
@@ -45,7 +45,7 @@ class Blocked:
 def explain(
     borders: Borders, chains: Chains, blocked: Blocked, radius: float, units: str = ""
 ) -> NoPath | None:
-    """Where the widest path is too narrow; None where the chains have no path for any robot."""
+    """Narrowest place of the widest path; None if the chains have no path for any robot."""
     found = widest_way(borders, chains, blocked.stations)
     if found is None:
         return None
@@ -59,7 +59,9 @@ def explain(
 
 
 def walled_in(blocked: Blocked, spacing: float, units: str = "") -> NoPath:
-    """No robot fits between generators ``spacing`` apart: borders lie between the stations."""
+    """Refusal of robots of any size: borders, with gaps up to ``spacing``, lie between the
+    stations.
+    """
     if blocked.reason is not None:
         return NoPath(blocked.reason, remarks=blocked.remarks)
     gaps = f"borders lie between them, with no gap wider than {sized(spacing, units)}"
@@ -77,7 +79,7 @@ def _no_way(blocked: Blocked, units: str) -> str:
 def widest_way(
     borders: Borders, chains: Chains, stations: Sequence[Vec]
 ) -> tuple[float, Vec] | None:
-    """The largest radius that can make the journey, and where it is narrowest, or None."""
+    """Largest radius that can make the journey, and its narrowest place, or None."""
     narrowest: tuple[float, Vec] | None = None
     network = Network.of(chains, 1.0, 0.0)
     least = ROUNDING * borders.extent
@@ -107,7 +109,7 @@ def widest_way(
 
 @dataclass(frozen=True, slots=True)
 class Place:
-    """A station by its name, how far the nearest primitive is, which, and if an object is there."""
+    """A named station, its nearest primitive, the distance to it, and if an object is there."""
 
     name: str
     at: Vec
@@ -117,7 +119,7 @@ class Place:
 
     @classmethod
     def of(cls, borders: Borders, name: str, at: Vec) -> Place:
-        """Measured against the borders."""
+        """Measure the place against the borders."""
         return cls(name, at, *inside_kernels.standing(borders.tree, borders.closed, *at))
 
 
@@ -129,9 +131,9 @@ def why_not(
     what: str = "the radius",
     unknown: UnknownCells | None = None,
 ) -> str | None:
-    """Why a disc of radius ``need`` cannot stand there, or None where it can.
+    """Reason why a disc of radius ``need`` cannot be there, or None.
 
-    ``what`` says what is needed; ``unknown`` are the obstacles that are none for certain.
+    ``what`` names the requirement; ``unknown`` marks uncertain obstacles.
     """
     (x, y), distance = place.at, place.distance
     told = f"{place.name} {_at(place.at)}"

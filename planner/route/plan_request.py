@@ -1,4 +1,4 @@
-"""What is asked of the planner, parsed: stations, preference, order, alternatives, margin."""
+"""A planning request, parsed: stations, preference, order, alternatives, margin."""
 
 from __future__ import annotations
 
@@ -18,9 +18,9 @@ MOST_ALTERNATIVES = 1_000_000
 
 @dataclass(frozen=True, slots=True)
 class Request:
-    """What is asked for: ``stations`` are start, every via, goal, with a heading or None.
+    """Request with ``stations`` start, every via, goal, each with a heading or None.
 
-    ``relaxed``: the margin is given up around stations that lie within it.
+    If ``relaxed``, the margin is given up around stations within it.
     """
 
     stations: tuple[Vec, ...]
@@ -32,7 +32,7 @@ class Request:
     relaxed: bool = False
 
     def in_order(self, order: Sequence[int]) -> Request:
-        """The same request with its vias in another order."""
+        """Return the same request with its vias in another order."""
         if tuple(order) == tuple(range(len(order))):
             return self
         picked = (0, *(i + 1 for i in order), len(self.stations) - 1)
@@ -55,7 +55,7 @@ class Request:
         *,
         relaxed: bool = False,
     ) -> Request:
-        """Parse the arguments of ``Roadmap.plan``; ``ValueError`` says what is wrong."""
+        """Parse the arguments of ``Roadmap.plan``; ``ValueError`` reports faults."""
         named = [("start", start), *((f"via[{i}]", v) for i, v in enumerate(via)), ("goal", goal)]
         parsed = [_station(name, value) for name, value in named]
         if order not in ("fixed", "best"):

@@ -1,10 +1,10 @@
 """From a request to a path: attach the stations, search the chains, prove the answer.
 
 Rules and units
-- Routes over the roadmap's chains are made taut (``finish.py``). The shortest path that keeps
-  the radius need not follow a chain: it is searched for over tangents (``shortest.py``).
-- Every answer is proved at the end: the exact distance of the whole polyline to every border
-  is at least the radius and the margin, or it is no answer.
+- Routes over the roadmap's chains are made taut (``taut.py``). The shortest path that keeps the
+  radius need not follow a chain: a search over tangents finds it (``shortest.py``).
+- Every answer is proved at the end: the exact distance of the whole polyline to every border is
+  at least the radius and the margin.
 """
 
 from __future__ import annotations
@@ -57,7 +57,7 @@ UNSURE = "the search for a path by tangents reached its limit: there may be one"
 
 @dataclass(frozen=True, slots=True)
 class Ways:
-    """Polylines between two stations, the preferred one first, and what must be said of them."""
+    """Polylines between two stations, the preferred one first, with remarks."""
 
     lines: tuple[FloatArray, ...]
     remarks: tuple[str, ...] = ()
@@ -65,9 +65,9 @@ class Ways:
 
 @dataclass(frozen=True, slots=True)
 class Leg:
-    """From one station to the next, for a disc of radius ``need``.
+    """Task from one station to the next for a disc of radius ``need``.
 
-    ``room`` is how far both stations are from the borders.
+    ``room`` is the distance of both stations from the borders.
     """
 
     borders: Borders
@@ -82,7 +82,7 @@ class Leg:
     def of(
         cls, borders: Borders, network: Network, ends: tuple[Vec, Vec], need: float, prefer: float
     ) -> Leg:
-        """It keeps what is needed, or less where a station is nearer by rounding."""
+        """Measure both ends; ``need`` is lowered if a station is nearer by rounding."""
         one, other = borders.distances(np.array(ends))[0].tolist()
         return cls(borders, network, *ends, min(need, one, other), prefer, (one, other))
 
@@ -100,9 +100,9 @@ def plan_request(
 ) -> Path | NoPath | Blocked:
     """Answer a request on measured chains, for a disc of ``radius``.
 
-    ``chains_only`` believes the chains where they have no path, as the paper does. ``near`` is the
-    last answer, which is stayed with as ``hysteresis.py`` says. ``unknown`` are the obstacles that
-    are none for certain; a refusal names them.
+    ``chains_only`` trusts the chains if they have no path, as the paper does. ``near`` is the last
+    answer, kept by the rules of ``hysteresis.py``. ``unknown`` marks uncertain obstacles; a refusal
+    names them.
     """
     need = radius + request.margin
     asked = request
@@ -146,9 +146,9 @@ def _stand(
     units: str,
     unknown: UnknownCells | None,
 ) -> tuple[Request, list[str], NoPath | Blocked | None]:
-    """The request from places that keep the margin, what is said of that, or why there is none.
+    """Request from places that keep the margin, remarks on that, and a refusal or None.
 
-    Only a ``relaxed`` request's stations may lie within the margin, see
+    Only stations of a ``relaxed`` request may lie within the margin, see
     :mod:`planner.route.margin`.
     """
     need = radius + request.margin
@@ -179,7 +179,7 @@ def _stand(
 def _from_stations(
     asked: Request, leg: int, lines: tuple[FloatArray, ...]
 ) -> tuple[FloatArray, ...]:
-    """The leg's lines from and to the very stations, where they lie within the margin."""
+    """Extend the leg's lines to the stations themselves, if those lie within the margin."""
     begin, end = asked.stations[leg : leg + 2]
     out = []
     for line in lines:
@@ -202,9 +202,9 @@ def _others(legs: list[Ways]) -> Iterator[list[FloatArray]]:
 def _best_order(
     borders: Borders, network: Network, request: Request, need: float, *, chains_only: bool
 ) -> tuple[int, ...]:
-    """The order of the vias that makes the path shortest: of legs planned as they will be.
+    """Order of the vias that makes the path shortest, with the legs planned as usual.
 
-    Where no order leads to all of them, the order they were asked for in.
+    The requested order, if no order reaches all of them.
     """
     stations = request.stations
     matrix = np.zeros((len(stations), len(stations)))
@@ -221,9 +221,9 @@ def _best_order(
 
 
 def plan_leg(leg: Leg, alternatives: int = 0, *, chains_only: bool = False) -> Ways:
-    """As :func:`_plan_leg`, and the same there and back.
+    """Return the paths of :func:`_plan_leg`, the same in both directions.
 
-    A leg is planned from the end with more room on: that turns and moves with the scene.
+    Planning begins at the end with more room, a choice that turns and moves with the scene.
     """
     apart = leg.room[0] - leg.room[1]
     even = abs(apart) <= ROUNDING * leg.borders.extent
@@ -236,7 +236,7 @@ def plan_leg(leg: Leg, alternatives: int = 0, *, chains_only: bool = False) -> W
 
 
 def _certified(leg: Leg, found: Ways) -> Ways:
-    """Those of the paths whose exact clearance, as a whole, is what is needed."""
+    """Keep the paths with exact clearance ``need`` over their whole length."""
     least = leg.need - ROUNDING * leg.borders.extent
     proved = tuple(
         line
@@ -249,10 +249,10 @@ def _certified(leg: Leg, found: Ways) -> Ways:
 def _plan_leg(leg: Leg, alternatives: int, *, chains_only: bool) -> Ways:
     """Polylines from start to goal with clearance >= ``need``, the preferred one first.
 
-    Every further one passes some obstacle on another side than those before it. With the
-    preference 0 the first is the shortest there is; up to 1, a corridor's shortest that keeps
-    ``1 + ROOM * preference`` radii off the borders where there is room; with 1 the widest
-    route itself, of those as wide within ``AS_WIDE`` the cheapest. None where there is no path.
+    Each further one passes some obstacle on another side than all before it. At preference 0 the
+    first is the shortest of all; up to 1, a corridor's shortest that keeps ``1 + ROOM *
+    preference`` radii off the borders where there is room; at 1 the widest route itself, the
+    cheapest of those equally wide within ``AS_WIDE``. Empty if there is no path.
     """
     borders, start, goal, need = leg.borders, leg.start, leg.goal, leg.need
     if start == goal:
@@ -267,7 +267,7 @@ def _plan_leg(leg: Leg, alternatives: int, *, chains_only: bool) -> Ways:
     if not found and chains_only:
         return Ways(())
     if not found:
-        # the chains may lack paths of this width: a second opinion of another method, and its bound
+        # the chains may lack paths this wide: a bounded second opinion by another method
         exact = shortest_way(borders, start, goal, need, budget=SECOND_OPINION)
         if exact.way is None:
             return Ways((), () if exact.certain else (UNSURE,))
@@ -282,10 +282,10 @@ def _plan_leg(leg: Leg, alternatives: int, *, chains_only: bool) -> Ways:
 
 
 def _routes(leg: Leg, alternatives: int) -> Ways:
-    """Paths over different chains, the preferred one first; some may be the same but for a shift.
+    """Paths over different chains, the preferred one first; some may be shifts of others.
 
-    The first may be cut short across to another side of an obstacle. For alternatives the
-    cheapest routes of all are made taut, and come the best first.
+    The first may be cut short to another side of an obstacle. For alternatives the cheapest routes
+    are made taut and sorted, the best first.
     """
     borders, network, need, preference = leg.borders, leg.network, leg.need, leg.preference
     floor = need - ROUNDING * borders.extent
@@ -321,11 +321,11 @@ def _routes(leg: Leg, alternatives: int) -> Ways:
 def _others_than(
     leg: Leg, best: FloatArray, entries: Gates, exits: Gates, alternatives: int
 ) -> Ways:
-    """The cheapest routes made taut, the best first: enough for so many that are distinct.
+    """The cheapest routes made taut, the best first: enough for the distinct ones required.
 
-    Routes that begin or end on different chains may be shifts of one another, though they are
-    not the same: more are sought until there are enough, or no more, or ``MOST_ROUTES``, or one
-    of the limits ``WORK`` and ``TAUT_POINTS``, which is said.
+    Different routes that begin or end on different chains may be shifts of one another, so the
+    search continues until there are enough, no more, or ``MOST_ROUTES``, or until it reaches
+    ``WORK`` or ``TAUT_POINTS``, which a remark reports.
     """
     borders, need, preference = leg.borders, leg.need, leg.preference
     floor = need - ROUNDING * borders.extent
@@ -349,7 +349,7 @@ def _others_than(
 
 
 def _staying(leg: Leg, last: FloatArray, found: Ways, alternatives: int) -> Ways:
-    """The paths found, behind the last path continued where that is as good."""
+    """The paths found, preceded by the continued last path if that is as good."""
     borders, need = leg.borders, leg.need
     way = continued(borders, last, leg.start, leg.goal, need)
     lines = found.lines
@@ -362,7 +362,7 @@ def _staying(leg: Leg, last: FloatArray, found: Ways, alternatives: int) -> Ways
 def _distinct(
     borders: Borders, ways: Sequence[FloatArray], alternatives: int
 ) -> tuple[FloatArray, ...]:
-    """The first path, and up to ``alternatives`` that no path before them can be shifted into."""
+    """The first path, and up to ``alternatives`` others that are no shift of a path before them."""
     if not alternatives:
         return tuple(ways[:1])
     places = anchors(borders)

@@ -1,9 +1,9 @@
 """From routes over the chains to polylines: taut, cut short, and proved.
 
 Rules and units
-- Every answer is proved against all borders: the exact distance of the whole polyline is at
-  least what is needed, or it is no answer.
-- A preference above 0 asks for more clearance than is needed, where there is room.
+- Every answer is proved against all borders: the exact distance of the whole polyline is at least
+  the need.
+- A preference above 0 asks for more clearance than needed, where there is room.
 """
 
 from __future__ import annotations
@@ -29,10 +29,10 @@ FLATNESS = 0.02
 def is_clear(
     borders: Borders, ends: FloatArray, standing: float, need: float, preference: float
 ) -> bool:
-    """Whether the straight line is as far off the borders as the preference asks.
+    """True if the straight line has the clearance that the preference asks for.
 
-    That is ``1 + ROOM * preference`` radii, or what its ``ends`` (2, 2) have, ``standing``, where
-    that is less. The widest path (preference 1) is never cut short.
+    That is ``1 + ROOM * preference`` radii, or that of its ``ends`` (2, 2), ``standing``, if
+    smaller. The widest path (preference 1) is never cut short.
     """
     if preference >= 1.0:
         return False
@@ -44,17 +44,17 @@ def is_clear(
 def finish(
     borders: Borders, lines: Lines, need: float, preference: float
 ) -> tuple[FloatArray, IntArray]:
-    """The routes as proved polylines: taut, or as they are where that cannot be proved.
+    """Proved polylines of the routes: taut, or unchanged if that cannot be proved.
 
-    Those that cannot even be proved as they are are left out. The widest path (preference 1) is
-    not pulled taut. Returns all points (n, 2), and where each path begins (m + 1,).
+    Routes without any proof are left out. The widest path (preference 1) is not pulled taut.
+    Returns all points (n, 2), and the start of each path (m + 1,).
     """
     wish = math.inf if preference >= 1.0 else need * (1.0 + ROOM * preference)
     return _proved(borders, lines, need, wish, FLATNESS * need)
 
 
 def as_wide(borders: Borders, lines: Lines, need: float, wide: float) -> FloatArray | None:
-    """The first route's polyline, ``wide`` but for a little, or at least ``need``; else None."""
+    """Polyline of the first route, nearly ``wide`` or at least ``need``; else None."""
     for keep in (max(need, wide * (1.0 - WIDE)), need):
         ways, first = _proved(borders, lines, keep, math.inf, FLATNESS * need)
         if len(first) > 1:
@@ -76,9 +76,9 @@ def _proved(
 def best_cut(
     borders: Borders, ways: FloatArray, first: IntArray, need: float, preference: float
 ) -> FloatArray:
-    """The cheapest of the paths with straight lines put in where they keep their distance.
+    """The cheapest of the paths after straight cuts that keep their distance.
 
-    They may change to another side of an obstacle. Never longer.
+    Cuts may change to another side of an obstacle, and never lengthen a path.
     """
     best: FloatArray = taut_kernels.best_cut(
         borders.tree, ways, first, need, need * (1.0 + ROOM * preference), DETOUR * preference,
@@ -88,11 +88,11 @@ def best_cut(
 
 
 def judge(borders: Borders, way: FloatArray, need: float, preference: float) -> float:
-    """What a path costs: its length, and more where it is narrow."""
+    """Cost of a path: its length, and more where it is narrow."""
     return float(taut_kernels.judge(borders.tree, way, need, DETOUR * preference, math.inf))
 
 
 def certain(borders: Borders, lines: Lines, need: float) -> FloatArray | None:
-    """The first route's polyline, close enough to the bisectors to keep ``need``, or None."""
+    """Polyline of the first route, close enough to the bisectors to keep ``need``, or None."""
     ways, first = finish(borders, lines, need, 1.0)
     return ways if len(first) > 1 else None

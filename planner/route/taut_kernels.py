@@ -1,13 +1,13 @@
 """From routes to polylines: taut, cut short, judged, on flat arrays.
 
 Rules and units
-- Every polyline is proved against all borders: its exact distance is at least what is needed.
-- A straight line is kept where its exact distance to every border is at least what is asked.
-- A way's points stand where they stand: where both ends of a line are nearer to a border than is
-  wished for, the line may be as near as they are, but never nearer than is needed.
+- Every polyline is proved against all borders: its exact distance is at least the need.
+- A straight line is accepted if its exact distance to every border is at least that required.
+- A way's points are fixed: if both ends of a line are nearer to a border than wished, the line may
+  be as near as they are, but never nearer than needed.
 """
 
-# The arrays' types are in the docstrings; numba infers them.
+# numba infers types; docstrings state them.
 # mypy: allow-untyped-defs
 
 from __future__ import annotations
@@ -32,10 +32,10 @@ FOLD = 0.25
 
 @njit(**OWNING)
 def certain(tree, points, pairs, need, flatness, tolerance, rounding):
-    """The route as it is, so close to its bisectors that it keeps ``need``; else empty.
+    """The route unchanged, so close to its bisectors that it keeps ``need``; else empty.
 
-    A way through a bend that is no wider than needed goes round it in corners outside it; where
-    both borders bend alike it falls short by its chords' bulge: by ``rounding`` at most.
+    A way through a bend just wide enough has corners outside its bisector. Where both borders bend
+    alike it falls short by its chords' bulge: by ``rounding`` at most.
     """
     keep = need - 0.5 * rounding
     way, _ = follow(tree, points, pairs, keep, flatness, tolerance, need - UNEQUAL * tolerance)
@@ -48,8 +48,8 @@ def certain(tree, points, pairs, need, flatness, tolerance, rounding):
 def unfolded(tree, way, reach, tolerance):
     """The way (n, 2) without turns back by more than a right angle before or after ``reach``.
 
-    Where the way came onto a chain, or changed to another, it may overshoot by a hair. A turn
-    stays where the straight line past it would be narrower than the way is there.
+    A way may overshoot slightly where it enters or changes a chain. A turn stays if the straight
+    line past it would be narrower than the way there.
     """
     out = np.empty((len(way), 2))
     m = 0
@@ -74,11 +74,11 @@ def unfolded(tree, way, reach, tolerance):
 
 @njit(**OWNING)
 def finish(tree, line, pair, begin, wish, need, flatness, tolerance, rounding):
-    """Every route taut, or as it is where that cannot be proved, one behind the other.
+    """Every route taut, or unchanged if that cannot be proved, concatenated.
 
-    Routes are ``line[begin[i] : begin[i + 1]]`` with their ``pair``; those that cannot be proved
-    at all are left out. Taut ways keep ``wish`` where there is room; none is pulled taut where
-    ``wish`` is infinite. Returns the points (n, 2) and where each way begins (m + 1,).
+    Routes are ``line[begin[i] : begin[i + 1]]`` with their ``pair``; routes without any proof are
+    left out. Taut ways keep ``wish`` where there is room; an infinite ``wish`` pulls none taut.
+    Returns the points (n, 2) and the start of each way (m + 1,).
     """
     out = np.empty((256, 2))
     first = np.zeros(len(begin), np.int32)
@@ -104,11 +104,11 @@ def finish(tree, line, pair, begin, wish, need, flatness, tolerance, rounding):
 
 @njit(**OWNING)
 def cut_short(tree, way, need, wish, rounding):
-    """The way (n, 2) with straight lines put in, from its start on and then from its end.
+    """The way (n, 2) with straight cuts, from its start and then from its end.
 
-    From each point the line to the last one is tried, then to one half as far, and so on:
-    O(n log n) lines for n points. A line keeps ``wish``, or what its ends have where that is
-    less, but no less than ``need``; all of it less ``rounding``.
+    From each point the line to the last one is tried, then to one half as far, and so on: O(n log
+    n) lines for n points. A line keeps ``wish``, or its ends' clearance if smaller, but at least
+    ``need``; all less ``rounding``.
     """
     xy = way.copy()
     rho = np.empty(len(way))
@@ -134,7 +134,7 @@ def cut_short(tree, way, need, wish, rounding):
             xy[m, 0], xy[m, 1], rho[m] = xy[here, 0], xy[here, 1], rho[here]
             m += 1
         n = m
-        for i in range(n // 2):  # the other way round: after both turns it is as it was
+        for i in range(n // 2):  # reversed; two reversals restore the order
             j = n - 1 - i
             for c in range(2):
                 xy[i, c], xy[j, c] = xy[j, c], xy[i, c]
@@ -144,9 +144,10 @@ def cut_short(tree, way, need, wish, rounding):
 
 @njit(**BORROWING)
 def judge(tree, way, need, weight, most):
-    """The way's length, each step 1 + ``weight * need / clearance`` as dear, there >= need.
+    """Length of the way, each step weighted by 1 + ``weight * need / clearance``, the latter >=
+    need.
 
-    Infinity where that is ``most`` or more, found as soon as it is sure.
+    Infinity, found early, if that is ``most`` or more.
     """
     total = 0.0
     for i in range(len(way) - 1):
@@ -165,10 +166,10 @@ def judge(tree, way, need, weight, most):
 
 @njit(**OWNING)
 def best_cut(tree, ways, first, need, wish, weight, rounding):
-    """The cheapest of the ways ``ways[first[i] : first[i + 1]]`` when they are cut short.
+    """The cheapest of the ways ``ways[first[i] : first[i + 1]]`` after cutting them short.
 
-    A cut may change to another side of an obstacle; it is never longer. The cheapest is cut from
-    its end on, too: what a way costs should not hang on where it begins.
+    A cut may change to another side of an obstacle; it is never longer. The cheapest is also cut
+    from its end: the cost should not depend on the direction.
     """
     best, least, which = ways[:0].copy(), np.inf, 0
     for i in range(len(first) - 1):

@@ -1,4 +1,4 @@
-"""The legs of a plan as one path, measured as a whole."""
+"""A plan's legs as one path, measured as a whole."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ def as_path(
     request: Request,
     order: tuple[int, ...],
 ) -> Path:
-    """The legs (n, 2) as one proved path."""
+    """Join the legs (n, 2) into one proved path."""
     points = [legs[0][:1]]
     stations = [0]
     for leg in legs:
@@ -28,7 +28,7 @@ def as_path(
     polyline = np.concatenate(points)
     gap, x, y, _, _ = box_tree_kernels.polyline_clearance(borders.tree, polyline)
     rho, _ = borders.distances(polyline)
-    # of arrays that may be changed: for others the kernel would be compiled once more
+    # writable arrays: others would compile the kernel once more
     cost = judge(borders, polyline, radius + request.margin, request.preference)
     for array in (polyline, rho):
         array.setflags(write=False)
@@ -47,5 +47,5 @@ def as_path(
 
 
 def length_of(way: FloatArray) -> float:
-    """The length of a polyline (n, 2)."""
+    """Length of a polyline (n, 2)."""
     return float(np.hypot(*np.diff(way, axis=0).T).sum())

@@ -22,7 +22,7 @@ SAMPLES = MappingProxyType(
 
 
 def sample(name: str) -> Path:
-    """The file of a sample that comes with Clearway, to be read and not written.
+    """Path of a sample's file, which is read-only.
 
     ``arena``, ``photograph`` and ``maze`` are pictures of 640 x 480 pixels, of dark obstacles on a
     light floor: a clean drawing; one with uneven light, soft shadows, blur and noise; corridors of

@@ -1,6 +1,12 @@
-"""The scene: the free space's boundary, the objects in it, and the operations on their borders.
+"""The scene: the free space's boundary, the objects in it, and operations on their borders.
 
-What a stranger imports is here; kernels take :mod:`planner.scene.primitive_kernels`.
+- ``records.py`` defines the paper's records, ``scene.py`` the scene, ``unknown_cells.py`` its
+  unseen cells; ``polygons.py`` converts polygons and GeoJSON, ``drawing.py`` draws.
+- ``flat_arcs.py`` flattens a scene to the arrays of ``primitives.py``.
+- ``primitive_kernels.py`` and ``shape_kernels.py`` compute on these; ``compile_options.py`` holds
+  the kernels' options.
+
+Other packages import from here, kernels from :mod:`planner.scene.primitive_kernels`.
 """
 
 from planner.scene.flat_arcs import flatten

@@ -1,25 +1,23 @@
-"""How the kernels are compiled, in one place.
+"""Options by which the kernels are compiled.
 
 Rules
-- A borrowing kernel makes no array and returns none, not even a part of one; it calls borrowing
-  kernels only. Numba counts references to arrays wherever they are passed on, with atomic
-  instructions, and leaves few of them out where there are loops: a third of the diagram's time.
-  Whoever calls a borrowing kernel holds its arrays meanwhile, so that nothing needs to be counted
-  there.
-- No kernel has a wrapper for C, which nobody calls and which took a twentieth of the time that
-  compiling takes.
-- Numba compiles a kernel together with all that it calls, and once more within each that calls it.
-  A large kernel with one caller, of the same options, is therefore ``inline="always"``: numba
-  writes it into its caller first. That is 29 kernels and a sixth of the time that compiling takes
-  (``python -m benchmarks.start.compile``); of 218 it made compiling slower, as numba's own passes
-  take more than twice as long for a function of twice the size.
-- A kernel is compiled once for every combination of types that it is called with: what is passed
-  on as a literal, or as a number of another width, costs as much as one more kernel.
-- ``error_model``: a division is not looked at for zero, which would keep loops from working on
-  several points at a time; divisors are kept from zero where they are made.
-- ``fastmath``: sums may be added in any order; no number is ever NaN. Where a kernel does not say,
-  numba lets it inherit this from the kernel that happens to call it first, so that the last bits
-  would depend on what was compiled before what: all others say no.
+- A borrowing kernel makes and returns no array, nor a part of one; it calls only borrowing
+  kernels. Elsewhere numba counts references to passed arrays, with atomic instructions, and
+  omits few of them in loops: a third of the diagram's time. The caller of a borrowing kernel
+  holds its arrays meanwhile, so nothing needs counting.
+- Kernels have no C wrappers: these are unused, and took a twentieth of the compile time.
+- Numba compiles a kernel with all that it calls, and again within each caller. A large kernel with
+  one caller, of the same options, is therefore ``inline="always"``: numba writes it into its
+  caller first. This applies to 29 kernels and saves a sixth of the compile time
+  (``python -m benchmarks.start.compile``); with 218 kernels it made compiling slower, as numba's
+  own passes take more than twice as long for a function of twice the size.
+- A kernel is compiled once for every combination of argument types: a literal, or a number of
+  another width, costs as much as one more kernel.
+- ``error_model``: divisors are not tested for zero, which would prevent vectorised loops; they
+  are kept from zero where they are made.
+- ``fastmath``: sums may be added in any order; no number is ever NaN. A kernel that does not state
+  it inherits it from its first caller, so that the last bits would depend on the order of
+  compilation: all others say no.
 """
 
 from __future__ import annotations
@@ -38,7 +36,7 @@ if hasattr(DefaultOptions, "no_cfunc_wrapper"):
     OWNING["no_cfunc_wrapper"] = True
 BORROWING: dict[str, Any] = dict(OWNING)
 """Options of ``njit`` for a kernel that only borrows its arrays."""
-if hasattr(DefaultOptions, "_nrt"):  # a numba without it would count, slower, with equal answers
+if hasattr(DefaultOptions, "_nrt"):  # numba without it counts: slower, with equal answers
     BORROWING["_nrt"] = False
 LEAF: dict[str, Any] = {**BORROWING, "error_model": "numpy"}
 """The same, and divisions are not looked at for zero."""

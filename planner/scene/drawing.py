@@ -1,6 +1,6 @@
-"""How scenes, roadmaps and paths show themselves: as SVG in a notebook, or on Matplotlib axes.
+"""Drawings of scenes, roadmaps and paths: SVG in a notebook, or on Matplotlib axes.
 
-Matplotlib is not needed but for ``plot``; install the extra ``examples``, or Matplotlib itself.
+Only ``plot`` needs Matplotlib; install the extra ``examples``, or Matplotlib itself.
 """
 
 from __future__ import annotations
@@ -47,7 +47,7 @@ class Layer(NamedTuple):
 
 
 def obstacle_layers(objects: Iterable[SceneObject], view: View, y_down: bool) -> list[Layer]:
-    """A layer for the solid of each object, and one for open chains and segments."""
+    """One layer for the solid of each object, and one for open chains and segments."""
     size = POINT_SIZE * max(view[2] - view[0], view[3] - view[1])
     solids, open_lines = [], []
     for one in objects:
@@ -60,14 +60,14 @@ def obstacle_layers(objects: Iterable[SceneObject], view: View, y_down: bool) ->
 
 
 def wall_layer(view: View) -> Layer:
-    """The bounds."""
+    """Layer of the bounds."""
     x0, y0, x1, y1 = view
     ring = np.array([(x0, y0), (x1, y0), (x1, y1), (x0, y1), (x0, y0)])
     return Layer([ring], WALL, 1.0)
 
 
 def to_svg(title: str, layers: Iterable[Layer], view: View, y_down: bool) -> str:
-    """An SVG picture of the layers; y grows upwards unless ``y_down``."""
+    """SVG picture of the layers; y grows upwards unless ``y_down``."""
     x0, y0, x1, y1 = view
     scale = WIDTH_PX * (1.0 - 2.0 * MARGIN) / max(x1 - x0, y1 - y0)
     left = MARGIN * WIDTH_PX
@@ -98,9 +98,9 @@ def to_svg(title: str, layers: Iterable[Layer], view: View, y_down: bool) -> str
 
 
 def plot(layers: Iterable[Layer], y_down: bool, axes: Axes | None = None) -> Axes:
-    """Draw the layers on Matplotlib axes, new ones where none are given; the axes.
+    """Draw the layers on Matplotlib axes, new ones by default; return the axes.
 
-    Raises ImportError where Matplotlib is not installed.
+    Raises ImportError if Matplotlib is not installed.
     """
     from matplotlib.patches import PathPatch
     from matplotlib.path import Path as Outline
@@ -147,7 +147,7 @@ def _circle(center: tuple[float, float], radius: float) -> FloatArray:
 
 
 def _after_start(edge: Edge, y_down: bool) -> list[Any]:
-    """The places along an edge after its start, its end the last."""
+    """Places along an edge after its start, ending with its end."""
     if isinstance(edge, Segment):
         return [edge.end]
     begin, sweep = edge.sweep(y_down)

@@ -5,7 +5,7 @@ hundred million metres to 0.02 micrometres. An arc of so large a radius is flat,
 follow it more closely than that.
 
 Rules and units
-- A radius is large where that rounding would exceed ``FLATNESS`` of the larger side of the bounds;
+- A radius is large if that rounding would exceed ``FLATNESS`` of the larger side of the bounds;
   then no chord inside them is further than ``FLATNESS`` of that side from its arc.
 - Beyond the bounds a chord may be off by its distance to them: the walls are nearer.
 """
@@ -39,7 +39,7 @@ ROUNDINGS = 2.0**-51
 def flatten(
     objects: Sequence[SceneObject], bounds: tuple[float, float, float, float], y_down: bool
 ) -> Flattener:
-    """The borders of objects in the order given, those of large radius as chords.
+    """Borders of objects in the given order, those of large radius as chords.
 
     ``bounds`` are x_min, y_min, x_max, y_max.
     """
@@ -57,14 +57,14 @@ def flatten(
 
 @dataclass(frozen=True, slots=True)
 class FlatArcs:
-    """The chords that replace arcs of large radius."""
+    """Chords that replace arcs of large radius."""
 
     bounds: tuple[float, float, float, float]
     y_down: bool
 
     @property
     def tolerance(self) -> float:
-        """How far a chord inside the bounds may be from its arc."""
+        """Largest distance of a chord inside the bounds from its arc."""
         x0, y0, x1, y1 = self.bounds
         return FLATNESS * max(x1 - x0, y1 - y0)
 
@@ -73,7 +73,7 @@ class FlatArcs:
         return ROUNDINGS * radius > self.tolerance
 
     def straightened(self, obj: SceneObject) -> SceneObject:
-        """The object with chords where a radius is large."""
+        """Replace the object's arcs of large radius with chords."""
         records = tuple(map(self._record, obj.records))
         holes = tuple(tuple(map(self._record, hole)) for hole in obj.holes)
         return replace(obj, records=records, holes=holes)
@@ -108,12 +108,12 @@ class FlatArcs:
     def _halved(
         self, start: Vec, end: Vec, radius: float, side: float, *, is_minor: bool
     ) -> Iterator[Segment]:
-        """Yield chords from start to end; the arc bulges to the right where ``side`` is 1."""
+        """Yield chords from start to end; the arc bulges to the right if ``side`` is 1."""
         dx, dy = end[0] - start[0], end[1] - start[1]
         chord = math.hypot(dx, dy)
         half = min(0.5 * chord, radius)
         across = math.sqrt((radius - half) * (radius + half))
-        # neither difference of lengths near the radius is taken
+        # avoids differences of lengths near the radius
         height = half * (half / (radius + across)) if is_minor else radius + across
         if height <= max(self.tolerance, self._beyond(start, end, height)) or chord == 0.0:
             yield Segment(start, end)
@@ -126,7 +126,7 @@ class FlatArcs:
         yield from self._halved(apex, end, radius, side, is_minor=True)
 
     def _beyond(self, start: Vec, end: Vec, height: float) -> float:
-        """How far beyond the bounds the chord and its arc lie; 0 or less where they may not."""
+        """Distance of the chord and its arc beyond the bounds; 0 or less if they may reach them."""
         x0, y0, x1, y1 = self.bounds
         return (
             max(

@@ -1,11 +1,11 @@
-"""Objects from polygons and GeoJSON-like geometry, and back.
+"""Conversion of polygons and GeoJSON-like geometry to objects, and back.
 
 Rules and units
-- A ring is an (n, 2) array of vertices, in any sense of turning; a first vertex that comes again
-  at the end is left out, and so is one that comes twice in a row.
-- ``__geo_interface__`` (S. Gillies, A Python Protocol for Geospatial Data) is a mapping as GeoJSON
-  has it (RFC 7946); shapely, GeoPandas, fiona and others have it and take it. Coordinates are the
-  scene's, whatever its units; a third one is left out.
+- A ring is an (n, 2) array of vertices, turning either way; a first vertex repeated at the end is
+  dropped, and so is one repeated in a row.
+- ``__geo_interface__`` (S. Gillies, A Python Protocol for Geospatial Data) is a mapping in the
+  form of GeoJSON (RFC 7946); shapely, GeoPandas, fiona and others have it and accept it.
+  Coordinates are the scene's, in its units; a third one is dropped.
 - Outlines are turned clockwise as seen on the screen, holes the other way.
 """
 
@@ -41,9 +41,9 @@ FINEST_RAD: Final = math.radians(1.0)
 def objects_from_polygons(
     polygons: Iterable[ArrayLike], circles: Iterable[Sequence[float]], *, y_down: bool
 ) -> tuple[SceneObject, ...]:
-    """An object for each polygon and each circle (x, y, radius), numbered in that order.
+    """Objects of polygons and circles (x, y, radius), numbered in that order.
 
-    Raises :class:`SceneError` that says which one cannot be used, and why.
+    Raises :class:`SceneError` naming the unusable one and the reason.
     """
     records: list[Record] = [
         _polygon(ring, f"polygon {number}", clockwise=True, y_down=y_down)
@@ -59,10 +59,10 @@ def objects_from_polygons(
 
 
 def objects_from_geo(geometry: object, *, y_down: bool) -> tuple[SceneObject, ...]:
-    """The objects of a geometry, a feature, or a collection of them.
+    """Objects of a geometry, a feature, or a collection of them.
 
     A polygon is an object, a line a wall without thickness, a point a point. Raises
-    :class:`SceneError` where something is none of that.
+    :class:`SceneError` for anything else.
     """
     objects: list[SceneObject] = []
     for kind, coordinates, where in _geometries(geometry, "geometry"):
@@ -87,9 +87,9 @@ def objects_from_geo(geometry: object, *, y_down: bool) -> tuple[SceneObject, ..
 
 
 def geo_of(objects: Iterable[SceneObject], tolerance: float, *, y_down: bool) -> dict[str, Any]:
-    """The objects as a GeoJSON-like feature collection; ``id`` is the object's.
+    """Convert the objects to a GeoJSON-like feature collection; ``id`` is the object's.
 
-    Arcs are chords that leave them by ``tolerance`` at most, and their corners lie on them.
+    Arcs become chords within ``tolerance`` of them, with corners on the arc.
     """
     return {
         "type": "FeatureCollection",
@@ -123,7 +123,7 @@ def _vertices(ring: object, what: str) -> NDArray[np.float64]:
 
 
 def _polygon(ring: object, what: str, *, clockwise: bool, y_down: bool) -> PolygonRecord:
-    """The ring as a record, turned as asked for."""
+    """Convert the ring to a record, turned as requested."""
     array = _vertices(ring, what)
     moves = np.any(array != np.roll(array, -1, axis=0), axis=1)
     array = array[moves] if len(array) > 1 else array
@@ -137,7 +137,7 @@ def _polygon(ring: object, what: str, *, clockwise: bool, y_down: bool) -> Polyg
         raise SceneError(f"{what}: its sides {i} and {j} cross each other")
     if doubled_area == 0.0:
         raise SceneError(f"{what}: encloses nothing: its area is 0")
-    # a positive area turns from x to y, which is clockwise on the screen where y grows down
+    # a positive area turns from x to y: clockwise on the screen if y grows down
     if (doubled_area > 0.0) != (clockwise == y_down):
         array[1:] = array[:0:-1].copy()
     corners = [(x, y) for x, y in array.tolist()]
@@ -157,7 +157,7 @@ def _line(coordinates: object, what: str) -> Record:
 def first_crossing(ring: NDArray[np.float64]) -> tuple[int, int] | None:
     """Two sides of a closed ring (n, 2) that cross between their ends, or None.
 
-    Side i runs from vertex i to the next one. O(n log n) beside the pairs whose x overlap.
+    Side i runs from vertex i to the next. O(n log n), plus the pairs whose x overlap.
     """
     starts, ends = ring, np.roll(ring, -1, axis=0)
     lows, highs = np.minimum(starts, ends), np.maximum(starts, ends)
@@ -180,13 +180,13 @@ def first_crossing(ring: NDArray[np.float64]) -> tuple[int, int] | None:
 def _side(
     a: NDArray[np.float64], b: NDArray[np.float64], p: NDArray[np.float64]
 ) -> NDArray[np.float64]:
-    """On which side of the lines from a to b p lies: the sign."""
+    """Side of the lines from a to b on which p lies: the sign."""
     along, to = b - a, p - a
     return np.sign(along[..., 0] * to[..., 1] - along[..., 1] * to[..., 0])
 
 
 def _geometries(geometry: object, where: str) -> Iterator[tuple[str, Any, str]]:
-    """Each plain geometry: its type, its coordinates, and what messages call it."""
+    """Each plain geometry: its type, its coordinates, and its name in messages."""
     told = getattr(geometry, "__geo_interface__", geometry)
     if not isinstance(told, Mapping):
         raise SceneError(
@@ -223,7 +223,7 @@ def _members(told: Mapping[str, Any], key: str, where: str) -> Any:
 
 
 def _geometry(one: SceneObject, tolerance: float, y_down: bool) -> dict[str, Any]:
-    """One object's outline and holes; a collection where it has several records."""
+    """Outline and holes of one object; a collection if it has several records."""
     outlines = [_record_geometry(record, tolerance, y_down) for record in one.records]
     holes = [_ring(record, tolerance, y_down) for hole in one.holes for record in hole]
     if holes and outlines[0]["type"] == "Polygon":
@@ -246,9 +246,9 @@ def _record_geometry(record: Record, tolerance: float, y_down: bool) -> dict[str
 
 
 def _ring(record: Record, tolerance: float, y_down: bool) -> tuple[tuple[float, float], ...]:
-    """A closed record's vertices, the first one again at the end, counter-clockwise where y is up.
+    """Vertices of a closed record, the first repeated last, counter-clockwise if y is up.
 
-    RFC 7946 has outlines so; a hole is turned by who calls.
+    RFC 7946 wants outlines so; the caller turns holes.
     """
     edges = record_edges(record)
     ring = [point for edge in edges for point in _corners(edge, tolerance, y_down)]
@@ -259,7 +259,7 @@ def _ring(record: Record, tolerance: float, y_down: bool) -> tuple[tuple[float, 
 
 
 def _corners(edge: Segment | Arc, tolerance: float, y_down: bool) -> Iterator[tuple[float, float]]:
-    """An edge's vertices but its last one."""
+    """Vertices of an edge without its last one."""
     yield edge.start
     if isinstance(edge, Segment) or edge.radius <= tolerance:
         return

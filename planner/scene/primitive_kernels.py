@@ -1,12 +1,12 @@
-"""The operations on primitives: feet, distances, sweeps, boxes.
+"""Operations on primitives: feet, distances, sweeps, boxes.
 
 Rules and units
-- A primitive is a row of :class:`planner.scene.Primitives`: ``kind`` and six numbers, and
-  three more that :func:`with_middles` adds.
+- A primitive is a row of :class:`planner.scene.Primitives`: ``kind`` and six numbers, and three
+  more that :func:`with_middles` adds.
 - Distances are unsigned and in the scene's units; a border has no inside here.
 """
 
-# The arrays' types are in the docstrings; numba infers them.
+# numba infers types; docstrings state them.
 # mypy: allow-untyped-defs
 
 from __future__ import annotations
@@ -35,25 +35,25 @@ TURN_SLACK = (3.0 + 16.0 * 2.0**-53) * 2.0**-53
 
 @njit(**LEAF, forceinline=True)
 def is_round(kind):
-    """Whether a primitive of this kind is curved: it has a centre and a radius."""
+    """True if primitives of this kind are curved, with a centre and a radius."""
     return (kind == CIRCLE) | (kind == ARC)
 
 
 @njit(**LEAF, forceinline=True)
 def has_ends(kind):
-    """Whether a primitive of this kind begins and ends somewhere: a segment or an arc."""
+    """True if primitives of this kind have ends: segments and arcs."""
     return (kind == SEGMENT) | (kind == ARC)
 
 
 @njit(**LEAF, forceinline=True)
 def on_circle(data, i, angle):
-    """The point of circle or arc i at an angle in radians."""
+    """Point of circle or arc i at an angle in radians."""
     return data[i, 0] + data[i, 2] * math.cos(angle), data[i, 1] + data[i, 2] * math.sin(angle)
 
 
 @njit(**LEAF, forceinline=True)
 def on_sweep(data, i, x, y):
-    """Whether the direction from an arc's centre to (x, y) lies within its sweep."""
+    """True if the direction from an arc's centre to (x, y) lies within its sweep."""
     dx, dy = x - data[i, 0], y - data[i, 1]
     along, d = dx * data[i, 6] + dy * data[i, 7], math.sqrt(dx * dx + dy * dy)
     past = along - data[i, 8] * d
@@ -64,7 +64,7 @@ def on_sweep(data, i, x, y):
 
 @njit(**LEAF)
 def _on_sweep_by_angle(data, i, dx, dy, along):
-    """:func:`on_sweep` where cosines are too flat to say: near either end, and of thin arcs."""
+    """Decide :func:`on_sweep` where cosines are too flat: near either end, and for thin arcs."""
     if data[i, 8] < -1.0:
         return True
     across = dy * data[i, 6] - dx * data[i, 7]
@@ -73,10 +73,10 @@ def _on_sweep_by_angle(data, i, dx, dy, along):
 
 @njit(**OWNING)
 def with_middles(kind, data):
-    """The primitives' rows with three more numbers for arcs, so that no query needs angles.
+    """Add three numbers for arcs to the primitives' rows, so that no query needs angles.
 
-    The unit vector from the centre to the arc's middle, and the cosine of half its sweep (-2
-    for the whole circle).
+    They are the unit vector from the centre to the arc's middle, and the cosine of half its sweep
+    (-2 for the whole circle).
     """
     out = np.zeros((len(kind), 9))
     out[:, :6] = data
@@ -90,10 +90,10 @@ def with_middles(kind, data):
 
 @njit(**LEAF, forceinline=True)
 def foot_on_segment(px, py, ax, ay, bx, by):
-    """The point of the segment a b nearest to p, and how far along (0 to 1) it lies."""
+    """Point of the segment a b nearest to p, and its place (0 to 1) along it."""
     dx, dy = bx - ax, by - ay
     ahead = (px - ax) * dx + (py - ay) * dy
-    # also where a and b are one place, or so near that their squares vanish
+    # also if a and b are equal, or so near that their squares vanish
     if not ahead > 0.0:
         return ax, ay, 0.0
     dd = dx * dx + dy * dy
@@ -105,7 +105,7 @@ def foot_on_segment(px, py, ax, ay, bx, by):
 
 @njit(**LEAF, forceinline=True)
 def foot(kind, data, i, x, y):
-    """The point of primitive i that is nearest to (x, y)."""
+    """Point of primitive i nearest to (x, y)."""
     k = kind[i]
     if k == POINT:
         return data[i, 0], data[i, 1]
@@ -117,7 +117,7 @@ def foot(kind, data, i, x, y):
 
 @njit(**LEAF)
 def _round_foot(kind, data, i, x, y):
-    """The point of a circle or an arc that is nearest to (x, y)."""
+    """Point of a circle or an arc nearest to (x, y)."""
     cx, cy, r = data[i, 0], data[i, 1], data[i, 2]
     dx, dy = x - cx, y - cy
     d = math.sqrt(dx * dx + dy * dy)
@@ -145,14 +145,14 @@ def distance(kind, data, i, x, y):
 
 @njit(**BORROWING)
 def point_to_segment(px, py, ax, ay, bx, by):
-    """Distance from p to the segment a b, and how far along (0 to 1) its foot lies."""
+    """Distance from p to the segment a b, and its foot's place (0 to 1) along it."""
     fx, fy, t = foot_on_segment(px, py, ax, ay, bx, by)
     return math.sqrt((px - fx) ** 2 + (py - fy) ** 2), t
 
 
 @njit(**LEAF, forceinline=True)
 def _turn(ux, uy, vx, vy):
-    """The determinant of u and v, differences to one point, or 0 where its sign is not sure."""
+    """Determinant of u and v, differences to one point; 0 if its sign is doubtful."""
     left, right = ux * vy, uy * vx
     det = left - right
     if abs(det) <= TURN_SLACK * (abs(left) + abs(right)):
@@ -162,10 +162,10 @@ def _turn(ux, uy, vx, vy):
 
 @njit(**LEAF, forceinline=True)
 def _nearer_end(px, py, turn, ax, ay, bx, by, best):
-    """The square of the distance from p to a segment, if less than ``best``; where; whether.
+    """Squared distance from p to a segment, its place, and True if it is less than ``best``.
 
-    ``turn`` is the segment's turn to p: where that is not sure and p lies beside the segment, p
-    lies on it, to the rounding of its length.
+    ``turn`` is the segment's turn to p: if it is doubtful and p lies beside the segment, p lies on
+    it, to the rounding of its length.
     """
     fx, fy, t = foot_on_segment(px, py, ax, ay, bx, by)
     d = (px - fx) ** 2 + (py - fy) ** 2
@@ -176,11 +176,10 @@ def _nearer_end(px, py, turn, ax, ay, bx, by, best):
 
 @njit(**LEAF)
 def _segments_distance(ax, ay, bx, by, cx, cy, dx, dy):
-    """Distance between segments a b and c d, and where along a b it is taken.
+    """Distance between segments a b and c d, and its place along a b.
 
-    They cross where each one's ends lie on sides of the other that are sure; else an end is
-    nearest. Of segments on one line but for rounding no end's side is sure: nothing is divided
-    by such a turn.
+    They cross if each one's ends surely lie on both sides of the other; else an end is nearest. For
+    segments on one line but for rounding no side is sure: nothing is divided by such a turn.
     """
     ux, uy, vx, vy = bx - ax, by - ay, dx - cx, dy - cy
     to_c, to_d = _turn(ux, uy, cx - ax, cy - ay), _turn(ux, uy, dx - ax, dy - ay)
@@ -202,10 +201,10 @@ def _segments_distance(ax, ay, bx, by, cx, cy, dx, dy):
 
 @njit(**BORROWING)
 def segment_distance(kind, data, i, ax, ay, bx, by):
-    """Distance between the segment a b and primitive i, and where along a b it is taken.
+    """Distance between the segment a b and primitive i, and its place along a b.
 
-    The least distance to an arc is taken at an end of either, at the segment's foot of the
-    arc's centre, or where the two cross.
+    The least distance to an arc is at an end of either, at the segment's foot of the arc's centre,
+    or where the two cross.
     """
     if kind[i] == POINT:
         return point_to_segment(data[i, 0], data[i, 1], ax, ay, bx, by)
@@ -216,7 +215,7 @@ def segment_distance(kind, data, i, ax, ay, bx, by):
 
 @njit(**BORROWING)
 def _round_to_segment(kind, data, i, ax, ay, bx, by):
-    """:func:`segment_distance` to a circle or an arc."""
+    """Distance as of :func:`segment_distance` to a circle or an arc."""
     cx, cy, r = data[i, 0], data[i, 1], data[i, 2]
     best, at = distance(kind, data, i, ax, ay), 0.0
     d = distance(kind, data, i, bx, by)
@@ -249,7 +248,7 @@ def _round_to_segment(kind, data, i, ax, ay, bx, by):
 
 @njit(**BORROWING)
 def circles_cross(data, i, j):
-    """Whether the circles or arcs i and j, whose circles meet in two points, share one of these."""
+    """True if circles or arcs i and j, whose circles meet in two points, share one of these."""
     dx, dy = data[j, 0] - data[i, 0], data[j, 1] - data[i, 1]
     r, s, square = data[i, 2], data[j, 2], dx * dx + dy * dy
     along = 0.5 * (1.0 + (r * r - s * s) / square)
@@ -264,7 +263,7 @@ def circles_cross(data, i, j):
 
 @njit(**BORROWING)
 def box_of(kind, data, i, box):
-    """The box of primitive i: x_min, y_min, x_max, y_max (of the whole circle for an arc)."""
+    """Box of primitive i: x_min, y_min, x_max, y_max (of the whole circle for an arc)."""
     if kind[i] == SEGMENT:
         box[0], box[2] = min(data[i, 0], data[i, 2]), max(data[i, 0], data[i, 2])
         box[1], box[3] = min(data[i, 1], data[i, 3]), max(data[i, 1], data[i, 3])
@@ -276,19 +275,19 @@ def box_of(kind, data, i, box):
 
 @njit(**LEAF, forceinline=True)
 def successor(i, count):
-    """The place after i in a ring of ``count`` places."""
+    """Place after i in a ring of ``count`` places."""
     return i + 1 if i + 1 < count else 0
 
 
 @njit(**LEAF, forceinline=True)
 def predecessor(i, count):
-    """The place before i in a ring of ``count`` places."""
+    """Place before i in a ring of ``count`` places."""
     return i - 1 if i > 0 else count - 1
 
 
 @njit(**LEAF)
 def root_of(parent, i):
-    """The representative of i's set in a forest, whose ways there are halved."""
+    """Representative of i's set in a forest; halves the paths to it."""
     while parent[i] != i:
         parent[i] = parent[parent[i]]
         i = parent[i]
@@ -297,7 +296,7 @@ def root_of(parent, i):
 
 @njit(**OWNING)
 def grown(array, room):
-    """A copy of an array of any shape with ``room`` rows; those that are new are undefined."""
+    """Copy of an array of any shape with ``room`` rows; new ones are undefined."""
     more = np.empty((room,) + array.shape[1:], array.dtype)  # noqa: RUF005 (numba has no stars)
     more[: len(array)] = array
     return more

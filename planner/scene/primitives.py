@@ -1,4 +1,4 @@
-"""The borders of a scene as flat arrays of primitives, the form that kernels take."""
+"""Borders of a scene as flat arrays of primitives, the form that kernels take."""
 
 from __future__ import annotations
 
@@ -32,15 +32,14 @@ ROUND = CIRCLE, ARC
 
 @dataclass(frozen=True, slots=True)
 class Primitives:
-    """All borders of a scene as flat arrays, the form that kernels take.
+    """All borders of a scene as flat arrays.
 
-    ``kind`` (k,) int8: POINT, SEGMENT, CIRCLE or ARC. ``data`` (k, 6) float64, unused = 0:
-    POINT x, y; SEGMENT x0, y0, x1, y1; CIRCLE cx, cy, r; ARC cx, cy, r, start_rad, sweep_rad
-    with sweep_rad in (0, 2 pi], the angle growing (an edge that ran the other way is turned
-    round; ``reversed`` says so). ``owner`` (k,) int32: index of the object in
-    ``Scene.objects``, or -1 for the bounds. ``border`` (k,) int32: number of the connected
-    border (outline or hole) the primitive belongs to, in order along it; the bounds come
-    last. ``is_hole`` (k,) bool: part of a hole's border.
+    ``kind`` (k,) int8: POINT, SEGMENT, CIRCLE or ARC. ``data`` (k, 6) float64, unused = 0: POINT x,
+    y; SEGMENT x0, y0, x1, y1; CIRCLE cx, cy, r; ARC cx, cy, r, start_rad, sweep_rad with sweep_rad
+    in (0, 2 pi], the angle growing (``reversed`` marks edges that ran the other way and were
+    turned). ``owner`` (k,) int32: index of the object in ``Scene.objects``, or -1 for the bounds.
+    ``border`` (k,) int32: number of the primitive's connected border (outline or hole), in order
+    along it; the bounds come last. ``is_hole`` (k,) bool: part of a hole's border.
     """
 
     kind: NDArray[np.int8]
@@ -52,7 +51,7 @@ class Primitives:
 
 
 class Flattener:
-    """Collects primitives border by border: a kind and six numbers each, a count a border."""
+    """Collects primitives border by border: a kind and six numbers each, one count per border."""
 
     def __init__(self, y_down: bool) -> None:
         self.y_down = y_down
@@ -62,16 +61,16 @@ class Flattener:
         self.borders: list[tuple[int, int, bool]] = []
 
     def add_object(self, obj: SceneObject, owner: int) -> None:
-        """An object's outline and holes."""
+        """Add an object's outline and holes."""
         self.add_border(obj.records, owner, is_hole=False)
         for hole in obj.holes:
             self.add_border(hole, owner, is_hole=True)
 
     def add_border(self, records: Sequence[Record], owner: int, *, is_hole: bool) -> None:
-        """The records of one border of an object; -1 owns the bounds."""
+        """Add the records of one border of an object; -1 owns the bounds."""
         before = len(self.kind)
         for record in records:
-            # most are polygons of segments: they are told by their type, patterns are slower
+            # most are polygons of segments: type checks are faster than patterns
             if type(record) is PolygonRecord:
                 self._add_edges(record.edges)
             elif isinstance(record, PointRecord):
@@ -104,7 +103,7 @@ class Flattener:
         self.numbers += row
 
     def finish(self) -> Primitives:
-        """All that was added, as flat arrays."""
+        """Everything added, as flat arrays."""
         count = len(self.kind)
         backwards = np.zeros(count, dtype=np.bool_)
         backwards[self.turned] = True

@@ -2,10 +2,10 @@
 
 Rules and units
 - An edge is a segment or an arc, in the units of its scene.
-- Outlines run clockwise as seen on the screen, holes counter-clockwise; an arc's ``ccw``
-  is as seen on the screen too, so that it survives the change from y down to y up.
-- Everything here is immutable. Coordinates are finite and radii >= 0, a circle of none being a
-  point: any other record cannot be made.
+- Outlines run clockwise as seen on the screen, holes counter-clockwise; an arc's ``ccw`` is as
+  seen on the screen too, so that it survives the change from y down to y up.
+- Everything here is immutable. Coordinates are finite and radii >= 0; a circle of radius 0 is a
+  point. Other records cannot be made.
 """
 
 from __future__ import annotations
@@ -26,21 +26,21 @@ class SceneError(ValueError):
 
 
 def printable(message: str) -> str:
-    """The message with what cannot be printed as escapes.
+    """Message with unprintable characters as escapes.
 
-    Words of a damaged file stand in messages: nothing of them may steer a terminal.
+    Messages quote damaged files, which must not control a terminal.
     """
     return "".join(c if c.isprintable() else ascii(c)[1:-1] for c in message)
 
 
 def _finite(point: Vec, what: str) -> None:
-    """SceneError where a coordinate is infinite or no number; zero times any other is zero."""
+    """Raise SceneError if a coordinate is infinite or NaN; zero times any other is zero."""
     if point[0] * 0.0 + point[1] * 0.0 != 0.0:
         raise SceneError(f"{what} ({point[0]:g}, {point[1]:g}): must be finite")
 
 
 def _round(center: Vec, radius: float, what: str) -> None:
-    """SceneError where a circle has no place or size; one of no radius is a point."""
+    """Raise SceneError if a circle has no place or size; one of radius 0 is a point."""
     _finite(center, f"the centre of {what}")
     if not 0.0 <= radius < math.inf:
         raise SceneError(f"the radius of {what} = {radius:g}: must be >= 0 and finite")
@@ -53,7 +53,7 @@ def _measured(residual_px: float, what: str) -> None:
 
 @dataclass(frozen=True, slots=True)
 class Segment:
-    """A straight edge from ``start`` to ``end``; ``SceneError`` where one is not finite."""
+    """Straight edge from ``start`` to ``end``; ``SceneError`` if one is not finite."""
 
     start: Vec
     end: Vec
@@ -67,16 +67,16 @@ class Segment:
 
     @property
     def length(self) -> float:
-        """Its length, in the scene's units."""
+        """Length in the scene's units."""
         return math.dist(self.start, self.end)
 
 
 @dataclass(frozen=True, slots=True)
 class Arc:
-    """A circular edge from ``start`` to ``end``; ``ccw`` as seen on the screen.
+    """Circular edge from ``start`` to ``end``; ``ccw`` as seen on the screen.
 
-    Equal ends mean the whole circle. ``SceneError`` where a coordinate is not finite or the
-    radius is not >= 0.
+    Equal ends mean the whole circle. ``SceneError`` if a coordinate is not finite or the radius is
+    not >= 0.
     """
 
     start: Vec
@@ -91,10 +91,9 @@ class Arc:
         _round(self.center, self.radius, "an arc")
 
     def sweep(self, y_down: bool) -> tuple[float, float]:
-        """``(start_rad, sweep_rad)`` in the coordinates' own sense: angle = atan2(y, x).
+        """Return ``(start_rad, sweep_rad)`` in the coordinates' own sense: angle = atan2(y, x).
 
-        ``sweep_rad`` is signed, in (0, 2 pi] where the angle grows along the edge and in
-        [-2 pi, 0) where it falls.
+        ``sweep_rad`` is signed: in (0, 2 pi] if the angle grows along the edge, else in [-2 pi, 0).
         """
         a0 = math.atan2(self.start[1] - self.center[1], self.start[0] - self.center[0])
         a1 = math.atan2(self.end[1] - self.center[1], self.end[0] - self.center[0])
@@ -182,14 +181,14 @@ class SceneObject:
 
 
 def object_records(obj: SceneObject) -> Iterator[Record]:
-    """The outline's records, then those of every hole."""
+    """Records of the outline, then of every hole."""
     yield from obj.records
     for hole in obj.holes:
         yield from hole
 
 
 def record_edges(record: Record) -> tuple[Edge, ...]:
-    """The edges of a record: none for P, one for S, two half circles for C."""
+    """Edges of a record: none for P, one for S, two half circles for C."""
     match record:
         case PointRecord():
             return ()

@@ -1,17 +1,12 @@
 """The scene: the free space's boundary and the objects in it, as the paper's records.
 
 Rules and units
-- A scene has its own units: ``px`` (a picture, y down, pixel centres at integers), ``m``
-  (a calibrated arena, y up) or ``cells`` (a grid map without a size, y down).
-- The paper's records: P (point), S (segment), C (circle), A (open chain of edges),
-  L (generalized polygon: closed sequence of edges). An edge is a segment or an arc.
-- An object is one connected obstacle: its outline's records and, for each hole, the records
-  of the hole's border. The solid is what lies between; a hole is free space.
-- Outlines run clockwise as seen on the screen, holes counter-clockwise; an arc's ``ccw``
-  is as seen on the screen too, so that it survives the change from y down to y up.
+- A scene has its own units: ``px`` (a picture, y down, pixel centres at integers), ``m`` (a
+  calibrated arena, y up) or ``cells`` (a grid map without a size, y down).
+- Records, edges and their sense of turning are those of ``records.py``.
+- An object is one connected obstacle: its outline's records and, for each hole, the records of the
+  hole's border. The solid is between them; a hole is free space.
 - Everything here is immutable; arrays are read-only.
-- Coordinates are finite and radii >= 0, a circle of none being a point: any other record cannot
-  be made.
 """
 
 from __future__ import annotations
@@ -51,7 +46,7 @@ GEO_TOLERANCE = 1e-4
 
 @dataclass(frozen=True, slots=True)
 class Bounds:
-    """The rectangle that holds the free space; its sides are walls."""
+    """Rectangle that holds the free space; its sides are walls."""
 
     x_min: float
     y_min: float
@@ -69,11 +64,11 @@ class Bounds:
         return self.y_max - self.y_min
 
     def contains(self, point: Vec) -> bool:
-        """Whether the point lies inside or on the rectangle."""
+        """True if the point lies inside or on the rectangle."""
         return self.x_min <= point[0] <= self.x_max and self.y_min <= point[1] <= self.y_max
 
     def corners(self) -> tuple[Vec, Vec, Vec, Vec]:
-        """The four corners, in the order of growing angle (x right, y along the axis)."""
+        """Four corners, in the order of growing angle (x right, y along the axis)."""
         return (
             (self.x_min, self.y_min),
             (self.x_max, self.y_min),
@@ -83,7 +78,7 @@ class Bounds:
 
 
 def derived_bounds(points: Iterable[Vec]) -> Bounds:
-    """A generous rectangle: the bounding box of ``points``, grown by its diagonal (at least 1)."""
+    """Generous rectangle: the bounding box of ``points``, grown by its diagonal (at least 1)."""
     xs, ys = zip(*points, strict=True)
     grow = max(1.0, math.dist((min(xs), min(ys)), (max(xs), max(ys))))
     return Bounds(min(xs) - grow, min(ys) - grow, max(xs) + grow, max(ys) + grow)
@@ -91,7 +86,7 @@ def derived_bounds(points: Iterable[Vec]) -> Bounds:
 
 @dataclass(frozen=True, slots=True)
 class Binarisation:
-    """How a picture was made black and white, and why so."""
+    """Method by which a picture was made black and white, and the reason."""
 
     method: str
     threshold: float
@@ -101,13 +96,13 @@ class Binarisation:
 
 @dataclass(frozen=True, slots=True)
 class Scene:
-    """The free space's boundary and the objects, with what was learned while seeing them.
+    """The free space's boundary and the objects, with facts learned while seeing them.
 
-    ``bounds_given`` is False where the source had none and a generous rectangle was derived.
-    ``size`` is the picture's (width, height) in pixels, or the grid's in cells.
-    ``border_pixels`` is n of the paper; ``timings_ms`` holds the stages' wall times.
-    ``remarks`` are plain sentences on what was degraded, dropped or found touching. ``unknown``
-    are the cells of a map that nobody has seen; two scenes are equal whatever they are.
+    ``bounds_given`` is False if the source had no bounds and a generous rectangle was derived.
+    ``size`` is the picture's (width, height) in pixels, or the grid's in cells. ``border_pixels``
+    is n of the paper; ``timings_ms`` holds the stages' wall times. ``remarks`` are plain sentences
+    on what was degraded, dropped or found touching. ``unknown`` are a map's unseen cells; they do
+    not count in comparisons of scenes.
     """
 
     units: Units
@@ -145,9 +140,9 @@ class Scene:
     ) -> Scene:
         """Return the scene of obstacles that are polygons (n, 2) or circles (x, y, radius).
 
-        Polygons may turn either way; those that overlap stay two objects. Without ``bounds``
-        (x_min, y_min, x_max, y_max) a generous rectangle is derived. Raises :class:`SceneError`
-        that names what cannot be used: too few vertices, no area, sides that cross.
+        Polygons may turn either way; overlapping ones stay two objects. Without ``bounds`` (x_min,
+        y_min, x_max, y_max) a generous rectangle is derived. Raises :class:`SceneError` naming the
+        unusable one: too few vertices, no area, sides that cross.
         """
         objects = objects_from_polygons(polygons, circles, y_down=units != "m")
         return cls._around(objects, bounds, units)
@@ -160,10 +155,10 @@ class Scene:
         bounds: Bounds | Sequence[float] | None = None,
         units: Units = "m",
     ) -> Scene:
-        """Return the scene of what has ``__geo_interface__``, or of a mapping as GeoJSON has it.
+        """Return the scene of an object with ``__geo_interface__``, or of a GeoJSON-like mapping.
 
         That is a geometry of shapely, a GeoSeries or GeoDataFrame of GeoPandas, or this scene's own
-        ``__geo_interface__``: polygons with their holes, lines and points, several in collections.
+        ``__geo_interface__``: polygons with their holes, lines and points, also in collections.
         Bounds, units and errors are as in :meth:`from_polygons`.
         """
         return cls._around(objects_from_geo(geometry, y_down=units != "m"), bounds, units)
@@ -199,20 +194,20 @@ class Scene:
         return self.to_geo(GEO_TOLERANCE * max(self.bounds.width, self.bounds.height))
 
     def to_geo(self, tolerance: float) -> dict[str, Any]:
-        """Return the same with chords that leave their arcs by ``tolerance`` (> 0) at most."""
+        """Return the same with chords within ``tolerance`` (> 0) of their arcs."""
         if not tolerance > 0.0:
             raise SceneError(f"tolerance {tolerance}: must be > 0")
         return geo_of(self.objects, tolerance, y_down=self.y_down)
 
     def __repr__(self) -> str:
-        """One line; ``objects`` has the rest."""
+        """Return one line; ``objects`` has the rest."""
         b, count = self.bounds, len(self.objects)
         objects = "1 object" if count == 1 else f"{count} objects"
         return f"<Scene of {objects}, {b.width:.6g} x {b.height:.6g} {self.units}>"
 
     @property
     def y_down(self) -> bool:
-        """Whether y grows downwards on the screen (pictures and grid maps)."""
+        """True if y grows downwards on the screen (pictures and grid maps)."""
         return self.units != "m"
 
     @property
@@ -221,13 +216,13 @@ class Scene:
         return sum(_stored_points(r) for o in self.objects for r in object_records(o))
 
     def with_bounds(self, bounds: Bounds) -> Scene:
-        """The same objects inside other bounds."""
+        """Return the same objects inside other bounds."""
         return replace(self, bounds=bounds, bounds_given=True)
 
     def replace_object(self, number: int, *others: SceneObject) -> Scene:
-        """The same scene with ``others`` where ``objects[number]`` was: none takes it out.
+        """Return the scene with ``others`` in place of ``objects[number]``, or without it.
 
-        ``IndexError`` where there is no such object. The others keep their order and ids.
+        ``IndexError`` if there is no such object. The others keep their order and ids.
         """
         count = len(self.objects)
         if not 0 <= number < count:
@@ -236,21 +231,21 @@ class Scene:
         return replace(self, objects=objects)
 
     def layers(self) -> list[Layer]:
-        """What is drawn of the scene: each object's solid, open lines, and the bounds."""
+        """Layers to draw: each object's solid, open lines, and the bounds."""
         return [*obstacle_layers(self.objects, self.view, self.y_down), wall_layer(self.view)]
 
     @property
     def view(self) -> View:
-        """The rectangle that is drawn: x_min, y_min, x_max, y_max."""
+        """Drawn rectangle: x_min, y_min, x_max, y_max."""
         b = self.bounds
         return b.x_min, b.y_min, b.x_max, b.y_max
 
     def plot(self, axes: Axes | None = None) -> Axes:
-        """Draw the scene on Matplotlib axes, the current ones by default; the axes."""
+        """Draw the scene on Matplotlib axes, by default the current ones; return the axes."""
         return plot(self.layers(), self.y_down, axes)
 
     def _repr_svg_(self) -> str:
-        """What a notebook shows."""
+        """Picture for a notebook."""
         return to_svg(
             f"a scene of {len(self.objects)} objects", self.layers(), self.view, self.y_down
         )

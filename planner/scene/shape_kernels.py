@@ -1,12 +1,12 @@
-"""The primitives' shapes: ends and lengths, directions along them, what they cross and meet.
+"""Shapes of primitives: ends and lengths, directions along them, crossings and meetings.
 
 Rules and units
-- Primitives are those of :mod:`planner.scene.primitive_kernels`, which says how far they are.
-  Whatever else hangs on a primitive's kind is here; angles are in radians.
-- ``backwards`` (k,) says that an arc runs against its border.
+- Distances of primitives are in :mod:`planner.scene.primitive_kernels`; everything else that
+  depends on a primitive's kind is here. Angles are in radians.
+- ``backwards`` (k,) marks arcs that run against their border.
 """
 
-# The arrays' types are in the docstrings; numba infers them.
+# numba infers types; docstrings state them.
 # mypy: allow-untyped-defs
 
 from __future__ import annotations
@@ -36,7 +36,7 @@ which is as many for a whole turn."""
 
 @njit(**BORROWING)
 def end_of(kind, data, backwards, i, last):
-    """The first or last point of primitive i in its border's order."""
+    """First or last point of primitive i in its border's order."""
     if kind[i] == SEGMENT:
         return (data[i, 2], data[i, 3]) if last else (data[i, 0], data[i, 1])
     if kind[i] == POINT:
@@ -46,7 +46,7 @@ def end_of(kind, data, backwards, i, last):
 
 @njit(**BORROWING)
 def tangent_at(kind, data, backwards, i, x, y):
-    """The unit direction of travel along primitive i at its point (x, y)."""
+    """Unit direction of travel along primitive i at its point (x, y)."""
     if kind[i] == SEGMENT:
         dx, dy = data[i, 2] - data[i, 0], data[i, 3] - data[i, 1]
     else:
@@ -59,7 +59,7 @@ def tangent_at(kind, data, backwards, i, x, y):
 
 @njit(**BORROWING)
 def length_of(kind, data, i):
-    """How long primitive i is; 0 for a point."""
+    """Length of primitive i; 0 for a point."""
     if kind[i] == SEGMENT:
         return math.sqrt((data[i, 2] - data[i, 0]) ** 2 + (data[i, 3] - data[i, 1]) ** 2)
     if kind[i] == CIRCLE:
@@ -71,7 +71,7 @@ def length_of(kind, data, i):
 
 @njit(**BORROWING)
 def x_range(kind, data, i):
-    """A range of x that primitive i lies within."""
+    """Range of x that contains primitive i."""
     if kind[i] == SEGMENT:
         return min(data[i, 0], data[i, 2]), max(data[i, 0], data[i, 2])
     return data[i, 0] - data[i, 2], data[i, 0] + data[i, 2]
@@ -79,7 +79,7 @@ def x_range(kind, data, i):
 
 @njit(**BORROWING)
 def cross(kind, data, i, j):
-    """Whether two segments or arcs have a point in common."""
+    """True if two segments or arcs have a point in common."""
     if kind[j] == SEGMENT:
         i, j = j, i
     if kind[i] == SEGMENT:
@@ -94,10 +94,10 @@ def cross(kind, data, i, j):
 
 @njit(**BORROWING)
 def is_beyond(kind, data, i, ax, ay, nx, ny, around, keep):
-    """Whether primitive i lies beyond a line's box, or ``keep`` or more to one of its sides.
+    """True if primitive i lies beyond a line's box, or ``keep`` or more to one of its sides.
 
-    ``around``, x_min, y_min, x_max, y_max, is the line's box, grown by ``keep``; (nx, ny) is
-    normal to the line through a. Where this is False the distance has to be taken.
+    ``around``, x_min, y_min, x_max, y_max, is the line's box, grown by ``keep``; (nx, ny) is normal
+    to the line through a. If False, the distance must be computed.
     """
     x0, y0, x1, y1 = around
     ux, uy = data[i, 0], data[i, 1]
@@ -121,7 +121,7 @@ def is_beyond(kind, data, i, ax, ay, nx, ny, around, keep):
 
 @njit(**BORROWING)
 def place_on(kind, data, i):
-    """A point of primitive i."""
+    """Any point of primitive i."""
     if is_round(kind[i]):
         return on_circle(data, i, data[i, 3])
     return data[i, 0], data[i, 1]
@@ -129,7 +129,7 @@ def place_on(kind, data, i):
 
 @njit(**BORROWING)
 def meet(kind, data, i, j, tolerance):
-    """Whether primitives i and j come within the tolerance of each other."""
+    """True if primitives i and j come within the tolerance of each other."""
     if not is_round(kind[j]):
         i, j = j, i
     if kind[i] == POINT:
@@ -153,10 +153,10 @@ def meet(kind, data, i, j, tolerance):
 
 @njit(**BORROWING)
 def crosses_ray(kind, data, i, x, y):
-    """Whether a rightward ray from (x, y) crosses primitive i an odd number of times.
+    """True if a rightward ray from (x, y) crosses primitive i an odd number of times.
 
-    A ray through a shared end counts once because a piece holds its lower end only (half-open
-    in y). Arcs are cut where their tangent is level, so that each part is monotone in y.
+    A ray through a shared end counts once because a piece holds its lower end only (half-open in
+    y). Arcs are cut where their tangent is level, so that each part is monotone in y.
     """
     k = kind[i]
     if k == SEGMENT:
@@ -172,7 +172,7 @@ def crosses_ray(kind, data, i, x, y):
 
 @njit(**BORROWING)
 def _arc_crossings(data, i, x, y):
-    """How often a rightward ray from (x, y) crosses the arc."""
+    """Number of times that a rightward ray from (x, y) crosses the arc."""
     cx, cy, r, a0 = data[i, 0], data[i, 1], data[i, 2], data[i, 3]
     a1 = a0 + data[i, 4]
     count = 0
@@ -195,7 +195,7 @@ def _arc_crossings(data, i, x, y):
 
 @njit(**BORROWING)
 def fewest_places(kind, data, i):
-    """How many generators primitive i has at least, however far apart they may be."""
+    """Least number of generators of primitive i, at any spacing."""
     if kind[i] == CIRCLE:
         return ROUND_LEAST
     return math.ceil(data[i, 4] / ROUND_APART) if kind[i] == ARC else 1.0
@@ -203,7 +203,7 @@ def fewest_places(kind, data, i):
 
 @njit(**BORROWING)
 def place_at(kind, data, backwards, i, t):
-    """The place a part t of the way along primitive i, in its border's order."""
+    """Place at a part t of primitive i, in its border's order."""
     if kind[i] == SEGMENT:
         x, y = data[i, 0], data[i, 1]
         return x + t * (data[i, 2] - x), y + t * (data[i, 3] - y)
@@ -213,7 +213,7 @@ def place_at(kind, data, backwards, i, t):
 
 @njit(**BORROWING)
 def area_beyond_chord(kind, data, backwards, i):
-    """The area between primitive i and its chord, positive where it turns from x to y."""
+    """Area between primitive i and its chord, positive if it turns from x to y."""
     if kind[i] != ARC:
         return 0.0
     part = 0.5 * data[i, 2] ** 2 * (data[i, 4] - math.sin(data[i, 4]))
@@ -222,7 +222,7 @@ def area_beyond_chord(kind, data, backwards, i):
 
 @njit(**LEAF)
 def normal_at(kind, data, i, x, y):
-    """A direction square to segment or arc i at its point (x, y), of any length."""
+    """Direction square to segment or arc i at its point (x, y), of any length."""
     if kind[i] == SEGMENT:
         return data[i, 1] - data[i, 3], data[i, 2] - data[i, 0]
     return x - data[i, 0], y - data[i, 1]

@@ -1,4 +1,4 @@
-"""The cells of a grid map that nobody has seen: obstacles to the planner, but named as unknown."""
+"""Unseen cells of a grid map: obstacles to the planner, but named as unknown."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 @dataclass(frozen=True, slots=True, eq=False)
 class UnknownCells:
-    """A mask (h, w), row 0 the top, True where a cell is unknown, and where it lies.
+    """Mask (h, w) of unknown cells, row 0 the top, and its place.
 
     ``x``, ``y`` and ``yaw_rad`` are the pose of the lower left corner of the lower left cell in the
     scene, y up; ``resolution`` is a cell's side.
@@ -29,7 +29,7 @@ class UnknownCells:
         object.__setattr__(self, "mask", mask)
 
     def holds(self, x: float, y: float) -> bool:
-        """Whether the place lies in an unknown cell, or off the map altogether."""
+        """True if the place lies in an unknown cell, or off the map."""
         dx, dy = x - self.x, y - self.y
         cos, sin = math.cos(self.yaw_rad), math.sin(self.yaw_rad)
         column = math.floor((cos * dx + sin * dy) / self.resolution)

@@ -1,19 +1,18 @@
 """The k cheapest routes over the chains without a loop, on flat arrays.
 
 Rules and units
-- Method: Yen (1971): every route found is left once at each of its nodes, for the cheapest way
-  on that no route found before it takes. Nodes on the way there are shut, so no route meets
-  a node twice. Up to where it left another one itself, that one was left before (Lawler 1972).
-- Where a route is left, the cheapest way on is sought only once nothing else can be cheaper: it
-  costs no less than the step away, and from there what is left at least.
-- What is dearer than the dearest of as many routes as are wanted is not sought.
-- Two such routes are never shifts of one another: the chains are what is left of the free space
-  when it is shrunk, and in a graph two ways without a step back and forth are shifts of one
-  another only where they are the same.
+- Method: Yen (1971). Leave each route once at each of its nodes, for the cheapest continuation
+  that no earlier route takes. Nodes before it are shut, so no route meets a node twice. A route is
+  left only from where it left another itself (Lawler 1972).
+- A continuation is sought only once nothing else can be cheaper: it costs at least the first step
+  plus the least rest from there.
+- Nothing dearer than the cheapest answers wanted is sought.
+- Two such routes are never shifts of one another: the chains are the free space shrunk, and in a
+  graph, ways without a step back and forth are shifts only if equal.
 - Entries, gates and steps are those of :mod:`planner.search.route_kernels`.
 """
 
-# The arrays' types are in the docstrings; numba infers them.
+# numba infers types; docstrings state them.
 # mypy: allow-untyped-defs
 
 from __future__ import annotations
@@ -48,11 +47,10 @@ answer; and where one was left: its steps up to there, and what a way on costs a
 
 
 class Query(NamedTuple):
-    """What is asked, the same for every search.
+    """Fixed input of every search.
 
-    ``ahead`` (n,) as :func:`planner.search.route_kernels.left_to` returns it; what the gates of
-    both stations cost, the steps that lead over a station's ``own`` chain (2 c,), and the chains
-    that the stations' entries lie on.
+    ``ahead`` (n,) from :func:`planner.search.route_kernels.left_to`, the costs of both stations'
+    gates, steps over a station's ``own`` chain (2 c,), and the chains of the stations' entries.
     """
 
     graph: Graph
@@ -66,10 +64,10 @@ class Query(NamedTuple):
 
 
 class Table(NamedTuple):
-    """The routes that were found: ``filled`` rows of ``routes`` (r, 7), ``used`` of ``steps``.
+    """Routes found: ``filled`` rows of ``routes`` (r, 7), ``used`` of ``steps``.
 
-    ``keys`` and ``items``: a heap of the ``waiting`` rows by what they cost; ``least``: what the
-    cheapest answers among all cost, as many as are wanted, ascending.
+    ``keys`` and ``items`` are a heap of the ``waiting`` rows by cost; ``least`` are the costs of
+    the cheapest answers wanted, ascending.
     """
 
     routes: NDArray[np.float64]
@@ -84,9 +82,9 @@ class Table(NamedTuple):
 
 @njit(**OWNING)
 def _noted(query, table, cost, entry, out, root, rest, left):
-    """The table with a route with the steps ``root`` and then ``rest``, which none in it has.
+    """Add the route with steps ``root`` and ``rest``, which is new, to the table.
 
-    It ``left`` another after so many steps.
+    ``left`` is the number of steps after which it leaves another.
     """
     steps, begin = table.steps, table.used
     end = begin + len(root) + len(rest)
@@ -107,14 +105,14 @@ def _noted(query, table, cost, entry, out, root, rest, left):
 
 @njit(**OWNING)
 def _without_first(table):
-    """The table whose cheapest row has left the heap."""
+    """Remove the cheapest row from the table's heap."""
     routes, steps, filled, used, keys, items, waiting, least = table
     return Table(routes, steps, filled, used, keys, items, waiting - 1, least)
 
 
 @njit(**OWNING)
 def _put(table, steps, used, cost, entry, out, begin, end, left, kind):
-    """The table with one row more, which waits."""
+    """Add a waiting row to the table."""
     routes, count = table.routes, table.filled
     if count == len(routes):
         routes = grown(routes, 2 * count)
@@ -127,7 +125,7 @@ def _put(table, steps, used, cost, entry, out, begin, end, left, kind):
 
 @njit(**BORROWING)
 def _insert(least, cost):
-    """Put a cost among the least ones, which ascend, in place of the last."""
+    """Insert a cost into the ascending least ones, dropping the last."""
     k = len(least) - 1
     if k < 0 or cost >= least[k]:
         return
@@ -139,9 +137,9 @@ def _insert(least, cost):
 
 @njit(**BORROWING)
 def _shut_repeats(access, cost, rounding):
-    """Shut the gates of all entries but one at each place: beyond it their routes are the same.
+    """Shut all gates but one entry's at each place: the routes beyond are equal.
 
-    Where a station attaches at a node, it does so over every chain that ends there.
+    A station attached at a node enters every chain that ends there.
     """
     for i in range(len(access)):
         if cost[2 * i] == np.inf and cost[2 * i + 1] == np.inf:
@@ -154,9 +152,9 @@ def _shut_repeats(access, cost, rounding):
 
 @njit(**BORROWING)
 def _bar_own(where, cost, barred):
-    """Bar the steps over a station's own chain, where it stands on one only.
+    """Bar the steps over a station's own chain if it is on one only.
 
-    A route over the whole of it passes the station on the way: a loop.
+    A route over all of it passes the station: a loop.
     """
     own = -1
     for i in range(len(where)):
@@ -170,7 +168,7 @@ def _bar_own(where, cost, barred):
 
 @njit(**BORROWING)
 def _passes(way, chain):
-    """Whether the steps lead over the whole of a chain."""
+    """True if the steps lead over the whole chain."""
     passes = False
     for k in range(len(way)):
         passes = passes or way[k] // 2 == chain
@@ -179,8 +177,10 @@ def _passes(way, chain):
 
 @njit(**BORROWING)
 def _bar_told(table, told, entry, way, at, barred, to_cost):
-    """Bar what routes that were told do after the first ``at`` steps of a ``way``, if they share
-    them: the next step, or the gate that they leave by."""
+    """Bar continuations of earlier routes that share entry and first ``at`` steps with ``way``.
+
+    That is their next step, or the gate they leave by.
+    """
     routes, steps = table.routes, table.steps
     for t in range(len(told)):
         k = told[t]
@@ -196,7 +196,7 @@ def _bar_told(table, told, entry, way, at, barred, to_cost):
 
 @njit(**OWNING, inline="always")
 def _first_routes(query, start, goal, wanted):
-    """The cheapest route, and those within one chain, in a new table; and the work."""
+    """Put the cheapest route and those within one chain into a new table; also return the work."""
     least = np.full(wanted, np.inf)
     none = np.int64(0)
     table = Table(
@@ -223,7 +223,7 @@ def _first_routes(query, start, goal, wanted):
 
 @njit(**BORROWING)
 def _bar_gates(table, told, from_cost):
-    """Bar the gates that routes that were told come in by."""
+    """Bar the gates by which earlier routes enter."""
     for t in range(len(told)):
         entry = int(table.routes[told[t], ENTRY])
         if entry >= 0:
@@ -232,7 +232,7 @@ def _bar_gates(table, told, from_cost):
 
 @njit(**BORROWING)
 def _least_onwards(query, u, shut, barred, to_cost):
-    """What the way on from a node costs at least: out by a gate there, or over a step."""
+    """Least cost onwards from a node: out by a gate, or over a step."""
     graph, ends = query.graph, query.graph.chains.ends
     least = np.inf
     for i in range(len(query.goal.node)):
@@ -249,10 +249,10 @@ def _least_onwards(query, u, shut, barred, to_cost):
 
 @njit(**OWNING)
 def _leave(query, table, told, pick, most, work, budget):
-    """Note where route ``pick`` may be left: at its gate, and at each of its nodes.
+    """Note the places to leave route ``pick``: its gate and each of its nodes.
 
-    Not before it left another itself, nor where every way on costs ``most`` or more. The table,
-    and the work, which ends at ``budget``.
+    Skips those before it left another itself, and those with continuations costing ``most`` or
+    more. Returns the table, and the work, which ends at ``budget``.
     """
     graph, ends = query.graph, query.graph.chains.ends
     routes = table.routes
@@ -297,7 +297,7 @@ def _leave(query, table, told, pick, most, work, budget):
 
 @njit(**OWNING, inline="always")
 def _seek(query, table, told, row, most):
-    """The cheapest way on from where a route was left, in the table, and the work.
+    """Add the cheapest continuation from where a route was left; also return the work.
 
     Only if it costs less than ``most``.
     """
@@ -331,12 +331,12 @@ def _seek(query, table, told, row, most):
 
 @njit(**OWNING)
 def cheapest_routes(graph, floor, start, goal, wanted, rounding, budget, dearest):
-    """The ``wanted`` cheapest routes, the cheapest first: fewer where there are no more.
+    """The ``wanted`` cheapest routes, the cheapest first: fewer if no more exist.
 
-    ``start`` and ``goal`` are the stations' gates; those nearer to one another than ``rounding``
-    are one. The search ends, too, where it has done the work of looking at ``budget`` steps over
-    chains, or where a route is more than ``dearest`` times as dear as the first. Returns all
-    lines' points and pairs, where each line begins (n + 1,), and the work.
+    ``start`` and ``goal`` are the stations' gates; gates within ``rounding`` of each other count as
+    one. The search also ends after the work of ``budget`` steps over chains, or at a route more
+    than ``dearest`` times as dear as the first. Returns all lines' points and pairs, the start of
+    each line (n + 1,), and the work.
     """
     line = np.empty((64, 2))
     pair = np.empty((64, 2), np.int32)

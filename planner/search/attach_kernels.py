@@ -1,14 +1,12 @@
 """Attaching a place to the roadmap's chains, on flat arrays.
 
 Rules and units
-- Chains are numbered as :func:`planner.diagram.chains.trace_kernels.trace_chains` leaves them;
-  chain c's points are ``points[first[c] : first[c + 1]]``, and link i runs from point i to point i
-  + 1.
+- Chains and links are those of :mod:`planner.search.search_kernels`.
 - A place attaches by retraction: straight away from the nearest border until a second one is as
   near, and then onto the chain.
 """
 
-# The arrays' types are in the docstrings; numba infers them.
+# numba infers types; docstrings state them.
 # mypy: allow-untyped-defs
 
 from __future__ import annotations
@@ -32,10 +30,9 @@ SHRINKS = 60
 def retract(tree, x, y, reach):
     """Move (x, y) away from the nearest border until a second border is as near.
 
-    The shrinking ball of Ma, Bae and Choi (2012): a ball through the nearest foot, centred
-    on the ray from it through (x, y), shrinks until no border is inside. Returns the centre,
-    its radius and the two primitives. ``reach`` is the first ball's radius, larger than any
-    clearance in the scene.
+    The shrinking ball of Ma, Bae and Choi (2012): a ball through the nearest foot, centred on the
+    ray from it through (x, y), shrinks until no border is inside. Returns centre, radius and both
+    primitives. ``reach`` is the first radius, larger than any clearance in the scene.
     """
     kind, data = tree.kind, tree.data
     d, a = nearest(tree, x, y, np.inf)
@@ -66,7 +63,7 @@ def retract(tree, x, y, reach):
 
 @njit(**OWNING)
 def nearest_links(points, first, x, y, count):
-    """The links nearest to (x, y), at most one a chain: chain, point index, part, distance."""
+    """Links nearest to (x, y), at most one a chain: chain, point index, part, distance."""
     chain = np.full(count, -1, np.int32)
     link = np.zeros(count, np.int32)
     part = np.zeros(count)
@@ -100,10 +97,10 @@ def nearest_links(points, first, x, y, count):
 
 @njit(**BORROWING)
 def _to_ends(graph, chain, link, part, out):
-    """Write cost and clearance from a place inside a chain to its first and to its last point.
+    """Write cost and clearance from a place inside a chain to its first and last point.
 
-    A proved link grows or shrinks all along: a part of it is as wide as the narrower of its ends,
-    and the place's own clearance is that of the access.
+    Clearance is monotone along a proved link, so a part is as wide as its narrower end. The access
+    includes the place's own clearance.
     """
     first, rho, gap, proved = (
         graph.chains.first,
@@ -130,8 +127,8 @@ def _to_ends(graph, chain, link, part, out):
 def attach(tree, graph, x, y, floor, within, rounding, tolerance, reach, most):
     """Ways from (x, y) onto at most ``most`` chains, with clearance >= ``floor``, nearest first.
 
-    Where retraction ends nearer than ``within`` to a chain that chain is the way, and those as
-    near but for ``rounding``; else any of the nearest chains that a straight line reaches.
+    If retraction ends within ``within`` of a chain, use it and any equally near up to ``rounding``;
+    else any of the nearest chains that a straight line reaches.
     """
     points, first, pieces = graph.chains.points, graph.chains.first, graph.chains.pieces
     rx, ry, _, _, _ = retract(tree, x, y, reach)

@@ -1,8 +1,7 @@
-"""Ways onto the roadmap's chains and over them: what one costs, how wide it is, its line.
+"""Routes onto and over the roadmap's chains: cost, width, line.
 
 Rules and units
-- Stations attach inside a chain, by retraction: straight away from the nearest border until a
-  second one is as near, and then onto the chain.
+- Stations attach inside a chain by retraction, see :mod:`planner.search.attach_kernels`.
 - A path costs its length, and more where it is narrow; clearances are exact.
 """
 
@@ -33,14 +32,16 @@ ROUNDING = 1e-9
 
 @dataclass(frozen=True, slots=True)
 class Network:
-    """The chains, and as a ``graph`` what every link and chain costs and which leave which node."""
+    """The chains, and the ``graph`` with costs of links and chains and the chains leaving each
+    node.
+    """
 
     chains: Chains
     graph: Graph
 
     @classmethod
     def of(cls, chains: Chains, need: float, preference: float) -> Network:
-        """Costs for a disc of radius ``need``. O(points)."""
+        """Compute costs for a disc of radius ``need``. O(points)."""
         arrays, weight = chains.arrays, DETOUR * preference
         priced = search_kernels.price_chains(arrays, len(chains.node_xy), need, weight)
         return cls(chains, Graph(arrays, *priced))
@@ -48,10 +49,10 @@ class Network:
 
 @dataclass(frozen=True, slots=True)
 class Lines:
-    """Routes laid out, one behind the other: route i is ``points[begin[i] : begin[i + 1]]``.
+    """Routes concatenated: route i is ``points[begin[i] : begin[i + 1]]``.
 
-    ``pairs`` (n, 2) are the pieces left and right of the link to the next point, -1 where that
-    is straight.
+    ``pairs`` (n, 2) are the pieces left and right of the link to the next point, -1 if it is
+    straight.
     """
 
     points: FloatArray
@@ -62,7 +63,7 @@ class Lines:
         return len(self.begin) - 1
 
     def after(self, first: int, most_points: int) -> Lines:
-        """The routes from number ``first`` on, as many as have ``most_points`` together."""
+        """Routes from number ``first`` on, up to ``most_points`` points together."""
         here = int(self.begin[min(first, len(self))])
         last = int(np.searchsorted(self.begin, here + most_points, side="right"))
         begin = self.begin[first:last]
@@ -76,8 +77,8 @@ def attach(
 ) -> Gates:
     """Ways from a place onto the chains, each with clearance >= ``floor``.
 
-    Where retraction meets a chain that chain is the way; with ``anywhere``, or where it meets
-    none, any of the nearest chains that a straight line reaches.
+    The chain that retraction meets; if ``anywhere``, or if it meets none, any of the nearest chains
+    that a straight line reaches.
     """
     extent = borders.extent
     return attach_kernels.attach(  # type: ignore[no-any-return]
@@ -87,7 +88,7 @@ def attach(
 
 
 def widest_gap(network: Network, start: Gates, goal: Gates) -> float:
-    """The largest clearance a path from any entry to any exit can keep, -inf where none leads."""
+    """Largest clearance of any path from an entry to an exit, -inf if there is none."""
     return float(route_kernels.widest_way(network.graph, start, goal))
 
 
@@ -103,9 +104,9 @@ def cheapest_routes(
 ) -> tuple[Lines, int]:
     """The ``wanted`` cheapest routes without a loop that keep ``floor``, the cheapest first.
 
-    Fewer only where there are no more, or where the ``budget`` is spent: so many steps over
-    chains; or where all others are more than ``dearest`` times as dear as the first. The second
-    value is what was spent, more than the budget in that case only.
+    Fewer only if no more exist, if the ``budget`` of steps over chains is spent, or if all others
+    are more than ``dearest`` times as dear as the first. The second value is the work, above
+    ``budget`` only if that was spent.
     """
     *found, work = alternative_kernels.cheapest_routes(
         network.graph, floor, start, goal, wanted, ROUNDING * borders.extent, budget, dearest

@@ -1,9 +1,9 @@
-"""Which side of every obstacle a path passes: paths are distinct where one is no shift of another.
+"""Sides on which a path passes the obstacles: distinct paths are no shifts of one another.
 
-Method: a ray leads from one place of each obstacle to infinity, all of them parallel. The rays
-that a path crosses, in order and with their directions, with neighbours that undo each other
-struck out, are a word of the free group over the obstacles. Two paths with the same ends can be
-shifted into each other without crossing an obstacle exactly where their words are equal.
+Method: parallel rays lead from one place of each obstacle to infinity. The rays that a path
+crosses, in order and with directions, after cancelling neighbours that undo each other, are a word
+of the free group over the obstacles. Two paths with the same ends can be shifted into each other
+without crossing an obstacle exactly if their words are equal.
 """
 
 from __future__ import annotations
@@ -24,9 +24,9 @@ def anchors(borders: Borders) -> FloatArray:
 
 
 def word(places: FloatArray, way: FloatArray) -> Word:
-    """The reduced word of a path (m, 2) among obstacles as from :func:`anchors`.
+    """Reduced word of a path (m, 2) among obstacles from :func:`anchors`.
 
-    Rays lead towards growing y. Those of obstacles at the same x count as shifted to the right
-    by less than anything, the later the further. O(m log n), and what sorting the crossings takes.
+    Rays lead towards growing y. Rays at the same x count as shifted to the right infinitesimally,
+    later ones further. O(m log n), plus sorting the crossings.
     """
     return tuple(kernels.word(places, way).tolist())

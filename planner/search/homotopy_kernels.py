@@ -1,11 +1,10 @@
-"""The rays from obstacles that a way crosses, in order, on flat arrays.
+"""The obstacles' rays that a way crosses, in order, on flat arrays.
 
 Rules and units
-- Rays lead towards growing y. Those of obstacles at the same x count as shifted to the right by
-  less than anything, the later the further.
+- Rays and their order at the same x are those of :func:`planner.search.homotopy.word`.
 """
 
-# The arrays' types are in the docstrings; numba infers them.
+# numba infers types; docstrings state them.
 # mypy: allow-untyped-defs
 
 from __future__ import annotations
@@ -20,7 +19,7 @@ from planner.scene.shape_kernels import place_on
 
 @njit(**OWNING)
 def anchors(kind, data, owner, count):
-    """(n, 3) a place of every obstacle that has one of the ``count`` primitives, by its x.
+    """(n, 3) a place of every obstacle with any of the ``count`` primitives, sorted by x.
 
     The third column is the obstacle's number among these, as a float.
     """
@@ -43,7 +42,7 @@ def anchors(kind, data, owner, count):
 
 @njit(**LEAF)
 def _first_behind(places, x):
-    """How many of the places, which are in the order of x, lie before x."""
+    """Number of the places, sorted by x, before x."""
     low, high = 0, len(places)
     while low < high:
         middle = (low + high) // 2
@@ -56,7 +55,7 @@ def _first_behind(places, x):
 
 @njit(**OWNING)
 def word(places, way):
-    """The reduced word of a way (m, 2) among ``places`` as from :func:`anchors`: (l,) int32."""
+    """Reduced word of a way (m, 2) among ``places`` from :func:`anchors`: (l,) int32."""
     letters = np.empty(32, np.int32)
     met = np.empty((len(places), 2))
     m = 0
@@ -66,7 +65,7 @@ def word(places, way):
         sign = 1.0 if ax < bx else -1.0
         n = 0
         for k in range(last - first):
-            # in the order in which they are crossed, but for rounding and rays at the same x
+            # in crossing order, except for rounding and rays at the same x
             p = first + k if ax < bx else last - 1 - k
             t = (places[p, 0] - ax) / (bx - ax)
             if not ay + t * (by - ay) > places[p, 1]:

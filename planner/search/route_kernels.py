@@ -1,17 +1,15 @@
-"""Routes over the roadmap's chains: searched for, and laid out as lines, on flat arrays.
+"""Routes over the roadmap's chains, searched and laid out as lines, on flat arrays.
 
 Rules and units
-- Chains are numbered as :func:`planner.diagram.chains.trace_kernels.trace_chains` leaves them;
-  chain c's points are ``points[first[c] : first[c + 1]]``, and link i runs from point i to point i
-  + 1.
-- A station's entries are what :func:`planner.search.attach_kernels.attach` returns
+- Chains and links are those of :mod:`planner.search.search_kernels`.
+- A station's entries come from :func:`planner.search.attach_kernels.attach`
   (:class:`planner.search.search_kernels.Gates`); gate 2 i + end leads over entry i to that end of
   its chain.
 - A laid route is points (n, 2) and pairs (n, 2): the pieces left and right of the link to the
-  next point, -1 where the link is straight.
+  next point, -1 if the link is straight.
 """
 
-# The arrays' types are in the docstrings; numba infers them.
+# numba infers types; docstrings state them.
 # mypy: allow-untyped-defs
 
 from __future__ import annotations
@@ -29,7 +27,7 @@ CLEARED = 8
 
 @njit(**OWNING)
 def gates_of(gates, ends, floor):
-    """What every gate costs, infinity where its clearance is below ``floor``."""
+    """Cost of every gate, infinity if its clearance is below ``floor``."""
     where, price = gates.where, gates.price
     m = len(where)
     node = np.empty(2 * m, np.int32)
@@ -47,7 +45,7 @@ def gates_of(gates, ends, floor):
 def between(graph, start, i, goal, j):
     """Clearance and cost of the way within one chain from the start's entry i to the goal's j.
 
-    Of a proved link only the part between counts, which grows or shrinks all along.
+    Only the part between them counts; clearance is monotone along a proved link.
     """
     first, rho, gap = graph.chains.first, graph.chains.rho, graph.chains.gap
     cost, proved, price, other_price = graph.cost, graph.chains.proved, start.price, goal.price
@@ -72,13 +70,13 @@ def between(graph, start, i, goal, j):
 
 @njit(**OWNING)
 def search(graph, ahead, floor, start, goal, shut, barred, most):
-    """The cheapest way from the ``start``'s gates to the ``goal``'s, not over ``shut`` nodes (n,).
+    """The cheapest way from the ``start``'s gates to the ``goal``'s, avoiding ``shut`` nodes (n,).
 
-    A* over the chains not below ``floor``; ``ahead`` (n,) is what is left at least from each node,
-    as :func:`costs_from` says of the goal. No step is walked that is ``barred`` (2 chains,), and no
-    way found that costs ``most`` or more. Returns the cost, infinity where there is none, the
-    start's and the goal's gate, the chains in order as chain * 2 + end walked from, and the work:
-    steps looked at, and what clearing the nodes costs in them.
+    A* over chains of clearance ``floor`` or more; ``ahead`` (n,) is each node's least cost to the
+    goal (:func:`costs_from`). Steps ``barred`` (2 chains,) and ways of cost ``most`` or more are
+    excluded. Returns the cost, infinity if there is no way, the start's and the goal's gate, the
+    chains in order as chain * 2 + starting end, and the work: steps examined, plus the equivalent
+    of clearing the nodes.
     """
     around, leaving, total = graph.around, graph.leaving, graph.total
     ends, clearance = graph.chains.ends, graph.chains.clearance
@@ -136,7 +134,7 @@ def search(graph, ahead, floor, start, goal, shut, barred, most):
 
 @njit(**OWNING)
 def left_to(graph, floor, start, goal):
-    """What is left at least from every node to the goal, for :func:`search`."""
+    """Least cost from every node to the goal, for :func:`search`."""
     begin = gates_of(start, graph.chains.ends, floor)
     return costs_from(graph, floor, gates_of(goal, graph.chains.ends, floor), begin)
 
@@ -153,7 +151,7 @@ def _add(line, pair, m, x, y, left, right):
 
 @njit(**BORROWING)
 def _beside(pieces, proved, link, forwards):
-    """The pieces left and right of a link walked that way, -1 where it is straight."""
+    """Pieces left and right of a link walked this way, -1 if it is straight."""
     if not proved[link]:
         return NONE, NONE
     left, right = np.int64(pieces[link, 0]), np.int64(pieces[link, 1])
@@ -162,9 +160,9 @@ def _beside(pieces, proved, link, forwards):
 
 @njit(**BORROWING)
 def _add_points(chains, a, b, forwards, through, line, pair, m):
-    """Write the points from a to b, both included, none where b lies behind a.
+    """Write the points from a to b inclusive, none if b is behind a.
 
-    ``through``: the link after b is walked on, too.
+    ``through``: the link after b is walked, too.
     """
     points, pieces, proved = chains.points, chains.pieces, chains.proved
     step = 1 if forwards else -1
@@ -179,7 +177,7 @@ def _add_points(chains, a, b, forwards, through, line, pair, m):
 
 @njit(**BORROWING)
 def _walk(chains, chain, entered, left_at, forwards, line, pair, m):
-    """Write the points of a chain between two of its links; -1 stands for its end there."""
+    """Write a chain's points between two of its links; -1 means its end there."""
     lo, hi = np.int64(chains.first[chain]), np.int64(chains.first[chain + 1]) - 1
     if forwards:
         a = lo if entered < 0 else entered + 1
@@ -196,7 +194,7 @@ def _walk(chains, chain, entered, left_at, forwards, line, pair, m):
 def lay(chains, start, s_gate, steps, goal, g_gate):
     """The route in through gate ``s_gate``, over ``steps`` and out through ``g_gate``.
 
-    Gates below 0 stand for the entries -1 - gate, both on one chain, and the way within it.
+    Gates below 0 mean entries -1 - gate, both on one chain, and the way within it.
     """
     first, pieces, proved = chains.first, chains.pieces, chains.proved
     s_where, s_access, s_price = start
@@ -237,7 +235,7 @@ def lay(chains, start, s_gate, steps, goal, g_gate):
 
 @njit(**OWNING)
 def widest_way(graph, start, goal):
-    """The largest least clearance of any way from the start's entries to the goal's, or -inf."""
+    """Largest least clearance of any way from the start's entries to the goal's, or -inf."""
     around, leaving = graph.around, graph.leaving
     ends, clearance = graph.chains.ends, graph.chains.clearance
     s_where, s_price, g_where, g_price = start.where, start.price, goal.where, goal.price
@@ -283,7 +281,7 @@ def widest_way(graph, start, goal):
 
 @njit(**OWNING)
 def put_behind(line, pair, size, xy, beside):
-    """The first ``size`` points and pairs, and then others behind them, with room to spare."""
+    """Append points and pairs to the first ``size``, with spare space."""
     end = size + len(xy)
     if end > len(line):
         line, pair = grown(line, 2 * end), grown(pair, 2 * end)

@@ -1,15 +1,13 @@
-"""The roadmap's chains as a graph with costs, and how far everything is, on flat arrays.
+"""The roadmap's chains as a graph with costs, and shortest distances, on flat arrays.
 
 Rules and units
-- Chains are numbered as :func:`planner.diagram.chains.trace_kernels.trace_chains` leaves them;
-  chain c's points are ``points[first[c] : first[c + 1]]``, and link i runs from point i to point i
-  + 1.
-- A gate is a way onto the roadmap's nodes: ``node``, what it costs to get there, and the
-  clearance on the way.
-- Costs are lengths, or lengths weighted where the clearance is small; never negative.
+- Chains are numbered as in :func:`planner.diagram.chains.trace_kernels.trace_chains`; chain c's
+  points are ``points[first[c] : first[c + 1]]``, and link i leads from point i to point i + 1.
+- A gate is a way onto the roadmap's nodes: ``node``, its cost, and its clearance.
+- Costs are lengths, weighted where the clearance is small if asked; never negative.
 """
 
-# The arrays' types are in the docstrings; numba infers them.
+# numba infers types; docstrings state them.
 # mypy: allow-untyped-defs
 
 from __future__ import annotations
@@ -45,10 +43,9 @@ class Graph(NamedTuple):
 class Gates(NamedTuple):
     """A station's m ways onto the chains, the nearest first.
 
-    ``where`` (m, 2) are chain and link; ``access`` (m, 3, 2) runs from the station over the
-    retracted place to the one on the chain; ``price`` (m, 7) is the part of the link gone, the
-    access's length and exact clearance, and cost and clearance to the chain's first end, and to
-    its last.
+    ``where`` (m, 2) are chain and link; ``access`` (m, 3, 2) leads from the station over the
+    retracted place to the chain; ``price`` (m, 7) is the passed part of the link, the access's
+    length and exact clearance, and cost and clearance to the chain's first and last end.
     """
 
     where: NDArray[np.int32]
@@ -57,9 +54,9 @@ class Gates(NamedTuple):
 
 
 class GateCosts(NamedTuple):
-    """``node`` and ``cost`` (2 m,) of the ways over a station's gates to both ends of their chains.
+    """``node`` and ``cost`` (2 m,) over a station's gates to both ends of their chains.
 
-    The cost is infinite where a way is too narrow.
+    The cost is infinite if a way is too narrow.
     """
 
     node: NDArray[np.int32]
@@ -68,7 +65,7 @@ class GateCosts(NamedTuple):
 
 @njit(**OWNING)
 def price_chains(chains, nodes, radius, weight):
-    """What a :class:`Graph` adds to the chains, which meet in so many nodes.
+    """Compute the :class:`Graph` fields of chains that meet in this number of ``nodes``.
 
     A link costs its length times 1 + weight * radius / clearance.
     """
@@ -98,7 +95,7 @@ def price_chains(chains, nodes, radius, weight):
 
 @njit(**BORROWING)
 def push(keys, items, size, key, item):
-    """Put an item into the heap; ``size`` is the number of entries before."""
+    """Put an item into the heap of ``size`` entries."""
     i = size
     while i > 0 and keys[(i - 1) // 2] > key:
         keys[i], items[i] = keys[(i - 1) // 2], items[(i - 1) // 2]
@@ -108,7 +105,7 @@ def push(keys, items, size, key, item):
 
 @njit(**BORROWING)
 def pop(keys, items, size):
-    """Take the least; ``size`` is the number of entries before. Returns key, item."""
+    """Take the least of ``size`` entries: key, item."""
     key, item = keys[0], items[0]
     last_key, last_item = keys[size - 1], items[size - 1]
     i, n = 0, size - 1
@@ -128,7 +125,7 @@ def pop(keys, items, size):
 
 @njit(**OWNING)
 def pushed(keys, items, size, key, item):
-    """Put an item into the heap, which grows where it is full; the heap."""
+    """Put an item into the heap, grown if full, and return the heap."""
     if size == len(keys):
         keys, items = grown(keys, 2 * size + 8), grown(items, 2 * size + 8)
     push(keys, items, size, key, item)
@@ -137,11 +134,10 @@ def pushed(keys, items, size, key, item):
 
 @njit(**OWNING, inline="always")
 def costs_from(graph, floor, start, goal):
-    """What the cheapest way from the start's gates to every node costs (n,), inf where none leads.
+    """Cheapest cost from the start's gates to every node (n,), inf if unreachable.
 
-    Dijkstra; ``start`` and ``goal`` are :class:`GateCosts`. Where there are goal's gates the
-    search ends at the first of them, and what lies farther is said to cost as much as the
-    farthest that was reached: no more than it does.
+    Dijkstra; ``start`` and ``goal`` are :class:`GateCosts`. The search ends at the goal's first
+    gate, if any; farther nodes get the farthest cost reached, a lower bound.
     """
     around, leaving, cost = graph.around, graph.leaving, graph.total
     ends, clearance = graph.chains.ends, graph.chains.clearance

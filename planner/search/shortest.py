@@ -1,11 +1,11 @@
-"""The shortest path that keeps a clearance, exact: straight lines and arcs around corners.
+"""The exact shortest path that keeps a clearance: straight lines and arcs around corners.
 
 Rules and units
-- The borders moved outwards by the clearance leave arcs around corners and round borders; the
-  shortest path is made of their common tangents and of the arcs between them.
-- The answer is a polyline whose chords lie outside the arcs, so that it keeps the clearance,
-  which is proved against all borders. It is longer than the path itself by less than
-  ``CHORD_RAD ** 2 / 12`` of its arcs.
+- The borders, moved outwards by the clearance, leave arcs around corners and round borders; the
+  path consists of their common tangents and of arcs between them.
+- The answer is a polyline whose chords lie outside the arcs, so it keeps the clearance, which is
+  proved against all borders. It exceeds the path's length by less than ``CHORD_RAD ** 2 / 12``
+  of its arcs.
 """
 
 from __future__ import annotations
@@ -34,9 +34,9 @@ obstacles it took 2,200,000 at most."""
 
 @dataclass(frozen=True, slots=True)
 class Shortest:
-    """The path (n, 2), or None where none is shorter than asked.
+    """The path (n, 2), or None if none is shorter than asked.
 
-    ``certain`` is False where the search gave up, so that there may be a shorter one.
+    ``certain`` is False if the search gave up, so a shorter one may exist.
     """
 
     way: FloatArray | None
@@ -51,10 +51,10 @@ def shortest_way(
     longest: float = math.inf,
     budget: int | None = None,
 ) -> Shortest:
-    """The shortest path from start to goal that keeps ``keep``, if shorter than ``longest``.
+    """Find the shortest path from start to goal that keeps ``keep``, if shorter than ``longest``.
 
-    Where a station is nearer to a border by rounding, so may the path. The work is bounded:
-    ``budget`` tangents tried, ``BUDGET`` where None.
+    The path may be as near to a border as a station is by rounding. The work is bounded by
+    ``budget`` tangents tried, ``BUDGET`` if None.
     """
     ends = np.array([start, goal])
     standing = float(borders.distances(ends)[0].min())
@@ -84,7 +84,9 @@ def shortest_way(
 
 
 def _polyline(discs: FloatArray, tangents: FloatArray, chord_rad: float) -> FloatArray:
-    """The tangents and chords around the arcs between them, no chord turning by more."""
+    """The tangents, and chords around the arcs between them, none turning by more than
+    ``chord_rad``.
+    """
     points = [discs[tangent_kernels.START, None, :2]]
     for arrived, left in pairwise(tangents):
         disc, side, a = int(arrived[3]), arrived[4], arrived[5]

@@ -1,14 +1,14 @@
 """The shortest way that keeps a distance: a search over tangents and arcs, on flat arrays.
 
 Rules and units
-- The borders, moved outwards by ``keep``, are arcs and straight sides. A shortest way runs along
-  arcs that the free space goes round, and straight along common tangents of two of them.
-- A disc is such an arc: centre, radius, and the directions in which its border is exposed, as
-  ``cone`` = first angle and width. Disc 0 is the start and disc 1 the goal, of radius 0.
-- A side is +1 where the way runs counter-clockwise round a disc (angles grow), -1 clockwise.
+- The borders, moved outwards by ``keep``, are arcs and straight sides. A shortest way follows arcs
+  around borders and the common tangents of two arcs.
+- A disc is such an arc: centre, radius, and the exposed directions of its border, ``cone`` = first
+  angle and width. Disc 0 is the start and disc 1 the goal, of radius 0.
+- A side is +1 for a way counter-clockwise round a disc (angles grow), -1 for clockwise.
 """
 
-# The arrays' types are in the docstrings; numba infers them.
+# numba infers types; docstrings state them.
 # mypy: allow-untyped-defs
 
 from __future__ import annotations
@@ -46,7 +46,7 @@ CHECK, ENTRY = 60, 10
 
 @njit(**BORROWING)
 def turn_towards(a, b, side):
-    """The angle from a to b towards ``side``, in [0, 2 pi), rounding taken for none."""
+    """Angle from a to b towards ``side``, in [0, 2 pi), rounding counted as 0."""
     t = (side * (b - a)) % TAU
     return 0.0 if t > TAU - ANGLE else t
 
@@ -68,11 +68,11 @@ def _ends(kind, data, i, out):
 
 @njit(**OWNING)
 def discs_around(kind, data, keep, joint, start, goal, longest):
-    """The discs (n, 5) that a way shorter than ``longest`` from start to goal can touch.
+    """Discs (n, 5) that a way shorter than ``longest`` from start to goal can touch.
 
-    Columns: centre x, y, radius, cone's first angle, cone's width. Ends of pieces nearer than
-    ``joint`` are one corner, exposed where none of its pieces is nearer: in the directions at a
-    right angle or more to each of them.
+    Columns: centre x, y, radius, cone's first angle, cone's width. Ends of pieces within ``joint``
+    are one corner, exposed in directions at a right angle or more to each of its pieces, as no
+    piece is nearer there.
     """
     k = len(kind)
     out = np.empty((2 + 3 * k, 5))
@@ -135,7 +135,7 @@ def discs_around(kind, data, keep, joint, start, goal, longest):
 
 @njit(**BORROWING)
 def _exposed(discs, i, a):
-    """Whether direction ``a`` lies in disc i's cone."""
+    """True if direction ``a`` lies in disc i's cone."""
     if discs[i, 4] >= TAU:
         return True
     t = (a - discs[i, 3]) % TAU
@@ -144,9 +144,9 @@ def _exposed(discs, i, a):
 
 @njit(**BORROWING)
 def _tangent(discs, i, si, j, sj, out):
-    """Write the tangent from disc i on side si to disc j on side sj; False where there is none.
+    """Write the tangent from disc i on side si to disc j on side sj; False if there is none.
 
-    ``out``: length, the angle at which it leaves disc i, the angle at which it meets disc j.
+    ``out``: length, leaving angle at disc i, meeting angle at disc j.
     """
     vx, vy = discs[j, 0] - discs[i, 0], discs[j, 1] - discs[i, 1]
     d = math.sqrt(vx * vx + vy * vy)
@@ -167,7 +167,7 @@ def _tangent(discs, i, si, j, sj, out):
 
 @njit(**BORROWING)
 def _reach(tree, discs, i, side, a, most, floor):
-    """How far the way can go round disc i from direction a: an angle of at most ``most``."""
+    """Angle, at most ``most``, that the way can follow round disc i from direction a."""
     cx, cy, r = discs[i, 0], discs[i, 1], discs[i, 2]
     if discs[i, 4] < TAU:
         last = discs[i, 3] + (discs[i, 4] if side > 0 else 0.0)
@@ -201,9 +201,9 @@ def _reach(tree, discs, i, side, a, most, floor):
 class Queue(NamedTuple):
     """Tangents, the cheapest first.
 
-    ``item`` (i, 8), ``made`` of which are set: cost at the tangent's end; disc, side and angle met;
+    ``item`` (i, 8), ``made`` of them set: cost at the tangent's end; disc, side and angle met;
     disc, side and angle left; the item before. ``keys`` and ``items`` (i,) are the heap, ``size``
-    of which are taken.
+    of them used.
     """
 
     item: NDArray[np.float64]
@@ -215,10 +215,10 @@ class Queue(NamedTuple):
 
 @njit(**BORROWING, forceinline=True)
 def _is_worse(place, p, r, side, a, cost):
-    """Whether the way got to a direction of a disc of radius r sooner: by way of place p, or next.
+    """True if place p, or a next one, reaches this direction of a disc of radius r more cheaply.
 
-    A ``place`` (m, 4) is the angle, how far round the disc the way goes from there, the cost, and
-    the next place round the same disc and side, or -1.
+    A ``place`` (m, 4) is the angle, the way's turn round the disc from there, the cost, and the
+    next place round the same disc and side, or -1.
     """
     while p >= 0:
         turn = turn_towards(place[p, 0], a, side)
@@ -230,9 +230,9 @@ def _is_worse(place, p, r, side, a, cost):
 
 @njit(**OWNING, inline="always")
 def _queued(queue, discs, t, reach, longest):
-    """The queue with the tangents from where item t's ends, and the arc of ``reach`` behind it.
+    """Add the tangents that leave the arc of ``reach`` after item t to the queue.
 
-    Only those whose ends' direct ways to the goal are shorter than ``longest``.
+    Only if the direct way from their ends to the goal is shorter than ``longest``.
     """
     item, keys, items, made, size = queue
     gx, gy = discs[GOAL, 0], discs[GOAL, 1]
@@ -267,7 +267,7 @@ def _queued(queue, discs, t, reach, longest):
 
 @njit(**OWNING)
 def _tangents_to(item, last):
-    """The tangents (n, 6) that lead to an item, in order."""
+    """Tangents (n, 6) that lead to an item, in order."""
     count, t = 0, last
     while t > 0:
         count += 1
@@ -294,13 +294,13 @@ def _first_nearer(tree, discs, item, t, floor):
 
 @njit(**OWNING)
 def shortest(tree, discs, floor, longest, budget):
-    """The shortest way from disc 0 to disc 1 among those shorter than ``longest``.
+    """The shortest way from disc 0 to disc 1 among ways shorter than ``longest``.
 
-    A* over tangents (the tangent graph of Liu and Arimoto 1992), made and proved as they are
-    taken from the queue, against all borders, with a clearance of ``floor``. Returns what
-    became of it (FOUND, NONE where no way is shorter, OUT_OF_BUDGET after the work of trying
-    ``budget`` tangents), the length, the tangents in order, each as disc and side left, angle
-    left, disc and side met, angle met (n, 6), and the work done.
+    A* over tangents (the tangent graph of Liu and Arimoto 1992), made and proved against all
+    borders when taken from the queue, with clearance ``floor``. Returns the outcome (FOUND, NONE if
+    no way is shorter, OUT_OF_BUDGET after the work of trying ``budget`` tangents), the length, the
+    tangents in order (n, 6), each as disc, side and angle left, disc, side and angle met, and the
+    work done.
     """
     n, room = len(discs), 1024
     queue = Queue(np.empty((room, 8)), np.empty(room), np.empty(room, np.int32), 1, 1)
@@ -337,7 +337,7 @@ def shortest(tree, discs, floor, longest, budget):
         if j == START:
             reach = TAU
         elif r > 0.0:
-            # round the disc at most until nothing shorter than the longest is left
+            # round the disc only while the way can remain shorter than ``longest``
             reach = _reach(tree, discs, j, side, a, min(TAU, (longest - cost) / r), floor)
             work += CHECK * int(2.0 + 2.0 * reach / STEP_RAD)
         if places == len(place):

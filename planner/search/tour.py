@@ -1,8 +1,8 @@
 """The order in which to visit stations: exact for up to 15, a good one above.
 
-Exact: dynamic programming over subsets (Held and Karp 1962). Above: cheapest insertion, then
-2-opt and Or-opt moves until none helps, and again from shaken tours, always the same ones, so
-that equal input gives equal answers.
+Exact: dynamic programming over subsets (Held and Karp 1962). Above: cheapest insertion, then 2-opt
+and Or-opt moves until none helps, repeated from shaken tours, always the same, so that equal input
+gives equal answers.
 """
 
 from __future__ import annotations
@@ -31,9 +31,9 @@ class TourError(ValueError):
 
 @dataclass(frozen=True, slots=True)
 class Tour:
-    """``order`` of the inner stations, as indices into the matrix, and the whole ``cost``.
+    """``order`` of the inner stations, as indices into the matrix, and total ``cost``.
 
-    ``exact`` is True where no order is cheaper.
+    ``exact`` is True if no order is cheaper.
     """
 
     order: tuple[int, ...]
@@ -42,12 +42,12 @@ class Tour:
 
 
 def best_tour(distances: ArrayLike) -> Tour:
-    """The order that makes the path shortest.
+    """Return the order that makes the path shortest.
 
-    ``distances`` (m, m): from each station to each other, >= 0, infinity where there is no path;
-    it need not be symmetric. The path begins at station 0 and ends at station m - 1. ``cost`` is
-    infinite where no order is possible. Raises :class:`TourError` on anything else. O(n^2 2^n) to
-    15 inner stations, then O(n^3) or so.
+    ``distances`` (m, m) are from each station to each other, >= 0, infinity if there is no path; it
+    need not be symmetric. The path begins at station 0 and ends at station m - 1. ``cost`` is
+    infinite if no order is possible. Raises :class:`TourError` on anything else. O(n^2 2^n) to 15
+    inner stations, then O(n^3) or so.
     """
     matrix = _checked(distances)
     if len(matrix) - 2 <= EXACT_STATIONS:

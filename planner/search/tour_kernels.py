@@ -1,10 +1,10 @@
 """Orders of stations, compiled: exact by dynamic programming, good by local search.
 
-A tour begins at the first station and ends at the last one. All distances are finite, or infinity
-where there is no path.
+A tour leads from the first station to the last. Distances are finite, or infinity if there is no
+path.
 """
 
-# The arrays' types are in the docstrings; numba infers them.
+# numba infers types; docstrings state them.
 # mypy: allow-untyped-defs
 
 from __future__ import annotations
@@ -19,8 +19,8 @@ from planner.scene.compile_options import BORROWING, OWNING
 def held_karp(distance):
     """The cheapest order (Held and Karp 1962): O(n^2 2^n) for n inner stations.
 
-    ``distance`` (m, m). Station 0 comes first, the last one last.
-    Returns the order of the inner stations, and the cost.
+    ``distance`` (m, m). Station 0 comes first, the last one last. Returns the order of the inner
+    stations, and the cost.
     """
     m = distance.shape[0]
     n = m - 2
@@ -75,7 +75,7 @@ def tour_cost(distance, tour):
 
 @njit(**OWNING)
 def cheapest_insertion(distance, inner, end):
-    """A first tour from 0 to ``end``: each time the station that costs least to put in."""
+    """A first tour from 0 to ``end``: repeatedly insert the station that costs least."""
     n = inner.shape[0]
     tour = np.empty(n + 2, dtype=np.int64)
     tour[0], tour[1] = 0, end
@@ -110,7 +110,7 @@ def cheapest_insertion(distance, inner, end):
 def improve(distance, tour, tolerance):
     """2-opt and Or-opt moves, in place, until none gains more than ``tolerance``.
 
-    2-opt turns a stretch round, so it asks for both directions' costs; Or-opt moves up to three
+    2-opt reverses a stretch, so it compares both directions' costs; Or-opt moves up to three
     stations elsewhere, either way round (Or 1976). The ends stay.
     """
     size = tour.shape[0]

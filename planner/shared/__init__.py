@@ -1,1 +1,8 @@
-"""What every kernel shares: how it is compiled, and where its compiled code is kept."""
+"""Modules shared by the kernels, and numbers and their wording.
+
+- ``kernel_cache.py`` chooses where compiled kernels are kept, before numba is imported.
+- ``kernel_locator.py`` finds kernels that still fit, or were shipped, by ``source_stamp.py``.
+- ``processor.py`` chooses the processor that kernels are compiled for.
+- ``search_clock.py`` times searches without the time of compilation.
+- ``numbers.py`` reads numbers from outside; ``figures.py`` writes them in sentences.
+"""

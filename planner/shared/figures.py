@@ -1,4 +1,4 @@
-"""Figures in sentences: three significant digits, and more where two would look the same."""
+"""Figures in sentences: three significant digits, or more if two would look the same."""
 
 from __future__ import annotations
 
@@ -17,10 +17,10 @@ NOTHING = 1e-12
 
 
 def sized(length: float, units: str = "", beside: float | None = None) -> str:
-    """A length with its units.
+    """Write a length with its units.
 
-    ``beside`` is the length that it is compared with: both have the digits that tell them apart,
-    and next to it a length of a few roundings is none.
+    ``beside`` is the length it is compared with: both get the digits that distinguish them, and
+    next to it a length of a few roundings is 0.
     """
     digits = DIGITS
     if beside is not None and abs(length) <= NOTHING * abs(beside):
@@ -32,7 +32,7 @@ def sized(length: float, units: str = "", beside: float | None = None) -> str:
 
 
 def at_most(length: float, units: str = "") -> str:
-    """A length that may not look longer than it is: rounded towards zero."""
+    """Write a length rounded towards zero, so that it never looks longer than it is."""
     if abs(length) >= LARGE:
         return f"{length:.6g} {units}".rstrip()
     if abs(length) < LEAST:
@@ -42,7 +42,7 @@ def at_most(length: float, units: str = "") -> str:
 
 
 def placed(x: float, y: float) -> str:
-    """A place as (x, y), both to the same decimal: three significant digits of the larger."""
+    """Write a place as (x, y), both to the same decimal: three significant digits of the larger."""
     if _has_exponent(max(abs(x), abs(y))):
         return f"({x:g}, {y:g})"
     decimals = _decimals(max(abs(x), abs(y)), DIGITS)

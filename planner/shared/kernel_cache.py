@@ -1,9 +1,9 @@
-"""Where the compiled kernels are kept, chosen before numba is imported.
+"""Folder of the compiled kernels, chosen before numba is imported.
 
 numba keeps compiled code beside the source, or else in the user's cache directory, and raises
-``RuntimeError: cannot cache function`` on import where neither can be written: a system-wide
-install under a service user without a home. Then a private directory is chosen here. The
-directory holds code, so one that others can write to is never used.
+``RuntimeError: cannot cache function`` on import if neither is writable: a system-wide install
+under a service user without a home. Then a private directory is chosen here. As it holds code, a
+directory that others can write to is never used.
 """
 
 from __future__ import annotations
@@ -16,10 +16,10 @@ from pathlib import Path
 
 
 def choose_kernel_cache(package_folder: Path) -> Path | None:
-    """Set ``NUMBA_CACHE_DIR`` where numba's own choice would fail; the folder chosen, or None.
+    """Set ``NUMBA_CACHE_DIR`` if numba's own choice would fail; return the chosen folder or None.
 
-    None means that numba's own rules do: the variable is set already, or the folder beside
-    the source can be written to.
+    None means that numba's own rules suffice: the variable is set already, or the folder beside the
+    source is writable.
     """
     if os.environ.get("NUMBA_CACHE_DIR") or _is_writable(package_folder):
         return None

@@ -1,12 +1,12 @@
-"""Where numba finds the compiled kernels of this distribution, and how it knows that they fit.
+"""Locator by which numba finds this distribution's compiled kernels, and checks that they fit.
 
-- A wheel may carry kernels that were compiled ahead, a folder a processor
-  (``planner/compiled/<processor>/``). They are copied to where numba keeps what it compiles the
-  first time that they are wanted there; what they lack is compiled as ever.
-- A kernel fits if its source, all sources of ours that it imports, and the versions of numba and
-  LLVM are those that it was compiled from (``source_stamp``). Numba's own check is of one file.
+- A wheel may contain kernels compiled ahead, one folder per processor
+  (``planner/compiled/<processor>/``). On first use they are copied to numba's cache; kernels that
+  they lack are compiled as usual.
+- A kernel fits if its source, all our sources that it imports, and the versions of numba and LLVM
+  are unchanged (``source_stamp``). Numba itself only checks one file.
 
-Numba looks for the locator by its own setting for that, ``NUMBA_CACHE_LOCATOR_CLASSES``.
+Numba finds the locator by its own setting, ``NUMBA_CACHE_LOCATOR_CLASSES``.
 """
 
 from __future__ import annotations
@@ -46,9 +46,9 @@ USUAL_LOCATORS = (
 
 
 class KernelLocator:
-    """The cache of one kernel of ours: its folder, and the stamp of all that it depends on.
+    """Cache of one of our kernels: its folder, and the stamp of all that it depends on.
 
-    Has the methods that numba asks of a locator.
+    Has the methods that numba expects of a locator.
     """
 
     def __init__(self, py_func: Callable[..., Any], py_file: str) -> None:
@@ -57,37 +57,37 @@ class KernelLocator:
 
     @classmethod
     def from_function(cls, py_func: Callable[..., Any], py_file: str) -> KernelLocator | None:
-        """The locator of a function of ours whose cache can be written; None for all others."""
+        """Locator of one of our functions if its cache is writable; otherwise None."""
         if not _is_kept(py_file, CONFIG.CACHE_DIR):
             return None
         return cls(py_func, py_file)
 
     def ensure_cache_path(self) -> None:
-        """Make the folder of the cache; raises OSError where it cannot be written."""
+        """Make the cache's folder; raises OSError if it is not writable."""
         _make_writable(cache_folder(Path(self._py_file).parent))
 
     def get_cache_path(self) -> str:
-        """The folder that this kernel is kept in."""
+        """Return the folder of this kernel's cache."""
         return str(cache_folder(Path(self._py_file).parent))
 
     def get_source_stamp(self) -> str:
-        """What the kernel was compiled from, as one number."""
+        """Return the kernel's stamp."""
         return kernel_stamp(Path(self._py_file))
 
     def get_disambiguator(self) -> str:
-        """Tells kernels of one name in one file apart."""
+        """Distinguish kernels of one name in one file."""
         return str(self._line)
 
 
 @cache
 def _is_kept(py_file: str, _cache_folder: str) -> bool:
-    """Whether a file is ours and its kernels can be kept; looked up once for all of its kernels."""
+    """True if a file is ours and its kernels can be kept; looked up once for all its kernels."""
     own = any(Path(py_file).is_relative_to(ROOT / package) for package in PACKAGES)
     if not own or not os.path.exists(py_file):
         return False
     try:
         _make_writable(cache_folder(Path(py_file).parent))
-    except OSError:  # numba's own locators have more places
+    except OSError:  # numba's own locators try more places
         return False
     return True
 
@@ -99,12 +99,12 @@ def _make_writable(folder: Path) -> None:
 
 @cache
 def kernel_stamp(source: Path) -> str:
-    """What a source file's kernels are compiled from; this folder computes nothing."""
+    """Stamp of everything that a source file's kernels depend on, except this folder."""
     return stamp_of(source, PACKAGES, VERSIONS, apart=Path(__file__).parent)
 
 
 def cache_folder(source_folder: Path) -> Path:
-    """Where kernels of a source folder are kept: beside it, or below ``NUMBA_CACHE_DIR``."""
+    """Folder for the kernels of a source folder: beside it, or below ``NUMBA_CACHE_DIR``."""
     if not CONFIG.CACHE_DIR:
         return source_folder / "__pycache__"
     # clones of this project keep theirs apart
@@ -113,11 +113,11 @@ def cache_folder(source_folder: Path) -> Path:
 
 
 def prepare_kernels() -> None:
-    """Called once, before the first kernel is defined."""
-    # Numba (0.60 to 0.68 at least) remembers what it could not infer for as long as a compilation
-    # lasts, and sometimes takes for such what it could: the fourth number of a tuple, deep in the
-    # fit of outlines, has no type then, and the kernel is refused.
-    CONFIG.reload_config()  # what the environment says by now, or numba takes it up later
+    """Set numba up; called once, before the first kernel is defined."""
+    # During a compilation, numba (0.60 to 0.68 at least) remembers failed inferences, and sometimes
+    # wrongly: the fourth number of a tuple, deep in the fit of outlines, then has no type, and the
+    # kernel is refused.
+    CONFIG.reload_config()  # takes the present environment, which numba would take later
     CONFIG.DISABLE_TYPEINFER_FAIL_CACHE = 1
     processor = choose_processor(os.environ)
     own = f"{KernelLocator.__module__}.{KernelLocator.__qualname__}"
@@ -125,15 +125,15 @@ def prepare_kernels() -> None:
     if own not in usual.split(","):
         CONFIG.CACHE_LOCATOR_CLASSES = f"{own},{usual}"
     if processor is not None:
-        with contextlib.suppress(OSError):  # nothing can be written there: numba has more places
+        with contextlib.suppress(OSError):  # nothing is writable there: numba tries more places
             unpack_shipped(SHIPPED / processor)
 
 
 def unpack_shipped(shipped: Path) -> int:
-    """Copy kernels compiled ahead to where numba looks for them; how many files were copied.
+    """Copy kernels compiled ahead to where numba looks for them; return the number of files.
 
-    Done once for each set of shipped kernels and each cache, and not at all where they were made
-    by other versions of numba or LLVM. Raises OSError where the cache cannot be written.
+    Done once for each set of shipped kernels and each cache, and not at all if other versions of
+    numba or LLVM made them. Raises OSError if the cache is not writable.
     """
     label = shipped / LABEL
     if not label.exists():
@@ -143,7 +143,7 @@ def unpack_shipped(shipped: Path) -> int:
     if not wanted.startswith(f"{VERSIONS}\n") or (done.exists() and done.read_text() == wanted):
         return 0
     copied = 0
-    # of every kernel the index last: what it names is there then
+    # each kernel's index last, after the files that it names
     for part in sorted(shipped.rglob("*.nb[ci]")):
         folder = cache_folder(ROOT / part.parent.relative_to(shipped))
         folder.mkdir(parents=True, exist_ok=True)
@@ -154,7 +154,7 @@ def unpack_shipped(shipped: Path) -> int:
 
 
 def write_label(shipped: Path) -> None:
-    """Say of a folder of compiled kernels what made them, and of which sources."""
+    """Write which versions made a folder of compiled kernels, and from which sources."""
     digest = hashlib.sha256()
     for source in sorted(file for one in PACKAGES for file in (ROOT / one).rglob("*.py")):
         digest.update(source.read_bytes())
@@ -162,14 +162,14 @@ def write_label(shipped: Path) -> None:
 
 
 def is_compiled(kernel: Any) -> bool:
-    """Whether compiled code of a kernel, for this processor and these versions, is kept."""
+    """True if a kernel's code for this processor and these versions is cached."""
     codegen = kernel.targetctx.codegen()
     kept = kernel._cache._cache_file._load_index()
     return any(key[1] == codegen.magic_tuple() for key in kept)
 
 
 def loaded_files(kernel: Any) -> list[Path]:
-    """The files of compiled code that this process has loaded of a kernel."""
+    """Files of a kernel's compiled code that this process has loaded."""
     file = kernel._cache._cache_file
     magic = kernel.targetctx.codegen().magic_tuple()
     loaded = kernel.stats.cache_hits
@@ -181,7 +181,7 @@ def loaded_files(kernel: Any) -> list[Path]:
 
 
 def _put(content: bytes, file: Path) -> None:
-    """Write a file as a whole, even where two processes do so at the same time."""
+    """Write a file atomically, even if two processes do so at the same time."""
     new = file.with_name(f"{file.name}.{os.getpid()}.new")
     new.write_bytes(content)
     os.replace(new, file)

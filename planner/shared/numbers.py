@@ -1,4 +1,4 @@
-"""Numbers from outside, whatever type they come in, and angles, however often they went round."""
+"""Numbers from outside, of any type, and angles after any number of turns."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ Angle = TypeVar("Angle", float, NDArray[np.float64])
 
 
 def as_float(value: float) -> float:
-    """The value as a float; infinite where it is beyond all floats."""
+    """Convert the value to a float; infinite if it is beyond all floats."""
     try:
         return float(value)
     except OverflowError:
@@ -20,6 +20,6 @@ def as_float(value: float) -> float:
 
 
 def wrap_angle(angle: Angle) -> Angle:
-    """The same angle, or each of many, in (-pi, pi]; rounding never makes it -pi."""
+    """Wrap an angle, or each of many, to (-pi, pi]; rounding never makes it -pi."""
     wrapped = math.pi - (math.pi - angle) % math.tau
     return wrapped + math.tau * (wrapped <= -math.pi)

@@ -1,8 +1,8 @@
-"""For which processor kernels are compiled: the most common one that this machine contains.
+"""Processor that kernels are compiled for: the most common one that this machine contains.
 
-A kernel that is compiled for just the processor at hand is of no use on another one, and could not
-be shipped. The levels of x86-64 are those of the psABI: v2 is what every processor since 2009 has,
-v3 (AVX2, FMA) since 2013 to 2015. There is one level for 64-bit ARM: every processor has NEON.
+A kernel compiled for the very processor at hand is useless on another one, and could not be
+shipped. The levels of x86-64 are those of the psABI: every processor since 2009 has v2, and since
+2013 to 2015 v3 (AVX2, FMA). There is one level for 64-bit ARM: every processor has NEON.
 """
 
 from __future__ import annotations
@@ -25,9 +25,9 @@ COMMON_ARM = "generic"
 
 
 def common_processor(machine: str, cpuinfo: str) -> str | None:
-    """LLVM's name for the highest common level of a machine; None where it has none of them.
+    """LLVM's name for a machine's highest common level, or None.
 
-    ``machine`` as ``platform.machine()`` says it, ``cpuinfo`` the text of /proc/cpuinfo.
+    ``machine`` is the result of ``platform.machine()``, ``cpuinfo`` the text of /proc/cpuinfo.
     """
     if machine in ("aarch64", "arm64"):
         return COMMON_ARM
@@ -43,11 +43,11 @@ def common_processor(machine: str, cpuinfo: str) -> str | None:
 
 
 def choose_processor(environment: MutableMapping[str, str]) -> str | None:
-    """Have numba compile for the common processor, unless the user has named another.
+    """Make numba compile for the common processor, unless the user has named another.
 
-    Takes effect where numba has defined no kernel yet, in a stranger's program too. Returns the
-    processor's name, also one that the user named, or None where kernels are compiled for just
-    this machine.
+    Takes effect only if numba has defined no kernel yet, even in someone else's program. Returns
+    the processor's name, including one that the user named, or None if kernels are compiled for
+    just this machine.
     """
     if "NUMBA_CPU_NAME" in environment or "NUMBA_CPU_FEATURES" in environment:
         return environment.get("NUMBA_CPU_NAME")
@@ -64,7 +64,7 @@ def choose_processor(environment: MutableMapping[str, str]) -> str | None:
 
 
 def _flags(cpuinfo: str) -> frozenset[str]:
-    """What every processor of the machine can do."""
+    """Features that every processor of the machine has."""
     lines = [line for line in cpuinfo.splitlines() if line.startswith("flags")]
     each = [frozenset(line.partition(":")[2].split()) for line in lines]
     return frozenset.intersection(*each) if each else frozenset()

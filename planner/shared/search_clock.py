@@ -1,7 +1,7 @@
-"""A clock for searches with a limit of time: it is stopped while kernels are compiled.
+"""Clock for searches with a time limit: it stops while kernels are compiled.
 
-The first search on a machine compiles what it calls. Without this its time would be over before it
-had begun, and it would say that it found no plan.
+The first search on a machine compiles its kernels; with an ordinary clock its time would be over at
+once, and it would find no plan.
 """
 
 # mypy: allow-untyped-calls
@@ -20,7 +20,7 @@ Clock: TypeAlias = Callable[[], float]
 
 
 class _Compiling(event.Listener):
-    """How long this process has compiled; compilations within others count once."""
+    """Time this process has spent compiling; nested compilations count once."""
 
     def __init__(self) -> None:
         self.total_s = 0.0
@@ -28,13 +28,13 @@ class _Compiling(event.Listener):
         self.depth = 0
 
     def on_start(self, event: Any) -> None:
-        """A kernel is being compiled."""
+        """Note that a kernel's compilation begins."""
         if self.depth == 0:
             self.began_s = time.monotonic()
         self.depth += 1
 
     def on_end(self, event: Any) -> None:
-        """It is compiled, or refused."""
+        """Note that it has ended, or failed."""
         self.depth -= 1
         if self.depth == 0:
             self.total_s += time.monotonic() - self.began_s
@@ -45,6 +45,6 @@ event.register(COMPILING, _COMPILING)
 
 
 def search_clock_s() -> float:
-    """Seconds since some time in the past, without those in which kernels were compiled."""
+    """Seconds since some past time, without those spent compiling kernels."""
     now_s = _COMPILING.began_s if _COMPILING.depth else time.monotonic()
     return now_s - _COMPILING.total_s

@@ -1,8 +1,7 @@
-"""What a compiled kernel depends on, as one number: its file and all of ours that it imports.
+"""Stamp of a compiled kernel's dependencies: its file and all of ours that it imports.
 
-Numba looks at the file of a kernel only: after a change in a kernel that it calls, or of a constant
-that it takes from elsewhere, it would load the old machine code. Here a stamp covers every file
-that can be reached by imports.
+Numba checks only the kernel's own file: after a change in a kernel that it calls, or in an imported
+constant, it would load the old machine code. This stamp covers every file that imports reach.
 """
 
 from __future__ import annotations
@@ -18,10 +17,10 @@ _IMPORT = re.compile(rb"^\s*(?:from|import) ([a-z_][\w.]*)(?: import ([^#\n(]+|\
 def stamp_of(
     file: Path, packages: tuple[str, ...], versions: str, apart: Path | None = None
 ) -> str:
-    """Hex digest over a source file, all that it imports of some packages, and versions.
+    """Hex digest of a source file, all its imports from some packages, and versions.
 
-    ``file`` is inside a package; the others lie beside it. Strangers' packages, which may lie there
-    too, are not followed, nor is the folder ``apart`` counted.
+    ``file`` is inside a package; the others are beside it. Other packages there are not followed,
+    and the folder ``apart`` does not count.
     """
     root = file.parent
     while (root / "__init__.py").exists():
@@ -37,7 +36,7 @@ def stamp_of(
 
 @cache
 def _content(file: Path) -> tuple[bytes, tuple[tuple[str, ...], ...]]:
-    """A file's own digest, and the dotted names that it may import, in parts."""
+    """Digest of a file, and the dotted names that it may import, in parts."""
     source = file.read_bytes()
     names = []
     for module, members in _IMPORT.findall(source):
@@ -61,7 +60,7 @@ def _reachable(file: Path, root: Path, packages: tuple[str, ...]) -> set[Path]:
 
 @cache
 def _file_of(root: Path, parts: tuple[str, ...]) -> Path | None:
-    """The source of a module or package below ``root``; None for any other name."""
+    """Source of a module or package below ``root``; None for any other name."""
     place = root.joinpath(*parts)
     for candidate in (place.with_suffix(".py"), place / "__init__.py"):
         if candidate.is_file():

@@ -1,10 +1,10 @@
-"""Calibration boards in pictures: chessboards and ChArUco boards, corners to sub-pixels.
+"""Detection of calibration boards, chessboards and ChArUco boards, with sub-pixel corners.
 
 Rules and units
-- Corners are raw pixels, centres at integers; board points are metres in the board's own
-  plane, x along its rows, y up, the first corner at (0, 0).
-- A corner is refined within a window that its own neighbours bound: a window that reaches the
-  next corner spoils a far or tilted board (0.41 px instead of 0.18 px rms on real pictures).
+- Corners are raw pixels, centres at integers. Board points are metres in the board's plane, x
+  along its rows, y up, the first corner at (0, 0).
+- A corner's refinement window is bounded by its neighbours: a window that reaches the next
+  corner spoils a far or tilted board (0.41 px instead of 0.18 px rms on real pictures).
 """
 
 from __future__ import annotations
@@ -36,8 +36,8 @@ MOST_LOOKED_AT = 5
 class BoardSpec:
     """A board: ``chessboard`` with (columns, rows) inner corners, or ``charuco`` with squares.
 
-    ``square_m`` is the side of a square, ``marker_m`` that of a ChArUco board's markers
-    (None: half a square), ``dictionary`` their OpenCV name.
+    ``square_m`` is the side of a square, ``marker_m`` of a ChArUco marker (None: half a square),
+    ``dictionary`` the markers' OpenCV name.
     """
 
     kind: Literal["chessboard", "charuco"]
@@ -80,9 +80,9 @@ class BoardSpec:
 
     @property
     def looks_the_same_turned(self) -> bool:
-        """Whether half a turn takes the board's pattern into itself: its first corner is unknown.
+        """True if half a turn maps the pattern to itself, which leaves the first corner unknown.
 
-        So it does unless one side has an even number of squares and the other an odd one.
+        This holds unless one side has an even number of squares and the other an odd one.
         """
         return self.kind == "chessboard" and (self.columns + self.rows) % 2 == 0
 
@@ -99,14 +99,14 @@ class BoardView:
 
 @dataclass(frozen=True, slots=True)
 class NoBoard:
-    """There is no such board in the picture, or not enough of it."""
+    """A picture without the board, or with too little of it."""
 
     name: str
     reason: str
 
 
 def find_board(image: Image, spec: BoardSpec, name: str) -> BoardView | NoBoard:
-    """The board in a picture; ``name`` is what messages call the picture."""
+    """Find the board in a picture; messages call the picture ``name``."""
     grey = grey_of(image)
     if min(grey.shape) < 32:
         return NoBoard(name, f"a picture of {grey.shape[1]}x{grey.shape[0]} pixels is too small")
@@ -137,9 +137,9 @@ def _find_chessboard(grey: Image, spec: BoardSpec) -> tuple[FloatArray, FloatArr
 
 
 def _first_square_is_light(grey: Image, grid: FloatArray) -> bool:
-    """Whether the inner square at the first corner is lighter than its neighbour.
+    """True if the inner square at the first corner is lighter than its neighbour.
 
-    Makes the first corner the same one in every picture, where the board allows it.
+    This fixes the same first corner in every picture, where the board allows it.
     """
     if grid.shape[0] < 2 or grid.shape[1] < 3:
         return False
@@ -155,17 +155,17 @@ def _find_charuco(grey: Image, spec: BoardSpec) -> tuple[FloatArray, FloatArray]
         raise CalibrationError(str(error)) from error
     marker_m = spec.marker_m if spec.marker_m is not None else spec.square_m / 2.0
     best: tuple[FloatArray, FloatArray] | None = None
-    # Boards with an even number of rows begin with another colour since OpenCV 4.6.
+    # Since OpenCV 4.6, boards with an even number of rows begin with the other colour.
     for legacy in (False, True) if spec.rows % 2 == 0 else (False,):
         board = cv2.aruco.CharucoBoard((spec.columns, spec.rows), spec.square_m, marker_m, book)
         board.setLegacyPattern(legacy)
         corners, ids, *_ = cv2.aruco.CharucoDetector(board).detectBoard(grey)
-        seen: object = ids  # None where nothing was found, whatever the type stubs say
+        seen: object = ids  # None if nothing was found, despite the type stubs
         if seen is None:
             continue
         if best is None or len(ids) > len(best[0]):
             places = np.asarray(board.getChessboardCorners(), dtype=np.float64).reshape(-1, 3)
-            # OpenCV counts from the board's outer corner; ours from its first inner one
+            # OpenCV counts from the board's outer corner, we from its first inner one
             points = (places[np.ravel(ids), :2] - places[0, :2]) * (1.0, -1.0)
             best = np.asarray(corners, dtype=np.float64).reshape(-1, 2), points
     if best is None:
@@ -186,7 +186,7 @@ def _find_charuco(grey: Image, spec: BoardSpec) -> tuple[FloatArray, FloatArray]
 
 
 def _is_mirrored(grey: Image, book: cv2.aruco.Dictionary) -> bool:
-    """Whether a mirror shows more markers than the picture; a single one may be chance."""
+    """True if a mirror shows more markers than the picture; a single one may be chance."""
     detector = cv2.aruco.ArucoDetector(book)
     mirror = np.ascontiguousarray(grey[:, ::-1])
     counts = [len(detector.detectMarkers(picture)[0]) for picture in (grey, mirror)]
@@ -200,7 +200,7 @@ def _board_points(columns: int, rows: int, square_m: float) -> FloatArray:
 
 
 def refine_corners(grey: Image, corners_px: FloatArray, share: float = WINDOW_SHARE) -> FloatArray:
-    """Each corner (n, 2) refined in a window of its own, a share of the way to its neighbour."""
+    """Refine each corner (n, 2) in its own window, a share of the distance to its neighbour."""
     corners = np.asarray(corners_px, dtype=np.float64).reshape(-1, 2)
     away = np.linalg.norm(corners[:, None] - corners[None], axis=2)
     np.fill_diagonal(away, np.inf)
@@ -212,7 +212,7 @@ def refine_corners(grey: Image, corners_px: FloatArray, share: float = WINDOW_SH
         start = corners[chosen].astype(np.float32).reshape(-1, 1, 2)
         found = cv2.cornerSubPix(grey, start, (int(half), int(half)), (-1, -1), stop)
         moved = np.asarray(found, dtype=np.float64).reshape(-1, 2)
-        # A corner that runs out of its own window has found another thing.
+        # A corner that leaves its window has found something else.
         kept = np.abs(moved - corners[chosen]).max(axis=1) <= half
         refined[chosen] = np.where(kept[:, None], moved, corners[chosen])
     return refined
@@ -221,9 +221,9 @@ def refine_corners(grey: Image, corners_px: FloatArray, share: float = WINDOW_SH
 def find_boards(
     pictures: Sequence[tuple[str, Image]], spec: BoardSpec
 ) -> tuple[list[BoardView], list[NoBoard]]:
-    """The board in each picture, and the pictures where it is not.
+    """Find the board in each picture; also return the pictures without it.
 
-    Raises ``CalibrationError`` where what was found is a part of a larger chessboard.
+    Raises ``CalibrationError`` if the boards found are part of a larger chessboard.
     """
     found = [find_board(image, spec, name) for name, image in pictures]
     views = [f for f in found if isinstance(f, BoardView)]
@@ -233,11 +233,11 @@ def find_boards(
 
 
 def refuse_part(pictures: Sequence[Image], spec: BoardSpec) -> None:
-    """``CalibrationError`` where what was found is a part of a larger chessboard.
+    """Raise ``CalibrationError`` if the board found is part of a larger chessboard.
 
-    A part is as good a board to the search, with its first corner anywhere. Most of the grey
-    pictures have to agree, for a shadow beside a board may be taken for one more row of it; where
-    half of them show no larger board, the others are not looked at.
+    The search accepts a part as well, with its first corner anywhere. Most of the grey pictures
+    must agree, as a shadow beside a board may pass for another row; once half of them show no
+    larger board, the rest are skipped.
     """
     if spec.kind != "chessboard":
         return
@@ -258,7 +258,7 @@ def refuse_part(pictures: Sequence[Image], spec: BoardSpec) -> None:
 
 
 def _larger_board(grey: Image, columns: int, rows: int) -> tuple[int, int] | None:
-    """A board with a column or a row more that is in the picture, too."""
+    """The size of a board in the picture with a column or a row more; None if there is none."""
     for wider in ((columns + 1, rows), (columns, rows + 1), (columns + 1, rows + 1)):
         if cv2.findChessboardCorners(grey, wider)[0]:
             return wider

@@ -1,14 +1,14 @@
-"""How well pictures of a board determine the lens, as pixels of the picture.
+"""Precision with which pictures of a board determine the lens, in pixels of the picture.
 
 Rules and units
 - Parameters are fx, fy, cx, cy and the first distortion terms in OpenCV's order (k1, k2, p1, p2,
   k3). Their covariance is the inverse of the normal matrix without the boards' poses (Schur's
-  complement) times the corners' variance, which is that of the residuals.
-- The figure for a picture point is the spread of where the undistorted picture shows it, in pixels.
-  What a homography of the picture would undo is left out, as placing the camera over an arena
-  fits one anew: focal length and centre count as far as they bend lines. Of the focal length
-  itself, by which heights are seen, the spread is a figure of its own.
-- Nothing here knows errors that are alike in all views: residuals of left-out views show those.
+  complement), times the corners' variance, taken from the residuals.
+- A picture point's figure is the spread of its undistorted position, in pixels. It leaves out
+  whatever a homography of the picture would undo, as placing the camera over an arena fits one
+  again: focal length and centre count only where they bend lines. The focal length, which
+  determines heights, has a spread of its own.
+- Errors that are alike in all views do not appear here; residuals of left-out views show them.
 """
 
 from __future__ import annotations
@@ -44,11 +44,11 @@ _PRIOR_FOCAL, _PRIOR_CENTRE, _PRIOR_TERMS = 0.3, 0.05, (0.3, 0.3, 0.01, 0.01, 0.
 
 @dataclass(frozen=True, slots=True, eq=False)
 class KnownLens:
-    """A lens and how well it is known.
+    """A lens and the precision of its parameters.
 
     ``size`` px; ``camera_matrix`` (3, 3); ``distortion`` (5,); ``normal`` (4 + terms, 4 + terms),
-    the inverse of the parameters' covariance at a corner's noise of 1 px; ``noise_px`` that of each
-    coordinate of a corner.
+    the inverse of the parameters' covariance at a corner noise of 1 px; ``noise_px`` the noise of
+    each coordinate of a corner.
     """
 
     size: tuple[int, int]
@@ -59,9 +59,10 @@ class KnownLens:
     model: str = "brown"
 
     def sigma_px(self, points_px: FloatArray, more: FloatArray | None = None) -> FloatArray:
-        """(n,) the spread, rms length in pixels, at picture points (n, 2); inf where unknown.
+        """(n,) spread, rms length in pixels, at picture points (n, 2); inf where unknown.
 
-        ``more`` is what further views would add to ``normal`` (see ``information``).
+        ``more`` is the information that further views would add to ``normal`` (see
+        ``information``).
         """
         normal = self.normal if more is None else self.normal + more
         slopes, known = self._slopes(points_px)
@@ -75,7 +76,7 @@ class KnownLens:
 
     @property
     def focal_share(self) -> float:
-        """The spread of the focal length as a share of it; inf where it is unknown."""
+        """Spread of the focal length as a share of it; inf if unknown."""
         try:
             covariance = np.linalg.inv(self.normal)
         except np.linalg.LinAlgError:
@@ -84,7 +85,9 @@ class KnownLens:
         return float(np.sqrt(spread) / self.camera_matrix[0, 0]) if spread >= 0.0 else float("inf")
 
     def _slopes(self, points_px: FloatArray) -> tuple[FloatArray, NDArray[np.bool_]]:
-        """(n, 2, 4 + terms) how undistorted points move with the parameters; (n,) known ones."""
+        """(n, 2, 4 + terms) derivatives of undistorted points by the parameters; (n,) True if
+        known.
+        """
         points = np.asarray(points_px, dtype=np.float64).reshape(-1, 1, 2)
         found = cv2.undistortPoints(
             points, self.camera_matrix, self.distortion, criteria=_UNDISTORT_ROUNDS
@@ -106,7 +109,7 @@ class KnownLens:
 def _without_homography(
     rays: FloatArray, focal: FloatArray, moved: FloatArray, known: NDArray[np.bool_]
 ) -> FloatArray:
-    """What remains of movements (n, 2, m) after the small homography that undoes most of them."""
+    """Remainder of movements (n, 2, m) after the small homography that undoes most of them."""
     if np.count_nonzero(known) < 4:
         return moved
     x, y = rays.T
@@ -120,7 +123,7 @@ def _without_homography(
 
 
 def supposed_lens(size: tuple[int, int]) -> KnownLens:
-    """What is known of a camera of which nothing is known: a focal length near its width."""
+    """Assumed lens of an unknown camera: a focal length near its width."""
     width = float(max(size))
     camera = np.array(
         [
@@ -133,7 +136,7 @@ def supposed_lens(size: tuple[int, int]) -> KnownLens:
 
 
 def prior_normal(size: tuple[int, int], noise_px: float) -> FloatArray:
-    """The normal matrix of what is known before any picture."""
+    """Normal matrix of the knowledge before any picture."""
     width = float(max(size))
     spreads = [_PRIOR_FOCAL * width] * 2 + [_PRIOR_CENTRE * width] * 2 + list(_PRIOR_TERMS)
     return np.diag((noise_px / np.array(spreads)) ** 2)
@@ -142,9 +145,9 @@ def prior_normal(size: tuple[int, int], noise_px: float) -> FloatArray:
 def known_lens(
     views: Sequence[BoardView], terms: int = MOST_TERMS, start: KnownLens | None = None
 ) -> KnownLens:
-    """The lens from views of one size, and how well they determine it; begins at ``start``.
+    """Lens and its precision from views of one size, starting at ``start``.
 
-    Raises ``CalibrationError`` where they determine none.
+    Raises ``CalibrationError`` if they determine none.
     """
     boards = [_space(view) for view in views]
     flags = _TERM_FLAGS[terms]
@@ -183,7 +186,7 @@ def known_lens(
 
 
 def seen_through(lens: KnownLens, view: BoardView) -> FloatArray:
-    """What a view adds to ``normal`` through a lens that may be a guess; 0 where it cannot be."""
+    """A view's addition to ``normal`` through a lens that may be a guess; 0 without a pose."""
     found, turn, shift = cv2.solvePnP(
         _space(view), view.corners_px.copy(), lens.camera_matrix, lens.distortion
     )
@@ -196,16 +199,16 @@ def seen_through(lens: KnownLens, view: BoardView) -> FloatArray:
 def information(
     lens: KnownLens, points_m: FloatArray, turn: FloatArray, shift: FloatArray
 ) -> FloatArray:
-    """What a view of board points (n, 2) would add to ``normal``; the pose is camera from board."""
+    """Addition to ``normal`` of a view of board points (n, 2); the pose is camera from board."""
     board = np.column_stack([points_m, np.zeros(len(points_m))])
     _, slopes = cv2.projectPoints(board, turn, shift, lens.camera_matrix, lens.distortion)
     return _reduced(slopes, lens.normal.shape[0] - 4)
 
 
 def _reduced(slopes: NDArray[Any], terms: int) -> FloatArray:
-    """A view's part of the normal matrix of the lens, its own pose being free."""
+    """A view's part of the lens's normal matrix, with the view's pose free."""
     by_pose, by_lens = slopes[:, :6], slopes[:, 6 : 10 + terms]
-    # poses are turns and metres: scaled alike, so that the small matrix can be inverted
+    # turns and metres scaled alike, so that the small matrix can be inverted
     scale = np.linalg.norm(by_pose, axis=0)
     by_pose = by_pose / np.where(scale > 0.0, scale, 1.0)
     held = np.linalg.lstsq(by_pose, by_lens, rcond=None)[0]

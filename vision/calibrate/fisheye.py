@@ -3,8 +3,8 @@
 Rules and units
 - The model is OpenCV's (``vision.calibration.lens_model``), on the angle between a ray and the
   view, so that corners beside the camera and behind its plane count as well.
-- The unknowns are fx, fy, cx, cy, the terms, and each view's pose; Levenberg and Marquardt's method
-  with differences for slopes. It begins where the best of several equidistant lenses ends.
+- The unknowns are fx, fy, cx, cy, the terms and each view's pose. The method is Levenberg and
+  Marquardt's with slopes from differences, started from the best of several equidistant lenses.
 """
 
 from __future__ import annotations
@@ -34,7 +34,7 @@ _MOST_DAMPING = 1e12
 
 class FisheyeFit(NamedTuple):
     """``camera`` (4,) fx, fy, cx, cy; ``terms`` (4,); ``poses`` (v, 6) turn and shift of boards;
-    ``errors`` (n, 2) px of all corners; ``focal_spread_px`` the standard deviation of fx.
+    ``errors`` (n, 2) px of all corners; ``focal_spread_px`` standard deviation of fx.
     """
 
     camera: FloatArray
@@ -67,10 +67,9 @@ class _Corners:
 def fit_fisheye(
     views: Sequence[BoardView], terms: int, start: FloatArray | None = None
 ) -> FisheyeFit:
-    """The lens with the first ``terms`` of its four terms; the others are 0.
+    """Fit the lens with the first ``terms`` of its four terms; the others are 0.
 
-    ``start`` (4,) is a camera near it, where one is known. Raises ``CalibrationError`` where no
-    first lens fits the views.
+    ``start`` (4,) is a camera near it, if known. Raises ``CalibrationError`` if no first lens fits.
     """
     corners = _Corners.of(views)
     width, height = views[0].size
@@ -93,7 +92,7 @@ def fit_fisheye(
 
 
 def pose_errors(view: BoardView, camera: FloatArray, terms: FloatArray) -> FloatArray | None:
-    """The errors (n, 2) px of a view's corners where only its pose is fitted; None without one."""
+    """Errors (n, 2) px of a view's corners with only its pose fitted; None without a pose."""
     lens = np.concatenate([camera, terms])
     poses = _first_poses([view], lens)
     if poses is None:
@@ -102,7 +101,7 @@ def pose_errors(view: BoardView, camera: FloatArray, terms: FloatArray) -> Float
 
 
 def _first_poses(views: Sequence[BoardView], lens: FloatArray) -> FloatArray | None:
-    """Poses (v, 6) from each board's homography to the rays; None where one has none.
+    """Poses (v, 6) from each board's homography to the rays; None if a view has none.
 
     Source: Zhang, A flexible new technique for camera calibration (2000), 3.1.
     """
@@ -127,7 +126,7 @@ def _first_poses(views: Sequence[BoardView], lens: FloatArray) -> FloatArray | N
 
 
 def _angle_at(radius: FloatArray, terms: FloatArray) -> FloatArray:
-    """theta where theta_d is ``radius``, good enough to begin with: looked up in a table."""
+    """theta where theta_d is ``radius``, from a table; good enough as a start."""
     angle = np.linspace(0.0, 0.5 * math.pi, 2000)
     seen = np.maximum.accumulate(_theta_d(angle, terms))
     return np.asarray(np.interp(radius, seen, angle, right=math.inf))
@@ -144,7 +143,7 @@ def _theta_d(angle: FloatArray, terms: FloatArray) -> FloatArray:
 
 
 def _errors(corners: _Corners, lens: FloatArray, poses: FloatArray) -> FloatArray:
-    """Seen minus found (n, 2), pixels."""
+    """Projected minus found corners (n, 2), pixels."""
     turns = np.array([cv2.Rodrigues(pose[:3])[0] for pose in poses])
     space = np.einsum("nij,nj->ni", turns[corners.view], corners.space) + poses[corners.view, 3:]
     across = np.hypot(space[:, 0], space[:, 1])
@@ -156,7 +155,7 @@ def _errors(corners: _Corners, lens: FloatArray, poses: FloatArray) -> FloatArra
 def _slopes(
     corners: _Corners, lens: FloatArray, poses: FloatArray, *, known: bool
 ) -> NDArray[np.float64]:
-    """The errors' derivatives (2 n, lens and 6 v); the lens's stay 0 where it is ``known``."""
+    """Derivatives of the errors (2 n, lens and 6 v); those by the lens are 0 if it is ``known``."""
     whole = np.zeros((2 * len(corners.pixels), len(lens) + 6 * corners.count))
     for j in range(0 if known else len(lens)):
         step = np.zeros(len(lens))
@@ -176,7 +175,7 @@ def _slopes(
 def _least_squares(
     corners: _Corners, lens: FloatArray, poses: FloatArray, most_steps: int, *, known: bool = False
 ) -> tuple[FloatArray, FloatArray, FloatArray, float]:
-    """Lens, poses, errors and the spread of fx, from a first guess."""
+    """Lens, poses, errors and spread of fx, from a first guess."""
     errors = _errors(corners, lens, poses)
     cost, damping = float((errors**2).sum()), 1e-3
     normal = np.eye(len(lens))
@@ -184,7 +183,7 @@ def _least_squares(
         slopes = _slopes(corners, lens, poses, known=known)
         normal = slopes.T @ slopes
         right = slopes.T @ errors.ravel()
-        # what is known, or moves nothing, has no slope and stays
+        # a parameter that is known, or moves nothing, has no slope and stays
         scale = np.maximum(np.diag(normal), 1e-12)
         before = cost
         while damping < _MOST_DAMPING:

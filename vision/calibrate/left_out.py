@@ -1,11 +1,11 @@
-"""Residuals of views of a board under a lens that was estimated without them.
+"""Residuals of views of a board under a lens estimated without them.
 
 Rules and units
-- A view's own pull on the lens would hide its error, so it is judged by the others' lens; its pose
-  alone is fitted to it.
-- Of many views a share is left out at a time (cross-validation in folds), so that judging takes
-  at most ``FOLDS`` estimates.
-- Residuals are raw pixels: of a corner the vector, of a view the rms of their lengths.
+- A view's own pull on the lens would hide its error, so the other views' lens judges it; only
+  its pose is fitted.
+- With many views a share is left out at a time (cross-validation in folds), which takes at most
+  ``FOLDS`` estimates.
+- Residuals are raw pixels: a vector for a corner, the rms of their lengths for a view.
 """
 
 from __future__ import annotations
@@ -24,7 +24,7 @@ FOLDS = 10
 
 
 class SeenThrough(Protocol):
-    """A lens, as far as a view needs it."""
+    """A lens, reduced to the needs of a view."""
 
     @property
     def camera_matrix(self) -> FloatArray:
@@ -44,9 +44,9 @@ Estimate: TypeAlias = Callable[[Sequence[BoardView]], SeenThrough]
 
 
 def residuals_px(view: BoardView, lens: SeenThrough) -> FloatArray:
-    """(n, 2): where the lens puts the corners of the board's best pose, minus where they are.
+    """(n, 2) corners as the lens projects the board's best pose, minus the corners found.
 
-    Infinite where no pose is found.
+    Infinite if no pose is found.
     """
     if lens.model == "fisheye":
         camera = lens.camera_matrix[[0, 1, 0, 1], [0, 1, 2, 2]]
@@ -65,12 +65,12 @@ def residuals_px(view: BoardView, lens: SeenThrough) -> FloatArray:
 
 
 def rms_px(residuals: FloatArray) -> float:
-    """The rms length of residuals (n, 2)."""
+    """Rms length of residuals (n, 2)."""
     return float(np.sqrt(np.mean(np.sum(residuals * residuals, axis=1))))
 
 
 def left_out_px(views: Sequence[BoardView], estimate: Estimate) -> FloatArray:
-    """(n,) the rms of each view under the lens of views among which it is not."""
+    """(n,) rms of each view under the lens of views without it."""
     found = np.empty(len(views))
     folds = min(FOLDS, len(views))
     for fold in range(folds):

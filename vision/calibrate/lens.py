@@ -1,13 +1,12 @@
 """The lens from pictures of a board: camera matrix and distortion terms, of either model.
 
 Rules
-- Brown's model by Zhang's method as OpenCV implements it, the fisheye's by
-  ``vision.calibrate.fisheye``; the number of terms is the one that the Bayesian
-  information criterion prefers, as terms that the pictures do not determine do harm outside.
-- Pictures that do not belong to the others (`suspects`) are named and left out; more than a third
-  of them is an error.
-- A focal length that the pictures do not determine (all taken from straight above) is an
-  error, not a number.
+- Brown's model is fitted by Zhang's method in OpenCV, the fisheye's by
+  ``vision.calibrate.fisheye``. The Bayesian information criterion sets the number of terms:
+  terms that the pictures do not determine do harm outside them.
+- Pictures that do not belong to the others (`suspects`) are named and left out; more than a
+  third of them is an error.
+- A focal length that the pictures do not determine (all taken from straight above) is an error.
 """
 
 from __future__ import annotations
@@ -52,13 +51,12 @@ TERMS = {"brown": tuple(_TERMS), "fisheye": (0, 1, 2, 4)}
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Lens:
-    """``camera_matrix`` (3, 3), ``distortion`` (5,), of model ``fisheye`` (4,), rms over all
-    corners, and what was left out.
+    """``camera_matrix`` (3, 3), ``distortion`` (5,), fisheye's (4,), rms over all corners, and what
+    was left out.
 
-    ``terms`` is how many distortion terms were estimated; ``used`` the pictures' names with the
-    rms of each; ``remarks`` are plain sentences; ``left_out_px`` each model's residual on views
-    left out, where models were compared; ``left_out_rms_px`` that of Brown's, None where there are
-    too few views.
+    ``terms`` is the number of distortion terms estimated; ``used`` the pictures' names with each
+    one's rms; ``remarks`` plain sentences; ``left_out_px`` each model's residual on left-out views
+    if models were compared; ``left_out_rms_px`` Brown's, None with too few views.
     """
 
     size: tuple[int, int]
@@ -75,7 +73,7 @@ class Lens:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class LensFit:
-    """One fit: ``view_px`` (v,) the rms of each view, ``focal_spread`` relative, ``turn_deg`` the
+    """One fit: ``view_px`` (v,) rms of each view, ``focal_spread`` relative, ``turn_deg`` the
     largest angle between two boards.
     """
 
@@ -91,10 +89,10 @@ class LensFit:
 def estimate_lens(
     views: Sequence[BoardView], terms: int | None = None, model: str = "brown"
 ) -> Lens:
-    """The lens from at least three views of a board.
+    """Estimate the lens from at least three views of a board.
 
-    ``terms``: 0, 1, 2, 4 or, of Brown's ``model``, 5 distortion terms; None chooses. Raises
-    ``CalibrationError`` where there are too few pictures or they do not determine the lens.
+    ``terms``: 0, 1, 2, 4 or, for Brown's ``model``, 5 distortion terms; None chooses. Raises
+    ``CalibrationError`` for too few pictures or if they do not determine the lens.
     """
     if model not in TERMS:
         raise CalibrationError(f"lens model {model!r}: must be {' or '.join(TERMS)}")
@@ -143,10 +141,10 @@ def estimate_lens(
 
 
 def estimate_for(views: Sequence[BoardView]) -> Estimate:
-    """The estimate of Brown's lens by which these views are compared with each other.
+    """The estimate of Brown's lens by which these views are compared.
 
-    Has as many distortion terms as all of them ask for, two at least: with fewer, good pictures of
-    a wide lens do not fit each other. Raises ``CalibrationError`` where they determine no lens.
+    It has the distortion terms that all views together ask for, two at least: with fewer, good
+    pictures of a wide lens disagree. Raises ``CalibrationError`` if they determine no lens.
     """
     return partial(fit_lens, terms=max(2, _best_terms(views, "brown", None)))
 
@@ -154,9 +152,9 @@ def estimate_for(views: Sequence[BoardView]) -> Estimate:
 def _without_bad_views(
     views: list[BoardView], remarks: list[str]
 ) -> tuple[list[BoardView], FloatArray]:
-    """A fisheye's views without those that fit badly, the worst first, and a camera matrix near it.
+    """Drop a fisheye's badly fitting views, the worst first; also return a camera matrix near it.
 
-    They are named in ``remarks``; more than a third is refused.
+    The dropped views are named in ``remarks``; more than a third is refused.
     """
     good = list(views)
     fit = fit_lens(good, 2, "fisheye")
@@ -175,7 +173,7 @@ def _without_bad_views(
 
 
 def _left_out_rms_px(views: Sequence[BoardView], terms: int) -> float | None:
-    """The rms of views under the lens of others; None where the others are too few."""
+    """Rms of views under the lens of the others; None if the others are too few."""
     if len(views) <= MIN_VIEWS:
         return None
     found = left_out_px(views, partial(fit_lens, terms=terms))
@@ -183,7 +181,7 @@ def _left_out_rms_px(views: Sequence[BoardView], terms: int) -> float | None:
 
 
 def _same_size(views: Sequence[BoardView]) -> tuple[list[BoardView], list[str]]:
-    """The views of the commonest picture size; the others are named."""
+    """Views of the commonest picture size, and remarks that name the others."""
     sizes = [v.size for v in views]
     common = max(sizes, key=sizes.count) if sizes else (0, 0)
     remarks = [
@@ -196,7 +194,7 @@ def _same_size(views: Sequence[BoardView]) -> tuple[list[BoardView], list[str]]:
 
 
 def _best_terms(views: Sequence[BoardView], model: str, start: FloatArray | None) -> int:
-    """The number of terms with the smallest Bayesian information criterion."""
+    """Number of terms with the smallest Bayesian information criterion."""
     values = 2 * sum(len(v.corners_px) for v in views)
 
     def criterion(terms: int) -> float:
@@ -212,9 +210,9 @@ def fit_lens(
     model: str = "brown",
     start: FloatArray | None = None,
 ) -> LensFit:
-    """One fit to all views, with so many terms; raises ``CalibrationError`` where none comes.
+    """Fit the lens once to all views, with ``terms`` terms; ``CalibrationError`` if that fails.
 
-    ``start``: a camera matrix (3, 3) near the fisheye's, which saves looking for one.
+    ``start``: a camera matrix (3, 3) near the fisheye's, which saves a search for one.
     """
     return _fit_fisheye(views, terms, start) if model == "fisheye" else _fit_brown(views, terms)
 
@@ -266,6 +264,6 @@ def _fit_brown(views: Sequence[BoardView], terms: int) -> LensFit:
 
 
 def _largest_turn_deg(rotations: Sequence[NDArray[Any]]) -> float:
-    """The largest angle between two boards' normals."""
+    """Largest angle between two boards' normals."""
     normals = np.array([np.asarray(r)[:, 2] for r in rotations])
     return math.degrees(math.acos(min(1.0, max(-1.0, float((normals @ normals.T).min())))))

@@ -1,9 +1,9 @@
-"""The lens model, Brown's or the fisheye's: the one that foretells views it has not seen.
+"""Choice between Brown's lens model and the fisheye's: the one that predicts unseen views.
 
 Rules
-- Views are left out by turns, a fifth at a time; the lens is fitted to the others, and only the
-  pose of those left out. A model that bends to what it is shown fails there.
-- Brown's model stays where the fisheye's is not better by a fiftieth: narrow lenses are both.
+- A fifth of the views is left out at a time. The lens is fitted to the others, and to a left-out
+  view only its pose. A model that overfits fails there.
+- Brown's model stays unless the fisheye's is better by a fiftieth: narrow lenses suit both.
 """
 
 from __future__ import annotations
@@ -26,10 +26,10 @@ _BETTER = 0.98
 
 
 def choose_lens(views: Sequence[BoardView], terms: int | None = None) -> Lens:
-    """The lens of the model with the smaller residual on views that were left out.
+    """The lens of the model with the smaller residual on left-out views.
 
     ``Lens.left_out_px`` holds both residuals, rms px, infinite for a model that fits nothing.
-    Raises ``CalibrationError`` where neither model can be fitted.
+    Raises ``CalibrationError`` if neither model can be fitted.
     """
     lenses: dict[str, Lens] = {}
     refusals: dict[str, CalibrationError] = {}
@@ -52,7 +52,7 @@ def choose_lens(views: Sequence[BoardView], terms: int | None = None) -> Lens:
 
 
 def left_out_px(views: Sequence[BoardView], lens: Lens) -> float:
-    """The rms of the corners of views that the lens was not fitted to; infinite without a fit."""
+    """Rms over the corners of views left out of the fit; infinite without a fit."""
     squares: list[FloatArray] = []
     for fold in range(min(_FOLDS, len(views))):
         rest = [v for i, v in enumerate(views) if i % _FOLDS != fold]

@@ -1,12 +1,12 @@
-"""A camera that was moved, placed anew by the floor markers alone: the lens stays as it was.
+"""Calibration of a moved camera from the floor markers alone; the lens stays as it was.
 
 Rules and units
-- Raw pixels, metres, y up. A marker whose heading is known gives its four corners, another one
-  its centre: where its diagonals cross.
-- A moved camera has six unknowns, so four points already show whether they fit one another;
-  markers that do not fit the others are named and left out, of six points or more.
-- The pose minimises the distances in undistorted pixels (Levenberg and Marquardt). What fits no
-  better than ``MOST_RMS_PX`` is refused: somebody moved a marker, or a place is wrong.
+- Raw pixels, metres, y up. A marker with a known heading gives its four corners, any other its
+  centre, where its diagonals cross.
+- A moved camera has six unknowns, so four points already show a contradiction; with six points
+  or more, markers that contradict the others are named and left out.
+- The pose minimises distances in undistorted pixels (Levenberg and Marquardt). A fit worse than
+  ``MOST_RMS_PX`` is refused: somebody moved a marker, or a place is wrong.
 """
 
 from __future__ import annotations
@@ -37,8 +37,9 @@ _STEPS = 100
 
 @dataclass(frozen=True, slots=True)
 class Anchor:
-    """A floor marker with its place: centre (x, y) and side in metres, and where its right side
-    points to, None where nobody knows."""
+    """A floor marker's place: centre (x, y) and side in metres, and the direction of its right
+    side, None if unknown.
+    """
 
     id: int
     place_m: tuple[float, float]
@@ -46,8 +47,9 @@ class Anchor:
     heading_rad: float | None = None
 
     def corners_m(self) -> FloatArray:
-        """Its corners (4, 2), clockwise seen from above, from the upright marker's top left one;
-        its centre (1, 2) alone without a heading."""
+        """Its corners (4, 2), clockwise seen from above, starting at the upright marker's top left;
+        without a heading only its centre (1, 2).
+        """
         middle = np.array(self.place_m)
         if self.heading_rad is None:
             return middle[None]
@@ -59,7 +61,7 @@ class Anchor:
 
 @dataclass(frozen=True, slots=True)
 class Residual:
-    """A marker's root mean square distance in the new calibration, and whether it was used."""
+    """A marker's root mean square distance in the new calibration, and if it was used."""
 
     id: int
     rms_px: float
@@ -68,10 +70,10 @@ class Residual:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Reanchored:
-    """The new calibration, how well each marker fits it, and how far the picture had moved.
+    """The new calibration, each marker's residual in it, and the shift of the picture.
 
-    ``moved_px`` is the median distance between where the old calibration has the markers used and
-    where they are seen; ``missing`` the anchors that were not.
+    ``moved_px`` is the median distance from the used markers' positions by the old calibration to
+    the positions seen; ``missing`` lists the anchors not seen.
     """
 
     calibration: Calibration
@@ -84,11 +86,11 @@ class Reanchored:
 def reanchor(
     calibration: Calibration, anchors: Sequence[Anchor], seen: Sequence[Mapping[int, FloatArray]]
 ) -> Reanchored:
-    """The calibration of a camera that was moved since ``calibration`` was made.
+    """Return the calibration of a camera that was moved since ``calibration`` was made.
 
-    ``seen``: for each picture the corners (4, 2) px of the markers in it, by id; each marker counts
-    with the median over the pictures. Raises ``CalibrationError`` for a calibration without a lens,
-    for fewer than ``LEAST_MARKERS`` markers, and where they contradict one another.
+    ``seen``: each picture's marker corners (4, 2) px by id; a marker counts with its median over
+    the pictures. Raises ``CalibrationError`` for a calibration without a lens, for fewer than
+    ``LEAST_MARKERS`` markers, and if they contradict one another.
     """
     if np.array_equal(calibration.camera_matrix, nominal_camera_matrix(calibration.size)):
         raise CalibrationError(
@@ -113,7 +115,7 @@ def reanchor(
     owner = np.repeat([one.id for one in known], [len(one.corners_m()) for one in known])
     ideal = calibration.undistort_points(pixels)
     homography, agrees = robust_homography(ideal, places)
-    # a marker lies where it lies as a whole
+    # a marker is used as a whole or not at all
     used_ids = {one.id for one in known if agrees[owner == one.id].all()}
     used = np.isin(owner, sorted(used_ids))
     if len(used_ids) < LEAST_MARKERS:
@@ -167,7 +169,7 @@ def _contradiction(ids: Sequence[int]) -> CalibrationError:
 
 
 def _pose_of(camera: FloatArray, homography: FloatArray) -> tuple[FloatArray, FloatArray]:
-    """Rotation vector and shift, camera from arena, of a homography from pixels to the floor.
+    """Rotation vector and shift, camera from arena, from a homography from pixels to the floor.
 
     Source: Zhang, A flexible new technique for camera calibration (2000), 3.1 and appendix C.
     """
@@ -202,7 +204,7 @@ def _refined(
 
 
 def _pixel_from_arena(pose: tuple[FloatArray, FloatArray], calibration: Calibration) -> FloatArray:
-    """The homography (3, 3) from the floor to undistorted pixels."""
+    """Homography (3, 3) from the floor to undistorted pixels."""
     rotation = np.asarray(cv2.Rodrigues(pose[0])[0], dtype=np.float64)
     columns = np.column_stack([rotation[:, 0], rotation[:, 1], pose[1].reshape(3)])
     return np.asarray(calibration.camera_matrix @ columns)

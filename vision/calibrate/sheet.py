@@ -2,13 +2,13 @@
 
 Rules and units
 - A sheet is dark rectangles (x, y, width, height) in millimetres from its upper left corner,
-  y down, with a line of text and a ruler of known length to check the print with.
+  y down, with a line of text and a ruler to check the print.
 - The PDF is written by hand: one page, one filled path (adjacent rectangles of one path show
   no seams), Helvetica, which every reader has. 1 mm is 72 / 25.4 points.
-- The PDF says what the drawing does not: a marker's forward direction, a board's first corner
-  and its axes, as outlines beside it, where no detector takes them for a part of it.
-- The PNG holds the drawing alone, with a whole number of pixels a cell, and says its own
-  resolution (pHYs), so that it too prints at true size.
+- The PDF adds a marker's forward direction, or a board's first corner and axes, as outlines
+  beside the drawing, where no detector takes them for part of it.
+- The PNG holds the drawing alone, with a whole number of pixels a cell and its resolution
+  (pHYs), so that it too prints at true size.
 """
 
 from __future__ import annotations
@@ -42,7 +42,7 @@ _ARROW_MM, _HEAD_MM = 7.0, 2.0
 
 @dataclass(frozen=True, slots=True)
 class Sheet:
-    """A drawing of ``width_mm`` x ``height_mm``, its dark rectangles, its cell and its label.
+    """A drawing of ``width_mm`` x ``height_mm``: its dark rectangles, its cell and its label.
 
     ``arrows`` are (x, y, dx, dy, words) in millimetres, y down, drawn on paper only.
     """
@@ -69,7 +69,7 @@ def marker_sheet(marker_id: int, dictionary: str, size_mm: float) -> Sheet:
     dark = _cells(_bits(book, marker_id), cell, cell, cell)
     side = size_mm + 2.0 * cell
     label = f"{dictionary}  id {marker_id}  {size_mm:g} mm (black square)"
-    # forward is the marker's own x axis: to the right of the upright print
+    # forward is the marker's x axis: to the right of the upright print
     arrow = (side + 1.0, 0.5 * side, _ARROW_MM, 0.0, "forward")
     return Sheet(side, side, cell, dark, label, (arrow,))
 
@@ -108,7 +108,7 @@ def board_sheet(board: BoardSpec) -> Sheet:
 
 
 def _axes(x: float, y: float, size: tuple[float, float]) -> tuple[Arrow, ...]:
-    """A board's axes, beside it: x in the row and y in the column of its first corner (x, y)."""
+    """Axes beside a board: x along the row and y along the column of its first corner (x, y)."""
     return (
         (size[0] + 1.0, y, _ARROW_MM, 0.0, "x"),
         (x, -1.0, 0.0, -_ARROW_MM, "y"),
@@ -116,9 +116,9 @@ def _axes(x: float, y: float, size: tuple[float, float]) -> tuple[Arrow, ...]:
 
 
 def pdf_bytes(sheet: Sheet, paper: str = "a4") -> bytes:
-    """The sheet in the middle of a page; turned when it fits only so.
+    """The sheet in the middle of a page, turned if it fits only that way.
 
-    Raises ``MarkerError`` where the paper is unknown or too small.
+    Raises ``MarkerError`` for an unknown or too small paper.
     """
     if paper not in PAPERS_MM:
         raise MarkerError(f"paper '{paper}': must be one of {', '.join(PAPERS_MM)}")
@@ -149,12 +149,12 @@ def png_bytes(sheet: Sheet) -> bytes:
         raise MarkerError(f"a picture of {size[0]}x{size[1]} pixels cannot be written as PNG")
     raw = data.tobytes()
     resolution = round(1000.0 * dots_per_mm)
-    # After the signature (8 bytes) and the header chunk (25) any other chunk may come.
+    # Any chunk may follow the signature (8 bytes) and the header chunk (25).
     return raw[:33] + _chunk(b"pHYs", struct.pack(">IIB", resolution, resolution, 1)) + raw[33:]
 
 
 def _bits(book: cv2.aruco.Dictionary, marker_id: int) -> NDArray[np.bool_]:
-    """(n, n) whether a cell is dark, with the black border."""
+    """(n, n) True for a dark cell, with the black border."""
     picture = np.asarray(cv2.aruco.generateImageMarker(book, marker_id, book.markerSize + 2))
     return np.asarray(picture == 0, dtype=np.bool_)
 
@@ -185,7 +185,7 @@ def _page_for(sheet: Sheet, paper: str) -> tuple[float, float]:
 
 
 def _foot(sheet: Sheet, width: float, bottom: float) -> list[str]:
-    """The label and a ruler to measure the print with, below the drawing."""
+    """Label and ruler below the drawing."""
     base = bottom + 2.0
     left = (width - _RULER_MM) / 2.0
     text = sheet.label.replace("\\", r"\\").replace("(", r"\(").replace(")", r"\)")
@@ -201,7 +201,7 @@ def _foot(sheet: Sheet, width: float, bottom: float) -> list[str]:
 
 
 def _arrow(x: float, y: float, dx: float, dy: float, words: str) -> list[str]:
-    """An arrow from (x, y), y up, and its words beside it."""
+    """An arrow from (x, y), y up, with its words beside it."""
     length = math.hypot(dx, dy)
     ux, uy = dx / length, dy / length
     tip = x + dx, y + dy
@@ -257,5 +257,5 @@ def _pdf(content: bytes, width: float, height: float) -> bytes:
 
 
 def _chunk(kind: bytes, data: bytes) -> bytes:
-    """A PNG chunk: length, type, data and the CRC of the last two."""
+    """A PNG chunk: length, type, data and CRC of the last two."""
     return struct.pack(">I", len(data)) + kind + data + struct.pack(">I", zlib.crc32(kind + data))

@@ -1,13 +1,12 @@
-"""From surveyed points, or from a board on the floor, to the arena's homography.
+"""The arena's homography from surveyed points or from a board on the floor.
 
 Rules and units
 - A surveyed point is a raw pixel (centres at integers) and its place in the arena, metres,
-  y up. Four are enough, six or more can show which one is wrong.
+  y up. Four are enough; six or more can show a wrong one.
 - The start is the least median of squares over minimal sets (Rousseeuw 1984), which a wrong
-  point does not move; then least squares of the points that agree. A point is left out where
-  it lies far from the fit of all others, and is named with its distance.
-- The residual of a point is the one it has with the fit made without it: its own pull would
-  hide its error.
+  point does not move; then least squares of the points that agree. A point far from the fit of
+  all others is left out and named with its distance.
+- A point's residual comes from the fit without it: its own pull would hide its error.
 """
 
 from __future__ import annotations
@@ -46,7 +45,7 @@ _RIM_PX = 1.0
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Survey:
-    """``pixels`` (n, 2) raw and ``places_m`` (n, 2); ``names`` (n) is what messages call them."""
+    """``pixels`` (n, 2) raw and ``places_m`` (n, 2); messages use ``names`` (n)."""
 
     pixels: FloatArray
     places_m: FloatArray
@@ -55,7 +54,7 @@ class Survey:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class ArenaFit:
-    """A calibration with, for each surveyed point, its residual (n, 2) m and whether it was used.
+    """A calibration with each surveyed point's residual (n, 2) m, and if it was used.
 
     ``residuals_m`` are those of the fits without the point itself.
     """
@@ -67,9 +66,9 @@ class ArenaFit:
 
 
 def read_survey(path: str | Path) -> Survey:
-    """A text file of ``px,py,x_m,y_m`` lines; ``#`` begins a comment, one heading is allowed.
+    """Read a text file of ``px,py,x_m,y_m`` lines; ``#`` begins a comment, one heading is allowed.
 
-    Raises ``CalibrationError`` with the line that is wrong.
+    Raises ``CalibrationError`` with the wrong line.
     """
     text = read_text(path)
     rows: list[tuple[float, ...]] = []
@@ -97,9 +96,7 @@ def read_survey(path: str | Path) -> Survey:
 def board_survey(
     view: BoardView, origin_m: tuple[float, float] = (0.0, 0.0), heading_rad: float = 0.0
 ) -> Survey:
-    """A board on the floor as a survey: its first corner at ``origin_m``, its rows along
-    ``heading_rad``.
-    """
+    """A board on the floor as a survey: first corner at ``origin_m``, rows by ``heading_rad``."""
     c, s = math.cos(heading_rad), math.sin(heading_rad)
     places = view.points_m @ np.array([[c, s], [-s, c]]) + np.array(origin_m)
     names = tuple(f"corner {i}" for i in range(len(places)))
@@ -112,12 +109,12 @@ def fit_arena(
     lens: Lens | None = None,
     camera_height_m: float | None = None,
 ) -> ArenaFit:
-    """The calibration from a survey; ``size`` is the picture's (width, height).
+    """Fit the calibration to a survey; ``size`` is the picture's (width, height).
 
-    Without a lens the homography alone is found, the camera's place stays unknown, and
-    ``camera_height_m`` says how high it hangs above the picture's middle. With a lens the place
-    follows, and a given height corrects its height.
-    Raises ``CalibrationError`` for fewer than four points, for points in a line, for a mirror.
+    Without a lens only the homography is found and the camera's place stays unknown, unless
+    ``camera_height_m`` gives its height above the picture's middle. With a lens the place follows,
+    and a given height corrects its height. Raises ``CalibrationError`` for fewer than four points,
+    for points in a line, for a mirror.
     """
     _check(survey)
     if lens is not None and lens.size != size:
@@ -193,7 +190,7 @@ def _check(survey: Survey) -> None:
 
 
 def _refuse_outside(survey: Survey, size: tuple[int, int]) -> None:
-    """A pixel outside the picture: the point, or the picture's size, is wrong."""
+    """Refuse a pixel outside the picture: the point or the picture's size is wrong."""
     width, height = size
     for name, (x, y) in zip(survey.names, survey.pixels, strict=True):
         if not (-_RIM_PX <= x <= width - 1 + _RIM_PX and -_RIM_PX <= y <= height - 1 + _RIM_PX):
@@ -209,7 +206,7 @@ def _refuse_folded(survey: Survey, ideal: FloatArray) -> None:
 
 
 def _homography(pixels: FloatArray, places: FloatArray) -> FloatArray | None:
-    """Least squares of the error in the arena, metres; None where the points determine none."""
+    """Least squares of the error in the arena, metres; None if the points determine none."""
     found, _ = cv2.findHomography(pixels, places, 0)
     if found is None or not np.isfinite(found).all():
         return None
@@ -225,9 +222,9 @@ def _errors(homography: FloatArray, pixels: FloatArray, places: FloatArray) -> F
 def robust_homography(
     pixels: FloatArray, places: FloatArray
 ) -> tuple[FloatArray, NDArray[np.bool_]]:
-    """The homography from undistorted pixels (n, 2) to places (n, 2), and which points agree.
+    """The homography from undistorted pixels (n, 2) to places (n, 2), and the points that agree.
 
-    Fewer than ``CHECKED_POINTS`` all count. Raises ``CalibrationError`` where they determine none
+    With fewer than ``CHECKED_POINTS`` all count. Raises ``CalibrationError`` if they determine none
     or contradict one another.
     """
     n = len(pixels)
@@ -246,7 +243,7 @@ def robust_homography(
         if candidate is None:
             continue
         distances = np.linalg.norm(_errors(candidate, pixels, places), axis=1)
-        # The median of those that are no part of the set, which fit by construction.
+        # Points of the set fit by construction; take the median of the others.
         median = float(np.sort(distances)[4 + (n - 4) // 2 - (n == 4)])
         if median < best_median:
             best, best_median = candidate, median
@@ -268,9 +265,9 @@ def robust_homography(
 
 
 def _refuse_mirrored(homography: FloatArray, pixels: FloatArray) -> None:
-    """Points that a camera above the arena cannot see so: mirrored, or crossed.
+    """Refuse points that no camera above the arena can see this way: mirrored or crossed.
 
-    Pixels have y down and the arena y up, so the map turns the sense of rotation: its Jacobian's
+    Pixels have y down and the arena y up, so the map reverses the sense of rotation: its Jacobian's
     determinant, det H / w^3, is negative at every point.
     """
     w = pixels @ homography[2, :2] + homography[2, 2]
@@ -288,7 +285,7 @@ def _refuse_mirrored(homography: FloatArray, pixels: FloatArray) -> None:
 
 
 def _minimal_sets(n: int) -> list[tuple[int, ...]]:
-    """All sets of four, or a fixed sample of them where there are many."""
+    """All sets of four, or a fixed sample if there are many."""
     if math.comb(n, 4) <= _MOST_SETS:
         return list(itertools.combinations(range(n), 4))
     rng = np.random.default_rng(0)
@@ -296,7 +293,7 @@ def _minimal_sets(n: int) -> list[tuple[int, ...]]:
 
 
 def _well_spread(sets: FloatArray) -> NDArray[np.bool_]:
-    """True (m,) for sets of four points (m, 4, 2) of which no three lie nearly in one line."""
+    """(m,) True for sets of four points (m, 4, 2) without three nearly in one line."""
     extent = np.ptp(sets, axis=1).max(axis=1)
     spread = np.ones(len(sets), dtype=np.bool_)
     for a, b, c in itertools.combinations(range(4), 3):

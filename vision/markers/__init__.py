@@ -1,1 +1,11 @@
-"""From a picture to the poses of robots: markers found, refined, identified and tracked."""
+"""From a picture to the poses of robots: markers found, refined, identified and tracked.
+
+- `marker_search` finds quadrilaterals with a code in a picture, unrefined.
+- `marker_corners` (loops in `marker_kernels`) fits and intersects a marker's sides.
+- `marker_pattern` fits the whole known pattern: `marker_place_kernels` calls
+  `marker_pattern_kernels` for the fit and `marker_agreement_kernels` for the check.
+- `marked_robot` converts between a marker's pose and its robot's.
+- `sighting` sees one robot's marker in a picture, `tracking` makes a track of its sightings.
+- `markers` runs all of this for known robots, frame after frame; `reading` reads every marker
+  in a single picture.
+"""

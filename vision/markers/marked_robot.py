@@ -1,8 +1,8 @@
-"""A robot with a marker on its back: where the marker is, where the robot is, what its body hides.
+"""A robot with a marker on its back: the poses of both, and the area its body hides.
 
 - A pose is in the arena: metres, y up, heading counter-clockwise in (-pi, pi]. The marker's
-  own x axis runs from its top left to its top right corner (as printed upright); a marker
-  mounted with ``marker_yaw_rad = 0`` shows to the robot's front with its right side.
+  x axis runs from its top left to its top right corner (as printed upright); a marker
+  mounted with ``marker_yaw_rad = 0`` has its right side towards the robot's front.
 - Pixels are raw, centres at integers; corners in the order top left, top right, bottom right,
   bottom left of the upright marker.
 """
@@ -24,8 +24,8 @@ class MarkedRobot:
     """A robot with a marker on its back.
 
     ``marker_size_m``: the black square's side. ``marker_height_m``: above the floor.
-    ``marker_x_m``, ``marker_y_m``, ``marker_yaw_rad``: where the marker's centre is in the
-    robot's own frame (x ahead, y left) and how it is turned there.
+    ``marker_x_m``, ``marker_y_m``, ``marker_yaw_rad``: the marker's centre and turn in the robot's
+    own frame (x ahead, y left).
     """
 
     id: int
@@ -47,12 +47,12 @@ class MarkedRobot:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class RobotPose:
-    """Where a robot was at ``captured_s`` and how it moved.
+    """Pose and velocity of a robot at ``captured_s``.
 
     ``corners_px`` (4, 2) raw pixels; ``residual_m`` is the rms distance of the marker's corners
-    from the square fitted to them. ``before_frame_s``: how long before the frame's own time, its
-    last row's, the marker's rows were exposed (a rolling shutter). ``corner_error_px``: the
-    standard error of the marker's worst corner, which is larger where a part of it is covered.
+    from the square fitted to them. ``before_frame_s``: time from the exposure of the marker's rows
+    to the frame's own time, its last row's (a rolling shutter). ``corner_error_px``: the standard
+    error of the marker's worst corner, larger if part of it is covered.
     """
 
     id: int
@@ -69,14 +69,14 @@ class RobotPose:
     corner_error_px: float = 0.0
 
     def at(self, time_s: float) -> Pose:
-        """(x, y, heading) at another time, with the velocity kept."""
+        """(x, y, heading) at another time, at constant velocity."""
         dt_s = time_s - self.captured_s
         heading = wrap(self.heading_rad + self.turn_rate_rad_s * dt_s)
         return self.x + self.vx * dt_s, self.y + self.vy * dt_s, heading
 
 
 def robot_pose(marker: Pose, robot: MarkedRobot) -> Pose:
-    """The robot's pose from its marker's."""
+    """Robot's pose from its marker's."""
     heading = wrap(marker[2] - robot.marker_yaw_rad)
     c, s = math.cos(heading), math.sin(heading)
     x = marker[0] - c * robot.marker_x_m + s * robot.marker_y_m
@@ -85,7 +85,7 @@ def robot_pose(marker: Pose, robot: MarkedRobot) -> Pose:
 
 
 def marker_pose(pose: Pose, robot: MarkedRobot) -> Pose:
-    """The marker's pose from the robot's."""
+    """Marker's pose from the robot's."""
     c, s = math.cos(pose[2]), math.sin(pose[2])
     x = pose[0] + c * robot.marker_x_m - s * robot.marker_y_m
     y = pose[1] + s * robot.marker_x_m + c * robot.marker_y_m
@@ -101,9 +101,9 @@ def body_discs_px(
 ) -> FloatArray:
     """Discs (k, 3) of x, y, radius in raw pixels that cover a robot's body in the picture.
 
-    The body is a cylinder from the floor to ``top_height_m``: seen from one point, each layer
-    is a disc that lies a little farther from the picture's foot than the one below. None where the
-    lens shows no layer whole: an unseen body is unknown ground.
+    The body is a cylinder from the floor to ``top_height_m``: seen from one point, each layer is a
+    disc a little farther from the picture's foot than the one below. No discs if the lens shows no
+    layer whole: an unseen body is unknown ground.
     """
     x, y = (pose.x, pose.y) if isinstance(pose, RobotPose) else pose[:2]
     outline = _DISC * body_radius_m + (x, y)
@@ -121,7 +121,7 @@ def body_discs_px(
 
 
 def _seen_disc(outline_px: FloatArray) -> tuple[float, float, float] | None:
-    """The disc (x, y, radius) that holds the picture of `_DISC`; None where not all is seen."""
+    """Disc (x, y, radius) that holds the picture of `_DISC`; None unless all of it is seen."""
     x, y = outline_px[0].tolist()
     off = outline_px - outline_px[0]
     radius = math.sqrt((off * off).sum(axis=1).max())

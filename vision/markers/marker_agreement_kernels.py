@@ -1,4 +1,4 @@
-"""How well a placed pattern agrees with its pixels: its cells, its sides, and its corners' error.
+"""Agreement of a placed pattern with its pixels: its cells, its sides, and its corners' error.
 
 Pattern coordinates, pixels (n, 3) and ``state`` (13,) are as in `marker_pattern_kernels`.
 """
@@ -55,7 +55,7 @@ def corners_of(
     unit_m: float,
     out_m: NDArray[np.float64],
 ) -> None:
-    """A placed pattern's corners (4, 2) in the plane; NaN for one that has no size."""
+    """Corners (4, 2) of a placed pattern in the plane; NaN for a pattern without size."""
     determinant = state[0] * state[4] - state[1] * state[3]
     for i in range(4):
         out_m[i, 0] = out_m[i, 1] = math.nan
@@ -74,10 +74,10 @@ def sides_agree(
     metric: NDArray[np.float64],
     error_px: float,
 ) -> bool:
-    """True if each side's edge is where the fitted pattern has it, within what errors explain.
+    """True if each side's edge is where the fitted pattern has it, within the errors.
 
-    What covers a side from end to end has an edge as straight as a side's; the inner cells' edges
-    hold the pattern where it is. One step of least squares moves each side alone.
+    A cover from end to end of a side has an edge as straight as a side's, but the inner cells'
+    edges hold the pattern in place. One least-squares step moves each side alone.
     """
     cells = len(bits)
     per_px_u = pixel_length(state[0], state[1], metric)
@@ -114,7 +114,7 @@ def corner_error_px(
     metric: NDArray[np.float64],
     cell_px: float,
 ) -> float:
-    """The standard error of a fitted pattern's worst corner: a regression's, pixels."""
+    """Standard error of a fitted pattern's worst corner, by regression, pixels."""
     cells = len(bits)
     matrix, row = np.empty((UNKNOWNS, UNKNOWNS)), np.empty(UNKNOWNS)
     rms = normal_equations(pixels, bits, state, math.inf, metric, matrix, row)
@@ -143,10 +143,10 @@ def worst_cells(
     state: NDArray[np.float64],
     cell_px: float,
 ) -> tuple[float, float]:
-    """How well the worst cell within the border reads, and the worst of all and of the light rim.
+    """Score of the worst cell within the border, and of the worst of all cells and the light rim.
 
-    1 where it is as light, or as dark, as the fit has light and dark there, 0.5 halfway, 0 where it
-    is the other; 0 too where a cell has no pixel to be read by.
+    1 if a cell is as light, or as dark, as the fit has light and dark there, 0.5 halfway, 0 if it
+    is the other or has no pixel to be read by.
     """
     cells = len(bits)
     light = np.zeros((cells + 2, cells + 2))

@@ -2,19 +2,19 @@
 
 Rules and units
 - Raw pixels, centres at integers. Corners run clockwise on the screen, as the detector gives
-  them; a marker is darker than what surrounds it.
-- Along each side, profiles across the edge give where the grey value changes (the centroid of
-  the gradient); a line through these points by total least squares is the side. A line uses
-  the whole side, so it is far better than looking for each corner.
-- The points are undistorted before a line is fitted: a lens bends a long side by more than
-  the accuracy sought. A wide lens's undistorted pixels are stretched many times at its rim, and not
-  alike in all directions: lines are fitted in a frame in which the marker's corners lie as in the
-  raw picture, so that a pixel's error is one of a pixel everywhere.
-- What covers a part of a side, at a corner or between two, has no edge on its line: the line goes
-  through the points that most agree on, and a covered corner is where two lines meet. Its error
-  grows with what is covered. Sides of which a third is covered, or that have no straight edge, are
-  refused: a corner would be invented otherwise. What covers a side from end to end looks like one:
-  only the cells inside show that (``vision.markers.marker_pattern``).
+  them; a marker is darker than its surroundings.
+- Along each side, profiles across the edge locate the change of grey (the centroid of the
+  gradient); a total least squares line through these points is the side. It uses the whole
+  side, so it is far better than a search for each corner.
+- Points are undistorted before a line is fitted: a lens bends a long side by more than the
+  accuracy sought. A wide lens stretches undistorted pixels at its rim, unevenly by direction,
+  so lines are fitted in a frame in which the marker's corners lie as in the raw picture: a
+  pixel's error is one pixel everywhere.
+- A cover over part of a side, at a corner or between two, has no edge on its line: the line
+  follows the points that most agree on, and a covered corner is where two lines meet. Its error
+  grows with the cover. A side that is a third covered, or without a straight edge, is refused:
+  its corner would be invented. A cover from end to end looks like a side; only the cells inside
+  reveal it (``vision.markers.marker_pattern``).
 """
 
 from __future__ import annotations
@@ -43,8 +43,7 @@ from vision.markers.marker_kernels import (
 class RefinedQuad:
     """``corners_px`` (4, 2) undistorted; ``roughness_px``: rms distance of edge points to sides.
 
-    ``error_px``: the standard error of the worst corner, which is larger where much of a side is
-    covered.
+    ``error_px``: standard error of the worst corner, larger if much of a side is covered.
     """
 
     corners_px: FloatArray
@@ -54,7 +53,7 @@ class RefinedQuad:
 
 @dataclass(frozen=True, slots=True)
 class Refused:
-    """Why a quadrilateral is not taken for a whole, visible marker."""
+    """The reason why a quadrilateral is not taken for a whole, visible marker."""
 
     reason: str
 
@@ -73,10 +72,10 @@ _REFUSALS = {
 def refine_quad(
     grey: Image, corners_px: FloatArray, cells: int, calibration: Calibration
 ) -> RefinedQuad | Refused:
-    """The sides of one marker fitted and intersected, or why it is refused.
+    """Fit and intersect the sides of one marker, or give the reason to refuse it.
 
-    ``grey`` (h, w); ``corners_px`` (4, 2) raw pixels, good to a few; ``cells`` is the number of
-    cells along a side with the black border, which bounds how far inwards a profile may look.
+    ``grey`` (h, w); ``corners_px`` (4, 2) raw pixels, good to a few; ``cells`` along a side with
+    the black border, which bounds a profile's reach inwards.
     """
     seen_px = np.array(corners_px, dtype=np.float64, order="C")
     ideal = np.empty((4, 2))
@@ -87,14 +86,14 @@ def refine_quad(
 
 
 def why_refused(became: int, roughness_px: float) -> Refused:
-    """What became of a quadrilateral that is not taken for a marker, in words."""
+    """Put into words why a quadrilateral is not taken for a marker."""
     if became == ROUGH:
         return Refused(f"its sides are not straight ({roughness_px:.2f} px)")
     return _REFUSALS[became]
 
 
 def warm_up() -> None:
-    """Compile, or load, the kernels now: the first frame must not wait for seconds."""
+    """Compile or load the kernels, so that the first frame does not wait for seconds."""
     square = np.array([(8.0, 8.0), (24.0, 8.0), (24.0, 24.0), (8.0, 24.0)])
     blank = np.zeros((32, 32), dtype=np.uint8)
     blank.setflags(write=False)

@@ -1,7 +1,7 @@
-"""The compiled loops of ``vision.markers.marker_corners``: edge points and lines along a marker's
+"""Compiled loops of ``vision.markers.marker_corners``: edge points and lines along a marker's
 sides, and the corners in which these meet.
 
-Raw pixels, centres at integers; ``lens`` as ``vision.calibration.lens_model`` has it.
+Raw pixels, centres at integers; ``lens`` as in ``vision.calibration.lens_model``.
 """
 
 from __future__ import annotations
@@ -62,11 +62,11 @@ def fit_quad(
     lens: LensArrays,
     out_ideal: NDArray[np.float64],
 ) -> tuple[int, float, float]:
-    """The corners in which a marker's four sides meet, into ``out_ideal`` (4, 2), undistorted.
+    """Write the corners in which a marker's four sides meet to ``out_ideal`` (4, 2), undistorted.
 
-    ``seen_px`` (4, 2) are raw corners, good to a few pixels, clockwise on the screen; one that is
-    covered may be farther off. Returns what became of it, the rms distance of edge points from the
-    sides, and the standard error of the worst corner, pixels.
+    ``seen_px`` (4, 2) are raw corners, good to a few pixels (a covered one may be farther off),
+    clockwise on the screen. Returns the outcome, the rms distance of edge points from the sides,
+    and the standard error of the worst corner, pixels.
     """
     side_px = 0.0
     for i in range(4):
@@ -110,7 +110,7 @@ def fit_quad(
 
 @njit(cache=True, nogil=True, fastmath=False)
 def _is_inside(corners: NDArray[np.float64], reach_px: float, grey: NDArray[np.uint8]) -> bool:
-    """Whether profiles that reach so far stay in the picture."""
+    """True if profiles of reach ``reach_px`` stay in the picture."""
     height, width = grey.shape
     for i in range(4):
         x, y = corners[i, 0], corners[i, 1]
@@ -128,7 +128,7 @@ def _frame_at(
     out_frame: NDArray[np.float64],
     out_back: NDArray[np.float64],
 ) -> bool:
-    """The homography that takes undistorted corners to raw ones, and its inverse; False for none.
+    """Homography that takes undistorted corners to raw ones, and its inverse; False if none.
 
     Each is two homographies of a unit square, one inverted (Heckbert, Fundamentals of texture
     mapping and image warping, 1989).
@@ -146,7 +146,7 @@ def _frame_at(
 
 @njit(cache=True, nogil=True, fastmath=False)
 def _from_square(quad: NDArray[np.float64], out: NDArray[np.float64]) -> bool:
-    """The homography from the unit square to a quadrilateral (4, 2)."""
+    """Homography from the unit square to a quadrilateral (4, 2)."""
     sx = quad[0, 0] - quad[1, 0] + quad[2, 0] - quad[3, 0]
     sy = quad[0, 1] - quad[1, 1] + quad[2, 1] - quad[3, 1]
     ax, ay = quad[1, 0] - quad[2, 0], quad[1, 1] - quad[2, 1]
@@ -165,7 +165,7 @@ def _from_square(quad: NDArray[np.float64], out: NDArray[np.float64]) -> bool:
 
 @njit(cache=True, nogil=True, fastmath=False)
 def _invert(m: NDArray[np.float64], out: NDArray[np.float64]) -> bool:
-    """The inverse of (3, 3) by cofactors; False where there is none."""
+    """Invert (3, 3) by cofactors; False if there is no inverse."""
     for i in range(3):
         a, b = (i + 1) % 3, (i + 2) % 3
         for j in range(3):
@@ -191,7 +191,7 @@ def _multiply(a: NDArray[np.float64], b: NDArray[np.float64], out: NDArray[np.fl
 def _intersect(
     lines: NDArray[np.float64], homography: NDArray[np.float64], out: NDArray[np.float64]
 ) -> bool:
-    """Corner i is where side i - 1 meets side i, moved; False where two neighbours are parallel."""
+    """Intersect side i - 1 with side i in corner i, moved; False if two neighbours are parallel."""
     h = homography
     for i in range(4):
         before = (i + 3) % 4
@@ -215,11 +215,11 @@ def fit_sides(
     lens: LensArrays,
     frame: NDArray[np.float64],
 ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-    """The four sides of the quadrilateral ``corners`` (4, 2), which must lie inside ``grey``.
+    """Fit the four sides of the quadrilateral ``corners`` (4, 2), which must lie inside ``grey``.
 
     ``frame`` (3, 3) is a homography of undistorted pixels, in which lines are fitted. Returns lines
     (4, 6) there, a, b, c, rms with a x + b y = c and the standard errors at both ends, and for each
-    side (4,) the share of its profiles that show an edge on its line.
+    side (4,) the share of its profiles with an edge on its line.
     """
     lines = np.zeros((4, 6))
     seen = np.zeros(4)
@@ -269,7 +269,7 @@ def _edges_of_side(
     out_steps: NDArray[np.float64],
     out_shifts: NDArray[np.float64],
 ) -> None:
-    """Profiles across one side: the centroid of the rise from the dark inside outwards."""
+    """Take profiles across one side: the centroid of the rise from the dark inside outwards."""
     dx, dy = end[0] - start[0], end[1] - start[1]
     length = np.sqrt(dx * dx + dy * dy)
     if length == 0.0:
@@ -316,10 +316,10 @@ def _bilinear(grey: NDArray[np.uint8], x: float, y: float) -> float:
 
 @njit(cache=True, nogil=True, fastmath=False)
 def _most_in_line(points: NDArray[np.float64], use: NDArray[np.bool_]) -> NDArray[np.bool_]:
-    """The edge points near the line, of those through two of a few of them, that has most.
+    """Mask of the edge points near the line, through two of a few of them, that has the most.
 
-    What covers a part of a side has edges of its own, which lie on no line with the rest (Fischler
-    and Bolles, Random sample consensus, 1981, with all pairs in random's stead).
+    A cover over part of a side has its own edges, on no line with the rest (Fischler and Bolles,
+    Random sample consensus, 1981, with all pairs instead of random ones).
     """
     chosen = np.flatnonzero(use)
     stations = min(_STATIONS, len(chosen))
@@ -352,9 +352,9 @@ def _most_in_line(points: NDArray[np.float64], use: NDArray[np.bool_]) -> NDArra
 def _fit_line(
     points: NDArray[np.float64], use: NDArray[np.bool_], out_line: NDArray[np.float64]
 ) -> int:
-    """Total least squares of the points on one line, without outliers; how many lie on it.
+    """Fit the points on one line by total least squares, without outliers; return their number.
 
-    ``use`` is changed to the points that the line was fitted to.
+    ``use`` becomes the points fitted.
     """
     in_line = _most_in_line(points, use)
     if in_line.sum() < 4:
@@ -397,9 +397,9 @@ def _errors_at(
     use: NDArray[np.bool_],
     out_line: NDArray[np.float64],
 ) -> None:
-    """The standard errors of a fitted line at a side's two ends, into ``out_line[4:]``.
+    """Write the standard errors of a fitted line at a side's two ends to ``out_line[4:]``.
 
-    Those of a regression: a line is farther off at the end that is covered.
+    They are a regression's: larger at a covered end.
     """
     a, b = out_line[0], out_line[1]
     along = points[:, 0] * b - points[:, 1] * a

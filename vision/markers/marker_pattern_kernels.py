@@ -1,4 +1,4 @@
-"""The compiled fit of ``vision.markers.marker_pattern``: a marker's known pattern to its pixels.
+"""Compiled fit of ``vision.markers.marker_pattern``: a marker's known pattern to its pixels.
 
 Pattern coordinates u, v are in cells from the top left corner of the upright marker, v down.
 """
@@ -48,7 +48,7 @@ def settle_pattern(
     state: NDArray[np.float64],
     metric: NDArray[np.float64],
 ) -> bool:
-    """Gauss-Newton until nothing moves; whether the pattern is there. Changes ``state``.
+    """Run Gauss-Newton on ``state`` until nothing moves; True if the pattern is there.
 
     ``pixels`` (n, 3) from `marker_pixels`, ``state`` (13,) with a first guess of the affine map.
     """
@@ -60,7 +60,7 @@ def settle_pattern(
     dark, light = _quantile(grey, 0.15), _quantile(grey, 0.85)
     state[6:] = 0.0
     state[6], state[7], state[10] = _START_BLUR_PX, dark, light - dark
-    # cells that a pixel crosses, along u and along v
+    # cells crossed by a pixel, along u and along v
     per_px = max(pixel_length(state[0], state[1], metric), pixel_length(state[3], state[4], metric))
     most_blur_px = max(_MOST_BLUR_CELLS / per_px, _LEAST_BLUR_PX)
     matrix, step = np.empty((UNKNOWNS, UNKNOWNS)), np.empty(UNKNOWNS)
@@ -91,7 +91,7 @@ def has_light_rim(
 ) -> bool:
     """True if the rim is paper along each side.
 
-    A marker may be cut tightly, and the floor beside it is no part of the pattern.
+    A marker may be cut tightly, and the floor beside it is not part of the pattern.
     """
     beyond = EDGE_PX / cell_px
     inside = np.zeros(256, dtype=np.int64)
@@ -121,7 +121,7 @@ def has_light_rim(
 def inner_pixels(
     pixels: NDArray[np.float64], state: NDArray[np.float64], cells: int, cell_px: float
 ) -> NDArray[np.float64]:
-    """The pixels that feel neither the rim nor the border's edge."""
+    """Pixels affected by neither the rim nor the border's edge."""
     inmost = min(_BLUR_PX / cell_px, 0.5)
     is_inner = np.empty(len(pixels), dtype=np.bool_)
     for i in range(len(pixels)):
@@ -134,7 +134,7 @@ def inner_pixels(
 
 @njit(cache=True, nogil=True, fastmath=False)
 def _quantile(counts: NDArray[np.int64], share: float) -> float:
-    """The quantile of whole grey values by their counts (256,), linear between two values."""
+    """Quantile of whole grey values by their counts (256,), linear between two values."""
     place = share * (counts.sum() - 1)
     first = math.floor(place)
     below = above = -1
@@ -154,9 +154,9 @@ def _quantile(counts: NDArray[np.int64], share: float) -> float:
 
 @njit(cache=True, nogil=True, fastmath=False)
 def solve(matrix: NDArray[np.float64], right: NDArray[np.float64]) -> bool:
-    """Solves a symmetric system in place, by Cholesky's factors, scaled to a diagonal of ones.
+    """Solve a symmetric system in place by Cholesky's factors, scaled to a diagonal of ones.
 
-    False where the matrix is not positive definite to rounding: some unknown is not seen.
+    False if the matrix is not positive definite to rounding: some unknown is not seen.
     """
     count = len(right)
     scale = np.empty(count)
@@ -200,15 +200,14 @@ def normal_equations(
     out_matrix: NDArray[np.float64],
     out_right: NDArray[np.float64],
 ) -> float:
-    """One Gauss-Newton step's sums over all pixels, of the matrix its lower half; returns the rms
-    of the residuals.
+    """Sum one Gauss-Newton step over all pixels, only the matrix's lower half; return the
+    residuals' rms.
 
-    ``bits`` (n, n) is 1 where a cell is light; residuals beyond ``limit`` weigh less (Huber).
-    ``metric`` (2, 2) is J J^T of the plane's a, b by raw pixels: a blur that is round in the
-    picture is none in the plane, seen from the side or through a wide lens. The pattern is blurred
-    by a Gaussian that is narrow against a cell, so that only the nearest grid line of each
-    direction is felt at a pixel. Where the cells around are alike, light and dark alone are: such
-    pixels are summed apart, as they have no other unknowns.
+    ``bits`` (n, n) is 1 for a light cell; residuals beyond ``limit`` weigh less (Huber). ``metric``
+    (2, 2) is J J^T of the plane's a, b by raw pixels: a blur that is round in the picture is not
+    round in the plane, seen from the side or through a wide lens. The pattern's Gaussian blur is
+    narrow compared with a cell, so only the nearest grid line of each direction matters at a pixel.
+    Pixels among like cells depend on light and dark alone and are summed apart.
     """
     out_matrix[:] = 0.0
     out_right[:] = 0.0
@@ -274,9 +273,9 @@ def _add_products(
     out_matrix: NDArray[np.float64],
     out_right: NDArray[np.float64],
 ) -> None:
-    """The sums of ``count`` pixels' derivatives, one by the other and by the errors.
+    """Sum the products of ``count`` pixels' derivatives with each other and with the errors.
 
-    The last two rows are errors and weights; ``weighted`` is room for one row.
+    The last two rows are errors and weights; ``weighted`` is scratch space for one row.
     """
     for j in range(UNKNOWNS):
         total = 0.0
@@ -295,7 +294,7 @@ def _add_products(
 def _add_flat(
     sums: NDArray[np.float64], light: int, weight: float, x: float, y: float, error: float
 ) -> None:
-    """One pixel in the dark (row 0) or the light (row 1), where no edge is felt."""
+    """Add one pixel in the dark (row 0) or the light (row 1), away from edges."""
     sums[light, 0] += weight
     sums[light, 1] += weight * x
     sums[light, 2] += weight * y
@@ -311,7 +310,9 @@ def _add_flat(
 def _add_alike(
     flat: NDArray[np.float64], out_matrix: NDArray[np.float64], out_right: NDArray[np.float64]
 ) -> None:
-    """The sums of pixels in the dark (row 0), and in the light (row 1), which feel the contrast."""
+    """Add the sums of pixels in the dark (row 0) and in the light (row 1), which the contrast
+    affects.
+    """
     for light in range(2):
         sums = flat[light]
         for rows in range(7, 8 + 3 * light, 3):
@@ -333,13 +334,13 @@ def _add_alike(
 
 @njit(cache=True, nogil=True, fastmath=False)
 def pixel_length(p: float, q: float, metric: NDArray[np.float64]) -> float:
-    """How far u = p a + q b goes with one pixel along its own gradient."""
+    """Change of u = p a + q b over one pixel along its own gradient."""
     return math.sqrt(p * p * metric[0, 0] + 2.0 * p * q * metric[0, 1] + q * q * metric[1, 1])
 
 
 @njit(cache=True, nogil=True, fastmath=False)
 def _cell(bits: NDArray[np.float64], column: int, row: int) -> float:
-    """A cell's value; the marker's rim is light."""
+    """Value of a cell; the marker's rim is light."""
     if column < 0 or row < 0 or column >= len(bits) or row >= len(bits):
         return 1.0
     return float(bits[row, column])
@@ -347,7 +348,7 @@ def _cell(bits: NDArray[np.float64], column: int, row: int) -> float:
 
 @njit(cache=True, nogil=True, fastmath=False)
 def blurred_step(t: float) -> tuple[float, float]:
-    """The normal distribution and its density, within 1e-7.
+    """Normal distribution and its density, within 1e-7.
 
     Abramowitz and Stegun, Handbook of mathematical functions (1964), 26.2.17.
     """

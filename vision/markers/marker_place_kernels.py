@@ -1,8 +1,8 @@
-"""The compiled steps from a picture and a quadrilateral to a marker's place and how well it reads.
+"""Compiled steps from a picture and a quadrilateral to a marker's place and its reading score.
 
 Raw pixels, centres at integers; ``view`` is the arena's plane at the marker's height, in metres.
 Corners in the order top left, top right, bottom right, bottom left of the upright marker; a
-marker's ``bits`` (n, n), its dark border included, are 1 where a cell is light.
+marker's ``bits`` (n, n), its dark border included, are 1 for a light cell.
 """
 
 from __future__ import annotations
@@ -60,10 +60,10 @@ def follow_marker(
     out_m: NDArray[np.float64],
     out_px: NDArray[np.float64],
 ) -> tuple[float, float]:
-    """How well a marker reads that should be at x, y, heading, side in metres; 0 for not at all.
+    """Reading score of a marker expected at x, y, heading, side in metres; 0 for not at all.
 
-    And its worst corner's standard error, pixels. ``out_m`` and ``out_px`` (4, 2) are its corners
-    as `see_marker` gives them.
+    Also its worst corner's standard error, pixels. ``out_m`` and ``out_px`` (4, 2) are its corners
+    as in `see_marker`.
     """
     x, y, heading, side = marker
     c, s = 0.5 * side * math.cos(heading), 0.5 * side * math.sin(heading)
@@ -92,10 +92,10 @@ def see_marker(
     out_m: NDArray[np.float64],
     out_px: NDArray[np.float64],
 ) -> tuple[int, float, float]:
-    """The corners of a marker near ``guess_px`` (4, 2), which is good to a few pixels.
+    """Find the corners of a marker near ``guess_px`` (4, 2), which is good to a few pixels.
 
-    Those of the pattern that lies where its sides are, or, where these are hidden, near the guess.
-    ``out_m`` (4, 2) in the plane, ``out_px`` (4, 2). Returns what became of it, the sides'
+    They are the corners of the pattern at the marker's sides or, if these are hidden, near the
+    guess: ``out_m`` (4, 2) in the plane, ``out_px`` (4, 2). Returns the outcome, the sides'
     roughness and the worst corner's standard error in pixels.
     """
     near_m = np.empty((4, 2))
@@ -123,7 +123,7 @@ def _sides_on_floor(
     view: PlaneView,
     out_m: NDArray[np.float64],
 ) -> tuple[int, float, float]:
-    """Where a marker's sides meet in the plane, into ``out_m`` (4, 2); the rest as `fit_quad`."""
+    """Intersect a marker's sides in the plane, into ``out_m`` (4, 2); the rest as `fit_quad`."""
     ideal = np.empty((4, 2))
     became, roughness_px, error_px = fit_quad(grey, guess_px, cells, view.lens, ideal)
     if became != FITTED:
@@ -143,7 +143,7 @@ def _sides_on_floor(
 def _seen_corners(
     corners_m: NDArray[np.float64], view: PlaneView, out_px: NDArray[np.float64]
 ) -> None:
-    """Where four corners of the plane are seen, into ``out_px`` (4, 2)."""
+    """Project four corners of the plane into ``out_px`` (4, 2)."""
     for i in range(4):
         out_px[i, 0], out_px[i, 1] = seen_at(corners_m[i, 0], corners_m[i, 1], view)
 
@@ -157,12 +157,12 @@ def place_pattern(
     sides_error_px: float,
     out_m: NDArray[np.float64],
 ) -> tuple[bool, float, float]:
-    """The corners of the pattern that lies near ``corners_m`` (4, 2), into ``out_m``.
+    """Write the corners of the pattern near ``corners_m`` (4, 2) to ``out_m``.
 
-    ``sides_error_px`` is the standard error of the worst corner, or `NO_SIDES`. Where the sides
-    are not where the inner cells' edges have them, something covers a side from end to end, or the
-    marker is cut tightly: the inner cells alone say where it is, and how well. Returns whether the
-    pattern is there, how well its cells read, and the worst corner's standard error, pixels.
+    ``sides_error_px`` is the standard error of the worst corner, or `NO_SIDES`. If the sides
+    disagree with the inner cells' edges, something covers a side from end to end, or the marker is
+    cut tightly: the inner cells alone then give place and error. Returns True if the pattern is
+    there, its cells' reading score, and the worst corner's standard error, pixels.
     """
     cells = len(bits)
     center, unit_m = _middle(corners_m)
@@ -200,7 +200,7 @@ def _place_inner(
     unit: tuple[tuple[float, float], float],
     out_m: NDArray[np.float64],
 ) -> tuple[bool, float, float]:
-    """The corners of the pattern whose cells lie near ``state``; the rest as `place_pattern`.
+    """Corners of the pattern whose cells lie near ``state``; the rest as `place_pattern`.
 
     ``unit`` is the marker's middle and size in metres. No cell within the border may be wrong.
     """
@@ -220,7 +220,7 @@ def _place_inner(
 
 @njit(cache=True, nogil=True, fastmath=False)
 def _middle(corners_m: NDArray[np.float64]) -> tuple[tuple[float, float], float]:
-    """The corners' middle, and their mean distance from it."""
+    """Middle of the corners, and their mean distance from it."""
     x = y = unit_m = 0.0
     for i in range(4):
         x, y = x + 0.25 * corners_m[i, 0], y + 0.25 * corners_m[i, 1]
@@ -238,7 +238,7 @@ def _affine(
     cells: int,
     out_state: NDArray[np.float64],
 ) -> None:
-    """The affine map that takes the corners, in units around their centre, to the pattern's.
+    """Affine map from the corners, in units around their centre, to the pattern's.
 
     Least squares; as the centre is the corners' mean, its shift is the pattern's middle.
     """
@@ -295,8 +295,8 @@ def marker_pixels(
     """Rows (n, 3) of a, b, grey value: the pixels on the marker and its rim, at most the bound.
 
     a, b are a pixel's place in the plane, in units of the marker's size around its centre;
-    ``state`` begins with the affine map from there to the pattern. None where a part of the marker
-    is out of the picture; of the rim a part may be.
+    ``state`` begins with the affine map from there to the pattern. No rows if part of the marker is
+    out of the picture; part of the rim may be.
     """
     center, unit_m = _middle(corners_m)
     rim = min(_RIM_PX / cell_px, _RIM_CELLS)
@@ -336,9 +336,9 @@ def collect_pixels(
     """Rows (n, 3) of a, b, grey value: the pixels of ``box`` that lie on the marker or its rim.
 
     ``box`` is x0, y0, x1, y1 with the ends included, inside ``grey``; ``place`` the centre's x, y
-    and the unit; ``pattern_from_plane`` (6,) the first guess, ``rim`` a width in cells. Of each
-    row one pixel in so many is taken, of the next row the ones beside, so that every edge is
-    crossed at all places. None where a part of the box shows no floor.
+    and the unit; ``pattern_from_plane`` (6,) the first guess, ``rim`` a width in cells. Takes every
+    nth pixel of each row, shifted by one in the next row, so that every edge is crossed at all
+    places. No rows if part of the box shows no floor.
     """
     x0, y0, x1, y1 = box
     every = (x1 - x0 + 1) * (y1 - y0 + 1) // MOST_PIXELS + 1
@@ -379,10 +379,10 @@ def collect_pixels(
 
 @njit(cache=True, nogil=True, fastmath=False)
 def _cubics(count: int) -> tuple[float, NDArray[np.int64], NDArray[np.float64]]:
-    """How a function of ``count`` pixels in a row follows from few of its values.
+    """Interpolation of a function of ``count`` pixels in a row from a few of its values.
 
-    These nodes are so many pixels apart, the first and the last pixel among them; for each pixel
-    the first of the four nodes around it, and their weights (4,): Lagrange's cubics.
+    Returns the nodes' distance in pixels, the first and the last pixel being nodes, and for each
+    pixel the first of the four nodes around it and their weights (4,): Lagrange's cubics.
     """
     stretches = (count - 1) // _STRETCH_PX + 1
     step = max(count - 1, 1) / (3.0 * stretches)

@@ -1,7 +1,7 @@
 """Marker dictionaries, and quadrilaterals with a marker's code in a picture, unrefined.
 
 Rules and units
-- Dictionaries go by their OpenCV names, ``DICT_4X4_50`` or ``DICT_APRILTAG_36h11``.
+- Dictionaries have their OpenCV names, ``DICT_4X4_50`` or ``DICT_APRILTAG_36h11``.
 - Corners are raw pixels, centres at integers, clockwise from the upright marker's top left one.
 """
 
@@ -17,7 +17,7 @@ from vision.camera.camera import Image
 
 
 class MarkerError(ValueError):
-    """A marker, a dictionary or a robot's settings cannot be used; the message says why."""
+    """A marker, a dictionary or a robot's settings cannot be used; the message gives the reason."""
 
 
 def grey_of(image: Image) -> Image:
@@ -28,12 +28,12 @@ def grey_of(image: Image) -> Image:
 
 
 def dictionary_names() -> tuple[str, ...]:
-    """The marker dictionaries that OpenCV knows, ArUco's and AprilTag's."""
+    """Names of OpenCV's marker dictionaries, ArUco's and AprilTag's."""
     return tuple(sorted(name for name in dir(cv2.aruco) if name.startswith("DICT_")))
 
 
 def dictionary_by_name(name: str) -> cv2.aruco.Dictionary:
-    """A marker dictionary; raises ``MarkerError`` with what was probably meant."""
+    """A marker dictionary by name; ``MarkerError`` suggests the name probably meant."""
     names = {n.upper(): n for n in dictionary_names()}
     wanted = name.strip().upper()
     wanted = wanted if wanted.startswith("DICT_") else f"DICT_{wanted}"
@@ -45,9 +45,9 @@ def dictionary_by_name(name: str) -> cv2.aruco.Dictionary:
 
 
 def find_markers(image: Image, dictionary: str) -> list[tuple[int, FloatArray]]:
-    """Every marker of a dictionary in one picture: (id, corners (4, 2) raw pixels), unrefined.
+    """Find every marker of a dictionary in one picture: (id, corners (4, 2) raw pixels), unrefined.
 
-    For single pictures, without a calibration; robots are tracked with ``MarkerTracker``.
+    For single pictures without a calibration; ``MarkerTracker`` tracks robots.
     """
     book = dictionary_by_name(dictionary)
     parameters = cv2.aruco.DetectorParameters()
@@ -66,7 +66,7 @@ def finder_of(book: cv2.aruco.Dictionary, window: int, constant: float) -> cv2.a
 
 
 def find_with(finder: cv2.aruco.ArucoDetector, grey: Image) -> list[tuple[int, FloatArray]]:
-    """Every marker that a detector sees: (id, corners (4, 2))."""
+    """Every marker that a detector finds: (id, corners (4, 2))."""
     corners, ids, _ = finder.detectMarkers(grey)
     if ids is None or len(corners) == 0:
         return []

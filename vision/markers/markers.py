@@ -2,13 +2,13 @@
 
 Rules and units
 - Poses, markers and pixels are as in `marked_robot`.
-- Position and heading come from the homography, with the marker's height corrected: under an
-  overhead camera the two solutions of a marker's pose in space can hardly be told apart.
-- With a rolling shutter a pose has the time of the rows of its own marker; its corners are put to
-  where they were at that time, by the track's velocity: else a marker that moves is sheared.
-- Each robot is looked for where it should be: first its known marker is laid there (`sighting`),
-  then markers are searched for around it; the whole picture is searched only for robots that are
-  not there. What has jumped is no robot.
+- Position and heading come from the homography, corrected for the marker's height: under an
+  overhead camera the two solutions of a marker's pose in space are hardly distinguishable.
+- With a rolling shutter a pose has the time of its marker's rows, and the track's velocity moves
+  the corners to that time; otherwise a moving marker is sheared.
+- Each robot is first sought at its expected place: its known marker is fitted there
+  (`sighting`), then markers are searched for around it. Only robots missing there cause a
+  search of the whole picture. A marker that has jumped is not a robot.
 """
 
 from __future__ import annotations
@@ -68,7 +68,7 @@ _LOST_SEARCH_EVERY = 3
 
 
 class MarkerTracker:
-    """Finds the markers of known robots in frame after frame.
+    """Finder of known robots' markers in frame after frame.
 
     ``dictionary`` is an OpenCV name such as ``DICT_4X4_50`` or ``DICT_APRILTAG_36h11``,
     ``rolling_shutter_s`` the time from the first row's exposure to the last row's, which is the
@@ -119,10 +119,10 @@ class MarkerTracker:
     def update(
         self, frame: Frame, tell: Callable[[RobotPose], None] = lambda _: None
     ) -> tuple[RobotPose, ...]:
-        """The poses of the robots seen in this frame, by id; empty where none is.
+        """Return the poses of the robots seen in this frame, ordered by id.
 
-        ``tell`` gets each pose as soon as it is known, before the next robot is looked for.
-        Raises ``MarkerError`` for a frame of another size than the calibration's.
+        ``tell`` gets each pose as soon as it is known, before the search for the next robot. Raises
+        ``MarkerError`` for a frame whose size is not the calibration's.
         """
         grey = self._grey_of(frame)
         self._frames += 1
@@ -161,16 +161,16 @@ class MarkerTracker:
                 f"{fits[0]} x {fits[1]}"
             )
         grey = grey_of(frame.image)
-        grey.setflags(write=False)  # as a grey frame is: the kernels are compiled for one kind
+        grey.setflags(write=False)  # like a grey frame: the kernels are compiled for one kind
         return grey
 
     def unseen_ms(self, robot_id: int, now_s: float) -> float | None:
-        """Since when a robot has not been seen; None where it has never been."""
+        """Milliseconds since a robot was last seen; None if never."""
         last_s = self._tracks[robot_id].last_s
         return None if last_s is None else max(0.0, 1000.0 * (now_s - last_s))
 
     def remarks(self, now_s: float, patience_ms: float = 100.0) -> tuple[str, ...]:
-        """A sentence for each robot that was not seen for longer than ``patience_ms``."""
+        """A sentence for each robot not seen for longer than ``patience_ms``."""
         said = []
         for robot_id, track in self._tracks.items():
             unseen_ms = self.unseen_ms(robot_id, now_s)
@@ -182,7 +182,9 @@ class MarkerTracker:
         return tuple(said)
 
     def _worth_searching(self, missing: list[int], now_s: float) -> bool:
-        """At once for a second; then now and then, as a search costs ten times a look."""
+        """True always within a second of the loss, then now and then: a search costs ten times a
+        look.
+        """
         first_s = now_s if self._first_s is None else self._first_s
         last_s = [self._tracks[i].last_s for i in missing]
         latest_s = max(first_s if t is None else t for t in last_s)
@@ -191,7 +193,7 @@ class MarkerTracker:
     def _look_near(
         self, grey: Image, robot: MarkedRobot, now_s: float, refusals: list[str]
     ) -> Sighting | None:
-        """Look where the robot should be."""
+        """Look for a robot at its expected place."""
         expected = self._tracks[robot.id].predict(now_s - self._late_s[robot.id])
         if expected is None:
             return None
@@ -214,7 +216,7 @@ class MarkerTracker:
         return None
 
     def _window(self, robot: MarkedRobot, now_s: float) -> tuple[int, int, int, int] | None:
-        """The part of the picture (x0, y0, x1, y1) that holds all the places a robot may be at."""
+        """Part of the picture (x0, y0, x1, y1) with all the places a robot may be at."""
         track = self._tracks[robot.id]
         expected = track.predict(now_s - self._late_s[robot.id])
         if expected is None or track.last_s is None:
@@ -237,7 +239,7 @@ class MarkerTracker:
     def _look_for_doubles(
         self, everywhere: dict[int, list[Sighting]], found: dict[int, Sighting]
     ) -> None:
-        """Markers in several places, once two searches in a row have seen them so."""
+        """Markers in several places, once two searches in a row have found them there."""
         places = {}
         for robot_id, sightings in everywhere.items():
             known = [found[robot_id]] if robot_id in found else []
@@ -253,9 +255,9 @@ class MarkerTracker:
     def _search(
         self, grey: Image, found: Mapping[int, Sighting], refusals: list[str]
     ) -> dict[int, list[Sighting]]:
-        """Every robot's sightings in the whole picture, with another recipe each time.
+        """Every robot's sightings in the whole picture, by another recipe each time.
 
-        What was ``found`` in this picture is not looked at closely again.
+        Sightings ``found`` in this picture are not examined again.
         """
         # where the picture is coarsest: a wide lens shows its rim many times smaller
         least_m = min(robot.marker_size_m for robot in self._robots.values())
@@ -284,7 +286,7 @@ class MarkerTracker:
         }
 
     def _best(self, sightings: list[Sighting], robot_id: int, now_s: float) -> Sighting | None:
-        """Of several markers with one id, the one nearest to where the robot should be."""
+        """The marker nearest to the robot's expected place, of several with one id."""
         if not sightings:
             return None
         expected = self._tracks[robot_id].predict(now_s)
@@ -300,7 +302,7 @@ class MarkerTracker:
         return self._markers[robot.id].look(grey, quad_px, moves, refusals)
 
     def _believe(self, sighting: Sighting, frame_s: float, refusals: list[str]) -> RobotPose | None:
-        """The pose, at the time at which its marker's middle row was exposed."""
+        """The pose at the time at which its marker's middle row was exposed."""
         rows_after = self._calibration.size[1] - 1 - float(sighting.corners_px[:, 1].mean())
         before_s = self._late_s[sighting.id] = self._row_s * rows_after
         now_s = frame_s - before_s
@@ -328,7 +330,7 @@ class MarkerTracker:
 
 
 def _is_there(quad_px: FloatArray, known: Sighting | None) -> bool:
-    """Whether a quadrilateral's middle lies within the marker that is known already."""
+    """True if a quadrilateral's middle lies within the marker already known."""
     if known is None:
         return False
     middle = known.corners_px.mean(axis=0)

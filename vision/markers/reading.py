@@ -1,15 +1,15 @@
-"""Every marker in one picture: which one it is, its corners, and where it lies on the floor.
+"""Every marker in one picture: its identity, its corners, and its place on the floor.
 
 Rules and units
 - Corners (4, 2) are raw pixels, centres at integers, clockwise from the upright marker's top left
   one. They are where the fitted sides meet (``vision.markers.marker_corners``); with a calibration
-  the whole pattern is fitted (``vision.markers.marker_pattern``). Where a side is hidden or not
-  straight, with a calibration the cells too, the detector's corners stay, and ``remark`` says why.
-- A dictionary goes by OpenCV's name or is a file in its format (``nmarkers``, ``markersize``,
-  ``marker_0`` ...). Small dictionaries are the beginning of larger ones: where all are looked
-  through, a marker is said to be of the smallest that has it.
+  the whole pattern is fitted (``vision.markers.marker_pattern``). If a side is hidden or not
+  straight, with a calibration the cells too, the detector's corners stay; ``remark`` says why.
+- A dictionary is OpenCV's by name or a file in its format (``nmarkers``, ``markersize``,
+  ``marker_0`` ...). Small dictionaries are the beginning of larger ones: in a search of all, a
+  marker belongs to the smallest that has it.
 
-For robots that move use :class:`vision.MarkerTracker`.
+For moving robots use :class:`vision.MarkerTracker`.
 """
 
 from __future__ import annotations
@@ -49,13 +49,13 @@ _SAME_PLACE = 0.25
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Marker:
-    """A marker in a picture; ``agreement`` is the share of its cells that are as they should be.
+    """A marker in a picture; ``agreement`` is the share of its cells that are right.
 
     ``pose`` is (x, y, heading) in metres and radians, ahead being the upright marker's right, as
     for a :class:`vision.MarkedRobot` without a turn of its own; ``size_m`` is the mean side. Both
-    are None without a calibration. ``remark`` is empty where the corners are refined, and
-    ``error_px`` is then the standard error of the worst of them, larger where one is covered. What
-    covers a whole side looks like a side: that is seen only with a calibration.
+    are None without a calibration. ``remark`` is empty if the corners are refined; ``error_px`` is
+    then the standard error of the worst one, larger if one is covered. A cover over a whole side
+    looks like a side; only a calibration reveals it.
     """
 
     id: int
@@ -75,11 +75,11 @@ def find_markers(
     calibration: Calibration | None = None,
     height_m: float = 0.0,
 ) -> tuple[Marker, ...]:
-    """The markers of a dictionary, or of all, in a picture, ordered by dictionary and id.
+    """Find the markers of a dictionary, or of all, in a picture, ordered by dictionary and id.
 
-    ``image`` (h, w) grey or (h, w, 3) BGR, uint8, is not changed. ``height_m`` is that of the
-    markers above the calibrated floor. Raises ``MarkerError`` for an unknown dictionary, a
-    picture that is none, or one that is not of the calibration's size.
+    ``image`` (h, w) grey or (h, w, 3) BGR, uint8, is not changed. ``height_m`` is the markers'
+    height above the calibrated floor. Raises ``MarkerError`` for an unknown dictionary, an invalid
+    picture, or one that is not of the calibration's size.
     """
     grey = _grey(image, calibration)
     found: list[Marker] = []
@@ -99,7 +99,7 @@ def find_markers(
 
 
 def crossing(corners: FloatArray) -> tuple[float, float]:
-    """Where the diagonals of a quadrilateral (4, 2) cross: the square's centre, in perspective."""
+    """Intersection of a quadrilateral's (4, 2) diagonals: the square's centre, in perspective."""
     a, b, c, d = corners
     across, along = c - a, d - b
     turn = across[0] * along[1] - across[1] * along[0]
@@ -110,7 +110,7 @@ def crossing(corners: FloatArray) -> tuple[float, float]:
 
 
 def read_dictionary(file: Path) -> cv2.aruco.Dictionary:
-    """A dictionary from a file in OpenCV's format; ``MarkerError`` where it is none."""
+    """Read a dictionary from a file in OpenCV's format; ``MarkerError`` if it is not one."""
     book = cv2.aruco.Dictionary()
     try:
         storage = cv2.FileStorage(str(file), cv2.FILE_STORAGE_READ)
@@ -140,7 +140,7 @@ def _grey(image: ArrayLike, calibration: Calibration | None) -> Image:
 
 
 def _books(dictionary: str | Path | None) -> Iterator[tuple[str, cv2.aruco.Dictionary]]:
-    """The dictionaries to look through, each under its name."""
+    """Dictionaries to search, each with its name."""
     if dictionary is None:
         largest: dict[str, str] = {}
         for name in sorted(dictionary_names(), key=_count_in):
@@ -157,20 +157,20 @@ def _books(dictionary: str | Path | None) -> Iterator[tuple[str, cv2.aruco.Dicti
 
 
 def _count_in(name: str) -> int:
-    """How many markers a dictionary has, by its name; 0 where that does not say it."""
+    """Number of markers in a dictionary by its name; 0 if the name does not give it."""
     count = re.search(r"\dX\d_(\d+)$", name)
     return int(count[1]) if count else 0
 
 
 def _smallest(name: str, marker_id: int) -> str:
-    """The smallest dictionary that begins as this one does and has the marker."""
+    """The smallest dictionary with the same beginning that has the marker."""
     family = re.sub(r"_\d+$", "", name)
     alike = [one for one in dictionary_names() if re.sub(r"_\d+$", "", one) == family]
     return min((one for one in alike if _count_in(one) > marker_id), key=_count_in, default=name)
 
 
 def _agreement(grey: Image, quad: FloatArray, bits: FloatArray) -> float:
-    """The share of a marker's cells that are light or dark as they should be."""
+    """Share of a marker's cells that are rightly light or dark."""
     side = bits.shape[0] * _CELL_PX
     corners = np.array([(0, 0), (side, 0), (side, side), (0, side)], np.float32) - 0.5
     upright = cv2.warpPerspective(
@@ -189,7 +189,7 @@ def _placed(
     calibration: Calibration | None,
     height_m: float,
 ) -> tuple[FloatArray, str, tuple[float, float, float] | None, float | None, float | None]:
-    """Corners in raw pixels, what is to be said of them, pose and side on the floor, and error."""
+    """Corners in raw pixels, the remark, pose and side on the floor, and error."""
     if calibration is None:
         straight = Calibration.from_scale(1.0, (grey.shape[1], grey.shape[0]))
         refined = refine_quad(grey, quad, bits.shape[0], straight)
@@ -215,7 +215,7 @@ def _placed(
 
 
 def _best_of_each(found: list[Marker]) -> list[Marker]:
-    """Of several readings of one place the one that agrees best; refined ones first."""
+    """Keep the best reading of each place: refined ones first, then by agreement."""
     kept: list[Marker] = []
     for marker in sorted(found, key=lambda m: (m.remark != "", -m.agreement)):
         center = marker.corners_px.mean(axis=0)

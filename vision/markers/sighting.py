@@ -1,11 +1,11 @@
-"""One robot's marker in one picture: followed from where it should be, or seen where it was found.
+"""One robot's marker in one picture: followed from its expected place, or seen where it was found.
 
 Rules and units
 - Poses, markers and pixels are as in `marked_robot`; a frame's rows are ``row_s`` seconds apart.
-- A marker is followed without being searched for: sides and pattern are fitted to the picture from
-  where it should be, and every cell and the light rim must read right there. That is stricter than
-  to decode it, where cells that are wrong are corrected. Whoever is not followed is searched for.
-- What has the wrong size, is not square or whose cells do not read right is no robot.
+- A marker is followed without a search: sides and pattern are fitted at its expected place, and
+  every cell and the light rim must read right there. That is stricter than decoding, which
+  corrects wrong cells. A robot that cannot be followed is searched for.
+- A marker of the wrong size, not square, or with cells that do not read right is not a robot.
 """
 
 from __future__ import annotations
@@ -32,7 +32,7 @@ _SQUARE_TOLERANCE = 0.02
 
 @dataclass(frozen=True, slots=True)
 class Sighting:
-    """Where a marker puts its robot; the rest as in ``RobotPose``."""
+    """A robot's pose by its marker; the rest as in ``RobotPose``."""
 
     id: int
     pose: Pose
@@ -55,7 +55,7 @@ class RobotMarker:
         object.__setattr__(self, "_pixel_m", self.calibration.metres_per_pixel)
 
     def follow(self, grey: Image, expected: Pose, moves: Velocity) -> Sighting | None:
-        """The marker at the pose at which it should be, where it surely is there."""
+        """The marker at its expected pose, if it is certainly there."""
         view = self.calibration.plane_view(self.robot.marker_height_m)
         corners, corners_px = np.empty((4, 2)), np.empty((4, 2))
         square = (*expected, self.robot.marker_size_m)
@@ -80,7 +80,7 @@ class RobotMarker:
         return self._sighting(corners, corners_px, error_px, moves, refusals)
 
     def at(self, corners_px: FloatArray, moves: Velocity, refusals: list[str]) -> Sighting | None:
-        """A marker whose corners (4, 2) are known, unless it cannot be the robot's."""
+        """A sighting from a marker's known corners (4, 2), unless it cannot be the robot's."""
         corners = self.calibration.arena_from_image(corners_px, self.robot.marker_height_m)
         if not np.isfinite(corners).all():
             refusals.append(f"marker {self.robot.id}: it lies where no floor is seen")
@@ -95,7 +95,7 @@ class RobotMarker:
         moves: Velocity,
         refusals: list[str],
     ) -> Sighting | None:
-        """Corners as the robot's pose, unless they are not those of its square."""
+        """The robot's pose by its marker's corners, unless they are not its square's."""
         corners_px.setflags(write=False)
         if self.row_s != 0.0:
             corners = self._at_one_time(corners, corners_px[:, 1], moves)
@@ -108,13 +108,13 @@ class RobotMarker:
         if residual_m > _SQUARE_TOLERANCE * wanted_m:
             refusals.append(f"{called}: not square ({1e3 * residual_m:.1f} mm)")
             return None
-        # what covers a part of the pattern draws its corners off those of a square
+        # a partial cover of the pattern draws its corners off a square's
         error_px = max(error_px, residual_m / self._pixel_m)
         pose = robot_pose((center.real, center.imag, cmath.phase(turn)), self.robot)
         return Sighting(self.robot.id, pose, corners_px, residual_m, error_px)
 
     def _at_one_time(self, corners: FloatArray, rows_px: FloatArray, moves: Velocity) -> FloatArray:
-        """The corners (4, 2) where they were when the marker's middle row was exposed."""
+        """Corners (4, 2) at the time when the marker's middle row was exposed."""
         late_s = self.row_s * (rows_px - rows_px.mean())
         right, up = (corners - corners.mean(axis=0)).T
         turn = moves.turn_rate_rad_s
@@ -123,9 +123,9 @@ class RobotMarker:
 
 
 def nearest_square(corners: FloatArray) -> tuple[complex, complex, float]:
-    """The square nearest to four corners (4, 2), all with equal weight, of an upright marker.
+    """The square nearest to four corners (4, 2), equally weighted, of an upright marker.
 
-    Its centre, its side as a complex number that has the direction ahead, and the rms distance.
+    Its centre, its side as a complex number in the direction ahead, and the rms distance.
     """
     points = [complex(x, y) for x, y in corners.tolist()]
     center = sum(points) / 4.0
@@ -135,7 +135,7 @@ def nearest_square(corners: FloatArray) -> tuple[complex, complex, float]:
 
 
 def warm_up() -> None:
-    """Compile, or load, the kernels now: the first frame must not wait for seconds."""
+    """Compile or load the kernels, so that the first frame does not wait for seconds."""
     blank = np.zeros((32, 32), dtype=np.uint8)
     blank.setflags(write=False)
     plan = Calibration.from_scale(1.0, (32, 32))

@@ -1,12 +1,12 @@
-"""From sightings to a track: a gate on impossible jumps and a small filter for the velocity.
+"""A track from sightings: a gate against impossible jumps and a small filter for the velocity.
 
 Rules and units
 - Metres, radians, seconds; time comes with the sightings. Headings are unwrapped inside.
-- The position and heading reported are those measured: a filter would add lag. The velocity
+- The reported position and heading are the measured ones: a filter would add lag. The velocity
   comes from a Kalman filter of constant velocity with white acceleration, one an axis.
-- A new track is believed after ``confirm`` consistent sightings, and a sighting that no robot
-  can have reached is refused; ``confirm`` consistent ones in a row mean that the robot was
-  carried, and the track starts again there.
+- A new track is believed after ``confirm`` consistent sightings. A sighting that no robot can
+  have reached is refused; ``confirm`` consistent ones in a row mean that the robot was carried,
+  and the track restarts there.
 """
 
 from __future__ import annotations
@@ -19,11 +19,11 @@ Pose = tuple[float, float, float]
 
 @dataclass(frozen=True, slots=True)
 class TrackLimits:
-    """How a robot can move between two sightings, and how much the filter trusts them.
+    """Limits of a robot's motion between two sightings, and the filter's trust in them.
 
-    ``slack_m`` and ``slack_rad`` allow for noise; ``position_noise_m`` and
-    ``heading_noise_rad`` are a sighting's standard deviations, the accelerations those of the
-    motion. ``forget_s``: a track not seen for so long must be confirmed again.
+    ``slack_m`` and ``slack_rad`` allow for noise; ``position_noise_m`` and ``heading_noise_rad``
+    are a sighting's standard deviations, the accelerations the motion's. A track not seen for
+    ``forget_s`` must be confirmed again.
     """
 
     max_speed_m_s: float = 2.0
@@ -83,7 +83,7 @@ class VelocityFilter:
 
 
 class Track:
-    """One robot's track. ``offer`` each sighting; what it returns may be reported."""
+    """One robot's track. ``offer`` each sighting; report only what it returns."""
 
     def __init__(self, limits: TrackLimits) -> None:
         self.limits = limits
@@ -99,18 +99,18 @@ class Track:
 
     @property
     def confirmed(self) -> bool:
-        """Whether the track has been believed at least once and not been forgotten."""
+        """True if the track has been believed at least once and not been forgotten."""
         return self._pose is not None
 
     @property
     def velocity(self) -> Velocity:
-        """As of the last sighting that was believed; still where none was."""
+        """Velocity at the last believed sighting; zero without one."""
         if self._pose is None:
             return Velocity()
         return Velocity(self._x.rate, self._y.rate, self._turn.rate)
 
     def offer(self, pose: Pose, time_s: float) -> Velocity | None:
-        """A sighting: the velocity there where it is believed, None where it is not (yet).
+        """Velocity at a sighting that is believed; None for one that is not (yet).
 
         A sighting that is not newer than the last is refused.
         """
@@ -124,7 +124,7 @@ class Track:
         return self._vote(pose, time_s)
 
     def predict(self, time_s: float) -> Pose | None:
-        """Where the robot should be at a time, at most ``forget_s`` after the last sighting."""
+        """The robot's expected pose at a time, at most ``forget_s`` after the last sighting."""
         if self._pose is None or self.last_s is None:
             return None
         dt_s = time_s - self.last_s
@@ -162,7 +162,7 @@ class Track:
     def _accept(self, pose: Pose, time_s: float, dt_s: float) -> Velocity:
         self._x.update(pose[0], dt_s)
         self._y.update(pose[1], dt_s)
-        # The filter's heading runs on past pi: give it the turn that is nearest to it.
+        # The filter's heading runs on past pi: give it the nearest turn.
         heading = self._turn.value
         self._turn.update(heading + wrap(pose[2] - heading), dt_s)
         self._settle(pose, time_s)

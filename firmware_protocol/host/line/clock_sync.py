@@ -1,10 +1,10 @@
-"""The robot's clock as the host sees it: offset and drift from round trips, and how sure that is.
+"""The robot's clock as seen by the host: offset and drift from round trips, with a bound.
 
-Each exchange gives the four times of NTP (RFC 5905). Of the last exchanges those with a round
-trip near the shortest are trusted, and a regression with decaying weights gives offset and
-drift. Which of the two ways took how long no exchange can show, so the offset is known to about
-half a round trip, and that bound is kept: ``error_s``. An exchange that contradicts it means that
-one of the clocks has jumped; what was known before it is forgotten.
+Each exchange gives the four times of NTP (RFC 5905). Of the last exchanges those with a round trip
+near the shortest are trusted, and a regression with decaying weights gives offset and drift. No
+exchange shows how its round trip splits between the two directions, so the offset is known to about
+half a round trip; ``error_s`` keeps that bound. If an exchange contradicts it, a clock has jumped,
+and the estimate restarts.
 
 The robot counts microseconds modulo 2**32 (71.6 minutes); they are unrolled here.
 """
@@ -49,7 +49,7 @@ class ClockEstimate:
 
     @property
     def ready(self) -> bool:
-        """Whether an exchange has succeeded."""
+        """True if an exchange has succeeded."""
         return bool(self._samples)
 
     @property
@@ -67,9 +67,9 @@ class ClockEstimate:
     ) -> None:
         """Take one exchange: host sent, robot received, robot answered, host received.
 
-        ``wire_s`` is what question and answer need on the line at the least, in seconds: the
-        offset is corrected by it, and the bound holds without it. An exchange that took less is
-        of a line whose rate means nothing (USB): the correction shrinks with it.
+        ``wire_s`` is the least time of question and answer on the line, in seconds: it corrects the
+        offset, and the bound holds without it. If an exchange took less, the line's rate means
+        nothing (USB), and the correction shrinks with it.
         """
         received_s = self._unrolled(received_us, now_s)
         answered_s = received_s + ((answered_us - received_us) % WRAP_US) / 1e6
@@ -91,9 +91,10 @@ class ClockEstimate:
         return self._offset_s + self.drift * (host_s - self._mean_s)
 
     def error_s(self, host_s: float) -> float:
-        """How wrong ``offset_s`` is at the most, whatever the line does; infinity before the first.
+        """Largest possible error of ``offset_s``, whatever the line does; infinity before the
+        first.
 
-        Half of the best round trip, and what the clocks may have drifted since.
+        Half of the best round trip, and the clocks' possible drift since.
         """
         offset_s = self.offset_s(host_s)
         errors_s = [
@@ -107,25 +108,25 @@ class ClockEstimate:
         return round((host_s + self.offset_s(host_s)) * 1e6) % WRAP_US
 
     def host_s(self, robot_us: int, now_s: float) -> float:
-        """When the robot's clock said so: the time nearest to ``now_s``, of the host's clock."""
+        """Host time of a reading of the robot's clock: the one nearest to ``now_s``."""
         return now_s + _short_us(robot_us - self.robot_us(now_s)) / 1e6
 
     def is_in_doubt(self, robot_us: int, now_s: float) -> bool:
-        """Whether a report of the robot's clock that came just now does not fit what is known."""
+        """True if a report of the robot's clock that came just now does not fit the estimate."""
         if not self.ready:
             return False
         late_s = now_s - self.host_s(robot_us, now_s)
         return not -self.error_s(now_s) <= late_s <= self.error_s(now_s) + DOUBT_S
 
     def _forget_what_contradicts(self, sample: _Sample, now_s: float) -> None:
-        """An exchange that cannot be true together with those before it: a clock has jumped."""
+        """Restart if an exchange contradicts the earlier ones: a clock has jumped."""
         apart_s = abs(sample.offset_s - self.offset_s(now_s))
         if self.ready and apart_s > sample.error_s + self.error_s(now_s):
             self._samples.clear()
             self.jumps += 1
 
     def _unrolled(self, robot_us: int, now_s: float) -> float:
-        """The robot's clock as a time without wraps: the one nearest to what is expected."""
+        """The robot's clock as a time without wraps: the one nearest to the expected."""
         if not self.ready:
             return robot_us / 1e6
         expected_us = round((now_s + self.offset_s(now_s)) * 1e6)
@@ -154,5 +155,5 @@ class ClockEstimate:
 
 
 def _short_us(difference_us: int) -> int:
-    """A difference of two clocks modulo 2**32, the short way round."""
+    """The shorter difference of two clocks modulo 2**32."""
     return (difference_us + WRAP_US // 2) % WRAP_US - WRAP_US // 2

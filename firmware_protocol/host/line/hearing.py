@@ -1,8 +1,8 @@
 """Evidence that the robot hears what it is sent, from the counts in its own reports.
 
-A wire that is broken in one direction leaves a robot that reports and obeys nothing. Its STATUS
-has the number of whole frames that it has taken: while that stays the same although frames are
-sent, it does not hear, whatever else it says. Seconds of the host's monotonic clock.
+If a wire is broken in one direction, the robot reports but obeys nothing. Its STATUS has the number
+of whole frames taken: while that stays the same although frames are sent, it does not hear,
+whatever else it reports. Seconds of the host's monotonic clock.
 """
 
 from __future__ import annotations
@@ -18,7 +18,7 @@ DEAF_FRAMES: Final = 8
 
 
 class Hearing:
-    """Fed with each frame that is sent and each report that comes."""
+    """Watch on the robot's count; give it each frame sent and each report received."""
 
     def __init__(self) -> None:
         self.why_deaf: str | None = None
@@ -28,12 +28,12 @@ class Hearing:
         self._sent = 0
 
     def begin(self, now_s: float) -> None:
-        """A robot has answered: it hears."""
+        """Begin with a robot that has answered: it hears."""
         self._counts, self._heard_s, self._sent = None, now_s, 0
         self.why_deaf = None
 
     def sent(self) -> None:
-        """One more frame is on its way to the robot."""
+        """Count one more frame on its way to the robot."""
         self._sent += 1
 
     def report(self, counts: RobotCounters, now_s: float) -> None:

@@ -1,7 +1,7 @@
-"""How long bytes take on the line, and when it is free again: so that one frame waits, not ten.
+"""Time of bytes on the line, and the time it is free again, so that at most one frame waits.
 
-What lies in the operating system cannot be taken back, and an emergency stop would wait behind
-it. Seconds; 10 bits a byte.
+Bytes in the operating system cannot be taken back, and an emergency stop would wait behind them.
+Seconds; 10 bits a byte.
 """
 
 from __future__ import annotations
@@ -21,18 +21,18 @@ class LinePace:
         self._free_s = -math.inf
 
     def reset(self) -> None:
-        """A line on which nothing is under way."""
+        """Nothing is under way on the line."""
         self._free_s = -math.inf
 
     def wire_s(self, count: int) -> float:
-        """How long so many bytes take."""
+        """Time for ``count`` bytes."""
         return 0.0 if self.baud is None else 10.0 * count / self.baud
 
     def sent(self, count: int, now_s: float) -> None:
-        """So many bytes were handed out, behind what is still under way."""
+        """Note ``count`` bytes handed out, behind those still under way."""
         self._free_s = max(now_s, self._free_s) + self.wire_s(count)
 
     @property
     def ready_s(self) -> float:
-        """When the next frame may be handed out."""
+        """The time at which the next frame may be handed out."""
         return self._free_s - PREFETCH_S

@@ -1,4 +1,4 @@
-"""The send window with go-back-N, and the round-trip times that its timeout comes from.
+"""The send window with go-back-N, and the round-trip times behind its timeout.
 
 - Reliable frames carry consecutive sequence numbers modulo 256; the robot takes them in
   order only and acknowledges with the number it expects next.
@@ -21,7 +21,7 @@ RTO_MAX_S: Final = 1.0
 
 
 class RttEstimate:
-    """Smoothed round-trip time and timeout, as Jacobson (1988) and RFC 6298 have them."""
+    """Smoothed round-trip time and timeout, by Jacobson (1988) and RFC 6298."""
 
     def __init__(self) -> None:
         self.smoothed_s = 0.0
@@ -40,19 +40,19 @@ class RttEstimate:
         self._backoff = 1.0
 
     def back_off(self) -> None:
-        """A timeout: wait twice as long the next time."""
+        """After a timeout, wait twice as long the next time."""
         self._backoff = min(64.0, self._backoff * 2.0)
 
     @property
     def timeout_s(self) -> float:
-        """When to give up on an acknowledgement, in [25 ms, 1 s]; 100 ms before any sample."""
+        """Timeout of an acknowledgement, in [25 ms, 1 s]; 100 ms before any sample."""
         base = 0.1 if self.samples == 0 else self.smoothed_s + 4.0 * self.variation_s
         return min(RTO_MAX_S, max(RTO_MIN_S, base) * self._backoff)
 
 
 @dataclass(slots=True)
 class PendingFrame:
-    """A reliable frame that is not yet acknowledged."""
+    """A reliable frame not yet acknowledged."""
 
     sequence: int
     kind: int
@@ -67,7 +67,7 @@ class PendingFrame:
 
 
 class SendWindow:
-    """The sender's half: which reliable frames are in flight and which to send next."""
+    """The sender's half: the reliable frames in flight and the next ones to send."""
 
     def __init__(self, window_bytes: int) -> None:
         self.window_bytes = window_bytes
@@ -82,7 +82,7 @@ class SendWindow:
 
     @property
     def bytes_pending(self) -> int:
-        """Bytes of all frames that are not acknowledged, sent or not."""
+        """Bytes of all unacknowledged frames, sent or not."""
         return sum(frame.wire_bytes for frame in self._pending)
 
     @property
@@ -102,7 +102,7 @@ class SendWindow:
         return self.bytes_pending + wire_bytes(payload_bytes) <= self.window_bytes
 
     def add(self, kind: int, payload: bytes) -> None:
-        """Number a frame and queue it behind those that wait."""
+        """Number a frame and queue it last."""
         self._pending.append(PendingFrame(self._next_sequence, kind, payload))
         self._next_sequence = (self._next_sequence + 1) % SEQUENCE_MODULUS
 
@@ -124,9 +124,9 @@ class SendWindow:
         return self._sent < len(self._pending)
 
     def acknowledge(self, expected: int, now_s: float) -> int:
-        """The receiver expects ``expected`` next; how many frames that acknowledges.
+        """Take the receiver's next expected number; return the number of frames acknowledged.
 
-        A number that belongs to no frame in flight (a late frame's) changes nothing.
+        A number of no frame in flight (from a late frame) changes nothing.
         """
         in_flight = [frame.sequence for frame in self._pending if frame.sent_s is not None]
         ends = [(sequence + 1) % SEQUENCE_MODULUS for sequence in in_flight]
@@ -148,18 +148,18 @@ class SendWindow:
         self._go_back(now_s)
 
     def tick(self, now_s: float) -> None:
-        """Send all again where the oldest frame's acknowledgement is overdue."""
+        """Send all again if the oldest frame's acknowledgement is overdue."""
         if self._sent and now_s - self._timer_s >= self.rtt.timeout_s:
             self.timeouts += 1
             self.rtt.back_off()
             self._go_back(now_s)
 
     def deadline_s(self) -> float | None:
-        """When the timeout strikes, None while nothing is in flight."""
+        """The time of the timeout; None while nothing is in flight."""
         return self._timer_s + self.rtt.timeout_s if self._sent else None
 
     def _go_back(self, now_s: float) -> None:
         self._sent = 0
         self._timer_s = now_s
-        # the complaints about frames already in flight arrive within about one round trip
+        # complaints about frames already in flight arrive within about one round trip
         self._quiet_until_s = now_s + max(0.005, self.rtt.smoothed_s)

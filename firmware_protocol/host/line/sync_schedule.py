@@ -1,8 +1,8 @@
-"""When the host asks for the robot's clock, and when it asked what.
+"""Times of the host's questions for the robot's clock.
 
-Eight times quickly, then once a second, and at once where a report does not fit what is known. An
-answer counts once, however late it comes: its round trip says what it is worth. Seconds of the
-host's monotonic clock.
+Eight quick ones, then one a second, and one at once if a report does not fit the estimate. An
+answer counts once, however late: its round trip shows its worth. Seconds of the host's monotonic
+clock.
 """
 
 from __future__ import annotations
@@ -30,7 +30,7 @@ class SyncSchedule:
         self._doubted = False
 
     def next_question(self, now_s: float) -> TimeSync | None:
-        """The question that is due, None where none is; it counts as sent."""
+        """The question that is due, which then counts as sent; None if none is."""
         fast = self._count < FAST_COUNT or self._doubted
         if now_s - self._asked_s < (FAST_S if fast else SLOW_S):
             return None
@@ -44,15 +44,15 @@ class SyncSchedule:
         return TimeSync(sent_us)
 
     def sent_s(self, sent_us: int) -> float | None:
-        """When the answered question was sent, None where it was none of ours; once only."""
+        """Time of the answered question, once only; None if it is not ours."""
         return self._sent.pop(sent_us, None)
 
     def doubt(self) -> None:
-        """A report does not fit what is known: ask soon."""
+        """Ask soon: a report does not fit the estimate."""
         self._doubted = True
 
     def begin_again(self) -> None:
-        """The clock may be another one: ask quickly; answers of before do not count."""
+        """Ask quickly, and ignore earlier answers: the clock may be another one."""
         self._count = 0
         self._asked_s = -math.inf
         self._sent = {}

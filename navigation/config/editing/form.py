@@ -1,14 +1,14 @@
-"""The configuration as a form: what each key means, may be, and is now, made from its schema.
+"""The configuration as a form: each key's meaning, limits and present value, from its schema.
 
 Rules
-- Changed here are numbers, switches, choices, and lists of numbers, and which of the devices that
-  are plugged in is the camera and the robot's port. Everything else is shown only, with the
-  reason: a file's name, an address or a command opens what the page's user may not open.
-- Each of several robots is a section of its own, with what differs from ``robot`` and ``serial``;
-  its name is shown only, since missions and starts go by it. Robots are listed in the file.
-- ``safety`` and ``dashboard`` are shown only: who may reach the page does not decide what keeps
-  the robot from harm, nor who else may come.
-- What is typed is read as YAML's core schema reads it, so a form and a file mean the same.
+- Numbers, switches, choices, lists of numbers, and the plugged-in devices chosen as camera and
+  robot's port can be changed. Everything else is only shown, with the reason: a file's name, an
+  address or a command opens things that the page's user may not open.
+- Each of several robots is its own section, with its differences from ``robot`` and ``serial``.
+  Its name is only shown, since missions and starts use it. Robots are listed in the file.
+- ``safety`` and ``dashboard`` are only shown: a user of the page decides neither on the robot's
+  protection nor on who else may come.
+- Typed text is read by YAML's core schema, so a form and a file mean the same.
 """
 
 from __future__ import annotations
@@ -46,12 +46,12 @@ _LIMITS: Final = {
 
 
 class TypedError(ValueError):
-    """What was typed cannot be a value of its key; the message says why."""
+    """Typed text cannot be a value of its key; the message says why."""
 
 
 @dataclass(frozen=True, slots=True)
 class Key:
-    """One key of the form: its place, its schema, and why it is only shown ("": it can change)."""
+    """A key of the form: place, schema, and why it is only shown ("": it can change)."""
 
     where: Location
     kind: str
@@ -62,22 +62,22 @@ class Key:
 
     @property
     def name(self) -> str:
-        """As people write it: ``camera.rate_hz``."""
+        """The written name: ``camera.rate_hz``."""
         return key_name(self.where)
 
     @property
     def section(self) -> Location:
-        """The section that it is in; an entry of a list is one, too."""
+        """The section that holds it; an entry of a list is one, too."""
         return self.where[: 1 if self.entry is None else 2]
 
     @property
     def entry(self) -> int | None:
-        """Which entry of a list it is of, from 0; None where it is of none."""
+        """Number of its list entry, from 0; None outside lists."""
         number = self.where[1] if len(self.where) > 1 else None
         return number if isinstance(number, int) else None
 
     def value_of(self, typed: str) -> Any:
-        """What was typed as plain data, None for "as without the key"; ``TypedError``."""
+        """Parse typed text into plain data, None for "as without the key"; ``TypedError``."""
         if len(typed) > MOST_TYPED:
             raise TypedError(f"{self.name}: more than {MOST_TYPED} characters")
         words = typed.strip()
@@ -95,9 +95,9 @@ class Key:
 
 
 def form_keys(text: str, cameras: Sequence[str] = (), ports: Sequence[str] = ()) -> Iterator[Key]:
-    """Every key of a configuration's text, in the order of the reference; devices by their paths.
+    """Yield a configuration's keys, in the order of the reference; devices by their paths.
 
-    Of several robots each has the keys of an entry.
+    Each of several robots has an entry's keys.
     """
     schema, data = json_schema(), read_document(text).data
     models = schema["$defs"]
@@ -113,10 +113,10 @@ def form_keys(text: str, cameras: Sequence[str] = (), ports: Sequence[str] = ())
 
 
 def form(text: str, keys: Sequence[Key]) -> list[dict[str, Any]]:
-    """The sections of the form for a configuration's text, as JSON takes them.
+    """Return the form's sections for a configuration's text, as JSON data.
 
-    A key's ``value`` is what its field shows, "" where the text does not have it; ``default`` is
-    what holds then. Secret values are never told.
+    A key's ``value`` is shown in its field, "" if the text lacks it; ``default`` then applies.
+    Secret values are never shown.
     """
     data = read_document(text).data
     meanings = {name: p.get("description", "") for name, p in json_schema()["properties"].items()}
@@ -135,7 +135,7 @@ def form(text: str, keys: Sequence[Key]) -> list[dict[str, Any]]:
 
 
 def _default_of(key: Key, data: Any) -> Any:
-    """What holds without the key: of one of several robots what all of them have."""
+    """Return the value without the key: for one of several robots, the value common to all."""
     if key.entry is None:
         return key.schema.get("default")
     own = str(key.where[-1])
@@ -193,7 +193,7 @@ def _keys(
 
 
 def _section_of(schema: Mapping[str, Any]) -> str | None:
-    """The name of the section that a schema is, None of a value."""
+    """Return the name of the section that a schema is, None for a value."""
     ways = [schema, *schema.get("anyOf", ())]
     found = next((way["$ref"] for way in ways if "$ref" in way), None)
     return None if found is None else str(found).rsplit("/", 1)[-1]
@@ -216,7 +216,7 @@ def _key(where: Location, whole: Mapping[str, Any], devices: Mapping[str, Sequen
 def _kind(
     where: Location, ways: Sequence[Mapping[str, Any]], schema: Mapping[str, Any]
 ) -> tuple[str, str]:
-    """What kind of field it is, and why it is only shown."""
+    """Return the kind of field, and why it is only shown."""
     types = {way.get("type") for way in ways}
     if types == {"boolean"}:
         return "flag", ""

@@ -1,10 +1,10 @@
-"""Values put into the text of a configuration: comments, order and the other keys stay.
+"""Puts values into a configuration's text: comments, order and the other keys stay.
 
 Rules
-- A value is written as JSON, which is a part of YAML, words without quotes where YAML allows it.
-- ``None`` takes a key away, so that its default holds again.
-- What came of it is read again and compared with what was meant: a text that this editor cannot
-  change rightly (anchors, block scalars, lists on lines of their own) is refused, never spoilt.
+- A value is written as JSON, a part of YAML; words have no quotes where YAML allows it.
+- ``None`` removes a key, so that its default applies again.
+- The result is read again and compared with the intended data. A text that this editor cannot
+  change rightly (anchors, block scalars, lists on their own lines) is refused, never spoilt.
 """
 
 from __future__ import annotations
@@ -29,10 +29,10 @@ class EditError(ValueError):
 
 
 def with_values(text: str, changes: Mapping[Location, Any]) -> str:
-    """The text with these values at their keys; ``EditError`` where that cannot be done.
+    """Return the text with these values at their keys; ``EditError`` if that cannot be done.
 
     ``text`` is sound YAML whose root is a mapping; values are plain data, None for "no key". A
-    number in a place is that of an entry which is there, from 0.
+    number in a place is that of an existing entry, from 0.
     """
     wanted = read_document(text).data
     if not isinstance(wanted, dict):
@@ -51,14 +51,14 @@ def with_values(text: str, changes: Mapping[Location, Any]) -> str:
 
 
 def _find_entries(data: Any, where: Location) -> None:
-    """``EditError`` where a place is in an entry that is not there."""
+    """Raise ``EditError`` if a place is in a missing entry."""
     for length, key in enumerate(where, 1):
         if isinstance(key, int) and present_value(data, where[:length]) is None:
             raise EditError(f"{key_name(where)}: there is no such entry in this text")
 
 
 def value_text(value: Any) -> str:
-    """A value as YAML's core schema reads it back; JSON is a part of it."""
+    """Write a value as YAML's core schema reads it back; JSON is a part of it."""
     if isinstance(value, str) and _PLAIN.fullmatch(value) and read_document(value).data == value:
         return value
     if isinstance(value, float) and value.is_integer() and abs(value) < 2**53:
@@ -76,7 +76,7 @@ def value_text(value: Any) -> str:
 
 
 def _with_value(text: str, where: Location, value: Any) -> str:
-    """One change; the deepest mapping that is there takes the rest as its own key."""
+    """Make one change; the deepest existing mapping takes the rest as its own key."""
     node = compose(text)
     for depth, key in enumerate(where):
         if isinstance(node, yaml.SequenceNode) and isinstance(key, int) and key < len(node.value):
@@ -104,7 +104,7 @@ def _entry(node: yaml.MappingNode, key: str) -> tuple[yaml.Node, yaml.Node] | No
 
 
 def _end_of(node: yaml.Node) -> int:
-    """Where a node's own text ends: PyYAML lets a block reach to what comes after its comments."""
+    """Return the end of a node's own text; PyYAML extends a block past the comments behind it."""
     if not isinstance(node, yaml.CollectionNode) or node.flow_style or not node.value:
         return int(node.end_mark.index)
     last = node.value[-1]
@@ -119,12 +119,12 @@ def _nested(where: Location, value: Any) -> Any:
 
 
 def _replaced(text: str, name: yaml.Node, held: yaml.Node, value: Any) -> str:
-    """Another value behind the key; a comment on the same line keeps its column where it can."""
+    """Replace a key's value; a comment on the same line keeps its column if possible."""
     begin, end = held.start_mark.index, _end_of(held)
-    if begin == end:  # nothing stood there
+    if begin == end:  # the key had no value
         begin = end = text.index(":", name.end_mark.index) + 1
         return f"{text[:begin]} {value_text(value)}{text[end:]}"
-    while text[end - 1] in "\n ":  # a text of several lines has the last one's end too
+    while text[end - 1] in "\n ":  # a text of several lines includes the last line's end
         end -= 1
     told = value_text(value)
     gap = re.match(r" +(?=#)", text[end:])
@@ -137,7 +137,7 @@ def _replaced(text: str, name: yaml.Node, held: yaml.Node, value: Any) -> str:
 
 
 def _added(text: str, node: yaml.MappingNode, where: Location, value: Any) -> str:
-    """A new key at the end of a mapping."""
+    """Add a key at the end of a mapping."""
     if node.flow_style:
         inside = node.end_mark.index - 1
         comma = ", " if node.value else ""
@@ -156,7 +156,7 @@ def _added(text: str, node: yaml.MappingNode, where: Location, value: Any) -> st
 
 
 def _removed(text: str, node: yaml.MappingNode, name: yaml.Node, held: yaml.Node) -> str:
-    """Without a key; a mapping that loses its last one is empty, and still there."""
+    """Remove a key; a mapping that loses its last one stays, empty."""
     if len(node.value) == 1:
         return (
             f"{text[: node.start_mark.index]}{{}}{text[node.end_mark.index :]}"
@@ -177,7 +177,7 @@ def _removed(text: str, node: yaml.MappingNode, name: yaml.Node, held: yaml.Node
 
 
 def _begins_entry(text: str, name: yaml.Node) -> bool:
-    """Whether a key is on the line of its entry's dash, which has to stay."""
+    """True if a key is on the line of its entry's dash, which has to stay."""
     begin = text.rfind("\n", 0, name.start_mark.index) + 1
     return text[begin : name.start_mark.index].strip() == "-"
 
@@ -208,7 +208,7 @@ def _put(data: Any, where: Location, value: Any) -> None:
 
 
 def _is_same(got: Any, wanted: Any) -> bool:
-    """Equal as data, where 1 and 1.0 are one number and True is none."""
+    """True if equal as data: 1 and 1.0 are one number, True is not a number."""
     if isinstance(got, dict) and isinstance(wanted, dict):
         return got.keys() == wanted.keys() and all(_is_same(got[k], wanted[k]) for k in got)
     if isinstance(got, list) and isinstance(wanted, list | tuple):
@@ -217,7 +217,7 @@ def _is_same(got: Any, wanted: Any) -> bool:
 
 
 def present_value(data: Any, where: Location) -> Any:
-    """What stands in the data at a key; None where nothing does."""
+    """Return the data's value at a key; None if absent."""
     for key in where:
         if isinstance(key, int):
             data = data[key] if isinstance(data, list) and key < len(data) else None

@@ -1,11 +1,11 @@
-"""Where secrets stand in the source of a configuration, however it writes them.
+"""Places of secrets in a configuration's source, however it writes them.
 
 Rules
-- What YAML can be read is looked at node by node: plain, quoted, folded, literal, in flow style,
-  on the next line, by an anchor. The same words anywhere else in the text, and comments that
-  speak of a secret, are left out with them.
-- What cannot be read is looked at line by line, and rather too much than too little is left out:
-  from a secret key to the end of its line, and whatever is indented deeper or stands alone below.
+- Readable YAML is searched node by node: plain, quoted, folded, literal, in flow style, on the
+  next line, by an anchor. The same words elsewhere in the text, and comments that mention a
+  secret, are left out too.
+- Unreadable text is searched line by line, and too much is left out rather than too little: from
+  a secret key to the end of its line, and any line below that is indented deeper or alone.
 """
 
 from __future__ import annotations
@@ -40,7 +40,7 @@ MOST_WORDS: Final = 50
 
 
 def secrets_in_source(text: str) -> set[str]:
-    """The secret values of a configuration's text, sound or not."""
+    """Return the secret values of a configuration's text, sound or not."""
     root = _root(text)
     if root is None:
         spans = list(_line_by_line(text))
@@ -56,7 +56,7 @@ def secrets_in_source(text: str) -> set[str]:
 
 
 def secrets_in_environment(environment: Mapping[str, str]) -> set[str]:
-    """The secret values of the variables that override a configuration."""
+    """Return the secret values of the variables that override a configuration."""
     found: set[str] = set()
     for name, value in environment.items():
         if name.startswith("CLEARWAY_"):
@@ -67,7 +67,7 @@ def secrets_in_environment(environment: Mapping[str, str]) -> set[str]:
 
 
 def secret_spans(text: str) -> list[tuple[int, int]]:
-    """The places of secrets in the text, from the first to the last, none in another."""
+    """Return the places of secrets in the text, in order and without overlap."""
     root = _root(text)
     spans = [] if root is None else list(_node_spans(root))
     if root is None:
@@ -79,9 +79,9 @@ def secret_spans(text: str) -> list[tuple[int, int]]:
 
 
 def masked(text: str, more: Iterable[tuple[int, int]] = ()) -> str:
-    """The text with a star for every character of a secret: lines and columns stay.
+    """Replace each character of a secret with a star: lines and columns stay.
 
-    ``more``: other places that nobody is shown.
+    ``more``: other places to hide.
     """
     parts, end = [], 0
     for start, stop in _merged([*secret_spans(text), *more]):
@@ -91,12 +91,12 @@ def masked(text: str, more: Iterable[tuple[int, int]] = ()) -> str:
 
 
 def without_secrets(text: str, more: Iterable[tuple[int, int]] = ()) -> str:
-    """The text of a configuration with its secrets left out, and ``more`` places."""
+    """Return a configuration's text without its secrets and the ``more`` places."""
     return _without(text, _merged([*secret_spans(text), *more]))
 
 
 def log_without_secrets(text: str) -> str:
-    """A log or report with everything left out that was learned or stands beside a secret key."""
+    """Return a log or report without learned secrets and values beside secret keys."""
     return _without(text, _merged([*_line_by_line(text), *known().spans(text)]))
 
 
@@ -113,7 +113,7 @@ def _words(value: str) -> list[str]:
     return words if len(words) <= MOST_WORDS else []
 
 
-@lru_cache(maxsize=2)  # one text is asked about several times, and reading it is the longest part
+@lru_cache(maxsize=2)  # one text is asked about several times, and reading it takes longest
 def _root(text: str) -> yaml.Node | None:
     try:
         root = compose(text)
@@ -125,7 +125,7 @@ def _root(text: str) -> yaml.Node | None:
 def _scalars(
     node: yaml.Node, *, under_secret: bool, seen: set[tuple[int, bool]]
 ) -> Iterator[tuple[yaml.ScalarNode, bool]]:
-    """Every scalar value once, and whether it stands under a secret key."""
+    """Yield every scalar value once, and True if it is under a secret key."""
     if (id(node), under_secret) in seen:
         return
     seen.add((id(node), under_secret))
@@ -179,7 +179,7 @@ def _line_by_line(text: str) -> Iterator[tuple[int, int]]:
 
 
 def _names_a_secret(text: str) -> bool:
-    """True if a secret is spoken of, or a key is there that is one mistyped."""
+    """True if the text mentions a secret or has a key that is one mistyped."""
     if SECRET_KEY.search(text):
         return True
     keys = _KEY_LINE.finditer(text)

@@ -1,14 +1,14 @@
-"""What no outgoing text may show: tokens, and the user and password in addresses.
+"""Secrets that no outgoing text may show: tokens, and the user and password in addresses.
 
 Rules
-- Whatever configuration this process reads, sound or broken, `learn` is told its secrets; from
-  then on `hide` leaves them out of every sentence, log, page message, report and recording, in
-  each form in which they can stand there: as they are, percent-encoded, escaped as in JSON.
+- `learn` gets the secrets of any configuration this process reads, sound or broken. From then on
+  `hide` leaves them out of every sentence, log, page message, report and recording, in each form:
+  as they are, percent-encoded, escaped as in JSON.
 - The user's part of any address, every value in its query (with a name or without one) and its
-  fragment are left out too, whether they were learned or not; so is what looks like a key in a
-  query without its address.
-- A value of fewer than ``LEAST_LENGTH`` characters is left out in addresses and beside its key
-  only: it would take half the words of every sentence with it.
+  fragment are left out too, learned or not; so is anything that looks like a key in a query
+  without its address.
+- A value of fewer than ``LEAST_LENGTH`` characters is left out only in addresses and beside its
+  key: elsewhere it would take half the words of every sentence with it.
 """
 
 from __future__ import annotations
@@ -57,7 +57,7 @@ _PART: Final = re.compile(r"[^&;]+")
 
 
 class Redactor:
-    """Leaves secrets out of texts. Never changes; any thread may use it."""
+    """Immutable filter that leaves secrets out of texts; any thread may use it."""
 
     def __init__(self, secrets: Iterable[str] = ()) -> None:
         self.secrets = frozenset(s for s in secrets if len(s) >= LEAST_LENGTH)
@@ -66,7 +66,7 @@ class Redactor:
         self._pattern = re.compile("|".join(forms)) if forms else None
 
     def text(self, text: str) -> str:
-        """The text without its secrets."""
+        """Return the text without its secrets."""
         if self._pattern is not None:
             text = self._pattern.sub(HIDDEN, text)
         if "://" in text:
@@ -76,7 +76,7 @@ class Redactor:
         return _QUERY.sub(rf"\1{HIDDEN}", text) if "=" in text else text
 
     def plain(self, value: Any) -> Any:
-        """Plain data, as JSON takes it, with every text in it without its secrets."""
+        """Return plain JSON data with the secrets left out of every text."""
         if isinstance(value, str):
             return self.text(value)
         if isinstance(value, dict):
@@ -86,7 +86,7 @@ class Redactor:
         return value
 
     def spans(self, text: str) -> Iterator[tuple[int, int]]:
-        """Where in the text secrets stand."""
+        """Yield the places of secrets in the text."""
         if self._pattern is not None:
             yield from (match.span() for match in self._pattern.finditer(text))
         yield from ((m.end(1), m.end() - 1) for m in _ADDRESS.finditer(text))
@@ -97,13 +97,13 @@ class Redactor:
             yield from ((m.end(1), m.end()) for m in _FRAGMENT_OF_ADDRESS.finditer(text))
 
     def occurs_in(self, data: bytes) -> bool:
-        """Whether a secret stands in bytes that cannot be changed, a recording's."""
+        """True if bytes that cannot be changed, a recording's, contain a secret."""
         return any(secret.encode() in data for secret in self.secrets)
 
 
 @lru_cache(maxsize=4096)
 def is_secret_key(key: str) -> bool:
-    """True if what is under this key is shown to nobody: a secret's name, mistyped or not."""
+    """True if no one may see this key's value: a secret's name, mistyped or not."""
     if SECRET_KEY.search(key):
         return True
     words = {key.lower(), *re.split(r"[_\-]+", key.lower())}
@@ -114,7 +114,7 @@ def is_secret_key(key: str) -> bool:
 
 
 def _without_values(address: re.Match[str]) -> str:
-    """An address with the names in its query only: any value may be a key."""
+    """Return an address with only the names in its query: any value may be a key."""
     query, shown, end = address[2], address[1], 0
     for start, stop in _values_in(query, 0, len(query)):
         shown, end = shown + query[end:start] + HIDDEN, stop
@@ -122,7 +122,7 @@ def _without_values(address: re.Match[str]) -> str:
 
 
 def _values_in(text: str, start: int, stop: int) -> Iterator[tuple[int, int]]:
-    """The values in a query, from ``start`` to ``stop``; a part without a name is one."""
+    """Yield the values in a query, from ``start`` to ``stop``; a part without a name is one."""
     for part in _PART.finditer(text, start, stop):
         name, _, value = part[0].partition("=")
         is_named = value.strip("=") != ""  # else it is the padding of base64
@@ -130,7 +130,7 @@ def _values_in(text: str, start: int, stop: int) -> Iterator[tuple[int, int]]:
 
 
 def _any_form(secret: str) -> str:
-    """A pattern for the secret however its characters are encoded, each for itself."""
+    """Return a pattern for the secret in any encoding, chosen for each character."""
     basic = base64.b64encode(secret.encode()).decode()
     if len(secret) > LONGEST_IN_EVERY_FORM:
         return re.escape(secret)
@@ -146,7 +146,7 @@ def _any_form(secret: str) -> str:
 
 
 def secrets_of_address(text: str) -> Iterator[str]:
-    """The user's part of an address, its password, and the keys in its query, as they are meant."""
+    """Yield an address's user part, password and query keys, raw and decoded."""
     if "://" not in text:
         return
     for match in _ADDRESS.finditer(text):
@@ -164,7 +164,7 @@ def _decoded(text: str) -> Iterator[str]:
 
 
 def secrets_of_data(data: Any, *, under_secret: bool = False) -> Iterator[str]:
-    """The secrets in plain data: what stands under secret keys, and those of addresses."""
+    """Yield the secrets in plain data: values under secret keys, and those of addresses."""
     if isinstance(data, dict):
         for key, value in data.items():
             is_secret = under_secret or is_secret_key(str(key))
@@ -183,8 +183,8 @@ _known = Redactor()
 
 
 def learn(secrets: Iterable[str]) -> None:
-    """From now on `hide` leaves these out too; what was learned is never forgotten."""
-    global _known  # one process, one set of secrets: texts go out in many places
+    """Make `hide` leave these out from now on; nothing learned is forgotten."""
+    global _known  # one process, one set of secrets: texts leave in many places
     with _lock:
         fresh = frozenset(s for s in secrets if len(s) >= LEAST_LENGTH) - _known.secrets
         if fresh:
@@ -192,15 +192,15 @@ def learn(secrets: Iterable[str]) -> None:
 
 
 def known() -> Redactor:
-    """What leaves out everything that was learned so far."""
+    """Return the filter of everything learned so far."""
     return _known
 
 
 def hide(text: str) -> str:
-    """The text without any secret that was learned."""
+    """Return the text without any learned secret."""
     return _known.text(text)
 
 
 def hide_in(value: Any) -> Any:
-    """Plain data without any secret that was learned."""
+    """Return plain data without any learned secret."""
     return _known.plain(value)

@@ -1,4 +1,4 @@
-"""What must fit together where several cameras see one arena: names, sources, calibrations."""
+"""Checks across several cameras over one arena: names, sources, calibrations."""
 
 from __future__ import annotations
 
@@ -44,7 +44,7 @@ def names_and_sources_differ(camera: Any, cameras: Any) -> _Found:
 
 
 def each_has_a_calibration(camera: Any, cameras: Any) -> _Found:
-    """A scale alone puts every picture's corner to the same place."""
+    """A scale alone puts every picture's corner in the same place."""
     for index, entry in enumerate(cameras):
         own = camera_of(camera, entry)
         if own.calibration is None and (own.source != SIMULATED or own.metres_per_pixel):
@@ -61,7 +61,7 @@ def each_has_a_calibration(camera: Any, cameras: Any) -> _Found:
 
 
 def markers_of_several_have_places(arena: Any, cameras: Any) -> _Found:
-    """By its place it is known which of several cameras shows a marker."""
+    """A marker's place shows which of several cameras sees it."""
     for index, marker in enumerate(arena.floor_markers if cameras else ()):
         if marker.place_m is None:
             yield (
@@ -72,7 +72,7 @@ def markers_of_several_have_places(arena: Any, cameras: Any) -> _Found:
 
 
 def simulated_cameras_are_known(cameras: Any, simulation: Any) -> _Found:
-    """What is said of simulated cameras is of cameras that there are, once each."""
+    """Simulated entries name existing cameras, once each."""
     known = {entry.name for entry in cameras}
     seen: set[str] = set()
     for index, one in enumerate(() if simulation is None else simulation.cameras):

@@ -29,7 +29,7 @@ def found_in(
     needed: Sequence[str],
     check: Callable[..., Iterator[tuple[Location, str]]],
 ) -> Iterator[tuple[Location, str]]:
-    """Yield what a check finds in the sections it needs: of several robots, in each one's own.
+    """Yield a check's findings in its sections: with several robots, in each one's own.
 
     A check that takes the list of robots itself sees the sections as they are.
     """
@@ -55,7 +55,9 @@ def found_in(
 
 
 def without_overridden(schema: dict[str, Any]) -> dict[str, Any]:
-    """The JSON Schema of a configuration in which cameras that each name a source need no other."""
+    """Return a configuration's JSON Schema in which cameras that each name a source need no
+    default.
+    """
     camera = schema["$defs"]["CameraSection"]
     own_source = {"required": ["source"], "properties": {"source": {"type": ["integer", "string"]}}}
     one = {"required": ["camera"], "properties": {"camera": {"required": ["source"]}}}
@@ -73,7 +75,7 @@ def _not_requiring(schema: dict[str, Any], key: str) -> dict[str, Any]:
 
 
 def with_source_of_cameras(data: Any) -> Any:
-    """The data with the first camera's source as the default where every camera names its own."""
+    """Use the first camera's source as the default if every camera names its own."""
     cameras = data.get("cameras")
     camera = data.get("camera", {})
     if not isinstance(cameras, list) or not cameras or not isinstance(camera, dict):

@@ -1,4 +1,4 @@
-"""A configuration of several cameras as one configuration for each of them."""
+"""Splits a configuration of several cameras into one for each."""
 
 from __future__ import annotations
 
@@ -8,18 +8,18 @@ from navigation.config.values import with_own
 
 
 def camera_of(camera: CameraSection, entry: CameraEntry) -> CameraSection:
-    """The section ``camera`` with what differs for one of several cameras.
+    """Return ``camera`` with the differences of one of several cameras.
 
-    One that has a calibration of its own has no scale, whatever ``camera`` says.
+    A camera with its own calibration has no scale, whatever ``camera`` says.
     """
     own = with_own(camera, entry)
     return own if entry.calibration is None else own.model_copy(update={"metres_per_pixel": None})
 
 
 def each_camera(config: Config) -> dict[str, Config]:
-    """By name: what the configuration would be if it were of that camera alone.
+    """Return each camera's configuration as if it were alone, by name.
 
-    Empty where the configuration names one camera only, in the section ``camera``.
+    Empty if the configuration names one camera only, in the section ``camera``.
     """
     return {
         entry.name: config.model_copy(
@@ -42,6 +42,6 @@ def _simulation_of(
     for one in simulation.cameras:
         if one.name == entry.name:
             camera = with_own(camera, one)
-    # each sensor has noise of its own
+    # each sensor has its own noise
     update = {"camera": camera, "cameras": (), "seed": simulation.seed + index}
     return simulation.model_copy(update=update)

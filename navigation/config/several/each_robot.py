@@ -1,4 +1,4 @@
-"""A configuration of several robots as one configuration for each of them."""
+"""Splits a configuration of several robots into one for each."""
 
 from __future__ import annotations
 
@@ -7,25 +7,25 @@ from navigation.config.values import with_own
 
 
 def robot_of(robot: RobotSection, entry: RobotEntry) -> RobotSection:
-    """The section ``robot`` with what differs for one of several robots."""
+    """Return ``robot`` with the differences of one of several robots."""
     return with_own(robot, entry)
 
 
 def serial_of(serial: SerialSection, entry: RobotEntry) -> SerialSection:
-    """The section ``serial`` with what differs for one of several robots."""
+    """Return ``serial`` with the differences of one of several robots."""
     return with_own(serial, entry)
 
 
 def each_robot(config: Config) -> dict[str, Config]:
-    """By name: what the configuration would be if it were of that robot alone.
+    """Return each robot's configuration as if it were alone, by name.
 
-    Empty where the configuration names one robot only, in the section ``robot``.
+    Empty if the configuration names one robot only, in the section ``robot``.
     """
     return {entry.name: _alone(config, i, entry) for i, entry in enumerate(config.robots)}
 
 
 def robots_of(config: Config) -> dict[str, Config]:
-    """By name the configuration of each robot that is driven; one that is alone has no name."""
+    """Return each driven robot's configuration by name; a single robot has no name."""
     return each_robot(config) or {"": config}
 
 
@@ -38,7 +38,7 @@ def _alone(config: Config, index: int, entry: RobotEntry) -> Config:
     if simulation is not None:
         starts = [one for one in simulation.starts if one.name == entry.name]
         start = starts[0] if starts else simulation.start
-        seed = simulation.seed + index  # each robot has errors of its own
+        seed = simulation.seed + index  # each robot has its own errors
         simulation = simulation.model_copy(update={"start": start, "starts": (), "seed": seed})
     journal = config.recording.journal
     if journal is not None and len(config.robots) > 1:
@@ -57,7 +57,7 @@ def _alone(config: Config, index: int, entry: RobotEntry) -> Config:
 
 
 def settled(config: Config) -> Config:
-    """The configuration itself, or of a list with a single robot that robot's own.
+    """Return the configuration itself, or for a list with a single robot that robot's own.
 
     One robot is driven as one robot, however it is written.
     """

@@ -1,4 +1,4 @@
-"""What must fit together where several robots are driven: names, markers, ports, starts, goals."""
+"""Checks across several driven robots: names, markers, ports, starts, goals."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ _Found = Iterator[tuple[Location, str]]
 
 
 def names_markers_and_ports_differ(robots: Any, serial: Any, other_robots: Any) -> _Found:
-    """Two robots with one name, marker or line cannot be told apart."""
+    """Two robots with one name, marker or line cannot be distinguished."""
     names: dict[str, int] = {}
     markers = {one.marker_id: f"other_robots[{i}]" for i, one in enumerate(other_robots)}
     ports: dict[str, str] = {}
@@ -51,7 +51,7 @@ def markers_are_of_one_family(robots: Any, robot: Any) -> _Found:
 
 
 def names_are_known(robots: Any, mission: Any, simulation: Any) -> _Found:
-    """Stations and starts are of robots that there are, once each."""
+    """Stations and starts name existing robots, once each."""
     known = {entry.name for entry in robots}
     lists: list[tuple[Location, Sequence[Any]]] = [(("mission", "robots"), mission.robots)]
     if simulation is not None:
@@ -68,7 +68,7 @@ def names_are_known(robots: Any, mission: Any, simulation: Any) -> _Found:
 
 
 def every_robot_has_a_start(robots: Any, serial: Any, simulation: Any) -> _Found:
-    """A simulated robot stands somewhere, and no two on one place."""
+    """Each simulated robot needs a start."""
     if simulation is None:
         return
     if not robots:
@@ -88,7 +88,7 @@ def every_robot_has_a_start(robots: Any, serial: Any, simulation: Any) -> _Found
 
 
 def missions_fit_the_fleet(robots: Any, mission: Any, tasks: Any) -> _Found:
-    """Stations are one robot's; with several they are given by name, or as tasks."""
+    """Stations belong to one robot; several get them by name, or as tasks."""
     if len(robots) > 1 and mission.stations:
         yield (
             ("mission", "stations"),

@@ -1,11 +1,11 @@
-"""Who may reach the dashboard: host names, origins and tokens. Opens nothing.
+"""Access to the dashboard: host names, origins and tokens. Opens nothing.
 
 Rules
 - The Host must be an address or a name of this machine: a foreign page whose name was pointed
   at this machine (DNS rebinding) is refused with 400.
-- The Origin, where a browser sends one, must be the Host itself: else 403.
-- Where a token is configured, everything but the page's own files and /healthz needs one.
-- Where none is, the program has one of its own: without it one may look, not stop or drive.
+- The Origin, if a browser sends one, must be the Host itself: else 403.
+- If a token is configured, everything but the page's own files and /healthz needs one.
+- Otherwise the program has its own token: without it one may look, not stop or drive.
 - Every refusal is counted by its kind.
 """
 
@@ -30,7 +30,7 @@ TOKEN_TO_STOP = "stopping and driving need the token: open the link that 'clearw
 
 
 class Role(Enum):
-    """What somebody may do at most; those that may less come first."""
+    """Greatest rights of a visitor, in ascending order."""
 
     VISITOR = "visitor"
     """Look: who has no token, where looking needs none."""
@@ -39,14 +39,14 @@ class Role(Enum):
     OPERATOR = "operator"
 
     def may_less_than(self, other: Role) -> bool:
-        """Whether the other may do more."""
+        """True if the other may do more."""
         ranks = list(Role)
         return ranks.index(self) < ranks.index(other)
 
 
 @dataclass(frozen=True, slots=True)
 class Refusal:
-    """Why somebody is turned away: HTTP status, kind for the count, plain sentence."""
+    """Reason for turning a visitor away: HTTP status, kind for the count, plain sentence."""
 
     status: int
     kind: str
@@ -54,10 +54,10 @@ class Refusal:
 
 
 class AccessGate:
-    """Lets in or turns away, and counts; ``refused`` is by kind.
+    """Admits or turns away, and counts; ``refused`` is by kind.
 
-    ``own_token`` stands in for ``dashboard.token`` where none is configured; without either
-    everybody who can reach the page may drive.
+    ``own_token`` replaces ``dashboard.token`` if none is configured; without either anyone who can
+    reach the page may drive.
     """
 
     def __init__(self, section: DashboardSection, own_token: str | None = None) -> None:
@@ -70,11 +70,11 @@ class AccessGate:
         self.refused: Counter[str] = Counter()
 
     def count(self, kind: str) -> None:
-        """Note something that was refused."""
+        """Count a refusal."""
         self.refused[kind] += 1
 
     def admit(self, host: str | None, origin: str | None) -> Refusal | None:
-        """None where Host and Origin are in order."""
+        """None if Host and Origin are in order."""
         if host is None or not self._knows(_name_of(host)):
             return self._refuse(400, "host", "this name is not one of the dashboard's")
         if origin is not None and _place_of(origin) != host.lower():
@@ -82,7 +82,7 @@ class AccessGate:
         return None
 
     def role(self, token: str | None) -> Role | Refusal:
-        """What the bearer of a token may do; everything where there is no token at all."""
+        """Role of a token's bearer; full rights if there is no token at all."""
         section = self._section
         if self._token is None:
             return Role.OPERATOR
@@ -97,7 +97,7 @@ class AccessGate:
         return self._refuse(403, "token", "the token is wrong")
 
     def may_stop(self, token: str | None) -> Refusal | None:
-        """None where the bearer of a token may stop the robot."""
+        """None if the bearer of a token may stop the robot."""
         role = self.role(token)
         if isinstance(role, Refusal):
             return role
@@ -119,24 +119,24 @@ class AccessGate:
 
 
 def token_of(subprotocols: list[str]) -> str | None:
-    """The token among a websocket's subprotocols."""
+    """Token among a websocket's subprotocols."""
     return next((p[6:] for p in subprotocols if p.startswith("token.")), None)
 
 
 def bearer_of(authorization: str | None) -> str | None:
-    """The token of an Authorization header."""
+    """Token of an Authorization header."""
     if authorization is None or not authorization.lower().startswith("bearer "):
         return None
     return authorization[7:].strip()
 
 
 def _same(one: str, other: str) -> bool:
-    # headers may hold halves of surrogate pairs, which have no bytes of their own
+    # headers may hold half surrogate pairs, which have no bytes
     return hmac.compare_digest(one.encode(errors="surrogatepass"), other.encode())
 
 
 def _name_of(host: str) -> str | None:
-    """The name in a Host header, without its port; None where there is none."""
+    """Name in a Host header, without its port; None if absent."""
     try:
         return urlsplit(f"//{host}").hostname
     except ValueError:
@@ -144,7 +144,7 @@ def _name_of(host: str) -> str | None:
 
 
 def _place_of(origin: str) -> str | None:
-    """Name and port of an Origin header; None where it is none."""
+    """Name and port of an Origin header; None if invalid."""
     try:
         return urlsplit(origin).netloc.lower()
     except ValueError:

@@ -1,14 +1,14 @@
-"""The page's listening socket: nobody keeps descriptors or the event loop from others.
+"""The page's listening socket: no client keeps descriptors or the event loop from others.
 
-uvicorn accepts from it as from any other socket, and tells the application, which is wrapped here
-(`watched`), what has become of a connection. Rules
+uvicorn accepts from it as from any other socket; the wrapped application (`watched`) reports the
+state of each connection. Rules
 - Every connection has a place (`places.py`).
 - A request has ``REQUEST_WITHIN_S`` from its first byte (the first one from the connection's
-  beginning) to the end of its answer, and a connection is idle for as long at most.
-- Of what a viewer sends ``BYTES_A_ROUND`` are read in a round of the loop: thousands of tiny frames
-  at once hold up nobody else.
-- What a viewer sends becomes messages. Bytes that do not (pings, pongs, a message that is never
-  complete) may be as many as one message has, and ``STRAY_BYTES_S`` a second; then the
+  beginning) to the end of its answer, and a connection may be idle for that time.
+- A round of the loop reads ``BYTES_A_ROUND`` from a viewer: thousands of tiny frames at once hold
+  no one else up.
+- A viewer's bytes become messages. Bytes that do not (pings, pongs, a message that is never
+  complete) are limited to one message's size and ``STRAY_BYTES_S`` a second; beyond that the
   connection is cut.
 
 Units: seconds, bytes.
@@ -56,7 +56,7 @@ RESET_AT_CLOSE: Final = struct.pack("ii", 1, 0)
 
 
 class Listener(socket.socket):
-    """Listens on an address; raises ``OSError`` where that cannot be had.
+    """Listens on an address; raises ``OSError`` if it is not available.
 
     ``places``: the connections. Belongs to one event loop, whose thread alone calls it.
     """
@@ -79,7 +79,7 @@ class Listener(socket.socket):
             raise
 
     def accept(self) -> tuple[socket.socket, Any]:
-        """The next connection, with a place; somebody else may lose theirs."""
+        """Accept a connection and give it a place; another one may lose its own."""
         accepted, address = super().accept()
         connection = Connection(accepted, address[:2], self)
         self._connections[connection.peer] = connection
@@ -87,15 +87,15 @@ class Listener(socket.socket):
         return connection, address
 
     def forget(self, connection: Connection) -> None:
-        """A connection's socket is closed: its place is free."""
+        """Free the place of a closed connection."""
         self.places.go(connection.place)
         if self._connections.get(connection.peer) is connection:
             del self._connections[connection.peer]
 
     def watched(self, app: App) -> App:
-        """The application, which tells here what its connections are.
+        """Wrap the application to report here what its connections are.
 
-        Outside of everything that changes ``scope["client"]``: by that a connection is known.
+        It must be outside anything that changes ``scope["client"]``, which identifies a connection.
         """
 
         async def watch(scope: Any, receive: Receive, send: Send) -> None:
@@ -113,13 +113,13 @@ class Listener(socket.socket):
         """Cut late connections, until cancelled; ``server`` accepts from this socket."""
         while not server.started:
             await asyncio.sleep(0.01)
-        self.listen(BACKLOG)  # the queue may be longer than what is taken from it in a round
+        self.listen(BACKLOG)  # the queue may be longer than one round takes from it
         while True:
             self.places.sweep(self.clock())
             await asyncio.sleep(SWEEP_EVERY_S)
 
     async def hang_up(self, within_s: float) -> None:
-        """Wait a moment for the last words to go out, then cut what is still open."""
+        """Wait a moment for the last words, then cut all open connections."""
         for cut in (False, True):
             until_s = time.monotonic() + within_s
             if cut:
@@ -130,7 +130,7 @@ class Listener(socket.socket):
 
 
 class Connection(socket.socket):
-    """One accepted connection, and what is known of it."""
+    """One accepted connection and its state."""
 
     def __init__(self, accepted: socket.socket, peer: tuple[str, int], listener: Listener) -> None:
         super().__init__(accepted.family, accepted.type, accepted.proto, accepted.detach())
@@ -144,9 +144,9 @@ class Connection(socket.socket):
         self.place = OpenConnection(self, peer[0], self._counted_s + REQUEST_WITHIN_S)
 
     def recv(self, size: int, flags: int = 0, /) -> bytes:
-        """What has come; a request begins with its first byte, and of a viewer a part is read.
+        """Receive bytes; the first begins a request, and a viewer's are read in parts.
 
-        Raises ``ConnectionAbortedError`` where a viewer sends what becomes no message.
+        Raises ``ConnectionAbortedError`` if a viewer's bytes become no message.
         """
         if self._is_viewer:
             data = super().recv(min(size, BYTES_A_ROUND), flags)
@@ -162,7 +162,7 @@ class Connection(socket.socket):
         return data
 
     def close(self) -> None:
-        """Its place is free."""
+        """Close it and free its place."""
         self._listener.forget(self)
         super().close()
 
@@ -173,11 +173,11 @@ class Connection(socket.socket):
             self.shutdown(socket.SHUT_RDWR)
 
     def is_closing(self) -> bool:
-        """True if nobody serves it any more."""
+        """True if nothing serves it any more."""
         return self._is_over
 
     async def serve_viewer(self, app: App, scope: Any, receive: Receive, send: Send) -> None:
-        """A websocket, from its request on: it may stay; after its end it has a moment."""
+        """Serve a websocket from its request on: it may stay; after its end it has a moment."""
 
         async def hear() -> Message:
             message = await receive()
@@ -198,7 +198,7 @@ class Connection(socket.socket):
             self._is_over = True
 
     def noting_the_end(self, send: Send) -> Send:
-        """From the last part of an answer on a connection is idle."""
+        """Make a connection idle from the last part of an answer on."""
 
         async def say(message: Message) -> None:
             await send(message)
@@ -212,7 +212,7 @@ class Connection(socket.socket):
         self.place.until_s = self._listener.clock() + REQUEST_WITHIN_S
 
     def _count(self, size: int) -> None:
-        """Bytes that came, or less those that became a message."""
+        """Count received bytes; a negative size takes off those of a message."""
         now_s = self._listener.clock()
         allowed = STRAY_BYTES_S * (now_s - self._counted_s)
         self._counted_s = now_s
@@ -220,6 +220,6 @@ class Connection(socket.socket):
 
 
 def make_places() -> OpenConnections:
-    """As many as this process can have beside everything else."""
+    """Places: as many as this process can have beside everything else."""
     most = min(MOST_PLACES, max(LEAST_PLACES, descriptor_limit() // SHARE_OF_DESCRIPTORS))
     return OpenConnections(most, round(most * AN_ADDRESS))

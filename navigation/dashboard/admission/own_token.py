@@ -1,6 +1,6 @@
-"""A token of the program's own where the configuration has none, kept for the next start.
+"""The program's own token if the configuration has none, kept for the next start.
 
-The file is the user's alone (mode 0600), in the control socket's folder, which is too: whoever
+The file is the user's alone (mode 0600), in the control socket's folder, which is too: anyone who
 can read the token could give orders over the socket as well.
 """
 
@@ -18,9 +18,9 @@ FORM: Final = re.compile(r"[A-Za-z0-9_-]{32}")
 
 
 def own_token(file: Path) -> str:
-    """The token that is kept in ``file``; a new one where there is none that is ours alone.
+    """Token kept in ``file``, or a new one if that is missing or not ours alone.
 
-    OSError where a new one cannot be kept.
+    OSError if a new one cannot be kept.
     """
     kept = _read(file)
     if kept is not None:
@@ -37,12 +37,12 @@ def own_token(file: Path) -> str:
 
 
 def new_token() -> str:
-    """A token that nobody can guess."""
+    """A token that cannot be guessed."""
     return secrets.token_urlsafe(24)
 
 
 def _read(file: Path) -> str | None:
-    """The token in the file; None where there is none, or others could have read or written it."""
+    """Token in the file; None if missing, or if others could have read or written it."""
     try:
         number = os.open(file, os.O_RDONLY | os.O_NOFOLLOW | os.O_NONBLOCK | os.O_CLOEXEC)
     except OSError:

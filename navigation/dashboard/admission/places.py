@@ -1,13 +1,14 @@
-"""Who is connected to the page's port, until when, and who makes room. Opens nothing.
+"""Connections to the page's port, their deadlines, and which one is cut for a new one. Opens
+nothing.
 
 Rules
-- A connection is cut that has not sent a whole request, or taken its answer, by its time; one
-  that is closing has a moment to take the last words.
-- Where all places are taken, or all of one address's share, a new connection takes the place of
-  the one that has been there for longest and is no viewer: whoever sends a request at once is
-  read before that happens. Viewers, whose number the hub limits, are never cut for a connection.
+- A connection is cut if it has not sent a whole request, or taken its answer, in time; a closing
+  one has a moment to take the last words.
+- If all places, or all of one address's share, are taken, a new connection replaces the oldest
+  that is not a viewer; a request sent at once is read before that happens. Viewers, whose number the
+  hub limits, are never cut for a connection.
 
-Seconds of the clock that the caller has.
+Seconds of the caller's clock.
 """
 
 from __future__ import annotations
@@ -21,19 +22,19 @@ CLOSE_WITHIN_S: Final = 1.0
 
 
 class Line(Protocol):
-    """What is cut: a transport of asyncio."""
+    """A transport of asyncio that can be cut."""
 
     def abort(self) -> None:
         """Cut it at once."""
 
     def is_closing(self) -> bool:
-        """Whether it is closed, or will be when everything was sent."""
+        """True if it is closed, or will be when everything was sent."""
         ...
 
 
 @dataclass(slots=True, eq=False)
 class OpenConnection:
-    """One connection: where it comes from, and until when it may be as it is."""
+    """One connection: its address and its deadline."""
 
     line: Line
     address: str
@@ -56,7 +57,7 @@ class OpenConnections:
         return len(self._waiting) + len(self._viewers)
 
     def come(self, place: OpenConnection) -> None:
-        """A connection was accepted; another one is cut where there is no room."""
+        """Add an accepted connection; cut another one if there is no place."""
         if self._shares[place.address] >= self.most_an_address:
             self._cut_oldest(place.address)
         elif len(self._waiting) >= self.most:
@@ -65,22 +66,22 @@ class OpenConnections:
         self._shares[place.address] += 1
 
     def look(self, place: OpenConnection) -> None:
-        """A connection has become a viewer: it may stay, and no longer counts among the others."""
+        """Make a connection a viewer: it may stay, and does not count among the others."""
         self._leave_waiting(place)
         place.until_s = inf
         self._viewers[place] = None
 
     def go(self, place: OpenConnection) -> None:
-        """A connection has ended."""
+        """Remove an ended connection."""
         self._leave_waiting(place)
         self._viewers.pop(place, None)
 
     def make_room(self) -> None:
-        """Cut the oldest connection that is no viewer: no descriptor is left."""
+        """Cut the oldest connection that is not a viewer: no descriptor is left."""
         self._cut_oldest(None)
 
     def sweep(self, now_s: float) -> None:
-        """Cut those whose time is over."""
+        """Cut connections past their deadline."""
         for place in (*self._waiting, *self._viewers):
             if not place.is_closing and place.line.is_closing():
                 place.is_closing = True
@@ -96,7 +97,7 @@ class OpenConnections:
                 del self._shares[place.address]
 
     def _cut_oldest(self, address: str | None) -> None:
-        for place in self._waiting:  # as they came
+        for place in self._waiting:  # in order of arrival
             if address in (None, place.address):
                 self._cut(place)
                 return

@@ -1,10 +1,10 @@
 """The seat: at most one operator holds the arena; the others watch, and may stop the robot.
 
 Rules
-- A free seat is taken by whoever asks first, and left by releasing it.
-- Whoever did nothing for ``idle_s`` loses it, and whoever is away for longer than a page takes
-  to be loaded again (``LEFT_S``) or a lost connection to come back (``AWAY_S``).
-- Time is passed in. Holders are told apart by a key that only their page knows; others see its
+- The first to ask takes a free seat; releasing leaves it.
+- A holder loses it after ``idle_s`` without acting, or when away for longer than a page takes to
+  be loaded again (``LEFT_S``) or a lost connection to come back (``AWAY_S``).
+- Time is passed in. Holders are distinguished by a key that only their page knows; others see its
   ``public`` half.
 """
 
@@ -21,7 +21,7 @@ LEFT_S = 4.0
 
 @dataclass(frozen=True, slots=True)
 class Holder:
-    """Who holds the arena: the secret key, the name that others see, and signs of life."""
+    """The holder of the arena: the secret key, the name that others see, and signs of life."""
 
     key: str
     name: str
@@ -31,24 +31,24 @@ class Holder:
 
     @property
     def public(self) -> str:
-        """What others may know of the key."""
+        """The part of the key that others may know."""
         return public_half(self.key)
 
 
 def public_half(key: str) -> str:
-    """A short digest that tells keys apart and gives none away."""
+    """A short digest that distinguishes keys and gives none away."""
     return hashlib.sha256(key.encode()).hexdigest()[:12]
 
 
 class Seat:
-    """The seat and its rules; see the module's text."""
+    """The seat and its rules."""
 
     def __init__(self, idle_s: float) -> None:
         self.idle_s = idle_s
         self.holder: Holder | None = None
 
     def take(self, key: str, name: str, now_s: float) -> str | None:
-        """Take the seat; None where that worked, else the sentence that says why not."""
+        """Take the seat; return None, or a sentence that says why not."""
         holder = self.holder
         if holder is not None and holder.key != key:
             left_s = self.free_in_s(now_s)
@@ -57,34 +57,34 @@ class Seat:
         return None
 
     def release(self, key: str) -> bool:
-        """Leave the seat; whether it was held by this key."""
+        """Leave the seat; True if this key held it."""
         if not self.is_held_by(key):
             return False
         self.holder = None
         return True
 
     def is_held_by(self, key: str) -> bool:
-        """Whether this key holds the arena."""
+        """True if this key holds the arena."""
         return self.holder is not None and self.holder.key == key
 
     def touch(self, key: str, now_s: float) -> None:
-        """The holder did something."""
+        """Note that the holder acted."""
         if self.holder is not None and self.holder.key == key:
             self.holder = replace(self.holder, active_s=now_s, back_until_s=None)
 
     def come(self, key: str, name: str) -> None:
-        """The holder's connection is here (again), by this name."""
+        """Note that the holder's connection is here (again), by this name."""
         if self.holder is not None and self.holder.key == key:
             self.holder = replace(self.holder, name=name, back_until_s=None)
 
     def go(self, key: str, now_s: float, *, left: bool) -> None:
-        """The holder's connection has ended; ``left``: in order, as a page does that is closed."""
+        """Note that the holder's connection ended; ``left``: in order, as of a closed page."""
         if self.holder is not None and self.holder.key == key:
             until_s = now_s + (LEFT_S if left else AWAY_S)
             self.holder = replace(self.holder, back_until_s=until_s)
 
     def free_in_s(self, now_s: float) -> float:
-        """When the seat becomes free if nothing happens; 0 where it is free."""
+        """Seconds until an idle seat becomes free; 0 if it is free."""
         holder = self.holder
         if holder is None:
             return 0.0
@@ -94,7 +94,7 @@ class Seat:
         return max(0.0, left_s)
 
     def tick(self, now_s: float) -> str | None:
-        """Free the seat when it is time; the sentence that says so, else None."""
+        """Free the seat when due; return the sentence for that, else None."""
         holder = self.holder
         if holder is None or self.free_in_s(now_s) > 0.0:
             return None

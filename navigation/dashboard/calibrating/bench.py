@@ -1,11 +1,11 @@
-"""A lens calibrated while a run is at rest: from the start to a lens that is saved, or to a cancel.
+"""Calibrates a lens while a run is at rest: from the start to a saved lens, or to a cancel.
 
 Rules
-- While the camera is lent the robot holds, whatever it is ordered; STOP works as always, and the
-  run goes on looking.
-- The lens is Brown's, of one camera. What else there is is refused with the command that does it.
-- Nothing is written before somebody saves; a cancel, an error and the end of the run write nothing.
-- The views are taken in a thread of its own; every method may be called from any thread.
+- While the camera is lent the robot holds, whatever the orders; STOP works as always, and the run
+  keeps looking.
+- It calibrates a Brown lens of one camera. Anything else is refused, naming the command for it.
+- Only an explicit save writes; a cancel, an error and the end of the run write nothing.
+- The views are taken in a separate thread; any thread may call every method.
 """
 
 from __future__ import annotations
@@ -35,7 +35,7 @@ ENDS_WITHIN_S: Final = 2.0
 
 
 class LendingRun(Protocol):
-    """What a run lends."""
+    """The run's side of the loan."""
 
     lent: str | None
     """Why the robot has to hold, None where the camera is not lent."""
@@ -49,9 +49,8 @@ class LendingRun(Protocol):
 class Bench:
     """Calibrates the lens of one run's camera.
 
-    ``save`` puts a lens in the place of the present one, with the newest picture of the arena, and
-    says what it did; it raises ``ValueError``. ``clock`` gives monotonic seconds, ``wait`` lets
-    them pass.
+    ``save`` replaces the present lens, given the newest picture of the arena, and returns a
+    sentence; it raises ``ValueError``. ``clock`` gives monotonic seconds, ``wait`` lets them pass.
     """
 
     def __init__(
@@ -75,7 +74,7 @@ class Bench:
         self._said = ""
 
     def told(self) -> dict[str, Any]:
-        """What the page shows."""
+        """Facts for the page."""
         views = self._views
         return {
             "refusal": self._refusal,
@@ -86,11 +85,11 @@ class Bench:
         }
 
     def picture(self, number: str) -> bytes | None:
-        """The frame of a state, or the newest where it is no longer kept; None without any."""
+        """Frame of a state, or the newest if it is gone; None without any."""
         return self._views.picture(number)
 
     def start(self, spec: BoardSpec) -> str:
-        """Borrow the camera and take views of this board; ``RefusedError`` where that cannot be."""
+        """Borrow the camera and take views of this board; ``RefusedError`` if impossible."""
         with self._lock:
             if self._refusal:
                 raise RefusedError(self._refusal)
@@ -110,7 +109,7 @@ class Bench:
         return "calibrates the camera; the robot holds meanwhile"
 
     def cancel(self) -> str:
-        """Give the camera back and write nothing; harmless where nothing is under way."""
+        """Give the camera back and write nothing; harmless if nothing is under way."""
         with self._lock:
             self._cancelled.set()
             was, self._phase = self._phase, "idle"
@@ -119,7 +118,7 @@ class Bench:
         return "the calibration is cancelled" if was != "idle" else "no calibration is under way"
 
     def save(self) -> str:
-        """Save the lens that was found, and give the camera back."""
+        """Save the found lens, and give the camera back."""
         with self._lock:
             if self._lens is None:
                 raise RefusedError("no lens was found yet")
@@ -133,7 +132,7 @@ class Bench:
         return said
 
     def close(self) -> None:
-        """The run ends."""
+        """Cancel at the end of the run."""
         self.cancel()
         if self._thread is not None:
             self._thread.join(ENDS_WITHIN_S)
@@ -195,7 +194,7 @@ class Bench:
 
 
 def _refusal(config: Config, calibration: Calibration) -> str:
-    """Why the camera of this run is not calibrated from the page; empty where it is."""
+    """Reason why this run's camera cannot be calibrated from the page; else empty."""
     if config.cameras:
         return "several cameras are calibrated one by one: clearway calibrate --live"
     if calibration.lens_model != "brown":
@@ -209,8 +208,9 @@ def _refusal(config: Config, calibration: Calibration) -> str:
 
 
 def board_of(words: Mapping[str, Any]) -> BoardSpec:
-    """The board that was typed: ``kind``, ``squares`` as 7x5, ``square_mm``, ``marker_mm``,
-    ``dictionary``; ``RefusedError`` says what is wrong."""
+    """Typed board: ``kind``, ``squares`` as 7x5, ``square_mm``, ``marker_mm``, ``dictionary``;
+    ``RefusedError`` says what is wrong.
+    """
     kind = words.get("kind")
     if kind not in ("charuco", "chessboard"):
         raise RefusedError("board: must be charuco or chessboard")

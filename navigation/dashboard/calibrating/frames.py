@@ -1,7 +1,7 @@
-"""The pictures of a run as a camera of their own: lent, not taken away.
+"""A run's pictures as a separate camera: lent, not taken away.
 
-The run keeps its camera open and goes on looking: nothing is opened twice, and a camera that fails
-fails as in any run.
+The run keeps its camera open and keeps looking: nothing is opened twice, and a failing camera fails
+as in any run.
 """
 
 from __future__ import annotations
@@ -15,7 +15,7 @@ LOOK_EVERY_S: Final = 0.005
 
 
 class LentFrames:
-    """The newest frames of a run; `vision.camera.camera.Camera` says what members mean.
+    """The newest frames of a run; `vision.camera.camera.Camera` documents the members.
 
     ``newest`` gives the run's last frame; ``clock`` monotonic seconds, ``wait`` lets them pass.
     """
@@ -34,16 +34,16 @@ class LentFrames:
 
     @property
     def rate_hz(self) -> float:
-        """Frames a second that were taken lately."""
+        """Recent frames a second."""
         return self._meter.rate_hz
 
     def open(self) -> None:
-        """From the next frame on."""
+        """Start with the next frame."""
         self._last = self._newest()
         self.state = "running"
 
     def read(self, timeout_s: float) -> Frame | None:
-        """The next frame, None where none came in time."""
+        """The next frame, None if none came in time."""
         until_s = self._clock() + timeout_s
         while self._clock() < until_s:
             frame = self._newest()

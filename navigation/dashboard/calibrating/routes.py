@@ -1,7 +1,7 @@
 """The calibration's addresses: /api/calibration and its picture to look at, /start, /save, /cancel.
 
 `navigation.dashboard.visits` says who may. A cancel moves nothing and needs no rest: every operator
-may, so that a page that was closed holds nobody up.
+may, so that a closed page holds no one up.
 """
 
 from __future__ import annotations
@@ -24,7 +24,7 @@ NO_BENCH: Final = Refusal(
 
 
 def calibration_routes(hub: Hub, bench: Bench | None) -> list[Route]:
-    """The addresses; without a bench each says what calibrates instead."""
+    """The routes; without a bench each names the command that calibrates instead."""
     pages = _Calibration(hub, bench)
     return [
         Route("/api/calibration", pages.show),
@@ -43,16 +43,16 @@ class _Calibration:
 
     @property
     def _bench(self) -> Bench:
-        """Only where somebody was let in."""
+        """The bench; only for admitted visitors."""
         assert self._kept is not None
         return self._kept
 
     async def show(self, request: Request) -> Response:
-        """How far it is."""
+        """Report the progress."""
         return await self._visits.read(request, lambda: self._bench.told())
 
     async def picture(self, request: Request) -> Response:
-        """The camera's picture with which a state came."""
+        """Picture that belongs to a state."""
         refusal = self._visits.refusal(request)
         if refusal is not None:
             return refused(refusal)
@@ -68,7 +68,7 @@ class _Calibration:
         return await self._visits.change(request, lambda body: self._bench.start(board_of(body)))
 
     async def save(self, request: Request) -> Response:
-        """Save the lens that was found, and take it over."""
+        """Save the found lens and use it."""
         return await self._visits.change(request, lambda _body: self._bench.save())
 
     async def cancel(self, request: Request) -> Response:

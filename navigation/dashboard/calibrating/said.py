@@ -8,14 +8,14 @@ from vision.calibrate.live.session import FOCAL_SHARE, LiveState
 
 
 def figure_px(value: float) -> str:
-    """A spread in pixels; it is unknown before the lens is."""
+    """A spread in pixels; unknown before the lens is known."""
     if not math.isfinite(value):
         return "unknown"
     return "more than 100 px" if value >= 100.0 else f"{value:.2f} px"
 
 
 def board_line(state: LiveState) -> str:
-    """What the board does."""
+    """State of the board."""
     if state.view is None:
         return f"board: not seen: {state.remark}"
     if state.taken or state.remark:
@@ -26,7 +26,7 @@ def board_line(state: LiveState) -> str:
 
 
 def known_line(state: LiveState) -> str:
-    """What is known of the lens, and what is wanted of it."""
+    """Present and required knowledge of the lens."""
     return (
         f"largest spread {figure_px(state.cells.worst_px)}, wanted {state.cells.limit_px:g} px; "
         f"{focal_line(state)}"
@@ -34,14 +34,14 @@ def known_line(state: LiveState) -> str:
 
 
 def focal_line(state: LiveState) -> str:
-    """How well the focal length is known."""
+    """Precision of the focal length."""
     share = state.focal_share
     known = f"± {100.0 * share:.2f} %" if math.isfinite(share) else "unknown"
     return f"focal length {known}, wanted ± {100.0 * FOCAL_SHARE:g} %"
 
 
 def wanted_line(state: LiveState) -> str:
-    """How to hold the board next."""
+    """Next position to hold the board in."""
     if state.done:
         return "enough: the board can be put down"
     if state.wanted is None:
@@ -52,6 +52,6 @@ def wanted_line(state: LiveState) -> str:
 
 
 def cells_line(state: LiveState) -> str:
-    """How much of the picture is done."""
+    """Finished share of the picture."""
     done = state.cells.done
     return f"{int(done.sum())} of {done.size} parts of the picture done"

@@ -1,7 +1,7 @@
-"""A live calibration as pages show it: the state as JSON, the picture as JPEG, the remarks.
+"""A live calibration for pages: the state as JSON, the picture as JPEG, the remarks.
 
-The loop that takes views leaves its last state and frame here and goes on; a page asks for them,
-and a picture is encoded when it is asked for.
+The thread that takes views leaves its last state and frame here and continues; a picture is encoded
+only when a page asks.
 """
 
 from __future__ import annotations
@@ -31,7 +31,7 @@ FRAMES_KEPT: Final = 16
 
 
 class ShownViews:
-    """What pages show of one live calibration; `show` is called by the thread that takes views."""
+    """One live calibration for pages; the thread that takes views calls `show`."""
 
     def __init__(self) -> None:
         self.remarks: list[str] = []
@@ -40,7 +40,7 @@ class ShownViews:
         self._frames: deque[Frame] = deque(maxlen=FRAMES_KEPT)
 
     def show(self, state: LiveState, frame: Frame) -> None:
-        """The next frame; costs nothing until a page asks."""
+        """Store the next frame; it costs nothing until a page asks."""
         if (state.taken or "not taken" in state.remark) and state.remark not in self.remarks[-1:]:
             self.remarks = [*self.remarks, state.remark][-MOST_REMARKS:]
         self._frames.append(frame)
@@ -53,7 +53,7 @@ class ShownViews:
         return None if shown is None else as_json(*shown)
 
     def picture(self, number: str) -> bytes | None:
-        """The frame of a state, or the newest where it is no longer kept; None without any."""
+        """Frame of a state, or the newest if it is gone; None without any."""
         frames = list(self._frames)
         if not frames:
             return None
@@ -61,7 +61,7 @@ class ShownViews:
 
 
 def as_json(state: LiveState, frame: Frame) -> dict[str, Any]:
-    """What the page draws, in pixels of the frame; spreads that are unknown are null."""
+    """Data that the page draws, in pixels of the frame; unknown spreads are null."""
     cells = state.cells
     outline = None
     if state.view is not None:
@@ -99,7 +99,7 @@ def as_json(state: LiveState, frame: Frame) -> dict[str, Any]:
 
 
 def jpeg_of(frame: Frame) -> bytes:
-    """The frame for a page, no larger than it shows."""
+    """The frame for a page, no larger than shown."""
     image = frame.image
     scale = min(1.0, LARGEST_PX / max(frame.size))
     if scale < 1.0:

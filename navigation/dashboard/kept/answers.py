@@ -1,10 +1,10 @@
 """Earlier runs over HTTP: `/api/runs` in pages, `/api/runs/RUN/FILE` in pieces.
 
 Rules
-- Whoever may look at the page may look at these, with the same token.
-- One listing is made at a time, and the newest is given to whoever asks within `FRESH_S`.
+- Anyone who may look at the page may look at these, with the same token.
+- One listing is made at a time, and serves requests within `FRESH_S`.
 - An answer has at most `PIECE_BYTES` of a file (``Range: bytes=FIRST-LAST``), so that a slow line
-  keeps little of it in memory and no connection for long; larger files are asked for in pieces.
+  keeps little in memory and no connection for long; larger files are fetched in pieces.
 - The disk is read in worker threads.
 """
 
@@ -37,7 +37,7 @@ _RANGE: Final = re.compile(r"bytes=(\d{1,15})-(\d{0,15})", re.ASCII)
 
 
 class KeptAnswers:
-    """The answers of one page; ``workers`` are threads that may wait for the disk."""
+    """Answers for one page; ``workers`` are threads that may wait for the disk."""
 
     def __init__(
         self, runs: KeptRuns, gate: AccessGate, workers: Executor, clock: Callable[[], float]

@@ -1,10 +1,10 @@
-"""Places by name, kept in a file beside the journal: saved, renamed, removed by operators.
+"""Named places, kept in a file beside the journal: operators save, rename and remove them.
 
 Rules
-- A name has 1 to `NAME_CHARACTERS` printable characters and is there once, however it is written
-  in capitals. There are `MOST_PLACES` at most, and each lies in the arena.
-- The file is written whole before a change counts. One that cannot be read is left as it is:
-  then nothing can be saved, and the sentence says why.
+- A name has 1 to `NAME_CHARACTERS` printable characters and is unique, ignoring case. There are
+  at most `MOST_PLACES`, and each lies in the arena.
+- The file is written whole before a change counts. An unreadable one is left alone: nothing can be
+  saved then, and the sentence says why.
 
 Metres, radians in the arena.
 """
@@ -41,11 +41,11 @@ class SavedPlace:
 
 
 class PlaceError(ValueError):
-    """A change of the places that cannot be; the message says why."""
+    """An impossible change of the places; the message says why."""
 
 
 class SavedPlaces:
-    """The places of one file; `change` may be called in any one thread at a time."""
+    """The places of one file; one thread at a time may call `change`."""
 
     def __init__(self, path: Path, arena: Bounds) -> None:
         self.path, self._arena = path, arena
@@ -59,7 +59,7 @@ class SavedPlaces:
             self.trouble = f"{path}: the saved places cannot be read: {reason}"
 
     def body(self) -> dict[str, Any]:
-        """The places in order of their names, as JSON takes them."""
+        """The places in order of their names, as JSON data."""
         ordered = sorted(self.places, key=lambda place: place.name.casefold())
         return {"places": [asdict(place) for place in ordered]}
 
@@ -149,7 +149,7 @@ class SavedPlaces:
 
 
 def places_file(kept: RecordingSection) -> Path:
-    """Beside the journal; where there is none, among the runs."""
+    """File beside the journal; without one, among the runs."""
     if kept.journal is None:
         return kept.runs_dir / "places.json"
     return kept.journal.with_name(f"{kept.journal.name}.places.json")

@@ -1,10 +1,10 @@
-"""Earlier runs: which there are, what each left behind, and the way from a name to a file.
+"""Earlier runs: the list, the files of each, and the way from a name to a file.
 
 Rules
-- A run is a folder in ``recording.runs_dir`` whose name is a time, as a run makes it; its files are
-  those of `RUN_FILES`. A recording is an MCAP file named as a recording is. Nothing else is seen.
-- A recording belongs to the run that began last before it.
-- Links are no files and no folders here: nothing leads out of the two folders.
+- A run is a folder in ``recording.runs_dir`` named by a time, as a run makes it; its files are those
+  of `RUN_FILES`. A recording is an MCAP file with a recording's name. Nothing else is seen.
+- A recording belongs to the last run that began before it.
+- Links do not count as files or folders: nothing leads out of the two folders.
 
 Times are local, as in the names; sizes in bytes.
 """
@@ -45,7 +45,7 @@ class KeptFile:
 
 @dataclass(frozen=True, slots=True)
 class KeptRun:
-    """A run: its folder's name, when it began, its report where there is one, its files.
+    """A run: its folder's name, its beginning, its report if any, its files.
 
     ``is_running``: it is the run that serves the page.
     """
@@ -60,7 +60,7 @@ class KeptRun:
 
 @dataclass(frozen=True, slots=True)
 class RunPage:
-    """Some runs, newest first; ``total`` is how many there are, ``following`` says if more come."""
+    """Some runs, newest first; ``total`` counts all, ``following`` says if more come."""
 
     runs: tuple[KeptRun, ...]
     total: int
@@ -69,7 +69,7 @@ class RunPage:
 
 @dataclass(frozen=True, slots=True)
 class KeptRuns:
-    """The folders; ``running`` is the name of the present run's own, None where it has none."""
+    """The folders; ``running`` is the name of the present run's own, None if it has none."""
 
     runs_dir: Path
     recordings_dir: Path
@@ -88,7 +88,7 @@ class KeptRuns:
 
     @contextmanager
     def opened(self, run: str, file: str) -> Iterator[BinaryIO]:
-        """A run's file, or one of its recordings, to read; FileNotFoundError for all else."""
+        """Open a run's file or one of its recordings for reading; FileNotFoundError otherwise."""
         if not is_run(run):
             raise FileNotFoundError(run)
         if file in RUN_FILES:
@@ -114,7 +114,7 @@ class KeptRuns:
         )
 
     def _recordings(self, runs: list[str]) -> dict[str, list[str]]:
-        """By the run's name: the recordings that began after it and before the next."""
+        """Recordings that began after a run and before the next, by the run's name."""
         begins = [_stamp(name) for name in runs]
         found: dict[str, list[str]] = {}
         for name in sorted(_names(self.recordings_dir, is_recording)):
@@ -126,12 +126,12 @@ class KeptRuns:
 
 
 def is_run(name: str) -> bool:
-    """Whether this is the name of a run's folder: a time that there is."""
+    """True for a run's folder name: a valid time."""
     return _is_time(_RUN.fullmatch(name))
 
 
 def is_recording(name: str) -> bool:
-    """Whether this is the name of a recording."""
+    """True for a recording's name."""
     return _is_time(_RECORDING.fullmatch(name))
 
 
@@ -154,7 +154,7 @@ def _order(name: str) -> tuple[str, int]:
 
 
 def _names(folder: Path, wanted: Any) -> list[str]:
-    """The names in a folder that are wanted and no links; none where the folder is not there."""
+    """Matching names in a folder, without links; none if the folder is missing."""
     try:
         with os.scandir(folder) as entries:
             return [entry.name for entry in entries if wanted(entry.name) and _is_own(entry)]
@@ -173,17 +173,17 @@ def _sized(folder: Path, names: tuple[str, ...] | list[str]) -> Iterator[KeptFil
         try:
             found = (folder / name).lstat()
         except OSError:
-            continue  # a recording that was removed meanwhile, a run without a scene
+            continue  # a recording removed meanwhile, a run without a scene
         if stat.S_ISREG(found.st_mode):
             yield KeptFile(name, found.st_size)
 
 
 def _report(path: Path) -> dict[str, Any] | None:
-    """A run's report; None where there is none that can be read."""
+    """A run's report; None if it cannot be read."""
     try:
         with _opened(path) as file:
             found = json.loads(file.read(MOST_REPORT_BYTES))
-        json.dumps(found, ensure_ascii=False).encode()  # half a surrogate could not be sent on
+        json.dumps(found, ensure_ascii=False).encode()  # half a surrogate could not be sent
     except (OSError, ValueError, RecursionError):
         return None
     return found if isinstance(found, dict) else None
@@ -191,7 +191,7 @@ def _report(path: Path) -> dict[str, Any] | None:
 
 @contextmanager
 def _opened(path: Path) -> Iterator[BinaryIO]:
-    """An ordinary file, no link and no pipe; OSError otherwise."""
+    """Open an ordinary file, no link and no pipe; OSError otherwise."""
     flags = os.O_RDONLY | os.O_NOFOLLOW | os.O_NONBLOCK | os.O_CLOEXEC
     with open(os.open(path, flags), "rb") as file:
         if not stat.S_ISREG(os.fstat(file.fileno()).st_mode):

@@ -1,8 +1,8 @@
-"""The camera's own picture as viewers get it, with what was found in it: markers and borders.
+"""The camera's own picture for viewers, with the markers and borders found in it.
 
-Nothing is warped: this is what the camera sees, and where in it the program believes the obstacles'
-borders and the arena to be; a calibration that is off is seen here. Pixels of the picture that is
-sent, x right, y down, as float32. Works in any thread; a frame is never changed.
+Nothing is warped: this is the camera's view, with the obstacles' borders and the arena where the
+program believes them to be, which shows a wrong calibration. Pixels of the sent picture, x right, y
+down, as float32. Works in any thread; a frame is never changed.
 """
 
 from __future__ import annotations
@@ -27,7 +27,7 @@ SIDE_POINTS = 24
 
 
 class CameraView:
-    """Packs pictures of one camera as they are; ``width_px`` is the most that is sent."""
+    """Packs unwarped pictures of one camera; ``width_px`` is the largest width sent."""
 
     def __init__(self, calibration: Calibration, arena: Bounds, width_px: int, quality: int):
         self._calibration, self._quality = calibration, quality
@@ -56,7 +56,7 @@ class CameraView:
         roadmap: Roadmap | None,
         fields: Mapping[str, Any],
     ) -> bytes:
-        """The packed message: ``jpeg``, marker ``corners`` (k x 4), ``border`` with its firsts."""
+        """Packed message: ``jpeg``, marker ``corners`` (k x 4), ``border`` with its firsts."""
         if self._known[0] is not roadmap:
             scene = None if roadmap is None else roadmap.scene
             borders = border_lines(scene)[0] if isinstance(scene, Scene) else []

@@ -1,7 +1,7 @@
-"""What happened lately, for those who look later: the log, the driven track, the live charts.
+"""The recent past, for latecomers: the log, the driven track, the live charts.
 
-Fed with the daemon's states as they are seen; keeps the newest of each and numbers them.
-Seconds of the run, metres; the log's times are those of the wall clock.
+Fed with the daemon's states; keeps and numbers the newest of each. Seconds of the run, metres; the
+log's times are wall-clock times.
 """
 
 from __future__ import annotations
@@ -49,10 +49,10 @@ class LogLine:
 
 
 class Chronicle:
-    """Log, track and samples; see the module's text. ``fastest_m_s``: the robot's highest speed.
+    """Log, track and samples. ``fastest_m_s``: the robot's highest speed.
 
-    Of several robots each has a chronicle, with its ``name`` before what it says in the ``log`` of
-    them all.
+    With several robots each has a chronicle and puts its ``name`` before its lines in the common
+    ``log``.
     """
 
     def __init__(
@@ -75,14 +75,14 @@ class Chronicle:
         self.log.append(LogLine(wall_s, level, hide(text)))
 
     def see_arena(self, state: RobotSnapshot, camera: CameraStatus, wall_s: float) -> None:
-        """What is new of camera and program, which are there once however many robots there are."""
+        """Record news of camera and program, which exist once for all robots."""
         if camera.reason or "camera" in self._said:
             self._say("camera", wall_s, "warn" if camera.reason else "info", _of_camera(camera))
         for trouble in state.troubles:
             self._say(trouble, wall_s, "warn", trouble)
 
     def see_robot(self, state: RobotSnapshot, wall_s: float) -> None:
-        """What is new of the robot, its mission and its link."""
+        """Record news of the robot, its mission and its link."""
         mission = state.mission
         level = {"stopped": "stop", "failed": "warn", "holding": "warn"}.get(mission.state.value)
         self._say("mission", wall_s, level or "info", f"{mission.state.value}: {state.sentence}")
@@ -94,7 +94,7 @@ class Chronicle:
             self._drive((state.pose.captured_s, state.pose.x, state.pose.y))
 
     def sample(self, state: RobotSnapshot, camera: CameraStatus) -> None:
-        """One row of the charts, every ``SAMPLE_EVERY_S``, with the slowest wire since the last."""
+        """Add a row to the charts every ``SAMPLE_EVERY_S``, with the slowest wire since the last."""
         wire_s = state.times.wire_s
         if wire_s is not None and wire_s != self._wire_s:
             self._slowest_wire_s = max(wire_s, self._slowest_wire_s or 0.0)
@@ -130,7 +130,7 @@ class Chronicle:
             self.track.append((round(seen[1], 4), round(seen[2], 4)))
 
     def _say(self, subject: str, wall_s: float, level: str, text: str) -> None:
-        """A line where the sentence is new; one whose figures alone have changed is not."""
+        """Log a new sentence; changed figures alone do not make it new."""
         core = _NUMBERS.sub("#", text)
         if self._said.get(subject) != core:
             self._said[subject] = core

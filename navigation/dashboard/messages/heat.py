@@ -1,8 +1,8 @@
 """The clearance of every place as a picture: exact at the middle of each cell.
 
-The clearances are the roadmap's own; the colours are those of its lines, so that one ramp says
-both. Works on a roadmap, which never changes, so any thread may do it: the kernel leaves the
-interpreter to others, and `CELLS` bounds its work.
+The clearances are the roadmap's own, in the colours of its lines, so that one ramp explains both. A
+roadmap never changes, so any thread may do this: the kernel releases the interpreter, and `CELLS`
+bounds its work.
 """
 
 from __future__ import annotations
@@ -43,7 +43,7 @@ def heat_message(roadmap: Roadmap, window: Bounds, number: int) -> bytes:
 
 
 def _span(roadmap: Roadmap) -> tuple[float, float]:
-    """Least and largest clearance on the robot's roadmap, as the page has it for its ramp."""
+    """Least and largest clearance on the robot's roadmap: the page's ramp."""
     chains = roadmap.clipped.chains
     usable = without_spurs(roadmap.clipped, roadmap.radius)
     pieces = [chains.rho[chains.first[c] : chains.first[c + 1]] for c in usable]

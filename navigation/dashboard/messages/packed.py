@@ -1,9 +1,8 @@
-"""Arrays on the wire: one binary message with a JSON head, as browsers read it without copying.
+"""Arrays on the wire: one binary message with a JSON head, which browsers read without copying.
 
-A message is the head's length (uint32), the head (JSON, padded with spaces so that what follows
-is aligned to four bytes), then the arrays one after another. The head has ``type``, its own
-fields, and ``arrays``: name -> [type, first byte after the head, number of values]. Everything
-is little-endian.
+A message is the head's length (uint32), the head (JSON, padded with spaces to align the rest to
+four bytes), then the arrays in turn. The head has ``type``, its own fields, and ``arrays``: name ->
+[type, first byte after the head, number of values]. Everything is little-endian.
 """
 
 from __future__ import annotations
@@ -20,7 +19,7 @@ _TYPES = {"float32": "f4", "int32": "i4", "uint8": "u1"}
 
 
 def pack(kind: str, fields: Mapping[str, Any], arrays: Mapping[str, NDArray[Any]]) -> bytes:
-    """The message; arrays are float32, int32 or uint8, of any shape (row by row)."""
+    """Packed message; arrays are float32, int32 or uint8, of any shape (row by row)."""
     parts: list[bytes] = []
     index: dict[str, tuple[str, int, int]] = {}
     offset = 0

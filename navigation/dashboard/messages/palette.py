@@ -1,7 +1,7 @@
-"""The pictures' colours as the page's style: one visual language, one place for its colours.
+"""The pictures' colours as the page's style: one visual language, defined in one place.
 
-`DAY` and `NIGHT` are the page's own surfaces and inks; what is drawn in the arena has the
-colours of `navigation.draw.shapes` in both.
+`DAY` and `NIGHT` are the page's own surfaces and inks; drawings in the arena have the colours of
+`navigation.draw.shapes` in both.
 """
 
 from __future__ import annotations
@@ -67,7 +67,7 @@ NIGHT: Mapping[str, Colour] = {
 
 
 def stylesheet() -> str:
-    """The colours as CSS variables; light, or dark where the system or the page asks for it."""
+    """Colours as CSS variables; light, or dark if the system or the page asks for it."""
     robots = {f"robot-{number}": colour for number, colour in enumerate(ROBOTS)}
     ramp = {f"ramp-{step}": ramp_colour(step) for step in range(shapes.RAMP_STEPS)}
     return "\n".join(
@@ -92,7 +92,7 @@ def stylesheet() -> str:
 
 
 def contrast(one: Colour, other: Colour) -> float:
-    """How well two colours can be told apart, from 1 to 21.
+    """Contrast of two colours, from 1 to 21.
 
     Source: Web Content Accessibility Guidelines 2.2, definition of contrast ratio.
     """

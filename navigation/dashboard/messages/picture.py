@@ -1,10 +1,10 @@
-"""The camera's picture as viewers get it: seen straight from above, to scale, as JPEG.
+"""The camera's picture for viewers: seen straight from above, to scale, as JPEG.
 
 Rules and units
-- The picture is warped onto the arena's floor, so that metres are pixels times one number:
-  lens and perspective are gone, and what the page draws over it lies where it is. What stands
-  above the floor leans outwards, as it does for the camera.
-- ``window`` is the part of the floor that is shown: the arena with a rim. x right, y up.
+- The picture is warped onto the arena's floor, so that metres are pixels times one number: lens and
+  perspective are gone, and the page's drawings lie in place. Things above the floor lean outwards,
+  as they do for the camera.
+- ``window`` is the shown part of the floor: the arena with a rim. x right, y up.
 - Works in any thread, away from the control loop; a frame is never changed.
 """
 
@@ -27,7 +27,7 @@ OUT_OF_SIGHT_PX = -100.0
 
 
 class TopView:
-    """Warps and packs pictures of one camera; the warp is worked out once."""
+    """Warps and packs pictures of one camera; the warp is computed once."""
 
     def __init__(self, calibration: Calibration, arena: Bounds, width_px: int, quality: int):
         rim = RIM * max(arena.width, arena.height)
@@ -42,7 +42,7 @@ class TopView:
         self._maps = self._warp(calibration)
 
     def _warp(self, calibration: Calibration) -> tuple[NDArray[np.int16], NDArray[np.uint16]]:
-        """Where each pixel of the view comes from, in OpenCV's fixed-point form."""
+        """Source of each pixel of the view, in OpenCV's fixed-point form."""
         width, height = self.size_px
         x = self.window.x_min + (np.arange(width) + 0.5) * self.metres_per_pixel
         y = self.window.y_max - (np.arange(height) + 0.5) * self.metres_per_pixel
@@ -53,13 +53,13 @@ class TopView:
         return np.asarray(whole, dtype=np.int16), np.asarray(part, dtype=np.uint16)
 
     def seen_m(self, pose: RobotPose) -> tuple[float, float]:
-        """Where the view shows a robot's marker: it leans outwards as all that has a height."""
+        """Place of a robot's marker in the view: it leans outwards, having a height."""
         corner_mean = pose.corners_px.mean(axis=0, keepdims=True)
         ((x, y),) = self._calibration.arena_from_image(corner_mean).tolist()
         return x, y
 
     def jpeg(self, frame: Frame) -> NDArray[np.uint8]:
-        """The view of a frame, encoded; what the camera does not see is mid-grey."""
+        """Encoded view of a frame; ground out of the camera's sight is mid-grey."""
         image = np.asarray(frame.image)
         if frame.size != self._calibration.size:
             image = np.asarray(cv2.resize(image, self._calibration.size), dtype=np.uint8)

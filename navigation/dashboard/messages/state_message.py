@@ -1,7 +1,7 @@
-"""What viewers are told of the running program, as JSON takes it: the greeting and the state.
+"""The greeting and the state of the running program for viewers, as JSON data.
 
-Metres, radians, seconds; ages and latencies in milliseconds, as people read them. Nothing here
-is infinite or NaN: what was never seen is null.
+Metres, radians, seconds; ages and latencies in milliseconds, for people. Nothing is infinite or
+NaN: unseen things are null.
 """
 
 from __future__ import annotations
@@ -25,7 +25,9 @@ from vision.markers.markers import RobotPose
 
 
 def greeting(config: Config, view: TopView) -> dict[str, Any]:
-    """What does not change during a run: the arena, the robots, how pictures lie on the floor."""
+    """Facts that do not change during a run: the arena, the robots, the pictures' place on the
+    floor.
+    """
     window = view.window
     return {
         "type": "hello",
@@ -44,7 +46,7 @@ def greeting(config: Config, view: TopView) -> dict[str, Any]:
 
 
 def robots_greeting(configs: Mapping[str, Config]) -> list[dict[str, Any]]:
-    """Of several robots each, by name, in the order of the configuration."""
+    """Facts of each of several robots, by name, in the order of the configuration."""
     return [{"name": name, "port": one.serial.port, **_robot(one)} for name, one in configs.items()]
 
 
@@ -67,9 +69,9 @@ def state_message(
     loop_age_s: float,
     viewers: int,
 ) -> dict[str, Any]:
-    """The present state; `loop_age_s` is how long ago the control loop ended a cycle.
+    """The present state; `loop_age_s` is the time since the control loop's last cycle.
 
-    ``others`` are the other robots where they were seen last, however long ago.
+    ``others`` are the other robots' last seen poses, however old.
     """
     return {
         "type": "state",
@@ -85,7 +87,7 @@ def state_message(
 
 
 def robot_facts(state: RobotSnapshot, view: TopView, now_s: float) -> dict[str, Any]:
-    """What there is once for each robot: mission, place and link."""
+    """Facts of one robot: mission, place and link."""
     mission = state.mission
     return {
         "paused": mission.paused,
@@ -106,7 +108,7 @@ def robot_facts(state: RobotSnapshot, view: TopView, now_s: float) -> dict[str, 
 
 
 def no_path_facts(answer: NoPath) -> dict[str, Any]:
-    """Why there is no way, and where the widest one is too narrow."""
+    """Reason why there is no path, and the place where the widest one is too narrow."""
     gap = answer.bottleneck
     return {
         "reason": answer.reason,
@@ -168,7 +170,7 @@ def _camera(camera: CameraStatus, evidence: Evidence) -> dict[str, Any]:
 
 
 def _stop_doubt(state: RobotSnapshot) -> str | None:
-    """The doubt that the robot stands in its stop; None if it does, or is not stopped."""
+    """Doubt that a stopped robot is at rest; None if it is, or is not stopped."""
     return doubt_of_stop(state.link) if state.mission.state is State.STOPPED else None
 
 

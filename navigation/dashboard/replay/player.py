@@ -1,6 +1,6 @@
-"""Where in a recording one is: playing or paused, how fast, and after a jump.
+"""Place in a recording: playing or paused, speed and jumps.
 
-Seconds; ``now_s`` is the caller's clock, the place is counted from the recording's beginning.
+Seconds; ``now_s`` is the caller's clock, the place counts from the recording's beginning.
 """
 
 from __future__ import annotations
@@ -13,7 +13,7 @@ SPEEDS: Final = (0.25, 0.5, 1.0, 2.0, 4.0, 8.0, 16.0)
 
 @dataclass(slots=True)
 class Player:
-    """A playhead over ``duration_s``; ``jumps`` counts what makes the past another one."""
+    """A playhead over ``duration_s``; ``jumps`` counts changes of the past."""
 
     duration_s: float
     playing: bool = True
@@ -23,30 +23,30 @@ class Player:
     _since_s: float = 0.0
 
     def place_s(self, now_s: float) -> float:
-        """Where it is, at most the end."""
+        """Present place, at most the end."""
         passed_s = (now_s - self._since_s) * self.speed if self.playing else 0.0
         return min(self.duration_s, self._place_s + max(0.0, passed_s))
 
     def play(self, now_s: float) -> None:
-        """Go on; from the beginning where it is at the end."""
+        """Play; from the beginning if it is at the end."""
         if self.place_s(now_s) >= self.duration_s:
             self.seek(now_s, 0.0)
         self._hold(now_s)
         self.playing = True
 
     def pause(self, now_s: float) -> None:
-        """Stay where it is."""
+        """Pause."""
         self._hold(now_s)
         self.playing = False
 
     def seek(self, now_s: float, place_s: float) -> None:
-        """Jump to a place, within the recording."""
+        """Jump to a place within the recording."""
         self._place_s = min(self.duration_s, max(0.0, place_s))
         self._since_s = now_s
         self.jumps += 1
 
     def set_speed(self, now_s: float, speed: float) -> None:
-        """One of `SPEEDS`; ValueError for any other."""
+        """Set one of `SPEEDS`; ValueError for any other."""
         if speed not in SPEEDS:
             raise ValueError(f"speed: must be one of {', '.join(f'{one:g}' for one in SPEEDS)}")
         self._hold(now_s)

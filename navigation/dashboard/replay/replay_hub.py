@@ -1,7 +1,7 @@
-"""The hub of a recording's page: it is steered by those who look, and begins again after a jump.
+"""The hub of a recording's page: its viewers steer it, and it begins again after a jump.
 
-All who look at it see the same moment. After a jump the past is another one: log, track and charts
-are made again from the recording up to there, and every page is greeted again.
+All viewers see the same moment. A jump changes the past: log, track and charts are rebuilt from the
+recording up to there, and every page is greeted again.
 """
 
 from __future__ import annotations
@@ -45,14 +45,14 @@ class ReplayHub(Hub):
         return self.run_shown.player
 
     def look(self, now_s: float) -> None:
-        """As any hub; after a jump with another past."""
+        """Look as any hub; after a jump rebuild the past first."""
         if self._player.jumps != self._jumps:
             self._jumps = self._player.jumps
             self._begin_again(self._player.place_s(now_s))
         super().look(now_s)
 
     def steer(self, message: Mapping[str, Any]) -> str | None:
-        """``{"do": "play"|"pause"|"seek"|"speed", "value": N}``; None, or why it is not done."""
+        """``{"do": "play"|"pause"|"seek"|"speed", "value": N}``; None, or the reason for refusing."""
         now_s, player = self.clock(), self._player
         value = finite_number(message.get("value"))
         match message.get("do"):
@@ -88,10 +88,10 @@ class ReplayHub(Hub):
         self.wake()
 
     def _observe(self, state: RunState) -> None:
-        """In the run's own times: whoever plays fast has not lifted the robot."""
+        """Observe in the run's own times: fast playing does not look like a lifted robot."""
         super()._observe(self.run_shown.at(state.time_s))
         poses = state.together.poses
-        self._others.update((i, poses[i]) for i in poses if i in self._others)  # of the same age
+        self._others.update((i, poses[i]) for i in poses if i in self._others)  # with the same age
 
     def _facts(self, state: RunState, now_s: float) -> dict[str, Any]:
         player = self._player

@@ -1,11 +1,10 @@
-"""A recording at the player's moment, as a daemon would publish it: it shows, and takes no orders.
+"""A recording at the player's moment, as a daemon would publish it; it takes no orders.
 
 Rules
-- Times that pages turn into ages (captures) are moved to the present, so that an age is what it
-  was then; ``RunState.time_s`` is seconds from the recording's beginning.
-- What was not recorded is unknown here too: it is None, never made up. A robot's marker is shown
-  where its pose is, on the floor.
-- Roadmaps are built again from the recorded scenes in a thread beside, the newest few are kept.
+- Capture times, which pages turn into ages, are moved to the present so that each age is as it was
+  then; ``RunState.time_s`` is seconds from the recording's beginning.
+- Unrecorded data is None, never made up. A robot's marker is shown at its pose on the floor.
+- Roadmaps are rebuilt from the recorded scenes in a separate thread; the newest few are kept.
 """
 
 from __future__ import annotations
@@ -37,7 +36,7 @@ SPEED_OVER_S: Final = 0.3
 
 
 class ReplayedRun:
-    """A tape and its player as `Shown`; ``clock`` is that of the page."""
+    """A tape and its player as `Shown`; ``clock`` is the page's."""
 
     def __init__(
         self, tape: Tape, player: Player, section: DashboardSection, clock: Callable[[], float]
@@ -62,7 +61,7 @@ class ReplayedRun:
         """None: a recording takes no orders."""
 
     def close(self) -> None:
-        """Build nothing more."""
+        """Stop building roadmaps."""
         self._builder.shutdown(wait=False, cancel_futures=True)
 
     @property
@@ -71,11 +70,11 @@ class ReplayedRun:
         return self.at(self.player.place_s(self._clock()), as_now=True)
 
     def wall_clock(self) -> float:
-        """The wall time of the moment that is shown, seconds since 1970."""
+        """Wall time of the shown moment, seconds since 1970."""
         return self._time_s() + self.tape.wall_offset_s
 
     def camera_status(self) -> CameraStatus:
-        """The camera, as far as the recording knows it."""
+        """The camera, as far as recorded."""
         return self.camera_at(self.player.place_s(self._clock()))
 
     def camera_at(self, place_s: float) -> CameraStatus:
@@ -88,10 +87,10 @@ class ReplayedRun:
         return CameraStatus("running", "", lately / passed_s, seen, 0, 0, age_s)
 
     def at(self, place_s: float, *, as_now: bool = False, in_short: bool = False) -> RunState:
-        """The state ``place_s`` after the recording's beginning, in the run's own times.
+        """State ``place_s`` after the recording's beginning, in the run's own times.
 
-        ``as_now``: with its picture, and with times by which it is as old now as it was then.
-        ``in_short``: without clearances and plans, which take most of the time.
+        ``as_now``: with its picture, and with times shifted so that ages are as they were then.
+        ``in_short``: without clearances and plans, the slowest parts.
         """
         time_s = self.tape.begin_s + place_s
         later_s = self._clock() - time_s if as_now else 0.0
@@ -144,7 +143,7 @@ class ReplayedRun:
         return self._frame[1]
 
     def _roadmap(self, seen: SeenScene | None) -> Roadmap | None:
-        """The roadmap of a scene; of the last one that there is until it is built."""
+        """Roadmap of a scene; the last available one until it is built."""
         if seen is None:
             return None
         if seen.revision not in self._roadmaps:
@@ -164,7 +163,7 @@ class ReplayedRun:
 
 
 def _clearances(moment: Moment, robots: list[TapedRobot]) -> list[float | None]:
-    """Of each robot that is seen, where there is a roadmap."""
+    """Clearances of the robots in view, if there is a roadmap."""
     poses = [robot.pose_at(moment) for robot in robots]
     places = [(pose.x, pose.y) for pose in poses if pose is not None]
     if moment.roadmap is None or not places:

@@ -1,6 +1,6 @@
 """One robot of a recording at any moment, as its daemon published it: mission, link, plan.
 
-What was not recorded is None or empty, never made up. Metres, radians, seconds of the run's clock.
+Unrecorded data is None or empty, never made up. Metres, radians, seconds of the run's clock.
 """
 
 from __future__ import annotations
@@ -33,7 +33,7 @@ DRIVEN: Final = frozenset((State.DRIVING, State.PROVING, State.HOLDING, State.PL
 
 @dataclass(frozen=True, slots=True)
 class Moment:
-    """What all robots share at a moment: ``place_s`` after the recording's beginning."""
+    """Data common to all robots at a moment, ``place_s`` after the recording's beginning."""
 
     time_s: float
     place_s: float
@@ -43,20 +43,20 @@ class Moment:
 
 
 class TapedRobot:
-    """A robot of a tape; ``name`` is "" where there is one, ``config`` its own."""
+    """A robot of a tape; ``name`` is "" for a single robot, ``config`` its own."""
 
     def __init__(self, tape: Tape, name: str, config: Config) -> None:
         self.tape, self.name, self.config = tape, name, config
         self._path: tuple[TapedPlan | None, Path | None] = (None, None)
 
     def pose_at(self, moment: Moment) -> RobotPose | None:
-        """Where it was seen last."""
+        """Last seen pose."""
         return moment.poses.get(self.config.robot.marker_id)
 
     def state_at(
         self, moment: Moment, clearance_m: float | None, *, in_short: bool = False
     ) -> RobotSnapshot:
-        """All of it, in the times that ``moment`` has; ``in_short`` without its plan."""
+        """The robot's snapshot, in the times of ``moment``; ``in_short`` without its plan."""
         mission, pose = self.mission_at(moment.time_s), self.pose_at(moment)
         path = None
         if mission.state in DRIVEN and not in_short:
@@ -78,7 +78,7 @@ class TapedRobot:
         )
 
     def mission_at(self, time_s: float) -> Mission:
-        """What was said of its mission, with the stations that were planned for last."""
+        """Recorded mission, with the last planned stations."""
         said = self.tape.said_at(time_s, self.name)
         planned = self.tape.plan_at(time_s, self.name)
         stations = () if planned is None else planned.stations
@@ -87,7 +87,7 @@ class TapedRobot:
         name, _, sentence = said.partition(": ")
         try:
             return Mission(stations, state=State(name), reason=sentence)
-        except ValueError:  # of a program that has other states
+        except ValueError:  # from a program with other states
             return Mission(stations, reason=said)
 
     def _link_at(self, time_s: float, state: State) -> LinkSnapshot:
@@ -131,7 +131,7 @@ class TapedRobot:
 
 
 def _to_go_m(path: Path, pose: RobotPose) -> float:
-    """What is left of the path from its place nearest to the robot."""
+    """Length of the path left from its place nearest to the robot."""
     begins, steps = path.points[:-1], np.diff(path.points, axis=0)
     squares = np.maximum((steps**2).sum(axis=1), np.finfo(float).tiny)
     off = np.array((pose.x, pose.y)) - begins
@@ -143,7 +143,7 @@ def _to_go_m(path: Path, pose: RobotPose) -> float:
 
 
 def _known(kind: Any, values: object) -> dict[str, Any]:
-    """Of recorded counters those that there are, whole numbers."""
+    """The recorded counters that exist."""
     names = {one.name for one in fields(kind)}
     given = values if isinstance(values, dict) else {}
     return {name: value for name, value in given.items() if name in names}

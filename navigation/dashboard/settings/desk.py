@@ -1,10 +1,10 @@
-"""The desk where the configuration is read, checked and saved; the page's routes are its visitors.
+"""The desk that reads, checks and saves the configuration for the page's routes.
 
 Rules
-- Nothing is saved that `clearway check` would refuse, and nothing over a file that has changed
+- It saves nothing that `clearway check` would refuse, and never over a file that has changed
   since the visitor read it.
-- Before each save the text that was there is kept; `undo` puts the newest kept one back.
-- What was saved is taken over as by a reload: the run ends in order and begins again.
+- Before each save the present text is kept; `undo` puts the newest kept one back.
+- A save takes effect like a reload: the run ends in order and begins again.
 """
 
 from __future__ import annotations
@@ -31,7 +31,7 @@ MOST_CHANGES: Final = 500
 
 
 class Around(NamedTuple):
-    """What the desk needs of the program."""
+    """Requirements of the desk on the program."""
 
     file: Path
     """The configuration that runs."""
@@ -48,7 +48,7 @@ class Around(NamedTuple):
 
 
 class Desk:
-    """Reads, checks and saves one configuration; every method may be called from any thread."""
+    """Reads, checks and saves one configuration; any thread may call every method."""
 
     def __init__(self, around: Around) -> None:
         self._around = around
@@ -58,7 +58,7 @@ class Desk:
         self._kept = around.state / "settings" / f"{self._file.stem}-{digest}"
 
     def show(self) -> dict[str, Any]:
-        """The form, and what it was made from; ``ConfigError`` where the file cannot be read."""
+        """The form and its sources; ``ConfigError`` if the file cannot be read."""
         text = read_source(self._file)
         return {
             "file": self._file.name,
@@ -68,13 +68,13 @@ class Desk:
         }
 
     def check(self, typed: Mapping[str, str]) -> list[dict[str, str]]:
-        """What is wrong with these values: each a ``key`` ("" for none) and a ``sentence``."""
+        """Problems of these values: each a ``key`` ("" for none) and a ``sentence``."""
         return self._changed(read_source(self._file), typed)[1]
 
     def save(self, typed: Mapping[str, str], base: str) -> str:
-        """Put the values into the file and take it over; the sentence that says what was done.
+        """Save the values and reload; return a sentence for the log.
 
-        ``RefusedError`` where that is impossible; the file is as it was then.
+        ``RefusedError`` if that is impossible; the file is unchanged then.
         """
         with self._lock:
             self._save(typed, base)
@@ -99,7 +99,7 @@ class Desk:
             raise RefusedError(f"not saved: {error}") from None
 
     def undo(self) -> str:
-        """Put the newest earlier text back and take it over; ``RefusedError`` without one."""
+        """Restore the newest earlier text and reload; ``RefusedError`` without one."""
         with self._lock:
             self._put_back()
         self._around.reload()
@@ -122,7 +122,7 @@ class Desk:
         return list(form_keys(text, cameras, ports))
 
     def _changed(self, text: str, typed: Mapping[str, str]) -> tuple[str, list[dict[str, str]]]:
-        """The text with the values, and what is wrong with it."""
+        """Text with the new values, and its problems."""
         if len(typed) > MOST_CHANGES:
             raise RefusedError(f"more than {MOST_CHANGES} changes")
         keys = {key.name: key for key in self._keys(text)}
@@ -145,7 +145,7 @@ class Desk:
         return changed, [*problems, *self._problems_of(changed, keys)]
 
     def _problems_of(self, text: str, keys: Collection[str]) -> list[dict[str, str]]:
-        """As `clearway check` finds them, each at the field that it is typed in."""
+        """Problems that `clearway check` finds, each at its field."""
         folder, name = self._file.parent, self._file.name
         try:
             config = parse_config(text, name, folder, self._around.environment)
@@ -171,7 +171,7 @@ class Desk:
 
 
 def _field_of(where: Location, keys: Collection[str]) -> str:
-    """The name of the field in which a place is typed: the longest that leads there."""
+    """Field in which a place is typed: the longest name that leads there."""
     names = [key_name(where[:length]) for length in range(len(where), 0, -1)]
     return next((name for name in names if name in keys), names[-1] if names else "")
 

@@ -1,9 +1,9 @@
 """The settings' addresses: /api/settings to read, /check, /save and /undo below it to change.
 
 Rules
-- `navigation.dashboard.visits` says who may; the run that begins again waits for orders.
-- A body is JSON: ``key`` (the seat's), ``changes`` (each key with what was typed) and ``base``
-  (the digest of the text that the form was made from).
+- `navigation.dashboard.visits` says who may; the restarted run waits for orders.
+- A body is JSON: ``key`` (the seat's), ``changes`` (typed text by key) and ``base`` (the digest
+  of the text that the form was made from).
 """
 
 from __future__ import annotations
@@ -23,7 +23,7 @@ NO_SETTINGS: Final = Refusal(404, "settings", "the settings of this run are chan
 
 
 def settings_routes(hub: Hub, desk: Desk | None) -> list[Route]:
-    """The addresses; without a desk each says that there is nothing to change."""
+    """The routes; without a desk each answers that there is nothing to change."""
     pages = _Settings(hub, desk)
     return [
         Route("/api/settings", pages.show),
@@ -40,28 +40,28 @@ class _Settings:
 
     @property
     def _desk(self) -> Desk:
-        """Only where somebody was let in."""
+        """The desk; only for admitted visitors."""
         assert self._kept is not None
         return self._kept
 
     async def show(self, request: Request) -> Response:
-        """The form."""
+        """Return the form."""
         return await self._visits.read(request, lambda: self._desk.show())
 
     async def check(self, request: Request) -> Response:
-        """What would be wrong."""
+        """Report the problems that a save would meet."""
         return await self._visits.ask(
             request, lambda body: {"problems": self._desk.check(_changes(body))}
         )
 
     async def save(self, request: Request) -> Response:
-        """Into the file, and taken over."""
+        """Save to the file and reload."""
         return await self._visits.change(
             request, lambda body: self._desk.save(_changes(body), str(body.get("base")))
         )
 
     async def undo(self, request: Request) -> Response:
-        """As it was before the last change."""
+        """Undo the last change."""
         return await self._visits.change(request, lambda _body: self._desk.undo())
 
 

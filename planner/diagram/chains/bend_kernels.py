@@ -1,17 +1,16 @@
-"""How one run of a chain is bent onto its bisector: halved until its links are short and straight.
+"""Bending of a chain's run onto its bisector, by halving until its links are short and straight.
 
 Rules and units
-- A run leads from one station of a chain to the next along the bisector of one pair of pieces, see
-  :mod:`planner.diagram.chains.chain_kernels`. Its links are sampled ones; what is written are
-  places.
-- Places within a run are put in where the straight line would bulge or be too long. They are
-  slid onto the bisector from the sampled vertices that the run passes, and each proves itself
-  by its own empty circle. Where one does not slide, as at a hairpin's turn, and the run is wide
-  on both sides of it, it stays as sampled, unproved: a chord would not be as narrow as the turn.
-- Left and right are those of ``cross(along, left - right) > 0`` in the scene's coordinates.
+- A run leads from one station of a chain to the next along the bisector of one pair of pieces,
+  see :mod:`planner.diagram.chains.chain_kernels`. It consists of sampled links; places are written.
+- Places are inserted where the straight line would bulge or be too long. They are slid onto the
+  bisector from the run's sampled vertices, and each is proved by its own empty circle. A place that
+  does not slide, as at a hairpin's turn, stays as sampled, unproved, if the run is wide on both
+  sides of it: a chord would not be as narrow as the turn.
+- Left and right are as in :mod:`planner.diagram.bisector_kernels`.
 """
 
-# The arrays' types are in the docstrings; numba infers them.
+# numba infers types; docstrings state them.
 # mypy: allow-untyped-defs
 
 from __future__ import annotations
@@ -39,10 +38,10 @@ HALF_AT_MOST = 0.75
 
 
 class Places(NamedTuple):
-    """The chains' points, as in :class:`planner.diagram.diagram_arrays.Bent`, and what is known.
+    """The chains' points, as in :class:`planner.diagram.diagram_arrays.Bent`, with flags.
 
     ``sure`` (p,): the point's circle is empty; ``ahead`` (p,): the link to the next point follows
-    the bisector. There is room for p points.
+    the bisector. The capacity is p points.
     """
 
     points: NDArray[np.float64]
@@ -54,9 +53,9 @@ class Places(NamedTuple):
 
 
 class MissingSites(NamedTuple):
-    """Sites that are missing around circles that were not empty.
+    """Sites that are missing around non-empty circles.
 
-    ``place`` (m, 2), the piece ``label`` (m,) that each is on, and a triangle ``where`` (m,) it is.
+    ``place`` (m, 2), the piece ``label`` (m,) of each, and a triangle ``where`` (m,) near it.
     """
 
     place: NDArray[np.float64]
@@ -65,10 +64,10 @@ class MissingSites(NamedTuple):
 
 
 class Stations(NamedTuple):
-    """A chain's stations.
+    """Stations of a chain.
 
     ``place`` (s, 4): x, y, clearance and state; ``bits``: the same as integers; ``sides`` (s, 2):
-    the pieces left and right of the run that follows; ``run`` (s, 2): its first link and the one
+    the pieces left and right of the following run; ``run`` (s, 2): its first link and the one
     behind its last.
     """
 
@@ -92,7 +91,7 @@ class Stack(NamedTuple):
 
 
 class BendRoom(NamedTuple):
-    """Where chains are bent into, and what is needed for it meanwhile."""
+    """Arrays that chains are bent into, and the working space for it."""
 
     out: Places
     missing: MissingSites
@@ -101,7 +100,7 @@ class BendRoom(NamedTuple):
 
 
 class Run(NamedTuple):
-    """The pieces that a run is between, and whether their bisector is a line."""
+    """The pieces beside a run; straight if their bisector is a line."""
 
     left: np.int64
     right: np.int64
@@ -109,10 +108,10 @@ class Run(NamedTuple):
 
 
 class Link(NamedTuple):
-    """A straight line from place a to place b of a run, u the bisector's direction at a.
+    """Straight line from place a to place b of a run, u the bisector's direction at a.
 
-    ``first`` and ``last`` are the sampled links at a and b, ``span`` is the line's length. It may
-    be long, and wide at both ends.
+    ``first`` and ``last`` are the sampled links at a and b, ``span`` is the line's length. Flags
+    mark long lines, and lines that are wide at both ends.
     """
 
     ax: float
@@ -130,7 +129,7 @@ class Link(NamedTuple):
 
 @njit(**LEAF)
 def _is_between(kind, data, left, right, a, m, b, half, tolerance):
-    """Whether m lies ahead of a, where u is ahead, and before b, as far as that can be told.
+    """True if m lies ahead of a, in direction u, and before b, unless this is undecidable.
 
     ``a`` is x, y and the direction u there, ``m`` and ``b`` are x and y.
     """
@@ -138,12 +137,12 @@ def _is_between(kind, data, left, right, a, m, b, half, tolerance):
     mx, my = m
     bx, by = b
     near = 16.0 * half * half
-    # a ring that begins and ends at a or near it returns there: what is far is not judged
+    # a ring that begins and ends at or near a returns there: distant places are not judged
     span = 9.0 * ((bx - ax) ** 2 + (by - ay) ** 2)
     tx, ty, _ = heading(kind, data, left, right, mx, my)
     dx, dy = mx - ax, my - ay
     square, ahead = dx * dx + dy * dy, dx * ux + dy * uy > tolerance
-    # farther away only what runs as a does is behind it
+    # farther away, a place is behind a only if the bisector runs there as at a
     if not ahead and (square <= near or (square < span and tx * ux + ty * uy > 0.0)):
         return False
     dx, dy = bx - mx, by - my
@@ -156,10 +155,10 @@ def _is_between(kind, data, left, right, a, m, b, half, tolerance):
 
 @njit(**LEAF)
 def _across(kind, data, left, right, x, y):
-    """A place and a direction of the line that the two pieces are nearest along, as seen there.
+    """Place and direction of the line along which the two pieces are nearest, as seen there.
 
-    Through the centres of two round pieces or points, or through one and square to a segment;
-    no direction between two segments, whose bisector is nowhere narrower than at its ends.
+    It runs through the centres of two round pieces or points, or through one and square to a
+    segment. Between two segments it has no direction, as their bisector is narrowest at its ends.
     """
     if kind[left] == SEGMENT and kind[right] == SEGMENT:
         return x, y, 0.0, 0.0
@@ -173,7 +172,7 @@ def _across(kind, data, left, right, x, y):
 
 @njit(**LEAF)
 def _narrowest_between(kind, data, left, right, ax, ay, bx, by, tolerance):
-    """The narrowest place of the bisector between a and b, if inside: x, y, found.
+    """Narrowest place of the bisector between a and b, if inside: x, y, found.
 
     There the feet lie opposite each other: on the line across both pieces, halfway.
     """
@@ -198,7 +197,7 @@ def _narrowest_between(kind, data, left, right, ax, ay, bx, by, tolerance):
 
 @njit(**LEAF)
 def _is_on_bisector(kind, data, left, right, x, y, rho, tolerance):
-    """Whether a place is as near to both pieces as to anything."""
+    """True if a place at clearance rho is as near to both pieces as to anything."""
     return (
         abs(distance(kind, data, left, x, y) - rho) <= 4.0 * tolerance
         and abs(distance(kind, data, right, x, y) - rho) <= 4.0 * tolerance
@@ -207,9 +206,9 @@ def _is_on_bisector(kind, data, left, right, x, y, rho, tolerance):
 
 @njit(**LEAF)
 def _is_straight(kind, data, left, right, ax, ay, bx, by, tolerance):
-    """Whether the middle of a straight bisector's link is as near to both of its pieces.
+    """True if the middle of a straight bisector's link is equally near to both of its pieces.
 
-    It is not where the link passes the end of one of them.
+    It is not if the link passes the end of one of them.
     """
     x, y = 0.5 * (ax + bx), 0.5 * (ay + by)
     gap = distance(kind, data, left, x, y) - distance(kind, data, right, x, y)
@@ -218,11 +217,11 @@ def _is_straight(kind, data, left, right, ax, ay, bx, by, tolerance):
 
 @njit(**LEAF, forceinline=True)
 def _halve(pieces, at, link, tolerances, run, line, stack, top):
-    """Where a link is to be halved, and whether it has to be.
+    """Choose the place to halve a link, if it has to be halved.
 
-    From the sampled vertex in the middle of the run, then from that of the line. Returns split,
-    astray, as_sampled, x, y and the sampled link there. What ought to be halved and cannot be is
-    ``astray``: a chord, not the bisector.
+    Tries the sampled vertex in the middle of the run, then the middle of the line. Returns split,
+    astray, as_sampled, x, y and the sampled link there. A link that ought to be halved and cannot
+    be is ``astray``: a chord, not the bisector.
     """
     half, tolerance, bare = tolerances.half, tolerances.equal, stack.bare
     kind, data, left, right = pieces.kind, pieces.data, run.left, run.right
@@ -243,7 +242,7 @@ def _halve(pieces, at, link, tolerances, run, line, stack, top):
         px, py = x, y
         x, y, split = slide_between(kind, data, left, right, x, y, tolerance)
         if guess == 0 and (x - px) ** 2 + (y - py) ** 2 > 16.0 * half * half:
-            # at a hairpin's turn: what it slid to is before or behind it
+            # at a hairpin's turn: the place it slid to is before or behind it
             split, astray = False, True
             if line.is_wide:
                 break
@@ -260,12 +259,12 @@ def _halve(pieces, at, link, tolerances, run, line, stack, top):
             split = split and (bx - x) ** 2 + (by - y) ** 2 <= reach
             astray = line.is_long or wanted or not slid
         if split:
-            # sampled vertices are in order among themselves only
+            # only sampled vertices are in order among themselves
             bare[top] = guess == 1
             bare[top - 1] |= guess == 1
             break
     if astray and not split and line.is_wide and is_sampled and not bare[top - 1]:
-        # the way round may be narrow where the chord is not: it goes as sampled
+        # the route around may be narrow where the chord is not: keep it as sampled
         q = middle
         x, y, split, as_sampled = at[link[q] >> 3, 0], at[link[q] >> 3, 1], True, True
         bare[top] = False
@@ -274,10 +273,10 @@ def _halve(pieces, at, link, tolerances, run, line, stack, top):
 
 @njit(**LEAF, forceinline=True)
 def _add_place(mesh, pieces, tolerances, room, run, near, x, y, is_rough, counts):
-    """Write a place of a run and, where its circle is not empty, the sites that are missing.
+    """Write a place of a run and, if its circle is not empty, the missing sites.
 
-    ``near`` is a triangle near it; ``counts`` are the points and the missing sites before. Returns
-    them as they are then, the latter -1 where they found no room.
+    ``near`` is a triangle near it; ``counts`` are the numbers of points and missing sites. Returns
+    both updated, the latter -1 if space ran out.
     """
     n, missing = counts
     out, extra = room.out, room.missing
@@ -307,10 +306,10 @@ def _add_place(mesh, pieces, tolerances, room, run, near, x, y, is_rough, counts
 
 @njit(**LEAF, forceinline=True)
 def bend_run(mesh, pieces, triangles, link, end, tolerances, room, s, counts):
-    """Write the places of the run after station s, without those of the stations themselves.
+    """Write the places of the run after station s, without the stations.
 
-    ``end`` is the link behind the chain's last; ``counts`` are how many points and missing sites
-    there are. Returns them as they are then, -1 for those that found no room.
+    ``end`` is the link behind the chain's last; ``counts`` are the numbers of points and missing
+    sites. Returns both updated, -1 if space ran out.
     """
     n, missing = counts
     kind, data = pieces.kind, pieces.data
@@ -354,7 +353,7 @@ def bend_run(mesh, pieces, triangles, link, end, tolerances, room, s, counts):
         whole = not (split or astray)
         if straight and not is_long:
             whole = _is_straight(kind, data, left, right, ax, ay, bx, by, tolerance)
-        # nor is a line that leaves or arrives against the bisector's way
+        # a line that leaves or arrives against the bisector's direction does not follow it
         whole &= dx * ux + dy * uy >= -tolerance and dx * vx + dy * vy >= -tolerance
         out.ahead[n - 1] = whole
         if falls < -1e-9 and grows > 1e-9:
@@ -377,7 +376,7 @@ def bend_run(mesh, pieces, triangles, link, end, tolerances, room, s, counts):
             out.ahead[n - 1] = True
         ax, ay, q_a = bx, by, q_b
         ux, uy, falls = vx, vy, grows
-    # the places between were slid onto the bisector; the run's ends may be off it
+    # places between lie on the bisector; the run's ends may not
     out.ahead[begin] &= _is_on_bisector(
         kind, data, left, right, place[s, 0], place[s, 1], place[s, 2], tolerance
     )

@@ -1,7 +1,7 @@
-"""Room for the chains' points, and the chains bent onto their bisectors into it.
+"""Bends the chains onto their bisectors into newly allocated arrays.
 
-The kernel is called from here and not from another one that makes the arrays: optimised once
-more as a part of that, it took 1.3 times as long.
+The kernel is called from here, not from another kernel that makes the arrays: compiled as a part of
+that, it took 1.3 times as long.
 """
 
 from __future__ import annotations
@@ -36,13 +36,13 @@ def bend_chains(
     known: KnownRuns,
     longest: int,
 ) -> tuple[Bent, tuple[FloatArray, IntArray, NDArray[np.int64]]]:
-    """The chains' points on their bisectors, with the narrowest place of every run.
+    """Bend the chains onto their bisectors, with the narrowest place of every run.
 
     Chain c has the links ``first[c]`` to ``first[c + 1]`` of
     :func:`planner.diagram.chains.trace_kernels.trace_chains`; ``first`` need not begin at 0, and
-    the ``longest`` has so many. Runs that are ``known``, see
-    :mod:`planner.diagram.chains.kept_run_kernels`, are not bent again. Returns the chains and the
-    sites that are missing as :func:`planner.diagram.vertex_kernels.solve_vertices` does.
+    the longest chain has ``longest`` links. ``known`` runs, see
+    :mod:`planner.diagram.chains.kept_run_kernels`, are not bent again. Returns the chains, and the
+    missing sites as :func:`planner.diagram.vertex_kernels.solve_vertices` does.
     """
     chains, most = len(first) - 1, longest + 1
     place = np.empty((most, 4))
@@ -71,5 +71,5 @@ def bend_chains(
             bent = Bent(out.points[:n], out.pieces[:n], out.start, out.proved[:n])
             place, label, where = extra
             return bent, (place[:missing], label[:missing], where[:missing])
-        # rare: all of it again, with twice the room
+        # rare: repeat it all with twice the space
         room, more = room * (1 + (n < 0)), more * (1 + (missing < 0))

@@ -1,13 +1,13 @@
-"""Where the chains run exactly: their points on the bisectors, their widths and lengths.
+"""Exact geometry of chains: their points on the bisectors, their widths and lengths.
 
 Rules and units
-- Chains are those of :mod:`planner.diagram.chains.trace_kernels`. A chain's stations are its nodes
-  and turning points, which are solved; between two stations it follows the bisector of one pair of
-  pieces, the run's, see :mod:`planner.diagram.chains.bend_kernels`.
-- Left and right are those of ``cross(along, left - right) > 0`` in the scene's coordinates.
+- Chains are those of :mod:`planner.diagram.chains.trace_kernels`. A chain's stations are its
+  solved nodes and turning points; between two stations, a run, it follows the bisector of one pair
+  of pieces, see :mod:`planner.diagram.chains.bend_kernels`.
+- Left and right are as in :mod:`planner.diagram.bisector_kernels`.
 """
 
-# The arrays' types are in the docstrings; numba infers them.
+# numba infers types; docstrings state them.
 # mypy: allow-untyped-defs
 
 from __future__ import annotations
@@ -31,7 +31,7 @@ from planner.scene.primitive_kernels import NONE, distance
 
 @njit(**LEAF)
 def solve_rings(mesh, pieces, triangles, node, tolerances):
-    """Slide the nodes of closed runs onto their bisectors: they were passages until now."""
+    """Slide the nodes of closed runs, so far passages, onto their bisectors."""
     tri, label, kind, data = mesh.tri, mesh.label, pieces.kind, pieces.data
     at, xy, rho, state = triangles.at, triangles.place, triangles.rho, triangles.state
     half, _, tolerance = tolerances
@@ -54,9 +54,9 @@ def solve_rings(mesh, pieces, triangles, node, tolerances):
 def _order_turns(pieces, at, link, half, stations, last):
     """Swap turning points of the two sides that sampling put in the wrong order.
 
-    Where the left border turned from A to its corner P and then the right one from its corner
-    Q to B, with P Q between, but the places are the other way round, A B is between. Sampling
-    mistakes only what is near: a long run may well end behind where it began.
+    If the left border turns from A to its corner P and then the right one from its corner Q to B,
+    with P Q between, but the places are in reverse order, A B is between. Sampling only confuses
+    near places: a long run may well end behind its beginning.
     """
     kind, data = pieces.kind, pieces.data
     place, pair, run = stations.place, stations.sides, stations.run
@@ -84,7 +84,7 @@ def _order_turns(pieces, at, link, half, stations, last):
 
 @njit(**LEAF, forceinline=True)
 def _lay_stations(mesh, triangles, link, lo, hi, stations):
-    """Write the stations of the chain with the links ``lo`` to ``hi``: the last one's number."""
+    """Write the stations of the chain with links ``lo`` to ``hi``; return the last one's number."""
     tri, label = mesh.tri, mesh.label
     place, sides, run = stations.place, stations.sides, stations.run
     m = 0
@@ -110,9 +110,9 @@ def _lay_stations(mesh, triangles, link, lo, hi, stations):
 
 @njit(**LEAF, forceinline=True)
 def _copy_run(known, p, way, stations, s, out, n):
-    """Write the run after station s as it was known, from its point p: how many points then.
+    """Copy the known run after station s, from its point p; return the new number of points.
 
-    -1 where there is no room for them.
+    Returns -1 if space ran out.
     """
     left, right = stations.sides[s, 0], stations.sides[s, 1]
     end_x, end_y = stations.place[s + 1, 0], stations.place[s + 1, 1]
@@ -131,12 +131,12 @@ def _copy_run(known, p, way, stations, s, out, n):
 
 @njit(**LEAF)
 def bend(mesh, pieces, triangles, first, link, tolerances, known, room):
-    """The chains' points on their bisectors, with the narrowest place of every run.
+    """Bend the chains onto their bisectors, with the narrowest place of every run.
 
-    Fills ``room``, a :class:`planner.diagram.chains.bend_kernels.BendRoom`: a link is proved where
-    both of its points are, and where it follows the bisector between them. Runs that are ``known``,
-    see :mod:`planner.diagram.chains.kept_run_kernels`, are not bent again. Returns how many points
-    and missing sites there are, -1 for those that found no room.
+    Fills ``room``, a :class:`planner.diagram.chains.bend_kernels.BendRoom`; a link is proved if
+    both its points are and it follows their bisector. ``known`` runs, see
+    :mod:`planner.diagram.chains.kept_run_kernels`, are not bent again. Returns the numbers of
+    points and missing sites, -1 if space ran out.
     """
     out, stations = room.out, room.stations
     place, sides = stations.place, stations.sides
@@ -174,12 +174,12 @@ def bend(mesh, pieces, triangles, first, link, tolerances, known, room):
 
 @njit(**OWNING, error_model="numpy")
 def trace_again(mesh, pieces, triangles, old, bent, tolerances):
-    """Trace the chains that are not as they were, and solve the nodes that closed runs get.
+    """Trace the chains that changed, and solve the nodes that closed runs get.
 
-    ``old`` and ``bent`` are the chains as they were (:mod:`planner.diagram.diagram_arrays`).
-    Returns which of these are kept; the chains as in ``Traced``; the table of
-    :func:`planner.diagram.chains.kept_run_kernels.index_runs`; and how many links the longest of
-    the new chains has, at least 1. No triangle is stale then.
+    ``old`` and ``bent`` are the previous chains (:mod:`planner.diagram.diagram_arrays`). Returns
+    the kept ones of these; the chains as in ``Traced``; the table of
+    :func:`planner.diagram.chains.kept_run_kernels.index_runs`; and the number of links of the
+    longest new chain, at least 1. Afterwards no triangle is stale.
     """
     mask = triangles.mask
     kept, node, ends, first, link = trace_chains(mesh.tri, mask, triangles.stale, old)
@@ -193,12 +193,12 @@ def trace_again(mesh, pieces, triangles, old, bent, tolerances):
 
 @njit(**OWNING, error_model="numpy")
 def measure_chains(tree, points, proved, first, ends, nodes):
-    """Lengths and clearances of chains whose narrowest places are points of theirs.
+    """Measure chains whose narrowest places are among their points.
 
-    A proved link is as wide as its narrower end; any other is measured as a straight line
-    against the borders. Returns the ``points`` (p, 3) as places (p, 2) and clearances (p,),
-    ``gap``, ``step`` per point, ``length``, ``clearance`` per chain, and the clearances of the
-    ``nodes``, those of the chains' ``ends`` (c, 2) that are there.
+    A proved link is as wide as its narrower end; any other is measured as a straight line against
+    the borders. Returns the ``points`` (p, 3) as places (p, 2) and clearances (p,), ``gap``,
+    ``step`` per point, ``length``, ``clearance`` per chain, and the clearances of the ``nodes`` in
+    the chains' ``ends`` (c, 2).
     """
     p, c = len(points), len(first) - 1
     xy, rho = np.empty((p, 2)), np.empty(p)

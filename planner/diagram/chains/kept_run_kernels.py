@@ -1,14 +1,13 @@
-"""Runs of chains that are as they were: the same bisector between the same two places.
+"""Unchanged runs of chains: the same bisector between the same two places.
 
 Rules
 - A run follows the bisector of one pair of pieces from one station to the next, see
-  :mod:`planner.diagram.chains.chain_kernels`. That curve hangs on nothing else, and neither does
-  what is proved of it as long as nothing comes near: where its ends stayed, to the last bit, so do
-  the points between.
-- Only links that are proved are taken, in either direction.
+  :mod:`planner.diagram.chains.chain_kernels`. The curve and its proof depend on nothing else
+  while nothing comes near: if its ends are equal to the last bit, so are the points between.
+- Only proved links are taken, in either direction.
 """
 
-# The arrays' types are in the docstrings; numba infers them.
+# numba infers types; docstrings state them.
 # mypy: allow-untyped-defs
 
 from __future__ import annotations
@@ -21,17 +20,17 @@ from planner.scene.compile_options import LEAF, OWNING
 
 @njit(**LEAF, forceinline=True)
 def _slot(bits_x, bits_y, size):
-    """Where in a table of a power of two a place is looked for first."""
+    """First slot for a place in a table whose size is a power of two."""
     mixed = bits_x ^ (bits_x >> 17) ^ (bits_x >> 34) ^ (bits_y >> 7) ^ (bits_y >> 25)
     return (mixed ^ (bits_y >> 43)) & (size - 1)
 
 
 @njit(**OWNING, error_model="numpy")
 def index_runs(kept, bent):
-    """The points of the chains that are not ``kept`` (m,), found by their place.
+    """Index the points of the chains that are not ``kept`` (m,) by their place.
 
-    ``bent`` are the chains, :class:`planner.diagram.diagram_arrays.Bent`; only those that are not
-    kept are indexed. Returns the table of a :class:`planner.diagram.diagram_arrays.KnownRuns`.
+    ``bent`` are all chains, :class:`planner.diagram.diagram_arrays.Bent`. Returns the table of a
+    :class:`planner.diagram.diagram_arrays.KnownRuns`.
     """
     points, start = bent.points, bent.start
     count = 0
@@ -60,11 +59,10 @@ def index_runs(kept, bent):
 
 @njit(**LEAF)
 def find_run(known, place, place_bits, s, left, right):
-    """The known run from place s to the next between ``left`` and ``right``: where, which way.
+    """Find the known run from place s to the next between ``left`` and ``right``.
 
-    ``known`` is a :class:`planner.diagram.diagram_arrays.KnownRuns`, ``place`` (n, 4), and the same
-    as int64. Returns the point that it begins with, and 1 where it is to be walked forwards, -1
-    backwards, 0 where there is none.
+    ``known`` is a :class:`planner.diagram.diagram_arrays.KnownRuns`; ``place`` (n, 4) comes also as
+    int64. Returns the run's first point, and 1 for forwards, -1 for backwards, 0 if there is none.
     """
     points, bits, pieces, proved, table = known
     size = len(table)

@@ -1,15 +1,15 @@
-"""From valid edges to chains: who follows whom, and which chains are as they were.
+"""Chains from valid edges: the links of each, and the chains that are unchanged.
 
 Rules
-- A chain runs from node to node; nodes are vertices with one, three or no two valid edges. A
-  closed run without a node gets one at one of its vertices.
-- Triangles and half-edges are named as in :mod:`planner.delaunay.insertion_kernels`. A chain is its
-  links: the half-edges crossed from inside, in order.
-- Chains that pass no stale triangle, nor one whose valid edges changed, are kept; they come
-  first, in the order they had. Only what is left of the mesh is traced.
+- A chain runs from node to node; nodes are vertices with one or three valid edges. A closed run
+  without a node gets one at one of its vertices.
+- Triangles and half-edges are named as in :mod:`planner.delaunay.insertion_kernels`. A chain is
+  its links: the half-edges crossed from inside, in order.
+- Chains that pass no stale triangle and none whose valid edges changed are kept; they come first,
+  in their old order. Only the rest of the mesh is traced.
 """
 
-# The arrays' types are in the docstrings; numba infers them.
+# numba infers types; docstrings state them.
 # mypy: allow-untyped-defs
 
 from __future__ import annotations
@@ -24,13 +24,13 @@ from planner.scene.compile_options import LEAF, OWNING
 
 @njit(**OWNING, error_model="numpy")
 def trace_chains(tri, mask, stale, old):
-    """Runs of valid edges through vertices with two of them.
+    """Trace runs of valid edges through vertices with two of them.
 
-    ``mask`` (n,) holds every triangle's valid edges, ``stale`` (n,) says which triangles
-    changed. The ``old`` answer is a :class:`planner.diagram.diagram_arrays.Traced`, empty where
-    there is none. Returns ``kept`` (m,) int32, the old chains that are the first m of the new ones,
-    and of all of them ``node`` (n,) int32, the nodes' triangles, ``ends`` (c, 2) int32 node
-    numbers, and offsets ``first`` (c + 1,) into ``link`` (l,) int64.
+    ``mask`` (n,) are every triangle's valid edges, ``stale`` (n,) marks changed triangles. ``old``
+    is the previous :class:`planner.diagram.diagram_arrays.Traced`, or an empty one. Returns
+    ``kept`` (m,) int32, the old chains that are the first m of the new ones, and for all ``node``
+    (n,) int32, the nodes' triangles, ``ends`` (c, 2) int32 node numbers, and offsets ``first`` (c +
+    1,) into ``link`` (l,) int64.
     """
     n = len(mask)
     kept, todo = _split_chains(mask, stale, old)
@@ -84,7 +84,7 @@ def trace_chains(tri, mask, stale, old):
 
 @njit(**OWNING, error_model="numpy", inline="always")
 def _split_chains(mask, stale, old):
-    """The chains that are as they were, and the triangles where any other chain may pass."""
+    """The unchanged chains, and the triangles where any other chain may pass."""
     old_mask, old_node, old_ends, old_first, old_link = old
     n, known = len(mask), len(old_mask)
     changed = np.empty(n, np.bool_)
@@ -121,7 +121,7 @@ def _split_chains(mask, stale, old):
 
 @njit(**LEAF)
 def _keep_chains(tri, kept, old, number, node, used, ends, first, link):
-    """Write the ``kept`` chains into node, ends, first and link; returns how many nodes they have.
+    """Write the ``kept`` chains into node, ends, first and link; return their number of nodes.
 
     ``number`` gets the nodes' numbers and ``used`` the edges at which the chains leave them.
     """
@@ -148,7 +148,7 @@ def _keep_chains(tri, kept, old, number, node, used, ends, first, link):
 
 @njit(**OWNING, error_model="numpy")
 def lay_straight(mesh, at, first, link):
-    """The chains as straight links from centre ``at`` (t, 2) to centre of their triangles.
+    """Lay the chains as straight links between the centres ``at`` (t, 2) of their triangles.
 
     Returns ``points`` (p, 2), ``pieces`` (p, 2) and offsets (c + 1,) as in
     :class:`planner.diagram.diagram_arrays.Bent`.
@@ -189,7 +189,7 @@ def join_chains(kept, old, new):
     proved = np.empty(total, np.bool_)
     c = 0
     while c < m:
-        # chains that followed each other do so again
+        # copy consecutive chains at once
         last = c
         while last + 1 < m and kept[last + 1] == kept[last] + 1:
             last += 1

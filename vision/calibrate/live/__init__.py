@@ -1,8 +1,8 @@
 """Calibrating while somebody holds a board before the camera.
 
-- `following`: the board in every frame, quickly.
-- `stillness`: whether it stands still.
-- `guide`: which parts of the picture still want it, and how to hold it next.
-- `session`: frames in, what to show out; takes views by itself and knows when they are enough.
-- `taking`: the loop from a camera to a session and to whoever shows it.
+- `taking`: the loop from a camera to a session and its displays.
+- `session`: takes frames, returns what to show; picks the views and knows when they are enough.
+- `following`: finds the board in every frame, quickly.
+- `stillness`: judges if the board is held still.
+- `guide`: parts of the picture that still need it, and the next pose to hold it in.
 """

@@ -1,9 +1,10 @@
-"""A board in one frame after another: looked for in a reduced picture, then followed.
+"""A board in consecutive frames: found in a reduced picture, then followed.
 
 Rules
-- A board that was seen is followed by the optical flow of its corners (Lucas and Kanade, pyramids
-  by Bouguet), each refined in the whole picture. What does not move like one plane is looked for.
-- The search in a reduced picture misses small boards; the whole picture is searched every so often.
+- A board that was seen is followed by its corners' optical flow (Lucas and Kanade, pyramids by
+  Bouguet), each refined in the whole picture. If they do not move as one plane, search again.
+- The search in a reduced picture misses small boards, so every few misses the whole picture is
+  searched (ChArUco boards).
 """
 
 from __future__ import annotations
@@ -29,7 +30,7 @@ _FLOW_WINDOW: Final = (21, 21)
 
 
 class BoardFollower:
-    """Finds a board in frame after frame; ``look`` is given them in their order."""
+    """Finder of a board in consecutive frames; call ``look`` with them in order."""
 
     def __init__(self, spec: BoardSpec) -> None:
         self._spec = spec
@@ -38,7 +39,7 @@ class BoardFollower:
         self._missed = 0
 
     def look(self, image: Image, name: str) -> BoardView | NoBoard:
-        """The board in the next frame; ``name`` is what messages call it."""
+        """Find the board in the next frame; messages call the frame ``name``."""
         grey = grey_of(image)
         followed = self._follow(grey, name)
         found = self._search(grey, name) if followed is None else followed
@@ -95,7 +96,7 @@ def _view(name: str, grey: Image, corners: FloatArray, points: FloatArray) -> Bo
 
 def _moved_as_a_plane(before: FloatArray, after: FloatArray) -> bool:
     found: object = cv2.findHomography(before, after, 0)[0]
-    if not isinstance(found, np.ndarray):  # None where there is none, whatever the type stubs say
+    if not isinstance(found, np.ndarray):  # None without a homography, despite the type stubs
         return False
     plane = np.asarray(found, dtype=np.float64)
     seen = cv2.perspectiveTransform(before.reshape(-1, 1, 2), plane).reshape(-1, 2)

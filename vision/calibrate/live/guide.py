@@ -1,11 +1,11 @@
-"""Which parts of the picture still want a board, and how to hold it next.
+"""Guide to the parts of the picture that still need a board, and to its next pose.
 
 Rules and units
-- The picture is parted in cells. One is done when a board's corner was seen in it and the lens is
-  known there to the limit (`covariance.KnownLens.sigma_px`, the worst of several points).
-- The next place is the one of some hundred (place, tilt, distance) that leaves the fewest cells
-  without a board, and among those the one that makes the worst spread smallest: the guide of Peng
-  and Sturm (Calibration Wizard, 2019) with a choice of poses instead of a search.
+- The picture is divided into cells. A cell is done when a board's corner was seen in it and the
+  lens is known there to the limit (`covariance.KnownLens.sigma_px`, the worst of several points).
+- The next pose is, of some hundred (place, tilt, distance), the one that leaves the fewest cells
+  without a board, and among those the smallest worst spread: the guide of Peng and Sturm
+  (Calibration Wizard, 2019) with a choice of poses instead of a search.
 """
 
 from __future__ import annotations
@@ -46,7 +46,7 @@ _FACING: Final = np.diag([1.0, -1.0, -1.0])
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Cells:
-    """The picture's cells: ``sigma_px`` (rows, columns), and where a board was ``seen``."""
+    """The picture's cells: ``sigma_px`` (rows, columns), ``seen`` where a board has been."""
 
     sigma_px: FloatArray
     seen: NDArray[np.bool_]
@@ -54,7 +54,7 @@ class Cells:
 
     @property
     def done(self) -> NDArray[np.bool_]:
-        """(rows, columns) where no board is wanted any more."""
+        """(rows, columns) True for cells that need no further board."""
         return np.asarray(self.seen & (self.sigma_px <= self.limit_px))
 
     @property
@@ -65,7 +65,7 @@ class Cells:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class HeldPose:
-    """A place of the board: camera from board, and the ``view`` that the camera would have.
+    """A pose of the board, camera from board, and the ``view`` the camera would have of it.
 
     ``edge`` comes towards the camera ("" for none), ``distance`` is a name of ``SIZES``.
     """
@@ -79,7 +79,7 @@ class HeldPose:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Wanted:
-    """How to hold the board next: a sentence, its outline (4, 2) in the picture, and the pose."""
+    """The next pose of the board: a sentence, the outline (4, 2) in the picture, and the pose."""
 
     sentence: str
     outline_px: FloatArray
@@ -87,13 +87,13 @@ class Wanted:
 
 
 def is_new(view: BoardView, views: Sequence[BoardView]) -> bool:
-    """Whether a view shows the board where none of the others does."""
+    """True if a view shows the board where no other view does."""
     least_px = NEW_SHARE * max(view.size)
     return all(_apart_px(view, other) >= least_px for other in views)
 
 
 def _apart_px(view: BoardView, other: BoardView) -> float:
-    """The mean distance of the corners that both have; far where they have few in common."""
+    """Mean distance of the common corners; infinite if few are common."""
     places = {tuple(p): i for i, p in enumerate(np.round(other.points_m, 6).tolist())}
     pairs = [
         (i, places[key])
@@ -116,7 +116,7 @@ def cell_shape(size: tuple[int, int]) -> tuple[int, int]:
 def judge_cells(
     lens: KnownLens | None, views: Sequence[BoardView], size: tuple[int, int], limit_px: float
 ) -> Cells:
-    """The cells' state after some views; without a lens nothing is known anywhere."""
+    """State of the cells after some views; without a lens nothing is known."""
     shape = cell_shape(size)
     sigma = np.full(shape, np.inf)
     if lens is not None:
@@ -125,7 +125,7 @@ def judge_cells(
 
 
 def next_place(lens: KnownLens, spec: BoardSpec, views: Sequence[BoardView]) -> Wanted | None:
-    """How to hold the board next; None where no new place of it is wholly in the picture."""
+    """The next pose of the board; None if no new pose is wholly in the picture."""
     size = lens.size
     shape = cell_shape(size)
     seen, points = _seen(views, size, shape), _points(size)
@@ -143,7 +143,7 @@ def next_place(lens: KnownLens, spec: BoardSpec, views: Sequence[BoardView]) -> 
 
 
 def held_poses(lens: KnownLens, spec: BoardSpec) -> list[HeldPose]:
-    """Places, tilts and distances at which the whole board is in the picture."""
+    """Poses with the whole board in the picture: places, tilts and distances."""
     columns, rows = spec.inner
     x, y = np.meshgrid(np.arange(columns) * spec.square_m, np.arange(rows) * -spec.square_m)
     points: FloatArray = np.stack([x.ravel(), y.ravel()], axis=1)
@@ -184,7 +184,7 @@ def _project(
 
 
 def _beyond(corners: FloatArray, size: tuple[int, int]) -> FloatArray:
-    """How far (2,) points must be moved to be in the picture."""
+    """Shift (2,) that moves points into the picture."""
     low = np.maximum(0.0, _MARGIN_PX - corners.min(axis=0))
     high = np.maximum(0.0, corners.max(axis=0) - (np.array(size) - 1.0 - _MARGIN_PX))
     return np.asarray(low - high)
@@ -195,7 +195,7 @@ def _outline(lens: KnownLens, spec: BoardSpec, pose: HeldPose) -> FloatArray:
 
 
 def _rim(spec: BoardSpec) -> FloatArray:
-    """The corners (4, 2) of the outer squares: all of these must be seen, metres."""
+    """Corners (4, 2) of the outer squares, metres; all of them must be seen."""
     columns, rows = spec.inner
     rim = np.array([[-1, 1], [columns, 1], [columns, -rows], [-1, -rows]], dtype=np.float64)
     return rim * spec.square_m

@@ -1,12 +1,13 @@
-"""A live calibration: frames in, what to show out. Opens nothing, reads no clock.
+"""A live calibration: takes frames, returns what to show. Opens no device, reads no clock.
 
 Rules
-- A view is taken when the board stands still where no view is yet, and if it fits those before.
-- After each the lens is fitted anew with all five distortion terms, whatever the lens will have at
-  last: terms that the views do not determine are what still wants views.
+- A view is taken when the board is held still where there is no view yet, and if it fits the
+  earlier views.
+- After each view the lens is fitted again with all five distortion terms, whatever it has in the
+  end: terms that the views do not determine show where views are missing.
 - Enough: every cell is done, and the focal length is known to ``FOCAL_SHARE``.
-- Views that do not fit are not taken. Where three in a row are not, those before may be wrong: all
-  are judged together (`suspects`), and the smaller part goes.
+- Views that do not fit are not taken. After three in a row the earlier ones may be wrong: all are
+  judged together (`suspects`), and the smaller part goes.
 """
 
 from __future__ import annotations
@@ -49,11 +50,11 @@ _USABLE_FOCAL: Final = 0.2
 
 @dataclass(frozen=True, slots=True, eq=False)
 class LiveState:
-    """What to show of one frame.
+    """Everything to show of one frame.
 
-    ``view`` is the board in it, None with why not in ``remark``; ``still`` 0 to 1; ``taken``: this
-    frame became a view; ``count`` of views; ``cells`` and ``focal_share`` what is known;
-    ``wanted`` how to hold the board next; ``done`` that it is enough.
+    ``view`` is the board in it, or None with the reason in ``remark``; ``still`` 0 to 1; ``taken``:
+    this frame became a view; ``count`` of views; ``cells`` and ``focal_share`` the precision so
+    far; ``wanted`` the board's next pose; ``done``: it is enough.
     """
 
     size: tuple[int, int]
@@ -69,7 +70,7 @@ class LiveState:
 
 
 class LiveSession:
-    """Takes views of a board from frames; ``limit_px`` is the spread that is small enough."""
+    """Takes views of a board from frames; ``limit_px`` is the largest acceptable spread."""
 
     def __init__(self, spec: BoardSpec, limit_px: float = LIMIT_PX) -> None:
         if not (math.isfinite(limit_px) and limit_px > 0.0):
@@ -98,11 +99,11 @@ class LiveSession:
 
     @property
     def wanted(self) -> Wanted | None:
-        """How to hold the board next; None before the first frame and when it is enough."""
+        """The board's next pose; None before the first frame and when it is enough."""
         return self._wanted
 
     def look(self, frame: Frame) -> LiveState:
-        """The next frame; raises ``CalibrationError`` where its size is another than before."""
+        """Take the next frame; ``CalibrationError`` if its size differs from earlier frames."""
         if self._size is None:
             self._size = frame.size
             self._judge()
@@ -132,10 +133,10 @@ class LiveSession:
         )  # fmt: skip
 
     def _take(self, frame: Frame, followed: BoardView) -> tuple[bool, str]:
-        """Whether this frame becomes a view, and what to say."""
+        """Make this frame a view if it fits; return True if so, and the message."""
         self._number += 1
         name = f"view {self._number}"
-        # markers may have come into sight since the board was found; a chessboard is found whole
+        # more markers may be in sight than when the board was found; a chessboard is found whole
         again = find_board(frame.image, self._spec, name) if self._is_charuco else None
         view = again if isinstance(again, BoardView) else replace(followed, name=name)
         doubt = self._doubt(view)
@@ -150,7 +151,7 @@ class LiveSession:
         return True, f"{name}: taken"
 
     def _doubt(self, view: BoardView) -> str:
-        """Why a view does not fit those before it; empty where it does."""
+        """The reason why a view does not fit the earlier ones; empty if it does."""
         if self._lens is None or len(self._taken) < FEWEST_VIEWS:
             return ""
         usual_px = math.sqrt(2.0) * self._lens.noise_px
@@ -165,7 +166,7 @@ class LiveSession:
         )
 
     def _reconsider(self) -> str:
-        """Judge views and doubted ones together; the smaller part goes."""
+        """Judge taken and doubted views together; the smaller part goes."""
         everything = [*self._taken, *self._doubted]
         self._doubted.clear()
         views = [view for view, _ in everything]
@@ -176,7 +177,7 @@ class LiveSession:
         return f"views judged anew; left out: {', '.join(gone) or 'none'}"
 
     def _judge(self) -> None:
-        """Fit the lens, and see what is still wanted."""
+        """Fit the lens, and find the next pose."""
         assert self._size is not None
         views = self.views
         self._lens = self._fit(views)
@@ -200,7 +201,9 @@ class LiveSession:
             return None
 
     def _guess(self) -> KnownLens:
-        """The lens with what is known before any picture, so that a next place always follows."""
+        """The lens combined with the knowledge before any picture, so that there is always a next
+        pose.
+        """
         assert self._size is not None
         lens = self._lens
         if lens is not None and lens.focal_share < _USABLE_FOCAL:

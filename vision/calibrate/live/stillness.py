@@ -1,9 +1,10 @@
-"""Whether a board stands still: what its corners move together, against what noise moves.
+"""Stillness of a board: its corners' common movement compared with their noise.
 
 Rules and units
-- Pixels from one frame to the next, seconds of the frames' own times.
-- What an affine map takes along is movement, what it leaves is noise. Still is a movement below
-  ``STILL_PX``, which blurs no corner, or below what such noise feigns; and so for ``STILL_S``.
+- Pixels from one frame to the next, seconds by the frames' own times.
+- The part of the movement that an affine map explains is movement, the rest noise. A board is
+  still if it moves less than ``STILL_PX``, which blurs no corner, or less than noise can feign,
+  for ``STILL_S``.
 """
 
 from __future__ import annotations
@@ -26,14 +27,14 @@ _NOISES: Final = 3.0
 
 
 class Stillness:
-    """Told of each view of a board in turn."""
+    """Judge of a board's stillness; give it each view in turn."""
 
     def __init__(self) -> None:
         self._last: tuple[float, BoardView] | None = None
         self._since_s: float | None = None
 
     def add(self, now_s: float, view: BoardView | None) -> float:
-        """How still the board has been, 0 (it moves) to 1 (for ``STILL_S``)."""
+        """Stillness so far, from 0 (it moves) to 1 (still for ``STILL_S``)."""
         last, self._last = self._last, None if view is None else (now_s, view)
         if view is None or last is None or not 0.0 < now_s - last[0] <= LONGEST_GAP_S:
             self._since_s = None
@@ -47,12 +48,12 @@ class Stillness:
         return min(1.0, (now_s - self._since_s) / STILL_S)
 
     def begin_again(self) -> None:
-        """Forget how long the board has stood still."""
+        """Restart the measured time of stillness."""
         self._since_s = None
 
 
 def _movement(before: BoardView, after: BoardView) -> tuple[float, float] | None:
-    """(rms of the common movement, what the noise feigns of it) in px; None without enough corners.
+    """(rms of the common movement, its part that noise can feign) in px; None with too few corners.
 
     An affine map fitted to noise of spread s on n corners moves them by s sqrt(6 / n) rms.
     """

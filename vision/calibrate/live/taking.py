@@ -1,7 +1,7 @@
-"""Views of a board from a camera: frames in, views out, shown on the way.
+"""Loop that takes views of a board from a camera and shows them on the way.
 
-It ends when the views are enough, with the source, with Ctrl-C, or when somebody cancels it; what
-was taken is kept.
+It ends when the views are enough, when the source ends, on Ctrl-C, or when somebody cancels it; the
+views taken are kept.
 """
 
 from __future__ import annotations
@@ -25,17 +25,17 @@ SILENT_S: Final = 5.0
 
 
 class Shows(Protocol):
-    """Shows a live calibration to somebody."""
+    """Display of a live calibration."""
 
     def show(self, state: LiveState, frame: Frame) -> None:
-        """The next frame and what is known after it."""
+        """Show the next frame and the state after it."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class LiveTaken:
-    """The views that were taken, and in ``ended`` why it ended.
+    """The views taken, and in ``ended`` the reason why it ended.
 
-    ``last`` is what was known at last, None where there was no picture.
+    ``last`` is the last state, None if there was no picture.
     """
 
     views: tuple[BoardView, ...]
@@ -44,7 +44,7 @@ class LiveTaken:
 
 
 def _reduced(image: Image) -> Image:
-    """Grey, and so small that a chessboard's search is quick."""
+    """Grey, and small enough for a quick chessboard search."""
     grey = grey_of(image)
     scale = min(1.0, SEARCH_PX / max(grey.shape))
     small = cv2.resize(grey, None, fx=scale, fy=scale, interpolation=cv2.INTER_AREA)
@@ -59,12 +59,12 @@ def take_live(
     clock: Clock,
     is_cancelled: Callable[[], bool] = lambda: False,
 ) -> LiveTaken:
-    """Views of the board until they are enough; ``camera`` is opened and closed.
+    """Take views of the board until they are enough; opens and closes ``camera``.
 
-    Ends before that by Ctrl-C, and when ``is_cancelled``, which is asked at each frame.
+    Ctrl-C ends it earlier, and so does ``is_cancelled``, which is called at each frame.
 
-    Raises ``CameraError`` where the camera fails, ``CalibrationError`` where its pictures change
-    their size or the board is a part of a larger one.
+    Raises ``CameraError`` if the camera fails, ``CalibrationError`` if its pictures change size or
+    the board is part of a larger one.
     """
     last: LiveState | None = None
     ended = "enough views"
