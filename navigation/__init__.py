@@ -1,11 +1,14 @@
-"""Navigation Control: the running program.
+"""Navigation Control: the running program, one folder for each part.
 
-The control loop is in this folder, from `eye` and `pilot` to `serial_link`; `daemon` runs it.
-Around it, each in a folder: `config`, `draw`, `recording`, `simulator` and `machine` below;
-`dashboard`, `run`, `sweep` and `cli` above.
+- `loop` is the control loop: it sees, plans and sends once a cycle. It uses `mission` (the state
+  and the pilot's decisions), `witness` (camera against wheels), `fleet` (several robots) and
+  `link` (the serial line).
+- Below it: `config`, `draw`, `journal`, `recording`, `simulator`, `machine` and `shared`.
+- Above it: `orders` and `control` (orders to a running program), `dashboard`, `run`, `sweep` and
+  `cli`.
 
-``__init__.pyi`` lists what your own programs may use. Names are imported on first use, so `clearway
---help` needs none of them.
+``__init__.pyi`` lists the names for your own programs. They are imported on first use, so that
+`clearway --help` needs none of them.
 """
 
 import lazy_loader

@@ -1,9 +1,9 @@
-"""Doubts about a scene as a whole: nothing was found in the picture, or far too much.
+"""Doubts about a whole scene: nothing was found in the picture, or far too much.
 
 Rules
-- A doubt is one of the scene's remarks and follows from the scene alone, so that a later check
-  gives the same. Scenes of maps and texts have no binarisation, hence no doubts.
-- An empty arena and a picture without contrast look the same: a driver that had obstacles there
+- A doubt is one of the scene's remarks and follows from the scene alone, so a later check gives
+  the same. Scenes of maps and texts have no binarisation, hence no doubts.
+- An empty arena and a picture without contrast look the same: a driver that saw obstacles there
   before has to ask.
 """
 
@@ -19,7 +19,7 @@ rooms with a chessboard held up in them 264 at most (640 x 480); smoothed noise 
 
 
 def doubts_about(scene: Scene) -> tuple[str, ...]:
-    """Reasons not to drive in a picture's scene without asking; usually none. O(objects)."""
+    """Reasons to ask before driving in a picture's scene; usually none. O(objects)."""
     if scene.binarisation is None:
         return ()
     if not scene.objects:
@@ -34,6 +34,6 @@ def doubts_about(scene: Scene) -> tuple[str, ...]:
 
 
 def with_doubts(scene: Scene) -> Scene:
-    """Return the scene with its doubts put before its remarks."""
+    """Put the scene's doubts before its remarks."""
     doubts = doubts_about(scene)
     return replace(scene, remarks=(*doubts, *scene.remarks)) if doubts else scene

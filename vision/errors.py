@@ -1,4 +1,4 @@
-"""Error for a picture, or an option that goes with it, that Global Vision cannot use."""
+"""Error for input that Global Vision cannot use."""
 
 from __future__ import annotations
 

@@ -1,10 +1,10 @@
-"""Global Vision in one file: from a picture to a scene.
+"""From a picture to a scene.
 
 Rules and units
 - A scene is in pixels, centres at integers, y down; its bounds are the picture's edges.
-- With a calibration, edge points are mapped to the floor before anything is fitted, into
-  rectified pixels of the nominal size, each border shrunk to its size in the picture, so that
-  tolerances stay in pixels. The records are in metres, y up, inside the caller's bounds.
+- With a calibration, edge points are mapped to the floor before the fit, into rectified pixels
+  of the nominal size, each border shrunk to its size in the picture, so that tolerances stay in
+  pixels. Records are in metres, y up, inside the caller's bounds.
 """
 
 from __future__ import annotations
@@ -52,18 +52,17 @@ def extract(
     bounds: Bounds | Sequence[float] | NDArray[np.float64] | None = None,
     ignore: NDArray[np.bool_] | Sequence[tuple[float, float, float]] | None = None,
 ) -> Scene:
-    """Return the minimum geometric structure of a picture: obstacles as records P, S, C, A, L.
+    """Extract a picture's minimum geometric structure: obstacles as records P, S, C, A, L.
 
     ``image`` (h, w), (h, w, 1), (h, w, 3) BGR or (h, w, 4) BGRA, uint8, uint16 or plain sequences
-    of whole numbers, is never changed. ``mode`` is ``exact`` or ``paper``, the paper's recipe to
-    the letter. ``polarity`` is the side of the level that is obstacle; ``method`` and ``threshold``
+    of whole numbers, is never changed. ``mode`` is ``exact`` or ``paper``, the paper's recipe
+    verbatim. ``polarity`` is the side of the level that is obstacle; ``method`` and ``threshold``
     find the level (see ``vision.binarise.binarise``); a threshold alone is method ``fixed``.
     ``calibration`` and ``bounds`` (in metres, or x_min, y_min, x_max, y_max) make a scene in
-    metres; objects wholly outside the bounds are dropped, with a remark. If nothing is left, or far
-    too much is found, a remark says so (see ``vision.doubts``). ``ignore`` marks pixels that are
-    not obstacles: (h, w) bool, or discs (x, y, radius) in pixels. Raises ``PictureError`` for an
-    unusable picture or option, and if no pixel is free. Thread-safe. O(pixels) to threshold, then
-    O(border pixels).
+    metres; objects wholly outside are dropped, with a remark. An empty or overfull scene gets a
+    remark (see ``vision.doubts``). ``ignore`` marks pixels that are not obstacles: (h, w) bool, or
+    discs (x, y, radius) in pixels. Raises ``PictureError`` for an unusable picture or option, and
+    if no pixel is free. Thread-safe. O(pixels) to threshold, then O(border pixels).
     """
     _refuse(mode, calibration, bounds)
     clock = _StopWatch()

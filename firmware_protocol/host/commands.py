@@ -1,8 +1,8 @@
 """The host's wishes as commands: one at a time, until STATUS reports its outcome.
 
-A wish stays until the robot has answered; START retries for a moment while a lease or a pose is on
-its way. The end of a session gives up every command in flight: after a lost link only a new wish
-moves the robot.
+A wish stays until the robot answers; START retries for a moment while a lease or a pose is on its
+way. A session's end gives up every command in flight: after a lost link only a new wish moves the
+robot.
 """
 
 from __future__ import annotations
@@ -44,7 +44,7 @@ class _Outstanding:
 
 
 class Commands:
-    """The user's wishes, and the command that awaits an answer."""
+    """The user's wishes and the command awaiting its answer."""
 
     def __init__(self) -> None:
         self._reset = False
@@ -56,8 +56,6 @@ class Commands:
         self._number = 0
         self._waiting: _Outstanding | None = None
 
-    # Wishes.
-
     def want_start(self, now_s: float) -> None:
         """Wish to drive the mission."""
         self._pause = False
@@ -68,15 +66,15 @@ class Commands:
         self._start_s = None
 
     def want_pause(self) -> None:
-        """Wish to stop under control and keep the mission."""
+        """Wish to stop under control, mission kept."""
         self._start_s, self._pause = None, True
 
     def want_clear(self) -> None:
-        """Wish to stop under control and forget the mission."""
+        """Wish to stop under control, mission forgotten."""
         self._start_s, self._pause, self._clear = None, False, True
 
     def want_mission(self) -> None:
-        """Drop all wishes: another mission replaces the last one."""
+        """Drop all wishes about the last mission."""
         self._start_s, self._pause, self._clear = None, False, False
 
     @property
@@ -88,12 +86,10 @@ class Commands:
         """Set or withdraw the wish to leave the emergency stop."""
         self._reset = wanted
 
-    # The robot's side.
-
     def next(
         self, status: Status, upload: Upload | None, all_acknowledged: bool, now_s: float
     ) -> Command | None:
-        """The command to send now, the most urgent wish first; it counts as sent."""
+        """The command to send next, the most urgent wish first; it counts as sent."""
         waiting = self._waiting
         overdue = waiting is not None and all_acknowledged and now_s - waiting.sent_s > RETRY_S
         if waiting is not None and not overdue:
@@ -146,7 +142,7 @@ class Commands:
         return CommandEnded(waiting.kind, status.result)
 
     def give_up(self) -> CommandEnded | None:
-        """End the session: the command in flight is void, and so is the wish to drive."""
+        """End the session: command in flight and wish to drive are void."""
         waiting, self._waiting = self._waiting, None
         start_s, self._start_s = self._start_s, None
         self._number = 0

@@ -1,11 +1,11 @@
 """The host's end of the link, sans-IO: bytes in, events out, one frame at a time out.
 
 - ``receive_bytes`` and ``tick`` take the time; ``next_event`` returns what happened;
-  ``bytes_to_send`` returns at most one frame, paced to the baud rate, so that at most one waits
-  in the operating system and an emergency stop is never stuck behind a queue.
+  ``bytes_to_send`` returns at most one frame, paced to the baud rate, so that at most one waits in
+  the operating system and no queue delays an emergency stop.
 - Orders (``upload``, ``start``, ``pause``, ``clear``, ``reset_estop``) are wishes, sent until
   STATUS confirms them. Lease and pose are sent once; a newer one replaces an unsent one.
-- After a lost link the robot stands still and drives again only on a new ``start``.
+- After a lost link the robot is at rest and drives again only on a new ``start``.
 - Seconds of the host's monotonic clock; metres and radians.
 """
 
@@ -60,7 +60,7 @@ class HostConnection:
     """One robot at the other end of one line.
 
     ``rng`` gives session numbers; ``baud`` paces the output, None does not; ``expected_boot_id`` is
-    the boot of a journalled mission.
+    a journalled mission's boot.
     """
 
     def __init__(
@@ -97,7 +97,7 @@ class HostConnection:
         self._new_session(now_s)
 
     def close(self, reason: str = "the port was closed") -> None:
-        """End the link: the port is gone or closed; orders in flight are given up."""
+        """End the link with its port; orders in flight are given up."""
         self._drop_session()
         self._change(LinkEvent.CLOSE, reason)
         self._reason = reason
@@ -105,8 +105,8 @@ class HostConnection:
     def upload(self, mission: Mission, now_s: float, start: bool = True) -> None:
         """Replace the mission: stop under control, clear, send, and (``start``) drive.
 
-        A mission that the robot already holds (same id, same waypoints) continues where it was.
-        LocalError for the id of a mission that became void: part of it may have been driven.
+        A mission that the robot already holds (same id, same waypoints) continues. LocalError for
+        the id of a void mission: part of it may have been driven.
         """
         upload = self._mission.give(mission)
         self._out.commands.want_mission()
@@ -126,11 +126,11 @@ class HostConnection:
         self._out.commands.want_start(now_s)
 
     def pause(self) -> None:
-        """Stop under control and keep the mission."""
+        """Stop under control, mission kept."""
         self._out.commands.want_pause()
 
     def clear(self) -> None:
-        """Stop under control and forget the mission."""
+        """Stop under control, mission forgotten."""
         self._mission.upload = None
         self._out.commands.want_clear()
         self._change(LinkEvent.MISSION_OVER, "the mission was cleared")
@@ -146,7 +146,7 @@ class HostConnection:
         """Send a lease once: the control loop lived at ``now_s``. ``odometry``: may drive without
         poses.
 
-        It expires ``ttl_s`` later by the robot's clock, whatever its time on the way.
+        It expires ``ttl_s`` later by the robot's clock, whatever its delay.
         """
         self._out.freshest.give_lease(lease_of(ttl_s, permit, pose_age_s, odometry), now_s)
 
@@ -175,52 +175,52 @@ class HostConnection:
         return self._mission.upload
 
     def next_event(self) -> Event | None:
-        """The oldest unread event; None if there is none."""
+        """The oldest unread event, or None."""
         return self._events.popleft() if self._events else None
 
     @property
     def estopped(self) -> bool:
-        """True if the robot's last report was ESTOP."""
+        """True if the last report was ESTOP."""
         return self.status is not None and self.status.state is RobotState.ESTOP
 
     @property
     def estop_pending(self) -> bool:
-        """True if an emergency stop awaits its confirmation."""
+        """True if an emergency stop awaits confirmation."""
         return self._out.estop_wanted
 
     @property
     def leaving_estop(self) -> bool:
-        """True if the robot is to leave its emergency stop and has not answered yet.
+        """True if the robot is to leave its emergency stop and has not answered.
 
         Until then its reports mean the old stop; afterwards ESTOP is a new one.
         """
         return self._out.commands.reset_wanted
 
     def why_no_permit(self, now_s: float) -> str | None:
-        """The reason, as a sentence, why no lease can be given; None if one can."""
+        """Why no lease can be given, as a sentence; None if one can."""
         return self._out.clock.why_unknown(now_s)
 
     @property
     def clock(self) -> ClockEstimate:
-        """The current estimate of the robot's clock."""
+        """Estimate of the robot's clock."""
         return self._out.clock.estimate
 
     @property
     def pose_captured_s(self) -> float:
-        """Capture time of the pose sent last, to measure the delay up to here."""
+        """Capture time of the last pose sent, to measure its delay."""
         return self._out.freshest.pose_captured_s
 
     @property
     def heard_s(self) -> float:
-        """Time of the session's last frame; -infinity before the first."""
+        """Time of the session's last frame; -infinity before it."""
         return self._heard_s
 
     def heard_age_s(self, now_s: float) -> float:
-        """Time since the last frame of the session."""
+        """Time since the session's last frame."""
         return now_s - self._heard_s
 
     def why_down(self, now_s: float) -> str | None:
-        """The reason, as a sentence, why no order can be given; None if frames pass both ways."""
+        """Why no order can be given, as a sentence; None if frames pass both ways."""
         if self.state.is_up:
             return self._hearing.why_deaf
         if self.state in (LinkState.CLOSED, LinkState.REFUSED):
@@ -234,7 +234,7 @@ class HostConnection:
     # Bytes in.
 
     def receive_bytes(self, data: bytes, now_s: float) -> None:
-        """Take the bytes that arrived, in any portion."""
+        """Take arrived bytes, in any portion."""
         if data:
             self._bytes_s = now_s
         for frame in self.parser.feed(data):
@@ -380,7 +380,7 @@ class HostConnection:
         return data
 
     def deadline_s(self, now_s: float) -> float:
-        """The time to call :meth:`tick` and :meth:`bytes_to_send` again if nothing arrives."""
+        """Time to call :meth:`tick` and :meth:`bytes_to_send` again if nothing arrives."""
         if self.state is LinkState.CLOSED:
             return now_s + 0.1
         return self._out.deadline_s(now_s)
@@ -392,7 +392,7 @@ class HostConnection:
         self.counters.sessions += 1
 
     def _drop_session(self) -> None:
-        """Give up the orders in flight; the robot stands still, and only a new start moves it."""
+        """Give up orders in flight; the robot stops, and only a new start moves it."""
         ended = self._out.commands.give_up()
         if ended is not None:
             self._events.append(ended)

@@ -43,7 +43,7 @@ class MissionAccepted:
 
 @dataclass(frozen=True, slots=True)
 class MissionDone:
-    """The robot has executed all waypoints; the chain of executed waypoints agrees."""
+    """All waypoints are executed; the chain of executed waypoints agrees."""
 
     mission: int
 
@@ -73,7 +73,7 @@ class StrayHello:
 
 @dataclass(frozen=True, slots=True)
 class EstopConfirmed:
-    """The robot has reported that it is in ESTOP."""
+    """The robot has reported ESTOP."""
 
 
 Event: TypeAlias = (

@@ -1,8 +1,8 @@
-"""Lease and pose: each sent once, and a newer one replaces one that still waits.
+"""Lease and pose: each sent once; a newer one replaces a waiting one.
 
-Both carry a time of the robot's own clock, so that they age alike on the line, in buffers and in
-the robot. A lease gets the earliest date within the clock's bound, a pose the best estimate.
-Nothing is sent while that bound exceeds ``ERROR_MAX_S``. Seconds of the host's clock.
+Both carry a time of the robot's clock, so that they age alike on the line, in buffers and in the
+robot. A lease gets the earliest date within the clock's bound, a pose the best estimate. Nothing is
+sent while that bound exceeds ``ERROR_MAX_S``. Seconds of the host's clock.
 """
 
 from __future__ import annotations
@@ -20,7 +20,7 @@ _POSE_KEPT_S: Final = 0.5
 
 
 class Freshest:
-    """The waiting lease and pose, and the capture time of the pose sent last."""
+    """The waiting lease and pose, and the last sent pose's capture time."""
 
     def __init__(self) -> None:
         self.pose_captured_s = -math.inf
@@ -30,12 +30,12 @@ class Freshest:
         self._pose: tuple[PoseFix, float] | None = None
 
     def give_lease(self, lease: Lease, issued_s: float) -> None:
-        """Replace the waiting lease; LocalError if a value does not fit the wire."""
+        """Replace the waiting lease; LocalError if it does not fit the wire."""
         lease.pack()
         self._lease = (lease, issued_s)
 
     def give_pose(self, fix: PoseFix, captured_s: float) -> None:
-        """Replace the waiting pose; LocalError if a value does not fit the wire."""
+        """Replace the waiting pose; LocalError if it does not fit the wire."""
         fix.pack()
         self._pose = (fix, captured_s)
 

@@ -1,9 +1,9 @@
 """Output of the host's end: at most one frame at a time, the most urgent first.
 
 An emergency stop passes every queue and the line's pace. Otherwise HELLO, while no robot answers;
-its challenge returned, until it is verified; else lease, pose and the question for its clock, each
-sent once; then commands and waypoints, which the window keeps until they are acknowledged. Seconds
-of the host's monotonic clock.
+its challenge returned, until it is verified; else lease, pose and the clock's question, each sent
+once; then commands and waypoints, which the window keeps until acknowledged. Seconds of the host's
+monotonic clock.
 """
 
 from __future__ import annotations
@@ -36,7 +36,7 @@ ESTOP_REPEAT_S: Final = 0.02
 
 
 class Outgoing:
-    """Everything waiting to be sent, and the line's pace at ``baud``; None does not pace."""
+    """Everything to send, and the line's pace at ``baud``; None does not pace."""
 
     def __init__(self, sessions: HostSessions, counters: HostCounters, baud: int | None) -> None:
         self.pace = LinePace(baud)
@@ -52,7 +52,7 @@ class Outgoing:
         self._estop_s = -math.inf
 
     def want_estop(self) -> None:
-        """Stop at once, and until confirmed; all wishes that would move the robot again are void."""
+        """Stop at once, until confirmed; wishes that would move the robot again are void."""
         self.estop_wanted = True
         self._estop_s = -math.inf
         self.commands.want_reset(False)

@@ -1,7 +1,7 @@
-"""The robot's clock over one connection: its questions, answers, doubts and resets.
+"""The robot's clock over one connection: questions, answers, doubts and resets.
 
-``estimate`` is the estimate (``clock_sync``), ``sync_schedule`` times the questions. Seconds of the
-host's monotonic clock.
+``clock_sync`` makes the ``estimate``, ``sync_schedule`` times the questions. Seconds of the host's
+monotonic clock.
 """
 
 from __future__ import annotations
@@ -26,7 +26,7 @@ class RobotClock:
         self._schedule = SyncSchedule()
 
     def next_question(self, now_s: float) -> TimeSync | None:
-        """The question that is due, which then counts as sent; None if none is."""
+        """The question that is due, which then counts as sent, or None."""
         return self._schedule.next_question(now_s)
 
     def take(self, answer: TimeSyncReply, now_s: float) -> None:
@@ -54,7 +54,7 @@ class RobotClock:
         self._schedule.begin_again()
 
     def why_unknown(self, now_s: float) -> str | None:
-        """The reason, as a sentence, why no lease can be dated by it; None if one can."""
+        """Why no lease can be dated by it, as a sentence; None if one can."""
         error_s = self.estimate.error_s(now_s)
         if error_s <= ERROR_MAX_S:
             return None

@@ -1,13 +1,13 @@
 """The host's sessions: their numbers, the times of HELLO, and other hosts on the line.
 
-- A session's number is drawn at random, never one of the last sixteen: this distinguishes late
-  frames of our own sessions from a stranger's.
+- A session's number is random, never one of the last sixteen: so late frames of our own sessions
+  differ from a stranger's.
 - HELLO is repeated at intervals that grow by half, until the robot reports in the session; to a
   robot of another schema every few seconds.
-- A stranger's HELLO is not yet its session: the robot answers it and stays with ours. Only its
-  messages in an open session show that another host has returned the challenge.
-- That host has the robot while the robot hears it: while the count of frames in the robot's
-  STATUS grows. This host is silent meanwhile and takes the robot back afterwards.
+- A stranger's HELLO is not yet its session: the robot answers it and stays with ours. Only the
+  robot's messages in an open session show that another host has returned the challenge.
+- That host has the robot while the robot hears it: while the count of frames in STATUS grows. This
+  host is silent meanwhile, then takes the robot back.
 - Seconds of the host's monotonic clock.
 """
 
@@ -36,7 +36,7 @@ _OPENING: Final = (MessageType.HELLO_ACK, MessageType.CHALLENGE)
 
 
 class HostSessions:
-    """The present session, and our knowledge of the others."""
+    """The present session, and our knowledge of others."""
 
     def __init__(self, rng: random.Random) -> None:
         self.present = 0
@@ -94,7 +94,7 @@ class HostSessions:
         return True
 
     def foreigner_speaks(self, now_s: float) -> bool:
-        """True if the robot has just heard another host in an open session."""
+        """True if the robot just heard another host in an open session."""
         return now_s - self._foreign_s < FOREIGN_S
 
     def hello_due(self, now_s: float) -> bool:

@@ -4,8 +4,8 @@ CLOSED: no port. HELLO: asking for a robot. VERIFY: a robot has answered; its mi
 with ours. STREAM: up. DRAIN: up, the robot has the whole mission and executes it. LINK_LOST: it was
 up and fell silent; asking again. REBOOTED: up, but the robot's memory is gone; its mission is void
 until a new one is given. REFUSED: a robot of another version or schema has answered and is asked
-again every few seconds. A pair missing from the table can only come from a mistake of this program,
-whatever a robot sends.
+every few seconds. A pair missing from the table means a mistake of this program, whatever a robot
+sends.
 """
 
 from __future__ import annotations
@@ -35,7 +35,7 @@ class LinkState(Enum):
 
     @property
     def is_asking(self) -> bool:
-        """True if no robot has answered yet, or none that is usable."""
+        """True if no usable robot has answered yet."""
         return self in _ASKING
 
 
@@ -83,7 +83,7 @@ TRANSITIONS: Final[dict[tuple[LinkState, LinkEvent], LinkState]] = {
 
 
 def state_after(state: LinkState, event: LinkEvent) -> LinkState:
-    """State of the link after an event; LocalError for an event that cannot happen in it."""
+    """State after an event; LocalError for one that cannot happen."""
     if (state, event) not in TRANSITIONS:
         raise LocalError(f"{event.name} ({event.value}) cannot happen to a link in {state.name}")
     return TRANSITIONS[state, event]

@@ -1,10 +1,9 @@
 """The upload of a mission: the waypoints to send next, and a comparison with the robot's.
 
-The robot's reports are the truth: accepted waypoints are never sent again, lost ones are. Every
-report's two fingerprints, over the accepted and the executed waypoints, are compared with the
-mission's; a difference ends the mission with a sentence. A mission may be released in parts:
-waypoints beyond the released ones are not sent, and a robot that has driven all it has waits at the
-last of them.
+The robot's reports are the truth: accepted waypoints are never sent again, lost ones are. Each
+report's fingerprints of the accepted and the executed waypoints are compared with the mission's; a
+difference ends the mission with a sentence. A mission may be released in parts: unreleased
+waypoints are not sent, and a robot that has driven all it has waits at the last one.
 """
 
 from __future__ import annotations
@@ -93,7 +92,7 @@ class Upload:
         """The next frame's waypoints; None if the queue is full or all released are sent."""
         end = min(self._next + BATCH, self._limit, self.released)
         full = end - self._next == BATCH or end == self.released
-        # a partly filled frame would cost the line more than it brings
+        # a partly filled frame costs the line more than it brings
         if not self.on_robot or end <= self._next or not full:
             return None
         return Waypoints(self.mission.id, self._next, self.mission.records[self._next : end])

@@ -1,7 +1,7 @@
 """The mission meant for the robot: given, followed to its end, or void.
 
-It is void once the robot may not have what was sent: after a reboot or an emergency stop, or if the
-robot reports other waypoints. Its id is not used again: part of it may have been driven.
+It is void once the robot may lack what was sent: after a reboot, an emergency stop, or a report of
+other waypoints. Its id is not reused: part of it may have been driven.
 """
 
 from __future__ import annotations
@@ -28,14 +28,14 @@ class WantedMission:
         self._void_ids: deque[int] = deque(maxlen=64)
 
     def give(self, mission: Mission) -> Upload:
-        """Replace the mission; LocalError for the id of one that became void."""
+        """Replace the mission; LocalError for a void one's id."""
         if mission.id in self._void_ids:
             raise LocalError(f"mission {mission.id} became void: a new one needs a new id")
         self.upload = Upload(mission)
         return self.upload
 
     def follow(self, upload: Upload, status: Status, credit: int, everything: bool) -> str | None:
-        """Follow the mission by a report; return a sentence if the report makes it void.
+        """Follow the mission by a report; return a sentence if it is void by it.
 
         ``everything``: the robot had every frame sent when it made the report.
         """

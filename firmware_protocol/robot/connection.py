@@ -1,6 +1,6 @@
 """The robot's end of the link, sans-IO: bytes in, decisions through the controller, bytes out.
 
-The line is read and answered by ``clearway.link``, which MicroPython boards run too.
+``clearway.link``, shared with MicroPython boards, reads and answers the line.
 """
 
 from __future__ import annotations
@@ -24,9 +24,9 @@ class Identity:
 
 
 class RobotConnection:
-    """Parses the host's bytes for a controller and reports its state.
+    """Reader of the host's bytes for a controller, and reporter of its state.
 
-    ``link`` is the reading and answering one, in whole numbers.
+    ``link`` reads and answers, in whole numbers.
     """
 
     def __init__(self, identity: Identity, controller: RobotController) -> None:
@@ -38,19 +38,19 @@ class RobotConnection:
         self.link.frames.schema = identity.schema.to_bytes(4, "little")
 
     def receive_bytes(self, data: bytes, now_s: float) -> None:
-        """Take bytes from the line, in any portion, and act on the frames in them."""
+        """Take bytes from the line, in any portion, and act on their frames."""
         self.link.receive(bytearray(data), len(data), self._pass_time(now_s))
         while self.controller.robot.sum():
-            pass  # a board has its rounds for it
+            pass  # a board spreads this over its rounds
 
     def next_frame(self, now_s: float) -> bytes:
-        """The most urgent frame that is due, empty where none is; call when the line is free."""
+        """The most urgent due frame, empty if none is; call when the line is free."""
         size = self.link.next_frame(self._pass_time(now_s))
         return bytes(self.link.frame[:size]) if size else b""
 
     @property
     def session(self) -> int | None:
-        """The session that a host has opened."""
+        """The session opened by a host."""
         return self.link.session or None
 
     @property
@@ -59,7 +59,7 @@ class RobotConnection:
         return self.link.count[SESSION_ERRORS]
 
     def _pass_time(self, now_s: float) -> int:
-        """The time now as the robot's clock has it, modulo 2^30."""
+        """The robot's clock, modulo 2^30."""
         now_us = self.controller.pass_time(now_s)
         self.link.turns = now_us >> 30 & 3
         return now_us & TIME

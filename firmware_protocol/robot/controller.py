@@ -1,8 +1,8 @@
 """The robot's decisions in SI units and on a clock without an end; sans-IO.
 
-Everything is decided by ``clearway.robot``, which MicroPython boards run too. Here seconds and
-metres become its whole numbers: microseconds modulo 2^30, micrometres, eighths of mm/s. Time is the
-robot's own clock, passed in; distances are metres, as the wheel encoders measure them.
+``clearway.robot``, shared with MicroPython boards, decides. Seconds and metres become its whole
+numbers: microseconds modulo 2^30, micrometres, eighths of mm/s. Time is the robot's own clock,
+passed in; distances are metres, as the wheel encoders measure them.
 """
 
 from __future__ import annotations
@@ -37,7 +37,7 @@ EIGHTHS_PER_M: Final = 8_000
 
 
 class WheelSpeeds(NamedTuple):
-    """Wanted speeds of the wheels' rims over the ground; ``powered`` False: motors off."""
+    """Setpoints of the wheel rims' speeds over the ground; ``powered`` False: motors off."""
 
     left_m_s: float
     right_m_s: float
@@ -53,9 +53,9 @@ class Pose(NamedTuple):
 
 
 class RobotController:
-    """Everything the robot decides; one :meth:`step` per control cycle (100 a second).
+    """All decisions of the robot; one :meth:`step` per control cycle (100 a second).
 
-    ``robot`` is the deciding one, in whole numbers.
+    ``robot`` makes them, in whole numbers.
     """
 
     def __init__(self, settings: DriveSettings | None = None) -> None:
@@ -64,14 +64,12 @@ class RobotController:
         self._now_us: int | None = None
         self._wheels_um: tuple[int, int] | None = None
 
-    # Time.
-
     def tick(self, now_s: float) -> None:
         """Watch the lease between two steps."""
         self.robot.tick(self.pass_time(now_s) & TIME)
 
     def pass_time(self, now_s: float) -> int:
-        """Let time pass up to then, however long it was; that time in microseconds."""
+        """Let time pass up to ``now_s``, however long; return it in microseconds."""
         now_us = _us(now_s)
         if self._now_us is not None:
             while now_us - self._now_us > STRIDE_US:
@@ -80,29 +78,25 @@ class RobotController:
         self._now_us = now_us
         return now_us
 
-    # The control cycle.
-
     def step(self, now_s: float, left_m: float, right_m: float) -> WheelSpeeds:
-        """One cycle: the wheels have travelled so far since boot; how fast they should turn."""
+        """Run one cycle: from the wheels' travel since boot to their speeds."""
         self.robot.step(self.pass_time(now_s) & TIME, *self._travelled(left_m, right_m))
         return self.wheels
 
     def follow(self, now_s: float, left_m: float, right_m: float) -> None:
-        """Decide for a cycle that ended then, without the wheels and without a look at the lease.
+        """Decide for a cycle that ended at ``now_s``, without wheels and lease check.
 
-        For robots that report several cycles at once: :meth:`tick` comes before them.
+        For robots that report several cycles at once: call :meth:`tick` first.
         """
         self.robot.follow(_us(now_s) & TIME, *self._travelled(left_m, right_m))
 
     def turn_wheels(self, now_s: float) -> WheelSpeeds:
-        """Order the wheels from now on what :meth:`follow` has decided."""
+        """Order the wheels by the decisions of :meth:`follow`."""
         self.robot.turn_wheels(_us(now_s) & TIME)
         return self.wheels
 
-    # What stops it without the host.
-
     def emergency_stop(self, reason: StopReason = StopReason.ESTOP_HOST) -> None:
-        """Wheels to zero at once, latched until the host resets it in another session."""
+        """Stop the wheels at once, latched until the host resets it in another session."""
         self.robot.emergency_stop(reason)
 
     def stand(self) -> None:
@@ -111,59 +105,57 @@ class RobotController:
             self.robot.pause()
         self.robot.freeze()
 
-    # What is known of it.
-
     @property
     def state(self) -> RobotState:
-        """The state that it is in."""
+        """Present state."""
         return RobotState(self.robot.state)
 
     @property
     def reason(self) -> StopReason:
-        """Why it is not in RUN: the last cause."""
+        """Last reason for not being in RUN."""
         return StopReason(self.robot.reason)
 
     @property
     def wheels(self) -> WheelSpeeds:
-        """The orders to the motors: those of the last step, or zero since an emergency stop."""
+        """Orders to the motors: the last step's, or zero since an emergency stop."""
         robot = self.robot
         return WheelSpeeds(robot.left / EIGHTHS_PER_M, robot.right / EIGHTHS_PER_M, robot.powered)
 
     @property
     def pose(self) -> Pose:
-        """The place that it believes to be at."""
+        """Estimated pose."""
         x_um, y_um, angle, _ = self.robot.estimate.pose
         heading_rad = max(-math.pi, min(math.pi, heading_of(angle) / 1e4))
         return Pose(x_um / UM_PER_M, y_um / UM_PER_M, heading_rad)
 
     @property
     def mission(self) -> int:
-        """The mission whose waypoints it takes; 0: none."""
+        """Mission whose waypoints it takes; 0: none."""
         return self._number(MISSION)
 
     @property
     def accept_next(self) -> int:
-        """The index of the waypoint that it takes next."""
+        """Index of the next waypoint to take."""
         return self._number(ACCEPT_NEXT)
 
     @property
     def exec_next(self) -> int:
-        """The index of the waypoint that it executes next."""
+        """Index of the next waypoint to execute."""
         return self._number(EXEC_NEXT)
 
     @property
     def prefix_crc(self) -> int:
-        """The CRC over the mission's number and the waypoints taken."""
+        """CRC over the mission's number and the waypoints taken."""
         return self._number(PREFIX_CRC)
 
     @property
     def exec_crc(self) -> int:
-        """The same over the waypoints executed, in their order."""
+        """The same over the waypoints executed, in order."""
         return self._number(EXEC_CRC)
 
     @property
     def done(self) -> bool:
-        """True if the mission's last waypoint has been executed."""
+        """True if the mission's last waypoint is executed."""
         return self.robot.done
 
     @property

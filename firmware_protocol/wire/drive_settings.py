@@ -16,10 +16,9 @@ LEAST_WHEEL_MAX_MM_S: Final = 200
 class DriveSettings:
     """A robot's size and abilities.
 
-    Every value > 0, but for ``least_wheel_m_s``, which may be 0 for wheels that turn at any ordered
-    speed. The firmware computes with a track up to 1 m, a speed up to 2 m/s, turning that gives the
-    wheels at most 2 m/s, 15 rad/s2, 8 m/s2, lookahead of 1 m and 0.5 s, a deviation up to 2 m, and
-    a least speed up to 0.2 m/s; it clips larger values to these.
+    Every value > 0, but ``least_wheel_m_s`` may be 0, for wheels that turn at any speed. The
+    firmware clips to a track of 1 m, a speed of 2 m/s, turning that gives the wheels 2 m/s, 15
+    rad/s2, 8 m/s2, lookahead of 1 m and 0.5 s, a deviation of 2 m, and a least speed of 0.2 m/s.
     """
 
     track_m: float = 0.12

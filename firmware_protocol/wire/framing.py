@@ -2,8 +2,8 @@
 
 - The header has 8 bytes, the payload at most 112, the check 4; a frame is at most 124 bytes
   decoded and 127 on the wire, 15 of them overhead.
-- The CRC also covers one byte that is not sent, ``H`` from the host and ``R`` from the robot,
-  so that an echoed frame never validates.
+- The CRC also covers one unsent byte, ``H`` from the host and ``R`` from the robot, so that an
+  echoed frame never validates.
 - A parser takes bytes in any portions and counts every kind of fault; it never raises.
 """
 
@@ -68,7 +68,7 @@ class Frame:
 
 @dataclass(slots=True)
 class ParserCounters:
-    """A parser's counts since it was made, one for each kind of fault."""
+    """A parser's counts since it was made, by kind of fault."""
 
     bytes: int = 0
     frames: int = 0
@@ -95,7 +95,7 @@ class ParserCounters:
 
 
 def encode_frame(frame: Frame, sender: Sender) -> bytes:
-    """Encode a frame for the wire, with both delimiters.
+    """Encode a frame with both delimiters.
 
     Raises LocalError if a field does not fit.
     """
@@ -121,7 +121,7 @@ def encode_frame(frame: Frame, sender: Sender) -> bytes:
 
 
 def wire_bytes(payload_bytes: int) -> int:
-    """Number of bytes on the wire of a frame with a payload of that size."""
+    """Number of bytes on the wire for a payload."""
     return payload_bytes + OVERHEAD
 
 
@@ -135,7 +135,7 @@ class FrameParser:
         self._too_long = False
 
     def feed(self, data: bytes) -> list[Frame]:
-        """Take the next bytes, in any portion; return the frames that they complete, in order."""
+        """Take the next bytes, in any portion; return the frames completed, in order."""
         self.counters.bytes += len(data)
         frames: list[Frame] = []
         pieces = data.split(b"\0")

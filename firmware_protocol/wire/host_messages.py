@@ -1,4 +1,7 @@
-"""Messages of the host. SI units outside; each message packs and checks its own payload."""
+"""Messages of the host. SI units outside; each message packs and checks its payload.
+
+``unpack`` raises RemoteError for an invalid payload.
+"""
 
 from __future__ import annotations
 
@@ -43,7 +46,7 @@ class Hello:
 
     @classmethod
     def unpack(cls, payload: bytes) -> Self:
-        """Read a payload; RemoteError if invalid."""
+        """Read a payload."""
         major, minor, schema = unpack_exactly("HELLO", cls.LAYOUT, payload)
         return cls(schema, major, minor)
 
@@ -63,7 +66,7 @@ class Confirm:
 
     @classmethod
     def unpack(cls, payload: bytes) -> Self:
-        """Read a payload; RemoteError if invalid."""
+        """Read a payload."""
         (nonce,) = unpack_exactly("CONFIRM", cls.LAYOUT, payload)
         return cls(nonce)
 
@@ -72,10 +75,10 @@ class Confirm:
 class Waypoint:
     """One target: its place, the speed to pass it, and the precision.
 
-    ``heading_rad`` counts only if the robot stops there (flag STOP or END); None is any.
-    ``acceptance_m`` is the radius within which the point counts as reached; at a stop it is the
-    tolerance of the position, 0 for the robot's own. ``dwell_s`` is the time to stand still.
-    Ranges: |x|, |y| < 2147 m, speed to 65 m/s, acceptance to 6.5 m, dwell to 25.5 s.
+    ``heading_rad`` counts only at a stop (flag STOP or END); None is any. ``acceptance_m`` is the
+    radius within which the point counts as reached; at a stop the tolerance of the position, 0 for
+    the robot's own. ``dwell_s`` is the time to stand still. Ranges: |x|, |y| < 2147 m, speed to 65
+    m/s, acceptance to 6.5 m, dwell to 25.5 s.
     """
 
     x_m: float
@@ -89,7 +92,7 @@ class Waypoint:
     LAYOUT: ClassVar[Struct] = Struct("<iihHHBB")
 
     def pack(self) -> bytes:
-        """The 16 bytes of the wire; LocalError if a value does not fit."""
+        """Pack the wire's 16 bytes; LocalError if a value does not fit."""
         return self.LAYOUT.pack(
             to_um("x_m", self.x_m),
             to_um("y_m", self.y_m),
@@ -143,7 +146,7 @@ class Waypoints:
 
     @classmethod
     def unpack(cls, payload: bytes) -> Self:
-        """Read a payload and check every record; RemoteError if one is wrong."""
+        """Read a payload and check every record."""
         if len(payload) < cls.LAYOUT.size:
             raise RemoteError(f"WAYPOINTS of {len(payload)} bytes: at least {cls.LAYOUT.size}")
         mission, first, count, _flags = cls.LAYOUT.unpack_from(payload)
@@ -177,7 +180,7 @@ class Start:
 
     @classmethod
     def unpack(cls, payload: bytes) -> Self:
-        """Read a payload; RemoteError if invalid."""
+        """Read a payload."""
         command, mission, exec_next = unpack_exactly("START", cls.LAYOUT, payload)
         return cls(command, mission, exec_next)
 
@@ -197,7 +200,7 @@ class Pause:
 
     @classmethod
     def unpack(cls, payload: bytes) -> Self:
-        """Read a payload; RemoteError if invalid."""
+        """Read a payload."""
         (command,) = unpack_exactly("PAUSE", cls.LAYOUT, payload)
         return cls(command)
 
@@ -218,14 +221,14 @@ class Clear:
 
     @classmethod
     def unpack(cls, payload: bytes) -> Self:
-        """Read a payload; RemoteError if invalid."""
+        """Read a payload."""
         command, mission = unpack_exactly("CLEAR", cls.LAYOUT, payload)
         return cls(command, mission)
 
 
 @dataclass(frozen=True, slots=True)
 class ResetEstop:
-    """Leave the latched stop; the robot obeys only in a session younger than the stop."""
+    """Leave the latched stop; obeyed only in a session younger than the stop."""
 
     command: int
 
@@ -238,14 +241,14 @@ class ResetEstop:
 
     @classmethod
     def unpack(cls, payload: bytes) -> Self:
-        """Read a payload; RemoteError if invalid."""
+        """Read a payload."""
         (command,) = unpack_exactly("RESET_ESTOP", cls.LAYOUT, payload)
         return cls(command)
 
 
 @dataclass(frozen=True, slots=True)
 class Lease:
-    """Sign that the control loop is alive; with PERMIT the robot may drive for ``ttl_s``.
+    """Sign of the control loop's life; with PERMIT the robot may drive for ``ttl_s``.
 
     ``ttl_s`` counts from ``issued_us`` of the robot's clock, modulo 2**32; ``pose_age_s`` was the
     pose's age then.
@@ -267,7 +270,7 @@ class Lease:
 
     @classmethod
     def unpack(cls, payload: bytes) -> Self:
-        """Read a payload; RemoteError if invalid."""
+        """Read a payload."""
         issued_us, ttl, age, flags = unpack_exactly("LEASE", cls.LAYOUT, payload)
         if flags & ~3:
             raise RemoteError(f"LEASE flags {flags:#x}: only PERMIT and ODOMETRY are known")
@@ -294,7 +297,7 @@ class PoseFix:
 
     @classmethod
     def unpack(cls, payload: bytes) -> Self:
-        """Read a payload; RemoteError if invalid."""
+        """Read a payload."""
         x, y, wire_heading, captured_us = unpack_exactly("POSE", cls.LAYOUT, payload)
         heading = heading_from_wire(wire_heading)
         if heading is None:
@@ -317,6 +320,6 @@ class TimeSync:
 
     @classmethod
     def unpack(cls, payload: bytes) -> Self:
-        """Read a payload; RemoteError if invalid."""
+        """Read a payload."""
         (host_sent_us,) = unpack_exactly("TIMESYNC", cls.LAYOUT, payload)
         return cls(host_sent_us)

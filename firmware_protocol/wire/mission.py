@@ -1,8 +1,8 @@
 """A mission: waypoints with an id, and the fingerprints of its beginnings.
 
 The prefix CRC of n waypoints is the CRC-32C over the mission id (u32, little-endian) and the first
-n 16-byte records. The robot computes it over the accepted waypoints and, separately, over the
-executed ones; equality with the host's proves that none was lost, doubled or reordered.
+n 16-byte records. The robot computes it over the accepted and, separately, the executed waypoints;
+equality with the host's proves that none was lost, doubled or reordered.
 """
 
 from __future__ import annotations

@@ -1,4 +1,7 @@
-"""Messages of the robot. SI units outside; each message packs and checks its own payload."""
+"""Messages of the robot. SI units outside; each message packs and checks its payload.
+
+``unpack`` raises RemoteError for an invalid payload.
+"""
 
 from __future__ import annotations
 
@@ -75,7 +78,7 @@ class HelloAck:
 
     @classmethod
     def unpack(cls, payload: bytes) -> Self:
-        """Read a payload; RemoteError if invalid."""
+        """Read a payload."""
         v = list(unpack_exactly("HELLO_ACK", cls.LAYOUT, payload))
         cause, state = known(ResetCause, v[5]), known(RobotState, v[9])
         return cls(v[0], v[1], v[2], v[3], v[4], cause, v[6], v[7], v[8], state, *v[10:])
@@ -83,7 +86,7 @@ class HelloAck:
 
 @dataclass(frozen=True, slots=True)
 class Challenge:
-    """Number that the host must return to open the session asked for."""
+    """Number that the host must return to open the session."""
 
     nonce: int
     """Another one for every session and boot."""
@@ -97,7 +100,7 @@ class Challenge:
 
     @classmethod
     def unpack(cls, payload: bytes) -> Self:
-        """Read a payload; RemoteError if invalid."""
+        """Read a payload."""
         (nonce,) = unpack_exactly("CHALLENGE", cls.LAYOUT, payload)
         return cls(nonce)
 
@@ -119,7 +122,7 @@ class TimeSyncReply:
 
     @classmethod
     def unpack(cls, payload: bytes) -> Self:
-        """Read a payload; RemoteError if invalid."""
+        """Read a payload."""
         sent, received, answered = unpack_exactly("TIMESYNC_REPLY", cls.LAYOUT, payload)
         return cls(sent, received, answered)
 
@@ -139,7 +142,7 @@ class Ack:
 
     @classmethod
     def unpack(cls, payload: bytes) -> Self:
-        """Read a payload; RemoteError if invalid."""
+        """Read a payload."""
         (accept_next,) = unpack_exactly("ACK", cls.LAYOUT, payload)
         return cls(accept_next)
 
@@ -162,7 +165,7 @@ class RobotCounters:
 
 @dataclass(frozen=True, slots=True)
 class Status:
-    """State of the robot, 20 times a second; cumulative, so that a lost one does no harm."""
+    """State of the robot, 20 times a second; cumulative, so losing one does no harm."""
 
     time_us: int
     boot_id: int
@@ -190,7 +193,7 @@ class Status:
     LAYOUT: ClassVar[Struct] = Struct("<IIIIIIIBBBBHiihhhHH8H")
 
     def pack(self) -> bytes:
-        """The payload; positions, speeds and ages beyond the wire's range are clamped."""
+        """The payload; values beyond the wire's range are clamped."""
         return self.LAYOUT.pack(
             self.time_us,
             self.boot_id,
@@ -216,7 +219,7 @@ class Status:
 
     @classmethod
     def unpack(cls, payload: bytes) -> Self:
-        """Read a payload; RemoteError if invalid."""
+        """Read a payload."""
         v = list(unpack_exactly("STATUS", cls.LAYOUT, payload))
         heading = heading_from_wire(v[14])
         if heading is None:

@@ -1,4 +1,4 @@
-"""Conversion between SI units and the integers of the wire: scaling, ranges, angles, sizes.
+"""Conversion between SI units and the wire's integers: scaling, ranges, angles, sizes.
 
 Values of this program raise LocalError, values from the wire RemoteError.
 """
@@ -28,7 +28,7 @@ def wrap_angle(angle_rad: float) -> float:
 
 
 def scaled(name: str, value: float, scale: float, low: int, high: int) -> int:
-    """The integer nearest to ``value * scale``; LocalError, naming the limits, outside them."""
+    """The integer nearest to ``value * scale``; LocalError names the limits outside them."""
     if not math.isfinite(value):
         raise LocalError(f"{name} = {value}: must be finite")
     number = round(value * scale)
@@ -58,7 +58,7 @@ def heading_from_wire(wire: int) -> float | None:
         return None
     if not -_HALF_TURN <= wire <= _HALF_TURN:
         raise RemoteError(f"heading {wire}: must be in [-{_HALF_TURN}, {_HALF_TURN}] or free")
-    # the last step of the wire lies just beyond half a turn
+    # the wire's last step lies just beyond half a turn
     return max(-math.pi, min(math.pi, wire / _RADIAN))
 
 
@@ -88,5 +88,5 @@ def known(enum: type[_Known], value: int) -> _Known:
 
 
 def saturated(value: float, high: int) -> int:
-    """The nearest integer within plus and minus ``high``, for reported values, not orders."""
+    """The nearest integer within plus and minus ``high``, for reports, not orders."""
     return max(-high, min(high, round(value)))

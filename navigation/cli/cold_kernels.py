@@ -1,4 +1,4 @@
-"""Before a command that computes: compile what is missing, once on a machine, and say so."""
+"""Before a command that computes: compile missing kernels, once on a machine, and say so."""
 
 from __future__ import annotations
 
@@ -12,9 +12,9 @@ Part = Literal["eye", "planner"]
 
 
 def compile_what_is_missing(*parts: Part) -> None:
-    """Compile the kernels of the parts that a command needs, where they are not kept yet.
+    """Compile the parts' kernels that are not kept yet.
 
-    A terminal's stderr gets a line that counts the kernels; any other stderr is told once.
+    A terminal's stderr gets a line that counts the kernels; any other stderr gets one message.
     """
     missing: dict[str, tuple[Callable[..., None], tuple[Any, ...]]] = {}
     for part in parts:
@@ -38,7 +38,7 @@ def compile_what_is_missing(*parts: Part) -> None:
 
 
 def _is_cold(part: Part) -> bool:
-    """Looks at one large kernel of each, so that what is not needed is not imported."""
+    """True if one large kernel of the part is missing; unneeded ones are not imported."""
     from planner.shared.kernel_locator import is_compiled
 
     if part == "eye":

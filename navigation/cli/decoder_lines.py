@@ -1,11 +1,11 @@
-"""What the decoders of pictures write to stderr by themselves, caught.
+"""Catches the lines that picture decoders write to stderr by themselves.
 
-libpng and libjpeg write their complaints straight to the process's stderr, past OpenCV and past
-Python: the only place to catch them is the file descriptor. It belongs to the whole process, so
-what another thread writes meanwhile is caught too; hence this is for commands that decode a
-picture before they start any thread, and the cameras of a run leave the descriptor alone.
+libpng and libjpeg complain straight to the process's stderr, past OpenCV and Python: only the file
+descriptor can catch that. It belongs to the whole process, so other threads' output is caught too.
+Hence this is for commands that decode a picture before they start any thread; the cameras of a run
+leave the descriptor alone.
 
-As OpenCV's own lines, they are shown where OPENCV_LOG_LEVEL is not SILENT (``--debug``).
+Like OpenCV's own lines, they are shown unless OPENCV_LOG_LEVEL is SILENT (``--debug``).
 """
 
 from __future__ import annotations
@@ -32,20 +32,20 @@ class DecoderLines:
 
     @property
     def damage(self) -> str:
-        """The last complaint that says the picture is not what it was; empty where none does."""
+        """The last complaint about a damaged picture; empty if none."""
         told = [line for line in self.lines if _PERHAPS not in line]
         return told[-1] if told else ""
 
     @property
     def doubt(self) -> str:
-        """A complaint that may mean damage or nothing; empty where there is none."""
+        """The last complaint that may or may not mean damage; empty if none."""
         told = [line for line in self.lines if _PERHAPS in line]
         return told[-1] if told else ""
 
 
 @contextlib.contextmanager
 def caught_decoder_lines() -> Iterator[DecoderLines]:
-    """Within the block, what is written to stderr's descriptor is kept back."""
+    """Hold back the output to stderr's descriptor within the block."""
     said = DecoderLines()
     if sys.stderr is not None:
         sys.stderr.flush()
@@ -54,7 +54,7 @@ def caught_decoder_lines() -> Iterator[DecoderLines]:
             own = os.dup(2)
             stack.callback(os.close, own)
             kept = stack.enter_context(_nameless_file())
-        except OSError:  # no stderr, or no room to keep it: the lines go where they go
+        except OSError:  # no stderr, or no space to keep it: let the lines pass
             yield said
             return
         os.dup2(kept.fileno(), 2)
@@ -72,7 +72,7 @@ def caught_decoder_lines() -> Iterator[DecoderLines]:
 
 
 def _nameless_file() -> IO[bytes]:
-    """In memory where there is such a thing: folders may be read-only."""
+    """A file in memory if possible: folders may be read-only."""
     if hasattr(os, "memfd_create"):
         return os.fdopen(os.memfd_create("decoder_lines"), "w+b")
     return tempfile.TemporaryFile()

@@ -1,6 +1,6 @@
 """An example of every command, shown at the end of its ``--help`` and in the reference.
 
-Each is a whole command line and what it does. A test parses every one of them.
+Each is a whole command line and its effect. A test parses every one.
 """
 
 from __future__ import annotations
@@ -11,7 +11,7 @@ from navigation.orders.table import ORDERS
 
 
 class Example(NamedTuple):
-    """A command line, and a sentence on what it does."""
+    """A command line, and a sentence on its effect."""
 
     line: str
     does: str

@@ -1,12 +1,12 @@
 """The entry point ``clearway``: finds the command, runs it, turns errors into exit codes.
 
 Rules
-- A command is imported when it is called, so that ``clearway --help`` needs click only.
+- A command is imported when called, so that ``clearway --help`` needs only click.
 - Errors are one sentence on stderr, ``clearway: error: what, where, the limit``; a traceback
-  only with ``--debug`` (anywhere on the line) or CLEARWAY_DEBUG.
+  needs ``--debug`` (anywhere on the line) or CLEARWAY_DEBUG.
 - Exit codes: 0 done; 2 wrong usage or unreadable input; 3 no path; 78 bad configuration;
-  1 anything else. Ctrl-C gives 130 and a reader that went away 141, both without a word.
-- OpenCV's and FFmpeg's own lines on stderr are seen with ``--debug`` only.
+  1 anything else. Ctrl-C gives 130 and a vanished reader 141, both without a word.
+- OpenCV's and FFmpeg's own lines on stderr appear only with ``--debug``.
 - A command ends with another code by returning it as an int.
 """
 
@@ -53,9 +53,9 @@ OUR_PACKAGES = ("vision", "planner", "navigation", "firmware_protocol")
 
 
 class Listed(NamedTuple):
-    """Where a command lives and what it does, so that listing it imports nothing.
+    """A command's place and summary, so that listing it imports nothing.
 
-    What is found there is the command, or a mapping that has it by its name.
+    The place holds the command, or a mapping that has it by its name.
     """
 
     where: str
@@ -104,7 +104,7 @@ class LazyGroup(click.Group):
         return list(COMMANDS)
 
     def get_command(self, ctx: click.Context, cmd_name: str) -> click.Command | None:
-        """Import the command; None where the table has no such name."""
+        """Import the command; None if the table has no such name."""
         listed = COMMANDS.get(cmd_name)
         if listed is None:
             return None
@@ -120,7 +120,7 @@ class LazyGroup(click.Group):
     def resolve_command(
         self, ctx: click.Context, args: list[str]
     ) -> tuple[str | None, click.Command | None, list[str]]:
-        """Find the command, or say which one may have been meant."""
+        """Find the command, or suggest a similar one."""
         name = args[0]
         if name in COMMANDS or name.startswith("-"):
             return super().resolve_command(ctx, args)
@@ -167,7 +167,7 @@ def clearway(ctx: click.Context, debug: bool) -> None:
 
 
 def main(arguments: Sequence[str] | None = None) -> None:
-    """Run the command line and exit with the code that the module's text names."""
+    """Run the command line and exit with one of the module's codes."""
     _take_the_first_three()
     threading.excepthook = _tell_a_thread_s_end
     code = run(sys.argv[1:] if arguments is None else arguments)
@@ -177,16 +177,16 @@ def main(arguments: Sequence[str] | None = None) -> None:
 
 
 def _tell_a_thread_s_end(end: threading.ExceptHookArgs) -> None:
-    """As Python does, without any secret."""
+    """Report a thread's end as Python does, without any secret."""
     trace = traceback.format_exception(end.exc_type, end.exc_value, end.exc_traceback)
     name = "a thread" if end.thread is None else f"thread {end.thread.name}"
     complain(f"clearway: {name} has ended:\n{''.join(trace).rstrip()}")
 
 
 def _take_the_first_three() -> None:
-    """Leave none of stdin, stdout and stderr closed: the next file to be opened would become it.
+    """Open stdin, stdout and stderr if closed, or the next opened file would become one of them.
 
-    What a library prints on stderr would go to the robot, if that were the serial port.
+    A library's output on stderr would go to the robot if that file were the serial port.
     """
     while (number := os.open(os.devnull, os.O_RDWR)) <= 2:
         os.set_inheritable(number, True)
@@ -194,12 +194,12 @@ def _take_the_first_three() -> None:
 
 
 def _end_process(code: int) -> None:
-    """End at once where nothing is left to wait for; taking the interpreter apart takes 0.1 s.
+    """End at once if nothing is left to wait for; taking the interpreter apart takes 0.1 s.
 
-    What was registered for the exit is called and all output is written, as ever. A thread that
-    the interpreter would wait for is left to it: then this returns.
+    Exit handlers still run and all output is written. If the interpreter would wait for a thread,
+    this returns and leaves it to do so.
     """
-    # searching all that was imported for cycles once more takes 0.3 s
+    # another search of all imports for cycles takes 0.3 s
     gc.freeze()
     main_thread = threading.main_thread()
     if any(t is not main_thread and not t.daemon for t in threading.enumerate()):
@@ -208,13 +208,13 @@ def _end_process(code: int) -> None:
     for stream in (sys.stdout, sys.stderr):
         if stream is None:  # the process was started without it
             continue
-        with contextlib.suppress(OSError, ValueError):  # closed: nobody is there to be told
+        with contextlib.suppress(OSError, ValueError):  # closed: there is no reader
             stream.flush()
     os._exit(code)
 
 
 def run(arguments: Sequence[str]) -> int:
-    """Run the command line and return its exit code; nothing but a bug here raises."""
+    """Run the command line and return its exit code; only a bug here raises."""
     arguments, debug = _take_debug(list(arguments))
     if arguments[:1] == ["help"]:
         arguments = [*arguments[1:], "--help"]
@@ -237,9 +237,9 @@ def run(arguments: Sequence[str]) -> int:
 
 
 def _invoke(arguments: list[str]) -> object:
-    """What the command returned, or the code it exited with.
+    """Return value of the command, or the code it exited with.
 
-    click's own ``main`` is used for shell completion only: it answers a closed pipe itself.
+    click's own ``main`` is used only for shell completion: it answers a closed pipe itself.
     """
     if "_CLEARWAY_COMPLETE" in os.environ:
         return clearway.main(args=arguments, prog_name="clearway", standalone_mode=False)
@@ -251,12 +251,12 @@ def _invoke(arguments: list[str]) -> object:
 
 
 def _colour() -> bool | None:
-    """False where colours are not wanted (no-color.org) or not known; None as click decides."""
+    """False if colours are unwanted (no-color.org) or unknown; None as click decides."""
     return False if os.environ.get("NO_COLOR") or os.environ.get("TERM") == "dumb" else None
 
 
 def exit_code_of(error: BaseException) -> int:
-    """The exit code of an error that ended a command, by whose fault it is.
+    """Exit code for an error that ended a command, by whose fault it is.
 
     An error class may carry its own ``exit_code``, as click's and ConfigError do. Our own
     ValueErrors and OSErrors, and the system's errors about a file, are the input's fault.
@@ -294,7 +294,7 @@ def _is_ours(error: BaseException) -> bool:
 
 
 def _take_debug(arguments: list[str]) -> tuple[list[str], bool]:
-    """Accept ``--debug`` behind the command too, where it is needed and typed."""
+    """Accept ``--debug`` behind the command too, where people type it."""
     end = arguments.index("--") if "--" in arguments else len(arguments)
     options = [a for a in arguments[:end] if a != "--debug"]
     asked = len(options) < end or os.environ.get("CLEARWAY_DEBUG", "") not in ("", "0")

@@ -2,8 +2,8 @@
 
     python -m navigation.cli.man_page > clearway.1
 
-``.ci/compile-wheel`` puts it into ``share/man/man1`` of a wheel, where ``man clearway`` finds it.
-The marks are those of man(7).
+``.ci/compile-wheel`` puts it into ``share/man/man1`` of a wheel for ``man clearway``. The marks are
+those of man(7).
 """
 
 from __future__ import annotations
@@ -89,7 +89,7 @@ def _options(command: click.Command, ctx: click.Context) -> Iterator[str]:
         if isinstance(option, click.Argument) or record is None or of_all:
             continue
         names, meaning = record
-        if "--help" in option.opts:  # which of its names a command has kept depends on its caller
+        if "--help" in option.opts:  # the caller decides which of its names a command has kept
             names = "-h, --help"
         yield from (".TP", f".B {_escaped(names)}", _plain(meaning))
 

@@ -1,4 +1,4 @@
-"""What several commands take: points, numbers, preferences, checked where typed; options."""
+"""Common arguments of commands: points, numbers, preferences, checked where typed; options."""
 
 from __future__ import annotations
 
@@ -31,7 +31,7 @@ class Binarising(NamedTuple):
 
 @dataclass(frozen=True, slots=True)
 class StationArgument:
-    """A place, and a heading or None where any will do; radians in the scene's own sense."""
+    """A place, and a heading or None for any; radians in the scene's own sense."""
 
     x: float
     y: float
@@ -57,13 +57,13 @@ class StationType(StationBase):
     name = "X,Y[,DEG]"
 
     def get_metavar(self, param: click.Parameter, ctx: click.Context | None = None) -> str:
-        """As the help shows it."""
+        """Name in the help."""
         return self.name
 
     def convert(
         self, value: Any, param: click.Parameter | None, ctx: click.Context | None
     ) -> StationArgument:
-        """Parse; click's usage error where it is not two or three finite numbers."""
+        """Parse; click's usage error unless it is two or three finite numbers."""
         if isinstance(value, StationArgument):
             return value
         numbers = [_finite(word) for word in str(value).split(",")]
@@ -84,7 +84,7 @@ class NumberType(NumberBase):
     def convert(
         self, value: Any, param: click.Parameter | None, ctx: click.Context | None
     ) -> float:
-        """Parse; click's usage error where it is out of range."""
+        """Parse; click's usage error if it is out of range."""
         number = _finite(str(value))
         if number is None or number < 0.0 or (number == 0.0 and not self.zero):
             limit = ">= 0" if self.zero else "> 0"
@@ -99,13 +99,13 @@ class PreferenceType(PreferenceBase):
     names = ("clearance", "length", "balanced")
 
     def get_metavar(self, param: click.Parameter, ctx: click.Context | None = None) -> str:
-        """As the help shows it."""
+        """Name in the help."""
         return f"[{self.name}]"
 
     def convert(
         self, value: Any, param: click.Parameter | None, ctx: click.Context | None
     ) -> str | float:
-        """Parse; click's usage error where it is neither a name nor in 0..1."""
+        """Parse; click's usage error unless it is a name or in 0..1."""
         if value in self.names:
             return str(value)
         number = _finite(str(value))
@@ -120,9 +120,9 @@ class PreferenceType(PreferenceBase):
 
 
 class OutputType(OutputBase):
-    """A file to be written, in a folder that is there; with ``suffixes``, one of those kinds.
+    """A file to be written, in an existing folder; with ``suffixes``, one of those kinds.
 
-    Checked where it is typed, so that nobody waits for an answer that cannot be kept. With
+    Checked where it is typed, so that no one waits for an answer that cannot be kept. With
     ``stream``, ``-`` is standard output.
     """
 
@@ -132,7 +132,7 @@ class OutputType(OutputBase):
         self.suffixes, self.stream = suffixes, stream
 
     def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> Path:
-        """The path; click's usage error where nothing can be written there."""
+        """The path; click's usage error if it cannot be written."""
         path = Path(value)
         if self.stream and path == STANDARD_STREAM:
             return path
@@ -154,7 +154,7 @@ class InputType(click.Path):
         super().__init__(path_type=Path)
 
     def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> Any:
-        """The path; click's usage error where it is empty."""
+        """The path; click's usage error if it is empty."""
         if not str(value):
             self.fail("the name is empty: must be a file", param, ctx)
         return super().convert(value, param, ctx)
@@ -170,7 +170,7 @@ PREFERENCE = PreferenceType()
 
 
 def _finite(word: str) -> float | None:
-    """The word as a finite number, None where it is none; no underscores, no ``nan``."""
+    """The word as a finite number, else None; no underscores, no ``nan``."""
     try:
         number = float(word)
     except ValueError:

@@ -1,4 +1,4 @@
-"""What commands write: files, never over what they read, and warnings of doubtful pictures."""
+"""Output of commands: files, never over their inputs, and warnings of doubtful pictures."""
 
 from __future__ import annotations
 
@@ -20,9 +20,9 @@ class OutputError(ValueError):
 
 
 def keep_apart(outputs: Iterable[tuple[str, Path | None]], inputs: Iterable[Path | None]) -> None:
-    """click's usage error where an output, by its option, is a file that is read or written.
+    """Raise click's usage error if an output, named by its option, is also read or written.
 
-    Only files count: a terminal or /dev/null may be named as often as one likes.
+    Only files count: a terminal or /dev/null may be named repeatedly.
     """
     taken = {
         _identity(path): f"overwrite {path}, which is read"
@@ -39,9 +39,9 @@ def keep_apart(outputs: Iterable[tuple[str, Path | None]], inputs: Iterable[Path
 
 
 def write_text(path: Path | None, text: str) -> None:
-    """Write a whole file as UTF-8, or to standard output where there is none or it is ``-``.
+    """Write a whole file as UTF-8, or to standard output for None or ``-``.
 
-    ``OutputError`` where the disk is full or the like.
+    ``OutputError`` if, for example, the disk is full.
     """
     if path is None or path == STANDARD_STREAM:
         click.echo(text, nl=False)
@@ -50,7 +50,7 @@ def write_text(path: Path | None, text: str) -> None:
 
 
 def write_bytes(path: Path, data: bytes) -> None:
-    """Write a whole file; ``OutputError`` where the disk is full or the like."""
+    """Write a whole file; ``OutputError`` if, for example, the disk is full."""
     try:
         path.write_bytes(data)
     except OSError as error:
@@ -58,7 +58,7 @@ def write_bytes(path: Path, data: bytes) -> None:
 
 
 def tell_times(timings_ms: Mapping[str, float]) -> None:
-    """Say on standard error how long each stage took, where that is a terminal."""
+    """Print each stage's time on standard error, if that is a terminal."""
     if sys.stderr is None or not sys.stderr.isatty():
         return
     stages = (f"{stage} {time_ms:.1f}" for stage, time_ms in timings_ms.items())
@@ -66,7 +66,7 @@ def tell_times(timings_ms: Mapping[str, float]) -> None:
 
 
 def warn_of_doubts(scene: Scene, source: Path) -> None:
-    """Warn on standard error where a picture shows nothing, or hardly an arena."""
+    """Warn on standard error if a picture shows nothing, or hardly an arena."""
     if scene.binarisation is None:
         return
     from vision.doubts import doubts_about
@@ -76,12 +76,12 @@ def warn_of_doubts(scene: Scene, source: Path) -> None:
 
 
 def named(source: Path) -> Path:
-    """The name of a source in messages."""
+    """Name of a source in messages."""
     return Path("standard input") if source == STANDARD_STREAM else source
 
 
 def _identity(path: Path) -> object:
-    """The same for two names of one file."""
+    """An identity that two names of one file share."""
     try:
         told = path.stat()
     except OSError:

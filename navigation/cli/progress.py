@@ -1,8 +1,8 @@
-"""Long work at a terminal: what is being done, for how long, and Ctrl-C that ends it at once.
+"""Long work at a terminal: a line with its stage and time, and Ctrl-C that ends it at once.
 
-Compiled kernels see no Python signal before they return, which on a picture of a million borders
-takes seconds. While nothing but computing is done Ctrl-C is left to the operating system: nothing
-is open that could be left half written.
+Compiled kernels see no Python signal before they return, which takes seconds on a picture of a
+million borders. During pure computing Ctrl-C is left to the operating system: nothing is open that
+could be left half written.
 """
 
 from __future__ import annotations
@@ -29,7 +29,7 @@ def is_live() -> bool:
 
 @contextmanager
 def long_work(first: str) -> Iterator[Callable[[str], None]]:
-    """Do long work, ``first`` to begin with; call what is given with each stage that follows."""
+    """Do long work, ``first`` to begin with; call the yielded function with each later stage."""
     stage = [first]
 
     def begin(name: str) -> None:
@@ -43,7 +43,7 @@ def long_work(first: str) -> Iterator[Callable[[str], None]]:
 def _ended_by_ctrl_c() -> Iterator[None]:
     in_main = threading.current_thread() is threading.main_thread()
     if not in_main or signal.getsignal(signal.SIGINT) is not signal.default_int_handler:
-        yield  # somebody else's handler, or ignored as under nohup
+        yield  # another handler, or ignored as under nohup
         return
     signal.signal(signal.SIGINT, signal.SIG_DFL)
     try:
@@ -54,7 +54,7 @@ def _ended_by_ctrl_c() -> Iterator[None]:
 
 @contextmanager
 def _told(stage: Callable[[], str]) -> Iterator[None]:
-    """One line at a terminal's stderr that is renewed, and gone at the end."""
+    """Renew one line on a terminal's stderr, and clear it at the end."""
     if not is_live():
         yield
         return

@@ -1,7 +1,7 @@
 """The reference of the commands, made from the parser: `docs/reference/commands.md`.
 
-`python -m navigation.cli.reference > docs/reference/commands.md` writes it; a test fails where the
-page is not what this prints.
+`python -m navigation.cli.reference > docs/reference/commands.md` writes it; a test fails if the
+page differs.
 """
 
 from __future__ import annotations
@@ -65,7 +65,6 @@ def _cell(text: str) -> str:
 
 
 def _markdown(help_text: str) -> str:
-    """A help text with its commands and options as code."""
     text = "\n".join(line.strip() for line in help_text.replace("\b", "").splitlines())
     return re.sub(r"(?<![\w`-])(--[a-z][a-z-]*)", r"`\1`", text).strip()
 

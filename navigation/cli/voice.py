@@ -1,7 +1,7 @@
-"""What a run says to people: on stdout, and where that takes no more, its end on stderr.
+"""Output of a run for people: on stdout, or its end on stderr if stdout fails.
 
-A full disk under a redirected stdout, or a reader that went away, costs the lines and never the
-run: that is said once on stderr, and what must be read in any case, the summary, goes there.
+A full disk under a redirected stdout, or a vanished reader, costs the lines and never the run: that
+is reported once on stderr, and the essential part, the summary, goes there.
 """
 
 from __future__ import annotations
@@ -14,19 +14,19 @@ import click
 
 
 class Voice:
-    """Says lines; never raises. ``trouble`` is why stdout takes no more; empty while it does."""
+    """Prints lines; never raises. ``trouble`` says why stdout fails; empty while it works."""
 
     def __init__(self, *, quiet: bool = False) -> None:
         self._quiet = quiet
         self.trouble = "stdout is closed" if sys.stdout is None else ""
 
     def say(self, line: str) -> None:
-        """A line of news; left out where the run is quiet."""
+        """Print a line of news; omitted if the run is quiet."""
         if not self._quiet:
             self._say_on_stdout(line)
 
     def tell(self, line: str) -> None:
-        """A line that must be read: on stderr where stdout takes no more."""
+        """Print a line that must be read: on stderr if stdout fails."""
         from navigation.config.secrecy.secrets import hide
 
         if not self._say_on_stdout(hide(line)):
@@ -47,17 +47,19 @@ class Voice:
 
 
 def complain(line: str) -> None:
-    """A line on stderr, if that can be, without any secret."""
-    from navigation.config.secrecy.secrets import hide  # only those who say something need it
+    """Print a line on stderr, if possible, without any secret."""
+    from navigation.config.secrecy.secrets import (
+        hide,
+    )  # imported only when there is something to say
 
     line = hide(line)
-    with contextlib.suppress(OSError, ValueError):  # nobody is left who could be told
+    with contextlib.suppress(OSError, ValueError):  # there is no reader left
         click.echo(line, err=True)
 
 
 def _point_at_nothing() -> None:
-    """Let what stdout still holds back go nowhere, so that no later flush fails on it."""
-    with contextlib.suppress(OSError, ValueError):  # a stdout that is no file has no such thing
+    """Discard stdout's buffer, so that no later flush fails on it."""
+    with contextlib.suppress(OSError, ValueError):  # a stdout that is not a file has no descriptor
         nowhere = os.open(os.devnull, os.O_WRONLY)
         os.dup2(nowhere, sys.stdout.fileno())
         os.close(nowhere)

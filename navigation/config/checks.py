@@ -132,7 +132,7 @@ _APRILTAG_SIZES = {"16h5": 30, "25h9": 35, "36h10": 2320, "36h11": 587, "36h12":
 
 
 def dictionary_size(name: str) -> int:
-    """Return the number of markers in an OpenCV dictionary."""
+    """Number of markers in an OpenCV dictionary."""
     if name == "DICT_ARUCO_ORIGINAL":
         return 1024
     kind = name.rsplit("_", 1)[1]

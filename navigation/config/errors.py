@@ -72,7 +72,7 @@ class ConfigError(ValueError):
 
 
 def key_name(where: Location) -> str:
-    """Return ``("stations", 0, "x_m")`` as ``stations[0].x_m``."""
+    """Write ``("stations", 0, "x_m")`` as ``stations[0].x_m``."""
     name = ""
     for part in where:
         name += f"[{part}]" if isinstance(part, int) else f".{part}"
@@ -94,7 +94,7 @@ def _told(problem: Problem, file: str, lines: Sequence[str]) -> str:
 
 
 def _around(line: str, place: int) -> tuple[str, int]:
-    """Return the part of a long line around a place, and the place in it."""
+    """Part of a long line around a place, and the place in it."""
     if len(line) <= LONGEST_LINE:
         return line, place
     begin = min(max(0, place - LONGEST_LINE // 3), max(0, len(line) - LONGEST_LINE))
@@ -104,7 +104,7 @@ def _around(line: str, place: int) -> tuple[str, int]:
 
 
 def mark_of(document: Document, where: Location, *, of_key: bool = False) -> Mark | None:
-    """Return the place of a value, or of the nearest thing around it in the text."""
+    """Place of a value, or of the nearest thing around it in the text."""
     if of_key and where in document.keys:
         return document.keys[where]
     while where and where not in document.values:
@@ -144,7 +144,7 @@ def _is_misspelt(where: Location, unknown: list[Location], missing: list[Locatio
 
 
 def fields_at(where: Location, model: type[BaseModel]) -> type[BaseModel] | None:
-    """Return the model of the section at ``where``, None if there is none."""
+    """Model of the section at ``where``, None if there is none."""
     here: type[BaseModel] | None = model
     for part in where:
         if isinstance(part, int):
@@ -156,7 +156,7 @@ def fields_at(where: Location, model: type[BaseModel]) -> type[BaseModel] | None
 
 
 def model_in(annotation: Any) -> type[BaseModel] | None:
-    """Return the model inside an annotation such as ``Model | None`` or ``tuple[Model, ...]``."""
+    """Model inside an annotation such as ``Model | None`` or ``tuple[Model, ...]``."""
     if isinstance(annotation, type) and issubclass(annotation, BaseModel):
         return annotation
     for inner in getattr(annotation, "__args__", ()):
@@ -179,7 +179,7 @@ def _unknown(where: Location, model: type[BaseModel]) -> str:
 
 
 def _home_of(key: str, model: type[BaseModel]) -> str | None:
-    """Return the place where a key belongs; in a section rather than in a list's entries."""
+    """Place where a key belongs; in a section rather than in a list's entries."""
     fields = sorted(model.model_fields.items(), key=lambda item: "tuple" in str(item[1].annotation))
     for name, field in fields:
         if key == name:
@@ -215,7 +215,7 @@ _KINDS = {
 
 
 def _sentence(error: Any, instead: str | None = None) -> str:
-    """Return the requirement and the given value, or ``instead`` of the value."""
+    """Requirement and the given value, or ``instead`` of the value."""
     kind, context = error["type"], error.get("ctx", {})
     given = instead or _given(error["input"])
     if kind in _KINDS:

@@ -1,4 +1,4 @@
-"""Robots on the market, and their data and abilities as their vendors state them.
+"""Robots on the market, with the data that their vendors state.
 
 `robot.driver` chooses one. `clearway init --robot` writes these numbers, `clearway check` compares
 a configuration with them, and the drivers convert by them. Metres, seconds, radians.
@@ -26,12 +26,12 @@ OWN_LEAST_WHEEL_M_S: Final = 0.01
 class KnownRobot:
     """One robot.
 
-    ``wheel_m_s`` is the highest speed of a wheel and ``speed_m_s`` that of the robot; ``radius_m``
-    is the smallest disc around the middle of its axle that holds its body. ``metres_per_count`` is
-    a wheel's travel per encoder count, None if the robot reports speeds. ``watchdog_s``: time after
-    the last order until its own motors stop, None if they never do. ``help``: things to check when
-    it does not answer. ``models``: the maker's robots that `robot.model` may name, the first if it
-    is empty; none if the robot reports it. ``least_wheel_m_s`` is as in `robot.least_wheel_m_s`.
+    ``wheel_m_s`` is a wheel's highest speed, ``speed_m_s`` the robot's; ``radius_m`` is the
+    smallest disc around its axle's middle that holds its body. ``metres_per_count`` is a wheel's
+    travel per encoder count, None if the robot reports speeds. ``watchdog_s``: time after the last
+    order until its own motors stop, None if never. ``help``: things to check when it does not
+    answer. ``models``: the maker's robots that `robot.model` may name, the first if it is empty;
+    none if the robot reports it. ``least_wheel_m_s`` is as in `robot.least_wheel_m_s`.
     """
 
     title: str
@@ -126,7 +126,7 @@ KNOWN_ROBOTS: Final[Mapping[str, KnownRobot]] = {
 
 
 def least_wheel_m_s(driver: DriverName, chosen_m_s: float | None) -> float:
-    """Return `robot.least_wheel_m_s`, or the robot's own value if it is empty."""
+    """`robot.least_wheel_m_s`, or the robot's own value if it is empty."""
     if chosen_m_s is not None:
         return chosen_m_s
     return OWN_LEAST_WHEEL_M_S if driver == CLEARWAY else KNOWN_ROBOTS[driver].least_wheel_m_s

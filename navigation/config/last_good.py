@@ -1,8 +1,8 @@
-"""The last good configuration: kept beside the program's state whenever one was good enough to run.
+"""The last good configuration: kept beside the program's state whenever one was fit to run.
 
 Rules
 - It is never used silently: a broken file is an error (exit code 78) that says where the last
-  good one is, and `clearway run --last-good` runs it explicitly.
+  good one is, and `clearway run --last-good` runs it.
 - Only the file's text is kept; the files that it names stay where they are.
 - If the state folder cannot be written, the roll-back is lost, not the run.
 """
@@ -28,7 +28,7 @@ MOST_LINES: Final = 12
 
 
 def state_folder(environment: Mapping[str, str]) -> Path:
-    """Return the folder for data that outlives a run: systemd's, XDG's, or the home's."""
+    """Folder for data that outlives a run: systemd's, XDG's, or the home's."""
     if service := environment.get("STATE_DIRECTORY"):
         return Path(service.split(":")[0])
     if xdg := environment.get("XDG_STATE_HOME"):
@@ -65,7 +65,7 @@ class LastGood:
         return parse_config(text, str(self.kept), self.file.parent, environment)
 
     def changes(self) -> list[str]:
-        """Return the unified diff between the kept text and the present file."""
+        """Unified diff between the kept text and the present file."""
         try:
             old = _shown(self.kept.read_text(encoding="utf-8"))
             new = _shown(read_source(self.file))
@@ -77,7 +77,7 @@ class LastGood:
         return lines
 
     def advice(self) -> str | None:
-        """Return a hint at the way back for an error's text; None if nothing was kept."""
+        """A hint at the way back for an error's text; None if nothing was kept."""
         if not self.kept.exists():
             return None
         lines = [
@@ -89,5 +89,5 @@ class LastGood:
 
 
 def _shown(text: str) -> list[str]:
-    """Return a configuration's lines without its secrets and the values of unknown keys."""
+    """Lines of a configuration without its secrets and the values of unknown keys."""
     return masked(text, values_of_unknown_keys(text, Config)).splitlines()

@@ -93,7 +93,7 @@ def parse_config(
 def _validate(
     document: Document, folder: Path | None
 ) -> tuple[Config | None, list[Problem], dict[str, Any]]:
-    """Return the configuration, the problems, and the sections that can still be trusted."""
+    """The configuration, the problems, and the sections that can still be trusted."""
     context = {"folder": folder}
     data = with_source_of_cameras(document.data)
     try:
@@ -110,7 +110,7 @@ def _validate(
 
 
 def _without(data: Any, keys: Sequence[Location]) -> Any:
-    """Return the data without those keys: they are reported, and the rest can be checked."""
+    """The data without those keys: they are reported, and the rest can be checked."""
     here = {where[0] for where in keys if len(where) == 1}
     if isinstance(data, dict):
         pairs = data.items()
@@ -127,7 +127,7 @@ def _below(keys: Sequence[Location], part: Any) -> list[Location]:
 def _sound_sections(
     data: dict[str, Any], bad: set[str], context: dict[str, Path | None]
 ) -> dict[str, Any]:
-    """Return the sections without errors of their own, for the checks that need no others."""
+    """The sections without errors of their own, for the checks that need no others."""
     sound: dict[str, Any] = {}
     for name, field in Config.model_fields.items():
         if name in bad:

@@ -97,7 +97,7 @@ class _Loader(yaml.SafeLoader):
 
 
 def compose(text: str) -> yaml.Node | None:
-    """Return the node tree of a YAML text, None for an empty one.
+    """Node tree of a YAML text, None for an empty one.
 
     ``yaml.YAMLError`` for bad YAML; ``TooMuchError`` if it is longer, deeper or larger than any
     configuration.

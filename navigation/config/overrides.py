@@ -46,7 +46,7 @@ def override(
 
 
 def _location(name: str) -> Location:
-    """Return CLEARWAY_MISSION__STATIONS__0__X_M as ("mission", "stations", 0, "x_m")."""
+    """Turn CLEARWAY_MISSION__STATIONS__0__X_M into ("mission", "stations", 0, "x_m")."""
     parts = name[len(ENVIRONMENT_PREFIX) :].lower().split("__")
     return tuple(int(part) if part.isdecimal() else part for part in parts)
 

@@ -27,13 +27,13 @@ LINE_WIDTH = 100
 
 
 def json_schema() -> dict[str, Any]:
-    """Return a configuration's JSON Schema, for editors."""
+    """JSON Schema of a configuration, for editors."""
     schema = without_overridden(Config.model_json_schema())
     return {"$schema": "https://json-schema.org/draft/2020-12/schema", **schema}
 
 
 def reference_markdown() -> str:
-    """Return every section and key with type, limits, default and meaning."""
+    """Every section and key with type, limits, default and meaning."""
     schema = json_schema()
     lines = [
         "# Configuration",
@@ -49,7 +49,7 @@ def reference_markdown() -> str:
 
 
 def starter_yaml(values: Mapping[str, Any], heading: str) -> str:
-    """Return a commented configuration with ``values`` and every other key at its default.
+    """A commented configuration with ``values`` and every other key at its default.
 
     A key without a value is a comment. The result loads if ``values`` has every required key.
     """
@@ -173,7 +173,6 @@ def _commented(line: str, field: FieldInfo) -> Iterator[str]:
 
 
 def _yaml(value: Any) -> str:
-    """Return a value on one line, as YAML reads it."""
     if isinstance(value, Path):
         value = str(value)
     if isinstance(value, str) and _PLAIN.fullmatch(value) and read_document(value).data == value:

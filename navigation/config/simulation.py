@@ -104,8 +104,8 @@ class SimulatedCameraSection(Section):
 
 
 class SimulatedCameraEntry(Section):
-    """Pose and errors of one of several simulated cameras; an empty key is as in
-    ``simulation.camera``.
+    """Differences of one of several simulated cameras from ``simulation.camera``; empty keys are as
+    there.
     """
 
     name: Name = Field(description="which of cameras it is")

@@ -16,7 +16,7 @@ from navigation.config.marks import compose
 
 
 def values_of_unknown_keys(text: str, model: type[BaseModel]) -> list[tuple[int, int]]:
-    """Return their beginnings and ends in the text; none if the text is not YAML."""
+    """Their spans in the text; none if the text is not YAML."""
     try:
         root = compose(text)
     except (yaml.YAMLError, RecursionError):

@@ -1,7 +1,7 @@
 """Kinds of values in a configuration: bounded numbers, files, places and headings.
 
-Every number has bounds, far beyond the needs of any arena or robot and far below a size that fills
-a machine's memory; a section states tighter ones where a key needs them.
+The bounds are far beyond any arena's or robot's needs and far below a size that fills a machine's
+memory; sections state tighter ones where a key needs them.
 """
 
 from __future__ import annotations
@@ -189,7 +189,7 @@ _Whole = TypeVar("_Whole", bound=Section)
 
 
 def with_own(section: _Whole, entry: Section) -> _Whole:
-    """Return the section with the entry's values for its keys."""
+    """Section with the entry's values for its keys."""
     own = {
         key: value
         for key in type(section).model_fields
@@ -263,6 +263,6 @@ class ArenaSection(Section):
 
 
 def wrapped_rad(heading_deg: float) -> float:
-    """Return degrees as radians in (-pi, pi]."""
+    """Degrees as radians in (-pi, pi]."""
     turned = math.remainder(math.radians(heading_deg), math.tau)
     return math.pi if turned == -math.pi else turned

@@ -7,7 +7,7 @@
 - `shown`: the daemon as the dashboard sees it; `chronicles`: each robot's recent past.
 - `messages`: the messages' contents and forms, and the colours shared with the pictures.
 - `orders`: the page's orders, checked and carried out.
-- `visits`: requests of operators beside orders: `settings`, and `calibrating` for the camera's lens.
+- `visits`: operators' requests beside orders: `settings`, and `calibrating` for the camera's lens.
 - `kept`: earlier runs and saved places on disk.
 - `replay`: a recording on the same page.
 - `metrics`: numbers for Prometheus; `static/`: the page itself (ES modules, no build step).

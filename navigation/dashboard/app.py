@@ -106,8 +106,6 @@ def _with_headers(send: Send) -> Send:
 
 
 class _Pages:
-    """The answers."""
-
     def __init__(self, hub: Hub) -> None:
         self._hub = hub
         self.files = _page_files()
@@ -118,7 +116,6 @@ class _Pages:
         return Response(body, media_type=kind)
 
     async def state(self, request: Request) -> Response:
-        """Serve the present state as JSON."""
         role = self._hub.gate.role(bearer_of(request.headers.get("authorization")))
         if isinstance(role, Refusal):
             return _refused(role)
@@ -142,7 +139,6 @@ class _Pages:
         return JSONResponse({k: result[k] for k in ("ok", "error") if k in result})
 
     async def metrics(self, request: Request) -> Response:
-        """Serve the numbers for Prometheus."""
         role = self._hub.gate.role(bearer_of(request.headers.get("authorization")))
         if isinstance(role, Refusal):
             return _refused(role)
@@ -163,7 +159,6 @@ class _Pages:
         return JSONResponse(body, status_code=200 if alive else 503)
 
     async def live(self, socket: WebSocket) -> None:
-        """Serve a page's websocket."""
         hub = self._hub
         offered = socket.scope.get("subprotocols", [])
         role = hub.gate.role(token_of(offered))

@@ -178,7 +178,7 @@ class Hub:
             viewer.news.set()
 
     def admit(self, role: Role) -> Attention | None:
-        """Give a viewer a place; None if viewers with the same rights hold them all.
+        """Give a viewer a place; None if viewers with the same or more rights hold them all.
 
         Otherwise the viewer with the fewest rights, and among those the oldest, has to leave.
         """

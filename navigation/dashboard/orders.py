@@ -1,7 +1,7 @@
 """Orders from viewers: read, checked for permission, and carried out like the socket's.
 
 Rules
-- Anyone with a token may STOP, whoever holds the arena; it is passed straight to the link.
+- Anyone with a token may STOP, even without holding the arena; it goes straight to the link.
 - Everything else is for the operator who holds the arena.
 - Only ``rearm`` leaves a stop, and it does nothing else: a page that has missed a stop cannot undo
   it, and a button pressed twice does not set the robot going.

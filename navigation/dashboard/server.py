@@ -2,8 +2,8 @@
 
 Connections have places (`admission/listener.py`), well below the process's limit, and are cut when
 they keep a request back: a flood of them takes neither the page's STOP nor descriptors from the
-rest. An unavailable port is reported, never raised: the robot needs no page to drive. The thread
-has its own event loop, which no other thread touches.
+rest. An unavailable port is reported, never raised: the robot needs no page. The thread has its own
+event loop, which no other thread touches.
 """
 
 from __future__ import annotations

@@ -2,8 +2,8 @@
 
 Rules
 - Only operators are served; changes need the holder of the arena.
-- Changes wait until no robot has a mission under way or is stopped: they can neither set a robot
-  going nor leave a stop.
+- Changes are refused while a mission is under way or a robot is stopped: they can neither set a
+  robot going nor leave a stop.
 - A body is JSON; its ``key`` is the seat's.
 - Work is done in a worker thread: neither the page nor the control loop waits.
 """
@@ -59,7 +59,7 @@ class Visits:
         return (await self._tried(lambda: {"ok": True, **work(body)}))[0]
 
     async def change(self, request: Request, act: Callable[[dict[str, Any]], str]) -> Response:
-        """Let the holder of the arena change something; ``act`` returns the sentence for the log."""
+        """Let the holder of the arena change something; ``act`` returns a sentence for the log."""
         body = self.refusal(request) or await self._body(request)
         if isinstance(body, Refusal):
             return refused(body)

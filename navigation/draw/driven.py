@@ -34,7 +34,7 @@ class DrawnRobot:
 
 
 def colour_of(number: int) -> Colour:
-    """Return the colour of a robot by its number from 0."""
+    """Colour of a robot by its number from 0."""
     return ROBOTS[number % len(ROBOTS)]
 
 

@@ -107,15 +107,15 @@ class Content:
         return self.roadmap.radius if self.roadmap else None
 
     def clearance_span(self) -> tuple[float, float] | None:
-        """Return the least and largest clearance on the roadmap: the ends of the colour ramp."""
+        """Least and largest clearance on the roadmap: the ends of the colour ramp."""
         if self.curves is None:
             return None
         low = self.curves.narrowest
         return low, max(float(self.curves.clearances.max()), low)
 
     def window(self) -> Bounds:
-        """Return the part of the scene to show: all of it, or the reachable part with a rim if that
-        is less than half, as on a map with much unknown ground.
+        """Part of the scene to show: all of it, or the reachable part with a rim if that is less
+        than half, as on a map with much unknown ground.
         """
         whole = self.scene.bounds
         if self.roadmap is None or self.curves is None:
@@ -134,7 +134,7 @@ class Content:
         return part if small else whole
 
     def bottleneck(self) -> tuple[float, float, float] | None:
-        """Return x, y and width of the narrowest place on the path, or on the widest route."""
+        """Place (x, y) and width of the bottleneck of the path, or of the widest route."""
         if self.found:
             return (*self.found.min_clearance_at, 2.0 * self.found.min_clearance)
         if isinstance(self.path, NoPath) and self.path.bottleneck:
@@ -144,7 +144,7 @@ class Content:
 
 
 def layers(content: Content, screen: Screen) -> tuple[Layer, ...]:
-    """Return the layers inside the plot, bottom up."""
+    """Layers inside the plot, bottom up."""
     return (
         Layer("floor", (Area((screen.frame,), FLOOR),)),
         Layer("corridor", tuple(_corridor(content, screen))),
@@ -172,7 +172,7 @@ def ring_points(records: tuple[Record, ...], y_down: bool) -> Iterator[FloatArra
 
 
 def chain_points(record: Record, y_down: bool) -> FloatArray:
-    """Return a record's edges as an (n, 2) polyline; arcs in steps of ``ARC_STEP_RAD``."""
+    """Edges of a record as an (n, 2) polyline; arcs in steps of ``ARC_STEP_RAD``."""
     points: list[tuple[float, float]] = []
     for edge in record_edges(record):
         points.append(edge.start)
@@ -207,7 +207,7 @@ def _obstacles(scene: Scene, screen: Screen) -> Iterator[Shape]:
 
 
 def screen_borders(scene: Scene, screen: Screen) -> list[list[FloatArray]]:
-    """Return each object's borders (n, 2), or its points, in screen pixels."""
+    """Each object's borders (n, 2), or its points, in screen pixels."""
     borders = []
     for obj in scene.objects:
         lines = [chain_points(record, scene.y_down) for record in object_records(obj)]
@@ -259,8 +259,8 @@ def _roadmap(content: Content, screen: Screen) -> Iterator[Shape]:
 
 
 def _densely(curves: Curves, step: float) -> tuple[FloatArray, FloatArray, NDArray[np.bool_]]:
-    """Return points at most ``step`` apart with interpolated clearances, and a mask of the last
-    point of each line.
+    """Points at most ``step`` apart with interpolated clearances, and a mask of the last point of
+    each line.
     """
     last = np.zeros(len(curves.points), dtype=np.bool_)
     last[curves.first[1:] - 1] = True

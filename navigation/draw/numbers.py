@@ -60,7 +60,7 @@ def obstacle_labels(
 
 
 def _holds(sides: FloatArray, places: FloatArray) -> NDArray[np.bool_]:
-    """Return a mask of the places (m, 2) inside borders of the sides (n, 2, 2), by even-odd."""
+    """Mask of the places (m, 2) inside borders of the sides (n, 2, 2), by even-odd."""
     (x0, y0), (x1, y1) = sides[:, 0].T, sides[:, 1].T
     x, y = places[:, 0, None], places[:, 1, None]
     cut = (y0 <= y) != (y1 <= y)
@@ -69,7 +69,7 @@ def _holds(sides: FloatArray, places: FloatArray) -> NDArray[np.bool_]:
 
 
 def _widest_row(sides: FloatArray) -> tuple[float, float]:
-    """Return the middle of the widest horizontal stretch inside borders of the sides (n, 2, 2).
+    """Middle of the widest horizontal stretch inside borders of the sides (n, 2, 2).
 
     Among stretches of about the same width, the one nearest to the middle wins.
     """

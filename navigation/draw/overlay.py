@@ -1,10 +1,10 @@
 """The records of a scene, drawn over the picture they were found in.
 
 Rules and units
-- The scene is in pixels. The picture is enlarged so that half a pixel shows, with lower contrast
-  so that the lines stand out.
-- Colours are those of the other pictures (``shapes.py``): segments crimson, arcs violet,
-  circles green, corners dots of ink. Every obstacle bears its number and its outline's letters.
+- The scene is in pixels. The picture is enlarged to show half a pixel, in lower contrast so that
+  the lines stand out.
+- Colours as in the other pictures (``shapes.py``): segments crimson, arcs violet, circles green,
+  corners dots of ink. Every obstacle bears its number and its outline's letters.
 """
 
 from __future__ import annotations

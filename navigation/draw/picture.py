@@ -1,10 +1,10 @@
 """Pictures of a scene, its roadmap and path, as SVG or PNG, in one visual language.
 
-Obstacles are dark on a light floor; the roadmap is coloured by clearance, from warm (tight) to cool
-(wide). The planned path is green with the corridor that the robot sweeps; replaced plans are pale
-green as far as they were driven. Waypoints are dots; the driven track is violet, other robots and
-their tracks pale violet. The narrowest place is a red measure across the path. A legend and a scale
-follow. Both formats use the same shapes (``shapes.py``).
+Obstacles are dark on a light floor; the roadmap's colour goes from warm (tight) to cool (wide). The
+path is green with the corridor that the robot sweeps; replaced plans are pale green as far as they
+were driven. Waypoints are dots; the driven track is violet, other robots and their tracks pale
+violet. A red measure crosses the narrowest place. A legend and a scale follow. Both formats use the
+same shapes (``shapes.py``).
 """
 
 from __future__ import annotations
@@ -62,7 +62,7 @@ def draw_svg(
     path: Path | NoPath | None = None,
     **shown: Unpack[PictureOptions],
 ) -> str:
-    """Return the picture as SVG text."""
+    """The picture as SVG text."""
     from navigation.draw.svg import to_svg
 
     return to_svg(_drawing(scene, roadmap, path, shown))
@@ -74,7 +74,7 @@ def draw_png(
     path: Path | NoPath | None = None,
     **shown: Unpack[PictureOptions],
 ) -> NDArray[np.uint8]:
-    """Return the same picture as (height, width, 3) uint8 pixels, BGR."""
+    """The same picture as (height, width, 3) uint8 pixels, BGR."""
     from navigation.draw.png import to_pixels
 
     return to_pixels(_drawing(scene, roadmap, path, shown))

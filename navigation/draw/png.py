@@ -34,7 +34,7 @@ _FONT_HEIGHT = 22.0
 
 
 def to_pixels(drawing: Drawing) -> NDArray[np.uint8]:
-    """Return (height, width, 3) uint8, BGR."""
+    """(height, width, 3) uint8, BGR."""
     size = (drawing.height * SUPERSAMPLING, drawing.width * SUPERSAMPLING, 3)
     canvas: Canvas = np.empty(size, dtype=np.uint8)
     canvas[:] = _bgr(PAGE)
@@ -127,7 +127,7 @@ def _dashes(line: FloatArray, dash: tuple[float, float] | None) -> list[FloatArr
 
 
 def _fixed(points: FloatArray) -> NDArray[np.int32]:
-    """Return OpenCV's fixed-point coordinates, clipped far off the page."""
+    """OpenCV's fixed-point coordinates, clipped far off the page."""
     scaled = (points * SUPERSAMPLING + 0.5 * (SUPERSAMPLING - 1)) * (1 << _SHIFT)
     return np.rint(np.clip(scaled, -1e6, 1e6)).astype(np.int32)
 

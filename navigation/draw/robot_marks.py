@@ -21,7 +21,7 @@ def nose(
 
 
 def lines_of(track: FloatArray | None) -> list[FloatArray]:
-    """Return the lines (k >= 2, m) between the rows of NaN of a track (n, m)."""
+    """Lines (k >= 2, m) between the rows of NaN of a track (n, m)."""
     if track is None:
         return []
     pieces = np.split(track, np.flatnonzero(np.isnan(track[:, 0])))

@@ -168,14 +168,14 @@ class Screen:
         object.__setattr__(self, "frame", corners)
 
     def points(self, scene_points: FloatArray | Sequence[Sequence[float]]) -> FloatArray:
-        """Return (n, 2) screen pixels of (n, 2) scene points."""
+        """(n, 2) screen pixels of (n, 2) scene points."""
         xy = np.asarray(scene_points, dtype=np.float64).reshape(-1, 2)
         x = self.left + (xy[:, 0] - self.bounds.x_min) * self.scale
         down = xy[:, 1] - self.bounds.y_min if self.y_down else self.bounds.y_max - xy[:, 1]
         return np.stack([x, self.top + down * self.scale], axis=1)
 
     def heading(self, heading_rad: float) -> float:
-        """Return the heading as an angle on the screen, clockwise from the right."""
+        """Heading as an angle on the screen, clockwise from the right."""
         return heading_rad if self.y_down else -heading_rad
 
 
@@ -188,7 +188,7 @@ def fit_screen(
 
 
 def ramp_colour(step: int) -> Colour:
-    """Return the colour of one of ``RAMP_STEPS`` steps from tight (0) to wide."""
+    """Colour of one of ``RAMP_STEPS`` steps from tight (0) to wide."""
     at = step / (RAMP_STEPS - 1) * (len(CLEARANCE_RAMP) - 1)
     low = min(int(at), len(CLEARANCE_RAMP) - 2)
     part = at - low

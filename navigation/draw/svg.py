@@ -23,7 +23,7 @@ FONT = "DejaVu Sans, Helvetica, Arial, sans-serif"
 
 
 def to_svg(drawing: Drawing) -> str:
-    """Return the whole SVG document."""
+    """The whole SVG document."""
     return "\n".join(_lines(drawing)) + "\n"
 
 
@@ -82,7 +82,6 @@ def _element(shape: Shape) -> str:
 
 
 def _photo(photo: Photo) -> str:
-    """Embed the pixels in the document, as PNG."""
     import cv2
 
     data = base64.b64encode(cv2.imencode(".png", photo.pixels)[1].tobytes()).decode("ascii")

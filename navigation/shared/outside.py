@@ -1,10 +1,9 @@
 """Safe reading and repeating of data from outside the program.
 
 Rules
-- `read_object` reads any bytes or text: it returns one JSON object or raises one `OutsideError`
-  with a sentence.
-- Text repeated in sentences, logs and answers is printable and short: no control characters,
-  half surrogate pairs or endless numbers.
+- `read_object` turns any bytes or text into one JSON object or one `OutsideError`.
+- Repeated text is printable and short: no control characters, half surrogate pairs or endless
+  numbers reach sentences, logs and answers.
 """
 
 from __future__ import annotations
@@ -36,13 +35,13 @@ def read_object(data: bytes | str) -> dict[str, Any]:
 
 
 def printable(text: str, most: int) -> str:
-    """Return the text on one line, at most ``most`` characters, with unprintable ones replaced."""
+    """The text on one line, at most ``most`` characters, with unprintable ones replaced."""
     shown = "".join(c if c.isprintable() else REPLACEMENT for c in text[:most])
     return shown if len(text) <= most else shown[:-1] + "…"
 
 
 def in_short(value: object) -> str:
-    """Return a JSON value as a sentence repeats it: itself if short, else its kind."""
+    """A JSON value as a sentence repeats it: itself if short, else its kind."""
     match value:
         case None | bool() | float():
             return repr(value)
@@ -60,7 +59,7 @@ def in_short(value: object) -> str:
 
 
 def finite_number(value: object) -> float | None:
-    """Return a JSON number as a finite float, None for everything else."""
+    """A JSON number as a finite float, None for everything else."""
     if isinstance(value, bool) or not isinstance(value, int | float):
         return None
     try:

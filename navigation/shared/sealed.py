@@ -1,5 +1,4 @@
-"""Texts under a first line that names their kind and holds a checksum, so that any change is
-noticed.
+"""Texts under a first line with their kind and checksum, so that any change is noticed.
 
 The line is ``clearway KIND VERSION LENGTH SHA256``. The sum covers the rest of the line and the
 text: a flipped bit or lost byte anywhere makes the whole unusable.
@@ -15,14 +14,14 @@ class SealError(ValueError):
 
 
 def seal(kind: str, version: int, text: str) -> bytes:
-    """Return the text with its line in front."""
+    """The text with its line in front."""
     body = text.encode()
     head = f"clearway {kind} {version} {len(body)}"
     return f"{head} {_sum(head, body)}\n".encode() + body
 
 
 def unseal(kind: str, version: int, data: bytes) -> str:
-    """Return the text; ``SealError`` if any of it, or of its line, has changed."""
+    """The text; ``SealError`` if any of it, or of its line, has changed."""
     line, _, body = data.partition(b"\n")
     head = f"clearway {kind} {version} {len(body)}"
     if line != f"{head} {_sum(head, body)}".encode():

@@ -1,8 +1,8 @@
 """Restarts failed parts of the program with growing pauses, and reports which and why.
 
-A failing part makes the robot hold. It is restarted after a quarter of a second, then after twice
-that, up to ``LONGEST_PAUSE_S``; a part that has run well for ``WELL_S`` starts with the short pause
-again. The supervisor opens nothing and reads no clock.
+A failing part makes the robot hold. The pause starts at a quarter of a second and doubles up to
+``LONGEST_PAUSE_S``; it starts afresh after ``WELL_S`` without failure. The supervisor opens nothing
+and reads no clock.
 """
 
 from __future__ import annotations
@@ -50,7 +50,7 @@ class Supervisor:
         return sum(record.failures for record in self._records.values())
 
     def look(self, now_s: float) -> str | None:
-        """Return all failures in one sentence, or None if every part is well."""
+        """All failures in one sentence, or None if every part is well."""
         for name, part in self._parts.items():
             self._look_at(part, self._records[name], now_s)
         return "; ".join(
@@ -77,6 +77,6 @@ class Supervisor:
 
 
 def in_words(error: BaseException) -> str:
-    """Return an error's type, and its text if it has one."""
+    """Type of an error, and its text if it has one."""
     text = str(error).strip().splitlines()
     return f"{type(error).__name__}: {text[0]}" if text else type(error).__name__

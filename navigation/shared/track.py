@@ -57,7 +57,7 @@ class Track:
         return math.dist(before, last) < self._least_m
 
     def rows(self) -> FloatArray:
-        """Return a copy (n, 4), oldest first."""
+        """A copy (n, 4), oldest first."""
         with self._lock:
             size = len(self._rows)
             if self._count <= size:

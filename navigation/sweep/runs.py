@@ -1,9 +1,8 @@
 """Hands a sweep's runs to processes or a cluster, in virtual time, and collects their rows.
 
 Rules
-- A variation's row is always the same: which worker runs it, when, and the number of workers do
-  not matter.
-- The death of a worker costs time, not results: its run is repeated. A variation that has killed
+- A variation's row is always the same, whatever worker runs it, when, and among how many.
+- A worker's death costs time, not results: its run is repeated. A variation that has killed
   ``MOST_ATTEMPTS`` workers gets a row that says so.
 - Only a few runs are handed out at a time. After a death the runs at work are repeated alone, so
   that the next death has a known culprit.

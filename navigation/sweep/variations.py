@@ -57,7 +57,7 @@ class RobotVariation:
     blur_px: float
 
     def with_run_of(self, other: RobotVariation) -> RobotVariation:
-        """Return the same robot with another one's seed and camera."""
+        """The same robot with another one's seed and camera."""
         return replace(self, seed=other.seed, noise_grey=other.noise_grey, blur_px=other.blur_px)
 
 
@@ -70,7 +70,7 @@ class Variation:
 
 
 def variation(config: Config, seed: int, run: int, spread: float = 1.0) -> Variation:
-    """Return variation ``run`` (from 0) of a sweep's ``seed``; ``spread`` 0 changes the seed only.
+    """Variation ``run`` (from 0) of a sweep's ``seed``; ``spread`` 0 changes the seed only.
 
     Errors are uniform up to the limits above times ``spread``, around the configured starts. A
     start that would not be free is drawn towards the configured one. Starts keep ``APART_M``
@@ -97,7 +97,7 @@ def variation(config: Config, seed: int, run: int, spread: float = 1.0) -> Varia
 
 
 def varied(config: Config, v: Variation) -> tuple[Config, dict[str, Config] | None]:
-    """Return one run's configuration, and the true configuration of each of several robots."""
+    """One run's configuration, and the true configuration of each of several robots."""
     first = next(iter(v.robots.values()))
     whole = _varied_one(config, first)
     if not config.robots:
@@ -118,7 +118,7 @@ def varied(config: Config, v: Variation) -> tuple[Config, dict[str, Config] | No
 
 
 def _body(alone: Config, v: RobotVariation) -> Config:
-    """Return one robot with its drawn wheels and its own seed."""
+    """One robot with its drawn wheels and own seed."""
     assert alone.simulation is not None
     seed = alone.simulation.seed
     simulation = _varied_one(alone, v).simulation
@@ -205,7 +205,6 @@ def _free_start(
 
 
 def _varied_one(config: Config, v: RobotVariation) -> Config:
-    """Return the configuration with one robot's variation."""
     assert config.simulation is not None
     camera = config.simulation.camera.model_copy(
         update={"noise_grey": v.noise_grey, "blur_px": v.blur_px}

@@ -15,7 +15,7 @@ CONNECT_S: Final = 10.0
 
 
 def local_executor(workers: int) -> ProcessPoolExecutor:
-    """Return fresh processes that end with this one."""
+    """Fresh processes that end with this one."""
     return ProcessPoolExecutor(workers, mp_context=FRESH, initializer=end_with_parent)
 
 
@@ -36,7 +36,7 @@ class Cluster:
             raise SweepError(f"scheduler {address}: {error}") from None
 
     def executor(self) -> Executor:
-        """Return its executor; the scheduler itself reassigns the work of a dead worker."""
+        """Its executor; the scheduler itself reassigns the work of a dead worker."""
         executor: Executor = self._client.get_executor(pure=False)
         return executor
 

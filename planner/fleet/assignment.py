@@ -1,9 +1,9 @@
-"""Which robot takes which task: optimal for the sum of driving times, or for the last arrival.
+"""Assignment of tasks to robots, optimal for the sum of driving times or for the last arrival.
 
 Rules and units
-- What a pair costs is the time that the robot drives alone on its own path over the roadmap, at its
-  speed: others in its way, which are planned for later, are not part of it.
-- As many tasks are given out as can be; a pair without a path is never chosen.
+- A pair costs the time that the robot drives alone on its own path over the roadmap, at its speed;
+  others in its way are planned for later and do not count.
+- As many tasks as possible are assigned; a pair without a path is never chosen.
 """
 
 from __future__ import annotations
@@ -23,11 +23,11 @@ from planner.scene import FloatArray
 
 @dataclass(frozen=True, slots=True)
 class Assignment:
-    """The task of each robot, by its place in the list, None for a robot that has none.
+    """Task of each robot, by its place in the list, None for a robot without one.
 
-    ``durations_s`` (robots, tasks) is the read-only table it was chosen from, infinite where a
-    robot has no path to a task. ``left_over`` are the tasks that no robot has. ``total_s`` is the
-    sum of the durations, ``last_s`` the longest of them.
+    ``durations_s`` (robots, tasks) is the read-only cost table, infinite if a robot has no path to
+    a task. ``left_over`` are the unassigned tasks. ``total_s`` is the sum of the durations,
+    ``last_s`` the longest.
     """
 
     tasks: tuple[int | None, ...]
@@ -48,11 +48,10 @@ def assign_tasks(
 ) -> Assignment:
     """Give each robot at most one task and each task at most one robot, at least cost.
 
-    ``robots`` and ``tasks`` are places (x, y) or (x, y, heading_rad) in free space, of either as
-    many as there are. ``radii`` and ``limits`` are as in :func:`planner.plan_fleet`. ``objective``
-    "sum" is the least sum of durations, "last" the least longest one and, of equal ones, the least
-    sum. Paths are planned for every pair, then matched exactly in O(n^2 (n + m)).
-    ``ValueError`` on input that makes no sense.
+    ``robots`` and ``tasks`` are any number of places (x, y) or (x, y, heading_rad) in free space.
+    ``radii`` and ``limits`` are as in :func:`planner.plan_fleet`. ``objective`` "sum" minimises the
+    sum of durations, "last" the longest one and, among equals, the sum. Paths are planned for every
+    pair, then matched exactly in O(n^2 (n + m)). ``ValueError`` on input that makes no sense.
     """
     if objective not in ("sum", "last"):
         raise ValueError(f"objective = {objective!r}: must be 'sum' or 'last'")

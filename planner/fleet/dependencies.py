@@ -1,10 +1,10 @@
-"""Who passes shared places before whom, from tracks that never touch.
+"""Order of the robots at shared places, from tracks that never touch.
 
 Rules
-- A piece of one track and one of another that come nearer than the gap are a shared place. Who
-  passes it first in the plan, exactly, passes it first whatever happens: the other does not begin
-  its piece before the first has ended its own. So no two robots are ever on pieces that are near.
-- As long as the waits form no circle, somebody can always go on (Hoenig et al., "Persistent and
+- Pieces of two tracks that come nearer than the gap are a shared place. The robot that passes it
+  first in the plan, exactly, always does: the other begins its piece only after the first has ended
+  its own. So no two robots are ever on near pieces.
+- While the waits form no circle, some robot can always continue (Hoenig et al., "Persistent and
   robust execution of MAPF schedules in warehouses", RA-L 2019).
 """
 
@@ -21,7 +21,7 @@ from planner.scene import FloatArray, IntArray
 
 
 def find_dependencies(tracks: Sequence[FloatArray], radii: Sequence[float]) -> list[Dependency]:
-    """All waits that do not follow from others of the same two robots."""
+    """All waits, except those implied by others of the same two robots."""
     found: list[Dependency] = []
     for i in range(len(tracks)):
         for j in range(i + 1, len(tracks)):
@@ -31,12 +31,12 @@ def find_dependencies(tracks: Sequence[FloatArray], radii: Sequence[float]) -> l
 
 
 def _drawn(track: FloatArray) -> FloatArray:
-    """A track with two rows or more: who never moves has one piece, of no length."""
+    """A track with at least two rows: a robot that never moves has one piece of no length."""
     return track if len(track) > 1 else np.vstack([track, track])
 
 
 def _waits(first: int, waiting: int, rows: IntArray) -> list[Dependency]:
-    """Of the waits of one robot for another those that ask for more than the ones before."""
+    """Waits of one robot for another, each asking for more than the ones before."""
     asked, found = 0, []
     for row, passed in enumerate(rows.tolist()):
         if passed > asked:
@@ -46,10 +46,9 @@ def _waits(first: int, waiting: int, rows: IntArray) -> list[Dependency]:
 
 
 def is_live(tracks: Sequence[FloatArray], dependencies: Sequence[Dependency]) -> bool:
-    """Whether the waits form no circle: whoever is late, all arrive in the end.
+    """True if the waits form no circle: whatever the delays, all robots arrive.
 
-    The events are the robots' points; each comes after the one before it and after what its
-    robot waits for.
+    The events are the robots' points; each follows the one before it and those its robot waits for.
     """
     first = np.concatenate([[0], np.cumsum([len(track) for track in tracks])])
     after: list[list[int]] = [[] for _ in range(int(first[-1]))]

@@ -1,15 +1,13 @@
-"""Which waypoints of a fleet's plan each robot may be given now, from how far all of them are.
+"""Waypoints of a fleet's plan that each robot may be given now, from the progress of all.
 
 Rules
 - ``passed[i]`` is the row of robot i's track that it reached last, 0 at its start. It may be given
-  all rows up to its next unmet dependency and none beyond; what it was given is never taken back,
-  because what is allowed only grows with the progress of all.
-- Whatever the delays, nobody touches anybody: of two pieces that come near, the second is begun
-  after the first has ended. Where :func:`planner.fleet.dependencies.is_live` says so, somebody can
-  always move until all are there: the waits and the order of each track form no circle, and of
-  rows that are not reached yet one comes first.
-- Nothing here reads a clock or keeps a state: equal progress gives equal answers, so that a restart
-  or a replay resumes where it was.
+  all rows up to its next unmet dependency; nothing given is ever taken back, because the limit only
+  grows with progress.
+- Whatever the delays, no robots touch: of two near pieces, the second begins after the first has
+  ended. If :func:`planner.fleet.dependencies.is_live` holds, some robot can always move until all
+  have arrived: waits and track order form no circle, so one unreached row comes first.
+- Nothing here reads a clock or keeps a state: a restart or a replay resumes with equal answers.
 """
 
 from __future__ import annotations
@@ -22,7 +20,7 @@ from planner.fleet.fleet_plan import FleetPlan
 
 @dataclass(frozen=True, slots=True)
 class Wait:
-    """A robot must not go beyond ``row`` of its track until another has reached ``passed``."""
+    """Limit: do not pass ``row`` of the own track until another robot has reached ``passed``."""
 
     row: int
     robot: int
@@ -31,9 +29,9 @@ class Wait:
 
 @dataclass(frozen=True, slots=True)
 class Release:
-    """The last row of its track that a robot may be given now, and whom it waits for there.
+    """Last row of its track that a robot may be given now, and its waits there.
 
-    ``waits`` is empty where the row is the track's last.
+    ``waits`` is empty if the row is the track's last.
     """
 
     row: int
@@ -41,10 +39,10 @@ class Release:
 
 
 def releases(plan: FleetPlan, passed: Sequence[int]) -> tuple[Release, ...]:
-    """What each robot may be given now; ``passed`` is the row that each has reached last.
+    """Release of each robot now; ``passed`` is the row that each has reached last.
 
-    ``ValueError`` where there is not one row each, or a row is not in the track.
-    O(robots + dependencies).
+    ``ValueError`` if there is not one row each, or a row is not in the track. O(robots +
+    dependencies).
     """
     if len(passed) != len(plan.tracks):
         raise ValueError(f"{len(passed)} rows for {len(plan.tracks)} robots: must be one each")
@@ -65,7 +63,7 @@ def releases(plan: FleetPlan, passed: Sequence[int]) -> tuple[Release, ...]:
 
 
 def deadlocked(plan: FleetPlan) -> tuple[int, ...]:
-    """Robots that wait in a circle once all have driven as far as they may; empty if none do."""
+    """Robots waiting in a circle once all have driven as far as they may; empty if none do."""
     passed = [0] * len(plan.tracks)
     while True:
         rows = [release.row for release in releases(plan, passed)]
@@ -75,7 +73,7 @@ def deadlocked(plan: FleetPlan) -> tuple[int, ...]:
 
 
 def waiting_circle(plan: FleetPlan, passed: Sequence[int]) -> tuple[int, ...]:
-    """Robots that wait for each other in a circle, none of which can ever move; empty if none do.
+    """Robots waiting in a circle, none of which can ever move; empty if none do.
 
     Only a plan with a remark on its timing has such a circle.
     """

@@ -1,4 +1,4 @@
-"""What planning several robots answers: their timed tracks, or why there are none.
+"""Answers of planning several robots: their timed tracks, or a reason why none exist.
 
 Units are those of the graph or scene, and seconds.
 """
@@ -19,10 +19,9 @@ class FleetPlan:
     """A track for each robot, no two of which ever come nearer than both radii.
 
     ``tracks`` are read-only arrays (k, 3) of t, x, y from time zero: straight and even between
-    two rows, standing after the last. ``dependencies`` keep the order in which the robots pass
-    places that they share: who keeps them touches nobody, however late anybody is.
-    ``makespan_s`` is the last arrival, ``flowtime_s`` the sum of all arrivals. ``remarks`` are
-    plain sentences on what is not certain.
+    rows, at rest after the last. ``dependencies`` keep the order at shared places: robots that keep
+    them touch no other, whatever the delays. ``makespan_s`` is the last arrival, ``flowtime_s`` the
+    sum of all arrivals. ``remarks`` are sentences on what is uncertain.
     """
 
     tracks: tuple[FloatArray, ...]
@@ -33,16 +32,16 @@ class FleetPlan:
 
     @property
     def arrivals_s(self) -> tuple[float, ...]:
-        """When each robot comes to its goal to stay."""
+        """Time of each robot's final arrival at its goal."""
         return tuple(float(track[-1, 0]) for track in self.tracks)
 
 
 @dataclass(frozen=True, slots=True)
 class NoFleetPlan:
-    """There is no plan, or none was found: an expected answer, which is false.
+    """Expected refusal, which is false: no plan exists, or none was found.
 
-    ``blocking`` are the robots that it hangs on, by their place in the list. ``proved`` is False
-    where the search ended for want of time.
+    ``blocking`` are the robots responsible, by their place in the list. ``proved`` is False if the
+    search ran out of time.
     """
 
     reason: str

@@ -29,14 +29,14 @@ def plan_on_graph(
     seed: int = 0,
     clock: Clock = search_clock_s,
 ) -> FleetPlan | NoFleetPlan:
-    """Tracks for discs of one radius on a graph, no two of which ever touch.
+    """Plan tracks for discs of one radius on a graph, no two of which ever touch.
 
-    ``nodes`` (n, 2) are places, ``edges`` (m, 2) node numbers from and to, directed; all drive
-    along straight edges at speed 1 and may wait at nodes. ``starts`` and ``goals`` are node
-    numbers. The sum of arrivals is shortened in ``improve`` rounds, the more the better, 0 for the
-    first plan as it is. Equal input and ``seed`` give equal plans, unless ``time_limit_s``, which
-    includes setting up, cuts in; ``clock`` gives the seconds that it counts.
-    ``ValueError`` on input that makes no sense. The method: :mod:`planner.fleet.search.solver`.
+    ``nodes`` (n, 2) are places, ``edges`` (m, 2) directed pairs of node numbers, ``starts`` and
+    ``goals`` node numbers; robots drive along straight edges at speed 1 and may wait at nodes.
+    ``improve`` is the number of rounds that shorten the sum of arrivals, 0 for the first plan.
+    Equal input and ``seed`` give equal plans, unless ``time_limit_s``, which includes setting up,
+    ends the search; ``clock`` gives its seconds. ``ValueError`` on input that makes no sense. The
+    method: see :mod:`planner.fleet.search.solver`.
     """
     effort = check_effort(time_limit_s, improve, seed, clock)
     places = _numbers("nodes", nodes)
@@ -63,7 +63,7 @@ def plan_on_graph(
 def check_effort(
     time_limit_s: float, improve: int, seed: int, clock: Clock = search_clock_s
 ) -> Effort:
-    """The effort, whose time limit counts from here; ``ValueError`` on what makes no sense."""
+    """Return the effort, with its time limit starting now; ``ValueError`` on senseless input."""
     limit = _positive("time_limit_s", time_limit_s)
     rounds, number = operator.index(improve), operator.index(seed)
     if rounds < 0:
@@ -74,7 +74,6 @@ def check_effort(
 
 
 def _shared(what: str, chosen: Sequence[int]) -> NoFleetPlan | None:
-    """A refusal where two robots have the same node."""
     first: dict[int, int] = {}
     for j, node in enumerate(chosen):
         i = first.setdefault(node, j)
@@ -84,7 +83,7 @@ def _shared(what: str, chosen: Sequence[int]) -> NoFleetPlan | None:
 
 
 def _numbers(name: str, rows: ArrayLike) -> FloatArray:
-    """A copy of rows (n, 2), finite."""
+    """A finite copy of rows (n, 2)."""
     try:
         array = np.array(rows, dtype=np.float64)
     except (TypeError, ValueError):

@@ -1,4 +1,4 @@
-"""Several robots among obstacles: from and to anywhere in free space, of any radius and speed."""
+"""Several robots among obstacles: from and to any free place, of any radius and speed."""
 
 from __future__ import annotations
 
@@ -37,13 +37,12 @@ def plan_fleet(
     seed: int = 0,
     clock: Clock = search_clock_s,
 ) -> FleetPlan | NoFleetPlan:
-    """Tracks for several discs among the roadmap's obstacles, no two of which ever touch.
+    """Plan tracks for several discs among the roadmap's obstacles, no two of which ever touch.
 
-    ``starts`` and ``goals`` are places (x, y) or (x, y, heading_rad) anywhere in free space, one
-    of each a robot; headings are not planned for. ``radii`` is one for all or one each, that of the
-    roadmap where None; for other radii than the roadmap's, roadmaps of their own are built.
-    ``limits`` is one for all or one each: a robot drives at ``limits.speed`` or stands, changes
-    of speed and turns take no time here; None means
+    ``starts`` and ``goals`` are free places (x, y) or (x, y, heading_rad), one of each per robot;
+    headings are not planned for. ``radii`` is one for all or one each, the roadmap's if None; other
+    radii get their own roadmaps. ``limits`` is one for all or one each: a robot drives at
+    ``limits.speed`` or is at rest, and changes of speed and turns take no time here; None means
     :func:`planner.motion.trajectory.default_limits` of its radius, one diameter a second.
     ``time_limit_s``, ``improve``, ``seed`` and ``clock`` are as in
     :func:`planner.fleet.on_graph.plan_on_graph`. Every track keeps its robot's radius from all
@@ -71,7 +70,7 @@ def plan_fleet(
         path = roadmaps[size].plan(tuple(begin[i]), tuple(end[i]))
         if isinstance(path, NoPath):
             return NoFleetPlan(f"robot {i}: there is no way even alone: {path.reason}", (i,))
-        # the path's own ends may be rounded: the robot stands where it stands
+        # the path's own ends may be rounded: use the exact places
         paths.append(np.concatenate([begin[i : i + 1], path.points[1:-1], end[i : i + 1]]))
 
     def check() -> None:
@@ -94,7 +93,7 @@ def plan_fleet(
 
 
 def team_on(shared: Places, sizes: Sequence[float], speeds: Sequence[float]) -> Iterator[Robot]:
-    """The robots one by one, those of equal radius and speed on one graph."""
+    """The robots one by one, robots of equal radius and speed on one graph."""
     graphs: dict[tuple[float, float], tuple[Graph, NDArray[np.int64]]] = {}
     largest = float(np.abs(shared.places).max())
     for size, speed, a, b in zip(sizes, speeds, shared.starts, shared.goals, strict=True):
@@ -106,7 +105,7 @@ def team_on(shared: Places, sizes: Sequence[float], speeds: Sequence[float]) -> 
 
 
 def check_walls(roadmap: Roadmap, plan: FleetPlan, sizes: Sequence[float]) -> None:
-    """``AssertionError`` where a track comes too near to a border: our bug."""
+    """Raise ``AssertionError`` if a track comes too near to a border: our bug."""
     for i, track in enumerate(plan.tracks):
         places = np.ascontiguousarray(track[:, 1:])
         rounding = 2.0 * ROUNDING * float(np.abs(places).max())
@@ -120,14 +119,14 @@ def check_walls(roadmap: Roadmap, plan: FleetPlan, sizes: Sequence[float]) -> No
 
 
 def roadmap_for(roadmap: Roadmap, radius: float) -> Roadmap:
-    """The roadmap of the same scene for a robot of this radius."""
+    """Roadmap of the same scene for a robot of this radius."""
     if radius == roadmap.radius:
         return roadmap
     return build_roadmap(roadmap.scene, radius, mode=roadmap.mode)
 
 
 def check_places(name: str, rows: Sequence[Sequence[float]]) -> FloatArray:
-    """The places without their headings, (n, 2); ``ValueError`` where one makes no sense."""
+    """Places without their headings, (n, 2); ``ValueError`` if one makes no sense."""
     found = np.empty((len(rows), 2))
     for i, row in enumerate(rows):
         numbers = np.asarray(row, dtype=np.float64)
@@ -138,7 +137,7 @@ def check_places(name: str, rows: Sequence[Sequence[float]]) -> FloatArray:
 
 
 def check_radii(radii: float | Sequence[float] | None, default: float, count: int) -> list[float]:
-    """A radius for each robot; ``ValueError`` where one makes no sense."""
+    """A radius for each robot; ``ValueError`` if one makes no sense."""
     values: ArrayLike = default if radii is None else radii
     array = np.asarray(values, dtype=np.float64)
     if array.ndim == 0:
@@ -152,7 +151,7 @@ def check_radii(radii: float | Sequence[float] | None, default: float, count: in
 
 
 def check_speeds(limits: Limits | Sequence[Limits] | None, sizes: list[float]) -> list[float]:
-    """A speed for each robot; ``ValueError`` where one makes no sense."""
+    """A speed for each robot; ``ValueError`` if one makes no sense."""
     if limits is None:
         return [default_limits(size).speed for size in sizes]
     each = [limits] * len(sizes) if isinstance(limits, Limits) else list(limits)

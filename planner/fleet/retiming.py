@@ -1,10 +1,10 @@
-"""What is left of a plan, from how far each robot is: tracks from now on, without new delays.
+"""Rest of a plan from each robot's progress: tracks from now on, without new delays.
 
 Rules
-- Time zero is now; a track begins at the row that its robot reached last. Each piece is begun as
-  soon as its robot is there and its dependencies are met, and takes as long as in the plan; where
-  the plan stands, nobody waits but for a dependency.
-- As the order at shared places is kept, nobody touches anybody.
+- Time zero is now; a track begins at the row that its robot reached last. A robot begins each
+  piece once it is there and its dependencies are met, and drives it in the planned time; planned
+  waits without a dependency are dropped.
+- The order at shared places is kept, so no robots touch.
 """
 
 from __future__ import annotations
@@ -20,9 +20,9 @@ from planner.scene import FloatArray
 
 
 def retimed(plan: FleetPlan, passed: Sequence[int]) -> list[tuple[FloatArray, list[int]]] | None:
-    """Each robot's track from now on, and for each of its rows in the plan the row in the new one.
+    """Each robot's track from now on, and for each of its planned rows the new row.
 
-    None where the robots that are left wait for each other in a circle.
+    None if the remaining robots wait for each other in a circle.
     """
     needs: dict[tuple[int, int], list[tuple[int, int]]] = defaultdict(list)
     for robot, needed, waiting, row in plan.dependencies:
@@ -70,7 +70,7 @@ def _rows(
 
 
 def moves_of(track: FloatArray, radius: float) -> FloatArray:
-    """The rows of ``moves`` of a track, as in ``interval_search_kernels``, standing at its end."""
+    """Rows of ``moves`` of a track, as in ``interval_search_kernels``, at rest at its end."""
     lasts = np.append(np.diff(track[:, 0]), HORIZON)
     step = np.vstack([np.diff(track[:, 1:], axis=0), [[0.0, 0.0]]])
     moves = np.column_stack(

@@ -1,14 +1,13 @@
-"""Goals that come at any time while others drive: each is planned against what is promised.
+"""Goals that come at any time while others drive, planned against the promised tracks.
 
 Rules and units
-- A schedule holds the tracks that are promised to all robots, from time zero, when it was made.
-  It never changes; a new goal gives a new one. What was sent to a robot is not taken back.
-- First the new goal is planned with everything else as promised: if no parked robot cuts the arena
-  apart, there always is such a path (COBRA; Cap et al., ICRA 2015). A robot with a new goal passes
-  behind all that was sent to others.
-- Where that finds nothing, or several goals are asked for at once, all keep their promises to the
-  end, and then the fleet is planned as a whole: who is parked in the way steps aside and comes
-  back, or there is a reason.
+- A schedule holds the tracks promised to all robots, from time zero, when it was made. It never
+  changes; a new goal gives a new one. Nothing sent to a robot is taken back.
+- A new goal is first planned among the promised tracks: unless a parked robot cuts the arena apart,
+  such a path always exists (COBRA; Cap et al., ICRA 2015). A robot with a new goal passes behind
+  everything sent to others.
+- If that fails, or several goals come at once, all keep their promises to the end, and then the
+  fleet is planned as a whole: robots parked in the way step aside and return, or there is a reason.
 """
 
 from __future__ import annotations
@@ -52,10 +51,10 @@ WAITS_IN_A_CIRCLE = (
 
 @dataclass(frozen=True, slots=True)
 class FleetSchedule:
-    """The promised tracks of a fleet on one roadmap.
+    """Promised tracks of a fleet on one roadmap.
 
     ``plan`` holds tracks and dependencies from now on; ``sent`` is the row of each new track up to
-    which its waypoints were sent already. ``changed`` are the robots whose path is another.
+    which waypoints were sent. ``changed`` are the robots with a new path.
     """
 
     plan: FleetPlan
@@ -73,9 +72,9 @@ class FleetSchedule:
         radii: float | Sequence[float] | None = None,
         limits: Limits | Sequence[Limits] | None = None,
     ) -> FleetSchedule:
-        """The schedule of robots that all stand; options as in :func:`planner.plan_fleet`.
+        """Return the schedule of robots all at rest; options as in :func:`planner.plan_fleet`.
 
-        ``ValueError`` on input that makes no sense, robots that touch each other or a border.
+        ``ValueError`` on senseless input or robots that touch each other or a border.
         """
         at = check_places("places", places)
         if not len(at):
@@ -104,7 +103,7 @@ class FleetSchedule:
         radii: float | Sequence[float] | None = None,
         limits: Limits | Sequence[Limits] | None = None,
     ) -> FleetSchedule:
-        """The schedule of a plan of :func:`planner.plan_fleet`, of which nothing was sent yet."""
+        """Return the schedule of a plan of :func:`planner.plan_fleet` with nothing sent yet."""
         starts = [track[0, 1:].tolist() for track in plan.tracks]
         return replace(FleetSchedule.parked(roadmap, starts, radii, limits), plan=plan)
 
@@ -117,15 +116,15 @@ class FleetSchedule:
         time_limit_s: float = 30.0,
         clock: Clock = search_clock_s,
     ) -> FleetSchedule | NoFleetPlan:
-        """The schedule from now on with new goals for some robots at once, or why there is none.
+        """Return the schedule from now on with new goals for some robots, or a reason for none.
 
-        Robots that stand on each other's goals have one together, and none one after the other.
+        Robots on each other's goals get a schedule together, but none one after the other.
 
-        ``passed`` is the row that each robot reached last, ``sent`` the last that it was given; the
-        new tracks begin at ``passed`` and are the same up to ``sent``. None means all are
-        at their starts, and nothing was sent beyond ``passed``. ``ValueError`` where
+        ``passed`` is the row that each robot reached last, ``sent`` the last that it was given; new
+        tracks begin at ``passed`` and are the same up to ``sent``. None means all are at their
+        starts, with nothing sent beyond ``passed``. ``ValueError`` if
         :func:`planner.fleet.execution.releases` did not allow what was sent. ``clock`` gives the
-        seconds that the time limit counts.
+        seconds of the time limit.
         """
         check_effort(time_limit_s, 0, 0, clock)
         places = {robot: check_places("goal", [goal]) for robot, goal in goals.items()}
@@ -156,10 +155,10 @@ class FleetSchedule:
         return new or self._after_promises(tracks, kept, ends, time_limit_s, clock)
 
     def cut_off_by(self, robot: int, goal: Sequence[float]) -> tuple[int, ...]:
-        """The parked robots that cut a robot off from a goal: none where it is well-formed.
+        """Parked robots that cut a robot off from a goal: none if it is well-formed.
 
-        Every other robot is put into the scene as a disc where its track ends, and the roadmap
-        is asked for a path: where there is one, others need not move for this goal.
+        Every other robot is added to the scene as a disc at its track's end. While the roadmap
+        still has a path, others need not move for this goal.
         """
         blocking: list[int] = []
         scene = self.roadmap.scene
@@ -193,7 +192,6 @@ class FleetSchedule:
     def _alone(
         self, robot: int, track: FloatArray, kept: int, goal: FloatArray
     ) -> FloatArray | NoFleetPlan:
-        """The path of one robot from what it was given last to its goal, with nobody there."""
         begin = track[kept, 1:]
         roadmap = roadmap_for(self.roadmap, self.radii[robot])
         path = roadmap.plan(tuple(begin), tuple(goal[0]))
@@ -206,7 +204,7 @@ class FleetSchedule:
     def _among_promises(
         self, robot: int, tracks: list[FloatArray], kept: tuple[int, ...], path: FloatArray
     ) -> FleetSchedule | None:
-        """One new track, all others as promised; None where there is none."""
+        """Plan one new track with all others as promised, or return None."""
         size, speed = self.radii[robot], self.speeds[robot]
         smallest = roadmap_for(self.roadmap, min(self.radii))
         shared = with_paths(smallest, self._base, [path], self.radii)
@@ -243,7 +241,7 @@ class FleetSchedule:
         time_limit_s: float,
         clock: Clock,
     ) -> FleetSchedule | NoFleetPlan:
-        """All promises kept to their ends, then the whole fleet planned from there."""
+        """Keep all promises to their ends, then plan the whole fleet from there."""
         parked = [track[-1, 1:].tolist() for track in tracks]
         limits = [
             replace(default_limits(size), speed=speed)
@@ -282,7 +280,7 @@ def _plan(tracks: Sequence[FloatArray], radii: Sequence[float]) -> FleetPlan:
 
 
 def _zone(track: FloatArray, gap: float) -> FloatArray:
-    """Standing discs over what was sent, until its robot has passed it."""
+    """Discs at rest over the part sent, until its robot has passed it."""
     rows = []
     for (_, x, y), (until, u, v) in zip(track[:-1].tolist(), track[1:].tolist(), strict=True):
         parts = int(np.ceil(ZONE * np.hypot(u - x, v - y) / gap))
@@ -294,5 +292,5 @@ def _zone(track: FloatArray, gap: float) -> FloatArray:
 
 
 def _takes_back(plan: FleetPlan, sent: Sequence[int]) -> bool:
-    """Whether anybody would have to wait before a waypoint that it was given already."""
+    """True if a robot would have to wait before a waypoint already given."""
     return any(row < sent[waiting] for _, _, waiting, row in plan.dependencies)

@@ -1,12 +1,11 @@
-"""Exact grid maps: an obstacle is the union of its cells, its border the cells' edges.
+"""Exact grid maps: an obstacle is the union of its cells.
 
-Cell (i, j) is column i, row j counted from the top; it covers [i - 1/2, i + 1/2] x [j - 1/2, j +
-1/2] in cells, y down. Cells that touch, even at a corner only, belong to one object without a gap;
-free cells that touch only at a corner are not connected. Collinear edges are merged into the
-longest segments. Outlines run clockwise on the screen, holes counter-clockwise: the obstacle is
-always on the right.
+Cell (i, j) is column i, row j from the top; it covers [i - 1/2, i + 1/2] x [j - 1/2, j + 1/2] in
+cells, y down. Cells that touch, even at a corner only, belong to one object without a gap; free
+cells that touch only at a corner are not connected. Collinear edges are merged. Outlines run
+clockwise on the screen, holes counter-clockwise: the obstacle is always on the right.
 
-All steps use numpy on whole arrays, except the last, which walks the segments, not the cells.
+All steps use numpy on whole arrays, except the last, which walks the segments.
 """
 
 from __future__ import annotations
@@ -47,7 +46,7 @@ class GridPose:
 
 @dataclass(frozen=True, slots=True)
 class _Borders:
-    """Segments of all borders: ends as grid vertices, heading, and the loop they run in."""
+    """Segments of all borders: ends as grid vertices, heading, loop."""
 
     start: IndexArray  # (k, 2) column, row of grid vertices
     end: IndexArray  # (k, 2)
@@ -84,10 +83,9 @@ def map_scene(
 ) -> Scene:
     """Return the scene of an (h, w) grid in metres, y up, as a ROS map: row 0 is the top.
 
-    ``unknown`` (h, w) marks obstacle cells of unknown content.
-
-    A turned map lies in an upright rectangle; everything outside the map is an obstacle, with a rim
-    one cell wide. Raises :class:`SceneError` on an empty grid.
+    ``unknown`` (h, w) marks obstacle cells of unknown content. A turned map lies in an upright
+    rectangle; the outside is an obstacle with a rim one cell wide. Raises :class:`SceneError` on an
+    empty grid.
     """
     height, width = _checked_shape(obstacle)
     turned = math.sin(pose.yaw_rad) != 0.0 or math.cos(pose.yaw_rad) < 0.0
@@ -252,9 +250,9 @@ def _loops(follower: list[int]) -> list[list[int]]:
 def _parents(obstacle: NDArray[np.bool_], borders: _Borders) -> list[int]:
     """For each loop, -1 if it is an outline, else the number of the outline around it.
 
-    A loop's first vertex is its topmost, leftmost one: an outline leaves it eastwards. Left of a
-    hole's leftmost edge the obstacle extends to an edge of another loop of the same object. Each
-    such step leads further left, so they end at the outline.
+    A loop's first vertex is its topmost, leftmost one: an outline leaves it eastwards. The obstacle
+    left of a hole's leftmost edge ends at another loop of its object. Each such step leads further
+    left, so they end at the outline.
     """
     loop_of = np.empty(len(borders.heading), dtype=np.int64)
     for number, loop in enumerate(borders.loops):

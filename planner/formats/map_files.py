@@ -1,12 +1,11 @@
 """Map files: the ROS map_server's YAML with its picture, and MovingAI's ``.map``.
 
-ROS (Nav2 map_server, "map_io"): a cell's occupancy is p = 1 - shade, or the shade itself if
-``negate`` is set. In ``trinary`` and ``scale`` mode it is occupied if p >= occupied_thresh, and
-free if p <= free_thresh; in ``raw`` mode the picture's byte is the occupancy in percent, with the
-same thresholds. If both hold, it is occupied. A cell that is not free (occupied, unknown or in
-between) is an obstacle. map_saver writes the byte 205 for unknown, where p = 0.196; a larger
-``free_thresh`` would call it free, but here it remains unknown in trinary mode. ``origin`` is the
-pose of the lower left corner of the lower left cell, in metres and radians.
+ROS (Nav2 map_server, "map_io"): a cell's occupancy is p = 1 - shade, or the shade if ``negate`` is
+set; in ``raw`` mode the picture's byte in percent. It is occupied if p >= occupied_thresh, else
+free if p <= free_thresh. All other cells, occupied, unknown or in between, are obstacles. map_saver
+writes the byte 205 for unknown, where p = 0.196: it remains unknown in trinary mode, even below
+``free_thresh``. ``origin`` is the pose of the lower left corner of the lower left cell, in metres
+and radians.
 
 MovingAI (Sturtevant 2012): ``.``, ``G`` and ``S`` are passable; ``@``, ``O``, ``T`` and ``W`` are
 not.
@@ -57,11 +56,10 @@ class MapHeader:
 
 
 def read_ros_map(text: str, path: Path, read_picture: ReadPicture | None = None) -> Scene:
-    """Return the scene of a ROS map from its YAML; ``read_picture`` reads pictures other than PGM.
+    """Return the scene of a ROS map from its YAML, ``path``; the picture is in the same folder.
 
-    ``path`` is the YAML file, whose folder contains the picture.
-
-    Raises :class:`SceneError` with the file and, for the YAML, line and column.
+    ``read_picture`` reads pictures other than PGM. Raises :class:`SceneError` with the file and,
+    for the YAML, line and column.
     """
     header = parse_map_header(text, str(path))
     picture = path.parent / header.image
@@ -78,7 +76,7 @@ def read_ros_map(text: str, path: Path, read_picture: ReadPicture | None = None)
 
 
 def parse_map_header(text: str, name: str) -> MapHeader:
-    """Parse and check the map's YAML; errors are :class:`SceneError` with line and column."""
+    """Parse the map's YAML; errors are :class:`SceneError` with line and column."""
     return _HeaderReader(text, name).read()
 
 
@@ -157,7 +155,7 @@ def _map_side(fields: dict[str, str], key: str, name: str) -> int:
 
 
 class _HeaderReader:
-    """A reader that checks the YAML's values one by one; errors include the place."""
+    """Checker of the YAML's values; errors include the place."""
 
     def __init__(self, text: str, name: str) -> None:
         self.name = name

@@ -1,11 +1,10 @@
 """A scene as a ROS map: a YAML header and a PGM picture that Nav2's map_server loads.
 
 Rules and units
-- A cell is occupied if part of an obstacle or its border is inside it, so no obstacle shrinks; a
-  border that only runs along the cell's edge does not count. Cells that extend beyond the bounds
-  are occupied too.
-- A ROS map is in metres with y up, and the scene must be so too. A scene read from a ROS map
-  gives the same cells again at its own resolution.
+- A cell is occupied if it contains part of an obstacle or its border, so no obstacle shrinks; a
+  border along the cell's edge does not count. Cells across the bounds are occupied too.
+- Map and scene are in metres with y up. A scene read from a ROS map gives the same cells again at
+  its own resolution.
 """
 
 from __future__ import annotations
@@ -45,7 +44,7 @@ def write_map(scene: Scene, path: str | os.PathLike[str], resolution: float) -> 
     """Write ``path``, a ``.yaml`` file, and its picture of the same name beside it.
 
     ``resolution`` is a cell's side in metres. Raises :class:`SceneError` if the scene is not in
-    metres, the resolution makes no sense, or a file cannot be written.
+    metres, the resolution makes no sense, or writing fails.
     """
     file = Path(path)
     occupied = occupied_cells(scene, resolution)
@@ -97,7 +96,7 @@ def occupied_cells(scene: Scene, resolution: float) -> NDArray[np.bool_]:
 
 
 def _chain(record: Record, y_down: bool, sagitta: float) -> FloatArray:
-    """A record's border as (n, 2); chords of an arc lie outside it by at most sagitta."""
+    """A record's border as (n, 2); chords of an arc lie at most sagitta outside it."""
     if isinstance(record, PointRecord):
         return np.array([record.at, record.at])
     points: list[FloatArray] = []

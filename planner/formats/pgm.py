@@ -47,8 +47,7 @@ def _binary_values(body: bytes, cells: int, maximum: int, name: str) -> NDArray[
     """Pixels of a P5 file, from the bytes after its maximum.
 
     One white space precedes the pixels. After a comment attached to the maximum, Netpbm's document
-    requires another one, while Netpbm's readers use the comment's own line end: the number of bytes
-    decides between the two.
+    requires another, but Netpbm's readers use the comment's line end: the number of bytes decides.
     """
     kind = np.dtype(np.uint8) if maximum < 256 else np.dtype(">u2")
     size = cells * kind.itemsize

@@ -1,8 +1,7 @@
 """Scene and map files in and out: the planner's only access to the disk.
 
-``load_scene`` recognises a file by its content: the scene text of ``scene_text.py``, the YAML of a
-ROS map, or a MovingAI ``.map`` (``map_files.py``). A picture is not a scene; ``vision.extract``
-turns it into one.
+``load_scene`` recognises the scene text of ``scene_text.py``, the YAML of a ROS map and a MovingAI
+``.map`` (``map_files.py``) by content. ``vision.extract`` turns a picture into a scene.
 """
 
 from __future__ import annotations
@@ -24,16 +23,16 @@ _PICTURE_STARTS = (
 
 
 def load_scene(path: str | os.PathLike[str], *, read_picture: ReadPicture | None = None) -> Scene:
-    """Load the scene in a file; ``read_picture`` reads pictures of ROS maps other than PGM.
+    """Load a scene file; ``read_picture`` reads pictures of ROS maps other than PGM.
 
-    Raises :class:`SceneError` naming the file and, if there is one, the line and column.
+    Raises :class:`SceneError` with the file and, if known, line and column.
     """
     file = Path(path)
     return scene_from_bytes(read_bytes(file), file, read_picture=read_picture)
 
 
 def scene_from_bytes(data: bytes, file: Path, *, read_picture: ReadPicture | None = None) -> Scene:
-    """Return the scene in the bytes of a file, as :func:`load_scene` reads it.
+    """Parse a file's bytes like :func:`load_scene`.
 
     Errors name ``file``; the picture of a ROS map is in its folder.
     """

@@ -40,9 +40,9 @@ __all__ = ["HEADER", "read_scene_text", "write_scene_text"]
 def read_scene_text(text: str, name: str = "<text>") -> Scene:
     """Read the scene in ``text``; ``name`` is the file's name in errors.
 
-    Raises :class:`SceneError` ("name:line:column: what") on anything outside this module's format:
-    unknown records, wrong counts, numbers that are not finite or beyond ``MAX_COORDINATE``, radii
-    <= 0, trailing characters. O(length of the text).
+    Raises :class:`SceneError` ("name:line:column: what") on unknown records, wrong counts, numbers
+    that are not finite or beyond ``MAX_COORDINATE``, radii <= 0, and trailing characters.
+    O(length).
     """
     reader = SceneReader(name)
     for number, line in enumerate(text.removeprefix("\ufeff").splitlines(), start=1):
@@ -51,9 +51,9 @@ def read_scene_text(text: str, name: str = "<text>") -> Scene:
 
 
 def write_scene_text(scene: Scene) -> str:
-    """Write the scene as text with all extensions; ``read_scene_text`` returns an equal scene.
+    """Write the scene with all extensions; ``read_scene_text`` returns an equal scene.
 
-    Raises :class:`SceneError` if a record cannot be written: edges that do not connect, numbers
-    that are not finite, arcs off their circles.
+    Raises :class:`SceneError` on edges that do not connect, numbers that are not finite, and arcs
+    off their circles.
     """
     return "\n".join(scene_lines(scene)) + "\n"

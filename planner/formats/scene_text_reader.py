@@ -1,7 +1,4 @@
-"""Reader of the scene's text, line by line, into records, objects and the scene's fields.
-
-The format is described in :mod:`planner.formats.scene_text`.
-"""
+"""Reader of the scene's text (:mod:`planner.formats.scene_text`), line by line."""
 
 from __future__ import annotations
 
@@ -38,7 +35,7 @@ fraction of a pixel off; more means that the numbers belong to another edge."""
 
 
 class SceneReader:
-    """Collector of records into objects and of extensions into the scene's fields."""
+    """Collector of records into objects, and of extensions."""
 
     def __init__(self, name: str) -> None:
         self.name = name

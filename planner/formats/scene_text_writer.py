@@ -1,7 +1,4 @@
-"""Writer of a scene as lines of text that read back as an equal scene.
-
-The format is described in :mod:`planner.formats.scene_text`.
-"""
+"""Writer of a scene as text (:mod:`planner.formats.scene_text`)."""
 
 from __future__ import annotations
 

@@ -1,12 +1,11 @@
 """Rounds a path's corners inside the free corridor, and proves the clearance again.
 
-A parabola cuts each corner from a point before it to a point after it, tangent to the path at both
-ends (a quadratic Bezier curve: its control point is where the tangents meet). The sharpest corners
-come first. A cut begins with the greatest length that the adjacent cuts allow, and is halved until
-the exact clearance of the new piece suffices; if even the shortest fails, the corner stays. For a
-robot with a turning radius, cuts are arcs of at least that radius, and a corner without room for
-one stays, to be turned on the spot. Nothing is sampled: the given callable measures the clearance
-of the whole new polyline against every border.
+A parabola cuts each corner, tangent to the path at both ends (a quadratic Bezier curve: its control
+point is where the tangents meet). The sharpest corners come first. A cut begins with the greatest
+length that adjacent cuts allow, and is halved until the exact clearance of the new piece suffices;
+if even the shortest fails, the corner stays. For a robot with a turning radius, cuts are arcs of at
+least that radius; a corner without room for one is turned on the spot. Nothing is sampled: the
+given callable measures the whole new polyline against every border.
 
 Units are the scene's.
 """
@@ -77,7 +76,7 @@ class _Cut:
 
 @dataclass(frozen=True, slots=True)
 class _Rules:
-    """Requirements of a cut: clearance ``floor``, or, if the path is ``nearer``, that replaced."""
+    """Clearance of cuts: ``floor``, or if the path is ``nearer``, that of the piece replaced."""
 
     radius: float
     floor: float
@@ -97,8 +96,8 @@ def smooth_path(
     """Return the path with rounded corners; stations stay in place.
 
     ``keep`` is the clearance of every changed piece, or that of the piece replaced if smaller; None
-    means the path's own least clearance. It is at least the robot's radius, unless the path is nearer
-    by rounding. Clearances are computed again, and alternatives smoothed too. Raises
+    means the path's own least clearance. It is at least the robot's radius, unless the path is
+    nearer by rounding. Clearances are measured again; alternatives are smoothed too. Raises
     :class:`SmoothError` if ``keep`` is below the radius or not finite.
     """
     floor = path.min_clearance if keep is None else keep
@@ -170,7 +169,7 @@ def _smooth_leg(points: FloatArray, rules: _Rules) -> FloatArray:
 def _room(corner: float, cuts: list[_Cut], after: int, length: float) -> float:
     """Largest reach of a cut to either side before another cut or the leg's end.
 
-    The ``cuts`` are in order; ``after`` is the number of the first that begins beyond the corner.
+    ``after`` is the number of the first of the ordered ``cuts`` that begins beyond the corner.
     """
     room = min(corner, length - corner)
     if after > 0:
@@ -217,7 +216,6 @@ def _is_wide(
 
 
 def _with_cuts(points: FloatArray, lengths: FloatArray, cuts: list[_Cut]) -> FloatArray:
-    """Insert the cuts, which are in order, into the points."""
     pieces = []
     done = 0
     for cut in cuts:

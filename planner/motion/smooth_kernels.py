@@ -1,11 +1,11 @@
 """The curves that cut a corner of a polyline, on flat arrays.
 
 Rules and units
-- A curve runs from ``reach`` before the corner to ``reach`` after it, by lengths along the
-  polyline, and is tangent to it at both ends: its control point is where the tangents meet.
+- A curve runs from ``reach`` before the corner to ``reach`` after it, along the polyline, and is
+  tangent to it at both ends.
 - Chords leave a curve by at most ``tolerance``, unless that takes more than ``MOST`` of them.
-- An empty curve (0, 2) means that none exists: the tangents do not meet ahead of the first end
-  and behind the last, or the curve would be longer than the piece it replaces.
+- A curve is empty (0, 2) if the tangents do not meet ahead of the first end and behind the last,
+  or if it would be longer than the piece it replaces.
 """
 
 # numba infers types; docstrings state them.
@@ -63,7 +63,6 @@ def _control(points, lengths, corner, reach, out):
 
 @njit(**OWNING)
 def _if_shorter(curve, most):
-    """The curve, or an empty one if it is longer than ``most``."""
     length = 0.0
     for i in range(len(curve) - 1):
         length += math.hypot(curve[i + 1, 0] - curve[i, 0], curve[i + 1, 1] - curve[i, 1])

@@ -5,12 +5,12 @@ Method. With T = 2 a / j:
    W(s) = min{V(u) : |u - s| <= V(u) T}: slow places reach as far as they must (see 3).
 2. Take the fastest profile under W with acceleration <= a, from rest to rest: two cones in v^2
    (Bobrow, Dubowsky and Gibson 1985, for one limit a).
-3. Average its position over time in a window of length T. The average of an acceleration
-   within +-a lies within +-a and changes by at most 2 a / T = j. Its speed at s is
-   (p(t + T/2) - p(t - T/2)) / T for a window whose path I contains s. If that were more than
-   V(s), I would be longer than V(s) T, so at least V(s) T of it, next to s, would be driven at
-   no more than W <= V(s): that alone takes the time T. So every speed limit holds exactly.
-4. A lower acceleration limit in single cells holds too: at s the average covers places within
+3. Average its position over a time window of length T. The average of an acceleration within
+   +-a lies within +-a and changes by at most 2 a / T = j. Its speed at s is
+   (p(t + T/2) - p(t - T/2)) / T for a window whose path I contains s. If that exceeded V(s), I
+   would be longer than V(s) T, and driving V(s) T of it next to s, at no more than W <= V(s),
+   would alone take the time T. So every speed limit holds exactly.
+4. So does a lower acceleration limit in single cells: at s the average covers places within
    V(s) T of it, where the raw profile keeps the limit of s.
 """
 

@@ -1,11 +1,11 @@
 """A path cut into legs at the robot's stops, with the limits that apply between them.
 
-- A corner of the path becomes a bend that leaves the corner by ``chord_tolerance``. The heading
-  turns evenly from t before to t after it, ``EVEN`` of t = tolerance / tan(turn / 4) (at most half
-  way to the next corner), and is then averaged over a stretch of the leg (``ease`` before and
-  after), so that the curvature grows and falls evenly. The speed there keeps the angular rate and
-  the lateral and angular acceleration. Where that would be a crawl, or the bend tighter than the
-  turning radius, a robot that can turn on the spot stops.
+- A corner of the path becomes a bend that leaves it by ``chord_tolerance``. The heading turns
+  evenly from t before to t after it, ``EVEN`` of t = tolerance / tan(turn / 4) (at most half way
+  to the next corner), and is averaged ``ease`` before and after, so that the curvature grows and
+  falls evenly. The speed keeps the angular rate and the lateral and angular acceleration. Where it
+  would be a crawl, or the bend tighter than the turning radius, a robot that can turn on the spot
+  stops.
 - Lengths are measured along a leg, from 0, in the scene's units.
 """
 
@@ -58,7 +58,7 @@ class Leg:
     def headings(self, at: FloatArray) -> FloatArray:
         """Averaged, unwrapped heading at lengths ``at`` from 0 to the leg's.
 
-        The heading is mirrored beyond the ends, so that the ends keep theirs.
+        Mirroring it beyond the ends keeps it at the ends.
         """
         knots, values = self._beyond()
         steps = np.diff(knots)
@@ -150,7 +150,7 @@ class Track:
                 self.stops.append(self._standing_at(int(vertex)))
 
     def _add_tight_bends(self) -> None:
-        """Add stops until no bend between them is too tight; shorter stretches keep fewer vertices."""
+        """Add stops until no bend between them is too tight; shorter legs have fewer vertices."""
         tightest = self._tightest()
         done = self.stops[:1]
         ahead = self.stops[:0:-1]
@@ -170,7 +170,6 @@ class Track:
         return Stop(vertex, self.passed.pop(vertex, None), None, 0.0)
 
     def _tightest(self) -> float:
-        """Greatest curvature that can be driven."""
         return (1.0 + ROUNDING) / self.limits.turning_radius
 
     def too_tight(self, leg: Leg) -> tuple[float, float, float] | None:

@@ -1,11 +1,11 @@
 """Timed waypoints along a path: place, heading, speed and time.
 
 - The waypoints lie on the path. The straight lines between them leave it by at most
-  ``chord_tolerance``, and by at most the path's clearance beyond the robot's radius: the line
-  through the waypoints is as free of collisions as the path.
+  ``chord_tolerance`` and by its clearance beyond the robot's radius, so they are as free of
+  collisions as the path.
 - Corners slow the robot, or stop it and turn it on the spot (``stops_and_bends.py``).
 - Between two stops the speed keeps its limits with bounded jerk (``speed_profile.py``).
-- The robot stops and turns where a station asks for a heading, and stops where it dwells.
+- The robot stops at stations with a heading, to turn, or with a dwell.
 
 Units are the scene's, seconds and radians; headings are in (-pi, pi] and in the coordinates' own
 sense (``planner.path``).
@@ -62,12 +62,12 @@ def time_path(
 ) -> Trajectory:
     """Return timed waypoints along ``path`` that keep all ``limits``.
 
-    ``clearance`` maps (n, 2) points to (n,) exact clearances, so that the robot also slows between
-    the path's points; without it the path's own clearances are interpolated. ``dwell_s`` has one
-    entry per station, start and goal included; empty means none. Times never fall, and grow
-    wherever place or heading changes. Raises :class:`TrajectoryError` on limits that are not > 0,
-    dwells that are not >= 0, and if a robot that cannot turn on the spot would have to: for a
-    station's heading, or in a bend tighter than its turning radius.
+    ``clearance`` maps (n, 2) points to (n,) exact clearances, to slow between the path's points
+    too; without it the path's own are interpolated. ``dwell_s`` has one entry per station, start
+    and goal included; empty means none. Times never fall, and grow wherever place or heading
+    changes. Raises :class:`TrajectoryError` on limits that are not > 0, dwells that are not >= 0,
+    and if a robot that cannot turn on the spot would have to: for a station's heading, or in a bend
+    tighter than its turning radius.
     """
     _check(path, limits, dwell_s)
     dwells = tuple(dwell_s) or (0.0,) * len(path.stations)

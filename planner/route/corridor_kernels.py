@@ -1,8 +1,8 @@
 """The shortest way along a route: a funnel through the free corridor around it.
 
 Rules and units
-- A corridor is the free space on both sides of a route, up to the borders. Its shortest way that
-  keeps ``keep`` off them is taut: straight, and around corners.
+- A corridor is the free space around a route, up to the borders. Its shortest way that keeps
+  ``keep`` off them is taut: straight, and around corners.
 - A portal is a line across the corridor through a place of the route, ``keep`` off both borders;
   without room for it, the place alone.
 - Left and right are those of ``cross(along, left - right) > 0``.
@@ -203,12 +203,11 @@ def funnel(gates, sx, sy, gx, gy):
 
 @njit(**OWNING, inline="always")
 def pull_taut(tree, points, pairs, keep, need, tolerance):
-    """Taut polyline along a route; empty if it is not proved to keep ``need``.
+    """Taut polyline along a route; empty unless proved, against all borders, to keep ``need``.
 
     ``pairs`` (n, 2) are the pieces left and right of each link, -1 where unknown: there the route
-    itself is kept, except its ends, where a station lies in the first or last disc. The way keeps
-    ``keep`` >= ``need`` where there is room, plus the bulge of chords between portals. It is proved
-    against all borders.
+    itself is kept, except its ends, where a station lies in the first or last disc. Where there is
+    room the way keeps ``keep`` >= ``need``, plus the bulge of chords between portals.
     """
     lo, hi = 0, len(points) - 1
     while lo <= hi and pairs[lo, 0] < 0:

@@ -1,10 +1,9 @@
 """Hysteresis between plans: a repeated request keeps the last path unless another is better.
 
 Rules and units
-- Noise decides between paths of equal cost, and a scene seen again differs by noise: without
-  memory the plan would jump between them.
-- The last path is continued from the robot's place. It remains the answer while it keeps the
-  need and no other way is cheaper by more than ``STAY``; if it is blocked, the same holds for
+- Noise decides between paths of equal cost: without memory the plan would jump between them.
+- The last path, continued from the robot's place, remains the answer while it keeps the required
+  clearance and no other way is cheaper by more than ``STAY``; if it is blocked, the same holds for
   the cheapest path on the same sides of the obstacles. Lengths are in the scene's units.
 """
 
@@ -78,7 +77,7 @@ def _joined(
     towards: float,
     need: float,
 ) -> float:
-    """Length at which a place joins the line: a few of its distances ahead, if that is clear."""
+    """Length at which a place joins the line: a few of its distances ahead, if clear."""
     (near,) = points_at(line, lengths, np.array([at]))
     reach = min(MERGE * math.dist(near, place), abs(towards - at))
     for part in (1.0, 0.5, 0.25):

@@ -1,9 +1,9 @@
 """Straight ways out of the margin, from stations within it to where it is kept.
 
 Rules and units
-- The radius is mandatory, the margin on top of it a wish. A station that keeps only the radius is
-  left, or reached, on the shortest straight line that ends where both are kept, and is nowhere
-  nearer to a border than the station; failing that, nowhere nearer than the radius.
+- The radius is mandatory, the margin a wish. A station that keeps only the radius is left, or
+  reached, on the shortest straight line that ends where both are kept, and is nowhere nearer to a
+  border than the station; if there is none, nowhere nearer than the radius.
 - Such a line is at most ``REACH`` radii and margins long: the margin is given up nowhere else.
   Lengths are in the scene's units.
 """

@@ -1,9 +1,9 @@
 """Reasons for a refusal: a station too near to a border, the narrowest place, the radius that fits.
 
 Rules and units
-- The widest robot is that of the widest path over the chains. It is exact if the path is wider
-  than the generators' spacing: narrower gaps count as walls.
-- A reason is a sentence with the scene's units in it.
+- The widest robot is that of the widest path over the chains, exact if wider than the generators'
+  spacing: narrower gaps count as walls.
+- A reason is a sentence with the scene's units.
 """
 
 from __future__ import annotations
@@ -29,8 +29,7 @@ class Blocked:
     """Absence of a path for a disc of radius ``need`` from ``start`` to ``goal``.
 
     ``stations`` are all requested ones, in order. ``reason`` says why the disc cannot be at one of
-    them, None if the path is at fault. ``names`` name both ends, and ``remarks`` say what the
-    search left uncertain.
+    them, None if the path is at fault. ``names`` name both ends; ``remarks`` report uncertainty.
     """
 
     start: Vec
@@ -59,9 +58,7 @@ def explain(
 
 
 def walled_in(blocked: Blocked, spacing: float, units: str = "") -> NoPath:
-    """Refusal of robots of any size: borders, with gaps up to ``spacing``, lie between the
-    stations.
-    """
+    """Refusal of robots of any size: borders with gaps up to ``spacing`` separate the stations."""
     if blocked.reason is not None:
         return NoPath(blocked.reason, remarks=blocked.remarks)
     gaps = f"borders lie between them, with no gap wider than {sized(spacing, units)}"

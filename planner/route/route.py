@@ -3,8 +3,7 @@
 Rules and units
 - Routes over the roadmap's chains are made taut (``taut.py``). The shortest path that keeps the
   radius need not follow a chain: a search over tangents finds it (``shortest.py``).
-- Every answer is proved at the end: the exact distance of the whole polyline to every border is
-  at least the radius and the margin.
+- The exact distance of every answer to every border is at least the radius and the margin.
 """
 
 from __future__ import annotations
@@ -101,8 +100,7 @@ def plan_request(
     """Answer a request on measured chains, for a disc of ``radius``.
 
     ``chains_only`` trusts the chains if they have no path, as the paper does. ``near`` is the last
-    answer, kept by the rules of ``hysteresis.py``. ``unknown`` marks uncertain obstacles; a refusal
-    names them.
+    answer, see ``hysteresis.py``. ``unknown`` marks uncertain obstacles, which a refusal names.
     """
     need = radius + request.margin
     asked = request
@@ -249,10 +247,10 @@ def _certified(leg: Leg, found: Ways) -> Ways:
 def _plan_leg(leg: Leg, alternatives: int, *, chains_only: bool) -> Ways:
     """Polylines from start to goal with clearance >= ``need``, the preferred one first.
 
-    Each further one passes some obstacle on another side than all before it. At preference 0 the
-    first is the shortest of all; up to 1, a corridor's shortest that keeps ``1 + ROOM *
-    preference`` radii off the borders where there is room; at 1 the widest route itself, the
-    cheapest of those equally wide within ``AS_WIDE``. Empty if there is no path.
+    Each further one passes some obstacle on another side than all before. At preference 0 the first
+    is the shortest of all; up to 1, a corridor's shortest that keeps ``1 + ROOM * preference``
+    radii off the borders where there is room; at 1 the widest route, the cheapest of those equally
+    wide within ``AS_WIDE``. Empty if there is no path.
     """
     borders, start, goal, need = leg.borders, leg.start, leg.goal, leg.need
     if start == goal:
@@ -284,8 +282,8 @@ def _plan_leg(leg: Leg, alternatives: int, *, chains_only: bool) -> Ways:
 def _routes(leg: Leg, alternatives: int) -> Ways:
     """Paths over different chains, the preferred one first; some may be shifts of others.
 
-    The first may be cut short to another side of an obstacle. For alternatives the cheapest routes
-    are made taut and sorted, the best first.
+    The first may be cut short to another side of an obstacle. Alternatives are the cheapest routes,
+    taut and sorted.
     """
     borders, network, need, preference = leg.borders, leg.network, leg.need, leg.preference
     floor = need - ROUNDING * borders.extent
@@ -323,9 +321,9 @@ def _others_than(
 ) -> Ways:
     """The cheapest routes made taut, the best first: enough for the distinct ones required.
 
-    Different routes that begin or end on different chains may be shifts of one another, so the
-    search continues until there are enough, no more, or ``MOST_ROUTES``, or until it reaches
-    ``WORK`` or ``TAUT_POINTS``, which a remark reports.
+    Routes that begin or end on different chains may be shifts of one another, so the search
+    continues until there are enough, no more, or ``MOST_ROUTES``, or until ``WORK`` or
+    ``TAUT_POINTS``, which a remark reports.
     """
     borders, need, preference = leg.borders, leg.need, leg.preference
     floor = need - ROUNDING * borders.extent

@@ -1,8 +1,7 @@
 """From routes over the chains to polylines: taut, cut short, and proved.
 
 Rules and units
-- Every answer is proved against all borders: the exact distance of the whole polyline is at least
-  the need.
+- Every answer is proved, see ``taut_kernels.py``.
 - A preference above 0 asks for more clearance than needed, where there is room.
 """
 
@@ -46,8 +45,8 @@ def finish(
 ) -> tuple[FloatArray, IntArray]:
     """Proved polylines of the routes: taut, or unchanged if that cannot be proved.
 
-    Routes without any proof are left out. The widest path (preference 1) is not pulled taut.
-    Returns all points (n, 2), and the start of each path (m + 1,).
+    Unproved routes are left out; the widest path (preference 1) is not pulled taut. Returns all
+    points (n, 2), and the start of each path (m + 1,).
     """
     wish = math.inf if preference >= 1.0 else need * (1.0 + ROOM * preference)
     return _proved(borders, lines, need, wish, FLATNESS * need)
@@ -76,10 +75,7 @@ def _proved(
 def best_cut(
     borders: Borders, ways: FloatArray, first: IntArray, need: float, preference: float
 ) -> FloatArray:
-    """The cheapest of the paths after straight cuts that keep their distance.
-
-    Cuts may change to another side of an obstacle, and never lengthen a path.
-    """
+    """The cheapest of the paths after straight cuts, which may pass obstacles on another side."""
     best: FloatArray = taut_kernels.best_cut(
         borders.tree, ways, first, need, need * (1.0 + ROOM * preference), DETOUR * preference,
         borders.equal,

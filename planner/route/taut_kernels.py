@@ -1,8 +1,8 @@
 """From routes to polylines: taut, cut short, judged, on flat arrays.
 
 Rules and units
-- Every polyline is proved against all borders: its exact distance is at least the need.
-- A straight line is accepted if its exact distance to every border is at least that required.
+- Every polyline is proved to keep ``need`` exactly from all borders.
+- A straight line is accepted if its exact distance from all borders is at least that required.
 - A way's points are fixed: if both ends of a line are nearer to a border than wished, the line may
   be as near as they are, but never nearer than needed.
 """
@@ -74,11 +74,10 @@ def unfolded(tree, way, reach, tolerance):
 
 @njit(**OWNING)
 def finish(tree, line, pair, begin, wish, need, flatness, tolerance, rounding):
-    """Every route taut, or unchanged if that cannot be proved, concatenated.
+    """Kernel of :func:`planner.route.taut.finish`.
 
-    Routes are ``line[begin[i] : begin[i + 1]]`` with their ``pair``; routes without any proof are
-    left out. Taut ways keep ``wish`` where there is room; an infinite ``wish`` pulls none taut.
-    Returns the points (n, 2) and the start of each way (m + 1,).
+    Routes are ``line[begin[i] : begin[i + 1]]`` with their ``pair``. Taut ways keep ``wish`` where
+    there is room; an infinite ``wish`` pulls none taut.
     """
     out = np.empty((256, 2))
     first = np.zeros(len(begin), np.int32)
@@ -106,8 +105,8 @@ def finish(tree, line, pair, begin, wish, need, flatness, tolerance, rounding):
 def cut_short(tree, way, need, wish, rounding):
     """The way (n, 2) with straight cuts, from its start and then from its end.
 
-    From each point the line to the last one is tried, then to one half as far, and so on: O(n log
-    n) lines for n points. A line keeps ``wish``, or its ends' clearance if smaller, but at least
+    From each point the line to the last one is tried, then to one half as far, and so on, for n
+    points O(n log n) lines. A line keeps ``wish``, or its ends' clearance if smaller, but at least
     ``need``; all less ``rounding``.
     """
     xy = way.copy()
@@ -144,8 +143,7 @@ def cut_short(tree, way, need, wish, rounding):
 
 @njit(**BORROWING)
 def judge(tree, way, need, weight, most):
-    """Length of the way, each step weighted by 1 + ``weight * need / clearance``, the latter >=
-    need.
+    """Length of the way, each step times 1 + ``weight * need / clearance``, clearance >= need.
 
     Infinity, found early, if that is ``most`` or more.
     """
@@ -168,8 +166,8 @@ def judge(tree, way, need, weight, most):
 def best_cut(tree, ways, first, need, wish, weight, rounding):
     """The cheapest of the ways ``ways[first[i] : first[i + 1]]`` after cutting them short.
 
-    A cut may change to another side of an obstacle; it is never longer. The cheapest is also cut
-    from its end: the cost should not depend on the direction.
+    A cut may change to another side of an obstacle, and never lengthens. The cheapest is also cut
+    from its end, so that the cost does not depend on the direction.
     """
     best, least, which = ways[:0].copy(), np.inf, 0
     for i in range(len(first) - 1):

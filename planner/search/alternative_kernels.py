@@ -1,12 +1,11 @@
 """The k cheapest routes over the chains without a loop, on flat arrays.
 
 Rules and units
-- Method: Yen (1971). Leave each route once at each of its nodes, for the cheapest continuation
-  that no earlier route takes. Nodes before it are shut, so no route meets a node twice. A route is
-  left only from where it left another itself (Lawler 1972).
+- Method: Yen (1971). Leave each route once at each node, for the cheapest continuation that no
+  earlier route takes. Nodes before it are shut, so no route meets a node twice. A route that left
+  another is left only from there on (Lawler 1972).
 - A continuation is sought only once nothing else can be cheaper: it costs at least the first step
-  plus the least rest from there.
-- Nothing dearer than the cheapest answers wanted is sought.
+  plus the least rest from there. Nothing dearer than the ``wanted`` cheapest answers is sought.
 - Two such routes are never shifts of one another: the chains are the free space shrunk, and in a
   graph, ways without a step back and forth are shifts only if equal.
 - Entries, gates and steps are those of :mod:`planner.search.route_kernels`.
@@ -66,8 +65,8 @@ class Query(NamedTuple):
 class Table(NamedTuple):
     """Routes found: ``filled`` rows of ``routes`` (r, 7), ``used`` of ``steps``.
 
-    ``keys`` and ``items`` are a heap of the ``waiting`` rows by cost; ``least`` are the costs of
-    the cheapest answers wanted, ascending.
+    ``keys`` and ``items`` are a heap of the ``waiting`` rows by cost; ``least`` holds the
+    ``wanted`` least costs of answers, ascending.
     """
 
     routes: NDArray[np.float64]
@@ -105,14 +104,12 @@ def _noted(query, table, cost, entry, out, root, rest, left):
 
 @njit(**OWNING)
 def _without_first(table):
-    """Remove the cheapest row from the table's heap."""
     routes, steps, filled, used, keys, items, waiting, least = table
     return Table(routes, steps, filled, used, keys, items, waiting - 1, least)
 
 
 @njit(**OWNING)
 def _put(table, steps, used, cost, entry, out, begin, end, left, kind):
-    """Add a waiting row to the table."""
     routes, count = table.routes, table.filled
     if count == len(routes):
         routes = grown(routes, 2 * count)
@@ -125,7 +122,6 @@ def _put(table, steps, used, cost, entry, out, begin, end, left, kind):
 
 @njit(**BORROWING)
 def _insert(least, cost):
-    """Insert a cost into the ascending least ones, dropping the last."""
     k = len(least) - 1
     if k < 0 or cost >= least[k]:
         return
@@ -168,7 +164,6 @@ def _bar_own(where, cost, barred):
 
 @njit(**BORROWING)
 def _passes(way, chain):
-    """True if the steps lead over the whole chain."""
     passes = False
     for k in range(len(way)):
         passes = passes or way[k] // 2 == chain
@@ -223,7 +218,6 @@ def _first_routes(query, start, goal, wanted):
 
 @njit(**BORROWING)
 def _bar_gates(table, told, from_cost):
-    """Bar the gates by which earlier routes enter."""
     for t in range(len(told)):
         entry = int(table.routes[told[t], ENTRY])
         if entry >= 0:
@@ -251,8 +245,8 @@ def _least_onwards(query, u, shut, barred, to_cost):
 def _leave(query, table, told, pick, most, work, budget):
     """Note the places to leave route ``pick``: its gate and each of its nodes.
 
-    Skips those before it left another itself, and those with continuations costing ``most`` or
-    more. Returns the table, and the work, which ends at ``budget``.
+    Skips those before it left another itself, or with continuations of cost ``most`` or more.
+    Returns the table, and the work, which ends at ``budget``.
     """
     graph, ends = query.graph, query.graph.chains.ends
     routes = table.routes
@@ -331,12 +325,10 @@ def _seek(query, table, told, row, most):
 
 @njit(**OWNING)
 def cheapest_routes(graph, floor, start, goal, wanted, rounding, budget, dearest):
-    """The ``wanted`` cheapest routes, the cheapest first: fewer if no more exist.
+    """Kernel of :func:`planner.search.chain_search.cheapest_routes`.
 
-    ``start`` and ``goal`` are the stations' gates; gates within ``rounding`` of each other count as
-    one. The search also ends after the work of ``budget`` steps over chains, or at a route more
-    than ``dearest`` times as dear as the first. Returns all lines' points and pairs, the start of
-    each line (n + 1,), and the work.
+    Gates of ``start`` or ``goal`` within ``rounding`` count as one. Returns all lines' points and
+    pairs, the start of each (n + 1,), and the work.
     """
     line = np.empty((64, 2))
     pair = np.empty((64, 2), np.int32)

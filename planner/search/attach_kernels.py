@@ -1,9 +1,9 @@
-"""Attaching a place to the roadmap's chains, on flat arrays.
+"""Attaching a place to the roadmap's chains by retraction, on flat arrays.
 
 Rules and units
 - Chains and links are those of :mod:`planner.search.search_kernels`.
-- A place attaches by retraction: straight away from the nearest border until a second one is as
-  near, and then onto the chain.
+- Retraction leads straight away from the nearest border until a second one is as near, and then
+  onto the chain.
 """
 
 # numba infers types; docstrings state them.
@@ -31,8 +31,8 @@ def retract(tree, x, y, reach):
     """Move (x, y) away from the nearest border until a second border is as near.
 
     The shrinking ball of Ma, Bae and Choi (2012): a ball through the nearest foot, centred on the
-    ray from it through (x, y), shrinks until no border is inside. Returns centre, radius and both
-    primitives. ``reach`` is the first radius, larger than any clearance in the scene.
+    ray from it through (x, y), shrinks until it contains no border. Returns centre, radius and both
+    primitives. ``reach`` is the first radius, above any clearance in the scene.
     """
     kind, data = tree.kind, tree.data
     d, a = nearest(tree, x, y, np.inf)

@@ -1,7 +1,7 @@
 """Routes onto and over the roadmap's chains: cost, width, line.
 
 Rules and units
-- Stations attach inside a chain by retraction, see :mod:`planner.search.attach_kernels`.
+- Stations attach inside a chain, by retraction (:mod:`planner.search.attach_kernels`).
 - A path costs its length, and more where it is narrow; clearances are exact.
 """
 
@@ -32,9 +32,7 @@ ROUNDING = 1e-9
 
 @dataclass(frozen=True, slots=True)
 class Network:
-    """The chains, and the ``graph`` with costs of links and chains and the chains leaving each
-    node.
-    """
+    """The chains, and as ``graph`` the costs of links and chains and the chains at each node."""
 
     chains: Chains
     graph: Graph
@@ -104,9 +102,9 @@ def cheapest_routes(
 ) -> tuple[Lines, int]:
     """The ``wanted`` cheapest routes without a loop that keep ``floor``, the cheapest first.
 
-    Fewer only if no more exist, if the ``budget`` of steps over chains is spent, or if all others
+    Fewer only if no more exist, if the ``budget`` of steps over chains is spent, or if the others
     are more than ``dearest`` times as dear as the first. The second value is the work, above
-    ``budget`` only if that was spent.
+    ``budget`` only if spent.
     """
     *found, work = alternative_kernels.cheapest_routes(
         network.graph, floor, start, goal, wanted, ROUNDING * borders.extent, budget, dearest

@@ -19,9 +19,9 @@ from planner.scene.shape_kernels import place_on
 
 @njit(**OWNING)
 def anchors(kind, data, owner, count):
-    """(n, 3) a place of every obstacle with any of the ``count`` primitives, sorted by x.
+    """Kernel of :func:`planner.search.homotopy.anchors`, for the first ``count`` primitives.
 
-    The third column is the obstacle's number among these, as a float.
+    The third column is the obstacle's number, as a float.
     """
     most = -1
     for i in range(count):

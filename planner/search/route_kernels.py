@@ -74,9 +74,8 @@ def search(graph, ahead, floor, start, goal, shut, barred, most):
 
     A* over chains of clearance ``floor`` or more; ``ahead`` (n,) is each node's least cost to the
     goal (:func:`costs_from`). Steps ``barred`` (2 chains,) and ways of cost ``most`` or more are
-    excluded. Returns the cost, infinity if there is no way, the start's and the goal's gate, the
-    chains in order as chain * 2 + starting end, and the work: steps examined, plus the equivalent
-    of clearing the nodes.
+    excluded. Returns the cost, infinity without a way, both gates, the chains in order as chain * 2
+    + starting end, and the work: steps examined, plus the equivalent of clearing the nodes.
     """
     around, leaving, total = graph.around, graph.leaving, graph.total
     ends, clearance = graph.chains.ends, graph.chains.clearance

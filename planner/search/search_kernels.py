@@ -4,7 +4,7 @@ Rules and units
 - Chains are numbered as in :func:`planner.diagram.chains.trace_kernels.trace_chains`; chain c's
   points are ``points[first[c] : first[c + 1]]``, and link i leads from point i to point i + 1.
 - A gate is a way onto the roadmap's nodes: ``node``, its cost, and its clearance.
-- Costs are lengths, weighted where the clearance is small if asked; never negative.
+- Costs are lengths, possibly weighted where the clearance is small; never negative.
 """
 
 # numba infers types; docstrings state them.

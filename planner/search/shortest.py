@@ -2,10 +2,9 @@
 
 Rules and units
 - The borders, moved outwards by the clearance, leave arcs around corners and round borders; the
-  path consists of their common tangents and of arcs between them.
-- The answer is a polyline whose chords lie outside the arcs, so it keeps the clearance, which is
-  proved against all borders. It exceeds the path's length by less than ``CHORD_RAD ** 2 / 12``
-  of its arcs.
+  path consists of such arcs and their common tangents.
+- The answer is a polyline whose chords lie outside the arcs, so it keeps the clearance, proved
+  against all borders. It exceeds the path by less than ``CHORD_RAD ** 2 / 12`` of its arcs.
 """
 
 from __future__ import annotations
@@ -84,9 +83,7 @@ def shortest_way(
 
 
 def _polyline(discs: FloatArray, tangents: FloatArray, chord_rad: float) -> FloatArray:
-    """The tangents, and chords around the arcs between them, none turning by more than
-    ``chord_rad``.
-    """
+    """The tangents, and chords around the arcs between them, turning at most ``chord_rad``."""
     points = [discs[tangent_kernels.START, None, :2]]
     for arrived, left in pairwise(tangents):
         disc, side, a = int(arrived[3]), arrived[4], arrived[5]

@@ -1,8 +1,7 @@
 """The shortest way that keeps a distance: a search over tangents and arcs, on flat arrays.
 
 Rules and units
-- The borders, moved outwards by ``keep``, are arcs and straight sides. A shortest way follows arcs
-  around borders and the common tangents of two arcs.
+- See :mod:`planner.search.shortest` for arcs and tangents.
 - A disc is such an arc: centre, radius, and the exposed directions of its border, ``cone`` = first
   angle and width. Disc 0 is the start and disc 1 the goal, of radius 0.
 - A side is +1 for a way counter-clockwise round a disc (angles grow), -1 for clockwise.
@@ -70,9 +69,8 @@ def _ends(kind, data, i, out):
 def discs_around(kind, data, keep, joint, start, goal, longest):
     """Discs (n, 5) that a way shorter than ``longest`` from start to goal can touch.
 
-    Columns: centre x, y, radius, cone's first angle, cone's width. Ends of pieces within ``joint``
-    are one corner, exposed in directions at a right angle or more to each of its pieces, as no
-    piece is nearer there.
+    Columns: centre x, y, radius, cone's first angle and width. Ends of pieces within ``joint`` are
+    one corner, exposed at a right angle or more to each of its pieces, where none is nearer.
     """
     k = len(kind)
     out = np.empty((2 + 3 * k, 5))
@@ -217,8 +215,8 @@ class Queue(NamedTuple):
 def _is_worse(place, p, r, side, a, cost):
     """True if place p, or a next one, reaches this direction of a disc of radius r more cheaply.
 
-    A ``place`` (m, 4) is the angle, the way's turn round the disc from there, the cost, and the
-    next place round the same disc and side, or -1.
+    A ``place`` (m, 4) is the angle, the turn round the disc from there, the cost, and the next
+    place round the same disc and side, or -1.
     """
     while p >= 0:
         turn = turn_towards(place[p, 0], a, side)
@@ -299,8 +297,8 @@ def shortest(tree, discs, floor, longest, budget):
     A* over tangents (the tangent graph of Liu and Arimoto 1992), made and proved against all
     borders when taken from the queue, with clearance ``floor``. Returns the outcome (FOUND, NONE if
     no way is shorter, OUT_OF_BUDGET after the work of trying ``budget`` tangents), the length, the
-    tangents in order (n, 6), each as disc, side and angle left, disc, side and angle met, and the
-    work done.
+    tangents in order (n, 6): disc, side and angle left, disc, side and angle met, and the work
+    done.
     """
     n, room = len(discs), 1024
     queue = Queue(np.empty((room, 8)), np.empty(room), np.empty(room, np.int32), 1, 1)

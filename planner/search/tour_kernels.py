@@ -1,7 +1,6 @@
 """Orders of stations, compiled: exact by dynamic programming, good by local search.
 
-A tour leads from the first station to the last. Distances are finite, or infinity if there is no
-path.
+Rules are those of :func:`planner.search.tour.best_tour`.
 """
 
 # numba infers types; docstrings state them.
@@ -19,8 +18,8 @@ from planner.scene.compile_options import BORROWING, OWNING
 def held_karp(distance):
     """The cheapest order (Held and Karp 1962): O(n^2 2^n) for n inner stations.
 
-    ``distance`` (m, m). Station 0 comes first, the last one last. Returns the order of the inner
-    stations, and the cost.
+    ``distance`` (m, m); the first and last station stay. Returns the order of the inner stations,
+    and the cost.
     """
     m = distance.shape[0]
     n = m - 2

@@ -3,8 +3,8 @@
 Rules and units
 - Corners are raw pixels, centres at integers. Board points are metres in the board's plane, x
   along its rows, y up, the first corner at (0, 0).
-- A corner's refinement window is bounded by its neighbours: a window that reaches the next
-  corner spoils a far or tilted board (0.41 px instead of 0.18 px rms on real pictures).
+- Neighbours bound a corner's refinement window: one that reaches the next corner spoils a far or
+  tilted board (0.41 px instead of 0.18 px rms on real pictures).
 """
 
 from __future__ import annotations
@@ -80,9 +80,9 @@ class BoardSpec:
 
     @property
     def looks_the_same_turned(self) -> bool:
-        """True if half a turn maps the pattern to itself, which leaves the first corner unknown.
+        """True if half a turn maps the pattern to itself: its first corner is unknown.
 
-        This holds unless one side has an even number of squares and the other an odd one.
+        A chessboard's does, unless one side has an even and the other an odd number of squares.
         """
         return self.kind == "chessboard" and (self.columns + self.rows) % 2 == 0
 
@@ -106,7 +106,7 @@ class NoBoard:
 
 
 def find_board(image: Image, spec: BoardSpec, name: str) -> BoardView | NoBoard:
-    """Find the board in a picture; messages call the picture ``name``."""
+    """Find the board in a picture that messages call ``name``."""
     grey = grey_of(image)
     if min(grey.shape) < 32:
         return NoBoard(name, f"a picture of {grey.shape[1]}x{grey.shape[0]} pixels is too small")
@@ -130,7 +130,7 @@ def _find_chessboard(grey: Image, spec: BoardSpec) -> tuple[FloatArray, FloatArr
     grid = np.asarray(corners, dtype=np.float64).reshape(rows, columns, 2)
     along, down = grid[0, -1] - grid[0, 0], grid[-1, 0] - grid[0, 0]
     if along[0] * down[1] - along[1] * down[0] < 0.0:
-        grid = grid[::-1]  # a board lies face up: its rows run clockwise from its columns
+        grid = grid[::-1]  # the board lies face up: rows run clockwise from columns
     if _first_square_is_light(grey, grid):
         grid = grid[::-1, ::-1]
     return grid.reshape(-1, 2), _board_points(columns, rows, spec.square_m)
@@ -139,7 +139,7 @@ def _find_chessboard(grey: Image, spec: BoardSpec) -> tuple[FloatArray, FloatArr
 def _first_square_is_light(grey: Image, grid: FloatArray) -> bool:
     """True if the inner square at the first corner is lighter than its neighbour.
 
-    This fixes the same first corner in every picture, where the board allows it.
+    Fixes the same first corner in every picture, if the board allows.
     """
     if grid.shape[0] < 2 or grid.shape[1] < 3:
         return False
@@ -155,17 +155,17 @@ def _find_charuco(grey: Image, spec: BoardSpec) -> tuple[FloatArray, FloatArray]
         raise CalibrationError(str(error)) from error
     marker_m = spec.marker_m if spec.marker_m is not None else spec.square_m / 2.0
     best: tuple[FloatArray, FloatArray] | None = None
-    # Since OpenCV 4.6, boards with an even number of rows begin with the other colour.
+    # Since OpenCV 4.6, boards with even rows begin with the other colour.
     for legacy in (False, True) if spec.rows % 2 == 0 else (False,):
         board = cv2.aruco.CharucoBoard((spec.columns, spec.rows), spec.square_m, marker_m, book)
         board.setLegacyPattern(legacy)
         corners, ids, *_ = cv2.aruco.CharucoDetector(board).detectBoard(grey)
-        seen: object = ids  # None if nothing was found, despite the type stubs
+        seen: object = ids  # None if nothing was found, despite the stubs
         if seen is None:
             continue
         if best is None or len(ids) > len(best[0]):
             places = np.asarray(board.getChessboardCorners(), dtype=np.float64).reshape(-1, 3)
-            # OpenCV counts from the board's outer corner, we from its first inner one
+            # OpenCV counts from the outer corner, we from the first inner one
             points = (places[np.ravel(ids), :2] - places[0, :2]) * (1.0, -1.0)
             best = np.asarray(corners, dtype=np.float64).reshape(-1, 2), points
     if best is None:
@@ -186,7 +186,7 @@ def _find_charuco(grey: Image, spec: BoardSpec) -> tuple[FloatArray, FloatArray]
 
 
 def _is_mirrored(grey: Image, book: cv2.aruco.Dictionary) -> bool:
-    """True if a mirror shows more markers than the picture; a single one may be chance."""
+    """True if a mirror shows more markers than the picture; one alone may be chance."""
     detector = cv2.aruco.ArucoDetector(book)
     mirror = np.ascontiguousarray(grey[:, ::-1])
     counts = [len(detector.detectMarkers(picture)[0]) for picture in (grey, mirror)]
@@ -200,7 +200,7 @@ def _board_points(columns: int, rows: int, square_m: float) -> FloatArray:
 
 
 def refine_corners(grey: Image, corners_px: FloatArray, share: float = WINDOW_SHARE) -> FloatArray:
-    """Refine each corner (n, 2) in its own window, a share of the distance to its neighbour."""
+    """Refine each corner (n, 2) in its own window, a share of its neighbour's distance."""
     corners = np.asarray(corners_px, dtype=np.float64).reshape(-1, 2)
     away = np.linalg.norm(corners[:, None] - corners[None], axis=2)
     np.fill_diagonal(away, np.inf)
@@ -221,9 +221,9 @@ def refine_corners(grey: Image, corners_px: FloatArray, share: float = WINDOW_SH
 def find_boards(
     pictures: Sequence[tuple[str, Image]], spec: BoardSpec
 ) -> tuple[list[BoardView], list[NoBoard]]:
-    """Find the board in each picture; also return the pictures without it.
+    """Find the board in each picture, and list the pictures without it.
 
-    Raises ``CalibrationError`` if the boards found are part of a larger chessboard.
+    Raises ``CalibrationError`` as ``refuse_part``.
     """
     found = [find_board(image, spec, name) for name, image in pictures]
     views = [f for f in found if isinstance(f, BoardView)]
@@ -235,9 +235,9 @@ def find_boards(
 def refuse_part(pictures: Sequence[Image], spec: BoardSpec) -> None:
     """Raise ``CalibrationError`` if the board found is part of a larger chessboard.
 
-    The search accepts a part as well, with its first corner anywhere. Most of the grey pictures
-    must agree, as a shadow beside a board may pass for another row; once half of them show no
-    larger board, the rest are skipped.
+    The search accepts a part too, with its first corner anywhere. Most of the grey pictures must
+    agree, as a shadow beside a board may pass for another row; once half show no larger board, the
+    rest are skipped.
     """
     if spec.kind != "chessboard":
         return
@@ -258,7 +258,7 @@ def refuse_part(pictures: Sequence[Image], spec: BoardSpec) -> None:
 
 
 def _larger_board(grey: Image, columns: int, rows: int) -> tuple[int, int] | None:
-    """The size of a board in the picture with a column or a row more; None if there is none."""
+    """Size of a board in the picture with one column or row more; None without one."""
     for wider in ((columns + 1, rows), (columns, rows + 1), (columns + 1, rows + 1)):
         if cv2.findChessboardCorners(grey, wider)[0]:
             return wider

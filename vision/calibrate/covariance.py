@@ -1,14 +1,14 @@
-"""Precision with which pictures of a board determine the lens, in pixels of the picture.
+"""Precision of the lens from pictures of a board, in pixels of the picture.
 
 Rules and units
 - Parameters are fx, fy, cx, cy and the first distortion terms in OpenCV's order (k1, k2, p1, p2,
   k3). Their covariance is the inverse of the normal matrix without the boards' poses (Schur's
-  complement), times the corners' variance, taken from the residuals.
-- A picture point's figure is the spread of its undistorted position, in pixels. It leaves out
-  whatever a homography of the picture would undo, as placing the camera over an arena fits one
-  again: focal length and centre count only where they bend lines. The focal length, which
-  determines heights, has a spread of its own.
-- Errors that are alike in all views do not appear here; residuals of left-out views show them.
+  complement), times the residuals' variance.
+- A picture point's figure is the spread of its undistorted position, in pixels, without the part
+  that a homography of the picture undoes, as placing the camera over an arena fits one: focal
+  length and centre count only where they bend lines. The focal length, which sets heights, has a
+  spread of its own.
+- Errors alike in all views are invisible here; residuals of left-out views show them.
 """
 
 from __future__ import annotations
@@ -47,8 +47,7 @@ class KnownLens:
     """A lens and the precision of its parameters.
 
     ``size`` px; ``camera_matrix`` (3, 3); ``distortion`` (5,); ``normal`` (4 + terms, 4 + terms),
-    the inverse of the parameters' covariance at a corner noise of 1 px; ``noise_px`` the noise of
-    each coordinate of a corner.
+    the inverse of their covariance at 1 px of corner noise; ``noise_px`` of each corner coordinate.
     """
 
     size: tuple[int, int]
@@ -61,8 +60,7 @@ class KnownLens:
     def sigma_px(self, points_px: FloatArray, more: FloatArray | None = None) -> FloatArray:
         """(n,) spread, rms length in pixels, at picture points (n, 2); inf where unknown.
 
-        ``more`` is the information that further views would add to ``normal`` (see
-        ``information``).
+        ``more`` is what further views add to ``normal`` (see ``information``).
         """
         normal = self.normal if more is None else self.normal + more
         slopes, known = self._slopes(points_px)
@@ -76,7 +74,7 @@ class KnownLens:
 
     @property
     def focal_share(self) -> float:
-        """Spread of the focal length as a share of it; inf if unknown."""
+        """Relative spread of the focal length; inf if unknown."""
         try:
             covariance = np.linalg.inv(self.normal)
         except np.linalg.LinAlgError:
@@ -85,9 +83,7 @@ class KnownLens:
         return float(np.sqrt(spread) / self.camera_matrix[0, 0]) if spread >= 0.0 else float("inf")
 
     def _slopes(self, points_px: FloatArray) -> tuple[FloatArray, NDArray[np.bool_]]:
-        """(n, 2, 4 + terms) derivatives of undistorted points by the parameters; (n,) True if
-        known.
-        """
+        """(n, 2, 4 + terms) slopes of undistorted points by parameters; (n,) True if known."""
         points = np.asarray(points_px, dtype=np.float64).reshape(-1, 1, 2)
         found = cv2.undistortPoints(
             points, self.camera_matrix, self.distortion, criteria=_UNDISTORT_ROUNDS
@@ -109,7 +105,7 @@ class KnownLens:
 def _without_homography(
     rays: FloatArray, focal: FloatArray, moved: FloatArray, known: NDArray[np.bool_]
 ) -> FloatArray:
-    """Remainder of movements (n, 2, m) after the small homography that undoes most of them."""
+    """Rest of movements (n, 2, m) after the small homography that undoes most of them."""
     if np.count_nonzero(known) < 4:
         return moved
     x, y = rays.T
@@ -136,7 +132,7 @@ def supposed_lens(size: tuple[int, int]) -> KnownLens:
 
 
 def prior_normal(size: tuple[int, int], noise_px: float) -> FloatArray:
-    """Normal matrix of the knowledge before any picture."""
+    """Normal matrix before any picture."""
     width = float(max(size))
     spreads = [_PRIOR_FOCAL * width] * 2 + [_PRIOR_CENTRE * width] * 2 + list(_PRIOR_TERMS)
     return np.diag((noise_px / np.array(spreads)) ** 2)
@@ -145,7 +141,7 @@ def prior_normal(size: tuple[int, int], noise_px: float) -> FloatArray:
 def known_lens(
     views: Sequence[BoardView], terms: int = MOST_TERMS, start: KnownLens | None = None
 ) -> KnownLens:
-    """Lens and its precision from views of one size, starting at ``start``.
+    """Fit lens and precision to views of one size, from ``start``.
 
     Raises ``CalibrationError`` if they determine none.
     """
@@ -186,7 +182,7 @@ def known_lens(
 
 
 def seen_through(lens: KnownLens, view: BoardView) -> FloatArray:
-    """A view's addition to ``normal`` through a lens that may be a guess; 0 without a pose."""
+    """A view's addition to ``normal``, through a lens that may be a guess; 0 without a pose."""
     found, turn, shift = cv2.solvePnP(
         _space(view), view.corners_px.copy(), lens.camera_matrix, lens.distortion
     )
@@ -199,16 +195,16 @@ def seen_through(lens: KnownLens, view: BoardView) -> FloatArray:
 def information(
     lens: KnownLens, points_m: FloatArray, turn: FloatArray, shift: FloatArray
 ) -> FloatArray:
-    """Addition to ``normal`` of a view of board points (n, 2); the pose is camera from board."""
+    """Addition to ``normal`` of board points (n, 2) in a pose, camera from board."""
     board = np.column_stack([points_m, np.zeros(len(points_m))])
     _, slopes = cv2.projectPoints(board, turn, shift, lens.camera_matrix, lens.distortion)
     return _reduced(slopes, lens.normal.shape[0] - 4)
 
 
 def _reduced(slopes: NDArray[Any], terms: int) -> FloatArray:
-    """A view's part of the lens's normal matrix, with the view's pose free."""
+    """A view's part of the lens's normal matrix, its pose being free."""
     by_pose, by_lens = slopes[:, :6], slopes[:, 6 : 10 + terms]
-    # turns and metres scaled alike, so that the small matrix can be inverted
+    # turns and metres scaled alike, so that the small matrix is invertible
     scale = np.linalg.norm(by_pose, axis=0)
     by_pose = by_pose / np.where(scale > 0.0, scale, 1.0)
     held = np.linalg.lstsq(by_pose, by_lens, rcond=None)[0]

@@ -1,10 +1,10 @@
 """A fisheye's camera matrix and terms from views of a board, by least squares.
 
 Rules and units
-- The model is OpenCV's (``vision.calibration.lens_model``), on the angle between a ray and the
-  view, so that corners beside the camera and behind its plane count as well.
-- The unknowns are fx, fy, cx, cy, the terms and each view's pose. The method is Levenberg and
-  Marquardt's with slopes from differences, started from the best of several equidistant lenses.
+- OpenCV's model (``vision.calibration.lens_model``), on the angle between a ray and the view, so
+  that corners beside the camera and behind its plane count too.
+- Unknowns are fx, fy, cx, cy, the terms and each view's pose; Levenberg and Marquardt's method
+  with slopes from differences starts from the best of several equidistant lenses.
 """
 
 from __future__ import annotations
@@ -67,7 +67,7 @@ class _Corners:
 def fit_fisheye(
     views: Sequence[BoardView], terms: int, start: FloatArray | None = None
 ) -> FisheyeFit:
-    """Fit the lens with the first ``terms`` of its four terms; the others are 0.
+    """Fit the first ``terms`` of the lens's four terms; the others are 0.
 
     ``start`` (4,) is a camera near it, if known. Raises ``CalibrationError`` if no first lens fits.
     """
@@ -92,7 +92,7 @@ def fit_fisheye(
 
 
 def pose_errors(view: BoardView, camera: FloatArray, terms: FloatArray) -> FloatArray | None:
-    """Errors (n, 2) px of a view's corners with only its pose fitted; None without a pose."""
+    """Errors (n, 2) px of a view's corners, only its pose fitted; None without a pose."""
     lens = np.concatenate([camera, terms])
     poses = _first_poses([view], lens)
     if poses is None:
@@ -101,7 +101,7 @@ def pose_errors(view: BoardView, camera: FloatArray, terms: FloatArray) -> Float
 
 
 def _first_poses(views: Sequence[BoardView], lens: FloatArray) -> FloatArray | None:
-    """Poses (v, 6) from each board's homography to the rays; None if a view has none.
+    """Poses (v, 6) from each board's homography to the rays; None if one fails.
 
     Source: Zhang, A flexible new technique for camera calibration (2000), 3.1.
     """
@@ -126,7 +126,7 @@ def _first_poses(views: Sequence[BoardView], lens: FloatArray) -> FloatArray | N
 
 
 def _angle_at(radius: FloatArray, terms: FloatArray) -> FloatArray:
-    """theta where theta_d is ``radius``, from a table; good enough as a start."""
+    """theta where theta_d is ``radius``, from a table; good enough to start."""
     angle = np.linspace(0.0, 0.5 * math.pi, 2000)
     seen = np.maximum.accumulate(_theta_d(angle, terms))
     return np.asarray(np.interp(radius, seen, angle, right=math.inf))
@@ -155,7 +155,7 @@ def _errors(corners: _Corners, lens: FloatArray, poses: FloatArray) -> FloatArra
 def _slopes(
     corners: _Corners, lens: FloatArray, poses: FloatArray, *, known: bool
 ) -> NDArray[np.float64]:
-    """Derivatives of the errors (2 n, lens and 6 v); those by the lens are 0 if it is ``known``."""
+    """Derivatives of the errors (2 n, lens and 6 v); the lens's are 0 if ``known``."""
     whole = np.zeros((2 * len(corners.pixels), len(lens) + 6 * corners.count))
     for j in range(0 if known else len(lens)):
         step = np.zeros(len(lens))
@@ -183,7 +183,7 @@ def _least_squares(
         slopes = _slopes(corners, lens, poses, known=known)
         normal = slopes.T @ slopes
         right = slopes.T @ errors.ravel()
-        # a parameter that is known, or moves nothing, has no slope and stays
+        # what is known, or moves nothing, has no slope and stays
         scale = np.maximum(np.diag(normal), 1e-12)
         before = cost
         while damping < _MOST_DAMPING:

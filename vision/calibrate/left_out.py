@@ -1,11 +1,11 @@
 """Residuals of views of a board under a lens estimated without them.
 
 Rules and units
-- A view's own pull on the lens would hide its error, so the other views' lens judges it; only
-  its pose is fitted.
-- With many views a share is left out at a time (cross-validation in folds), which takes at most
-  ``FOLDS`` estimates.
-- Residuals are raw pixels: a vector for a corner, the rms of their lengths for a view.
+- A view's own pull on the lens would hide its error, so the others' lens judges it; only its
+  pose is fitted.
+- A share of many views is left out at a time (cross-validation in folds): at most ``FOLDS``
+  estimates.
+- Residuals are raw pixels: a corner's vector, a view's rms length.
 """
 
 from __future__ import annotations
@@ -24,7 +24,7 @@ FOLDS = 10
 
 
 class SeenThrough(Protocol):
-    """A lens, reduced to the needs of a view."""
+    """A lens, reduced to a view's needs."""
 
     @property
     def camera_matrix(self) -> FloatArray:
@@ -44,9 +44,9 @@ Estimate: TypeAlias = Callable[[Sequence[BoardView]], SeenThrough]
 
 
 def residuals_px(view: BoardView, lens: SeenThrough) -> FloatArray:
-    """(n, 2) corners as the lens projects the board's best pose, minus the corners found.
+    """(n, 2) corners of the board's best pose under the lens, minus those found.
 
-    Infinite if no pose is found.
+    Infinite without a pose.
     """
     if lens.model == "fisheye":
         camera = lens.camera_matrix[[0, 1, 0, 1], [0, 1, 2, 2]]

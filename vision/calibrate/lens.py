@@ -3,10 +3,10 @@
 Rules
 - Brown's model is fitted by Zhang's method in OpenCV, the fisheye's by
   ``vision.calibrate.fisheye``. The Bayesian information criterion sets the number of terms:
-  terms that the pictures do not determine do harm outside them.
+  undetermined terms do harm outside the pictures.
 - Pictures that do not belong to the others (`suspects`) are named and left out; more than a
   third of them is an error.
-- A focal length that the pictures do not determine (all taken from straight above) is an error.
+- An undetermined focal length (all pictures from straight above) is an error.
 """
 
 from __future__ import annotations
@@ -51,12 +51,12 @@ TERMS = {"brown": tuple(_TERMS), "fisheye": (0, 1, 2, 4)}
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Lens:
-    """``camera_matrix`` (3, 3), ``distortion`` (5,), fisheye's (4,), rms over all corners, and what
-    was left out.
+    """``camera_matrix`` (3, 3), ``distortion`` (5,), fisheye's (4,), rms over all corners,
+    omissions.
 
-    ``terms`` is the number of distortion terms estimated; ``used`` the pictures' names with each
-    one's rms; ``remarks`` plain sentences; ``left_out_px`` each model's residual on left-out views
-    if models were compared; ``left_out_rms_px`` Brown's, None with too few views.
+    ``terms`` is the number of distortion terms; ``used`` the pictures' names and rms; ``remarks``
+    plain sentences; ``left_out_px`` each model's residual on left-out views if models were
+    compared; ``left_out_rms_px`` Brown's, None with too few views.
     """
 
     size: tuple[int, int]
@@ -141,10 +141,10 @@ def estimate_lens(
 
 
 def estimate_for(views: Sequence[BoardView]) -> Estimate:
-    """The estimate of Brown's lens by which these views are compared.
+    """Estimate of Brown's lens that compares these views.
 
-    It has the distortion terms that all views together ask for, two at least: with fewer, good
-    pictures of a wide lens disagree. Raises ``CalibrationError`` if they determine no lens.
+    It has the terms that all views together ask for, two at least: with fewer, good pictures of a
+    wide lens disagree. Raises ``CalibrationError`` if they determine no lens.
     """
     return partial(fit_lens, terms=max(2, _best_terms(views, "brown", None)))
 
@@ -152,9 +152,9 @@ def estimate_for(views: Sequence[BoardView]) -> Estimate:
 def _without_bad_views(
     views: list[BoardView], remarks: list[str]
 ) -> tuple[list[BoardView], FloatArray]:
-    """Drop a fisheye's badly fitting views, the worst first; also return a camera matrix near it.
+    """Drop a fisheye's badly fitting views, the worst first; return a camera matrix near it too.
 
-    The dropped views are named in ``remarks``; more than a third is refused.
+    ``remarks`` names them; more than a third is refused.
     """
     good = list(views)
     fit = fit_lens(good, 2, "fisheye")
@@ -173,7 +173,7 @@ def _without_bad_views(
 
 
 def _left_out_rms_px(views: Sequence[BoardView], terms: int) -> float | None:
-    """Rms of views under the lens of the others; None if the others are too few."""
+    """Rms of views under the others' lens; None if the others are too few."""
     if len(views) <= MIN_VIEWS:
         return None
     found = left_out_px(views, partial(fit_lens, terms=terms))
@@ -181,7 +181,7 @@ def _left_out_rms_px(views: Sequence[BoardView], terms: int) -> float | None:
 
 
 def _same_size(views: Sequence[BoardView]) -> tuple[list[BoardView], list[str]]:
-    """Views of the commonest picture size, and remarks that name the others."""
+    """Views of the commonest picture size; remarks name the others."""
     sizes = [v.size for v in views]
     common = max(sizes, key=sizes.count) if sizes else (0, 0)
     remarks = [
@@ -194,7 +194,6 @@ def _same_size(views: Sequence[BoardView]) -> tuple[list[BoardView], list[str]]:
 
 
 def _best_terms(views: Sequence[BoardView], model: str, start: FloatArray | None) -> int:
-    """Number of terms with the smallest Bayesian information criterion."""
     values = 2 * sum(len(v.corners_px) for v in views)
 
     def criterion(terms: int) -> float:
@@ -210,9 +209,9 @@ def fit_lens(
     model: str = "brown",
     start: FloatArray | None = None,
 ) -> LensFit:
-    """Fit the lens once to all views, with ``terms`` terms; ``CalibrationError`` if that fails.
+    """Fit ``terms`` terms to all views once; ``CalibrationError`` if that fails.
 
-    ``start``: a camera matrix (3, 3) near the fisheye's, which saves a search for one.
+    ``start``: a camera matrix (3, 3) near the fisheye's, which saves a search.
     """
     return _fit_fisheye(views, terms, start) if model == "fisheye" else _fit_brown(views, terms)
 

@@ -1,9 +1,9 @@
-"""Choice between Brown's lens model and the fisheye's: the one that predicts unseen views.
+"""Choice of Brown's lens model or the fisheye's: the one that predicts unseen views.
 
 Rules
-- A fifth of the views is left out at a time. The lens is fitted to the others, and to a left-out
-  view only its pose. A model that overfits fails there.
-- Brown's model stays unless the fisheye's is better by a fiftieth: narrow lenses suit both.
+- A fifth of the views is left out at a time. The lens is fitted to the others; a left-out view
+  gets only a pose. A model that overfits fails there.
+- The fisheye's must be better by a fiftieth: narrow lenses suit both.
 """
 
 from __future__ import annotations
@@ -26,10 +26,10 @@ _BETTER = 0.98
 
 
 def choose_lens(views: Sequence[BoardView], terms: int | None = None) -> Lens:
-    """The lens of the model with the smaller residual on left-out views.
+    """Fit both models and return the one with the smaller residual on left-out views.
 
-    ``Lens.left_out_px`` holds both residuals, rms px, infinite for a model that fits nothing.
-    Raises ``CalibrationError`` if neither model can be fitted.
+    ``Lens.left_out_px`` has both, rms px, infinite for a model that fits nothing. Raises
+    ``CalibrationError`` if neither can be fitted.
     """
     lenses: dict[str, Lens] = {}
     refusals: dict[str, CalibrationError] = {}
@@ -52,7 +52,7 @@ def choose_lens(views: Sequence[BoardView], terms: int | None = None) -> Lens:
 
 
 def left_out_px(views: Sequence[BoardView], lens: Lens) -> float:
-    """Rms over the corners of views left out of the fit; infinite without a fit."""
+    """Rms over the corners of left-out views; infinite without a fit."""
     squares: list[FloatArray] = []
     for fold in range(min(_FOLDS, len(views))):
         rest = [v for i, v in enumerate(views) if i % _FOLDS != fold]

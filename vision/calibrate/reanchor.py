@@ -1,12 +1,12 @@
-"""Calibration of a moved camera from the floor markers alone; the lens stays as it was.
+"""Calibration of a moved camera by floor markers alone; the lens stays.
 
 Rules and units
 - Raw pixels, metres, y up. A marker with a known heading gives its four corners, any other its
   centre, where its diagonals cross.
-- A moved camera has six unknowns, so four points already show a contradiction; with six points
-  or more, markers that contradict the others are named and left out.
+- A moved camera has six unknowns, so four points already show a contradiction; with six or more,
+  markers that contradict the others are named and left out.
 - The pose minimises distances in undistorted pixels (Levenberg and Marquardt). A fit worse than
-  ``MOST_RMS_PX`` is refused: somebody moved a marker, or a place is wrong.
+  ``MOST_RMS_PX`` is refused: a marker was moved, or a place is wrong.
 """
 
 from __future__ import annotations
@@ -37,8 +37,8 @@ _STEPS = 100
 
 @dataclass(frozen=True, slots=True)
 class Anchor:
-    """A floor marker's place: centre (x, y) and side in metres, and the direction of its right
-    side, None if unknown.
+    """A floor marker: centre (x, y) and side in metres, and its right side's direction, None if
+    unknown.
     """
 
     id: int
@@ -47,8 +47,8 @@ class Anchor:
     heading_rad: float | None = None
 
     def corners_m(self) -> FloatArray:
-        """Its corners (4, 2), clockwise seen from above, starting at the upright marker's top left;
-        without a heading only its centre (1, 2).
+        """Corners (4, 2), clockwise from above, from the upright marker's top left; without a
+        heading only the centre (1, 2).
         """
         middle = np.array(self.place_m)
         if self.heading_rad is None:
@@ -61,7 +61,7 @@ class Anchor:
 
 @dataclass(frozen=True, slots=True)
 class Residual:
-    """A marker's root mean square distance in the new calibration, and if it was used."""
+    """A marker's rms distance in the new calibration, and if it was used."""
 
     id: int
     rms_px: float
@@ -70,10 +70,10 @@ class Residual:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Reanchored:
-    """The new calibration, each marker's residual in it, and the shift of the picture.
+    """The new calibration, each marker's residual, and the picture's shift.
 
-    ``moved_px`` is the median distance from the used markers' positions by the old calibration to
-    the positions seen; ``missing`` lists the anchors not seen.
+    ``moved_px`` is the median distance between the used markers' old and seen positions;
+    ``missing`` lists unseen anchors.
     """
 
     calibration: Calibration
@@ -86,11 +86,11 @@ class Reanchored:
 def reanchor(
     calibration: Calibration, anchors: Sequence[Anchor], seen: Sequence[Mapping[int, FloatArray]]
 ) -> Reanchored:
-    """Return the calibration of a camera that was moved since ``calibration`` was made.
+    """Calibrate a camera that was moved since ``calibration`` was made.
 
     ``seen``: each picture's marker corners (4, 2) px by id; a marker counts with its median over
-    the pictures. Raises ``CalibrationError`` for a calibration without a lens, for fewer than
-    ``LEAST_MARKERS`` markers, and if they contradict one another.
+    pictures. Raises ``CalibrationError`` for a calibration without a lens, fewer than
+    ``LEAST_MARKERS`` markers, or contradictory ones.
     """
     if np.array_equal(calibration.camera_matrix, nominal_camera_matrix(calibration.size)):
         raise CalibrationError(

@@ -5,10 +5,10 @@ Rules and units
   y down, with a line of text and a ruler to check the print.
 - The PDF is written by hand: one page, one filled path (adjacent rectangles of one path show
   no seams), Helvetica, which every reader has. 1 mm is 72 / 25.4 points.
-- The PDF adds a marker's forward direction, or a board's first corner and axes, as outlines
-  beside the drawing, where no detector takes them for part of it.
-- The PNG holds the drawing alone, with a whole number of pixels a cell and its resolution
-  (pHYs), so that it too prints at true size.
+- The PDF outlines a marker's forward direction, or a board's first corner and axes, beside the
+  drawing, where no detector takes them for part of it.
+- The PNG holds the drawing alone, in whole pixels a cell, with its resolution (pHYs), so that it
+  too prints at true size.
 """
 
 from __future__ import annotations
@@ -42,9 +42,9 @@ _ARROW_MM, _HEAD_MM = 7.0, 2.0
 
 @dataclass(frozen=True, slots=True)
 class Sheet:
-    """A drawing of ``width_mm`` x ``height_mm``: its dark rectangles, its cell and its label.
+    """A drawing of ``width_mm`` x ``height_mm``: dark rectangles, cell and label.
 
-    ``arrows`` are (x, y, dx, dy, words) in millimetres, y down, drawn on paper only.
+    ``arrows`` are (x, y, dx, dy, words) in millimetres, y down, on paper only.
     """
 
     width_mm: float
@@ -56,7 +56,7 @@ class Sheet:
 
 
 def marker_sheet(marker_id: int, dictionary: str, size_mm: float) -> Sheet:
-    """A marker whose black square has sides of ``size_mm``, with a white rim of one cell."""
+    """A marker with a black square of side ``size_mm`` and a white rim of one cell."""
     book = dictionary_by_name(dictionary)
     if not 0 <= marker_id < len(book.bytesList):
         raise MarkerError(
@@ -69,13 +69,13 @@ def marker_sheet(marker_id: int, dictionary: str, size_mm: float) -> Sheet:
     dark = _cells(_bits(book, marker_id), cell, cell, cell)
     side = size_mm + 2.0 * cell
     label = f"{dictionary}  id {marker_id}  {size_mm:g} mm (black square)"
-    # forward is the marker's x axis: to the right of the upright print
+    # forward is the marker's x axis: right on the upright print
     arrow = (side + 1.0, 0.5 * side, _ARROW_MM, 0.0, "forward")
     return Sheet(side, side, cell, dark, label, (arrow,))
 
 
 def board_sheet(board: BoardSpec) -> Sheet:
-    """A calibration board: a chessboard, or a ChArUco board in OpenCV's present layout."""
+    """A chessboard, or a ChArUco board in OpenCV's present layout."""
     square = 1000.0 * board.square_m
     if board.kind == "chessboard":
         columns, rows = board.columns + 1, board.rows + 1
@@ -108,7 +108,7 @@ def board_sheet(board: BoardSpec) -> Sheet:
 
 
 def _axes(x: float, y: float, size: tuple[float, float]) -> tuple[Arrow, ...]:
-    """Axes beside a board: x along the row and y along the column of its first corner (x, y)."""
+    """Axes beside a board: x along the row, y along the column of its first corner (x, y)."""
     return (
         (size[0] + 1.0, y, _ARROW_MM, 0.0, "x"),
         (x, -1.0, 0.0, -_ARROW_MM, "y"),
@@ -116,7 +116,7 @@ def _axes(x: float, y: float, size: tuple[float, float]) -> tuple[Arrow, ...]:
 
 
 def pdf_bytes(sheet: Sheet, paper: str = "a4") -> bytes:
-    """The sheet in the middle of a page, turned if it fits only that way.
+    """Centre the sheet on a page, turned only if needed to fit.
 
     Raises ``MarkerError`` for an unknown or too small paper.
     """
@@ -136,7 +136,7 @@ def pdf_bytes(sheet: Sheet, paper: str = "a4") -> bytes:
 
 
 def png_bytes(sheet: Sheet) -> bytes:
-    """The drawing at about 300 dots an inch, with its exact resolution inside."""
+    """The drawing at about 300 dots an inch, with its exact resolution."""
     cell_px = max(2, round(sheet.cell_mm * _DOTS_PER_MM))
     dots_per_mm = cell_px / sheet.cell_mm
     size = (round(sheet.width_mm * dots_per_mm), round(sheet.height_mm * dots_per_mm))
@@ -149,7 +149,7 @@ def png_bytes(sheet: Sheet) -> bytes:
         raise MarkerError(f"a picture of {size[0]}x{size[1]} pixels cannot be written as PNG")
     raw = data.tobytes()
     resolution = round(1000.0 * dots_per_mm)
-    # Any chunk may follow the signature (8 bytes) and the header chunk (25).
+    # Any chunk may follow signature (8 bytes) and header chunk (25).
     return raw[:33] + _chunk(b"pHYs", struct.pack(">IIB", resolution, resolution, 1)) + raw[33:]
 
 
@@ -185,7 +185,6 @@ def _page_for(sheet: Sheet, paper: str) -> tuple[float, float]:
 
 
 def _foot(sheet: Sheet, width: float, bottom: float) -> list[str]:
-    """Label and ruler below the drawing."""
     base = bottom + 2.0
     left = (width - _RULER_MM) / 2.0
     text = sheet.label.replace("\\", r"\\").replace("(", r"\(").replace(")", r"\)")
@@ -201,7 +200,7 @@ def _foot(sheet: Sheet, width: float, bottom: float) -> list[str]:
 
 
 def _arrow(x: float, y: float, dx: float, dy: float, words: str) -> list[str]:
-    """An arrow from (x, y), y up, with its words beside it."""
+    """An arrow from (x, y), y up, with words."""
     length = math.hypot(dx, dy)
     ux, uy = dx / length, dy / length
     tip = x + dx, y + dy

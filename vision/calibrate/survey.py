@@ -4,8 +4,8 @@ Rules and units
 - A surveyed point is a raw pixel (centres at integers) and its place in the arena, metres,
   y up. Four are enough; six or more can show a wrong one.
 - The start is the least median of squares over minimal sets (Rousseeuw 1984), which a wrong
-  point does not move; then least squares of the points that agree. A point far from the fit of
-  all others is left out and named with its distance.
+  point does not move; then least squares of the agreeing points. A point far from the fit of all
+  others is left out and named with its distance.
 - A point's residual comes from the fit without it: its own pull would hide its error.
 """
 
@@ -45,7 +45,7 @@ _RIM_PX = 1.0
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Survey:
-    """``pixels`` (n, 2) raw and ``places_m`` (n, 2); messages use ``names`` (n)."""
+    """``pixels`` (n, 2) raw and ``places_m`` (n, 2); ``names`` (n) for messages."""
 
     pixels: FloatArray
     places_m: FloatArray
@@ -54,10 +54,7 @@ class Survey:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class ArenaFit:
-    """A calibration with each surveyed point's residual (n, 2) m, and if it was used.
-
-    ``residuals_m`` are those of the fits without the point itself.
-    """
+    """A calibration, each point's residual (n, 2) m by the fit without it, and if it was used."""
 
     calibration: Calibration
     survey: Survey
@@ -66,7 +63,7 @@ class ArenaFit:
 
 
 def read_survey(path: str | Path) -> Survey:
-    """Read a text file of ``px,py,x_m,y_m`` lines; ``#`` begins a comment, one heading is allowed.
+    """Read lines ``px,py,x_m,y_m``; ``#`` begins a comment, one heading is allowed.
 
     Raises ``CalibrationError`` with the wrong line.
     """
@@ -111,10 +108,10 @@ def fit_arena(
 ) -> ArenaFit:
     """Fit the calibration to a survey; ``size`` is the picture's (width, height).
 
-    Without a lens only the homography is found and the camera's place stays unknown, unless
-    ``camera_height_m`` gives its height above the picture's middle. With a lens the place follows,
-    and a given height corrects its height. Raises ``CalibrationError`` for fewer than four points,
-    for points in a line, for a mirror.
+    Without a lens only the homography is found; the camera's place stays unknown, unless
+    ``camera_height_m`` gives its height above the picture's middle. With a lens the place follows;
+    a given height corrects it. Raises ``CalibrationError`` for fewer than four points, points in a
+    line, or a mirror.
     """
     _check(survey)
     if lens is not None and lens.size != size:
@@ -190,7 +187,7 @@ def _check(survey: Survey) -> None:
 
 
 def _refuse_outside(survey: Survey, size: tuple[int, int]) -> None:
-    """Refuse a pixel outside the picture: the point or the picture's size is wrong."""
+    """Refuse a pixel outside the picture: it, or the picture's size, is wrong."""
     width, height = size
     for name, (x, y) in zip(survey.names, survey.pixels, strict=True):
         if not (-_RIM_PX <= x <= width - 1 + _RIM_PX and -_RIM_PX <= y <= height - 1 + _RIM_PX):
@@ -206,7 +203,7 @@ def _refuse_folded(survey: Survey, ideal: FloatArray) -> None:
 
 
 def _homography(pixels: FloatArray, places: FloatArray) -> FloatArray | None:
-    """Least squares of the error in the arena, metres; None if the points determine none."""
+    """Least squares of the arena error, metres; None if undetermined."""
     found, _ = cv2.findHomography(pixels, places, 0)
     if found is None or not np.isfinite(found).all():
         return None
@@ -222,10 +219,10 @@ def _errors(homography: FloatArray, pixels: FloatArray, places: FloatArray) -> F
 def robust_homography(
     pixels: FloatArray, places: FloatArray
 ) -> tuple[FloatArray, NDArray[np.bool_]]:
-    """The homography from undistorted pixels (n, 2) to places (n, 2), and the points that agree.
+    """The homography from undistorted pixels (n, 2) to places (n, 2), and the agreeing points.
 
-    With fewer than ``CHECKED_POINTS`` all count. Raises ``CalibrationError`` if they determine none
-    or contradict one another.
+    Fewer than ``CHECKED_POINTS`` all count. Raises ``CalibrationError`` if they determine none or
+    contradict one another.
     """
     n = len(pixels)
     everything = np.ones(n, dtype=np.bool_)
@@ -243,7 +240,7 @@ def robust_homography(
         if candidate is None:
             continue
         distances = np.linalg.norm(_errors(candidate, pixels, places), axis=1)
-        # Points of the set fit by construction; take the median of the others.
+        # Points of the set fit by construction; take the others' median.
         median = float(np.sort(distances)[4 + (n - 4) // 2 - (n == 4)])
         if median < best_median:
             best, best_median = candidate, median
@@ -265,10 +262,10 @@ def robust_homography(
 
 
 def _refuse_mirrored(homography: FloatArray, pixels: FloatArray) -> None:
-    """Refuse points that no camera above the arena can see this way: mirrored or crossed.
+    """Refuse mirrored or crossed points, which no camera above the arena can see.
 
     Pixels have y down and the arena y up, so the map reverses the sense of rotation: its Jacobian's
-    determinant, det H / w^3, is negative at every point.
+    determinant, det H / w^3, is negative everywhere.
     """
     w = pixels @ homography[2, :2] + homography[2, 2]
     senses = np.sign(np.linalg.det(homography) * w)
@@ -285,7 +282,7 @@ def _refuse_mirrored(homography: FloatArray, pixels: FloatArray) -> None:
 
 
 def _minimal_sets(n: int) -> list[tuple[int, ...]]:
-    """All sets of four, or a fixed sample if there are many."""
+    """All sets of four, or a fixed sample of many."""
     if math.comb(n, 4) <= _MOST_SETS:
         return list(itertools.combinations(range(n), 4))
     rng = np.random.default_rng(0)
@@ -293,7 +290,7 @@ def _minimal_sets(n: int) -> list[tuple[int, ...]]:
 
 
 def _well_spread(sets: FloatArray) -> NDArray[np.bool_]:
-    """(m,) True for sets of four points (m, 4, 2) without three nearly in one line."""
+    """(m,) True for sets of four points (m, 4, 2) without three nearly in line."""
     extent = np.ptp(sets, axis=1).max(axis=1)
     spread = np.ones(len(sets), dtype=np.bool_)
     for a, b, c in itertools.combinations(range(4), 3):

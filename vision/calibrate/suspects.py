@@ -1,15 +1,15 @@
 """Views that do not belong to the others: mirrored, upside down, of another camera, or spoiled.
 
 Rules
-- The lens is fitted to the half of the views that agree best: least trimmed squares with the
+- The lens fits the half of the views that agree best: least trimmed squares with the
   concentration steps of Rousseeuw and Van Driessen (1999), which a minority cannot move.
 - A view is judged as it is, mirrored, and turned by half a turn. The lens distinguishes them only
   if its centre is off the picture's; otherwise nothing is lost.
-- A chessboard is its own mirror image: nothing shows that all pictures are mirrored alike. The
-  markers of a ChArUco board do (`board`).
-- For two cameras, each view repeatedly joins the lens that fits it better (the classification
-  EM of Celeux and Govaert 1992). They count as two only if left-out views then fit clearly
-  better than through one lens; two halves of one camera's pictures do not.
+- A chessboard is its own mirror image: nothing shows that all pictures are mirrored. A ChArUco
+  board's markers do (`board`).
+- For two cameras, each view repeatedly joins the better fitting lens (the classification EM of
+  Celeux and Govaert 1992). They are two only if left-out views then fit clearly better than
+  through one lens; two halves of one camera's pictures do not.
 """
 
 from __future__ import annotations
@@ -42,26 +42,26 @@ of the classic stereo set, 0.94 at least for one of them (python -m benchmarks.c
 
 @dataclass(frozen=True, slots=True)
 class Suspect:
-    """A view by its index, and the reason why it does not belong to the others."""
+    """A view by its index, and the reason why it does not belong."""
 
     index: int
     reason: str
 
 
 def mirrored(view: BoardView) -> BoardView:
-    """The view as a mirrored picture would show it: left and right exchanged."""
+    """The view in a mirrored picture: left and right exchanged."""
     corners = view.corners_px * (-1.0, 1.0) + (view.size[0] - 1.0, 0.0)
     return BoardView(view.name, view.size, corners, view.points_m * (-1.0, 1.0))
 
 
 def upside_down(view: BoardView) -> BoardView:
-    """The view as a picture turned by half a turn would show it."""
+    """The view in a picture turned by half a turn."""
     corners = np.array(view.size) - 1.0 - view.corners_px
     return BoardView(view.name, view.size, corners, view.points_m)
 
 
 def suspects(views: Sequence[BoardView], estimate: Estimate) -> list[Suspect]:
-    """Views that do not belong to the others, the worst first; none for fewer than four views."""
+    """Views that do not belong to the others, the worst first; none of fewer than four."""
     if len(views) < 4:
         return []
     if len(views) < _FEW:
@@ -83,14 +83,14 @@ def suspects(views: Sequence[BoardView], estimate: Estimate) -> list[Suspect]:
 
 
 def bad_px(usual_px: float) -> float:
-    """Rms from which a view does not belong to others of rms ``usual_px``."""
+    """Rms at which a view stops belonging to others of ``usual_px``."""
     return max(_BAD_PX, _BAD_FACTOR * usual_px)
 
 
 def compared_with(
     views: Sequence[BoardView], foreign: Sequence[int], lens: SeenThrough, usual_px: float
 ) -> list[Suspect]:
-    """Suspects for ``foreign``, views by index that do not fit the others' lens, with causes."""
+    """Suspects for ``foreign`` views, by index, under the others' lens, with causes."""
     found = []
     for i in foreign:
         off_px = _all_px([views[i]], lens)
@@ -101,7 +101,7 @@ def compared_with(
 
 
 def refuse_too_many(views: Sequence[BoardView], found: Sequence[Suspect]) -> None:
-    """Raise ``CalibrationError`` if more than a third of the views do not belong to the others."""
+    """Raise ``CalibrationError`` if more than a third of the views are foreign."""
     if 3 * len(found) <= len(views):
         return
     names = "; ".join(f"{views[one.index].name}: {one.reason}" for one in found)
@@ -133,7 +133,7 @@ def _agreed(views: Sequence[BoardView], estimate: Estimate) -> tuple[SeenThrough
         if best is None or trimmed < best[0]:
             best = trimmed, lens
     lens = estimate(views) if best is None else best[1]
-    # Widen the half to all that agree with it: a half's own residuals are smaller than usual.
+    # Widen to all that agree: a half's own residuals are smaller than usual.
     for _ in range(2):
         found = _all_px(views, lens)
         usual_px = float(np.median(np.sort(found)[:half]))
@@ -144,7 +144,7 @@ def _agreed(views: Sequence[BoardView], estimate: Estimate) -> tuple[SeenThrough
 
 
 def _turned_over(views: Sequence[BoardView], lens: SeenThrough, found: FloatArray) -> str | None:
-    """ "mirrored" or "upside down" if that explains these pictures' residuals."""
+    """ "mirrored" or "upside down" if that explains the residuals."""
     ways = {"mirrored": mirrored, "upside down": upside_down}
     rms = {way: _mean_px(_all_px([over(v) for v in views], lens)) for way, over in ways.items()}
     best = min(rms, key=lambda way: rms[way])
@@ -152,7 +152,7 @@ def _turned_over(views: Sequence[BoardView], lens: SeenThrough, found: FloatArra
 
 
 def _two_cameras(views: Sequence[BoardView], estimate: Estimate) -> list[Suspect] | None:
-    """The smaller part of views that two lenses explain far better than one; otherwise None."""
+    """The smaller part of views that two lenses explain far better than one; else None."""
     if len(views) < 2 * _OWN_LENS_VIEWS:
         return None
     best: tuple[float, NDArray[np.bool_]] | None = None
@@ -190,9 +190,7 @@ def _two_cameras(views: Sequence[BoardView], estimate: Estimate) -> list[Suspect
 def _part(
     views: Sequence[BoardView], estimate: Estimate, start: NDArray[np.int64]
 ) -> tuple[float, NDArray[np.bool_]] | None:
-    """Split the views in two, starting from some: (rms, mask of the first lens); None if a part is
-    small.
-    """
+    """Split views in two: (rms, mask of the first lens); None if a part is small."""
     found = _all_px(views, estimate([views[i] for i in start]))
     first = found <= np.median(found)
     for _ in range(_PARTINGS):

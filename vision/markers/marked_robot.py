@@ -1,8 +1,8 @@
-"""A robot with a marker on its back: the poses of both, and the area its body hides.
+"""A robot with a marker on its back: both poses, and the area its body hides.
 
 - A pose is in the arena: metres, y up, heading counter-clockwise in (-pi, pi]. The marker's
-  x axis runs from its top left to its top right corner (as printed upright); a marker
-  mounted with ``marker_yaw_rad = 0`` has its right side towards the robot's front.
+  x axis runs from its top left to its top right corner (as printed upright); with
+  ``marker_yaw_rad = 0`` its right side is towards the robot's front.
 - Pixels are raw, centres at integers; corners in the order top left, top right, bottom right,
   bottom left of the upright marker.
 """
@@ -24,8 +24,8 @@ class MarkedRobot:
     """A robot with a marker on its back.
 
     ``marker_size_m``: the black square's side. ``marker_height_m``: above the floor.
-    ``marker_x_m``, ``marker_y_m``, ``marker_yaw_rad``: the marker's centre and turn in the robot's
-    own frame (x ahead, y left).
+    ``marker_x_m``, ``marker_y_m``, ``marker_yaw_rad``: its centre and turn in the robot's frame (x
+    ahead, y left).
     """
 
     id: int
@@ -49,10 +49,10 @@ class MarkedRobot:
 class RobotPose:
     """Pose and velocity of a robot at ``captured_s``.
 
-    ``corners_px`` (4, 2) raw pixels; ``residual_m`` is the rms distance of the marker's corners
-    from the square fitted to them. ``before_frame_s``: time from the exposure of the marker's rows
-    to the frame's own time, its last row's (a rolling shutter). ``corner_error_px``: the standard
-    error of the marker's worst corner, larger if part of it is covered.
+    ``corners_px`` (4, 2) raw pixels; ``residual_m``: the marker corners' rms distance from the
+    square fitted to them. ``before_frame_s``: time from the exposure of the marker's rows to the
+    frame's time, its last row's (a rolling shutter). ``corner_error_px``: standard error of the
+    marker's worst corner, larger if partly covered.
     """
 
     id: int
@@ -101,9 +101,9 @@ def body_discs_px(
 ) -> FloatArray:
     """Discs (k, 3) of x, y, radius in raw pixels that cover a robot's body in the picture.
 
-    The body is a cylinder from the floor to ``top_height_m``: seen from one point, each layer is a
-    disc a little farther from the picture's foot than the one below. No discs if the lens shows no
-    layer whole: an unseen body is unknown ground.
+    The body is a cylinder from the floor to ``top_height_m``: each layer appears as a disc a little
+    farther from the picture's foot than the one below. No discs if the lens shows no layer whole:
+    an unseen body is unknown ground.
     """
     x, y = (pose.x, pose.y) if isinstance(pose, RobotPose) else pose[:2]
     outline = _DISC * body_radius_m + (x, y)
@@ -121,7 +121,7 @@ def body_discs_px(
 
 
 def _seen_disc(outline_px: FloatArray) -> tuple[float, float, float] | None:
-    """Disc (x, y, radius) that holds the picture of `_DISC`; None unless all of it is seen."""
+    """Disc (x, y, radius) around the picture of `_DISC`; None unless all is seen."""
     x, y = outline_px[0].tolist()
     off = outline_px - outline_px[0]
     radius = math.sqrt((off * off).sum(axis=1).max())

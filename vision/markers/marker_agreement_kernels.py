@@ -1,4 +1,4 @@
-"""Agreement of a placed pattern with its pixels: its cells, its sides, and its corners' error.
+"""Agreement of a placed pattern with its pixels: cells, sides, and corners' error.
 
 Pattern coordinates, pixels (n, 3) and ``state`` (13,) are as in `marker_pattern_kernels`.
 """
@@ -55,7 +55,7 @@ def corners_of(
     unit_m: float,
     out_m: NDArray[np.float64],
 ) -> None:
-    """Corners (4, 2) of a placed pattern in the plane; NaN for a pattern without size."""
+    """Corners (4, 2) of a placed pattern in the plane; NaN without a size."""
     determinant = state[0] * state[4] - state[1] * state[3]
     for i in range(4):
         out_m[i, 0] = out_m[i, 1] = math.nan
@@ -76,8 +76,8 @@ def sides_agree(
 ) -> bool:
     """True if each side's edge is where the fitted pattern has it, within the errors.
 
-    A cover from end to end of a side has an edge as straight as a side's, but the inner cells'
-    edges hold the pattern in place. One least-squares step moves each side alone.
+    A cover over a whole side has as straight an edge, but the inner cells' edges hold the pattern
+    in place. One least-squares step moves each side alone.
     """
     cells = len(bits)
     per_px_u = pixel_length(state[0], state[1], metric)
@@ -145,8 +145,8 @@ def worst_cells(
 ) -> tuple[float, float]:
     """Score of the worst cell within the border, and of the worst of all cells and the light rim.
 
-    1 if a cell is as light, or as dark, as the fit has light and dark there, 0.5 halfway, 0 if it
-    is the other or has no pixel to be read by.
+    1 if as light, or dark, as the fit's light and dark there, 0.5 halfway, 0 if the other or
+    without a pixel to read.
     """
     cells = len(bits)
     light = np.zeros((cells + 2, cells + 2))

@@ -3,18 +3,18 @@
 Rules and units
 - Raw pixels, centres at integers. Corners run clockwise on the screen, as the detector gives
   them; a marker is darker than its surroundings.
-- Along each side, profiles across the edge locate the change of grey (the centroid of the
-  gradient); a total least squares line through these points is the side. It uses the whole
-  side, so it is far better than a search for each corner.
-- Points are undistorted before a line is fitted: a lens bends a long side by more than the
-  accuracy sought. A wide lens stretches undistorted pixels at its rim, unevenly by direction,
-  so lines are fitted in a frame in which the marker's corners lie as in the raw picture: a
-  pixel's error is one pixel everywhere.
-- A cover over part of a side, at a corner or between two, has no edge on its line: the line
-  follows the points that most agree on, and a covered corner is where two lines meet. Its error
-  grows with the cover. A side that is a third covered, or without a straight edge, is refused:
-  its corner would be invented. A cover from end to end looks like a side; only the cells inside
-  reveal it (``vision.markers.marker_pattern``).
+- Profiles across each side's edge locate the change of grey (the centroid of the gradient); a
+  total least squares line through these points is the side. It uses the whole side, so it is far
+  better than a search for each corner.
+- Points are undistorted before the fit: a lens bends a long side by more than the accuracy
+  sought. A wide lens stretches undistorted pixels at its rim, unevenly by direction, so lines are
+  fitted in a frame where the marker's corners lie as in the raw picture: a pixel's error is one
+  pixel everywhere.
+- A cover over part of a side has no edge on its line: the line follows the points that most agree
+  on, and a covered corner is where two lines meet, with an error that grows with the cover. A
+  side a third covered, or without a straight edge, is refused: its corner would be invented. A
+  cover from end to end looks like a side; only the cells inside reveal it
+  (``vision.markers.marker_pattern``).
 """
 
 from __future__ import annotations
@@ -53,7 +53,7 @@ class RefinedQuad:
 
 @dataclass(frozen=True, slots=True)
 class Refused:
-    """The reason why a quadrilateral is not taken for a whole, visible marker."""
+    """Reason why a quadrilateral is not a whole, visible marker."""
 
     reason: str
 
@@ -86,14 +86,14 @@ def refine_quad(
 
 
 def why_refused(became: int, roughness_px: float) -> Refused:
-    """Put into words why a quadrilateral is not taken for a marker."""
+    """Put a refusal into words."""
     if became == ROUGH:
         return Refused(f"its sides are not straight ({roughness_px:.2f} px)")
     return _REFUSALS[became]
 
 
 def warm_up() -> None:
-    """Compile or load the kernels, so that the first frame does not wait for seconds."""
+    """Compile or load the kernels: the first frame must not wait for seconds."""
     square = np.array([(8.0, 8.0), (24.0, 8.0), (24.0, 24.0), (8.0, 24.0)])
     blank = np.zeros((32, 32), dtype=np.uint8)
     blank.setflags(write=False)

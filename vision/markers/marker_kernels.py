@@ -1,5 +1,5 @@
-"""Compiled loops of ``vision.markers.marker_corners``: edge points and lines along a marker's
-sides, and the corners in which these meet.
+"""Compiled loops of ``vision.markers.marker_corners``: edge points, lines along a marker's sides,
+and their corners.
 
 Raw pixels, centres at integers; ``lens`` as in ``vision.calibration.lens_model``.
 """
@@ -14,7 +14,7 @@ import planner.scene.compile_options  # noqa: F401 (chooses how kernels are comp
 from vision.calibration.calibration_kernels import distort, undistort
 from vision.calibration.lens_model import STRAIGHT, LensArrays
 
-_ENDS = 0.1  # share of a side left out at each end: the neighbouring side's blur reaches there
+_ENDS = 0.1  # share of a side left out at each end, where the neighbouring side's blur reaches
 _STEP_PX = 0.5
 _MIN_CONTRAST = 12.0
 _OUTLIER_MADS = 4.0
@@ -62,11 +62,11 @@ def fit_quad(
     lens: LensArrays,
     out_ideal: NDArray[np.float64],
 ) -> tuple[int, float, float]:
-    """Write the corners in which a marker's four sides meet to ``out_ideal`` (4, 2), undistorted.
+    """Intersect a marker's four sides in ``out_ideal`` (4, 2), undistorted.
 
-    ``seen_px`` (4, 2) are raw corners, good to a few pixels (a covered one may be farther off),
-    clockwise on the screen. Returns the outcome, the rms distance of edge points from the sides,
-    and the standard error of the worst corner, pixels.
+    ``seen_px`` (4, 2) are raw corners, good to a few pixels (a covered one less), clockwise on the
+    screen. Returns the outcome, the edge points' rms distance from the sides, and the worst
+    corner's standard error, pixels.
     """
     side_px = 0.0
     for i in range(4):
@@ -110,7 +110,7 @@ def fit_quad(
 
 @njit(cache=True, nogil=True, fastmath=False)
 def _is_inside(corners: NDArray[np.float64], reach_px: float, grey: NDArray[np.uint8]) -> bool:
-    """True if profiles of reach ``reach_px`` stay in the picture."""
+    """True if profiles of ``reach_px`` stay in the picture."""
     height, width = grey.shape
     for i in range(4):
         x, y = corners[i, 0], corners[i, 1]
@@ -128,7 +128,7 @@ def _frame_at(
     out_frame: NDArray[np.float64],
     out_back: NDArray[np.float64],
 ) -> bool:
-    """Homography that takes undistorted corners to raw ones, and its inverse; False if none.
+    """Homography from undistorted to raw corners, and its inverse; False without one.
 
     Each is two homographies of a unit square, one inverted (Heckbert, Fundamentals of texture
     mapping and image warping, 1989).
@@ -165,7 +165,7 @@ def _from_square(quad: NDArray[np.float64], out: NDArray[np.float64]) -> bool:
 
 @njit(cache=True, nogil=True, fastmath=False)
 def _invert(m: NDArray[np.float64], out: NDArray[np.float64]) -> bool:
-    """Invert (3, 3) by cofactors; False if there is no inverse."""
+    """Invert (3, 3) by cofactors; False if singular."""
     for i in range(3):
         a, b = (i + 1) % 3, (i + 2) % 3
         for j in range(3):
@@ -191,7 +191,7 @@ def _multiply(a: NDArray[np.float64], b: NDArray[np.float64], out: NDArray[np.fl
 def _intersect(
     lines: NDArray[np.float64], homography: NDArray[np.float64], out: NDArray[np.float64]
 ) -> bool:
-    """Intersect side i - 1 with side i in corner i, moved; False if two neighbours are parallel."""
+    """Intersect sides i - 1 and i in corner i, moved; False if two neighbours are parallel."""
     h = homography
     for i in range(4):
         before = (i + 3) % 4
@@ -217,9 +217,9 @@ def fit_sides(
 ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
     """Fit the four sides of the quadrilateral ``corners`` (4, 2), which must lie inside ``grey``.
 
-    ``frame`` (3, 3) is a homography of undistorted pixels, in which lines are fitted. Returns lines
-    (4, 6) there, a, b, c, rms with a x + b y = c and the standard errors at both ends, and for each
-    side (4,) the share of its profiles with an edge on its line.
+    ``frame`` (3, 3) is the homography of undistorted pixels in which lines are fitted. Returns
+    lines (4, 6) there, a, b, c, rms with a x + b y = c and the standard errors at both ends, and
+    each side's (4,) share of profiles with an edge on its line.
     """
     lines = np.zeros((4, 6))
     seen = np.zeros(4)
@@ -269,12 +269,12 @@ def _edges_of_side(
     out_steps: NDArray[np.float64],
     out_shifts: NDArray[np.float64],
 ) -> None:
-    """Take profiles across one side: the centroid of the rise from the dark inside outwards."""
+    """Locate one side's edge by profiles: the centroid of the rise from dark inside outwards."""
     dx, dy = end[0] - start[0], end[1] - start[1]
     length = np.sqrt(dx * dx + dy * dy)
     if length == 0.0:
         return
-    # Corners run clockwise on the screen, so outwards is to the left of the direction of travel.
+    # Corners run clockwise on the screen, so outwards is left of the direction of travel.
     nx, ny = dy / length, -dx / length
     count = len(out_points)
     half = int(np.floor(reach_px / _STEP_PX + 0.5))
@@ -316,7 +316,7 @@ def _bilinear(grey: NDArray[np.uint8], x: float, y: float) -> float:
 
 @njit(cache=True, nogil=True, fastmath=False)
 def _most_in_line(points: NDArray[np.float64], use: NDArray[np.bool_]) -> NDArray[np.bool_]:
-    """Mask of the edge points near the line, through two of a few of them, that has the most.
+    """Mask of the edge points near the best line through two of a few of them.
 
     A cover over part of a side has its own edges, on no line with the rest (Fischler and Bolles,
     Random sample consensus, 1981, with all pairs instead of random ones).
@@ -352,7 +352,7 @@ def _most_in_line(points: NDArray[np.float64], use: NDArray[np.bool_]) -> NDArra
 def _fit_line(
     points: NDArray[np.float64], use: NDArray[np.bool_], out_line: NDArray[np.float64]
 ) -> int:
-    """Fit the points on one line by total least squares, without outliers; return their number.
+    """Fit one line by total least squares without outliers; return the number of points on it.
 
     ``use`` becomes the points fitted.
     """
@@ -397,9 +397,9 @@ def _errors_at(
     use: NDArray[np.bool_],
     out_line: NDArray[np.float64],
 ) -> None:
-    """Write the standard errors of a fitted line at a side's two ends to ``out_line[4:]``.
+    """Write a fitted line's standard errors at a side's two ends to ``out_line[4:]``.
 
-    They are a regression's: larger at a covered end.
+    A regression's: larger at a covered end.
     """
     a, b = out_line[0], out_line[1]
     along = points[:, 0] * b - points[:, 1] * a

@@ -2,16 +2,16 @@
 
 Rules and units
 - The four sides (``vision.markers.marker_corners``) locate a marker; its inner cells have as
-  many edges again. Here the whole pattern, blurred as the picture is, is fitted to the grey
-  values by least squares (Gauss-Newton), the best estimate of these unknowns in white noise.
+  many edges again. The whole pattern, blurred as the picture is, is fitted to the grey values by
+  least squares (Gauss-Newton), the best estimate in white noise.
 - The unknowns are an affine map from the arena's plane at the marker's height to the pattern's
-  cells, the blur, and dark and light as planes over the marker, since light is uneven.
-  Perspective and lens come from the calibration; a small marker cannot determine them.
-- Pixels that disagree (dirt, a cable) weigh less; if the picture is not like the pattern, there
-  is no result and the marker is refused.
+  cells, the blur, and dark and light as planes, since light is uneven. Perspective and lens come
+  from the calibration, not from a small marker.
+- Pixels that disagree (dirt, a cable) weigh less; a picture unlike the pattern gives no result,
+  and the marker is refused.
 - The inner cells' edges check the sides. If a side is off the pattern by more than its error, or
-  a third of it is covered, or the marker is cut tightly, only the inner cells are fitted; all
-  must read right, and the error is that fit's.
+  a third covered, or the marker is cut tightly, only the inner cells are fitted; all must read
+  right, and the error is that fit's.
 """
 
 from __future__ import annotations

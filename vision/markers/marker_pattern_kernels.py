@@ -1,6 +1,6 @@
 """Compiled fit of ``vision.markers.marker_pattern``: a marker's known pattern to its pixels.
 
-Pattern coordinates u, v are in cells from the top left corner of the upright marker, v down.
+Pattern coordinates u, v are in cells from the upright marker's top left corner, v down.
 """
 
 from __future__ import annotations
@@ -48,7 +48,7 @@ def settle_pattern(
     state: NDArray[np.float64],
     metric: NDArray[np.float64],
 ) -> bool:
-    """Run Gauss-Newton on ``state`` until nothing moves; True if the pattern is there.
+    """Run Gauss-Newton on ``state`` until it rests; True if the pattern is there.
 
     ``pixels`` (n, 3) from `marker_pixels`, ``state`` (13,) with a first guess of the affine map.
     """
@@ -60,7 +60,7 @@ def settle_pattern(
     dark, light = _quantile(grey, 0.15), _quantile(grey, 0.85)
     state[6:] = 0.0
     state[6], state[7], state[10] = _START_BLUR_PX, dark, light - dark
-    # cells crossed by a pixel, along u and along v
+    # cells across a pixel, along u and v
     per_px = max(pixel_length(state[0], state[1], metric), pixel_length(state[3], state[4], metric))
     most_blur_px = max(_MOST_BLUR_CELLS / per_px, _LEAST_BLUR_PX)
     matrix, step = np.empty((UNKNOWNS, UNKNOWNS)), np.empty(UNKNOWNS)
@@ -91,7 +91,7 @@ def has_light_rim(
 ) -> bool:
     """True if the rim is paper along each side.
 
-    A marker may be cut tightly, and the floor beside it is not part of the pattern.
+    A marker may be cut tightly; the floor beside it is not part of the pattern.
     """
     beyond = EDGE_PX / cell_px
     inside = np.zeros(256, dtype=np.int64)
@@ -134,7 +134,7 @@ def inner_pixels(
 
 @njit(cache=True, nogil=True, fastmath=False)
 def _quantile(counts: NDArray[np.int64], share: float) -> float:
-    """Quantile of whole grey values by their counts (256,), linear between two values."""
+    """Quantile of grey values by their counts (256,), linear between two values."""
     place = share * (counts.sum() - 1)
     first = math.floor(place)
     below = above = -1
@@ -156,7 +156,7 @@ def _quantile(counts: NDArray[np.int64], share: float) -> float:
 def solve(matrix: NDArray[np.float64], right: NDArray[np.float64]) -> bool:
     """Solve a symmetric system in place by Cholesky's factors, scaled to a diagonal of ones.
 
-    False if the matrix is not positive definite to rounding: some unknown is not seen.
+    False if not positive definite to rounding: some unknown is not seen.
     """
     count = len(right)
     scale = np.empty(count)
@@ -200,14 +200,14 @@ def normal_equations(
     out_matrix: NDArray[np.float64],
     out_right: NDArray[np.float64],
 ) -> float:
-    """Sum one Gauss-Newton step over all pixels, only the matrix's lower half; return the
-    residuals' rms.
+    """Sum one Gauss-Newton step over all pixels, the matrix's lower half only; return the residual
+    rms.
 
-    ``bits`` (n, n) is 1 for a light cell; residuals beyond ``limit`` weigh less (Huber). ``metric``
-    (2, 2) is J J^T of the plane's a, b by raw pixels: a blur that is round in the picture is not
-    round in the plane, seen from the side or through a wide lens. The pattern's Gaussian blur is
-    narrow compared with a cell, so only the nearest grid line of each direction matters at a pixel.
-    Pixels among like cells depend on light and dark alone and are summed apart.
+    ``bits`` (n, n) is 1 for light; residuals beyond ``limit`` weigh less (Huber). ``metric`` (2, 2)
+    is J J^T of the plane's a, b by raw pixels: a blur round in the picture is not round in the
+    plane, seen from the side or through a wide lens. The Gaussian blur is narrow compared with a
+    cell, so only the nearest grid line of each direction matters. Pixels among like cells depend on
+    light and dark alone and are summed apart.
     """
     out_matrix[:] = 0.0
     out_right[:] = 0.0
@@ -294,7 +294,7 @@ def _add_products(
 def _add_flat(
     sums: NDArray[np.float64], light: int, weight: float, x: float, y: float, error: float
 ) -> None:
-    """Add one pixel in the dark (row 0) or the light (row 1), away from edges."""
+    """Add a pixel in the dark (row 0) or the light (row 1), away from edges."""
     sums[light, 0] += weight
     sums[light, 1] += weight * x
     sums[light, 2] += weight * y
@@ -310,9 +310,7 @@ def _add_flat(
 def _add_alike(
     flat: NDArray[np.float64], out_matrix: NDArray[np.float64], out_right: NDArray[np.float64]
 ) -> None:
-    """Add the sums of pixels in the dark (row 0) and in the light (row 1), which the contrast
-    affects.
-    """
+    """Add the sums of dark (row 0) and light pixels (row 1), which feel the contrast."""
     for light in range(2):
         sums = flat[light]
         for rows in range(7, 8 + 3 * light, 3):
@@ -334,7 +332,7 @@ def _add_alike(
 
 @njit(cache=True, nogil=True, fastmath=False)
 def pixel_length(p: float, q: float, metric: NDArray[np.float64]) -> float:
-    """Change of u = p a + q b over one pixel along its own gradient."""
+    """Change of u = p a + q b over one pixel along its gradient."""
     return math.sqrt(p * p * metric[0, 0] + 2.0 * p * q * metric[0, 1] + q * q * metric[1, 1])
 
 

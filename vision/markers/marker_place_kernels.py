@@ -1,8 +1,8 @@
-"""Compiled steps from a picture and a quadrilateral to a marker's place and its reading score.
+"""Compiled steps from a picture and a quadrilateral to a marker's place and reading score.
 
 Raw pixels, centres at integers; ``view`` is the arena's plane at the marker's height, in metres.
 Corners in the order top left, top right, bottom right, bottom left of the upright marker; a
-marker's ``bits`` (n, n), its dark border included, are 1 for a light cell.
+marker's ``bits`` (n, n), with the dark border, are 1 for light.
 """
 
 from __future__ import annotations
@@ -60,9 +60,9 @@ def follow_marker(
     out_m: NDArray[np.float64],
     out_px: NDArray[np.float64],
 ) -> tuple[float, float]:
-    """Reading score of a marker expected at x, y, heading, side in metres; 0 for not at all.
+    """Reading score, 0 for unread, of a marker expected at x, y, heading, side in metres.
 
-    Also its worst corner's standard error, pixels. ``out_m`` and ``out_px`` (4, 2) are its corners
+    Also its worst corner's standard error, pixels. Its corners ``out_m`` and ``out_px`` (4, 2) are
     as in `see_marker`.
     """
     x, y, heading, side = marker
@@ -94,9 +94,9 @@ def see_marker(
 ) -> tuple[int, float, float]:
     """Find the corners of a marker near ``guess_px`` (4, 2), which is good to a few pixels.
 
-    They are the corners of the pattern at the marker's sides or, if these are hidden, near the
-    guess: ``out_m`` (4, 2) in the plane, ``out_px`` (4, 2). Returns the outcome, the sides'
-    roughness and the worst corner's standard error in pixels.
+    The pattern at the marker's sides or, if hidden, near the guess gives them: ``out_m`` (4, 2) in
+    the plane, ``out_px`` (4, 2). Returns the outcome, the sides' roughness and the worst corner's
+    standard error in pixels.
     """
     near_m = np.empty((4, 2))
     became, roughness_px, error_px = _sides_on_floor(grey, guess_px, len(bits), view, near_m)
@@ -159,10 +159,10 @@ def place_pattern(
 ) -> tuple[bool, float, float]:
     """Write the corners of the pattern near ``corners_m`` (4, 2) to ``out_m``.
 
-    ``sides_error_px`` is the standard error of the worst corner, or `NO_SIDES`. If the sides
-    disagree with the inner cells' edges, something covers a side from end to end, or the marker is
-    cut tightly: the inner cells alone then give place and error. Returns True if the pattern is
-    there, its cells' reading score, and the worst corner's standard error, pixels.
+    ``sides_error_px`` is the worst corner's standard error, or `NO_SIDES`. Sides that disagree with
+    the inner cells' edges mean a cover over a whole side or a tightly cut marker: then the inner
+    cells alone give place and error. Returns True if the pattern is there, its cells' score, and
+    the worst corner's standard error, pixels.
     """
     cells = len(bits)
     center, unit_m = _middle(corners_m)
@@ -202,7 +202,7 @@ def _place_inner(
 ) -> tuple[bool, float, float]:
     """Corners of the pattern whose cells lie near ``state``; the rest as `place_pattern`.
 
-    ``unit`` is the marker's middle and size in metres. No cell within the border may be wrong.
+    ``unit`` is the marker's middle and size in metres. Every cell within the border must be right.
     """
     cells = len(bits)
     center, unit_m = unit
@@ -211,7 +211,7 @@ def _place_inner(
         return False, NOT_READ, NO_SIDES
     corners_of(state, cells, center, unit_m, out_m)
     (x, y), placed_unit_m = _middle(out_m)
-    # a side is longer than a corner's distance from the middle by the root of two
+    # a side is root two times a corner's distance from the middle
     moved_cells = math.hypot(x - center[0], y - center[1]) * cells / (math.sqrt(2.0) * unit_m)
     code, read = worst_cells(pixels, bits, state, cell_px)
     is_there = placed_unit_m > 0.0 and code >= LEAST_READ and moved_cells <= _MAX_MOVE_CELLS
@@ -240,7 +240,7 @@ def _affine(
 ) -> None:
     """Affine map from the corners, in units around their centre, to the pattern's.
 
-    Least squares; as the centre is the corners' mean, its shift is the pattern's middle.
+    Least squares; the centre is the corners' mean, so its shift is the pattern's middle.
     """
     aa = ab = bb = 0.0
     au = av = bu = bv = 0.0
@@ -333,11 +333,11 @@ def collect_pixels(
     cells: int,
     rim: float,
 ) -> NDArray[np.float64]:
-    """Rows (n, 3) of a, b, grey value: the pixels of ``box`` that lie on the marker or its rim.
+    """Rows (n, 3) of a, b, grey value: the pixels of ``box`` on the marker or its rim.
 
     ``box`` is x0, y0, x1, y1 with the ends included, inside ``grey``; ``place`` the centre's x, y
-    and the unit; ``pattern_from_plane`` (6,) the first guess, ``rim`` a width in cells. Takes every
-    nth pixel of each row, shifted by one in the next row, so that every edge is crossed at all
+    and the unit; ``pattern_from_plane`` (6,) the first guess, ``rim`` a width in cells. Every nth
+    pixel of a row is taken, shifted by one in the next row, so that edges are crossed at all
     places. No rows if part of the box shows no floor.
     """
     x0, y0, x1, y1 = box
@@ -379,10 +379,10 @@ def collect_pixels(
 
 @njit(cache=True, nogil=True, fastmath=False)
 def _cubics(count: int) -> tuple[float, NDArray[np.int64], NDArray[np.float64]]:
-    """Interpolation of a function of ``count`` pixels in a row from a few of its values.
+    """Interpolate a function of ``count`` pixels in a row from a few values.
 
-    Returns the nodes' distance in pixels, the first and the last pixel being nodes, and for each
-    pixel the first of the four nodes around it and their weights (4,): Lagrange's cubics.
+    Returns the nodes' distance in pixels, with nodes at both ends, and for each pixel the first of
+    its four nodes and their weights (4,): Lagrange's cubics.
     """
     stretches = (count - 1) // _STRETCH_PX + 1
     step = max(count - 1, 1) / (3.0 * stretches)

@@ -1,7 +1,7 @@
 """Marker dictionaries, and quadrilaterals with a marker's code in a picture, unrefined.
 
 Rules and units
-- Dictionaries have their OpenCV names, ``DICT_4X4_50`` or ``DICT_APRILTAG_36h11``.
+- Dictionaries have OpenCV's names, ``DICT_4X4_50`` or ``DICT_APRILTAG_36h11``.
 - Corners are raw pixels, centres at integers, clockwise from the upright marker's top left one.
 """
 
@@ -17,7 +17,7 @@ from vision.camera.camera import Image
 
 
 class MarkerError(ValueError):
-    """A marker, a dictionary or a robot's settings cannot be used; the message gives the reason."""
+    """Unusable marker, dictionary or robot settings; the message gives the reason."""
 
 
 def grey_of(image: Image) -> Image:
@@ -33,7 +33,7 @@ def dictionary_names() -> tuple[str, ...]:
 
 
 def dictionary_by_name(name: str) -> cv2.aruco.Dictionary:
-    """A marker dictionary by name; ``MarkerError`` suggests the name probably meant."""
+    """Look up a dictionary; ``MarkerError`` suggests the name probably meant."""
     names = {n.upper(): n for n in dictionary_names()}
     wanted = name.strip().upper()
     wanted = wanted if wanted.startswith("DICT_") else f"DICT_{wanted}"
@@ -66,7 +66,7 @@ def finder_of(book: cv2.aruco.Dictionary, window: int, constant: float) -> cv2.a
 
 
 def find_with(finder: cv2.aruco.ArucoDetector, grey: Image) -> list[tuple[int, FloatArray]]:
-    """Every marker that a detector finds: (id, corners (4, 2))."""
+    """A detector's markers: (id, corners (4, 2))."""
     corners, ids, _ = finder.detectMarkers(grey)
     if ids is None or len(corners) == 0:
         return []

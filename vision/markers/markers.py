@@ -3,12 +3,12 @@
 Rules and units
 - Poses, markers and pixels are as in `marked_robot`.
 - Position and heading come from the homography, corrected for the marker's height: under an
-  overhead camera the two solutions of a marker's pose in space are hardly distinguishable.
+  overhead camera a marker's two poses in space are hardly distinguishable.
 - With a rolling shutter a pose has the time of its marker's rows, and the track's velocity moves
-  the corners to that time; otherwise a moving marker is sheared.
-- Each robot is first sought at its expected place: its known marker is fitted there
-  (`sighting`), then markers are searched for around it. Only robots missing there cause a
-  search of the whole picture. A marker that has jumped is not a robot.
+  the corners there; otherwise a moving marker is sheared.
+- Each robot is sought at its expected place: its marker is fitted there (`sighting`), then
+  searched for around it. Only missing robots cause a search of the whole picture. A marker that
+  has jumped is not a robot.
 """
 
 from __future__ import annotations
@@ -71,8 +71,7 @@ class MarkerTracker:
     """Finder of known robots' markers in frame after frame.
 
     ``dictionary`` is an OpenCV name such as ``DICT_4X4_50`` or ``DICT_APRILTAG_36h11``,
-    ``rolling_shutter_s`` the time from the first row's exposure to the last row's, which is the
-    frame's.
+    ``rolling_shutter_s`` the time from the first to the last row's exposure, the frame's time.
     """
 
     def __init__(
@@ -121,7 +120,7 @@ class MarkerTracker:
     ) -> tuple[RobotPose, ...]:
         """Return the poses of the robots seen in this frame, ordered by id.
 
-        ``tell`` gets each pose as soon as it is known, before the search for the next robot. Raises
+        ``tell`` gets each pose at once, before the search for the next robot. Raises
         ``MarkerError`` for a frame whose size is not the calibration's.
         """
         grey = self._grey_of(frame)
@@ -161,7 +160,7 @@ class MarkerTracker:
                 f"{fits[0]} x {fits[1]}"
             )
         grey = grey_of(frame.image)
-        grey.setflags(write=False)  # like a grey frame: the kernels are compiled for one kind
+        grey.setflags(write=False)  # like a grey frame: kernels are compiled for one kind
         return grey
 
     def unseen_ms(self, robot_id: int, now_s: float) -> float | None:
@@ -170,7 +169,7 @@ class MarkerTracker:
         return None if last_s is None else max(0.0, 1000.0 * (now_s - last_s))
 
     def remarks(self, now_s: float, patience_ms: float = 100.0) -> tuple[str, ...]:
-        """A sentence for each robot not seen for longer than ``patience_ms``."""
+        """A sentence for each robot unseen for longer than ``patience_ms``."""
         said = []
         for robot_id, track in self._tracks.items():
             unseen_ms = self.unseen_ms(robot_id, now_s)
@@ -182,9 +181,7 @@ class MarkerTracker:
         return tuple(said)
 
     def _worth_searching(self, missing: list[int], now_s: float) -> bool:
-        """True always within a second of the loss, then now and then: a search costs ten times a
-        look.
-        """
+        """True within a second of the loss, then now and then: a search costs ten times a look."""
         first_s = now_s if self._first_s is None else self._first_s
         last_s = [self._tracks[i].last_s for i in missing]
         latest_s = max(first_s if t is None else t for t in last_s)
@@ -193,7 +190,6 @@ class MarkerTracker:
     def _look_near(
         self, grey: Image, robot: MarkedRobot, now_s: float, refusals: list[str]
     ) -> Sighting | None:
-        """Look for a robot at its expected place."""
         expected = self._tracks[robot.id].predict(now_s - self._late_s[robot.id])
         if expected is None:
             return None
@@ -216,7 +212,7 @@ class MarkerTracker:
         return None
 
     def _window(self, robot: MarkedRobot, now_s: float) -> tuple[int, int, int, int] | None:
-        """Part of the picture (x0, y0, x1, y1) with all the places a robot may be at."""
+        """Part of the picture (x0, y0, x1, y1) with all possible places of a robot."""
         track = self._tracks[robot.id]
         expected = track.predict(now_s - self._late_s[robot.id])
         if expected is None or track.last_s is None:
@@ -239,7 +235,7 @@ class MarkerTracker:
     def _look_for_doubles(
         self, everywhere: dict[int, list[Sighting]], found: dict[int, Sighting]
     ) -> None:
-        """Markers in several places, once two searches in a row have found them there."""
+        """Note markers in several places, once two searches in a row have found them there."""
         places = {}
         for robot_id, sightings in everywhere.items():
             known = [found[robot_id]] if robot_id in found else []
@@ -255,9 +251,9 @@ class MarkerTracker:
     def _search(
         self, grey: Image, found: Mapping[int, Sighting], refusals: list[str]
     ) -> dict[int, list[Sighting]]:
-        """Every robot's sightings in the whole picture, by another recipe each time.
+        """Find every robot's sightings in the whole picture, by another recipe each time.
 
-        Sightings ``found`` in this picture are not examined again.
+        Sightings already ``found`` in it are not examined again.
         """
         # where the picture is coarsest: a wide lens shows its rim many times smaller
         least_m = min(robot.marker_size_m for robot in self._robots.values())
@@ -286,7 +282,7 @@ class MarkerTracker:
         }
 
     def _best(self, sightings: list[Sighting], robot_id: int, now_s: float) -> Sighting | None:
-        """The marker nearest to the robot's expected place, of several with one id."""
+        """Of several markers with one id, take the nearest to the robot's expected place."""
         if not sightings:
             return None
         expected = self._tracks[robot_id].predict(now_s)
@@ -297,7 +293,6 @@ class MarkerTracker:
     def _sight(
         self, grey: Image, robot: MarkedRobot, quad_px: FloatArray, refusals: list[str]
     ) -> Sighting | None:
-        """A marker's quadrilateral as a robot's pose, unless it cannot be one."""
         moves = self._tracks[robot.id].velocity
         return self._markers[robot.id].look(grey, quad_px, moves, refusals)
 
@@ -330,7 +325,7 @@ class MarkerTracker:
 
 
 def _is_there(quad_px: FloatArray, known: Sighting | None) -> bool:
-    """True if a quadrilateral's middle lies within the marker already known."""
+    """True if a quadrilateral's middle lies within the known marker."""
     if known is None:
         return False
     middle = known.corners_px.mean(axis=0)

@@ -1,13 +1,13 @@
-"""Every marker in one picture: its identity, its corners, and its place on the floor.
+"""Every marker in one picture: its identity, corners, and place on the floor.
 
 Rules and units
 - Corners (4, 2) are raw pixels, centres at integers, clockwise from the upright marker's top left
-  one. They are where the fitted sides meet (``vision.markers.marker_corners``); with a calibration
-  the whole pattern is fitted (``vision.markers.marker_pattern``). If a side is hidden or not
-  straight, with a calibration the cells too, the detector's corners stay; ``remark`` says why.
+  one, where the fitted sides meet (``vision.markers.marker_corners``); with a calibration the
+  whole pattern is fitted (``vision.markers.marker_pattern``). If a side is hidden or not straight,
+  with a calibration the cells too, the detector's corners stay; ``remark`` says why.
 - A dictionary is OpenCV's by name or a file in its format (``nmarkers``, ``markersize``,
-  ``marker_0`` ...). Small dictionaries are the beginning of larger ones: in a search of all, a
-  marker belongs to the smallest that has it.
+  ``marker_0`` ...). Small ones begin larger ones: in a search of all, a marker belongs to the
+  smallest that has it.
 
 For moving robots use :class:`vision.MarkerTracker`.
 """
@@ -49,13 +49,13 @@ _SAME_PLACE = 0.25
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Marker:
-    """A marker in a picture; ``agreement`` is the share of its cells that are right.
+    """A marker in a picture; ``agreement`` is its share of right cells.
 
     ``pose`` is (x, y, heading) in metres and radians, ahead being the upright marker's right, as
-    for a :class:`vision.MarkedRobot` without a turn of its own; ``size_m`` is the mean side. Both
-    are None without a calibration. ``remark`` is empty if the corners are refined; ``error_px`` is
-    then the standard error of the worst one, larger if one is covered. A cover over a whole side
-    looks like a side; only a calibration reveals it.
+    for a :class:`vision.MarkedRobot` without a turn; ``size_m`` is the mean side. Both are None
+    without a calibration. ``remark`` is empty if the corners are refined; ``error_px`` is then the
+    worst one's standard error, larger if covered. A cover over a whole side looks like a side; only
+    a calibration reveals it.
     """
 
     id: int
@@ -75,11 +75,11 @@ def find_markers(
     calibration: Calibration | None = None,
     height_m: float = 0.0,
 ) -> tuple[Marker, ...]:
-    """Find the markers of a dictionary, or of all, in a picture, ordered by dictionary and id.
+    """Find the markers of one dictionary or all in a picture, ordered by dictionary and id.
 
     ``image`` (h, w) grey or (h, w, 3) BGR, uint8, is not changed. ``height_m`` is the markers'
     height above the calibrated floor. Raises ``MarkerError`` for an unknown dictionary, an invalid
-    picture, or one that is not of the calibration's size.
+    picture, or one of another size than the calibration's.
     """
     grey = _grey(image, calibration)
     found: list[Marker] = []
@@ -110,7 +110,7 @@ def crossing(corners: FloatArray) -> tuple[float, float]:
 
 
 def read_dictionary(file: Path) -> cv2.aruco.Dictionary:
-    """Read a dictionary from a file in OpenCV's format; ``MarkerError`` if it is not one."""
+    """Read a dictionary in OpenCV's format; ``MarkerError`` if invalid."""
     book = cv2.aruco.Dictionary()
     try:
         storage = cv2.FileStorage(str(file), cv2.FILE_STORAGE_READ)
@@ -157,13 +157,13 @@ def _books(dictionary: str | Path | None) -> Iterator[tuple[str, cv2.aruco.Dicti
 
 
 def _count_in(name: str) -> int:
-    """Number of markers in a dictionary by its name; 0 if the name does not give it."""
+    """Number of markers in a dictionary by its name; 0 if not given."""
     count = re.search(r"\dX\d_(\d+)$", name)
     return int(count[1]) if count else 0
 
 
 def _smallest(name: str, marker_id: int) -> str:
-    """The smallest dictionary with the same beginning that has the marker."""
+    """Smallest dictionary with the same beginning that has the marker."""
     family = re.sub(r"_\d+$", "", name)
     alike = [one for one in dictionary_names() if re.sub(r"_\d+$", "", one) == family]
     return min((one for one in alike if _count_in(one) > marker_id), key=_count_in, default=name)
@@ -189,7 +189,7 @@ def _placed(
     calibration: Calibration | None,
     height_m: float,
 ) -> tuple[FloatArray, str, tuple[float, float, float] | None, float | None, float | None]:
-    """Corners in raw pixels, the remark, pose and side on the floor, and error."""
+    """Corners in raw pixels, remark, pose and side on the floor, and error."""
     if calibration is None:
         straight = Calibration.from_scale(1.0, (grey.shape[1], grey.shape[0]))
         refined = refine_quad(grey, quad, bits.shape[0], straight)
@@ -215,7 +215,7 @@ def _placed(
 
 
 def _best_of_each(found: list[Marker]) -> list[Marker]:
-    """Keep the best reading of each place: refined ones first, then by agreement."""
+    """Keep each place's best reading: refined ones first, then by agreement."""
     kept: list[Marker] = []
     for marker in sorted(found, key=lambda m: (m.remark != "", -m.agreement)):
         center = marker.corners_px.mean(axis=0)

@@ -1,11 +1,11 @@
-"""One robot's marker in one picture: followed from its expected place, or seen where it was found.
+"""One robot's marker in one picture: followed from its expected place, or seen where found.
 
 Rules and units
 - Poses, markers and pixels are as in `marked_robot`; a frame's rows are ``row_s`` seconds apart.
-- A marker is followed without a search: sides and pattern are fitted at its expected place, and
-  every cell and the light rim must read right there. That is stricter than decoding, which
-  corrects wrong cells. A robot that cannot be followed is searched for.
-- A marker of the wrong size, not square, or with cells that do not read right is not a robot.
+- Following needs no search: sides and pattern are fitted at the expected place, and every cell
+  and the light rim must read right there. Decoding, which corrects wrong cells, is less strict. A
+  robot that cannot be followed is searched for.
+- A marker of the wrong size, not square, or with misread cells is not a robot.
 """
 
 from __future__ import annotations
@@ -55,7 +55,7 @@ class RobotMarker:
         object.__setattr__(self, "_pixel_m", self.calibration.metres_per_pixel)
 
     def follow(self, grey: Image, expected: Pose, moves: Velocity) -> Sighting | None:
-        """The marker at its expected pose, if it is certainly there."""
+        """The marker at its expected pose, if certainly there."""
         view = self.calibration.plane_view(self.robot.marker_height_m)
         corners, corners_px = np.empty((4, 2)), np.empty((4, 2))
         square = (*expected, self.robot.marker_size_m)
@@ -67,7 +67,7 @@ class RobotMarker:
     def look(
         self, grey: Image, quad_px: FloatArray, moves: Velocity, refusals: list[str]
     ) -> Sighting | None:
-        """A quadrilateral (4, 2) with the marker's code as a sighting, unless it cannot be one."""
+        """A quadrilateral (4, 2) with the marker's code as a sighting, unless impossible."""
         view = self.calibration.plane_view(self.robot.marker_height_m)
         corners, corners_px = np.empty((4, 2)), np.empty((4, 2))
         became, roughness_px, error_px = see_marker(
@@ -108,13 +108,13 @@ class RobotMarker:
         if residual_m > _SQUARE_TOLERANCE * wanted_m:
             refusals.append(f"{called}: not square ({1e3 * residual_m:.1f} mm)")
             return None
-        # a partial cover of the pattern draws its corners off a square's
+        # a cover over part of the pattern draws its corners off a square's
         error_px = max(error_px, residual_m / self._pixel_m)
         pose = robot_pose((center.real, center.imag, cmath.phase(turn)), self.robot)
         return Sighting(self.robot.id, pose, corners_px, residual_m, error_px)
 
     def _at_one_time(self, corners: FloatArray, rows_px: FloatArray, moves: Velocity) -> FloatArray:
-        """Corners (4, 2) at the time when the marker's middle row was exposed."""
+        """Corners (4, 2) when the marker's middle row was exposed."""
         late_s = self.row_s * (rows_px - rows_px.mean())
         right, up = (corners - corners.mean(axis=0)).T
         turn = moves.turn_rate_rad_s
@@ -123,7 +123,7 @@ class RobotMarker:
 
 
 def nearest_square(corners: FloatArray) -> tuple[complex, complex, float]:
-    """The square nearest to four corners (4, 2), equally weighted, of an upright marker.
+    """The square nearest to an upright marker's four corners (4, 2), equally weighted.
 
     Its centre, its side as a complex number in the direction ahead, and the rms distance.
     """
@@ -135,7 +135,7 @@ def nearest_square(corners: FloatArray) -> tuple[complex, complex, float]:
 
 
 def warm_up() -> None:
-    """Compile or load the kernels, so that the first frame does not wait for seconds."""
+    """Compile or load the kernels: the first frame must not wait for seconds."""
     blank = np.zeros((32, 32), dtype=np.uint8)
     blank.setflags(write=False)
     plan = Calibration.from_scale(1.0, (32, 32))

@@ -1,12 +1,12 @@
-"""A track from sightings: a gate against impossible jumps and a small filter for the velocity.
+"""A track from sightings: a gate against impossible jumps and a filter for the velocity.
 
 Rules and units
 - Metres, radians, seconds; time comes with the sightings. Headings are unwrapped inside.
 - The reported position and heading are the measured ones: a filter would add lag. The velocity
   comes from a Kalman filter of constant velocity with white acceleration, one an axis.
-- A new track is believed after ``confirm`` consistent sightings. A sighting that no robot can
-  have reached is refused; ``confirm`` consistent ones in a row mean that the robot was carried,
-  and the track restarts there.
+- A new track needs ``confirm`` consistent sightings. A sighting that no robot can have reached is
+  refused; ``confirm`` consistent ones in a row mean that the robot was carried, and the track
+  restarts there.
 """
 
 from __future__ import annotations
@@ -22,7 +22,7 @@ class TrackLimits:
     """Limits of a robot's motion between two sightings, and the filter's trust in them.
 
     ``slack_m`` and ``slack_rad`` allow for noise; ``position_noise_m`` and ``heading_noise_rad``
-    are a sighting's standard deviations, the accelerations the motion's. A track not seen for
+    are a sighting's standard deviations, the accelerations the motion's. A track unseen for
     ``forget_s`` must be confirmed again.
     """
 
@@ -99,7 +99,7 @@ class Track:
 
     @property
     def confirmed(self) -> bool:
-        """True if the track has been believed at least once and not been forgotten."""
+        """True if the track was believed at least once and not forgotten."""
         return self._pose is not None
 
     @property
@@ -110,9 +110,9 @@ class Track:
         return Velocity(self._x.rate, self._y.rate, self._turn.rate)
 
     def offer(self, pose: Pose, time_s: float) -> Velocity | None:
-        """Velocity at a sighting that is believed; None for one that is not (yet).
+        """Take a sighting: the velocity there if believed, None if not (yet).
 
-        A sighting that is not newer than the last is refused.
+        A sighting not newer than the last is refused.
         """
         if self.last_s is not None and time_s <= self.last_s:
             return None
@@ -124,7 +124,7 @@ class Track:
         return self._vote(pose, time_s)
 
     def predict(self, time_s: float) -> Pose | None:
-        """The robot's expected pose at a time, at most ``forget_s`` after the last sighting."""
+        """The robot's expected pose, at most ``forget_s`` after the last sighting."""
         if self._pose is None or self.last_s is None:
             return None
         dt_s = time_s - self.last_s

@@ -1,10 +1,10 @@
 """The robot's clock as seen by the host: offset and drift from round trips, with a bound.
 
 Each exchange gives the four times of NTP (RFC 5905). Of the last exchanges those with a round trip
-near the shortest are trusted, and a regression with decaying weights gives offset and drift. No
-exchange shows how its round trip splits between the two directions, so the offset is known to about
-half a round trip; ``error_s`` keeps that bound. If an exchange contradicts it, a clock has jumped,
-and the estimate restarts.
+near the shortest are trusted; a regression with decaying weights gives offset and drift. No
+exchange shows how its round trip splits between the directions, so the offset is known to about
+half a round trip: the bound ``error_s``. If an exchange contradicts it, a clock has jumped, and the
+estimate restarts.
 
 The robot counts microseconds modulo 2**32 (71.6 minutes); they are unrolled here.
 """
@@ -54,7 +54,7 @@ class ClockEstimate:
 
     @property
     def round_trip_s(self) -> float:
-        """The shortest round trip among the kept exchanges; infinity before the first."""
+        """Shortest round trip of the kept exchanges; infinity before the first."""
         return min((s.round_trip_s for s in self._samples), default=math.inf)
 
     def add(
@@ -68,8 +68,8 @@ class ClockEstimate:
         """Take one exchange: host sent, robot received, robot answered, host received.
 
         ``wire_s`` is the least time of question and answer on the line, in seconds: it corrects the
-        offset, and the bound holds without it. If an exchange took less, the line's rate means
-        nothing (USB), and the correction shrinks with it.
+        offset; the bound holds without it. If an exchange took less, the line's rate means nothing
+        (USB), and the correction shrinks with it.
         """
         received_s = self._unrolled(received_us, now_s)
         answered_s = received_s + ((answered_us - received_us) % WRAP_US) / 1e6
@@ -108,11 +108,11 @@ class ClockEstimate:
         return round((host_s + self.offset_s(host_s)) * 1e6) % WRAP_US
 
     def host_s(self, robot_us: int, now_s: float) -> float:
-        """Host time of a reading of the robot's clock: the one nearest to ``now_s``."""
+        """Host time of the robot's clock reading nearest to ``now_s``."""
         return now_s + _short_us(robot_us - self.robot_us(now_s)) / 1e6
 
     def is_in_doubt(self, robot_us: int, now_s: float) -> bool:
-        """True if a report of the robot's clock that came just now does not fit the estimate."""
+        """True if a report of the robot's clock, just received, does not fit the estimate."""
         if not self.ready:
             return False
         late_s = now_s - self.host_s(robot_us, now_s)
@@ -126,7 +126,7 @@ class ClockEstimate:
             self.jumps += 1
 
     def _unrolled(self, robot_us: int, now_s: float) -> float:
-        """The robot's clock as a time without wraps: the one nearest to the expected."""
+        """The robot's clock without wraps, nearest to the expected time."""
         if not self.ready:
             return robot_us / 1e6
         expected_us = round((now_s + self.offset_s(now_s)) * 1e6)

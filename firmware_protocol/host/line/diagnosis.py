@@ -1,4 +1,4 @@
-"""Symptoms of a line without a link, as a sentence for the person who has to fix it."""
+"""Symptoms of a line without a link, as a sentence for the person who fixes it."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ TAKEN_OVER: Final = "another host has taken the robot over"
 
 
 def why_refused(major: int, schema: int, ours: int) -> str | None:
-    """The reason why a robot of this version and schema is unusable; None if it is usable."""
+    """Why a robot of this version and schema is unusable; None if it is usable."""
     if major == VERSION and schema == ours:
         return None
     older = "the robot's firmware or this program, whichever is older"

@@ -1,8 +1,8 @@
-"""Evidence that the robot hears what it is sent, from the counts in its own reports.
+"""Evidence that the robot hears what it is sent, from the counts in its reports.
 
-If a wire is broken in one direction, the robot reports but obeys nothing. Its STATUS has the number
-of whole frames taken: while that stays the same although frames are sent, it does not hear,
-whatever else it reports. Seconds of the host's monotonic clock.
+If a wire is broken in one direction, the robot reports but obeys nothing. STATUS has the number of
+whole frames taken: while that stays the same although frames are sent, it does not hear. Seconds of
+the host's monotonic clock.
 """
 
 from __future__ import annotations
@@ -18,7 +18,7 @@ DEAF_FRAMES: Final = 8
 
 
 class Hearing:
-    """Watch on the robot's count; give it each frame sent and each report received."""
+    """Watch on the robot's count, given each frame sent and each report."""
 
     def __init__(self) -> None:
         self.why_deaf: str | None = None

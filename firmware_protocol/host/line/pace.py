@@ -1,6 +1,6 @@
-"""Time of bytes on the line, and the time it is free again, so that at most one frame waits.
+"""Time of bytes on the line, and when it is free again, so that at most one frame waits.
 
-Bytes in the operating system cannot be taken back, and an emergency stop would wait behind them.
+Bytes in the operating system cannot be taken back; an emergency stop would wait behind them.
 Seconds; 10 bits a byte.
 """
 
@@ -29,10 +29,10 @@ class LinePace:
         return 0.0 if self.baud is None else 10.0 * count / self.baud
 
     def sent(self, count: int, now_s: float) -> None:
-        """Note ``count`` bytes handed out, behind those still under way."""
+        """Note ``count`` bytes handed out, behind those under way."""
         self._free_s = max(now_s, self._free_s) + self.wire_s(count)
 
     @property
     def ready_s(self) -> float:
-        """The time at which the next frame may be handed out."""
+        """Time at which the next frame may be handed out."""
         return self._free_s - PREFETCH_S

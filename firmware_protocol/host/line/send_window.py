@@ -1,9 +1,9 @@
 """The send window with go-back-N, and the round-trip times behind its timeout.
 
-- Reliable frames carry consecutive sequence numbers modulo 256; the robot takes them in
-  order only and acknowledges with the number it expects next.
-- At most ``window`` bytes of the wire may be unacknowledged; a NAK or a timeout sends all of
-  them again from the oldest on.
+- Reliable frames carry consecutive sequence numbers modulo 256; the robot takes them in order
+  only and acknowledges with the next number expected.
+- At most ``window`` bytes of the wire may be unacknowledged; a NAK or a timeout sends all again
+  from the oldest on.
 - Sequence numbers start at 0 in every session. Time is passed in, in seconds.
 """
 
@@ -30,7 +30,7 @@ class RttEstimate:
         self._backoff = 1.0
 
     def add(self, rtt_s: float) -> None:
-        """Take a measured round trip of a frame that was sent once only (Karn's rule)."""
+        """Take a round trip of a frame that was sent once only (Karn's rule)."""
         if self.samples == 0:
             self.smoothed_s, self.variation_s = rtt_s, rtt_s / 2.0
         else:
@@ -40,7 +40,7 @@ class RttEstimate:
         self._backoff = 1.0
 
     def back_off(self) -> None:
-        """After a timeout, wait twice as long the next time."""
+        """After a timeout, double the next one."""
         self._backoff = min(64.0, self._backoff * 2.0)
 
     @property
@@ -67,7 +67,7 @@ class PendingFrame:
 
 
 class SendWindow:
-    """The sender's half: the reliable frames in flight and the next ones to send."""
+    """The sender's half: reliable frames in flight and those to send next."""
 
     def __init__(self, window_bytes: int) -> None:
         self.window_bytes = window_bytes
@@ -87,7 +87,7 @@ class SendWindow:
 
     @property
     def next_sequence(self) -> int:
-        """The number that the receiver expects once it has everything."""
+        """The number expected by the receiver once it has everything."""
         return self._next_sequence
 
     @property
@@ -124,9 +124,9 @@ class SendWindow:
         return self._sent < len(self._pending)
 
     def acknowledge(self, expected: int, now_s: float) -> int:
-        """Take the receiver's next expected number; return the number of frames acknowledged.
+        """Take the receiver's next number; return the number of frames acknowledged.
 
-        A number of no frame in flight (from a late frame) changes nothing.
+        A number of no frame in flight (a late frame's) changes nothing.
         """
         in_flight = [frame.sequence for frame in self._pending if frame.sent_s is not None]
         ends = [(sequence + 1) % SEQUENCE_MODULUS for sequence in in_flight]
@@ -142,13 +142,13 @@ class SendWindow:
         return count
 
     def complained(self, now_s: float) -> None:
-        """The receiver misses its next frame: send all again, once a round trip."""
+        """Send all again, once a round trip: the receiver misses its next frame."""
         if self._sent == 0 or now_s < self._quiet_until_s:
             return
         self._go_back(now_s)
 
     def tick(self, now_s: float) -> None:
-        """Send all again if the oldest frame's acknowledgement is overdue."""
+        """Send all again if the oldest acknowledgement is overdue."""
         if self._sent and now_s - self._timer_s >= self.rtt.timeout_s:
             self.timeouts += 1
             self.rtt.back_off()
@@ -161,5 +161,5 @@ class SendWindow:
     def _go_back(self, now_s: float) -> None:
         self._sent = 0
         self._timer_s = now_s
-        # complaints about frames already in flight arrive within about one round trip
+        # complaints about frames in flight arrive within about one round trip
         self._quiet_until_s = now_s + max(0.005, self.rtt.smoothed_s)

@@ -30,7 +30,7 @@ class SyncSchedule:
         self._doubted = False
 
     def next_question(self, now_s: float) -> TimeSync | None:
-        """The question that is due, which then counts as sent; None if none is."""
+        """The question that is due, which then counts as sent, or None."""
         fast = self._count < FAST_COUNT or self._doubted
         if now_s - self._asked_s < (FAST_S if fast else SLOW_S):
             return None

@@ -15,10 +15,10 @@ from clearway.start import boot_pin_held, may_start
 from clearway.wheels import Duty, Odometer
 
 FULL_RPM = 70
-FULL_SPEED_MM_S = 124  # that, with wheels of 34 mm
+FULL_SPEED_MM_S = 124  # with wheels of 34 mm
 NM_PER_TENTH = 29_671  # travel for a tenth of a degree
 SETTINGS = Settings(track_um=89_000, max_speed_mm_s=100, max_turn_mrad_s=1800)
-ORDER_US = 20_000  # its processors talk over a line of their own: no more orders than it carries
+ORDER_US = 20_000  # its processors share a line: no more orders than it carries
 
 
 class Board:
@@ -47,7 +47,7 @@ class Board:
 
     def idle(self, powered):
         if not powered:
-            gc.collect()  # its library allocates; while driving there is room for minutes
+            gc.collect()  # the library allocates; while driving the heap lasts for minutes
 
 
 if __name__ == "__main__" and may_start(boot_pin_held):

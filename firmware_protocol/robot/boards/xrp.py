@@ -44,7 +44,7 @@ class Board:
 
     def idle(self, powered):
         if not powered:
-            gc.collect()  # XRPLib allocates; while driving there is room for minutes
+            gc.collect()  # XRPLib allocates; while driving the heap lasts for minutes
 
 
 if __name__ == "__main__" and may_start(bootsel_held):

@@ -2,11 +2,11 @@
 
 In the order of the data: ``link`` takes bytes and makes frames (``frames``, ``wire``), ``robot``
 decides by the table of ``states``, ``follower`` drives along the waypoints of ``waypoints``,
-``estimate`` knows where the robot is, ``pulses`` turns wheels more slowly than they can, ``fixed``
-computes; ``program`` runs them on a board's wheels and serial line (``wheels``, ``lines``).
+``estimate`` keeps the pose, ``pulses`` turns wheels below their least speed, ``fixed`` computes;
+``program`` runs them on a board's wheels and serial line (``wheels``, ``lines``).
 
-The same robot as the C99 firmware, number for number. Clearway's simulator and its drivers run it
-under CPython, where the two are compared. So that nothing here allocates on a 32-bit board while
-it runs: whole numbers stay below 2^30, larger ones are kept in halves of 16 bits, results of more
-than one number are left in arrays, and no more than three names are assigned at once.
+It equals the C99 firmware, number for number; Clearway's simulator and drivers run it under
+CPython, where the two are compared. Nothing may allocate on a 32-bit board while it runs: whole
+numbers stay below 2^30, larger ones are kept in halves of 16 bits, several results are left in
+arrays, and at most three names are assigned at once.
 """

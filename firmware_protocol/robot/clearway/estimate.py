@@ -1,12 +1,11 @@
 """The robot's pose: wheel odometry, corrected by camera poses that are already old.
 
-- Odometry moves the estimate at every step; a short history remembers how far the wheels had
-  moved it, corrections left out.
-- A fix speaks of the past: what the wheels did since is laid on top of it, and a quarter of the
-  difference from the estimate is taken over.
-- Wheels that are not quite alike turn the robot as it drives: that drift is learnt from the fixes.
-- Micrometres; the heading, 2^32 a turn, is kept in two halves, of which the upper one is the angle
-  that all others use. The history has 16 bits each: 256 um, 2^16 a turn, 256 us.
+- Odometry moves the estimate at every step; a short history records it without the corrections.
+- The wheels' motion since a fix is added to it, and a quarter of the difference from the estimate
+  is taken over.
+- Unequal wheels turn the robot as it drives: that drift is learnt from the fixes.
+- Micrometres; the heading, 2^32 a turn, is kept in two halves, the upper of which is the angle used
+  everywhere else. The history has 16 bits each: 256 um, 2^16 a turn, 256 us.
 
 The twin of ``estimate.c``.
 """
@@ -36,7 +35,7 @@ X, Y, TOP, LOW = 0, 1, 2, 3
 
 
 class Estimate:
-    """The pose and what corrects it."""
+    """The pose and its corrections."""
 
     def __init__(self, track_um: int) -> None:
         self.pose = array("i", (0, 0, 0, 0))
@@ -56,13 +55,13 @@ class Estimate:
 
     @micropython.native
     def advance(self, travel_um: int, across_um: int, now_us: int) -> None:
-        """Move by a cycle's travel, the right wheel's so much longer than the left one's."""
+        """Move by a cycle's travel; ``across_um`` is the right wheel's minus the left one's."""
         past = self._past
         if (past[3] - past[7]) & 0xFFFF >= HISTORY_STEP:
             for i in range(4 * HISTORY - 1, 3, -1):
                 past[i] = past[i - 4]
         self.travel_um = clip(self.travel_um + travel_um, TRAVEL_MAX)
-        # turn: the product, and what the drift adds in its upper 24 bits, modulo 2^32
+        # turn: the product, plus the drift in its upper 24 bits, modulo 2^32
         drifted = scale(travel_um, self._drift >> 4)
         upper = across_um * (self._angle_per_um >> 8) + drifted
         lower = across_um * (self._angle_per_um & 255) + ((upper & 255) << 8)
@@ -94,7 +93,7 @@ class Estimate:
         while since < 0:
             begin += 4
             if begin == 4 * HISTORY:
-                return False  # forgotten
+                return False  # no longer in the history
             since = short((seen_us >> 8) - past[begin + 3])
         share = 0
         if begin:
@@ -106,7 +105,7 @@ class Estimate:
                 self._learn_drift(short(shift[TOP]))
                 shift[X] = shift[X] + 2 >> 2
                 shift[Y] = shift[Y] + 2 >> 2
-                # the heading's quarter, of both halves together
+                # a quarter of the heading, of both halves together
                 low = shift[LOW] + 2
                 high = short(shift[TOP] + (low >> 16))
                 shift[LOW] = (low & 0xFFFF) >> 2 | (high & 3) << 14
@@ -126,7 +125,7 @@ class Estimate:
 
     @micropython.native
     def _find_shift(self, seen: bytearray, at: int, angle: int, begin: int, share: int) -> bool:
-        """Leave what was seen, and done since, less the pose in ``_shift``; True if it is near."""
+        """Leave the pose seen plus the motion since, minus the pose, in ``_shift``; True if near."""
         past, shift = self._past, self._shift
         near = True
         for i in range(2):
@@ -140,7 +139,7 @@ class Estimate:
             high -= 1
         shift[TOP] = high & 0xFFFF
         top = short(high)
-        # the size of all 32 bits, from their halves
+        # size of all 32 bits, from their halves
         size = top << 16 - JUMP_SHIFT | shift[LOW] >> JUMP_SHIFT
         if top < 0:
             size = (-top << 16 - JUMP_SHIFT) - (shift[LOW] >> JUMP_SHIFT)
@@ -150,7 +149,7 @@ class Estimate:
 
     @micropython.native
     def _before(self, i: int, begin: int, share: int) -> int:
-        """The wheels' part of the motion up to when the robot was seen."""
+        """The wheels' motion up to the camera's picture."""
         before = self._past[begin + i]
         if share:
             before += scale(short(self._past[begin - 4 + i] - before), share)

@@ -1,13 +1,13 @@
-"""Whole-number geometry, as a processor without floating point does it.
+"""Whole-number geometry for processors without floating point.
 
-The same sums, products and shifts as in ``fixed.c``, in the same order, so that both robots can be
-compared bit by bit.
+It has the same sums, products and shifts as ``fixed.c``, in the same order, so that both robots can
+be compared bit by bit.
 
 - Places are micrometres. Angles are 2^16 a turn; a heading is kept in two such halves.
 - Parts of a whole are of 16384, signed, or of 65536, unsigned.
-- A vector between two places is in quarters: 4 um, so that the whole range of the line fits.
-- Every step stays below 2^30 in size for places within a kilometre: so far MicroPython on a 32-bit
-  board needs no heap for a number.
+- A vector between two places is in quarters: 4 um, so that the line's whole range fits.
+- For places within a kilometre every step stays below 2^30: MicroPython on a 32-bit board then
+  needs no heap for a number.
 """
 
 from array import array
@@ -46,7 +46,7 @@ def short(a: int) -> int:
 
 @micropython.native
 def word(a: int) -> int:
-    """The lower 32 bits as a signed number. What is small stays as it is; the rest takes heap."""
+    """The lower 32 bits as a signed number. Small ones are unchanged; others take heap."""
     if -0x3FFFFFFF <= a <= 0x3FFFFFFF:
         return a
     a &= 0xFFFFFFFF
@@ -55,14 +55,14 @@ def word(a: int) -> int:
 
 @micropython.native
 def aside(angle: int) -> int:
-    """The distance of an angle from 0, either way round."""
+    """Distance of an angle from 0, either way round."""
     angle &= 0xFFFF
     return 0x10000 - angle if angle & 0x8000 else angle
 
 
 @micropython.native
 def root(square: int) -> int:
-    """The whole part of the square root, of a number below 2^30."""
+    """Whole part of the square root of a number below 2^30."""
     found, bit = 0, 0x4000
     while bit:
         larger = found | bit
@@ -72,8 +72,8 @@ def root(square: int) -> int:
     return found
 
 
-# Odd polynomials, z (c0 - z^2 (c1 - z^2 c2)) with z of 65536, the coefficients fitted for the least
-# largest error: the sine of a quarter turn, and the arc tangent as a part of an eighth of a turn.
+# Odd polynomials, z (c0 - z^2 (c1 - z^2 c2)) with z of 65536, fitted for the least maximum error:
+# the sine of a quarter turn, and the arc tangent as a part of an eighth of a turn.
 
 
 @micropython.native
@@ -90,7 +90,7 @@ def _arc_series(z: int) -> int:
 
 @micropython.native
 def sine(angle: int) -> int:
-    """The sine, of 16384, of an angle in 0 .. 65535."""
+    """Sine, of 16384, of an angle in 0 .. 65535."""
     up = angle << 1 & 0xFFFF
     if up & 0x8000:
         up = 0x10000 - up
@@ -113,7 +113,7 @@ def turn(angle: int) -> None:
 
 @micropython.native
 def measure() -> int:
-    """Turn ``VECTOR`` onto the x axis, so that x becomes its length; its bearing in 0 .. 65535."""
+    """Turn ``VECTOR`` onto the x axis, x being its length; return its bearing in 0 .. 65535."""
     x, y = VECTOR[0], VECTOR[1]
     large = -x if x < 0 else x
     small = -y if y < 0 else y

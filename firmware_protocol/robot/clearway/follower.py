@@ -2,10 +2,10 @@
 
 - Between waypoints: pure pursuit (Coulter, 1992) of the polyline through them; beyond a stop
   the last line is extended, so that the robot runs straight into its target.
-- Speed: at every waypoint ahead at most its own, zero at stops, sharp corners and the end of
-  the queue, and in between no more than the brakes can take back.
-- A corner sharper than TURN_ENTER is taken standing. At a stop the robot settles, drives the
-  last millimetres where needed, turns to the heading asked for, and dwells.
+- Speed: at every waypoint ahead at most its own, zero at stops, sharp corners and the queue's
+  end, in between within the brakes' power.
+- The robot turns on the spot at a corner sharper than TURN_ENTER. At a stop it settles, drives the
+  last millimetres if needed, turns to the heading asked for, and dwells.
 - Lengths are counts of 64 um and end at 2 m (FAR), angles are 2^16 a turn, speeds eighths of mm/s.
   Turning is half the difference of the wheels' speeds, "spin": positive turns left.
 - No clock, no I/O: one `step` or `halt` a control cycle.
@@ -73,7 +73,7 @@ ANY_DISTANCE = 0xFFFF
 
 
 class Follower:
-    """The phase, the line and the speeds that it commands; queue and pose are the robot's."""
+    """Phase, line and commanded speeds; queue and pose are the robot's."""
 
     def __init__(self, settings: Settings, queue: Queue, pose: "array[int]") -> None:
         self._set = settings
@@ -90,17 +90,17 @@ class Follower:
         self._attempts = 0
         self._first = True
         self._docking = False
-        # the line to the next waypoint, which is measured once
+        # the line to the next waypoint, measured once
         self._from = array("i", (0, 0))
         self._from_speed_mm_s = 0
         self._is_measured = False
         self._line_length = 0
         self._line_direction = 0
-        # the leg that is looked at: first that line, then those from waypoint to waypoint
+        # the leg in view: that line, then the legs between waypoints
         self._length = 0
         self._direction = 0
-        # where the robot is on its line: from the waypoint; along the line, negative behind the
-        # waypoint; beside the line or behind its beginning
+        # the robot on its line: distance from the waypoint; remaining along the line, negative
+        # behind the waypoint; beside the line or behind its beginning
         self._distance = 0
         self._remaining = 0
         self._beside = 0
@@ -114,7 +114,7 @@ class Follower:
         self._aim = array("i", (0, 0))
 
     def begin(self) -> None:
-        """A START: the line begins where the robot is."""
+        """On START, begin the line at the robot."""
         self.phase = TRACK
         self._from[0], self._from[1] = self._pose[0], self._pose[1]
         self._from_speed_mm_s = 0
@@ -123,12 +123,12 @@ class Follower:
         self._note_progress()
 
     def freeze(self) -> None:
-        """An emergency stop: zero at once."""
+        """On an emergency stop, zero both speeds."""
         self.speed = 0
         self.spin = 0
 
     def forget_line(self) -> None:
-        """The queue was dropped: the line leads to another waypoint, if any."""
+        """Forget the line: the queue was dropped."""
         self._is_measured = False
 
     def _new_target(self) -> None:
@@ -138,7 +138,7 @@ class Follower:
         self._docking = False
 
     def _leave(self, at: int) -> None:
-        """A waypoint is executed: the line to the next one begins there."""
+        """Begin the line to the next waypoint at this executed one."""
         data = self._queue.data
         self._from[0] = get_place(data, at)
         self._from[1] = get_place(data, at + 4)
@@ -151,11 +151,8 @@ class Follower:
         self._progress[2] = self._pose[TOP]
         self._progress_us = 0
 
-    # where the robot is on its line
-
     @micropython.native
     def _look(self, at: int) -> None:
-        """Find where the robot is on the line to a waypoint."""
         data = self._queue.data
         if not self._is_measured:
             self._is_measured = True
@@ -192,11 +189,9 @@ class Follower:
         before, self._direction = self._direction, self._queue.directions[leg]
         return not was_short and aside(self._direction - before) > TURN_ENTER
 
-    # speeds
-
     @micropython.native
     def _slew_speed(self, wanted: int) -> None:
-        """Move the commanded speed towards this, no faster than the settings allow."""
+        """Move the speed towards ``wanted``, no faster than the settings allow."""
         self.speed += clip(wanted - self.speed, part(self.dt_us, self._set.speed_per_cycle))
 
     @micropython.native
@@ -215,7 +210,7 @@ class Follower:
 
     @micropython.native
     def _approach(self, square: int, distance: int) -> int:
-        """The speed towards a stop, from the square of what the brakes allow.
+        """Speed towards a stop, from the square of the speed the brakes allow.
 
         The square root alone would arrive with a jerk that slow motors cannot follow, so near the
         stop the speed is four times the distance left, a second.
@@ -231,11 +226,9 @@ class Follower:
         spin = max(spin, self._set.min_spin)
         self._move(0, -spin if off & 0x8000 else spin)
 
-    # following the line
-
     @micropython.native
     def _pass_waypoints(self) -> int:
-        """The count of waypoints that have been passed; leaves the look at the next one."""
+        """Number of waypoints passed; leaves the view at the next one."""
         queue, data = self._queue, self._queue.data
         passed = 0
         while passed < queue.count:
@@ -263,9 +256,9 @@ class Follower:
 
     @micropython.native
     def _steer(self, begin: int) -> int:
-        """Find the point that is pursued and the bend to it; the speed that is allowed here.
+        """Find the pursued point and the bend to it; return the allowed speed.
 
-        Leaves the bearing of that point in ``_off``.
+        Leaves the point's bearing in ``_off``.
         """
         queue, data, aim = self._queue, self._queue.data, self._aim
         at = queue.at(begin)
@@ -339,11 +332,9 @@ class Follower:
         self._first = False
         self._drive_along(max(speed, CRAWL))
 
-    # stopping
-
     @micropython.native
     def _has_settled(self, ahead_um: int, at: int, tolerance: int) -> bool:
-        """True if the robot has stood long enough, and near enough; otherwise it docks."""
+        """True if at rest long enough, and near enough; if not near, it docks."""
         self._move(0, 0)
         if self._still_us == 0:
             self._stood_um = 0
@@ -366,7 +357,7 @@ class Follower:
 
     @micropython.native
     def _dock(self, at: int) -> None:
-        """Drive straight to the target, forwards or backwards, turning towards it first."""
+        """Drive straight to the target, forwards or backwards, after a turn towards it."""
         data = self._queue.data
         VECTOR[0] = (get_place(data, at) >> 2) - (self._pose[0] >> 2)
         VECTOR[1] = (get_place(data, at + 4) >> 2) - (self._pose[1] >> 2)
@@ -391,7 +382,7 @@ class Follower:
 
     @micropython.native
     def _is_stuck(self) -> bool:
-        """True if it has made no progress for too long."""
+        """True without progress for too long."""
         pose, progress = self._pose, self._progress
         if (
             self.phase == SETTLE
@@ -407,9 +398,9 @@ class Follower:
 
     @micropython.native
     def halt(self) -> int:
-        """One cycle of a stop under control: slow down, along the line as long as there is one.
+        """Run one cycle of a controlled stop: slow down, along the line while there is one.
 
-        The count of waypoints that were executed.
+        Returns the number of waypoints executed.
         """
         executed = 0
         if self.speed <= 0 or self.phase != TRACK:
@@ -423,9 +414,9 @@ class Follower:
 
     @micropython.native
     def step(self, ahead_um: int) -> int:
-        """One cycle of driving; the count of waypoints that were executed. Sets ``trouble``.
+        """Run one cycle of driving; return the number of waypoints executed. Sets ``trouble``.
 
-        ``ahead_um``: what the wheels have travelled in it, CLEARLY where they clearly turn.
+        ``ahead_um``: the wheels' travel, CLEARLY if they clearly turn.
         """
         executed = self._pass_waypoints()
         self.trouble = NO_TROUBLE
@@ -461,5 +452,5 @@ class Follower:
 
 @micropython.native
 def smooth(speed: int, travel_um: int, share: int) -> int:
-    """A measured speed, drawn towards this cycle's travel, 30 ms smooth; 17/64 is 8 over 30."""
+    """A measured speed, drawn to this cycle's travel, 30 ms smooth; 17/64 is 8 over 30."""
     return clip(speed + (travel_um * 17 >> 6) - scale(speed, share), 0x7FFF)

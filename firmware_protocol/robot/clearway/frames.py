@@ -1,6 +1,6 @@
 """The robot's frames: built behind two free bytes, then encoded in place.
 
-Each function leaves its frame in ``frame`` and returns its size with its zeros.
+Each function leaves its frame in ``frame`` and returns its size, including the zeros.
 """
 
 from array import array
@@ -29,7 +29,7 @@ OF_ROBOT = (0x068A, 0x1D9C)
 
 
 class Frames:
-    """One robot's frames. ``expected`` is the sequence number that every frame acknowledges."""
+    """One robot's frames. Every frame acknowledges the sequence number ``expected``."""
 
     def __init__(self, robot: Robot, boot_id: int, reset_cause: int, firmware: int) -> None:
         self.frame = bytearray(MAX_ENCODED + 2)
@@ -55,7 +55,7 @@ class Frames:
 
     @micropython.native
     def _end(self, end: int) -> int:
-        """Length and check, then COBS in place."""
+        """Append length and check, then apply COBS in place."""
         frame, crc = self.frame, self._crc
         frame[9] = end - 10
         crc[0], crc[1] = OF_ROBOT[0], OF_ROBOT[1]
@@ -115,14 +115,14 @@ class Frames:
         return self._end(put_halves(self.frame, 10, self._robot.numbers, 2))
 
     def time(self, session: int, host: bytearray, then: bytearray, clock: bytearray) -> int:
-        """TIMESYNC_REPLY: the host's time, ours when its question came, and ours now."""
+        """TIMESYNC_REPLY: the host's time, ours at its question, and ours at present."""
         self._begin(TIMESYNC_REPLY, session, 0)
         at = self._put_bytes(10, host)
         at = self._put_bytes(at, then)
         return self._end(self._put_bytes(at, clock))
 
     def status(self, session: int, clock: bytearray, count: "array[int]") -> int:
-        """STATUS, with the time now and the counters of the line."""
+        """STATUS, with the time and the line's counters."""
         frame, robot = self.frame, self._robot
         self._begin(STATUS, session, 0)
         at = self._put_bytes(10, clock)

@@ -5,7 +5,7 @@ import sys
 
 
 class UsbLine:
-    """USB serial. Ctrl-C is a byte like others; to get the REPL back, reset into safe mode."""
+    """USB serial. Ctrl-C is an ordinary byte; for the REPL, reset into safe mode."""
 
     def __init__(self) -> None:
         import micropython
@@ -18,7 +18,7 @@ class UsbLine:
         self._out = sys.stdout.buffer
 
     def read(self, buffer: bytearray) -> int:
-        """Read what has arrived into the buffer; the count of bytes."""
+        """Read arrived bytes into the buffer; return their number."""
         count = 0
         while count < len(buffer) and self._has_more():
             self._in.readinto(self._one)  # type: ignore[union-attr]
@@ -32,7 +32,7 @@ class UsbLine:
         return False
 
     def can_write(self) -> bool:
-        """USB takes a frame at once, or loses it where nobody listens."""
+        """True: USB takes a frame at once, or loses it if no host listens."""
         return True
 
     def write(self, view: memoryview) -> None:
@@ -47,7 +47,7 @@ class UartLine:
         self._uart = uart
 
     def read(self, buffer: bytearray) -> int:
-        """Read what has arrived into the buffer; the count of bytes."""
+        """Read arrived bytes into the buffer; return their number."""
         if not self._uart.any():
             return 0
         return self._uart.readinto(buffer) or 0

@@ -1,13 +1,12 @@
 """The robot's end of the line: bytes in, decisions through ``robot``, frames out.
 
-- ``receive`` takes what has arrived, in any portions, and acts on whole frames at once. Any bytes
-  are safe.
-- ``next_frame`` gives one frame at a time, by urgency, so that a board needs one transmit buffer
-  and nothing waits behind a queue.
-- HELLO asks for a session; it opens when the host has given the CHALLENGE's number back. Until
-  then the present session goes on: a stray HELLO changes nothing, and a recording opens nothing.
+- ``receive`` takes any bytes in any portions and acts on whole frames at once.
+- ``next_frame`` gives one frame at a time, by urgency: a board needs one transmit buffer, and
+  nothing waits behind a queue.
+- HELLO asks for a session, which opens when the host returns the CHALLENGE's number. Until then
+  the present session continues: a stray HELLO changes nothing, and a recording opens nothing.
 - A frame counts only in the present session; HELLO, CONFIRM and ESTOP need none.
-- What is reported is the present state: nothing is lost if a frame is.
+- Reports give the present state, so that a lost frame loses nothing.
 
 The twin of ``link.c``.
 """
@@ -48,15 +47,15 @@ STATUS_SPACING_US = 10000
 NAK_INTERVAL_US = 3000
 """The robot complains no more often, so that a burst of noise cannot fill the line."""
 ESTOP_FRAME = b"\x00\x03\x10\x2e\x01\x01\x01\x01\x01\x05\xa2\x48\xb2\x50\x00"
-# the CRC, inverted, as low and high half: of the byte that is not sent, and over a sound frame
+# the CRC, inverted, as low and high half: of the unsent byte, and over a sound frame
 OF_HOST = (0xE9DD, 0x6620)
 OF_SOUND = (0xB438, 0xB798)
-# counters of STATUS, in its order
+# counters of STATUS, in order
 FRAMES, CRC_ERRORS, FORMAT_ERRORS, OVERRUNS, SESSION_ERRORS, GAPS, DUPLICATES, REJECTED = range(8)
 
 
 class Link:
-    """One robot's line. ``boot_id`` has 32 bits and has to differ from boot to boot."""
+    """One robot's line. ``boot_id`` has 32 bits and must differ from boot to boot."""
 
     def __init__(
         self,
@@ -90,7 +89,7 @@ class Link:
         self._forget_session()
 
     def _forget_session(self) -> None:
-        self._asked = 0  # the session that a host has asked for and not yet confirmed
+        self._asked = 0  # the session asked for by a host and not yet confirmed
         self.frames.command = 0
         self.frames.result = 0
         self.frames.expected = 0
@@ -101,15 +100,13 @@ class Link:
         self._status_sent = False
 
     def _write_clock(self) -> None:
-        """The time now, as the line has it: 32 bits."""
+        """Write the line's 32-bit time."""
         put_place(self._clock, 0, self.robot.now_us)
         self._clock[3] |= self.turns << 6
 
-    # receiving
-
     @micropython.native
     def receive(self, data: bytearray, count: int, now_us: int) -> None:
-        """Take so many bytes from the line."""
+        """Take ``count`` bytes from the line."""
         self.robot.tick(now_us)
         for i in range(count):
             byte = data[i]
@@ -123,13 +120,13 @@ class Link:
     def _damaged(self, counter: int) -> None:
         self._add(counter)
         if self.session:
-            self._nak_due = True  # ask at once, do not wait for the host's timeout
+            self._nak_due = True  # ask at once; do not wait for the host's timeout
 
     def _add(self, counter: int) -> None:
         self.count[counter] = self.count[counter] + 1 & 0xFFFF
 
     def lost(self, count: int) -> None:
-        """The board lost so many bytes before they were received."""
+        """Count bytes that the board lost before receipt."""
         self.count[OVERRUNS] = self.count[OVERRUNS] + count & 0xFFFF
 
     @micropython.native
@@ -138,7 +135,7 @@ class Link:
             self._encoded += 1
             self._damaged(FORMAT_ERRORS)
         if self._encoded > MAX_ENCODED:
-            return  # too long: until the next zero
+            return  # too long: skip to the next zero
         self._encoded += 1
         if self._encoded == 1:
             self._filled = 0
@@ -158,7 +155,7 @@ class Link:
         check_byte(self._crc, 0, byte)
 
     def _take_frame(self) -> None:
-        """A zero has ended what may be a frame."""
+        """Take a possible frame, ended by a zero."""
         frame = self._buffer
         if self._block != 1 or self._filled < 12:
             self._damaged(FORMAT_ERRORS)
@@ -221,7 +218,7 @@ class Link:
         if not self._is_sound(kind, length):
             self._add(REJECTED)
             if reliable and ahead == 0:
-                # a whole frame of nonsense will not get better by being sent again
+                # nonsense in a whole frame stays nonsense if sent again
                 self.frames.expected = self.frames.expected + 1 & 255
                 self._ack_due = True
             return
@@ -243,7 +240,7 @@ class Link:
             self.frames.expected = self.frames.expected + 1 & 255
 
     def _is_sound(self, kind: int, length: int) -> bool:
-        """True if a host's message of this type has a content that makes sense."""
+        """True if a host's message of this type has valid content."""
         if kind == WAYPOINTS:
             return self._waypoints_are_right(length)
         if START <= kind <= RESET_ESTOP:
@@ -276,12 +273,12 @@ class Link:
         return True
 
     def _is_lowest(self, at: int) -> bool:
-        """-2^31 is no place."""
+        """True for -2^31, which is not a place."""
         frame = self._buffer
         return frame[at + 3] == 0x80 and not (frame[at] or frame[at + 1] or frame[at + 2])
 
     def _act(self, kind: int) -> bool:
-        """Do what a sound message says; False if it cannot be taken now."""
+        """Act on a sound message; False if it cannot be taken now."""
         frame, robot = self._buffer, self.robot
         if kind == WAYPOINTS:
             return robot.accept(frame, 8)
@@ -318,11 +315,9 @@ class Link:
         self.frames.result = result
         self.robot.news = True
 
-    # sending
-
     @micropython.native
     def next_frame(self, now_us: int) -> int:
-        """The size of the most urgent frame that is due, which lies in ``frame``; 0: none is."""
+        """Leave the most urgent due frame in ``frame``; return its size, 0 without one."""
         self.robot.tick(now_us)
         frames = self.frames
         if self._hello_due:
@@ -368,7 +363,7 @@ class Link:
 
 
 def estop_match(matched: int, byte: int) -> int:
-    """The length of the emergency stop's beginning that has come with this byte."""
+    """Number of the emergency stop's first bytes matched, with this one."""
     if matched == len(ESTOP_FRAME):
         matched = 1  # the last zero may be the next frame's first
     if byte == ESTOP_FRAME[matched]:

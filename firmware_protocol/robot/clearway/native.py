@@ -1,7 +1,7 @@
-"""MicroPython's own module, for its decorators; under CPython one whose decorators do nothing.
+"""MicroPython's module, for its decorators; under CPython one whose decorators do nothing.
 
-The decorator ``@micropython.native`` is recognised by these very words: modules whose functions run
-in every control cycle import the name from here.
+MicroPython recognises only the exact ``@micropython.native``: modules with functions of every
+control cycle import the name from here.
 """
 
 try:
@@ -9,7 +9,7 @@ try:
 except ImportError:
 
     class micropython:  # type: ignore[no-redef]  # noqa: N801
-        """Stands in for MicroPython's module under CPython, which tests run it on."""
+        """Replacement for MicroPython's module under CPython, for tests."""
 
         @staticmethod
         def native(function):  # type: ignore[no-untyped-def]

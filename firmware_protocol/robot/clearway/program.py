@@ -1,13 +1,13 @@
-"""The program of any board: take what has arrived, answer, and every 10 ms do one control cycle.
+"""The program of any board: take bytes, answer, and run one control cycle every 10 ms.
 
 A board is an object with these methods, none of which waits:
 
-- ``read(buffer)``: bytes that have arrived, into the buffer; how many
-- ``can_write()``, ``write(view)``: one frame at a time; the view stays untouched until it can again
-- ``travel_um(side)``: what the wheel (0 left, 1 right) has travelled since the last call
+- ``read(buffer)``: puts arrived bytes into the buffer; returns their number
+- ``can_write()``, ``write(view)``: one frame at a time; the view is untouched until it can again
+- ``travel_um(side)``: the wheel's (0 left, 1 right) travel since the last call
 - ``drive(left, right, powered)``: speeds in eighths of mm/s; forward is positive on both sides
 - ``stop_pressed()``: True if a button asks for a stop
-- ``idle(powered)``: feed a watchdog; where the motors have no power, time for the garbage collector
+- ``idle(powered)``: feed a watchdog; collect garbage while the motors are unpowered
 """
 
 from .estimate import TIME
@@ -22,7 +22,7 @@ LEAP_UM = 0x100000
 class Program:
     """One boot: ``clock_us`` is a free-running clock, modulo 2^30 or a multiple of it.
 
-    It is read at least every 9 minutes, or the line's time, which has 32 bits, loses its upper two.
+    Read at least every 9 minutes, or the line's 32-bit time loses its upper two bits.
     """
 
     def __init__(self, board, settings: Settings, clock_us, boot_id: int) -> None:  # type: ignore[no-untyped-def]
@@ -31,13 +31,15 @@ class Program:
         self._board = board
         self._clock_us = clock_us
         self._arrived = bytearray(64)
-        # a slice of a view allocates: all that will be needed are made here
+        # a slice of a view allocates: make all of them here
         view = memoryview(self.link.frame)
         self._frames = [view[:size] for size in range(len(self.link.frame) + 1)]
         self._now_us = self._stepped_us = clock_us() & TIME
 
     def _read_clock(self) -> int:
-        """The time now. Half a turn back is a turn come round; a clock that is set back is none."""
+        """Read the clock. A jump back by over half a turn is a wrap; a smaller one, a clock set
+        back.
+        """
         now_us = self._clock_us() & TIME
         if self._now_us - now_us > TIME >> 1:
             self.link.turns = self.link.turns + 1 & 3
@@ -47,7 +49,7 @@ class Program:
         return now_us
 
     def round(self) -> None:
-        """To be called without a pause."""
+        """Run one round; call it without a pause."""
         board, link, robot = self._board, self.link, self.robot
         now_us = self._read_clock()
         count = board.read(self._arrived)
@@ -64,7 +66,7 @@ class Program:
         late = now_us - self._stepped_us & TIME
         if robot.hurry or late >= CONTROL_US:
             if late >= CONTROL_US:
-                # a processor that was busy for long does not make up for it
+                # do not make up for a long delay of the processor
                 behind = late > 10 * CONTROL_US
                 self._stepped_us = now_us if behind else self._stepped_us + CONTROL_US & TIME
             left_um = max(-LEAP_UM, min(LEAP_UM, board.travel_um(0)))
@@ -75,7 +77,7 @@ class Program:
         board.drive(robot.left, robot.right, robot.powered)
 
     def run(self) -> None:
-        """For ever; the motors are off when it ends, whatever ends it."""
+        """Run for ever; the motors are off at any end."""
         try:
             while True:
                 self.round()

@@ -1,13 +1,13 @@
-"""Wheels that do not turn below a least speed: what is slower, they are driven in pulses of it.
+"""Pulses for wheels that do not turn below a least speed: slower orders become pulses of it.
 
-- A pulse begins when a wheel owes what it travels in PULSE_US at its least speed, and ends when it
-  owes nothing: so it is never too short to break a wheel loose, and what a wheel has been ordered
-  and what it was driven differ by less than a pulse and a cycle, however long it goes on.
-- The left wheel is half a pulse ahead. A robot that turns on the spot turns by one wheel's pulse at
-  a time, half of what both together would turn it by.
-- An order of zero is zero at once, and so is everything slower while the robot stops.
+- A pulse begins when a wheel owes its travel of PULSE_US at the least speed, and ends when it owes
+  nothing. So it is long enough to break a wheel loose, and ordered and driven travel always differ
+  by less than a pulse and a cycle.
+- The left wheel is half a pulse ahead: a robot turning on the spot turns by one wheel's pulse at a
+  time, half of both together.
+- An order of zero is zero at once, and so is any slow order while the robot stops.
 
-Speeds are eighths of mm/s, what is owed is in those times microseconds. The twin of ``pulses.c``.
+Speeds are eighths of mm/s, debts those times microseconds. The twin of ``pulses.c``.
 """
 
 from array import array
@@ -19,7 +19,7 @@ PULSE_US = 25000
 
 
 class WheelPulses:
-    """Both wheels. ``driven``: what to drive them at from now on, the left one first."""
+    """Both wheels. ``driven``: the speeds to drive, the left one first."""
 
     def __init__(self, least: int) -> None:
         self.driven = array("i", (0, 0))
@@ -28,13 +28,13 @@ class WheelPulses:
         self._owed = array("i", (0, 0))
 
     def forget(self) -> None:
-        """A stop: nothing is owed, and nothing driven."""
+        """Stop: nothing is owed, and nothing driven."""
         for side in (0, 1):
             self._ordered[side] = self._owed[side] = self.driven[side] = 0
 
     @micropython.native
     def next(self, dt_us: int, left: int, right: int) -> None:
-        """New orders, so long after the last ones."""
+        """Take new orders, ``dt_us`` after the last ones."""
         owed, ordered, driven = self._owed, self._ordered, self.driven  # four would take heap
         least = self._least
         owed[0] += (ordered[0] - driven[0]) * dt_us
@@ -45,7 +45,7 @@ class WheelPulses:
 
     @micropython.native
     def stop(self, left: int, right: int) -> None:
-        """New orders for a robot that stops: no pulse keeps it moving."""
+        """Take new orders while the robot stops: no pulse keeps it moving."""
         least = self._least
         self._owed[0] = self._owed[1] = 0
         self._ordered[0], self._ordered[1] = left, right
@@ -55,7 +55,7 @@ class WheelPulses:
 
 @micropython.native
 def pulsed(least: int, order: int, driven: int, owed: int, ahead: bool) -> int:
-    """The speed to drive a wheel at that is ordered ``order`` and was driven at ``driven``."""
+    """Speed to drive a wheel ordered at ``order`` and last driven at ``driven``."""
     if order == 0 or abs(order) >= least:
         return order
     pulse = least * PULSE_US

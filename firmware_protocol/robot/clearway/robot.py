@@ -1,11 +1,11 @@
 """The robot's decisions: queue, states, lease, emergency stop and the follower.
 
-``Robot`` knows no line: ``link`` feeds it with checked messages, whose bytes stay where they came,
+``Robot`` is independent of the line: ``link`` feeds it checked messages, whose bytes stay in place,
 and ``frames`` reports its state. Distances are micrometres, as the wheel encoders measure them,
 speeds eighths of mm/s. Memory is bounded: QUEUE_SIZE waypoints of 16 bytes.
 
-Times are microseconds modulo 2^30 (17.9 minutes); what has passed is a difference without a sign,
-so that a processor that stood still finds its lease lapsed.
+Times are microseconds modulo 2^30 (17.9 minutes); elapsed time is an unsigned difference: after a
+processor's standstill the lease has lapsed.
 
 The twin of ``robot.c``.
 """
@@ -38,11 +38,11 @@ from .states import (
 from .waypoints import QUEUE_SIZE, Queue
 from .wire import WAYPOINT_BYTES, check_bytes, get_time, get_u16
 
-# why the robot is not in RUN
+# reason for not being in RUN
 BOOTED, NEW_SESSION, PAUSED, CLEARED, MISSION_DONE = 1, 2, 3, 4, 5
 LEASE_LAPSED, NO_PERMIT, POSE_STALE, OFF_PATH, STUCK_REASON = 6, 7, 8, 9, 10
 ESTOP_HOST, ESTOP_LOCAL, DISARMED, ESTOP_RESET = 11, 12, 13, 14
-# what became of a command
+# outcome of a command
 OBEYED, WRONG_MISSION, WRONG_INDEX, WRONG_STATE = 1, 2, 3, 4
 NO_LEASE, NO_POSE, SAME_SESSION = 5, 6, 7
 END_FLAG = 2
@@ -66,7 +66,7 @@ MOVING = 2
 """A slower robot does not move: a quarter of a millimetre a second."""
 TURNING = 72
 """9 mm/s: one late step of both encoders reads as 8.3; from here on the wheels clearly turn."""
-# where the halves of 32-bit numbers lie, in the order of STATUS and HELLO_ACK
+# places of the halves of 32-bit numbers, in the order of STATUS and HELLO_ACK
 MISSION, ACCEPT_NEXT, EXEC_NEXT, PREFIX_CRC, EXEC_CRC = 0, 2, 4, 6, 8
 
 
@@ -123,7 +123,7 @@ class Robot:
             self.hurry = True
 
     def forget_mission(self, mission: bytearray, at: int) -> None:
-        """Begin with another mission, whose four bytes these are."""
+        """Begin another mission, given by these four bytes."""
         numbers = self.numbers
         for i in range(10):
             numbers[i] = 0
@@ -140,7 +140,7 @@ class Robot:
         self.news = True
 
     def open_session(self) -> None:
-        """A host has opened a session: the old lease is void, a running robot holds."""
+        """Open a host's session: the old lease is void, a running robot holds."""
         self.lease_valid = False
         self._lease_us = self.now_us
         self._lease_flags = 0
@@ -154,8 +154,8 @@ class Robot:
     def accept(self, data: bytearray, at: int) -> bool:
         """Queue checked records (mission, first index, count, records); False if it is full.
 
-        Each index is taken once and in order. What is of no use here (another mission, a later
-        index) is dropped; the host sees in STATUS which waypoint comes next.
+        Each index is taken once and in order. Useless records (another mission, a later index) are
+        dropped; STATUS shows the host the next waypoint.
         """
         if not self._is_mission(data, at) or self.state == ESTOP:
             return True
@@ -191,7 +191,7 @@ class Robot:
 
     @micropython.native
     def _since(self, stamp_us: int) -> int:
-        """The time since then and AHEAD_US more, so that what lies a little ahead is recent."""
+        """Time since ``stamp_us`` plus AHEAD_US: a stamp slightly ahead is recent."""
         return self.now_us - stamp_us + AHEAD_US & TIME
 
     @micropython.native
@@ -212,7 +212,7 @@ class Robot:
     def start(self, data: bytearray, at: int) -> int:
         """START: mission and the next waypoint's index; a result.
 
-        Drive, if everything that has to hold does; otherwise say what does not.
+        Drives if every condition holds; otherwise the result names the one that fails.
         """
         if self.state == RUN and self._is_mission(data, at):
             return OBEYED
@@ -238,7 +238,7 @@ class Robot:
         return OBEYED
 
     def clear(self, data: bytearray, at: int) -> int:
-        """CLEAR: stop under control, drop the queue, and begin with this mission; a result."""
+        """CLEAR: stop under control, drop the queue, begin this mission; a result."""
         if self.state == ESTOP:
             return WRONG_STATE
         none = get_u16(data, at) == 0 and get_u16(data, at + 2) == 0
@@ -248,7 +248,7 @@ class Robot:
         return OBEYED
 
     def reset_estop(self) -> int:
-        """RESET_ESTOP, in a session younger than the stop only; a result."""
+        """RESET_ESTOP, only in a session younger than the stop; a result."""
         if self.state != ESTOP:
             return WRONG_STATE
         if not self._session_after_estop:
@@ -260,7 +260,7 @@ class Robot:
     def lease(self, data: bytearray, at: int) -> bool:
         """LEASE: prolong or withdraw the permit to drive.
 
-        False for one that has run out on its way, or is older than the present one.
+        False for one that expired on its way, or is older than the present one.
         """
         issued_us = get_time(data, at)
         ttl_ms = min(get_u16(data, at + 4), LEASE_MAX_MS)
@@ -277,7 +277,7 @@ class Robot:
         return True
 
     def see(self, data: bytearray, at: int, angle: int) -> bool:
-        """POSE: the camera saw the robot; False if that was not used: too old, or a jump."""
+        """POSE: the camera saw the robot; False if unused: too old, or a jump."""
         seen_us = get_time(data, at + 10)
         age_us = self._since(seen_us)
         if age_us >= POSE_STALE_US + AHEAD_US:
@@ -287,13 +287,13 @@ class Robot:
         return self.estimate.correct(data, at, angle, seen_us)
 
     def emergency_stop(self, reason: int) -> None:
-        """Wheels to zero at once, latched until ``reset_estop``."""
+        """Stop the wheels at once, latched until ``reset_estop``."""
         self._session_after_estop = False
         self._change(STOP, reason)
         self.freeze()
 
     def freeze(self) -> None:
-        """Stand without a ramp; what the wheels were to do is not caught up on."""
+        """Stop without a ramp; pulses still owed are dropped."""
         self.follower.freeze()
         self._pulses.forget()
         self.left = 0
@@ -326,7 +326,7 @@ class Robot:
             count -= 1
             at = queue.at(0)
             if self._unsummed == queue.count:
-                self.sum()  # it leaves the queue
+                self.sum()  # sum it before it leaves
             check_bytes(self.numbers, EXEC_CRC, queue.data, at, WAYPOINT_BYTES)
             _count(self.numbers, EXEC_NEXT)
             if queue.data[at + 15] & END_FLAG:
@@ -338,7 +338,7 @@ class Robot:
 
     @micropython.native
     def step(self, now_us: int, left_um: int, right_um: int) -> None:
-        """One control cycle, 100 a second; the wheels have travelled so far since the last one."""
+        """Run one control cycle, 100 a second, by the wheels' travel since the last one."""
         self.hurry = False
         self.tick(now_us)
         self.follow(now_us, left_um, right_um)
@@ -346,10 +346,9 @@ class Robot:
 
     @micropython.native
     def follow(self, now_us: int, left_um: int, right_um: int) -> None:
-        """Decide, for a cycle that ended then, without a look at the lease and without the wheels.
+        """Decide for a cycle that ended at ``now_us``, without lease and wheels.
 
-        A robot that learns of several cycles at once follows each of them, and turns its wheels
-        after the last.
+        A robot that gets several cycles at once follows each, and turns its wheels after the last.
         """
         follower = self.follower
         across = right_um - left_um
@@ -374,7 +373,7 @@ class Robot:
 
     @micropython.native
     def turn_wheels(self, now_us: int) -> None:
-        """Order the wheels from now on what ``follow`` has decided."""
+        """Order the wheels by the decisions of ``follow``."""
         dt_us = cycle_us(now_us, self._turned_us)
         self._turned_us = now_us
         if self.state == ESTOP:
@@ -386,8 +385,6 @@ class Robot:
             pulses.stop(speed - spin, speed + spin)
         self.left, self.right = pulses.driven[0], pulses.driven[1]
         self.powered = speed != 0 or spin != 0 or self.state == RUN or self.state == HOLD
-
-    # what STATUS reports
 
     def flags(self) -> int:
         """The flags of STATUS."""
@@ -413,27 +410,27 @@ class Robot:
         return clip(self.spin * self._turning_per_spin >> 8, 0x7FFF)
 
     def lease_left_ms(self) -> int:
-        """The time that the lease still runs."""
+        """Time left of the lease."""
         if not self.lease_valid:
             return 0
         granted_us = self._lease_ttl_ms * 1000 + AHEAD_US
         return (granted_us - self._since(self._lease_us) + 500) // 1000
 
     def pose_age_ms(self) -> int:
-        """The age of the pose that was used last."""
+        """Age of the pose used last."""
         age_us = self._pose_age_us()
         return NO_POSE_MS if age_us >= NEVER_US else (age_us + 500) // 1000
 
 
 @micropython.native
 def cycle_us(now_us: int, last_us: int) -> int:
-    """The length of a cycle, as far as the commands are moved by it; the first has none."""
+    """Length of a cycle for moving the commands, at most DT_MAX_US; 0 for the first."""
     return 0 if last_us == NO_TIME else min(now_us - last_us & TIME, DT_MAX_US)
 
 
 @micropython.native
 def _count(halves: "array[int]", at: int) -> None:
-    """One more, modulo 2^32."""
+    """Add one, modulo 2^32."""
     low = halves[at] + 1
     halves[at] = low & 0xFFFF
     halves[at + 1] = halves[at + 1] + (low >> 16) & 0xFFFF

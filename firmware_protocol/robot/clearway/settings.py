@@ -1,7 +1,7 @@
-"""The robot's abilities in whole numbers, and what the follower computes with.
+"""The robot's abilities in whole numbers, and the follower's numbers.
 
-Lengths are counts of 64 um, speeds eighths of mm/s unless their names say otherwise. The same
-expressions are in ``follower.c``.
+Lengths are counts of 64 um, speeds eighths of mm/s unless named otherwise. ``follower.c`` has the
+same expressions.
 """
 
 HEADING_TOLERANCE = 62
@@ -12,7 +12,7 @@ one wheel is the nearest that there is."""
 
 
 class Settings:
-    """The same numbers, units and limits as ``settings.h``."""
+    """The numbers, units and limits of ``settings.h``."""
 
     def __init__(
         self,

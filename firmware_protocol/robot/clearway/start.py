@@ -1,7 +1,7 @@
-"""A way back to the REPL: a button held at boot, and a moment for Ctrl-C.
+"""Access to the REPL: a button held at boot, and a moment for Ctrl-C.
 
-A program that runs as main.py takes the USB line or starts a watchdog that nothing stops again, and
-would lock its owner out. So a board's file asks here first, before either.
+A program that runs as main.py takes the USB line or starts a watchdog that cannot be stopped, and
+would lock its owner out. So a board's file asks here first.
 """
 
 import time
@@ -19,7 +19,7 @@ def bootsel_held() -> bool:
 
 
 def boot_pin_held() -> bool:
-    """True if the button at GPIO0 is held: BOOT of an ESP32. Another board names another pin."""
+    """True if the button at GPIO0 is held: BOOT of an ESP32. Other boards use other pins."""
     from machine import Pin  # type: ignore[import-not-found]
 
     return not Pin(0, Pin.IN, Pin.PULL_UP).value()

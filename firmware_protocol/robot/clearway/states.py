@@ -1,7 +1,7 @@
 """The robot's states, as a table: ``TRANSITIONS[event][state]`` is the state after an event.
 
-What is not in the table (NEVER) cannot be, whatever a host sends. ESTOP is latched; nothing but
-START leads to RUN, so the robot never resumes by itself.
+A pair marked NEVER cannot occur, whatever a host sends. ESTOP is latched; only START leads to RUN,
+so the robot never resumes by itself.
 """
 
 STATES = ("BOOT", "IDLE", "RUN", "HOLD", "ESTOP")
@@ -33,7 +33,7 @@ TRANSITIONS = (  # from BOOT, IDLE, RUN, HOLD, ESTOP
 
 
 def state_after(state: int, event: int) -> int:
-    """The state that an event leads to; ``ValueError`` for one that cannot happen in it."""
+    """State after an event; ``ValueError`` for one that cannot happen in it."""
     after = TRANSITIONS[event][state]
     if after == NEVER:
         raise ValueError(EVENTS[event] + ": cannot happen to a robot in " + STATES[state])

@@ -1,7 +1,7 @@
-"""The waypoints that wait to be executed: the records of the line, as they came.
+"""The waypoints to be executed: the line's records, unchanged.
 
-The way from one waypoint to the next is measured once, when it is queued, and not in each of the
-control cycles in which the robot looks ahead along it.
+A leg between waypoints is measured once, when queued, not in every control cycle that looks ahead
+along it.
 """
 
 from array import array
@@ -16,7 +16,7 @@ FAR = 32000
 
 
 class Queue:
-    """A ring of the line's 16-byte records, and the ``count`` of those that wait."""
+    """A ring of the line's 16-byte records, ``count`` of them waiting."""
 
     def __init__(self) -> None:
         self.data = bytearray(QUEUE_SIZE * WAYPOINT_BYTES)
@@ -29,12 +29,12 @@ class Queue:
 
     @micropython.native
     def at(self, index: int) -> int:
-        """The place of the record that is ``index`` behind the next one."""
+        """Place of the record that is ``index`` behind the next one."""
         return (self.head + index) % QUEUE_SIZE * WAYPOINT_BYTES
 
     @micropython.native
     def add(self, record: bytearray, at: int) -> None:
-        """Queue a record that lies there; one place has to be free."""
+        """Queue the record at ``record[at]``; one place must be free."""
         data, to = self.data, self.at(self.count)
         for byte in range(WAYPOINT_BYTES):
             data[to + byte] = record[at + byte]
@@ -47,7 +47,7 @@ class Queue:
 
     @micropython.native
     def drop_first(self) -> None:
-        """The next waypoint is executed."""
+        """Drop the next waypoint: it is executed."""
         self.head = (self.head + 1) % QUEUE_SIZE
         self.count -= 1
 
@@ -66,5 +66,5 @@ def begin_leg(data: bytearray, at: int, x_um: int, y_um: int) -> None:
 
 @micropython.native
 def leg_length() -> int:
-    """The length of the vector that was measured last, in counts of 64 um."""
+    """Length of the vector measured last, in counts of 64 um."""
     return clip(VECTOR[0] >> 4, FAR) & 0xFFFF

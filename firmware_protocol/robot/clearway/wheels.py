@@ -7,7 +7,7 @@ MOST_COUNTS = 2000
 
 
 class Odometer:
-    """Travel of both wheels from counts that only grow and shrink; ``nm_per_count`` each."""
+    """Travel of both wheels from running counts; ``nm_per_count`` each."""
 
     def __init__(self, nm_per_count: int) -> None:
         self._nm = nm_per_count
@@ -16,7 +16,7 @@ class Odometer:
         self._begun = bytearray(2)
 
     def travel_um(self, side: int, count: int) -> int:
-        """Since the last call for that side, to the nearest below; the rest is carried on."""
+        """Travel since that side's last call, rounded down; the rest is carried on."""
         since = count - self._before[side]
         self._before[side] = count
         if not self._begun[side] or not -MOST_COUNTS < since < MOST_COUNTS:

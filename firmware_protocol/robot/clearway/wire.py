@@ -1,7 +1,7 @@
-"""Numbers of the line in bytes, and its check, as ``docs/protocol.md`` has them.
+"""Numbers of the line in bytes, and its check, as in ``docs/protocol.md``.
 
-A 32-bit number that is not a place is kept as two halves of 16 bits in an array. CRC-32C goes byte
-by byte over a table of halves.
+A 32-bit number that is not a place is kept as two 16-bit halves in an array. CRC-32C works byte by
+byte with a table of halves.
 """
 
 from array import array
@@ -41,7 +41,7 @@ _fill_tables()
 
 @micropython.native
 def check_byte(halves: "array[int]", at: int, byte: int) -> None:
-    """One byte more in the CRC that is kept, inverted, in ``halves[at]`` (low) and the next."""
+    """Add one byte to the CRC kept, inverted, in ``halves[at]`` (low) and the next."""
     low, high = halves[at], halves[at + 1]
     row = (low ^ byte) & 255
     halves[at] = (low >> 8 | (high & 255) << 8) ^ _LOW[row]
@@ -50,7 +50,7 @@ def check_byte(halves: "array[int]", at: int, byte: int) -> None:
 
 @micropython.native
 def check_bytes(halves: "array[int]", at: int, data: bytearray, begin: int, count: int) -> None:
-    """A finished CRC in ``halves`` continued by some bytes, and finished again."""
+    """Continue a finished CRC in ``halves`` by some bytes, and finish it again."""
     halves[at] ^= 0xFFFF
     halves[at + 1] ^= 0xFFFF
     for i in range(begin, begin + count):
@@ -89,7 +89,7 @@ def get_time(data: bytearray, at: int) -> int:
 
 @micropython.native
 def put_u16(data: bytearray, at: int, value: int) -> int:
-    """Two bytes; the place behind."""
+    """Write two bytes; return the place behind."""
     data[at] = value & 255
     data[at + 1] = value >> 8 & 255
     return at + 2
@@ -97,14 +97,14 @@ def put_u16(data: bytearray, at: int, value: int) -> int:
 
 @micropython.native
 def put_place(data: bytearray, at: int, value: int) -> int:
-    """Four bytes with a sign; the place behind."""
+    """Write four bytes with a sign; return the place behind."""
     put_u16(data, at, value)
     return put_u16(data, at + 2, value >> 16)
 
 
 @micropython.native
 def put_halves(data: bytearray, at: int, halves: "array[int]", begin: int) -> int:
-    """A number that is kept in halves; the place behind."""
+    """Write a number kept in halves; return the place behind."""
     put_u16(data, at, halves[begin])
     return put_u16(data, at + 2, halves[begin + 1])
 

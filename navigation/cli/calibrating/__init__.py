@@ -1,8 +1,11 @@
-"""``clearway calibrate --live``: the camera, what is shown of it, and where.
+"""``clearway calibrate --live``: the camera, and its display in a terminal or on a page.
 
+- `command`: from the options to the views, and the sentence at the end.
 - `live`: the camera; `vision.calibrate.live` takes the views.
-- `terminal`: a table in a terminal, lines where there is none.
+- `terminal`: a table in a terminal, lines elsewhere.
 - `page`, `static/`: the same in a browser, with the picture.
+- `chosen_lens`: the lens from the views.
 
-The sentences that both show are in `navigation.dashboard.calibrating`, whose page shows them, too.
+Both displays take their sentences from `navigation.dashboard.calibrating`, whose page shows them,
+too.
 """

@@ -16,7 +16,7 @@ if TYPE_CHECKING:
 
 
 def lens_from_views(views: list[BoardView], terms: int | None, model: str) -> Lens:
-    """The lens of these views; what there is to say of it is printed.
+    """Estimate the lens of these views, and print the remarks.
 
     ``model``: brown, fisheye, or auto. Raises ``CalibrationError`` as `estimate_lens` does.
     """

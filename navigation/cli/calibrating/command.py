@@ -1,4 +1,4 @@
-"""``calibrate --live`` from its options to its views: who shows it, and what is said at the end."""
+"""``calibrate --live`` from its options to its views: the displays, and the words at the end."""
 
 from __future__ import annotations
 
@@ -18,9 +18,9 @@ if TYPE_CHECKING:
 def taken_live(
     source: str, spec: BoardSpec, limit_px: float | None, page: int | None
 ) -> list[BoardView]:
-    """Views from a camera, shown in the terminal and, at the port ``page``, on a page.
+    """Take views from a camera, shown in the terminal and, at the port ``page``, on a page.
 
-    Raises ``CalibrationError`` where too few views were taken.
+    Raises ``CalibrationError`` if there are too few views.
     """
     from rich.console import Console
 
@@ -62,7 +62,7 @@ def _opened(make: type[LivePage], port: int) -> LivePage:
 
 
 def said_at_the_end(taken: LiveTaken) -> str:
-    """Why it ended, with what."""
+    """Reason for the end, and the result."""
     from navigation.dashboard.calibrating.said import cells_line, known_line
 
     if taken.last is None:
@@ -74,7 +74,7 @@ def said_at_the_end(taken: LiveTaken) -> str:
 
 
 def refuse_too_few(taken: LiveTaken) -> None:
-    """``CalibrationError`` where no lens can be made of what was taken."""
+    """``CalibrationError`` if the views are too few for a lens."""
     from vision.calibrate.lens import MIN_VIEWS
     from vision.calibration.calibration import CalibrationError
 

@@ -1,7 +1,7 @@
-"""The camera of a live calibration: that of a configuration, or any source.
+"""The camera of a live calibration: a configuration's, or any source.
 
-SOURCE is a configuration, whose camera is taken with its settings, or whatever `camera.source` may
-be. The camera of a simulated configuration sees a board that does what it is asked.
+SOURCE is a configuration, whose camera is used with its settings, or anything that `camera.source`
+may be. A simulated configuration's camera sees a board that moves as asked.
 """
 
 from __future__ import annotations
@@ -23,7 +23,7 @@ from vision.camera.sources import camera_for
 def live_camera(
     source: str, spec: BoardSpec, session: LiveSession, clock: Clock, wait: Callable[[float], None]
 ) -> Camera:
-    """The camera of a source, closed; raises ``CameraError`` where there is none."""
+    """The camera of a source, closed; raises ``CameraError`` if there is none."""
     if Path(source).suffix.lower() not in (".yaml", ".yml"):
         return camera_for(source, clock=clock)
     config = load_config(source)

@@ -1,9 +1,9 @@
-"""A live calibration on a page: the picture with the board, the parts still wanted, the spread.
+"""A live calibration on a page: the picture with the board, the parts still needed, the spread.
 
 Rules
-- The page only looks: what there is to do is done with the board. So it needs no token; the gate of
-  the dashboard (`dashboard.admission.access`) refuses names that are not this machine's.
-- What it shows is what a panel of the dashboard shows (`dashboard.calibrating.shown`).
+- The page only looks and needs no token, since everything is done with the board; the gate of the
+  dashboard (`dashboard.admission.access`) refuses names that are not this machine's.
+- It shows the same as a panel of the dashboard (`dashboard.calibrating.shown`).
 """
 
 from __future__ import annotations
@@ -37,9 +37,9 @@ SHARED_FILES: Final = ("board.js", "board.css")
 
 
 class LivePage:
-    """Serves the page in a thread of its own; a context manager. ``url`` is where.
+    """Serves the page at ``url`` in its own thread; a context manager.
 
-    Raises ``OSError`` where the port cannot be had.
+    Raises ``OSError`` if the port is not available.
     """
 
     def __init__(self, port: int) -> None:
@@ -73,11 +73,11 @@ class LivePage:
         self._socket.close()
 
     def show(self, state: LiveState, frame: Frame) -> None:
-        """The next frame."""
+        """Store the next frame."""
         self._views.show(state, frame)
 
     def end(self, sentence: str) -> None:
-        """What came of it."""
+        """Store the outcome."""
         self._ended = sentence
 
     def _run(self) -> None:
@@ -122,7 +122,7 @@ class LivePage:
         return JSONResponse(body, headers=HEADERS)
 
     async def _picture(self, request: Request) -> Response:
-        """The frame that a state was of, or the newest where it is no longer kept."""
+        """Frame of a state, or the newest if it is gone."""
         data = self._views.picture(request.query_params.get("frame", ""))
         if data is None:
             return Response(status_code=404, headers=HEADERS)
@@ -130,7 +130,6 @@ class LivePage:
 
 
 def _page_files() -> dict[str, tuple[bytes, str]]:
-    """The page's files by their address."""
     here = files("navigation.cli.calibrating") / "static"
     shared = files("navigation.dashboard") / "static"
     items = [*here.iterdir(), *(shared / name for name in SHARED_FILES)]

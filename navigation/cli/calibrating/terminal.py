@@ -1,9 +1,9 @@
-"""A live calibration in a terminal: the picture's parts as a table; lines where it is none.
+"""A live calibration in a terminal: the picture's parts as a table; elsewhere lines.
 
 Rules
-- A part shows its spread in hundredths of a pixel: green where it is done, yellow where a board was
-  and more are wanted, grey where none was. The part with the board's middle is reversed.
-- In a terminal all is redrawn in place. Elsewhere a line a view, or a refusal, and nothing else.
+- A part shows its spread in hundredths of a pixel: green if done, yellow if a board was there and
+  more are needed, grey if none was. The part with the board's middle is reversed.
+- A terminal's display is redrawn in place. Elsewhere there is a line for each view or refusal.
 """
 
 from __future__ import annotations
@@ -56,7 +56,7 @@ class TerminalLines:
         self._asked = False
 
     def show(self, state: LiveState, frame: Frame) -> None:
-        """Write what is new."""
+        """Write the news."""
         if not self._asked:
             self._asked = True
             self._write(wanted_line(state))
@@ -73,7 +73,7 @@ class TerminalLines:
 
 
 def drawn(state: LiveState, remark: str) -> Group:
-    """The whole display of a state; ``remark`` is the last thing said of a view."""
+    """The whole display of a state; ``remark`` is the last remark on a view."""
     lines = Text()
     lines.append(_upper(wanted_line(state)), style="bold green" if state.done else "bold")
     lines.append(f"\n\n{_upper(board_line(state))}", style="" if state.view else "yellow")

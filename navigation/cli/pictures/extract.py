@@ -55,8 +55,8 @@ def command(
 ) -> None:
     """Find the obstacles in IMAGE and print their records P, S, C, A and L.
 
-    Coordinates are pixels, x right, y down, pixel centres at integers, of the picture as viewers
-    show it: turned as its EXIF orientation asks.
+    Coordinates are pixels, x right, y down, pixel centres at integers, in the picture as viewers
+    show it: turned by its EXIF orientation.
     """
     keep_apart((("--output", output), ("--render", render)), (image,))
 
@@ -80,7 +80,7 @@ def command(
     timings_ms = {"load": load_ms, **scene.timings_ms, "total": total_ms}
     scene = replace(scene, timings_ms=timings_ms, remarks=(*remarks, *scene.remarks))
     warn_of_doubts(scene, image)
-    # an answer is the same each time that it is made, unless times are asked for
+    # the same answer each time, unless times are asked for
     timed = timings or (form == "json" and output is None)
     told = scene if timed else replace(scene, timings_ms={})
     write_text(output, _as_json(told) if form == "json" else _as_text(told))

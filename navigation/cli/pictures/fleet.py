@@ -1,4 +1,4 @@
-"""`clearway fleet`: ways for several robots at once through a picture, a scene text or a map."""
+"""`clearway fleet`: paths for several robots at once through a picture, a scene text or a map."""
 
 from __future__ import annotations
 
@@ -70,10 +70,10 @@ def command(
 ) -> int:
     """Plan several robots through SOURCE: a picture, a scene text, a ROS map's YAML or a .map.
 
-    Every robot drives a diameter a second or stands, as clearway plan does where nothing else is
-    said. With --assign each goal is for whichever robot suits: the sum of the driving times, or the
-    longest of them, is least. Exits 3 where there is no plan, and says why and which robots it
-    hangs on.
+    Every robot drives a diameter a second or stands still, as clearway plan assumes without other
+    limits. With --assign any robot may take any goal, so that the sum of the driving times, or the
+    longest of them, is least. Exits 3 if there is no plan, and says why and because of which
+    robots.
     """
     from navigation.cli.pictures.fleet_answer import FleetOutput
     from navigation.cli.pictures.fleet_picture import draw_fleet, drawn_robots
@@ -129,7 +129,7 @@ def command(
 def _assigned(
     roadmap: Roadmap, robots: list[FleetRobot], objective: Literal["sum", "last"]
 ) -> list[FleetRobot]:
-    """The robots with the goals exchanged; one that can reach none gets one of the rest."""
+    """The robots with their goals exchanged; one that can reach none gets one of the rest."""
     from planner.fleet.assignment import assign_tasks
 
     starts, goals = [r.start for r in robots], [r.goal for r in robots]

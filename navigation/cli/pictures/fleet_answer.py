@@ -1,7 +1,7 @@
 """The answer of ``clearway fleet``: as one JSON object (``clearway.fleet/1``) and as text.
 
-Every field is always there, null where it does not apply. Lengths are in the scene's units, times
-in seconds from the common start, timings in milliseconds.
+Every field is always present, null if it does not apply. Lengths are in the scene's units, times in
+seconds from the common start, timings in milliseconds.
 """
 
 from __future__ import annotations
@@ -20,7 +20,7 @@ SCHEMA = "clearway.fleet/1"
 
 @dataclass(frozen=True, slots=True)
 class FleetOutput:
-    """All that planning several robots has to say, ready to be written in either form."""
+    """Everything about a plan for several robots, to be written in either form."""
 
     units: str
     robots: Sequence[FleetRobot]
@@ -33,7 +33,7 @@ class FleetOutput:
         return json.dumps(self.as_object(), allow_nan=False, indent=1)
 
     def as_object(self) -> dict[str, Any]:
-        """The fields in the order of the design, then units, who blocks, and remarks."""
+        """The fields in the order of the design, then units, blocking robots and remarks."""
         plan = self.plan
         planned = plan if isinstance(plan, FleetPlan) else None
         refused = None if isinstance(plan, FleetPlan) else plan
@@ -75,7 +75,7 @@ class FleetOutput:
         ]
 
     def sentence(self) -> str:
-        """Why there is no plan, with the robots' names; empty where there is one."""
+        """Reason why there is no plan, with the robots' names; empty if there is one."""
         if isinstance(self.plan, FleetPlan):
             return ""
         head, colon, rest = self.plan.reason.partition(":")
@@ -83,7 +83,7 @@ class FleetOutput:
         return f"{named}{colon}{rest}" if head.startswith("robot") else self.plan.reason
 
     def as_text(self) -> str:
-        """For people: the result first, then each robot's track."""
+        """Text for people: the result first, then each robot's track."""
         return "\n".join(self._lines()) + "\n"
 
     def _lines(self) -> Iterator[str]:

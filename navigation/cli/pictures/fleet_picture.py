@@ -1,8 +1,8 @@
 """The picture of a fleet's plan: an SVG in which each robot moves along its track (SMIL).
 
-The scene below is that of ``navigation.draw``; each robot has its colour, its way a line, its
-start a ring and its goal a cross, and the legend its name. The film lasts as long as the plan, is
-played over and over, and holds its end for a moment.
+The scene below is that of ``navigation.draw``. Each robot has its colour, its path a line, its
+start a ring and its goal a cross; the legend has its name. The film takes the plan's duration,
+limited to 1 s to ``FILM_S``; it loops, and holds its end for a moment.
 """
 
 from __future__ import annotations
@@ -58,7 +58,7 @@ def draw_fleet(scene: Scene, robots: Sequence[FleetRobot], plan: FleetPlan) -> s
 
 
 def drawn_robots(robots: Sequence[FleetRobot], plan: FleetPlan) -> tuple[DrawnRobot, ...]:
-    """The robots at their goals, each with its way, for a picture that does not move."""
+    """The robots at their goals with their paths, for a still picture."""
     return tuple(
         DrawnRobot(robot.name, robot.radius, _with_headings(track), [robot.goal])
         for robot, track in zip(robots, plan.tracks, strict=True)
@@ -66,7 +66,7 @@ def drawn_robots(robots: Sequence[FleetRobot], plan: FleetPlan) -> tuple[DrawnRo
 
 
 def _with_headings(track: FloatArray) -> FloatArray:
-    """Rows x, y, heading_rad of a track: a robot looks the way it drove last."""
+    """Rows x, y, heading_rad of a track; a robot keeps the heading it drove last."""
     steps = np.diff(track[:, 1:], axis=0)
     headings_rad = np.zeros(len(track))
     last_rad = 0.0
@@ -77,13 +77,12 @@ def _with_headings(track: FloatArray) -> FloatArray:
 
 
 def _on_screen(track: FloatArray, screen: Screen) -> list[tuple[float, float, float]]:
-    """Rows t, x, y in pixels."""
     places = screen.points(track[:, 1:])
     return [(t, x, y) for t, (x, y) in zip(track[:, 0].tolist(), places.tolist(), strict=True)]
 
 
 def colour_of(i: int, count: int) -> str:
-    """The colour of a robot: hues as far apart as can be, two shades in turn."""
+    """Colour of a robot: hues as far apart as possible, two shades in turn."""
     value = (0.75, 0.55)[i % 2]
     r, g, b = colorsys.hsv_to_rgb(i / max(count, 1), 0.85, value)
     return f"#{round(255 * r):02x}{round(255 * g):02x}{round(255 * b):02x}"
@@ -144,7 +143,7 @@ def _animation(track: list[tuple[float, float, float]], makespan_s: float, film_
 def _legend(
     robots: Sequence[FleetRobot], plan: FleetPlan, left: float, film_s: float
 ) -> Iterator[str]:
-    """The names with their colours and arrivals, and how fast the film is."""
+    """The names with their colours and arrivals, and the film's speed."""
     y = MARGIN + 16.0
     faster = plan.makespan_s / (film_s * (1.0 - HOLD))
     yield f'<g id="legend" font-family="{FONT}" fill="#222">'

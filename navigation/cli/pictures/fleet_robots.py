@@ -1,12 +1,12 @@
 """The robots of ``clearway fleet``: a CSV or JSON file of names, places and radii.
 
 Rules and units
-- CSV has a first row with the names of the columns ``name, start_x, start_y, goal_x, goal_y,
-  radius``; JSON is a list of objects with these fields, or an object with that list as ``robots``.
-- ``name`` may be left out: the robots are then robot1, robot2 and so on. Lengths are in the
+- CSV has a header row with the columns ``name, start_x, start_y, goal_x, goal_y, radius``; JSON is
+  a list of objects with these fields, or an object with that list as ``robots``.
+- ``name`` may be omitted: the robots are then robot1, robot2 and so on. Lengths are in the
   source's units.
-- What is wrong is told with the file, the row and the column; the rows count from 1, in CSV as an
-  editor counts lines.
+- Errors name the file, the row and the column; rows count from 1, in CSV as an editor counts
+  lines.
 """
 
 from __future__ import annotations
@@ -25,12 +25,12 @@ COLUMNS = ("name", *NUMBERS)
 
 
 class RobotsError(ValueError):
-    """The robots' file is not as it must be; the message names file, row and column."""
+    """The robots' file is invalid; the message names file, row and column."""
 
 
 @dataclass(frozen=True, slots=True)
 class FleetRobot:
-    """A robot that is to go from a start to a goal."""
+    """A robot with its start and goal."""
 
     name: str
     start: tuple[float, float]
@@ -39,7 +39,7 @@ class FleetRobot:
 
 
 def load_robots(path: Path) -> list[FleetRobot]:
-    """The robots in a file; :class:`RobotsError` where it is not as it must be."""
+    """Robots in a file; :class:`RobotsError` if it is invalid."""
     try:
         text = path.read_text(encoding="utf-8-sig")
     except UnicodeDecodeError as error:

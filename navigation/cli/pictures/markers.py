@@ -1,4 +1,4 @@
-"""`clearway markers`: the markers in a picture, their corners, and where they lie."""
+"""`clearway markers`: the markers in a picture, their corners, and their places."""
 
 from __future__ import annotations
 
@@ -51,8 +51,8 @@ def command(
 ) -> int:
     """Find the markers in IMAGE: id, dictionary, corners, and with --calibration the pose.
 
-    Corners are pixels, x right, y down, pixel centres at integers, clockwise from the marker's
-    own top left one. The exit code is 3 where there is no marker.
+    Corners are pixels, x right, y down, pixel centres at integers, clockwise from the marker's own
+    top left one. The exit code is 3 if there is no marker.
     """
     if not math.isfinite(height_m):
         raise click.BadParameter(f"{height_m}: must be finite", param_hint="--height-m")
@@ -128,7 +128,7 @@ def _as_text(found: Sequence[Marker]) -> str:
 
 
 def _render(file: Path, picture: Image, found: Sequence[Marker]) -> None:
-    """The corners as a quadrilateral, its first side in another colour, and the id."""
+    """Draw the corners as a quadrilateral, its first side in another colour, and the id."""
     import cv2
     import numpy as np
 

@@ -95,8 +95,8 @@ def command(  # noqa: PLR0913 (an argument for each option of the command line)
 ) -> int:
     """Plan a path through SOURCE: a picture, a scene text, a ROS map's YAML or a MovingAI .map.
 
-    Coordinates are the source's own: pixels with y down for a picture, metres with y up for a
-    ROS map, cells for a .map. Exits 3 where there is no path, and says why.
+    Coordinates are the source's own: pixels with y down for a picture, metres with y up for a ROS
+    map, cells for a .map. Exits 3 if there is no path, and says why.
     """
     from navigation.cli.pictures.sources import compile_for, hold_points, load_source
 
@@ -137,7 +137,7 @@ def command(  # noqa: PLR0913 (an argument for each option of the command line)
         if render is not None:
             with long_work("drawing"):
                 timings_ms["render"] = _render(render, answer, roadmap, stations)
-    finally:  # the answer is there, whatever becomes of its picture
+    finally:  # give the answer, whatever becomes of its picture
         timings_ms["total"] = 1e3 * (time.perf_counter() - begin_s)
         _tell(answer, form, output)
     if answer.trajectory is None:
@@ -150,7 +150,7 @@ def command(  # noqa: PLR0913 (an argument for each option of the command line)
 def timed_roadmap(
     scene: Scene, radius: float, spacing: float | None
 ) -> tuple[Roadmap, dict[str, float]]:
-    """The roadmap, and the milliseconds that every stage took."""
+    """The roadmap, and the milliseconds of every stage."""
     from planner.roadmap.roadmap import build_roadmap
 
     timings_ms = dict(scene.timings_ms)
@@ -171,10 +171,10 @@ def timed_roadmap(
 def _smoothed(
     path: PlannedPath | NoPath, roadmap: Roadmap, need: float, prefer: str | float
 ) -> PlannedPath | NoPath:
-    """The path with rounded corners, where there is one.
+    """The path, if any, with rounded corners.
 
-    Who prefers clearance loses none of the path's least clearance by it; who prefers length
-    keeps what is needed only.
+    Preferring clearance keeps all of the path's least clearance; preferring length keeps only the
+    requirement.
     """
     from planner.motion.smooth import smooth_path
     from planner.path import NoPath
@@ -223,9 +223,9 @@ def _answer(
 
 
 def _tell(answer: PlanOutput, form: str, output: Path | None) -> None:
-    """The answer on standard output or in a file.
+    """Write the answer to standard output or a file.
 
-    Why there is no path is on standard error.
+    The reason for a missing path goes to standard error.
     """
     if form == "json":
         text = answer.as_json() + "\n"
@@ -238,7 +238,7 @@ def _tell(answer: PlanOutput, form: str, output: Path | None) -> None:
 def _render(
     file: Path, answer: PlanOutput, roadmap: Roadmap, stations: list[StationArgument]
 ) -> float:
-    """Draw the plan; the milliseconds that it took."""
+    """Draw the plan; return the milliseconds it took."""
     from navigation.draw import save_picture
 
     begin_s = time.perf_counter()

@@ -1,11 +1,11 @@
 """The answer of ``clearway plan``: as one JSON object (``clearway.plan/1``) and as text.
 
-Every field is always there, null where it does not apply. Lengths are in the scene's units,
-headings in radians in the scene's own sense, times in seconds, timings in milliseconds; the text
-has three significant digits in sentences, and headings in degrees as they are given.
-``bottleneck`` is the narrowest place: of the path where there is one, else of the widest way.
-``cost`` is what the planner chose a path by, its length and what narrow places add, before the
-corners were rounded; ``unrounded`` is the path's length and clearance then.
+Every field is always present, null if it does not apply. Lengths are in the scene's units, headings
+in radians in the scene's own sense, times in seconds, timings in milliseconds; the text has three
+significant digits in sentences, and headings in degrees as given. ``bottleneck`` is the narrowest
+place on the path, or on the widest route if there is none. ``cost`` is the planner's measure of a
+path, its length plus a penalty for narrow places, before the corners are rounded; ``unrounded`` is
+the path's length and clearance then.
 """
 
 from __future__ import annotations
@@ -48,10 +48,10 @@ NO_LIMITS = "neither pictures nor maps say what the robot can drive"
 
 @dataclass(frozen=True, slots=True)
 class PlanOutput:
-    """All that a plan has to say, ready to be written in either form.
+    """Everything about a plan, to be written in either form.
 
-    ``path`` has its corners rounded; ``planned`` is the same as the planner gave it. ``limits``
-    are those that the trajectory keeps.
+    ``path`` has its corners rounded; ``planned`` is the same path from the planner. The trajectory
+    keeps ``limits``.
     """
 
     scene: Scene
@@ -123,20 +123,20 @@ class PlanOutput:
         }
 
     def no_path_sentence(self) -> str:
-        """Why there is no path, for people; ``ValueError`` where there is one."""
+        """Reason why there is no path, for people; ``ValueError`` if there is one."""
         if isinstance(self.path, Path):
             raise ValueError("there is a path")
         radius = sized(self.robot_radius, self.scene.units)
         return f"no path for a robot of radius {radius}: {self.path.reason}"
 
     def stage_times_ms(self) -> dict[str, float]:
-        """The milliseconds of every stage that there was, in order."""
+        """Milliseconds of every stage that ran, in order."""
         return {name: self.timings_ms[name] for name in STAGES if name in self.timings_ms}
 
     def as_text(self, with_reason: bool = True) -> str:
-        """For people: the result first, then the waypoints, then how it came about.
+        """Text for people: the result first, then the waypoints, then how it came about.
 
-        ``with_reason`` False leaves out why there is no path, for whom reads that elsewhere.
+        ``with_reason`` False omits why there is no path, for readers who see that elsewhere.
         """
         return "\n".join(self._lines(with_reason)) + "\n"
 
@@ -191,7 +191,7 @@ class PlanOutput:
 
 
 def _cost_lines(planned: Path, path: Path, units: str) -> Iterator[str]:
-    """What the path was chosen by, and what rounding its corners has changed."""
+    """Yield the path's cost, and the changes made by rounding its corners."""
     if planned.cost is not None:
         extra = sized(max(planned.cost - planned.length, 0.0), units)
         length = sized(planned.length, units)

@@ -60,7 +60,7 @@ def command(
     resolution: float,
     render: Path | None,
 ) -> None:
-    """Build the roadmap of SOURCE and write it; the suffix of the output says the format."""
+    """Build the roadmap of SOURCE and write it; the output's suffix gives the format."""
     if spacing is not None and spacing >= 2.0 * radius:
         raise click.BadParameter(
             f"{spacing:g}: must be < 2 radius = {2.0 * radius:g}", param_hint="--spacing"

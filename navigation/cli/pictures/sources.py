@@ -1,9 +1,8 @@
 """From a SOURCE on the command line to a scene: a picture, a scene text, a ROS or MovingAI map.
 
-A file, or standard input, is judged by its content: what begins like a picture goes to
-``vision.extract``, anything else is read as ``planner.load_scene`` does. This is also where the
-pictures of ROS maps that are not PGM (map_saver can write PNG) are decoded, since the planner
-knows no OpenCV.
+A file, or standard input, is judged by its content: a picture's beginning sends it to
+``vision.extract``, anything else is read by ``planner.load_scene``. The pictures of ROS maps that
+are not PGM (map_saver can write PNG) are decoded here too, since the planner knows no OpenCV.
 """
 
 from __future__ import annotations
@@ -37,7 +36,7 @@ PICTURE_SUFFIXES = frozenset(
 
 
 def compile_for(source: Path) -> None:
-    """Compile, where it is missing, what planning on a SOURCE needs: the eye only for pictures."""
+    """Compile any missing kernels for planning on a SOURCE: the eye only for pictures."""
     if source == STANDARD_STREAM:
         begin = read_source(source)[:64]
     else:
@@ -48,7 +47,7 @@ def compile_for(source: Path) -> None:
 
 
 def read_source(path: Path) -> bytes:
-    """The bytes of a file, or of standard input; :class:`SceneError` where it cannot be read."""
+    """Bytes of a file, or of standard input; :class:`SceneError` if it cannot be read."""
     return _standard_input() if path == STANDARD_STREAM else read_bytes(path)
 
 
@@ -68,10 +67,10 @@ def load_source(
     binarising: Binarising = AS_USUAL,
     clock: Callable[[], float] = time.perf_counter,
 ) -> Scene:
-    """The scene of any SOURCE; ``timings_ms`` gains ``load``: reading and decoding.
+    """Scene of any SOURCE; ``timings_ms`` gains ``load``: reading and decoding.
 
-    Raises :class:`SceneError`, or a ValueError of ``vision``, naming the file; also where
-    something that is no picture is to be binarised by a method.
+    Raises :class:`SceneError`, or a ValueError of ``vision``, naming the file; also if a method is
+    given to binarise something that is not a picture.
     """
     begin_s = clock()
     data, file = read_source(path), named(path)
@@ -91,7 +90,7 @@ def load_source(
 def read_shades(path: Path) -> Shades:
     """A map's picture as shades in [0, 1] and a mask of its transparent pixels.
 
-    The cells are those of the file: map servers heed no EXIF orientation.
+    The cells are those of the file: map servers ignore its EXIF orientation.
     """
     image, doubts = _decode(read_bytes(path), path)
     if doubts:
@@ -108,9 +107,9 @@ def read_shades(path: Path) -> Shades:
 
 
 def hold_points(scene: Scene, points: list[tuple[float, float]], room: float) -> Scene:
-    """The scene with its derived bounds grown to hold the points with ``room`` around them.
+    """Grow the scene's derived bounds to hold the points with ``room`` around them.
 
-    Bounds that the source gave are the arena's walls and stay as they are.
+    Bounds given by the source are the arena's walls and stay.
     """
     b = scene.bounds
     if scene.bounds_given or all(b.contains(p) for p in points):
@@ -126,10 +125,10 @@ def hold_points(scene: Scene, points: list[tuple[float, float]], room: float) ->
 
 
 def decode_picture(data: bytes, path: Path) -> tuple[NDArray[Any], tuple[str, ...]]:
-    """A file's picture as it is shown, and remarks: grey, BGR or BGRA, 8 or 16 bits a channel.
+    """A file's picture as shown, and remarks: grey, BGR or BGRA, 8 or 16 bits a channel.
 
-    It is turned as its EXIF orientation asks, as viewers and ``cv2.imread`` do. Raises
-    :class:`SceneError`, naming the file, where ``data`` is no picture or a damaged one.
+    It is turned by its EXIF orientation, as in viewers and ``cv2.imread``. Raises
+    :class:`SceneError`, naming the file, if ``data`` is not a picture or is damaged.
     """
     from vision.camera.picture_turn import orientation, turned
 
@@ -141,7 +140,7 @@ def decode_picture(data: bytes, path: Path) -> tuple[NDArray[Any], tuple[str, ..
 
 
 def _decode(data: bytes, path: Path) -> tuple[NDArray[Any], tuple[str, ...]]:
-    """A file's picture as it is stored, and remarks."""
+    """A file's picture as stored, and remarks."""
     import cv2
 
     from navigation.cli.decoder_lines import caught_decoder_lines

@@ -25,10 +25,9 @@ from navigation.cli.voice import Voice
 def command(recording: Path, no_browser: bool, port: int) -> int:
     """Replay RECORDING (an MCAP file of `clearway run --record`) on the dashboard's page.
 
-    The page is the one of a run, of one robot or of several: picture, obstacles, roadmap, plans,
-    tracks and log as they were recorded, with play, pause, speed and a bar to jump anywhere.
-    Nothing there drives a robot.
-    Only this machine can open it. Ctrl-C ends it.
+    The page is a run's, for one robot or several: picture, obstacles, roadmap, plans, tracks and
+    log as recorded, with play, pause, speed and a bar to jump anywhere. Nothing there drives a
+    robot. Only this machine can open it. Ctrl-C ends it.
     """
     from navigation.cli.running.demo import browser_here, opening
     from navigation.config.dashboard import DashboardSection

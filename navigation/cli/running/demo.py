@@ -31,8 +31,8 @@ def command(once: bool, no_browser: bool, port: int) -> int:
     """Show a simulated arena: the robot drives, the dashboard opens in the browser.
 
     Camera, arena and robot are simulated; vision, planning, the serial link and the dashboard are
-    the real ones. Nothing is kept. Click in the arena to see
-    the way there, then press "Send the robot"; Ctrl-C ends it.
+    real. Nothing is kept. Click in the arena to see the path there, then press "Send the robot";
+    Ctrl-C ends it.
     """
     from navigation.cli.running.run import show, signals_heard
     from navigation.cli.setup.starter_values import demo_values
@@ -61,7 +61,7 @@ def command(once: bool, no_browser: bool, port: int) -> int:
 
 
 def browser_here(environment: Mapping[str, str]) -> Callable[[str], object] | None:
-    """What opens an address in a browser; None where no screen or no browser is there.
+    """Function that opens an address in a browser; None without a screen or browser.
 
     Over SSH a browser would open on the wrong machine, or in the terminal.
     """
@@ -84,7 +84,7 @@ def opening(
     def say_and_open(line: str) -> None:
         say(line)
         if browser is not None and line.startswith(ADDRESS):
-            # a browser that takes its time must not hold the run up
+            # a slow browser must not hold up the run
             address = line.removeprefix(ADDRESS).strip()
             threading.Thread(target=browser, args=(address,), daemon=True).start()
 

@@ -38,7 +38,7 @@ def _send(path: Path | None, form: str, request: dict[str, Any], robot: str | No
 
 
 def _stops(answer: dict[str, Any]) -> bool:
-    """True if a robot that was stopped is not known to stand yet."""
+    """True if a stopped robot is not known to be at rest yet."""
     from navigation.mission.mission import STOPPING
 
     told = [one for daemon in answer.get("daemons", [answer]) for one in _robots_of(daemon)]
@@ -64,7 +64,7 @@ def _print(answer: dict[str, Any], who: str) -> None:
 def _command(
     order: Order, callback: Callable[..., None], *, own: Sequence[click.Parameter] = ()
 ) -> click.Command:
-    """The command of an order, with arguments and options of its own and those of all orders."""
+    """Command of an order, with its own arguments and options and the common ones."""
     which = (
         "Which of several robots is meant."
         if order.for_one
@@ -110,7 +110,7 @@ def _stop(reason: str, robot: str | None, path: Path | None, form: str) -> None:
         _send(path, form, request, robot)
     except NoDaemonError:
         kept = _latch(path, reason, robot)
-        try:  # one that has begun to listen meanwhile has read the stops before this one
+        try:  # a daemon that has begun to listen meanwhile read the stops before this one
             _send(path, form, request, robot)
         except NoDaemonError:
             sentence = (
@@ -125,7 +125,7 @@ def _stop(reason: str, robot: str | None, path: Path | None, form: str) -> None:
 
 
 def _latch(path: Path | None, reason: str, robot: str | None) -> Path:
-    """Keep a stop for the next run, and name its file; ControlError where it cannot be kept."""
+    """Keep a stop for the next run, and name its file; ControlError if that fails."""
     from datetime import datetime
 
     from navigation.config.last_good import state_folder
@@ -146,7 +146,7 @@ def _latch(path: Path | None, reason: str, robot: str | None) -> Path:
 
 
 def _plain(order: Order) -> click.Command:
-    """An order without arguments."""
+    """Command of an order without arguments."""
 
     def callback(robot: str | None, path: Path | None, form: str) -> None:
         _send(path, form, {"order": order.name}, robot)

@@ -1,4 +1,4 @@
-"""`clearway replay`: vision and planner once more on a recording, and what differs."""
+"""`clearway replay`: vision and planner once more on a recording, and the differences."""
 
 from __future__ import annotations
 
@@ -53,9 +53,9 @@ def command(
 ) -> int:
     """Re-run vision and planning on recordings (FILES, of `clearway run --record`).
 
-    Pictures go through the same vision, requests through the same planner, with the recorded
-    configuration. Poses, scenes and plans are compared with the recorded ones; the options say
-    how far they may be apart. Exits 0 when all are equal, 1 when something differs.
+    Pictures and requests go through the same vision and planner, with the recorded configuration.
+    Poses, scenes and plans are compared with the recorded ones; the options set the tolerances.
+    Exits 0 when all are equal, 1 when something differs.
     """
     from navigation.recording.compare import Tolerances
     from navigation.recording.reader import read_recording

@@ -1,7 +1,7 @@
 """``clearway robot``: a simulated robot on a serial port or on a new pseudo-terminal.
 
-It runs until Ctrl-C, SIGTERM or SIGHUP, and takes its link away then. stdout gets the path to
-open as its first line, then a line whenever the robot's state changes.
+It runs until Ctrl-C, SIGTERM or SIGHUP, and then removes its link. stdout gets the path to open as
+its first line, then a line whenever the robot's state changes.
 """
 
 from __future__ import annotations
@@ -34,7 +34,7 @@ BY_SIGNAL = 128
 
 @contextmanager
 def _linked(link: Path, port: str) -> Iterator[None]:
-    """Put a symbolic link in place, over an old one but over nothing else, and take it away."""
+    """Make a symbolic link, over an old one but over nothing else, and remove it at the end."""
     link.parent.mkdir(parents=True, exist_ok=True)
     if link.is_symlink():
         link.unlink()
@@ -52,7 +52,7 @@ def _linked(link: Path, port: str) -> Iterator[None]:
 
 @contextmanager
 def _signals() -> Iterator[list[int]]:
-    """The numbers of the signals that asked for the end; a second one ends it at once."""
+    """Collect the signals that ask for the end; a second one ends at once."""
     came: list[int] = []
 
     def ask(number: int, _frame: object) -> None:
@@ -60,7 +60,7 @@ def _signals() -> Iterator[list[int]]:
             raise KeyboardInterrupt
         came.append(number)
 
-    # one that is ignored, as under nohup, stays so
+    # an ignored signal, as under nohup, stays ignored
     heard = [number for number in ENDED_BY if signal.getsignal(number) != signal.SIG_IGN]
     before = {number: signal.signal(number, ask) for number in heard}
     try:
@@ -167,13 +167,13 @@ def command(
                 click.echo(words)
             if told_in is not None:
                 told_in.write(*robot.pose())
-            # the robot lives in its own thread: this one only looks on
-            time.sleep(LOOK_S if told_in is None else TELL_S)  # the pace at which it reports
+            # the robot lives in its own thread: this one only watches
+            time.sleep(LOOK_S if told_in is None else TELL_S)  # the pace of its reports
     return BY_SIGNAL + ended[0]
 
 
 def news_of(robot: SimulatedRobot) -> tuple[tuple[object, ...], str]:
-    """What is worth a line when it changes, and the line."""
+    """Facts worth a line when they change, and the line."""
     at = _place(*robot.pose())
     if not isinstance(robot.twin, ClearwayTwin):
         words = "its wheels turn" if robot.moving else "its wheels are at rest"

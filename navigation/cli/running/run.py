@@ -67,11 +67,11 @@ def command(
 ) -> int:
     """Run the configuration CONFIG: see the arena, plan, and drive the robot.
 
-    Without --once the program keeps running after the mission until it is interrupted. A folder in
-    recording.runs_dir keeps the report and a picture of what happened. Exits 0 when the
-    mission was done, 3 when there was no path, 1 when it failed or was stopped; without
-    --once an interrupt is the ordinary end, and the code is 0. SIGHUP reads
-    CONFIG again: if the new file is valid, it is run; if not, all errors are reported.
+    Without --once the program keeps running after the mission until interrupted. A folder in
+    recording.runs_dir keeps the report and a picture of the run. Exits 0 when the mission was done,
+    3 when there was no path, 1 when it failed or was stopped; without --once an interrupt is the
+    ordinary end, with code 0. SIGHUP reads CONFIG again: a valid file is run; otherwise all errors
+    are reported.
     """
     from navigation.machine.descriptors import set_descriptor_limit
     from navigation.machine.logs import EventLog
@@ -86,7 +86,7 @@ def command(
         priorities="JOURNAL_STREAM" in os.environ,
     )
     loaded: Config | None = load_or_go_back(config, last_good, log)
-    # after the configuration: one that is refused need not wait a second for the kernels' compiler
+    # after the configuration: a refused one need not wait a second for the kernels' compiler
     from navigation.config.last_good import state_folder
     from navigation.config.several.each_robot import settled
     from navigation.journal.stop_latch import FOLDER
@@ -131,9 +131,10 @@ def command(
 
 
 def load_or_go_back(file: Path, last_good: bool, log: EventLog) -> Config:
-    """The configuration; with ``last_good`` the kept one where the file is broken, which is said.
+    """The configuration; if the file is broken and ``last_good`` is set, the kept one, with a
+    message.
 
-    A good one is kept for the next time. ``ConfigError`` says how to go back.
+    A good configuration is kept for the next time. ``ConfigError`` says how to go back.
     """
     from navigation.cli.setup.check import load_checked
     from navigation.config.errors import ConfigError
@@ -159,7 +160,7 @@ def load_or_go_back(file: Path, last_good: bool, log: EventLog) -> Config:
 
 
 def _desk(config: Path, reload: _Reload) -> Desk:
-    """Where the page changes the configuration of this run."""
+    """The desk for changing this run's configuration from the page."""
     from navigation.cli.setup.check import file_problems
     from navigation.cli.setup.devices import cameras_here, serial_ports
     from navigation.config.last_good import state_folder
@@ -181,8 +182,9 @@ def _desk(config: Path, reload: _Reload) -> Desk:
 
 
 class _Reload:
-    """What SIGHUP and the page's settings do: read the file, and end the run in order where it
-    says something new."""
+    """Action of SIGHUP and the page's settings: read the file, and end the run in order if it has
+    changed.
+    """
 
     def __init__(self, file: Path, present: Config, runner: Runner, log: EventLog) -> None:
         from navigation.run.reload import Reloader

@@ -72,10 +72,10 @@ def command(
 ) -> int:
     """Repeat the simulated configuration CONFIG in virtual time, as fast as the machine can.
 
-    Each run has another seed, another start nearby, other wheels and another camera's noise;
-    the same seed gives the same rows. Of several robots each has a row for each run, with its name
-    and the least gap between any two. A worker that dies is replaced. With `--no-pictures` the
-    camera's blur and light have no effect, and what only pictures show is refused. Exits 0 when
+    Each run has another seed, another start nearby, other wheels and another camera's noise; the
+    same seed gives the same rows. Several robots have a row each for every run, with the name and
+    the least gap between any two. A worker that dies is replaced. With `--no-pictures` the camera's
+    blur and light have no effect, and anything that only pictures show is refused. Exits 0 when
     every mission was done, 1 when some were not.
     """
     from rich.console import Console
@@ -132,13 +132,13 @@ def _refuse_what_only_pictures_show(path: Path, config: Config) -> None:
 def _executors(
     config: Config, scheduler: str | None, workers: int | None
 ) -> tuple[Callable[[], Executor], int]:
-    """What makes an executor, and how many workers it has."""
+    """Function that makes an executor, and its number of workers."""
     if scheduler is None:
         from navigation.run.kernels.warm_up import kernels_are_cold, warm_up
         from navigation.sweep.workers import local_executor
 
         count = workers or os.cpu_count() or 1
-        if kernels_are_cold():  # once here, and not in every worker at the same time
+        if kernels_are_cold():  # once here, not in every worker at the same time
             warm_up(config, lambda line: click.echo(line, err=True))
         return lambda: local_executor(count), count
     from navigation.sweep.workers import Cluster

@@ -97,13 +97,13 @@ def command(  # noqa: PLR0913 (an argument for each option of the command line)
 ) -> None:
     """Calibrate a camera from PICTURES of a board, or live, and place it above the arena.
 
-    With --live the views are taken by themselves: it shows which parts of the picture still want
-    the board and how to hold it, takes a view when it stands still, and ends when the lens is known
-    well enough.
+    With --live the views are taken automatically: it shows which parts of the picture still need
+    the board and how to hold it, takes a view when the board is at rest, and ends when the lens is
+    known well enough.
 
-    With --points or --floor-picture the result maps pixels to the arena's metres; without
-    them the lens alone is written, for --lens of a later call. Pictures and points that do not
-    fit are named and left out.
+    With --points or --floor-picture the result maps pixels to the arena's metres; without them only
+    the lens is written, for --lens of a later call. Pictures and points that do not fit are named
+    and left out.
     """
     if lens_file is not None and (pictures or live is not None):
         raise click.UsageError("--lens takes the place of pictures and of --live")
@@ -116,7 +116,7 @@ def command(  # noqa: PLR0913 (an argument for each option of the command line)
     from navigation.cli.calibrating.chosen_lens import lens_from_views
     from navigation.cli.calibrating.command import taken_live
 
-    # The calibration whose lens is taken may be the one that is made anew.
+    # The calibration whose lens is taken may be the one being made.
     read = (*pictures, points, floor_picture)
     keep_apart((("--output", output),), read)
     given_size = None if size is None else _pair(size, "--size")
@@ -174,7 +174,7 @@ def _pair(text: str, option: str) -> tuple[int, int]:
 
 
 def _read(path: Path) -> Image:
-    """The picture as its sensor saw it; ``CameraError`` where it is none, or a damaged one."""
+    """The picture as its sensor saw it; ``CameraError`` if there is none, or a damaged one."""
     from navigation.cli.decoder_lines import caught_decoder_lines
     from vision.camera.camera import CameraError
     from vision.camera.picture_turn import orientation
@@ -196,7 +196,7 @@ def _read(path: Path) -> Image:
 
 
 def _read_all(paths: tuple[Path, ...]) -> list[tuple[str, Image]]:
-    """The pictures named, and those of the folders named; damaged ones are told, left out."""
+    """The named pictures, and those in named folders; damaged ones are reported and left out."""
     from vision.camera.camera import CameraError
     from vision.camera.sources import PICTURE_SUFFIXES
 
@@ -218,7 +218,7 @@ def _read_all(paths: tuple[Path, ...]) -> list[tuple[str, Image]]:
 
 
 def _taken_from_pictures(pictures: tuple[Path, ...], spec: BoardSpec) -> list[BoardView]:
-    """The views of the board in these pictures; those that show none are named."""
+    """The board's views in these pictures; pictures without one are named."""
     from vision.calibrate.board import find_boards
 
     views, without = find_boards(_read_all(pictures), spec)
@@ -236,7 +236,7 @@ def _save_lens_alone(lens: Lens, output: Path) -> None:
 
 
 def _known_lens(path: Path) -> Lens:
-    """The lens of a calibration made before, for a camera that was moved."""
+    """The lens of an earlier calibration, for a camera that was moved."""
     import numpy as np
 
     from vision.calibrate.lens import Lens

@@ -1,4 +1,4 @@
-"""``clearway camera``: what a camera can do, what it really delivers, and how to set it."""
+"""``clearway camera``: a camera's abilities, its real pictures, and its best settings."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ MOST_SECONDS: Final = 3600.0
 
 
 class CameraCommandError(ValueError):
-    """The command cannot know which camera, or cannot write; the message says what to do."""
+    """The camera is unclear, or the output cannot be written; the message says what to do."""
 
 
 @click.command("camera")
@@ -59,8 +59,8 @@ def command(
     """Watch a camera, and say what it can do and what it delivers.
 
     SOURCE is a configuration (its camera, arena and robot count), or anything that camera.source
-    may be: a number, a device, an address, a file, a folder. Without it: the one camera that is
-    plugged in. Each line says ok, warn or fail, and how to fix it. Exits 1 where something fails.
+    may be: a number, a device, an address, a file, a folder. Without it: the one plugged-in camera.
+    Each line says ok, warn or fail, and how to fix it. Exits 1 if something fails.
     """
     if seconds > MOST_SECONDS:
         raise click.BadParameter(f"must be <= {MOST_SECONDS:g}", param_hint="--seconds")
@@ -76,7 +76,7 @@ def command(
     from navigation.machine.doctor import worst
 
     if write is not None:
-        read_source(write)  # so that nobody watches for what cannot be kept
+        read_source(write)  # no need to watch if the result cannot be kept
     config = None if file is None else load_checked(file)
     wanted = _wanted(config, source if file is None else None, size, rate)
     with long_work(f"opening {_without_password(wanted.source)}") as tell:
@@ -99,7 +99,7 @@ def command(
 
 
 def _configuration(source: str | None) -> Path | None:
-    """The configuration that a source is; None where it is a camera's."""
+    """The configuration that a source names; None if it is a camera's."""
     if source is None or Path(source).suffix.lower() not in (".yaml", ".yml"):
         return None
     return Path(source)
@@ -108,7 +108,6 @@ def _configuration(source: str | None) -> Path | None:
 def _wanted(
     config: Config | None, source: str | None, size: str | None, rate: float | None
 ) -> CameraSection:
-    """What to ask of which camera."""
     from navigation.config.sections import CameraSection
 
     changes: dict[str, Any] = {}
@@ -148,7 +147,7 @@ def _only_camera() -> str:
 
 
 def _stable(source: str | int) -> str | int:
-    """A device's name that survives replugging, where it has one."""
+    """A device's name that survives replugging, if it has one."""
     from navigation.cli.setup.devices import cameras_here
 
     path = f"/dev/video{source}" if isinstance(source, int) else source
@@ -171,7 +170,7 @@ def _show(judged: Judged, findings: list[Finding], section: dict[str, Any]) -> N
 
 
 def _table(judged: Judged) -> list[str]:
-    """What a device offers, its controls, and what was taken; empty of other sources."""
+    """Modes, controls and chosen mode of a device; empty for other sources."""
     from vision.camera.v4l2.modes import rate_text
 
     if judged.kind != "device":

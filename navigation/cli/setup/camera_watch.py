@@ -1,4 +1,4 @@
-"""Opens the camera that a configuration or a source names, and watches it for some seconds."""
+"""Opens a configuration's or a source's camera, and watches it for some seconds."""
 
 from __future__ import annotations
 
@@ -64,7 +64,7 @@ def watch(
     seconds: float,
     tell: Callable[[str], None] = lambda _: None,
 ) -> Judged:
-    """What a camera is and delivers over ``seconds``; raises ``CameraError`` where it fails."""
+    """Judge a camera over ``seconds``; raises ``CameraError`` if it fails."""
     calibration = None if config is None else calibration_of(config)
     watching = Watching(None if config is None else arena_mask(config))
     with opened_camera(wanted, config) as camera:
@@ -131,7 +131,7 @@ SIMULATED_NAME: Final = "simulated camera"
 
 
 def _abilities(camera: Camera) -> tuple[tuple[Mode, ...], tuple[Listed, ...], str]:
-    """What a device can do, and what was agreed on with it; nothing of other sources."""
+    """A device's modes and controls, and the agreed mode; nothing for other sources."""
     if not isinstance(camera, DeviceCamera) or camera.node is None or camera.mode is None:
         return (), (), ""
     agreed = camera.mode
@@ -145,7 +145,7 @@ def _abilities(camera: Camera) -> tuple[tuple[Mode, ...], tuple[Listed, ...], st
 
 
 def arena_px(config: Config) -> NDArray[np.float64]:
-    """The arena's border in the picture, (n, 2) pixels: its sides bend in a lens."""
+    """The arena's border in the picture, (n, 2) pixels: a lens bends its sides."""
     x0, y0, x1, y1 = config.arena.bounds_m
     corners = np.array([(x0, y0), (x1, y0), (x1, y1), (x0, y1)])
     shares = np.linspace(0.0, 1.0, 20, endpoint=False)[:, None]
@@ -154,7 +154,7 @@ def arena_px(config: Config) -> NDArray[np.float64]:
 
 
 def arena_mask(config: Config) -> Image:
-    """255 where the arena is in the calibration's picture, (h, w)."""
+    """255 in the arena's part of the calibration's picture, (h, w)."""
     width, height = calibration_of(config).size
     mask: Any = np.zeros((height, width), np.uint8)
     cv2.fillPoly(mask, [np.rint(arena_px(config)).astype(np.int32)], 255)

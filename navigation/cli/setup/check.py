@@ -1,4 +1,4 @@
-"""`clearway check`: whether a configuration can be used, with every error at its place."""
+"""`clearway check`: checks a configuration and reports every error at its place."""
 
 from __future__ import annotations
 
@@ -45,9 +45,9 @@ def command(config: Path) -> None:
 
 
 def load_checked(file: Path) -> Config:
-    """The configuration in a file; ``ConfigError`` too where a file that it names is wrong.
+    """Load a configuration; ``ConfigError`` also if a file that it names is wrong.
 
-    What is wrong in the files and in the configuration is told together, as far as the sections
+    Errors of the files and of the configuration are reported together, as far as the sections
     concerned are sound.
     """
     try:
@@ -69,7 +69,7 @@ def load_checked(file: Path) -> Config:
 
 
 def file_problems(config: Config) -> Iterator[tuple[Location, str]]:
-    """What is wrong with the files that a sound configuration names, and with what is in them."""
+    """Yield problems with the files that a sound configuration names, and their contents."""
     yield from _problems({name: getattr(config, name) for name in Config.model_fields})
 
 
@@ -79,7 +79,7 @@ def _located(sections: Mapping[str, Any], text: str) -> list[Problem]:
 
 
 def _missing_files(text: str, folder: Path) -> Iterator[Problem]:
-    """Files that are named and not there, whatever else of their sections is wrong."""
+    """Yield missing files, whatever else is wrong with their sections."""
     document = read_document(text)
     for where in FILES:
         value = document.data
@@ -98,7 +98,7 @@ def _missing_files(text: str, folder: Path) -> Iterator[Problem]:
 
 
 def _problems(sections: Mapping[str, Any]) -> Iterator[tuple[Location, str]]:
-    """Of the sections that there are those are checked for which everything needed is there."""
+    """Check each group of sections that is complete."""
     config = Config.model_construct(**sections)
     if {"arena", "camera", "cameras", "robot", "other_robots", "simulation"} <= sections.keys():
         yield from _calibration_problems(config)
@@ -108,7 +108,7 @@ def _problems(sections: Mapping[str, Any]) -> Iterator[tuple[Location, str]]:
 
 
 def _calibration_problems(config: Config) -> Iterator[tuple[Location, str]]:
-    """Of the camera, or of each of several and of what they see together."""
+    """Check the camera, or each of several and their common view."""
     if not config.cameras:
         calibration, found = _calibration(config)
         yield from found
@@ -129,7 +129,7 @@ def _calibration_problems(config: Config) -> Iterator[tuple[Location, str]]:
 
 
 def _calibration(config: Config) -> tuple[Calibration | None, list[tuple[Location, str]]]:
-    """A camera's calibration, and what is wrong with it by itself."""
+    """A camera's calibration, and its own problems."""
     from navigation.simulator.picture.pinhole import pinhole_of
     from vision.calibration.calibration import Calibration, CalibrationError
     from vision.calibration.calibration_file import load_calibration
@@ -162,7 +162,7 @@ def _calibration(config: Config) -> tuple[Calibration | None, list[tuple[Locatio
 def _cameras_see_the_arena(
     config: Config, calibrations: Sequence[Calibration]
 ) -> Iterator[tuple[Location, str]]:
-    """Each sees something of it, and what the robot is sent to is seen by one of them."""
+    """Check that each camera sees some of the arena, and at least one sees each station."""
     from planner.scene import Bounds
     from vision.calibration.calibration import CalibrationError
     from vision.joined.floor_plan import FloorPlan
@@ -266,7 +266,7 @@ def _simulation_problems(config: Config) -> Iterator[tuple[Location, str]]:
 
 
 def _wheels_start(config: Config) -> Iterator[tuple[Location, str]]:
-    """A simulated wheel that no pulse sets turning never comes to its target."""
+    """A simulated wheel that no pulse starts never reaches its target."""
     assert config.simulation is not None
     robot, wheels = config.robot, config.simulation.robot
     starts_m_s = wheels.dead_zone_m_s * (1.0 + wheels.stiction)
@@ -281,7 +281,7 @@ def _wheels_start(config: Config) -> Iterator[tuple[Location, str]]:
 
 
 def summary(config: Config) -> Iterator[tuple[str, str]]:
-    """What a configuration says, in a line for each part."""
+    """Yield the parts of a configuration, a line each."""
     x0, y0, x1, y1 = config.arena.bounds_m
     camera, robot, mission = config.camera, config.robot, config.mission
     width, height = camera.size_px
@@ -316,7 +316,6 @@ def _who_stops_it(known: KnownRobot) -> str:
 
 
 def _in_short(config: Config) -> str:
-    """One of several robots in a line."""
     robot, count = config.robot, len(config.mission.stations)
     return (
         f"marker {robot.marker_id}, radius {robot.radius_m:g} m, up to {robot.speed_m_s:g} m/s, "
@@ -325,13 +324,13 @@ def _in_short(config: Config) -> str:
 
 
 def _line_of(config: Config) -> str:
-    """Its port, and its driver where that is not our firmware."""
+    """Its port, and its driver if that is not our firmware."""
     driver, port = config.robot.driver, config.serial.port
     return port if driver == CLEARWAY else f"{driver} on {port}"
 
 
 def _places_of_each(config: Config, arena: SimulatedArena) -> Iterator[tuple[Location, str]]:
-    """Starts and stations of several robots that are not free."""
+    """Yield starts and stations of several robots that are not free."""
     assert config.simulation is not None
     places: list[tuple[Location, str, Place]] = [
         (("simulation", "starts", i), one.name, one)

@@ -25,7 +25,7 @@ def command(form: str) -> None:
 
 
 def serial_ports() -> list[dict[str, str]]:
-    """Each port's stable path (or its device where it has none), device and description."""
+    """Each port's stable path (or its device if it has none), device and description."""
     import glob
     import os
 

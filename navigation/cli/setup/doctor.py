@@ -1,4 +1,4 @@
-"""`clearway doctor`: whether this machine can do the run, and a bundle for a report of a fault."""
+"""`clearway doctor`: checks a machine's fitness for a run, and makes a bundle for fault reports."""
 
 from __future__ import annotations
 
@@ -43,8 +43,8 @@ WAKEUPS_SEEN_S: Final = 1.0
 def command(config: Path | None, form: str, bundle: Path | None) -> int:
     """Look at permissions, camera, serial port, cache, kernels, clock, disk and packages.
 
-    With a configuration CONFIG its camera, port and folders are looked at, else what is plugged
-    in. Each line says ok, warn or fail, and how to fix it. Exits 1 where something fails.
+    With a configuration CONFIG its camera, port and folders are checked, otherwise the plugged-in
+    devices. Each line says ok, warn or fail, and how to fix it. Exits 1 if something fails.
     """
     from navigation.machine.doctor import worst
 
@@ -65,7 +65,7 @@ def command(config: Path | None, form: str, bundle: Path | None) -> int:
 
 
 def show_finding(finding: Finding) -> None:
-    """One line, and a second with its cure where it is not well."""
+    """Print a finding, and its remedy on a second line."""
     status = click.style(f"{finding.status:<4}", fg=COLOURS[finding.status])
     click.echo(hide(f"{status}  {finding.name:<14}{finding.sentence}"))
     if finding.cure:
@@ -73,7 +73,7 @@ def show_finding(finding: Finding) -> None:
 
 
 def machine_findings() -> Iterator[Finding]:
-    """What holds for every configuration."""
+    """Yield findings that apply to every configuration."""
     import planner  # chooses the kernels' folder
     from navigation.config.last_good import state_folder
     from navigation.control import default_socket
@@ -97,7 +97,7 @@ def machine_findings() -> Iterator[Finding]:
 
 
 def configuration_findings(file: Path | None) -> tuple[list[Finding], Config | None]:
-    """What holds for this configuration, or for what is plugged in where there is none."""
+    """Findings for this configuration, or for the plugged-in devices if there is none."""
     from navigation.cli.setup.check import load_checked
     from navigation.config.errors import ConfigError
     from navigation.machine import doctor
@@ -123,7 +123,7 @@ def configuration_findings(file: Path | None) -> tuple[list[Finding], Config | N
 
 
 def _plugged_in() -> Iterator[Finding]:
-    """All cameras and serial ports, and a warning for each that this user may not open."""
+    """Yield all cameras and serial ports, and a warning for each that this user may not open."""
     from dataclasses import replace
 
     from navigation.cli.setup.devices import cameras_here, serial_ports
@@ -151,7 +151,6 @@ def _plugged_in() -> Iterator[Finding]:
 
 
 def _camera(config: Config) -> Iterator[Finding]:
-    """Each camera's device, and what its pictures are like."""
     from dataclasses import replace
 
     from navigation.config.several.each_camera import each_camera
@@ -181,7 +180,7 @@ def _one_camera(config: Config) -> Iterator[Finding]:
 
 
 def _pictures(config: Config) -> Iterator[Finding]:
-    """Whether pictures come, and what about them may disappoint a run."""
+    """Check that pictures come, and warn of properties that may disappoint a run."""
     from dataclasses import replace
 
     from navigation.cli.setup.camera_watch import watch
@@ -205,7 +204,7 @@ def _pictures(config: Config) -> Iterator[Finding]:
 
 
 def _port(config: Config) -> Iterator[Finding]:
-    """Each robot's line, and who else takes such ports."""
+    """Check each robot's line, and other programs that take such ports."""
     from dataclasses import replace
 
     from navigation.config.several.each_robot import robots_of
@@ -220,7 +219,7 @@ def _port(config: Config) -> Iterator[Finding]:
 
 
 def _one_port(config: Config) -> Iterator[Finding]:
-    """Its device; with our own firmware it is not opened, since that resets some robots."""
+    """Check the device; with our own firmware without opening it, since that resets some robots."""
     from navigation.config.known_robots import CLEARWAY
     from navigation.config.sections import SIMULATED
     from navigation.machine import doctor
@@ -236,7 +235,7 @@ def _one_port(config: Config) -> Iterator[Finding]:
 
 
 def _device_of(config: Config) -> Path | None:
-    """The device of the robot's line; None where it is simulated, or an address."""
+    """The device of the robot's line; None if it is simulated, or an address."""
     from navigation.config.sections import SIMULATED
     from navigation.link.serial_port import is_address
 
@@ -245,7 +244,7 @@ def _device_of(config: Config) -> Path | None:
 
 
 def _robot(config: Config) -> Finding:
-    """Who answers on the port; it is greeted, which stops it, and not driven."""
+    """Check which robot answers; a greeting stops it, and it is not driven."""
     from navigation.link.drivers.recognise import recognise
     from navigation.link.serial_port import PortError
     from navigation.machine.doctor import Finding
@@ -271,7 +270,7 @@ def _free_bytes(folder: Path) -> int:
 
 
 def _latest_wakeup_s() -> float:
-    """How late a thread was woken at worst, looked at for a second."""
+    """Worst delay of a thread's wake-up within a second."""
     from navigation.run.devices.wakeups import Wakeups
 
     wakeups = Wakeups(time.monotonic)
@@ -282,7 +281,7 @@ def _latest_wakeup_s() -> float:
 
 
 def _is_synchronised() -> bool | None:
-    """Whether the clock follows a time server; None where nobody here knows."""
+    """True if the clock follows a time server; None if unknown."""
     program = shutil.which("timedatectl")
     if program is None:
         return None

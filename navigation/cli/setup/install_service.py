@@ -68,7 +68,6 @@ def _user_folder() -> Path:
 
 
 def _rule(port: str) -> str | None:
-    """The udev rule for the port's adapter, where there is one."""
     from navigation.config.sections import SIMULATED
     from navigation.machine.service import adapter_of, udev_text
 
@@ -91,7 +90,7 @@ def _write(file: Path, text: str) -> None:
 
 
 def _verify(unit: Path) -> None:
-    """What systemd itself says of the unit, where it is here to ask."""
+    """Report systemd's own opinion of the unit, if it is available."""
     program = shutil.which("systemd-analyze")
     if program is None:
         return

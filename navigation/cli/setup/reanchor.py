@@ -1,4 +1,4 @@
-"""``clearway reanchor``: the place of a camera that was moved, from the floor markers alone."""
+"""``clearway reanchor``: the place of a moved camera, from the floor markers alone."""
 
 from __future__ import annotations
 
@@ -26,13 +26,13 @@ PATIENCE_S: Final = 5.0
 )
 @click.option("--camera", "name", help="Which of several cameras.")
 def command(config: Path | None, source: str | None, path: Path | None, name: str | None) -> None:
-    """Place a camera that was moved anew, by the floor markers of arena.floor_markers.
+    """Place a moved camera again, by the floor markers of arena.floor_markers.
 
     Without CONFIG the running daemon does it by its newest picture, and begins again with the new
     calibration. With CONFIG its camera is opened, or SOURCE: a picture, a folder, anything that
-    camera.source may be; `systemctl reload` or SIGHUP has a running daemon take the file over.
+    camera.source may be; `systemctl reload` or SIGHUP makes a running daemon use the file.
 
-    The lens is kept. The file camera.calibration is written whole, and the one before is kept
+    The lens is kept. The file camera.calibration is written whole, and the previous one is kept
     beside it.
     """
     if config is None:
@@ -60,7 +60,7 @@ def _ask_the_daemon(path: Path | None, name: str | None) -> None:
 
 
 def _pictures(config: Config, source: str | None) -> list[Image]:
-    """The newest pictures of the camera, or of the source that is given in its place."""
+    """The newest pictures of the camera, or of the source given instead."""
     import time
 
     from navigation.run.devices.device_settings import device_settings

@@ -1,4 +1,4 @@
-"""The values of a first configuration: an arena, a robot, a mission, as large as the robot needs.
+"""Values of a first configuration: an arena, a robot, a mission, in the robot's size.
 
 The demo's arena fits our own small robot; for another one it grows or shrinks with the body.
 Metres, degrees.
@@ -79,7 +79,7 @@ def real_values(robot: str = CLEARWAY) -> dict[str, Any]:
 
 
 def robot_values(robot: str) -> dict[str, Any]:
-    """The section `robot`: the true dimensions, and limits that leave the robot something."""
+    """The section `robot`: the true dimensions, and limits with a reserve."""
     if robot == CLEARWAY:
         return dict(_OWN)
     known = KNOWN_ROBOTS[robot]
@@ -111,7 +111,7 @@ def planning_values(robot: str) -> dict[str, Any]:
 
 
 def _grown(robot: str) -> float:
-    """How many times as large as our own robot."""
+    """Size relative to our own robot."""
     return 1.0 if robot == CLEARWAY else KNOWN_ROBOTS[robot].radius_m * ROOMY / OWN_RADIUS_M
 
 
@@ -120,12 +120,12 @@ def _arena(grown: float) -> dict[str, Any]:
 
 
 def _scaled(text: str, grown: float) -> str:
-    """Every length with a decimal point in a scene's text, larger."""
+    """A scene's text with every length with a decimal point scaled."""
     if grown == 1.0:
         return text
     return re.sub(r"\d+\.\d+", lambda number: f"{float(number[0]) * grown:.4f}", text)
 
 
 def _size(value: float) -> float:
-    """To the millimetre."""
+    """Round to the millimetre."""
     return round(value, 3)

@@ -1,12 +1,12 @@
 """The configuration as a form: each key's meaning, limits and present value, from its schema.
 
 Rules
-- Numbers, switches, choices, lists of numbers, and the plugged-in devices chosen as camera and
-  robot's port can be changed. Everything else is only shown, with the reason: a file's name, an
-  address or a command opens things that the page's user may not open.
-- Each of several robots is its own section, with its differences from ``robot`` and ``serial``.
-  Its name is only shown, since missions and starts use it. Robots are listed in the file.
-- ``safety`` and ``dashboard`` are only shown: a user of the page decides neither on the robot's
+- Numbers, switches, choices, lists of numbers, and the plugged-in camera and port can be changed.
+  The rest is only shown, with the reason: a file's name, an address or a command opens things
+  that the page's user may not open.
+- Each of several robots is a section with its differences from ``robot`` and ``serial``. Its name
+  is only shown, since missions and starts use it. Robots are listed in the file.
+- ``safety`` and ``dashboard`` are only shown: the page's users decide neither on the robot's
   protection nor on who else may come.
 - Typed text is read by YAML's core schema, so a form and a file mean the same.
 """
@@ -113,7 +113,7 @@ def form_keys(text: str, cameras: Sequence[str] = (), ports: Sequence[str] = ())
 
 
 def form(text: str, keys: Sequence[Key]) -> list[dict[str, Any]]:
-    """Return the form's sections for a configuration's text, as JSON data.
+    """Sections of the form for a configuration's text, as JSON data.
 
     A key's ``value`` is shown in its field, "" if the text lacks it; ``default`` then applies.
     Secret values are never shown.
@@ -135,7 +135,7 @@ def form(text: str, keys: Sequence[Key]) -> list[dict[str, Any]]:
 
 
 def _default_of(key: Key, data: Any) -> Any:
-    """Return the value without the key: for one of several robots, the value common to all."""
+    """Value without the key: for one of several robots, the value common to all."""
     if key.entry is None:
         return key.schema.get("default")
     own = str(key.where[-1])
@@ -193,7 +193,6 @@ def _keys(
 
 
 def _section_of(schema: Mapping[str, Any]) -> str | None:
-    """Return the name of the section that a schema is, None for a value."""
     ways = [schema, *schema.get("anyOf", ())]
     found = next((way["$ref"] for way in ways if "$ref" in way), None)
     return None if found is None else str(found).rsplit("/", 1)[-1]
@@ -216,7 +215,7 @@ def _key(where: Location, whole: Mapping[str, Any], devices: Mapping[str, Sequen
 def _kind(
     where: Location, ways: Sequence[Mapping[str, Any]], schema: Mapping[str, Any]
 ) -> tuple[str, str]:
-    """Return the kind of field, and why it is only shown."""
+    """Kind of field, and why it is only shown."""
     types = {way.get("type") for way in ways}
     if types == {"boolean"}:
         return "flag", ""

@@ -3,8 +3,8 @@
 Rules
 - A value is written as JSON, a part of YAML; words have no quotes where YAML allows it.
 - ``None`` removes a key, so that its default applies again.
-- The result is read again and compared with the intended data. A text that this editor cannot
-  change rightly (anchors, block scalars, lists on their own lines) is refused, never spoilt.
+- The result is read again and compared with the intended data. A text that cannot be changed
+  rightly (anchors, block scalars, lists on their own lines) is refused, never spoilt.
 """
 
 from __future__ import annotations
@@ -29,7 +29,7 @@ class EditError(ValueError):
 
 
 def with_values(text: str, changes: Mapping[Location, Any]) -> str:
-    """Return the text with these values at their keys; ``EditError`` if that cannot be done.
+    """Text with these values at their keys; ``EditError`` if that cannot be done.
 
     ``text`` is sound YAML whose root is a mapping; values are plain data, None for "no key". A
     number in a place is that of an existing entry, from 0.
@@ -104,7 +104,7 @@ def _entry(node: yaml.MappingNode, key: str) -> tuple[yaml.Node, yaml.Node] | No
 
 
 def _end_of(node: yaml.Node) -> int:
-    """Return the end of a node's own text; PyYAML extends a block past the comments behind it."""
+    """End of a node's own text; PyYAML extends a block past the comments behind it."""
     if not isinstance(node, yaml.CollectionNode) or node.flow_style or not node.value:
         return int(node.end_mark.index)
     last = node.value[-1]
@@ -137,7 +137,6 @@ def _replaced(text: str, name: yaml.Node, held: yaml.Node, value: Any) -> str:
 
 
 def _added(text: str, node: yaml.MappingNode, where: Location, value: Any) -> str:
-    """Add a key at the end of a mapping."""
     if node.flow_style:
         inside = node.end_mark.index - 1
         comma = ", " if node.value else ""
@@ -217,7 +216,7 @@ def _is_same(got: Any, wanted: Any) -> bool:
 
 
 def present_value(data: Any, where: Location) -> Any:
-    """Return the data's value at a key; None if absent."""
+    """Value in the data at a key; None if absent."""
     for key in where:
         if isinstance(key, int):
             data = data[key] if isinstance(data, list) and key < len(data) else None

@@ -2,10 +2,10 @@
 
 Rules
 - Readable YAML is searched node by node: plain, quoted, folded, literal, in flow style, on the
-  next line, by an anchor. The same words elsewhere in the text, and comments that mention a
-  secret, are left out too.
-- Unreadable text is searched line by line, and too much is left out rather than too little: from
-  a secret key to the end of its line, and any line below that is indented deeper or alone.
+  next line, by an anchor. The same words elsewhere, and comments that mention a secret, are left
+  out too.
+- Unreadable text is searched line by line, and rather too much is left out: from a secret key to
+  the end of its line, and lines below that are indented deeper or hold the value alone.
 """
 
 from __future__ import annotations
@@ -40,7 +40,7 @@ MOST_WORDS: Final = 50
 
 
 def secrets_in_source(text: str) -> set[str]:
-    """Return the secret values of a configuration's text, sound or not."""
+    """Secret values of a configuration's text, sound or not."""
     root = _root(text)
     if root is None:
         spans = list(_line_by_line(text))
@@ -56,7 +56,7 @@ def secrets_in_source(text: str) -> set[str]:
 
 
 def secrets_in_environment(environment: Mapping[str, str]) -> set[str]:
-    """Return the secret values of the variables that override a configuration."""
+    """Secret values of the variables that override a configuration."""
     found: set[str] = set()
     for name, value in environment.items():
         if name.startswith("CLEARWAY_"):
@@ -67,7 +67,7 @@ def secrets_in_environment(environment: Mapping[str, str]) -> set[str]:
 
 
 def secret_spans(text: str) -> list[tuple[int, int]]:
-    """Return the places of secrets in the text, in order and without overlap."""
+    """Places of secrets in the text, in order and without overlap."""
     root = _root(text)
     spans = [] if root is None else list(_node_spans(root))
     if root is None:
@@ -91,12 +91,12 @@ def masked(text: str, more: Iterable[tuple[int, int]] = ()) -> str:
 
 
 def without_secrets(text: str, more: Iterable[tuple[int, int]] = ()) -> str:
-    """Return a configuration's text without its secrets and the ``more`` places."""
+    """Text of a configuration without its secrets and the ``more`` places."""
     return _without(text, _merged([*secret_spans(text), *more]))
 
 
 def log_without_secrets(text: str) -> str:
-    """Return a log or report without learned secrets and values beside secret keys."""
+    """A log or report without learned secrets and values beside secret keys."""
     return _without(text, _merged([*_line_by_line(text), *known().spans(text)]))
 
 

@@ -3,12 +3,11 @@
 Rules
 - `learn` gets the secrets of any configuration this process reads, sound or broken. From then on
   `hide` leaves them out of every sentence, log, page message, report and recording, in each form:
-  as they are, percent-encoded, escaped as in JSON.
-- The user's part of any address, every value in its query (with a name or without one) and its
-  fragment are left out too, learned or not; so is anything that looks like a key in a query
-  without its address.
-- A value of fewer than ``LEAST_LENGTH`` characters is left out only in addresses and beside its
-  key: elsewhere it would take half the words of every sentence with it.
+  plain, percent-encoded, escaped as in JSON.
+- An address's user part, every value in its query (named or not) and its fragment are left out
+  too, learned or not; so is anything like a key in a query without its address.
+- A value under ``LEAST_LENGTH`` characters is left out only in addresses and beside its key:
+  elsewhere it would take half the words of every sentence with it.
 """
 
 from __future__ import annotations
@@ -66,7 +65,7 @@ class Redactor:
         self._pattern = re.compile("|".join(forms)) if forms else None
 
     def text(self, text: str) -> str:
-        """Return the text without its secrets."""
+        """The text without its secrets."""
         if self._pattern is not None:
             text = self._pattern.sub(HIDDEN, text)
         if "://" in text:
@@ -76,7 +75,7 @@ class Redactor:
         return _QUERY.sub(rf"\1{HIDDEN}", text) if "=" in text else text
 
     def plain(self, value: Any) -> Any:
-        """Return plain JSON data with the secrets left out of every text."""
+        """Plain JSON data with the secrets left out of every text."""
         if isinstance(value, str):
             return self.text(value)
         if isinstance(value, dict):
@@ -114,7 +113,7 @@ def is_secret_key(key: str) -> bool:
 
 
 def _without_values(address: re.Match[str]) -> str:
-    """Return an address with only the names in its query: any value may be a key."""
+    """An address with only the names in its query: any value may be a key."""
     query, shown, end = address[2], address[1], 0
     for start, stop in _values_in(query, 0, len(query)):
         shown, end = shown + query[end:start] + HIDDEN, stop
@@ -130,7 +129,7 @@ def _values_in(text: str, start: int, stop: int) -> Iterator[tuple[int, int]]:
 
 
 def _any_form(secret: str) -> str:
-    """Return a pattern for the secret in any encoding, chosen for each character."""
+    """A pattern for the secret in any encoding, chosen for each character."""
     basic = base64.b64encode(secret.encode()).decode()
     if len(secret) > LONGEST_IN_EVERY_FORM:
         return re.escape(secret)
@@ -192,15 +191,15 @@ def learn(secrets: Iterable[str]) -> None:
 
 
 def known() -> Redactor:
-    """Return the filter of everything learned so far."""
+    """Filter of everything learned so far."""
     return _known
 
 
 def hide(text: str) -> str:
-    """Return the text without any learned secret."""
+    """The text without any learned secret."""
     return _known.text(text)
 
 
 def hide_in(value: Any) -> Any:
-    """Return plain data without any learned secret."""
+    """Plain data without any learned secret."""
     return _known.plain(value)

@@ -55,9 +55,7 @@ def found_in(
 
 
 def without_overridden(schema: dict[str, Any]) -> dict[str, Any]:
-    """Return a configuration's JSON Schema in which cameras that each name a source need no
-    default.
-    """
+    """JSON Schema of a configuration in which cameras that each name a source need no default."""
     camera = schema["$defs"]["CameraSection"]
     own_source = {"required": ["source"], "properties": {"source": {"type": ["integer", "string"]}}}
     one = {"required": ["camera"], "properties": {"camera": {"required": ["source"]}}}

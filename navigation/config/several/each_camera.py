@@ -8,7 +8,7 @@ from navigation.config.values import with_own
 
 
 def camera_of(camera: CameraSection, entry: CameraEntry) -> CameraSection:
-    """Return ``camera`` with the differences of one of several cameras.
+    """``camera`` with the differences of one of several cameras.
 
     A camera with its own calibration has no scale, whatever ``camera`` says.
     """
@@ -17,7 +17,7 @@ def camera_of(camera: CameraSection, entry: CameraEntry) -> CameraSection:
 
 
 def each_camera(config: Config) -> dict[str, Config]:
-    """Return each camera's configuration as if it were alone, by name.
+    """Each camera's configuration as if it were alone, by name.
 
     Empty if the configuration names one camera only, in the section ``camera``.
     """

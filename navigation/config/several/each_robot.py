@@ -7,17 +7,17 @@ from navigation.config.values import with_own
 
 
 def robot_of(robot: RobotSection, entry: RobotEntry) -> RobotSection:
-    """Return ``robot`` with the differences of one of several robots."""
+    """``robot`` with the differences of one of several robots."""
     return with_own(robot, entry)
 
 
 def serial_of(serial: SerialSection, entry: RobotEntry) -> SerialSection:
-    """Return ``serial`` with the differences of one of several robots."""
+    """``serial`` with the differences of one of several robots."""
     return with_own(serial, entry)
 
 
 def each_robot(config: Config) -> dict[str, Config]:
-    """Return each robot's configuration as if it were alone, by name.
+    """Each robot's configuration as if it were alone, by name.
 
     Empty if the configuration names one robot only, in the section ``robot``.
     """
@@ -25,7 +25,7 @@ def each_robot(config: Config) -> dict[str, Config]:
 
 
 def robots_of(config: Config) -> dict[str, Config]:
-    """Return each driven robot's configuration by name; a single robot has no name."""
+    """Each driven robot's configuration by name; a single robot has no name."""
     return each_robot(config) or {"": config}
 
 
@@ -57,7 +57,7 @@ def _alone(config: Config, index: int, entry: RobotEntry) -> Config:
 
 
 def settled(config: Config) -> Config:
-    """Return the configuration itself, or for a list with a single robot that robot's own.
+    """The configuration itself, or for a list with a single robot that robot's own.
 
     One robot is driven as one robot, however it is written.
     """

@@ -1,8 +1,8 @@
 """Access to the dashboard: host names, origins and tokens. Opens nothing.
 
 Rules
-- The Host must be an address or a name of this machine: a foreign page whose name was pointed
-  at this machine (DNS rebinding) is refused with 400.
+- The Host must be an address or a name of this machine: a foreign page whose name points here
+  (DNS rebinding) is refused with 400.
 - The Origin, if a browser sends one, must be the Host itself: else 403.
 - If a token is configured, everything but the page's own files and /healthz needs one.
 - Otherwise the program has its own token: without it one may look, not stop or drive.

@@ -1,15 +1,13 @@
 """The page's listening socket: no client keeps descriptors or the event loop from others.
 
-uvicorn accepts from it as from any other socket; the wrapped application (`watched`) reports the
-state of each connection. Rules
+uvicorn accepts from it as from any other socket; the wrapped application (`watched`) reports each
+connection's state. Rules
 - Every connection has a place (`places.py`).
 - A request has ``REQUEST_WITHIN_S`` from its first byte (the first one from the connection's
   beginning) to the end of its answer, and a connection may be idle for that time.
-- A round of the loop reads ``BYTES_A_ROUND`` from a viewer: thousands of tiny frames at once hold
-  no one else up.
-- A viewer's bytes become messages. Bytes that do not (pings, pongs, a message that is never
-  complete) are limited to one message's size and ``STRAY_BYTES_S`` a second; beyond that the
-  connection is cut.
+- A round of the loop reads ``BYTES_A_ROUND`` from a viewer: a thousand tiny frames hold no one up.
+- A viewer's bytes become messages. Others (pings, pongs, a message that is never complete) are
+  limited to one message's size and ``STRAY_BYTES_S`` a second, or the connection is cut.
 
 Units: seconds, bytes.
 """

@@ -1,12 +1,11 @@
-"""Connections to the page's port, their deadlines, and which one is cut for a new one. Opens
-nothing.
+"""Connections to the page's port, their deadlines, and the one to cut for another. Opens nothing.
 
 Rules
 - A connection is cut if it has not sent a whole request, or taken its answer, in time; a closing
   one has a moment to take the last words.
 - If all places, or all of one address's share, are taken, a new connection replaces the oldest
-  that is not a viewer; a request sent at once is read before that happens. Viewers, whose number the
-  hub limits, are never cut for a connection.
+  that is not a viewer; a request sent at once is read before that happens. Viewers, limited by the
+  hub, are never cut for a connection.
 
 Seconds of the caller's clock.
 """

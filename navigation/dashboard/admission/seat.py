@@ -3,8 +3,8 @@
 Rules
 - The first to ask takes a free seat; releasing leaves it.
 - A holder loses it after ``idle_s`` without acting, or when away for longer than a page takes to
-  be loaded again (``LEFT_S``) or a lost connection to come back (``AWAY_S``).
-- Time is passed in. Holders are distinguished by a key that only their page knows; others see its
+  reload (``LEFT_S``) or a lost connection to come back (``AWAY_S``).
+- Time is passed in. A key that only the holder's page knows identifies the holder; others see its
   ``public`` half.
 """
 

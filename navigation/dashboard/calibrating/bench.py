@@ -3,8 +3,8 @@
 Rules
 - While the camera is lent the robot holds, whatever the orders; STOP works as always, and the run
   keeps looking.
-- It calibrates a Brown lens of one camera. Anything else is refused, naming the command for it.
-- Only an explicit save writes; a cancel, an error and the end of the run write nothing.
+- It calibrates one camera's Brown lens. Anything else is refused, naming the command for it.
+- Only a save writes; a cancel, an error and the end of the run write nothing.
 - The views are taken in a separate thread; any thread may call every method.
 """
 

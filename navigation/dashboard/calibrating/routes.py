@@ -68,7 +68,6 @@ class _Calibration:
         return await self._visits.change(request, lambda body: self._bench.start(board_of(body)))
 
     async def save(self, request: Request) -> Response:
-        """Save the found lens and use it."""
         return await self._visits.change(request, lambda _body: self._bench.save())
 
     async def cancel(self, request: Request) -> Response:

@@ -2,7 +2,7 @@
 
 Rules
 - Anyone who may look at the page may look at these, with the same token.
-- One listing is made at a time, and serves requests within `FRESH_S`.
+- One listing is made at a time, and serves equal requests within `FRESH_S`.
 - An answer has at most `PIECE_BYTES` of a file (``Range: bytes=FIRST-LAST``), so that a slow line
   keeps little in memory and no connection for long; larger files are fetched in pieces.
 - The disk is read in worker threads.

@@ -1,7 +1,7 @@
 """Earlier runs: the list, the files of each, and the way from a name to a file.
 
 Rules
-- A run is a folder in ``recording.runs_dir`` named by a time, as a run makes it; its files are those
+- A run is a folder in ``recording.runs_dir`` named by a time, as a run makes it, with the files
   of `RUN_FILES`. A recording is an MCAP file with a recording's name. Nothing else is seen.
 - A recording belongs to the last run that began before it.
 - Links do not count as files or folders: nothing leads out of the two folders.

@@ -1,8 +1,8 @@
 """The camera's own picture for viewers, with the markers and borders found in it.
 
-Nothing is warped: this is the camera's view, with the obstacles' borders and the arena where the
-program believes them to be, which shows a wrong calibration. Pixels of the sent picture, x right, y
-down, as float32. Works in any thread; a frame is never changed.
+Nothing is warped: the obstacles' borders and the arena are where the program believes them to be in
+the camera's view, which shows a wrong calibration. Pixels of the sent picture, x right, y down, as
+float32. Works in any thread; a frame is never changed.
 """
 
 from __future__ import annotations

@@ -94,7 +94,7 @@ class Chronicle:
             self._drive((state.pose.captured_s, state.pose.x, state.pose.y))
 
     def sample(self, state: RobotSnapshot, camera: CameraStatus) -> None:
-        """Add a row to the charts every ``SAMPLE_EVERY_S``, with the slowest wire since the last."""
+        """Add a charts' row every ``SAMPLE_EVERY_S``, with the slowest wire since the last."""
         wire_s = state.times.wire_s
         if wire_s is not None and wire_s != self._wire_s:
             self._slowest_wire_s = max(wire_s, self._slowest_wire_s or 0.0)

@@ -2,10 +2,10 @@
 
 Rules and units
 - The picture is warped onto the arena's floor, so that metres are pixels times one number: lens and
-  perspective are gone, and the page's drawings lie in place. Things above the floor lean outwards,
-  as they do for the camera.
+  perspective are gone, and the page's drawings lie in place. Things with a height lean outwards,
+  as for the camera.
 - ``window`` is the shown part of the floor: the arena with a rim. x right, y up.
-- Works in any thread, away from the control loop; a frame is never changed.
+- Works in any thread; a frame is never changed.
 """
 
 from __future__ import annotations

@@ -52,7 +52,7 @@ class ReplayHub(Hub):
         super().look(now_s)
 
     def steer(self, message: Mapping[str, Any]) -> str | None:
-        """``{"do": "play"|"pause"|"seek"|"speed", "value": N}``; None, or the reason for refusing."""
+        """``{"do": "play"|"pause"|"seek"|"speed", "value": N}``; None, or the reason to refuse."""
         now_s, player = self.clock(), self._player
         value = finite_number(message.get("value"))
         match message.get("do"):

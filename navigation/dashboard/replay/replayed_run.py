@@ -1,8 +1,8 @@
 """A recording at the player's moment, as a daemon would publish it; it takes no orders.
 
 Rules
-- Capture times, which pages turn into ages, are moved to the present so that each age is as it was
-  then; ``RunState.time_s`` is seconds from the recording's beginning.
+- Capture times are moved to the present, so that pages show each age as it was then;
+  ``RunState.time_s`` is seconds from the recording's beginning.
 - Unrecorded data is None, never made up. A robot's marker is shown at its pose on the floor.
 - Roadmaps are rebuilt from the recorded scenes in a separate thread; the newest few are kept.
 """

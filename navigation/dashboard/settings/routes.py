@@ -45,7 +45,6 @@ class _Settings:
         return self._kept
 
     async def show(self, request: Request) -> Response:
-        """Return the form."""
         return await self._visits.read(request, lambda: self._desk.show())
 
     async def check(self, request: Request) -> Response:
@@ -55,13 +54,11 @@ class _Settings:
         )
 
     async def save(self, request: Request) -> Response:
-        """Save to the file and reload."""
         return await self._visits.change(
             request, lambda body: self._desk.save(_changes(body), str(body.get("base")))
         )
 
     async def undo(self, request: Request) -> Response:
-        """Undo the last change."""
         return await self._visits.change(request, lambda _body: self._desk.undo())
 
 

@@ -1,4 +1,4 @@
-"""How near edges come to the borders, for many edges at once."""
+"""Distances of many edges from the borders, and near pairs of places."""
 
 # mypy: allow-untyped-defs
 
@@ -13,7 +13,7 @@ from planner.scene.compile_options import OWNING
 
 @njit(**OWNING)
 def edge_clearances(tree, places, edges):
-    """The least distance of each edge (m, 2) between two of the places (n, 2) to any border."""
+    """Least distance of each edge (m, 2) between two of the places (n, 2) to any border."""
     found = np.empty(edges.shape[0])
     line = np.empty((2, 2))
     for e in range(edges.shape[0]):
@@ -25,9 +25,9 @@ def edge_clearances(tree, places, edges):
 
 @njit(**OWNING)
 def near_pairs(places, reach):
-    """All pairs of places (k, 2), the lower number first, that are within ``reach``.
+    """All pairs of places (k, 2) within ``reach``, the lower number first.
 
-    By a sweep over x, for which the places are sorted here.
+    By a sweep over x, after sorting the places.
     """
     order = np.argsort(places[:, 0])
     count = 0

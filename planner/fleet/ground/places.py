@@ -1,13 +1,12 @@
-"""The graph that several robots share: the roadmap's chains, each robot's own path, places beside.
+"""The graph that several robots share: roadmap chains, each robot's own path, places beside.
 
 Rules and units
-- The chains of the roadmap for the smallest robot give all ways, niches and dead ends included;
-  each robot's own path from its start to its goal joins them, so that starts and goals may be
-  anywhere in free space; a lattice of places beside them is where robots pass each other.
-- Lines are cut where robots can stand, a radius of the smallest robot apart at most, and
-  places within reach of each other are joined by straight edges.
-- The clearance of every edge is measured on the whole edge, exactly: a robot drives along edges
-  that are as wide as it needs, and no others.
+- The roadmap's chains for the smallest robot give all ways, niches and dead ends included; each
+  robot's own path joins them, from and to any free place; robots pass each other on a lattice of
+  places beside them.
+- Lines are cut into places at most a radius of the smallest robot apart; straight edges join places
+  within reach of each other.
+- Clearances are exact for whole edges: a robot uses only edges as wide as it needs.
 """
 
 from __future__ import annotations
@@ -43,7 +42,7 @@ SAME = 1e-6
 class Places:
     """Places (n, 2), edges (m, 2) in both directions, the clearance of each (m,).
 
-    ``starts``, ``goals`` and ``junctions``, where chains of the roadmap meet, are node numbers.
+    ``starts``, ``goals`` and ``junctions`` of the roadmap's chains are node numbers.
     """
 
     places: FloatArray
@@ -64,7 +63,7 @@ def lay_places(
     radii: Sequence[float],
     check: Callable[[], None] = lambda: None,
 ) -> Places:
-    """The shared graph; ``paths`` are polylines from each robot's start to its goal.
+    """Build the shared graph; ``paths`` are polylines from each robot's start to its goal.
 
     ``check`` is called before each piece of work, and may raise :class:`OutOfTime`.
     """
@@ -101,7 +100,7 @@ def lay_places(
 def with_paths(
     roadmap: Roadmap, base: Places, paths: Sequence[FloatArray], radii: Sequence[float]
 ) -> Places:
-    """The shared graph with a few more polylines, cut and joined to what is near, far sooner.
+    """Add a few more polylines, cut and joined to near places: far faster than a new graph.
 
     ``starts`` and ``goals`` are the ends of these polylines. ``base`` does not change.
     """
@@ -126,7 +125,7 @@ def with_paths(
 def _wide(
     roadmap: Roadmap, places: FloatArray, pairs: NDArray[np.int64], radius: float
 ) -> tuple[NDArray[np.int64], FloatArray]:
-    """The pairs of places whose straight edges are as wide as the radius, and their clearance."""
+    """Pairs of places with straight edges as wide as the radius, and their clearance."""
     clearance = edge_clearances(roadmap.borders.tree, places, pairs)
     used, where = np.unique(pairs, return_inverse=True)
     inside = roadmap.clearance(places[used])[where.reshape(pairs.shape)]
@@ -136,7 +135,7 @@ def _wide(
 
 
 class _Gather:
-    """Places with their numbers, each once."""
+    """Numbered places, each once."""
 
     def __init__(self, same: float) -> None:
         self.same = same
@@ -145,7 +144,7 @@ class _Gather:
         self._numbers: dict[tuple[int, int], int] = {}
 
     def number(self, x: float, y: float) -> int:
-        """The number of a place, a new one where none is the same."""
+        """Number of a place, a new one if it is unknown."""
         key = round(x / self.same), round(y / self.same)
         if key not in self._numbers:
             self._numbers[key] = len(self.places)
@@ -153,7 +152,7 @@ class _Gather:
         return self._numbers[key]
 
     def line(self, points: FloatArray) -> tuple[int, int]:
-        """Add a polyline with its edges; the numbers of its ends."""
+        """Add a polyline; return the numbers of its ends."""
         numbers = [self.number(x, y) for x, y in points.tolist()]
         for a, b in pairwise(numbers):
             if a != b:
@@ -161,7 +160,7 @@ class _Gather:
         return numbers[0], numbers[-1]
 
     def add_beside(self, points: FloatArray, apart: float, check: Callable[[], None]) -> None:
-        """Add the points that are not near to a place that is there already."""
+        """Add the points that are not near to an existing place."""
         known = np.array(self.places)
         for x, y in points.tolist():
             check()
@@ -170,7 +169,7 @@ class _Gather:
 
 
 def _cut(line: FloatArray, step: float) -> FloatArray:
-    """The polyline with points no further apart than a step."""
+    """The polyline with points at most a step apart."""
     points = [line[:1]]
     for a, b in pairwise(line):
         parts = max(math.ceil(math.dist(a, b) / step), 1)
@@ -181,7 +180,7 @@ def _cut(line: FloatArray, step: float) -> FloatArray:
 
 
 def _straightened(roadmap: Roadmap, line: FloatArray, keep: float, step: float) -> FloatArray:
-    """Fewer points of a polyline, where the chords are as wide and no longer than a step."""
+    """Drop points of a polyline where chords are as wide and at most a step long."""
     kept, last = [0], len(line) - 1
     while kept[-1] < last:
         end = kept[-1] + 1
@@ -197,7 +196,7 @@ def _straightened(roadmap: Roadmap, line: FloatArray, keep: float, step: float) 
 def _lattice(
     roadmap: Roadmap, paths: Sequence[FloatArray], smallest: float, spacing: float
 ) -> FloatArray:
-    """Places in rows, every other one shifted by half, as wide as the smallest robot needs."""
+    """Places in rows, alternate rows shifted by half, as wide as the smallest robot needs."""
     b = roadmap.scene.bounds  # type: ignore[attr-defined]
     ys = np.arange(b.y_min + smallest, b.y_max - smallest, math.sqrt(0.75) * spacing)
     xs = np.arange(b.x_min + smallest, b.x_max - smallest, spacing)
@@ -212,7 +211,7 @@ def _lattice(
 
 
 def _nearest(points: FloatArray, to: FloatArray) -> NDArray[np.int64]:
-    """The numbers of the points that are nearest to some of the places of the paths."""
+    """Numbers of the points nearest to a sample of places on the paths."""
     distance = np.full(len(points), np.inf)
     for x, y in to[:: -(-len(to) // ASKED_MOST)].tolist():
         np.minimum(distance, np.hypot(points[:, 0] - x, points[:, 1] - y), out=distance)

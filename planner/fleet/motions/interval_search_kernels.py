@@ -2,13 +2,12 @@
 
 Rules and units
 - A graph in compressed rows: the edges of node n are ``starts[n]`` to ``starts[n + 1]``, each with
-  its end ``to`` and the time ``lasts`` that this robot takes; places (n, 2).
-- Others are rows of ``moves`` (m, 7): x, y, vx, vy, begin, lasts, gap; where they stand, with
-  velocity zero. The gap is the least distance of both centres.
-- A state is a node and one of its safe intervals, the times at which nobody comes too near. Of
-  two arrivals within one interval the earlier can do all that the later can, so that the first
-  one found is the best (Phillips and Likhachev, "SIPP: Safe interval path planning for
-  dynamic environments", ICRA 2011).
+  its end ``to`` and this robot's time ``lasts``; places (n, 2).
+- Others are rows of ``moves`` (m, 7): x, y, vx, vy, begin, lasts, gap; velocity zero while at rest.
+  The gap is the least distance of both centres.
+- A state is a node and one of its safe intervals, when no other comes too near. The earlier of two
+  arrivals within one interval can do all that the later can, so the first found is the best
+  (Phillips and Likhachev, "SIPP: Safe interval path planning for dynamic environments", ICRA 2011).
 """
 
 # mypy: allow-untyped-defs
@@ -33,7 +32,7 @@ KERNEL: dict[str, Any] = {**OWNING, "error_model": "numpy"}
 
 
 class Graph(NamedTuple):
-    """Where one robot can go: places, edges in compressed rows, and times to the goal."""
+    """A robot's graph: places, edges in compressed rows, and times to the goal."""
 
     places: np.ndarray
     starts: np.ndarray
@@ -42,7 +41,7 @@ class Graph(NamedTuple):
 
 
 class Others(NamedTuple):
-    """The moves of the others, the box of each, and room for intervals in time."""
+    """Moves of the others, the box of each, and space for intervals in time."""
 
     moves: np.ndarray
     boxes: np.ndarray
@@ -50,7 +49,7 @@ class Others(NamedTuple):
 
 
 class States(NamedTuple):
-    """Of each state: its interval, arrival, departure from its parent, node, whether done."""
+    """Per state: interval, arrival, departure from its parent, node, done."""
 
     begin: np.ndarray
     end: np.ndarray
@@ -63,7 +62,7 @@ class States(NamedTuple):
 
 @njit(**LEAF)
 def _boxes(moves, boxes):
-    """The box of each move, grown by its gap: x0, y0, x1, y1."""
+    """Box of each move, grown by its gap: x0, y0, x1, y1."""
     for m in range(moves.shape[0]):
         reach = moves[m, LASTS] if moves[m, VX] != 0.0 or moves[m, VY] != 0.0 else 0.0
         ex, ey = moves[m, X] + reach * moves[m, VX], moves[m, Y] + reach * moves[m, VY]
@@ -75,7 +74,7 @@ def _boxes(moves, boxes):
 
 @njit(**LEAF)
 def _insert(found, count, begin, end):
-    """Put an interval in its place by begin, joined with those that it meets; the new count."""
+    """Insert an interval by begin, merged with any it meets; return the new count."""
     k = count
     while k > 0 and found[k - 1, 0] > begin:
         k -= 1
@@ -100,7 +99,7 @@ def _insert(found, count, begin, end):
 
 @njit(**LEAF)
 def unsafe_times(x, y, moves, boxes, found):
-    """When somebody comes too near to a place: sorted disjoint intervals; how many."""
+    """Times when others come too near to a place: sorted disjoint intervals; their number."""
     count = 0
     for m in range(moves.shape[0]):
         box = boxes[m]
@@ -117,7 +116,7 @@ def unsafe_times(x, y, moves, boxes, found):
 
 @njit(**LEAF)
 def forbidden_departures(x, y, vx, vy, lasts, moves, boxes, found):
-    """When this motion must not begin: sorted disjoint intervals; how many."""
+    """Times when this motion must not begin: sorted disjoint intervals; their number."""
     ex, ey = x + lasts * vx, y + lasts * vy
     x0, x1 = min(x, ex), max(x, ex)
     y0, y1 = min(y, ey), max(y, ey)
@@ -137,7 +136,7 @@ def forbidden_departures(x, y, vx, vy, lasts, moves, boxes, found):
 
 @njit(**LEAF)
 def _earliest(found, count, least, most):
-    """The earliest time from ``least`` to ``most`` that is not forbidden; HORIZON if none."""
+    """Earliest time from ``least`` to ``most`` that is not forbidden; HORIZON if none."""
     at = least
     for k in range(count):
         if found[k, 0] < at < found[k, 1]:
@@ -147,7 +146,7 @@ def _earliest(found, count, least, most):
 
 @njit(**KERNEL)
 def times_to(goal, count, edges, lasts):
-    """The least time from each of ``count`` nodes to the goal alone, HORIZON where there is none.
+    """Least time from each of ``count`` nodes to the goal alone, HORIZON if unreachable.
 
     ``edges`` (m, 2) from and to, ``lasts`` (m,).
     """
@@ -179,7 +178,7 @@ def times_to(goal, count, edges, lasts):
 
 @njit(**KERNEL)
 def _with_room(states, needed):
-    """The states with room for so many, twice as many where they have to move."""
+    """Make room for ``needed`` states, doubling the arrays if they must move."""
     if needed <= states.arrival.size:
         return states
     more = max(needed, states.arrival.size)
@@ -196,7 +195,7 @@ def _with_room(states, needed):
 
 @njit(**KERNEL)
 def _open_node(node, x, y, others, span, states):
-    """Make the node's states, its safe intervals; ``span`` (n + 1, 2) first state and how many.
+    """Make the node's states, its safe intervals; ``span`` (n + 1, 2) is first state and number.
 
     The last row of ``span`` counts all states. Returns the states, which may have moved.
     """
@@ -220,7 +219,7 @@ def _open_node(node, x, y, others, span, states):
 
 @njit(**LEAF)
 def _is_useful(now, lasts, first, count, states):
-    """Whether an edge can bring any of the states at its end forward."""
+    """True if an edge can improve any state at its end."""
     arrival = states.arrival[now] + lasts
     for j in range(first, first + count):
         if (
@@ -235,7 +234,7 @@ def _is_useful(now, lasts, first, count, states):
 
 @njit(**KERNEL)
 def _go_along(now, edge, graph, others, span, states, heap, ahead):
-    """Bring the states at the end of an edge forward; ``ahead`` (time to go, latest arrival)."""
+    """Improve the states at the end of an edge; ``ahead`` (time to go, latest arrival)."""
     here, there, lasts = states.node[now], graph.to[edge], graph.lasts[edge]
     first, count = span[there, 0], span[there, 1]
     if not _is_useful(now, lasts, first, count, states):
@@ -258,13 +257,13 @@ def _go_along(now, edge, graph, others, span, states, heap, ahead):
         arrival = at + lasts
         if arrival < states.arrival[j] and arrival + ahead[0] <= ahead[1]:
             states.arrival[j], states.parent[j], states.left[j] = arrival, now, at
-            # of equally good states the one nearer to the goal first
+            # among equally good states the one nearer to the goal first
             heappush(heap, (arrival + ahead[0], ahead[0], j))
 
 
 @njit(**KERNEL)
 def _next_state(heap, states):
-    """The best state that is not done, done from now on; -1 if there is none."""
+    """Mark the best open state done and return it; -1 if there is none."""
     while len(heap) > 0:
         _, _, j = heappop(heap)
         if not states.done[j]:
@@ -275,7 +274,7 @@ def _next_state(heap, states):
 
 @njit(**KERNEL)
 def _trace(last, states):
-    """The way that ends in a state: nodes, arrivals, departures."""
+    """Way that ends in a state: nodes, arrivals, departures."""
     length, j = 0, last
     while j >= 0:
         length += 1
@@ -295,9 +294,9 @@ def find_way(graph, to_goal, start, goal, moves, latest):
     """The way with the earliest arrival at the goal, to stay there for ever.
 
     It begins at time zero. ``to_goal`` (n,) is the time to the goal alone, ``latest`` the latest
-    arrival that is of use. Returns (nodes (k,), arrivals (k,), departures (k - 1,)), empty where
-    there is no such way; an edge is left at its departure, and till then the robot stands.
-    The states are finite, of each node one more than the moves at most, and each is done once.
+    useful arrival. Returns (nodes (k,), arrivals (k,), departures (k - 1,)), empty if there is no
+    such way; the robot rests at a node until its departure. Each node has at most one state more
+    than the moves, and each is done once.
     """
     nodes = graph.places.shape[0]
     boxes = np.empty((moves.shape[0], 4))
@@ -335,7 +334,7 @@ def find_way(graph, to_goal, start, goal, moves, latest):
 
 @njit(**KERNEL)
 def moves_along(places, way, arrivals, departures, radius):
-    """The rows of ``moves`` of a robot on its way; its radius stands where the gap will."""
+    """Rows of ``moves`` of a robot on its way, with its radius in place of the gap."""
     length = way.shape[0]
     rows = np.empty((2 * length, 7))
     used = 0
@@ -355,7 +354,7 @@ def moves_along(places, way, arrivals, departures, radius):
 
 @njit(**KERNEL)
 def do_touch(rows, others, gap):
-    """Whether two robots' moves (m, 7), each sorted by time, ever come nearer than the gap."""
+    """True if two robots' moves (m, 7), each sorted by time, ever come nearer than the gap."""
     i, j = 0, 0
     while i < rows.shape[0] and j < others.shape[0]:
         a, b = rows[i], others[j]

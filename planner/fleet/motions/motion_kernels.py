@@ -1,11 +1,11 @@
-"""When two discs on straight lines touch, in closed form.
+"""Contact times of two discs on straight lines, in closed form.
 
 Rules and units
-- A motion starts at (x, y) at its start time, has the velocity (vx, vy) and lasts ``lasts``; a disc
-  that stands has velocity zero. Lengths in the graph's units, times in its units at unit speed.
+- A motion starts at (x, y) at its start time with velocity (vx, vy) and lasts ``lasts``; a disc at
+  rest has velocity zero. Lengths are in the graph's units, times in its units at unit speed.
 - ``gap`` is the least distance of the centres, the sum of both radii.
-- The delays of one motion after the other at which they come nearer than the gap are one open
-  interval: nearness is convex in both times, and so is what remains of it on one axis.
+- The delays between two motions at which they come nearer than the gap are one open interval:
+  nearness is convex in both times, and so is its projection on one axis.
 """
 
 # mypy: allow-untyped-defs
@@ -25,9 +25,9 @@ INSTANT = 1e-9
 
 @njit(**LEAF)
 def near_times(x, y, vx, vy, lasts, gap):
-    """When within [0, lasts] a moving point is nearer to the origin than ``gap``: (from, to).
+    """Times within [0, lasts] when a moving point is nearer to the origin than ``gap``: (from, to).
 
-    (NEVER, -NEVER) where it never is. Standing ones are near always or never.
+    (NEVER, -NEVER) if it never is. Points at rest are near always or never.
     """
     a = vx * vx + vy * vy
     b = x * vx + y * vy
@@ -38,7 +38,7 @@ def near_times(x, y, vx, vy, lasts, gap):
     if inner <= 0.0:
         return NEVER, -NEVER
     root = math.sqrt(inner)
-    # the root that does not cancel first, the other by their product
+    # first the root without cancellation, the other by their product
     q = -(b + math.copysign(root, b))
     one, other = q / a, c / q if q != 0.0 else 0.0
     begin, end = max(min(one, other), 0.0), min(max(one, other), lasts)
@@ -49,17 +49,17 @@ def near_times(x, y, vx, vy, lasts, gap):
 def forbidden_delays(x, y, first, second, gap):
     """Delays of the first motion after the second at which they come too near: (from, to).
 
-    (x, y) leads from the second motion's start to the first's; ``first`` and ``second`` are
-    (vx, vy, lasts) each. (NEVER, -NEVER) where no delay is forbidden.
+    The vector (x, y) leads from the second motion's start to the first's; both motions are (vx, vy,
+    lasts). (NEVER, -NEVER) if no delay is forbidden.
 
-    Nearness in the plane (s, t) of the times since each start is |p + s v - t w| < gap, a convex
+    In the plane (s, t) of the times since each start, nearness is |p + s v - t w| < gap, a convex
     set; within the box [0, lasts1] x [0, lasts2] the delay t - s is extreme where the box's sides
-    cut it, or where its own outline is touched inside the box.
+    cut it, or where its own outline is touched inside.
     """
     vx, vy, lasts1 = first
     wx, wy, lasts2 = second
     low, high = NEVER, -NEVER
-    # the first at a fixed time s, at its start and end: the second moves past a standing disc
+    # the first at a fixed time s, at its start and end: the second moves past a disc at rest
     for s in (0.0, lasts1):
         begin, end = near_times(x + s * vx, y + s * vy, -wx, -wy, lasts2, gap)
         if begin <= end:
@@ -75,8 +75,8 @@ def forbidden_delays(x, y, first, second, gap):
 def _touched_inside(x, y, first, second, gap, low, high):
     """The interval widened by extremes of t - s inside the box.
 
-    There the gradient of the squared distance is along (-1, 1): with d = p + s v - t w, both
-    2 d.v = -k and -2 d.w = k, so d.(v - w) = 0, and |d| = gap.
+    There the gradient of the squared distance is along (-1, 1). With d = p + s v - t w, 2 d.v = -k
+    and -2 d.w = k, so d.(v - w) = 0, and |d| = gap.
     """
     vx, vy, lasts1 = first
     wx, wy, lasts2 = second
@@ -97,9 +97,9 @@ def _touched_inside(x, y, first, second, gap, low, high):
 
 @njit(**LEAF)
 def do_steps_touch(first, second, gap):
-    """Whether two discs that begin together, each (x, y, vx, vy, lasts), come nearer than the gap.
+    """True if two discs that begin together, each (x, y, vx, vy, lasts), come nearer than the gap.
 
-    Each stands at its end once it has arrived; to touch for an instant is allowed.
+    Each rests at its end after arrival; touching for an instant is allowed.
     """
     ax, ay, avx, avy, a_lasts = first
     bx, by, bvx, bvy, b_lasts = second

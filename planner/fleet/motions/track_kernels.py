@@ -1,10 +1,10 @@
-"""Two robots' tracks: how near they come, and which of their pieces share a place.
+"""Two robots' tracks: their least distance, and the pieces that share a place.
 
 Rules and units
-- A track is (k, 3) of t, x, y with k >= 1, t >= 0 and never falling; the robot stands at the last
+- A track is (k, 3) of t, x, y with k >= 1, t >= 0 and never falling; the robot stays at the last
   place for ever.
-- Nothing is sampled: on the times between two rows of either track both move straight and evenly,
-  and their distance is least where the derivative of its square is zero.
+- Nothing is sampled: between two rows of either track both robots move straight and evenly, with
+  the least distance where the derivative of its square is zero.
 """
 
 # mypy: allow-untyped-defs
@@ -22,7 +22,7 @@ from planner.scene.compile_options import LEAF, OWNING
 
 @njit(**LEAF)
 def _place_at(track, row, t):
-    """The place at a time within the piece that begins with a row."""
+    """Place at a time within the piece that begins with a row."""
     if row + 1 >= track.shape[0] or track[row + 1, 0] <= track[row, 0]:
         return track[row, 1], track[row, 2]
     share = (t - track[row, 0]) / (track[row + 1, 0] - track[row, 0])
@@ -35,7 +35,7 @@ def _place_at(track, row, t):
 
 @njit(**LEAF)
 def least_distance(one, other):
-    """The least distance of two robots' centres at any time, and when: (distance, time)."""
+    """Least distance of two robots' centres at any time, and when: (distance, time)."""
     best, when = math.inf, 0.0
     i, j = 0, 0
     t = 0.0
@@ -72,7 +72,7 @@ def least_distance(one, other):
 
 @njit(**LEAF)
 def _motion(track, k):
-    """A piece of a track as ``forbidden_delays`` takes it: (vx, vy, lasts)."""
+    """A piece of a track for ``forbidden_delays``: (vx, vy, lasts)."""
     lasts = track[k + 1, 0] - track[k, 0]
     if lasts <= 0.0:
         return 0.0, 0.0, 0.0
@@ -83,7 +83,7 @@ def _motion(track, k):
 
 @njit(**LEAF)
 def _are_apart(one, k, other, m, gap):
-    """Whether the boxes of two pieces are further apart than the gap."""
+    """True if the boxes of two pieces are further apart than the gap."""
     for c in range(1, 3):
         low, high = min(one[k, c], one[k + 1, c]), max(one[k, c], one[k + 1, c])
         if min(other[m, c], other[m + 1, c]) - high >= gap:
@@ -95,13 +95,12 @@ def _are_apart(one, k, other, m, gap):
 
 @njit(**LEAF)
 def find_order(one, other, gap, wait_for, waits_for):
-    """Who passes shared places first, of two tracks with two rows or more that never touch.
+    """Find the order at shared places of two tracks, two rows or more each, that never touch.
 
-    For each piece of ``other`` from its row m, ``wait_for[m]`` becomes the row of ``one`` that must
-    have been passed before, -1 where none must; ``waits_for`` the same the other way round.
-    The delays at which two pieces would touch are one interval, and the plan's own delay lies on
-    one side of it: that is who is first. Where two pieces in a row share a place that is near to
-    the same piece, both are on the same side, so that nobody waits where it is in the way.
+    For each piece of ``other`` from row m, ``wait_for[m]`` becomes the row of ``one`` to be passed
+    before, -1 if none; ``waits_for`` is the reverse. The delays at which two pieces would touch are
+    one interval; the side of the plan's own delay decides the order. Consecutive pieces near the
+    same piece are on the same side, so no robot waits in the way.
     """
     wait_for[:] = -1
     waits_for[:] = -1
@@ -124,7 +123,7 @@ def find_order(one, other, gap, wait_for, waits_for):
 
 @njit(**OWNING)
 def nearest_pair(flat, first, radii):
-    """The pair of tracks that keeps the least beyond its radii: (margin, i, j, time).
+    """Pair of tracks with the least distance beyond its radii: (margin, i, j, time).
 
     Track i is rows ``first[i]`` to ``first[i + 1]`` of ``flat``.
     """
@@ -141,7 +140,7 @@ def nearest_pair(flat, first, radii):
 
 @njit(**OWNING)
 def order_of_pair(one, other, gap):
-    """As ``find_order``, with arrays of its own: (wait_for (m - 1,), waits_for (k - 1,))."""
+    """Allocate and run ``find_order``: (wait_for (m - 1,), waits_for (k - 1,))."""
     wait_for = np.empty(max(other.shape[0] - 1, 0), np.int64)
     waits_for = np.empty(max(one.shape[0] - 1, 0), np.int64)
     find_order(one, other, gap, wait_for, waits_for)

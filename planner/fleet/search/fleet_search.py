@@ -1,12 +1,11 @@
-"""From robots on a graph to a checked plan, or why there is none: the stages in their order.
+"""From robots on a graph to a checked plan, or a reason for none: the stages in order.
 
 Rules
-- Every plan is checked before it is given out: no two tracks ever come nearer than both radii.
-- Searches are limited by counts of work, so that equal input gives equal answers; the clock ends
-  them only where the time limit is reached, and the answer then says so.
-- The time limit counts from the request, setting up included. What is over it at most is the piece
-  of work that is at hand, one search or one robot's times, and the check of a plan that was found:
-  about 20 us for each pair of robots.
+- Every plan is checked: no two tracks ever come nearer than both radii.
+- Counts of work limit the searches, so equal input gives equal answers; the clock ends them only
+  at the time limit, which the answer then reports.
+- The time limit counts from the request, setting up included. The current piece of work, one
+  search or one robot's times, and the plan's check, about 20 us a pair of robots, may exceed it.
 """
 
 from __future__ import annotations
@@ -54,9 +53,9 @@ NOT_LIVE = (
 
 @dataclass(frozen=True, slots=True)
 class Effort:
-    """How long and how hard to search; ``clock`` gives seconds, ``end_s`` is when to stop by it.
+    """Limits of a search; ``clock`` gives seconds, ``end_s`` is its time to stop.
 
-    With ``live`` a plan is changed where its waits form a circle, if it can be.
+    With ``live``, a plan whose waits form a circle is changed if possible.
     """
 
     time_limit_s: float
@@ -71,7 +70,7 @@ class Effort:
         return self.clock() >= self.end_s
 
     def out_of_time(self, who: Sequence[int]) -> NoFleetPlan:
-        """The refusal once the time limit is reached: ``who`` has no path yet."""
+        """Refusal at the time limit: ``who`` has no path yet."""
         return NoFleetPlan(
             f"{_listed(who)}: no plan was found within {self.time_limit_s:g} s; that there is none"
             " is not proved", tuple(who), proved=False,
@@ -81,7 +80,7 @@ class Effort:
 def search(
     robots: Sequence[Robot], junctions: Sequence[int], effort: Effort
 ) -> FleetPlan | NoFleetPlan:
-    """A checked plan for robots whose starts and goals do not touch, or why there is none.
+    """A checked plan for robots whose starts and goals do not touch, or a reason for none.
 
     ``junctions`` are nodes where ways meet.
     """
@@ -102,10 +101,10 @@ def search(
 
 
 def _live_plan(solver: Solver, junctions: Sequence[int], expired: Callable[[], bool]) -> FleetPlan:
-    """The plan of the solver's routes, changed where its robots would wait in a circle.
+    """Plan of the solver's routes, changed where its robots would wait in a circle.
 
-    Of robots that turn in a ring all at once one is to follow the others later; where that is no
-    help, all move one at a time. What cannot be changed keeps its remark.
+    If robots turn in a ring all at once, one is made to follow the others later; if that fails, all
+    move one at a time. A plan that cannot be changed keeps its remark.
     """
     robots = solver.robots
     plan = checked_plan(robots, _in_order(solver.routes))
@@ -132,7 +131,6 @@ def _in_order(routes: dict[int, Route]) -> list[Route]:
 
 
 def _solve(solver: Solver, junctions: Sequence[int], effort: Effort) -> NoFleetPlan | None:
-    """Fill in the solver's routes, or say why there are none."""
     robots, expired = solver.robots, effort.expired
     if solver.plan_all(expired, FIRST_TRIES):
         return None
@@ -169,7 +167,7 @@ def _solve(solver: Solver, junctions: Sequence[int], effort: Effort) -> NoFleetP
 
 
 def _often(solver: Solver) -> tuple[int, ...]:
-    """The robots that found no way most often: of those at least half as often as the first."""
+    """Robots that failed most often: at least half as often as the first."""
     most = max(int(solver.pushed.max(initial=0)), 1)
     found = np.flatnonzero(2 * solver.pushed >= most).tolist()
     return tuple(found or range(len(solver.robots)))
@@ -178,12 +176,12 @@ def _often(solver: Solver) -> tuple[int, ...]:
 def _hopeless_pair(
     solver: Solver, most: int, expired: Callable[[], bool]
 ) -> tuple[int, int] | None:
-    """Two robots that are proved to have no plan, of those that failed most often."""
+    """Two of the robots that failed most often, if they provably have no plan."""
     by_failures = np.argsort(-solver.pushed, kind="stable").tolist()
     failed = [i for i in by_failures if solver.pushed[i] > 0][:1]
     suspects = by_failures[:SUSPECTS]
     pairs = [(min(pair), max(pair)) for pair in combinations(suspects, 2)]
-    # who fails may do so because of one that stands still and so never fails itself
+    # a robot may fail because of one that stands still and so never fails itself
     pairs += [(min(i, j), max(i, j)) for i in failed for j in by_failures[SUSPECTS:]]
     for i, j in pairs:
         if expired():
@@ -191,7 +189,7 @@ def _hopeless_pair(
         one, other = solver.robots[i], solver.robots[j]
         if not _is_in_the_way(solver, i, j):
             continue
-        # who has a plan for two needs no proof; few pairs of places are sooner looked at
+        # a plan for two needs no proof, but a few pairs of places are examined faster
         if most > PAIRS_FEW and Solver((one, other), solver.rng).plan_all(expired, PAIR_TRIES):
             continue
         joint = JointSearch((one, other), solver.rng)
@@ -201,7 +199,7 @@ def _hopeless_pair(
 
 
 def _is_in_the_way(solver: Solver, i: int, j: int) -> bool:
-    """Whether either has no way while the other stands at its start or its goal for ever."""
+    """True if either has no way while the other stays at its start or goal for ever."""
     for one, other in ((i, j), (j, i)):
         robot = solver.robots[other]
         for node in (robot.start, robot.goal):
@@ -217,13 +215,13 @@ def _listed(who: Sequence[int]) -> str:
 
 
 def checked_plan(robots: Sequence[Robot], routes: Sequence[Route]) -> FleetPlan:
-    """The plan of the routes; ``AssertionError`` where two of its tracks touch: our bug."""
+    """Plan of the routes, checked by :func:`checked_tracks`."""
     tracks = [track_of(robot, route) for robot, route in zip(robots, routes, strict=True)]
     return checked_tracks(tracks, [robot.radius for robot in robots])
 
 
 def checked_tracks(tracks: Sequence[FloatArray], sizes: Sequence[float]) -> FleetPlan:
-    """The plan of read-only tracks; ``AssertionError`` where two of them touch: our bug."""
+    """Plan of read-only tracks; ``AssertionError`` if two of them touch: our bug."""
     radii = np.array(sizes)
     first = np.concatenate([[0], np.cumsum([len(track) for track in tracks])]).astype(np.int64)
     flat = np.concatenate(tracks)
@@ -242,7 +240,7 @@ def checked_tracks(tracks: Sequence[FloatArray], sizes: Sequence[float]) -> Flee
 
 
 def track_of(robot: Robot, route: Route) -> FloatArray:
-    """The rows t, x, y of a route: a node's arrival and, where it waits there, its departure."""
+    """Rows t, x, y of a route: each node's arrival and, after a wait, its departure."""
     places = robot.graph.places[route.way]
     rows = []
     for k, (x, y) in enumerate(places.tolist()):
@@ -255,7 +253,7 @@ def track_of(robot: Robot, route: Route) -> FloatArray:
 
 
 def touching(what: str, places: FloatArray, radii: Sequence[float]) -> NoFleetPlan | None:
-    """A refusal where two places of one kind, each a robot's, are nearer than both radii."""
+    """A refusal if two robots' places of one kind are nearer than both radii."""
     sizes, largest = np.asarray(radii), np.abs(places).max(axis=1, initial=0.0).max(initial=0.0)
     for i in range(len(places)):
         needs = sizes[i] + sizes[i + 1 :]

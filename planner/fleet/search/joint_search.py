@@ -1,15 +1,15 @@
 """All robots at once, step by step: a plan, or the proof that there is none in this model.
 
 Rules
-- A configuration is a node for each robot. In a step each robot drives along one edge or stands;
-  all begin together, and the next step begins when the last has arrived. A step is allowed where
-  no two discs come too near at any time of it, which is judged in continuous time.
-- Depth first over configurations, each of which keeps a tree of constraints (who goes where) that
-  is grown by one robot at a time: when it is used up, every step out of the configuration has been
-  looked at. When all are used up there is no plan of such steps (Okumura, "LaCAM: search-based
-  algorithm for quick multi-agent pathfinding", AAAI 2023).
-- A step is filled in robot by robot in order of priority, and who is in the way is asked to move
-  first (PIBT; Okumura et al., Artificial Intelligence 310, 2022).
+- A configuration is a node for each robot. In a step each robot drives along one edge or rests;
+  all begin together, and the next step begins when the last has arrived. A step is allowed if no
+  two discs ever come too near during it, in continuous time.
+- Depth first over configurations, each with a tree of constraints (destinations of robots) that
+  grows by one robot at a time: once it is used up, every step out of the configuration has been
+  examined. Once all are, there is no plan of such steps (Okumura, "LaCAM: search-based algorithm
+  for quick multi-agent pathfinding", AAAI 2023).
+- A step is filled in robot by robot, by priority; a robot in the way is asked to move first (PIBT;
+  Okumura et al., Artificial Intelligence 310, 2022).
 """
 
 from __future__ import annotations
@@ -35,7 +35,7 @@ Expired = Callable[[], bool]
 
 @dataclass(slots=True)
 class Visit:
-    """A configuration that was reached: from where, who goes first, and what is left to try."""
+    """A reached configuration: its parent, the robots' order, and constraints left to try."""
 
     at: Configuration
     parent: Visit | None
@@ -45,7 +45,7 @@ class Visit:
 
 
 class JointSearch:
-    """A search that can be continued; ``steps`` holds the plan's configurations when found."""
+    """A resumable search; ``steps`` holds the plan's configurations once found."""
 
     def __init__(self, robots: Sequence[Robot], rng: np.random.Generator) -> None:
         self.robots = list(robots)
@@ -63,11 +63,11 @@ class JointSearch:
 
     @property
     def exhausted(self) -> bool:
-        """Whether everything was looked at, without a plan."""
+        """True if everything was examined without a plan."""
         return not self.stack and not self.steps
 
     def run(self, rounds: int, expired: Expired) -> bool:
-        """Look at so many constraints at most; whether there is a plan."""
+        """Examine at most this number of constraints; return True if there is a plan."""
         while rounds > 0 and self.stack and not self.steps and not expired():
             rounds -= 1
             visit = self.stack[-1]
@@ -80,7 +80,6 @@ class JointSearch:
         return bool(self.steps)
 
     def _try(self, visit: Visit) -> None:
-        """Take the next constraint of a configuration, and what follows from it."""
         fixed = visit.open.popleft()
         if len(fixed) < len(self.robots):
             i = visit.order[len(fixed)]
@@ -104,7 +103,7 @@ class JointSearch:
             self.stack.append(known)
 
     def _order(self, waits: Sequence[int], at: Configuration) -> list[int]:
-        """Who is away from its goal for longest first, then who has the longest way."""
+        """Sort robots by longest time away from the goal, then by longest way."""
         to_go = [robot.to_goal[n] for robot, n in zip(self.robots, at, strict=True)]
         return sorted(range(len(at)), key=lambda i: (-waits[i], -to_go[i]))
 
@@ -118,7 +117,7 @@ class JointSearch:
         return tuple(ends[i] for i in range(len(self.robots)))
 
     def _decide(self, i: int, at: Configuration, ends: dict[int, int]) -> bool:
-        """Choose where a robot goes, and ask those in its way to move."""
+        """Choose a robot's next node, and ask robots in its way to move."""
         chance = self.rng.random(len(self.ends(i, at[i]))).tolist()
         choices = sorted(
             (to_go, tie, v) for (v, to_go), tie in zip(self.ends(i, at[i]), chance, strict=True)
@@ -141,19 +140,19 @@ class JointSearch:
         return False
 
     def ends(self, i: int, n: int) -> list[tuple[int, float]]:
-        """Where a robot can be after a step from a node, and how far it is to go from there."""
+        """Nodes that a robot can reach in a step, and the time to go from each."""
         key = (i, n)
         if key not in self._choices:
             graph, to_goal = self.robots[i].graph, self.robots[i].to_goal
             ends = {n, *graph.to[graph.starts[n] : graph.starts[n + 1]].tolist()}
-            # from where the goal cannot be reached, nothing can
+            # from a node that cannot reach the goal, no step helps
             self._choices[key] = [
                 (v, float(to_goal[v])) for v in sorted(ends) if to_goal[v] < HORIZON
             ]
         return self._choices[key]
 
     def _touch(self, at: Configuration, i: int, v: int, j: int, w: int) -> bool:
-        """Whether robots i and j touch while i goes to v and j to w, in the same step."""
+        """True if robots i and j touch while i drives to v and j to w in the same step."""
         key = (self._kinds[i], at[i], v, self._kinds[j], at[j], w)
         if key not in self._touches:
             gap = self.robots[i].radius + self.robots[j].radius
@@ -162,7 +161,7 @@ class JointSearch:
         return self._touches[key]
 
     def is_allowed(self, at: Configuration, then: Configuration) -> bool:
-        """Whether all robots can go from one configuration to another in one step."""
+        """True if all robots can change from one configuration to another in one step."""
         return not any(
             self._touch(at, i, then[i], j, then[j])
             for i in range(len(at))
@@ -170,7 +169,7 @@ class JointSearch:
         )
 
     def _motion(self, i: int, u: int, v: int) -> tuple[float, float, float, float, float]:
-        """(x, y, vx, vy, lasts) along an edge; standing where both ends are one."""
+        """(x, y, vx, vy, lasts) along an edge; at rest if both ends are one."""
         places = self.robots[i].graph.places
         x, y = places[u].tolist()
         lasts = self._lasts(i, u, v)
@@ -180,7 +179,7 @@ class JointSearch:
         return x, y, vx, vy, lasts
 
     def _lasts(self, i: int, u: int, v: int) -> float:
-        """How long a robot takes along an edge; nothing where it stands."""
+        """Time of a robot along an edge; zero at rest."""
         if u == v:
             return 0.0
         graph = self.robots[i].graph
@@ -188,7 +187,7 @@ class JointSearch:
         return float(graph.lasts[row][graph.to[row] == v].min())
 
     def _kinds_of_robot(self) -> list[int]:
-        """A number for each robot, equal where graph and radius are the same."""
+        """A number for each robot, equal if graph and radius are the same."""
         kinds: dict[tuple[int, float], int] = {}
         return [kinds.setdefault((id(r.graph.lasts), r.radius), len(kinds)) for r in self.robots]
 

@@ -1,11 +1,11 @@
-"""Matchings of rows to columns at least cost: the least sum, or the least of the largest costs.
+"""Matchings of rows to columns at least cost: least sum, or least largest cost.
 
 Rules
-- Costs (n, m) are finite or infinite, where a pair cannot be. As many rows are matched as can be;
-  of those matchings the best is found, exactly but for the last bits of its sum.
+- Costs (n, m) are finite, or infinite for an impossible pair. The best of the largest matchings is
+  found, exactly except for the last bits of its sum.
 - Each row is matched along a shortest augmenting path over reduced costs, O(n^2 (n + m)) in all
-  (Jonker and Volgenant, Computing 38, 1987). A row may take a column of its own that costs more
-  than any matching, so that there always is such a path.
+  (Jonker and Volgenant, Computing 38, 1987). Such a path always exists, as a row may take a column
+  of its own that costs more than any matching.
 """
 
 from __future__ import annotations
@@ -17,7 +17,7 @@ from planner.scene import FloatArray
 
 
 def match_for_sum(costs: FloatArray) -> NDArray[np.int64]:
-    """The column of each row, -1 for none: the least sum of the largest matchings."""
+    """Column of each row, -1 for none: the least sum of the largest matchings."""
     rows, columns = costs.shape
     possible = np.isfinite(costs)
     worst = float(costs[possible].max(initial=0.0)) - float(costs[possible].min(initial=0.0)) + 1.0
@@ -51,7 +51,7 @@ def _augment(
         if owner[column] < 0:
             break
         other = int(owner[column])
-        # reduced cost of what the other row has is zero: it may change to any at no more than this
+        # the other row's own column has reduced cost zero: it may change to any column at this cost
         through = far[column] + costs[other] - price - (costs[other, column] - price[column])
         nearer = ~done & (through < far)
         far[nearer] = through[nearer]
@@ -66,9 +66,9 @@ def _augment(
 
 
 def match_for_last(costs: FloatArray) -> NDArray[np.int64]:
-    """The column of each row, -1 for none: the least largest cost of the largest matchings.
+    """Column of each row, -1 for none: the least largest cost of the largest matchings.
 
-    Of the matchings with this largest cost it is the one of the least sum.
+    Among those with this largest cost, the least sum.
     """
     most = int((match_for_sum(costs) >= 0).sum())
     levels = np.unique(costs[np.isfinite(costs)])

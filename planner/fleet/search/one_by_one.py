@@ -1,11 +1,11 @@
-"""All robots where hardly any can move: one at a time, between places where nobody is in the way.
+"""Plans where hardly any robot can move: one at a time, between places out of the way.
 
 Rules
-- Stations are chosen on the shared graph (``stations``), and the robots are rearranged on them as
-  pebbles (``pebbles``), which needs no luck in narrow places. Robots that start or end elsewhere
-  are brought to stations before, and from there to their goals after, by the usual searches.
-- The moves become a plan with times: each begins when all earlier ones that come near to it have
-  ended, so that robots that are apart drive at once.
+- The robots are rearranged as pebbles (``pebbles``) on stations of the shared graph
+  (``stations``), which needs no luck in narrow places. The usual searches bring them to stations
+  first, and from stations to their goals.
+- The moves become a timed plan: each begins when all earlier ones near it have ended, so robots
+  apart drive at once.
 """
 
 from __future__ import annotations
@@ -57,7 +57,6 @@ def plan_one_by_one(
 
 
 def _shared_edges(robots: Sequence[Robot]) -> NDArray[np.int64]:
-    """The edges that every robot can use, both ways."""
     count = len(robots[0].graph.places)
     graphs = {id(robot.graph.to): robot.graph for robot in robots}
     codes = []
@@ -75,7 +74,7 @@ def _seeds(
     on_way: NDArray[np.int64],
     rng: np.random.Generator,
 ) -> Iterator[list[int]]:
-    """What the stations are packed around, first to last."""
+    """Seeds around which to pack the stations, first to last."""
     starts, goals = [r.start for r in robots], [r.goal for r in robots]
     yield [*goals, *starts]
     for count in sorted({1, 2, len(junctions)} & set(range(1, len(junctions) + 1))):
@@ -88,7 +87,7 @@ def _seeds(
 def _by_traffic(
     junctions: Sequence[int], routes: Sequence[NDArray[np.int64]], places: FloatArray, gap: float
 ) -> list[int]:
-    """The junctions, those first that most routes pass; those that none passes are left out."""
+    """Junctions by the number of routes that pass them, without unused ones."""
     passed = {}
     for node in junctions:
         away = [np.hypot(*(places[route] - places[node]).T).min() for route in routes]
@@ -122,7 +121,6 @@ def _by_stations(
 
 
 def _largest_part(stations: Stations) -> list[int]:
-    """The stations of the largest connected part, in order."""
     left = set(range(len(stations.nodes)))
     best: list[int] = []
     while left:
@@ -141,7 +139,7 @@ def _largest_part(stations: Stations) -> list[int]:
 def _nearest_stations(
     robots: Sequence[Robot], at: Sequence[int], nodes: Sequence[int]
 ) -> list[int] | None:
-    """A station for each robot, all together nearest; the one where it is if it is on one."""
+    """A station for each robot at least total distance; a robot on one keeps it."""
     places = robots[0].graph.places
     away = places[list(at)][:, None] - places[list(nodes)][None]
     chosen = match_for_sum(np.hypot(away[:, :, 0], away[:, :, 1])).tolist()
@@ -155,7 +153,6 @@ def _drive(
     rng: np.random.Generator,
     expired: Expired,
 ) -> dict[int, Route] | None:
-    """Routes from starts to goals that are near, by the usual searches."""
     team = [
         make_robot(robot.graph, edges_of(robot.graph), robot.radius, a, b)
         for robot, a, b in zip(robots, starts, goals, strict=True)
@@ -170,7 +167,7 @@ def _drive(
 
 
 class _Ways:
-    """The ways between stations, and which of them come near to each other."""
+    """Ways between stations, and which of them come near to each other."""
 
     def __init__(self, stations: Stations, part: Sequence[int], robots: Sequence[Robot]) -> None:
         self.stations, self.part = stations, part
@@ -179,11 +176,11 @@ class _Ways:
         self._near: dict[tuple[int, ...], bool] = {}
 
     def way(self, u: int, v: int) -> list[int]:
-        """The nodes from one station to the next."""
+        """Nodes from one station to the next."""
         return self.stations.ways[self.part[u], self.part[v]]
 
     def are_near(self, one: tuple[int, int], other: tuple[int, int]) -> bool:
-        """Whether robots on these two ways could touch."""
+        """True if robots on these two ways could touch."""
         key = (*sorted(one), *sorted(other))
         if key not in self._near:
             a, b = (self.places[self.way(*pair)] for pair in (one, other))
@@ -192,7 +189,7 @@ class _Ways:
 
 
 def _polylines_apart(one: FloatArray, other: FloatArray) -> float:
-    """Less than the least distance of two polylines by no more than half their longest pieces."""
+    """Distance of two polylines, underestimated by at most half their longest pieces."""
     a, b = 0.5 * (one[1:] + one[:-1]), 0.5 * (other[1:] + other[:-1])
     half = 0.5 * max(np.hypot(*np.diff(line, axis=0).T).max() for line in (one, other))
     away = a[:, None] - b[None]
@@ -202,7 +199,7 @@ def _polylines_apart(one: FloatArray, other: FloatArray) -> float:
 def _timed(
     robots: Sequence[Robot], nodes: Sequence[int], moves: Sequence[Move], ways: _Ways
 ) -> dict[int, Route]:
-    """The moves as routes: each begins when all earlier ones near to it have ended."""
+    """The moves as routes: each begins when all earlier ones near it have ended."""
     rows: dict[int, tuple[list[int], list[float], list[float]]] = {
         i: ([node], [0.0], []) for i, node in enumerate(nodes)
     }
@@ -238,7 +235,6 @@ def _route(
 
 
 def _joined(robots: Sequence[Robot], phases: Sequence[dict[int, Route]]) -> dict[int, Route]:
-    """One phase after the other, each begun when all of the one before have arrived."""
     joined = {}
     begins = np.cumsum([0.0, *(max(r.arrival_s for r in phase.values()) for phase in phases)])
     for i, robot in enumerate(robots):

@@ -1,10 +1,10 @@
-"""Two robots that can never both reach their goals, whatever the others do.
+"""Proof that two robots can never both reach their goals, whatever the others do.
 
 Rules
-- Only the two are there, in the steps of ``joint_search``: if they have no plan, nobody has one.
-- The search goes back from both goals, and forwards from both starts: who cannot leave a few
-  places is soon found to be enclosed, from one side or the other. Each side ends after so many
-  pairs of places, and then proves nothing.
+- Only the two are there, in the steps of ``joint_search``: if they have no plan, no fleet has.
+- The search leads back from both goals and forwards from both starts: from one side or the other,
+  a robot confined to a few places is soon found. Each side is limited to a number of pairs of
+  places, beyond which it proves nothing.
 """
 
 from __future__ import annotations
@@ -30,9 +30,9 @@ def can_never_pass(
     expired: Callable[[], bool],
     most: int = PAIRS_MOST,
 ) -> bool:
-    """Whether it is proved that the two have no plan; ``search`` is of these two.
+    """True if the two provably have no plan; ``search`` is of these two.
 
-    From either side ``most`` pairs of places are looked at.
+    Examines at most ``most`` pairs of places from either side.
     """
     start, goal = (one.start, other.start), (one.goal, other.goal)
     before = _into(one), _into(other)
@@ -48,7 +48,7 @@ def _is_enclosed(
     expired: Callable[[], bool],
     most: int,
 ) -> bool:
-    """Whether all pairs that can be reached are few, and the end is none of them."""
+    """True if all reachable pairs are few and exclude the end."""
     seen = {begin}
     open_pairs = [begin]
     while open_pairs:
@@ -64,7 +64,7 @@ def _is_enclosed(
 
 
 def _into(robot: Robot) -> dict[int, list[int]]:
-    """The nodes from which each node can be reached in one step, itself included."""
+    """Nodes that reach each node in one step, itself included."""
     graph = robot.graph
     into = {n: [n] for n in range(len(graph.places))}
     for n in range(len(graph.places)):

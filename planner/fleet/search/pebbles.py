@@ -1,16 +1,16 @@
 """Robots as pebbles on a graph, moved one at a time from one arrangement to another.
 
 Rules
-- An undirected graph ``near[n]``, a pebble on a node or none. A move takes one pebble to a
-  neighbouring node that is empty; pebbles on other nodes are never in its way.
-- Both arrangements, the one at the start and the one at the end, are changed until they are equal:
-  one node after the other, whose removal leaves the rest connected, gets the same pebble in both
-  and is taken out. The moves of the second are driven backwards.
-- To bring one pebble to one node, all others are alike. While it stands at a node, the others can
-  be arranged at will within each part that the node leaves of the graph, so that a state is its
-  node and how many others each part holds: there are few, and the search over them always ends
-  (Papadimitriou et al., "Motion planning on a graph", FOCS 1994; Auletta et al., "A linear-time
-  algorithm for the feasibility of pebble motion on trees", Algorithmica 23, 1999).
+- An undirected graph ``near[n]``, with at most one pebble on a node. A move takes one pebble to an
+  empty neighbouring node; the others are never in its way.
+- Both the start and the end arrangement change until they are equal: one node after the other,
+  whose removal leaves the rest connected, gets the same pebble in both and is taken out. The moves
+  of the second are reversed.
+- While one pebble is brought to a node, all others are alike. They can be arranged at will within
+  each part that its node leaves of the graph, so a state is its node and the number of others in
+  each part: there are few, and the search always ends (Papadimitriou et al., "Motion planning on a
+  graph", FOCS 1994; Auletta et al., "A linear-time algorithm for the feasibility of pebble motion
+  on trees", Algorithmica 23, 1999).
 """
 
 from __future__ import annotations
@@ -41,10 +41,10 @@ def rearrange(
     rng: np.random.Generator,
     expired: Callable[[], bool],
 ) -> list[Move] | None:
-    """Moves that take pebble i from ``start[i]`` to ``goal[i]`` for all i; None if none are found.
+    """Moves that take pebble i from ``start[i]`` to ``goal[i]`` for all i; None if not found.
 
-    The nodes must be connected. None is no proof that there are none. Nodes far from the middle are
-    taken out first; where that fails, in orders that chance changes.
+    The nodes must be connected. None does not prove that there are none. Nodes far from the middle
+    are taken out first; if that fails, in randomly changed orders.
     """
     depth = np.array(_depths(near))
     goals = np.isin(np.arange(len(near)), goal)
@@ -65,7 +65,7 @@ def _in_order(
     order: Sequence[float],
     expired: Callable[[], bool],
 ) -> list[Move] | None:
-    """As ``rearrange``, with the nodes that come last in the order taken out first."""
+    """Rearrange, taking the last nodes in the order out first."""
     front, back = Arrangement(near, start), Arrangement(near, goal)
     left = set(range(len(near)))
     pebbles = set(range(len(start)))
@@ -76,7 +76,7 @@ def _in_order(
 
 
 class Arrangement:
-    """Where the pebbles are, and the moves that brought them there."""
+    """Positions of the pebbles, and the moves that led there."""
 
     def __init__(self, near: Near, at: Sequence[int]) -> None:
         self.near = near
@@ -92,11 +92,11 @@ class Arrangement:
         self.moves.append((pebble, u, v))
 
     def copy(self) -> Arrangement:
-        """The same with no moves."""
+        """A copy without moves."""
         return Arrangement(self.near, self.at)
 
     def shift(self, path: Sequence[int]) -> None:
-        """Move every pebble along a path one towards its end, which is empty, from there back."""
+        """Move every pebble along a path one towards its empty end, the last first."""
         empty = path[-1]
         for node in reversed(path[:-1]):
             if node in self.on:
@@ -115,7 +115,7 @@ def _steps(path: Sequence[int], node: int, to: int) -> Iterator[tuple[int, int]]
 
 
 def _depths(near: Near) -> list[int]:
-    """How far each node is from the middle of the graph: what is taken out first is farthest."""
+    """Distance of each node from the middle of the graph."""
     reach = [max(_distances(near, n, set(range(len(near)))).values()) for n in range(len(near))]
     middle = max(range(len(near)), key=lambda n: (-reach[n], len(near[n])))
     far = _distances(near, middle, set(range(len(near))))
@@ -135,7 +135,7 @@ def _distances(near: Near, begin: int, within: set[int]) -> dict[int, int]:
 
 
 def _path(near: Near, begin: int, is_end: Callable[[int], bool], within: set[int]) -> list[int]:
-    """The shortest path to the nearest node that is an end; empty where there is none."""
+    """Shortest path to the nearest node that is an end; empty if there is none."""
     parent = {begin: -1}
     queue = deque([begin])
     while queue:
@@ -155,7 +155,7 @@ def _path(near: Near, begin: int, is_end: Callable[[int], bool], within: set[int
 def _settle_one(
     front: Arrangement, back: Arrangement, left: set[int], pebbles: set[int], order: Sequence[float]
 ) -> bool:
-    """Bring one pebble to one node in both arrangements and take both out; whether it worked."""
+    """Bring one pebble to one node in both arrangements and take both out; True on success."""
     free = sorted(_removable(front.near, left), key=lambda n: -order[n])
     for node in free[:CANDIDATES]:
         for i in _by_nearness(front, back, node, left, pebbles)[:CANDIDATES]:
@@ -178,12 +178,11 @@ def _by_nearness(
 
 
 def _removable(near: Near, left: set[int]) -> list[int]:
-    """The nodes without which the others are still connected."""
     return [n for n in left if len(_parts(near, n, left)) <= 1]
 
 
 def _parts(near: Near, node: int, left: set[int]) -> list[set[int]]:
-    """The connected parts of the nodes left without one."""
+    """Connected parts of the remaining nodes without this one."""
     rest = left - {node}
     parts = []
     for n in near[node]:
@@ -196,7 +195,7 @@ def _parts(near: Near, node: int, left: set[int]) -> list[set[int]]:
 
 @dataclass(slots=True)
 class _State:
-    """How the one pebble came to a node: the arrangement there, and the moves from the last."""
+    """The pebble's way to a node: the arrangement there, and the moves from the last."""
 
     arrangement: Arrangement
     parent: _State | None
@@ -204,7 +203,7 @@ class _State:
 
 
 def bring(begin: Arrangement, pebble: int, node: int, left: set[int]) -> list[Move] | None:
-    """Moves that bring one pebble to a node, the others anywhere; None where there are none."""
+    """Moves that bring one pebble to a node, the others anywhere; None if there are none."""
     near = begin.near
     far = _distances(near, node, left)
     first = _State(begin.copy(), None, 0)
@@ -246,9 +245,9 @@ def _moves_to(last: _State) -> list[Move]:
 
 
 def _steps_into(here: Arrangement, at: int, to: int, part: set[int]) -> Iterator[Arrangement]:
-    """The arrangements after the pebble's step from ``at`` to ``to``, the others shared out.
+    """Arrangements after the pebble's step from ``at`` to ``to``.
 
-    One for each way to share those in the part out among what the node ``to`` leaves of it.
+    One for each way to share the part's others among the pieces that ``to`` leaves of it.
     """
     near = here.near
     pieces = _parts(near, to, part)
@@ -266,7 +265,7 @@ def _steps_into(here: Arrangement, at: int, to: int, part: set[int]) -> Iterator
 
 
 def _shares(robots: int, room: Sequence[int]) -> Iterator[tuple[int, ...]]:
-    """All ways to share robots out among pieces with so much room."""
+    """All ways to share robots out among pieces with these capacities."""
     if not room:
         if robots == 0:
             yield ()
@@ -298,7 +297,7 @@ def _share_out(
 
 
 def without_detours(moves: Sequence[Move]) -> list[Move]:
-    """The moves without those of a pebble that comes back to a node that nobody used meanwhile."""
+    """Drop the moves of pebbles that return to a node unused by others meanwhile."""
     kept = list(moves)
     changed = True
     while changed:

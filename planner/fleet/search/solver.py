@@ -1,16 +1,15 @@
-"""Plans for all robots: one after the other, who fails pushes others out, then all shortened.
+"""Plans for all robots: one after the other, failing robots push others out; then shortened.
 
 Rules
-- Each robot is planned as well as can be among the moves of those that are planned already
-  (prioritised planning; Silver, "Cooperative pathfinding", AIIDE 2005).
-- A robot that finds no way keeps as many of the planned ones as it can, those first that were
-  pushed out most often, and takes the others out, who are planned again after it: conflicts are
-  repaired where they are, as in MAPF-LNS2 (Li et al., AAAI 2022), and what blocks again and
-  again is left in peace.
-- Shortening takes a few robots out and plans them again in another order; what is no shorter is
-  put back (large neighbourhood search; Li et al., "Anytime multi-agent path finding via large
-  neighborhood search", IJCAI 2021).
-- All chance comes from one generator, so that equal input gives equal plans.
+- Each robot is planned optimally among the moves of those already planned (prioritised planning;
+  Silver, "Cooperative pathfinding", AIIDE 2005).
+- A robot without a way keeps as many planned robots as it can, first those pushed out most often,
+  and removes the others, which are planned again after it. Conflicts are thus repaired locally
+  (MAPF-LNS2; Li et al., AAAI 2022), and repeated blockers are left in peace.
+- Shortening removes a few robots and plans them again in another order, unless that is no shorter
+  (large neighbourhood search; Li et al., "Anytime multi-agent path finding via large neighborhood
+  search", IJCAI 2021).
+- One generator gives all random numbers, so equal input gives equal plans.
 """
 
 from __future__ import annotations
@@ -33,7 +32,7 @@ Expired = Callable[[], bool]
 
 
 class Solver:
-    """The routes of a fleet, while they are looked for."""
+    """Routes of a fleet during the search."""
 
     def __init__(self, robots: Sequence[Robot], rng: np.random.Generator) -> None:
         self.robots = list(robots)
@@ -44,15 +43,15 @@ class Solver:
 
     @property
     def flowtime_s(self) -> float:
-        """The sum of the arrivals of all that are planned."""
+        """Sum of the arrivals of all planned robots."""
         return sum(route.arrival_s for route in self.routes.values())
 
     def plan_one(
         self, i: int, others: Sequence[int], latest_s: float = HORIZON, trail_s: float = 0.0
     ) -> Route | None:
-        """The best route of one robot among the others' routes; None where there is none.
+        """Best route of one robot among the others' routes; None if there is none.
 
-        With a trail the others are also where they were so long before.
+        The others also occupy their places of ``trail_s`` earlier.
         """
         robot = self.robots[i]
         if others:
@@ -73,7 +72,7 @@ class Solver:
         return Route(way, arrivals, departures, rows)
 
     def plan_all(self, expired: Expired, tries: int) -> bool:
-        """Routes for all, the longest way first, in so many calls of the search at most."""
+        """Plan all, the longest way first, in at most ``tries`` calls of the search."""
         queue = sorted(range(len(self.robots)), key=lambda i: -self.robots[i].alone_s)
         self.routes.clear()
         while queue:
@@ -90,13 +89,13 @@ class Solver:
                 for j in out:
                     del self.routes[j]
                 self.rng.shuffle(out)
-                # who is pushed out first comes first again: nobody waits for ever
+                # the first pushed out comes first again: no robot waits for ever
                 queue.extend(sorted(out, key=lambda j: -self.robots[j].alone_s))
             self.routes[i] = route
         return True
 
     def _push_in(self, i: int) -> tuple[Route, int]:
-        """A route among as many of the others as can be kept, and how many searches it took."""
+        """A route among as many others as possible, and the number of searches it took."""
         chance = self.rng.random(len(self.robots))
         keep = sorted(self.routes, key=lambda j: -self.pushed[j] - 2.0 * chance[j])
         low, high, calls = 0, len(keep), 0
@@ -112,7 +111,7 @@ class Solver:
         return best, calls
 
     def alone(self, i: int) -> Route:
-        """The route of a robot with nobody else there."""
+        """Route of a robot without any others."""
         if i not in self._alone:
             route = self.plan_one(i, ())
             if route is None:
@@ -125,7 +124,7 @@ class Solver:
         return bool(do_touch(route.moves, self.routes[j].moves, gap))
 
     def can_pass(self, i: int, j: int, node: int) -> bool:
-        """Whether a robot has a way while another stands at a node for ever."""
+        """True if a robot has a way while another stays at a node for ever."""
         one, other = self.robots[i], self.robots[j]
         x, y = other.graph.places[node].tolist()
         standing = np.array([[x, y, 0.0, 0.0, 0.0, HORIZON, one.radius + other.radius]])
@@ -133,7 +132,7 @@ class Solver:
         return len(way) > 0
 
     def shorten_each(self) -> None:
-        """Plan each robot again among all others, where that brings it to its goal earlier."""
+        """Plan each robot again among all others if that brings it to its goal earlier."""
         for i in sorted(self.routes, key=lambda i: self.robots[i].alone_s):
             others = [j for j in self.routes if j != i]
             route = self.plan_one(i, others, self.routes[i].arrival_s - SAME)
@@ -141,7 +140,7 @@ class Solver:
                 self.routes[i] = route
 
     def improve(self, rounds: int, expired: Expired) -> int:
-        """Shorten the sum of arrivals; the rounds that were made."""
+        """Shorten the sum of arrivals; return the number of rounds made."""
         for done in range(rounds):
             delay = self._delays()
             if delay.sum() <= SAME or expired():
@@ -160,7 +159,7 @@ class Solver:
         late = int(self.rng.choice(count, p=delay / delay.sum()))
         size = min(int(self.rng.integers(SIZES[0], SIZES[1] + 1)), count)
         others = [int(j) for j in self.rng.permutation(count) if j != late]
-        # as often one way as the other
+        # both with equal chance
         if self.rng.random() < 0.5:
             route = self.alone(late)
             others.sort(key=lambda j: not self._touch(late, route, j))
@@ -169,7 +168,7 @@ class Solver:
         return chosen
 
     def _replan(self, chosen: list[int]) -> None:
-        """Plan the chosen again in this order; back to what was where that is no better."""
+        """Plan the chosen again in this order; restore the old routes if it is no better."""
         old = {i: self.routes[i] for i in chosen}
         left = sum(route.arrival_s for route in old.values()) - SAME
         left -= sum(self.robots[i].alone_s for i in chosen)

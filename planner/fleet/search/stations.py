@@ -1,9 +1,9 @@
-"""Places for robots to stand that leave each other in peace, and the ways between them.
+"""Places for robots that are clear of each other, and the ways between them.
 
 Rules
-- No two stations are nearer than two of the largest robots need, and a way from one to the next
-  comes so near to no third: a robot on it touches nobody who stands at another station.
-- They are packed as tightly as can be from a few seeds on, so that a queue holds as many as fit.
+- No two stations are nearer than two of the largest robots need, and a way between two comes that
+  near to no third: a robot on it touches no robot at another station.
+- They are packed as tightly as possible from a few seeds, so a queue holds as many as fit.
 """
 
 from __future__ import annotations
@@ -28,7 +28,7 @@ Pair = tuple[int, int]
 
 @dataclass(frozen=True, slots=True)
 class Stations:
-    """Nodes of the shared graph (k,), the ways between two as nodes, and each one's neighbours."""
+    """Nodes of the shared graph (k,), ways between two as nodes, and each one's neighbours."""
 
     nodes: list[int]
     ways: dict[Pair, list[int]]
@@ -42,9 +42,9 @@ def choose_stations(
     routes: Sequence[int],
     gap: float,
 ) -> Stations:
-    """Stations on a graph (m, 2) of edges that lead both ways, the seeds among them where they can.
+    """Choose stations on a graph (m, 2) of two-way edges, including the seeds if possible.
 
-    After the seeds come nodes of ``routes``, then any that have an edge.
+    After the seeds come nodes of ``routes``, then any with an edge.
     """
     chosen = _pack(places, edges, seeds, routes, gap * (1.0 - TOUCH))
     ways = _ways(places, edges, chosen, gap * (1.0 - TOUCH))
@@ -76,7 +76,7 @@ def _pack(
         while len(chosen) < STATIONS_MOST and len(group):
             group = group[nearest[group] >= gap]
             if len(group):
-                # the one that leaves least room unused
+                # the one that leaves least space unused
                 take(int(group[np.argmin(nearest[group])]))
     return chosen
 
@@ -84,7 +84,6 @@ def _pack(
 def _ways(
     places: FloatArray, edges: NDArray[np.int64], chosen: Sequence[int], gap: float
 ) -> dict[Pair, list[int]]:
-    """The ways between stations, along edges that come near to no other station."""
     alone: dict[int, list[Pair]] = defaultdict(list)
     shared: dict[Pair, list[Pair]] = defaultdict(list)
     touched: dict[int, set[int]] = defaultdict(set)
@@ -125,7 +124,7 @@ def _stations_near(
 
 
 def _shortest(places: FloatArray, edges: Sequence[Pair], begin: int, end: int) -> list[int]:
-    """The shortest way over a few edges that lead both ways; empty where there is none."""
+    """Shortest way over a few two-way edges; empty if there is none."""
     after: dict[int, list[tuple[int, float]]] = defaultdict(list)
     for a, b in edges:
         after[a].append((b, float(np.hypot(*(places[b] - places[a])))))

@@ -1,7 +1,8 @@
-"""The robots of a fleet on one graph: where each can go, how fast, from where to where.
+"""The robots of a fleet on one graph: possible edges, speed, start and goal.
 
 Rules and units
-- Lengths in the graph's units, times in seconds; a robot drives at one speed or stands at a node.
+- Lengths are in the graph's units, times in seconds; a robot drives at one speed or rests at a
+  node.
 - Starts and goals are node numbers; a robot is known by its place in the list.
 """
 
@@ -19,7 +20,7 @@ from planner.scene import FloatArray
 
 @dataclass(frozen=True, slots=True)
 class Robot:
-    """One robot: its graph with the times that it takes, and the times to its goal alone."""
+    """A robot: its graph with driving times, and the times to its goal alone."""
 
     graph: Graph
     radius: float
@@ -29,7 +30,7 @@ class Robot:
 
     @property
     def alone_s(self) -> float:
-        """How long it takes with nobody else there."""
+        """Time to the goal without others."""
         return float(self.to_goal[self.start])
 
 
@@ -37,8 +38,8 @@ class Robot:
 class Route:
     """A robot's way: nodes (k,), arrivals (k,), departures (k - 1,), and its moves (m, 7).
 
-    It stands at its last node for ever; the moves are rows as in ``interval_search_kernels``,
-    with the robot's radius where the gap will be.
+    It stays at its last node for ever; the moves are rows as in ``interval_search_kernels``, with
+    the robot's radius in place of the gap.
     """
 
     way: NDArray[np.int64]
@@ -48,7 +49,7 @@ class Route:
 
     @property
     def arrival_s(self) -> float:
-        """When it comes to its goal to stay."""
+        """Time of its final arrival at the goal."""
         return float(self.arrivals[-1])
 
 
@@ -72,11 +73,11 @@ def edges_of(graph: Graph) -> NDArray[np.int64]:
 def make_robot(
     graph: Graph, edges: NDArray[np.int64], radius: float, start: int, goal: int
 ) -> Robot:
-    """A robot with its times to the goal; ``edges`` are those of :func:`edges_of`."""
+    """A robot with its times to the goal; ``edges`` from :func:`edges_of`."""
     to_goal = times_to(goal, len(graph.places), edges, graph.lasts)
     return Robot(graph, radius, start, goal, to_goal)
 
 
 def cut_off(robots: Sequence[Robot]) -> list[int]:
-    """The robots that have no way to their goal even alone."""
+    """Robots that have no way to their goal even alone."""
     return [i for i, robot in enumerate(robots) if robot.alone_s >= HORIZON]

@@ -1,10 +1,10 @@
 """A board in consecutive frames: found in a reduced picture, then followed.
 
 Rules
-- A board that was seen is followed by its corners' optical flow (Lucas and Kanade, pyramids by
-  Bouguet), each refined in the whole picture. If they do not move as one plane, search again.
-- The search in a reduced picture misses small boards, so every few misses the whole picture is
-  searched (ChArUco boards).
+- The corners' optical flow (Lucas and Kanade, pyramids by Bouguet) follows a board, each refined
+  in the whole picture. If they do not move as one plane, search again.
+- The reduced picture hides small boards, so every few misses the whole picture is searched
+  (ChArUco boards).
 """
 
 from __future__ import annotations
@@ -30,7 +30,7 @@ _FLOW_WINDOW: Final = (21, 21)
 
 
 class BoardFollower:
-    """Finder of a board in consecutive frames; call ``look`` with them in order."""
+    """Finder of a board in consecutive frames, given to ``look`` in order."""
 
     def __init__(self, spec: BoardSpec) -> None:
         self._spec = spec
@@ -39,7 +39,7 @@ class BoardFollower:
         self._missed = 0
 
     def look(self, image: Image, name: str) -> BoardView | NoBoard:
-        """Find the board in the next frame; messages call the frame ``name``."""
+        """Find the board in the next frame, which messages call ``name``."""
         grey = grey_of(image)
         followed = self._follow(grey, name)
         found = self._search(grey, name) if followed is None else followed
@@ -96,7 +96,7 @@ def _view(name: str, grey: Image, corners: FloatArray, points: FloatArray) -> Bo
 
 def _moved_as_a_plane(before: FloatArray, after: FloatArray) -> bool:
     found: object = cv2.findHomography(before, after, 0)[0]
-    if not isinstance(found, np.ndarray):  # None without a homography, despite the type stubs
+    if not isinstance(found, np.ndarray):  # None without a homography, despite the stubs
         return False
     plane = np.asarray(found, dtype=np.float64)
     seen = cv2.perspectiveTransform(before.reshape(-1, 1, 2), plane).reshape(-1, 2)

@@ -1,11 +1,11 @@
 """Guide to the parts of the picture that still need a board, and to its next pose.
 
 Rules and units
-- The picture is divided into cells. A cell is done when a board's corner was seen in it and the
-  lens is known there to the limit (`covariance.KnownLens.sigma_px`, the worst of several points).
-- The next pose is, of some hundred (place, tilt, distance), the one that leaves the fewest cells
-  without a board, and among those the smallest worst spread: the guide of Peng and Sturm
-  (Calibration Wizard, 2019) with a choice of poses instead of a search.
+- A cell of the picture is done when a board's corner was seen in it and the lens is known there
+  to the limit (`covariance.KnownLens.sigma_px`, the worst of several points).
+- Of some hundred (place, tilt, distance), the next pose leaves the fewest cells without a board
+  and, among equals, the smallest worst spread: the guide of Peng and Sturm (Calibration Wizard,
+  2019) with a choice of poses instead of a search.
 """
 
 from __future__ import annotations
@@ -46,7 +46,7 @@ _FACING: Final = np.diag([1.0, -1.0, -1.0])
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Cells:
-    """The picture's cells: ``sigma_px`` (rows, columns), ``seen`` where a board has been."""
+    """The picture's cells: ``sigma_px`` (rows, columns), ``seen`` where a board was."""
 
     sigma_px: FloatArray
     seen: NDArray[np.bool_]
@@ -54,7 +54,7 @@ class Cells:
 
     @property
     def done(self) -> NDArray[np.bool_]:
-        """(rows, columns) True for cells that need no further board."""
+        """(rows, columns) True if no further board is needed."""
         return np.asarray(self.seen & (self.sigma_px <= self.limit_px))
 
     @property
@@ -65,7 +65,7 @@ class Cells:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class HeldPose:
-    """A pose of the board, camera from board, and the ``view`` the camera would have of it.
+    """A pose of the board, camera from board, and the camera's ``view`` of it.
 
     ``edge`` comes towards the camera ("" for none), ``distance`` is a name of ``SIZES``.
     """
@@ -79,7 +79,7 @@ class HeldPose:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Wanted:
-    """The next pose of the board: a sentence, the outline (4, 2) in the picture, and the pose."""
+    """The board's next pose, a sentence for it, and its outline (4, 2) in the picture."""
 
     sentence: str
     outline_px: FloatArray
@@ -93,7 +93,7 @@ def is_new(view: BoardView, views: Sequence[BoardView]) -> bool:
 
 
 def _apart_px(view: BoardView, other: BoardView) -> float:
-    """Mean distance of the common corners; infinite if few are common."""
+    """Mean distance of common corners; infinite with few."""
     places = {tuple(p): i for i, p in enumerate(np.round(other.points_m, 6).tolist())}
     pairs = [
         (i, places[key])
@@ -116,7 +116,7 @@ def cell_shape(size: tuple[int, int]) -> tuple[int, int]:
 def judge_cells(
     lens: KnownLens | None, views: Sequence[BoardView], size: tuple[int, int], limit_px: float
 ) -> Cells:
-    """State of the cells after some views; without a lens nothing is known."""
+    """State of the cells after some views; nothing is known without a lens."""
     shape = cell_shape(size)
     sigma = np.full(shape, np.inf)
     if lens is not None:
@@ -125,7 +125,7 @@ def judge_cells(
 
 
 def next_place(lens: KnownLens, spec: BoardSpec, views: Sequence[BoardView]) -> Wanted | None:
-    """The next pose of the board; None if no new pose is wholly in the picture."""
+    """The board's next pose; None if no new one is wholly in the picture."""
     size = lens.size
     shape = cell_shape(size)
     seen, points = _seen(views, size, shape), _points(size)
@@ -143,7 +143,7 @@ def next_place(lens: KnownLens, spec: BoardSpec, views: Sequence[BoardView]) -> 
 
 
 def held_poses(lens: KnownLens, spec: BoardSpec) -> list[HeldPose]:
-    """Poses with the whole board in the picture: places, tilts and distances."""
+    """Poses (place, tilt, distance) with the whole board in the picture."""
     columns, rows = spec.inner
     x, y = np.meshgrid(np.arange(columns) * spec.square_m, np.arange(rows) * -spec.square_m)
     points: FloatArray = np.stack([x.ravel(), y.ravel()], axis=1)
@@ -195,7 +195,7 @@ def _outline(lens: KnownLens, spec: BoardSpec, pose: HeldPose) -> FloatArray:
 
 
 def _rim(spec: BoardSpec) -> FloatArray:
-    """Corners (4, 2) of the outer squares, metres; all of them must be seen."""
+    """Outer squares' corners (4, 2), metres; all must be seen."""
     columns, rows = spec.inner
     rim = np.array([[-1, 1], [columns, 1], [columns, -rows], [-1, -rows]], dtype=np.float64)
     return rim * spec.square_m
@@ -223,7 +223,7 @@ def _third(share: float, low: str, high: str) -> str:
 
 
 def _points(size: tuple[int, int]) -> FloatArray:
-    """Points of the picture, ``POINTS_A_CELL`` along each side of a cell, row by row."""
+    """Points, ``POINTS_A_CELL`` along each side of a cell, row by row."""
     rows, columns = cell_shape(size)
     x = np.linspace(0.0, size[0] - 1.0, columns * (POINTS_A_CELL - 1) + 1)
     y = np.linspace(0.0, size[1] - 1.0, rows * (POINTS_A_CELL - 1) + 1)

@@ -1,10 +1,10 @@
 """A live calibration: takes frames, returns what to show. Opens no device, reads no clock.
 
 Rules
-- A view is taken when the board is held still where there is no view yet, and if it fits the
-  earlier views.
-- After each view the lens is fitted again with all five distortion terms, whatever it has in the
-  end: terms that the views do not determine show where views are missing.
+- A view is taken when the board is still where there is no view yet, and if it fits the earlier
+  ones.
+- The lens is then fitted again with all five distortion terms, whatever it has in the end: terms
+  the views do not determine show where views are missing.
 - Enough: every cell is done, and the focal length is known to ``FOCAL_SHARE``.
 - Views that do not fit are not taken. After three in a row the earlier ones may be wrong: all are
   judged together (`suspects`), and the smaller part goes.
@@ -52,9 +52,9 @@ _USABLE_FOCAL: Final = 0.2
 class LiveState:
     """Everything to show of one frame.
 
-    ``view`` is the board in it, or None with the reason in ``remark``; ``still`` 0 to 1; ``taken``:
-    this frame became a view; ``count`` of views; ``cells`` and ``focal_share`` the precision so
-    far; ``wanted`` the board's next pose; ``done``: it is enough.
+    ``view`` is its board, or None with the reason in ``remark``; ``still`` 0 to 1; ``taken``: it
+    became a view; ``count`` of views; ``cells`` and ``focal_share`` the precision; ``wanted`` the
+    board's next pose; ``done``: enough.
     """
 
     size: tuple[int, int]
@@ -70,7 +70,7 @@ class LiveState:
 
 
 class LiveSession:
-    """Takes views of a board from frames; ``limit_px`` is the largest acceptable spread."""
+    """Taker of a board's views from frames, until the spread is ``limit_px``."""
 
     def __init__(self, spec: BoardSpec, limit_px: float = LIMIT_PX) -> None:
         if not (math.isfinite(limit_px) and limit_px > 0.0):
@@ -99,7 +99,7 @@ class LiveSession:
 
     @property
     def wanted(self) -> Wanted | None:
-        """The board's next pose; None before the first frame and when it is enough."""
+        """The board's next pose; None before the first frame and when done."""
         return self._wanted
 
     def look(self, frame: Frame) -> LiveState:
@@ -133,7 +133,7 @@ class LiveSession:
         )  # fmt: skip
 
     def _take(self, frame: Frame, followed: BoardView) -> tuple[bool, str]:
-        """Make this frame a view if it fits; return True if so, and the message."""
+        """Take this frame as a view if it fits; return True if so, and the message."""
         self._number += 1
         name = f"view {self._number}"
         # more markers may be in sight than when the board was found; a chessboard is found whole
@@ -151,7 +151,7 @@ class LiveSession:
         return True, f"{name}: taken"
 
     def _doubt(self, view: BoardView) -> str:
-        """The reason why a view does not fit the earlier ones; empty if it does."""
+        """Reason why a view does not fit the earlier ones; empty if it does."""
         if self._lens is None or len(self._taken) < FEWEST_VIEWS:
             return ""
         usual_px = math.sqrt(2.0) * self._lens.noise_px
@@ -201,9 +201,7 @@ class LiveSession:
             return None
 
     def _guess(self) -> KnownLens:
-        """The lens combined with the knowledge before any picture, so that there is always a next
-        pose.
-        """
+        """The lens plus the knowledge before any picture, so that there is always a next pose."""
         assert self._size is not None
         lens = self._lens
         if lens is not None and lens.focal_share < _USABLE_FOCAL:

@@ -2,9 +2,8 @@
 
 Rules and units
 - Pixels from one frame to the next, seconds by the frames' own times.
-- The part of the movement that an affine map explains is movement, the rest noise. A board is
-  still if it moves less than ``STILL_PX``, which blurs no corner, or less than noise can feign,
-  for ``STILL_S``.
+- An affine map's part of the corners' change is movement, the rest noise. Still means, for
+  ``STILL_S``, less than ``STILL_PX``, which blurs no corner, or less than noise can feign.
 """
 
 from __future__ import annotations
@@ -27,14 +26,14 @@ _NOISES: Final = 3.0
 
 
 class Stillness:
-    """Judge of a board's stillness; give it each view in turn."""
+    """Judge of stillness, given each view in turn."""
 
     def __init__(self) -> None:
         self._last: tuple[float, BoardView] | None = None
         self._since_s: float | None = None
 
     def add(self, now_s: float, view: BoardView | None) -> float:
-        """Stillness so far, from 0 (it moves) to 1 (still for ``STILL_S``)."""
+        """Stillness, from 0 (moving) to 1 (still for ``STILL_S``)."""
         last, self._last = self._last, None if view is None else (now_s, view)
         if view is None or last is None or not 0.0 < now_s - last[0] <= LONGEST_GAP_S:
             self._since_s = None
@@ -48,12 +47,12 @@ class Stillness:
         return min(1.0, (now_s - self._since_s) / STILL_S)
 
     def begin_again(self) -> None:
-        """Restart the measured time of stillness."""
+        """Restart the time of stillness."""
         self._since_s = None
 
 
 def _movement(before: BoardView, after: BoardView) -> tuple[float, float] | None:
-    """(rms of the common movement, its part that noise can feign) in px; None with too few corners.
+    """(rms of the common movement, noise's possible part) in px; None with too few corners.
 
     An affine map fitted to noise of spread s on n corners moves them by s sqrt(6 / n) rms.
     """

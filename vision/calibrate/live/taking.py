@@ -1,7 +1,7 @@
-"""Loop that takes views of a board from a camera and shows them on the way.
+"""Loop that takes and shows views of a board from a camera.
 
-It ends when the views are enough, when the source ends, on Ctrl-C, or when somebody cancels it; the
-views taken are kept.
+It ends when the views are enough, when the source ends, on Ctrl-C, or when cancelled, and keeps the
+views taken.
 """
 
 from __future__ import annotations
@@ -33,9 +33,9 @@ class Shows(Protocol):
 
 @dataclass(frozen=True, slots=True, eq=False)
 class LiveTaken:
-    """The views taken, and in ``ended`` the reason why it ended.
+    """The views taken, and in ``ended`` the reason for the end.
 
-    ``last`` is the last state, None if there was no picture.
+    ``last`` is the last state, None without a picture.
     """
 
     views: tuple[BoardView, ...]
@@ -61,7 +61,7 @@ def take_live(
 ) -> LiveTaken:
     """Take views of the board until they are enough; opens and closes ``camera``.
 
-    Ctrl-C ends it earlier, and so does ``is_cancelled``, which is called at each frame.
+    Ctrl-C ends it earlier, and ``is_cancelled``, called at each frame.
 
     Raises ``CameraError`` if the camera fails, ``CalibrationError`` if its pictures change size or
     the board is part of a larger one.
