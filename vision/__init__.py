@@ -6,7 +6,8 @@ part does not pay for the others' compiled kernels.
 - `camera` delivers frames; `calibrate` makes the `calibration` that maps them to the floor.
 - `pipeline` turns a picture into a scene: `binarise`, then `borders`, `outline` (or `paper`) and
   `records`; `doubts` adds remarks about the whole scene, `errors` has ``PictureError``.
-- `markers` finds the robots in a picture and follows them.
+- `watch` finds what changed between two pictures; `markers` finds and follows robots.
+- `joined` unites several cameras over one arena; `quality` measures what a camera delivers.
 """
 
 import lazy_loader

@@ -59,10 +59,11 @@ def extract(
     verbatim. ``polarity`` is the side of the level that is obstacle; ``method`` and ``threshold``
     find the level (see ``vision.binarise.binarise``); a threshold alone is method ``fixed``.
     ``calibration`` and ``bounds`` (in metres, or x_min, y_min, x_max, y_max) make a scene in
-    metres; objects wholly outside are dropped, with a remark. An empty or overfull scene gets a
-    remark (see ``vision.doubts``). ``ignore`` marks pixels that are not obstacles: (h, w) bool, or
-    discs (x, y, radius) in pixels. Raises ``PictureError`` for an unusable picture or option, and
-    if no pixel is free. Thread-safe. O(pixels) to threshold, then O(border pixels).
+    metres; objects wholly outside are dropped, with a remark. If nothing is left, or far too much
+    is found, a remark says so (see ``vision.doubts``). ``ignore`` marks pixels that are not
+    obstacles: (h, w) bool, or discs (x, y, radius) in pixels. Raises ``PictureError`` for an
+    unusable picture or option, and if no pixel is free. Thread-safe. O(pixels) to threshold, then
+    O(border pixels).
     """
     _refuse(mode, calibration, bounds)
     clock = _StopWatch()

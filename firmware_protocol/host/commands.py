@@ -36,8 +36,6 @@ Command: TypeAlias = Pause | Clear | Start | ResetEstop
 
 @dataclass(frozen=True, slots=True)
 class _Outstanding:
-    """The command that awaits its answer."""
-
     number: int
     kind: MessageType
     sent_s: float

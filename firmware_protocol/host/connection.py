@@ -87,8 +87,6 @@ class HostConnection:
         self._taken = False
         """Whether another host has the robot, and had it when the link was lost."""
 
-    # Orders.
-
     def open(self, now_s: float) -> None:
         """Ask for a robot on the open port. LocalError if it was open already."""
         self._change(LinkEvent.OPEN, "looking for a robot")
@@ -167,8 +165,6 @@ class HostConnection:
             self._change(LinkEvent.RENEW, "a fresh session, to leave the emergency stop")
             self._new_session(now_s)
 
-    # State.
-
     @property
     def upload_state(self) -> Upload | None:
         """Progress of the mission meant for the robot; None without one."""
@@ -230,8 +226,6 @@ class HostConnection:
         since_s = now_s - max(self._bytes_s, self._opened_s)
         silent = now_s - self._bytes_s > SILENCE_S
         return why_silent(self.parser.counters, since_s if silent else None)
-
-    # Bytes in.
 
     def receive_bytes(self, data: bytes, now_s: float) -> None:
         """Take arrived bytes, in any portion."""
@@ -351,8 +345,6 @@ class HostConnection:
         if self.state is LinkState.DRAIN:
             self._change(LinkEvent.MISSION_OVER, reason)
 
-    # Time and bytes out.
-
     def tick(self, now_s: float) -> None:
         """Handle timeouts: call at least every 20 ms, and before :meth:`bytes_to_send`."""
         if self.state.is_asking or self.state is LinkState.CLOSED:
@@ -384,8 +376,6 @@ class HostConnection:
         if self.state is LinkState.CLOSED:
             return now_s + 0.1
         return self._out.deadline_s(now_s)
-
-    # Sessions.
 
     def _new_session(self, now_s: float) -> None:
         self._sessions.renew(now_s)

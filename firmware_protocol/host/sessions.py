@@ -1,7 +1,7 @@
 """The host's sessions: their numbers, the times of HELLO, and other hosts on the line.
 
-- A session's number is random, never one of the last sixteen: so late frames of our own sessions
-  differ from a stranger's.
+- A session's number is random, never one of the last sixteen: this distinguishes late frames of
+  our own sessions from a stranger's.
 - HELLO is repeated at intervals that grow by half, until the robot reports in the session; to a
   robot of another schema every few seconds.
 - A stranger's HELLO is not yet its session: the robot answers it and stays with ours. Only the

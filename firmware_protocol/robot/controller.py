@@ -84,7 +84,8 @@ class RobotController:
         return self.wheels
 
     def follow(self, now_s: float, left_m: float, right_m: float) -> None:
-        """Decide for a cycle that ended at ``now_s``, without wheels and lease check.
+        """Decide for a cycle that ended at ``now_s``, without checking the lease or moving the
+        wheels.
 
         For robots that report several cycles at once: call :meth:`tick` first.
         """

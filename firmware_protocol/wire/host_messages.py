@@ -248,7 +248,7 @@ class ResetEstop:
 
 @dataclass(frozen=True, slots=True)
 class Lease:
-    """Sign of the control loop's life; with PERMIT the robot may drive for ``ttl_s``.
+    """Sign that the control loop is alive; with PERMIT the robot may drive for ``ttl_s``.
 
     ``ttl_s`` counts from ``issued_us`` of the robot's clock, modulo 2**32; ``pose_age_s`` was the
     pose's age then.

@@ -1,8 +1,8 @@
 """All messages: reading a frame's payload, the schema's hash, the emergency stop's frame.
 
 - ``pack()`` gives a payload, ``unpack(payload)`` reads one; the header is framing's.
-- Messages made here raise LocalError out of range; those from the wire RemoteError, before they
-  are trusted. Integers are little-endian.
+- A message made here checks its ranges (LocalError); one from the wire is checked before it is
+  trusted (RemoteError). Integers are little-endian.
 - Host messages have types below 0x80, robot messages from 0x80 on.
 """
 

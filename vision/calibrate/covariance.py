@@ -47,7 +47,8 @@ class KnownLens:
     """A lens and the precision of its parameters.
 
     ``size`` px; ``camera_matrix`` (3, 3); ``distortion`` (5,); ``normal`` (4 + terms, 4 + terms),
-    the inverse of their covariance at 1 px of corner noise; ``noise_px`` of each corner coordinate.
+    the inverse of the parameters' covariance at 1 px of corner noise; ``noise_px`` of each corner
+    coordinate.
     """
 
     size: tuple[int, int]

@@ -24,7 +24,7 @@ FOLDS = 10
 
 
 class SeenThrough(Protocol):
-    """A lens, reduced to a view's needs."""
+    """The part of a lens that a view needs."""
 
     @property
     def camera_matrix(self) -> FloatArray:

@@ -51,8 +51,8 @@ TERMS = {"brown": tuple(_TERMS), "fisheye": (0, 1, 2, 4)}
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Lens:
-    """``camera_matrix`` (3, 3), ``distortion`` (5,), fisheye's (4,), rms over all corners,
-    omissions.
+    """``camera_matrix`` (3, 3), ``distortion`` (5,), fisheye's (4,), rms over all corners, what was
+    left out.
 
     ``terms`` is the number of distortion terms; ``used`` the pictures' names and rms; ``remarks``
     plain sentences; ``left_out_px`` each model's residual on left-out views if models were
@@ -263,6 +263,5 @@ def _fit_brown(views: Sequence[BoardView], terms: int) -> LensFit:
 
 
 def _largest_turn_deg(rotations: Sequence[NDArray[Any]]) -> float:
-    """Largest angle between two boards' normals."""
     normals = np.array([np.asarray(r)[:, 2] for r in rotations])
     return math.degrees(math.acos(min(1.0, max(-1.0, float((normals @ normals.T).min())))))

@@ -3,7 +3,7 @@
 Rules
 - A fifth of the views is left out at a time. The lens is fitted to the others; a left-out view
   gets only a pose. A model that overfits fails there.
-- The fisheye's must be better by a fiftieth: narrow lenses suit both.
+- Brown's stays unless the fisheye's is better by a fiftieth: narrow lenses suit both.
 """
 
 from __future__ import annotations

@@ -72,8 +72,8 @@ class Residual:
 class Reanchored:
     """The new calibration, each marker's residual, and the picture's shift.
 
-    ``moved_px`` is the median distance between the used markers' old and seen positions;
-    ``missing`` lists unseen anchors.
+    ``moved_px`` is the median distance of the used markers' seen positions from those by the old
+    calibration; ``missing`` lists unseen anchors.
     """
 
     calibration: Calibration

@@ -160,7 +160,6 @@ def _bits(book: cv2.aruco.Dictionary, marker_id: int) -> NDArray[np.bool_]:
 
 
 def _cells(dark: NDArray[np.bool_], cell: float, left: float, top: float) -> tuple[Rectangle, ...]:
-    """Runs of dark cells as rectangles."""
     found = []
     for row, line in enumerate(np.asarray(dark, dtype=np.int8)):
         steps = np.diff(np.concatenate([[0], line, [0]]))

@@ -83,7 +83,7 @@ def suspects(views: Sequence[BoardView], estimate: Estimate) -> list[Suspect]:
 
 
 def bad_px(usual_px: float) -> float:
-    """Rms at which a view stops belonging to others of ``usual_px``."""
+    """Rms from which a view does not belong to others with rms ``usual_px``."""
     return max(_BAD_PX, _BAD_FACTOR * usual_px)
 
 

@@ -145,8 +145,8 @@ def worst_cells(
 ) -> tuple[float, float]:
     """Score of the worst cell within the border, and of the worst of all cells and the light rim.
 
-    1 if as light, or dark, as the fit's light and dark there, 0.5 halfway, 0 if the other or
-    without a pixel to read.
+    1 if a cell is as light, or as dark, as the fit has it there, 0.5 halfway, 0 if it is the other
+    or has no pixel to be read by.
     """
     cells = len(bits)
     light = np.zeros((cells + 2, cells + 2))

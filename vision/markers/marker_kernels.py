@@ -399,7 +399,7 @@ def _errors_at(
 ) -> None:
     """Write a fitted line's standard errors at a side's two ends to ``out_line[4:]``.
 
-    A regression's: larger at a covered end.
+    They come from a regression, so they are larger at a covered end.
     """
     a, b = out_line[0], out_line[1]
     along = points[:, 0] * b - points[:, 1] * a

@@ -60,7 +60,7 @@ def settle_pattern(
     dark, light = _quantile(grey, 0.15), _quantile(grey, 0.85)
     state[6:] = 0.0
     state[6], state[7], state[10] = _START_BLUR_PX, dark, light - dark
-    # cells across a pixel, along u and v
+    # number of cells that a pixel spans, along u and v
     per_px = max(pixel_length(state[0], state[1], metric), pixel_length(state[3], state[4], metric))
     most_blur_px = max(_MOST_BLUR_CELLS / per_px, _LEAST_BLUR_PX)
     matrix, step = np.empty((UNKNOWNS, UNKNOWNS)), np.empty(UNKNOWNS)
@@ -206,8 +206,8 @@ def normal_equations(
     ``bits`` (n, n) is 1 for light; residuals beyond ``limit`` weigh less (Huber). ``metric`` (2, 2)
     is J J^T of the plane's a, b by raw pixels: a blur round in the picture is not round in the
     plane, seen from the side or through a wide lens. The Gaussian blur is narrow compared with a
-    cell, so only the nearest grid line of each direction matters. Pixels among like cells depend on
-    light and dark alone and are summed apart.
+    cell, so only the nearest grid line of each direction matters. Pixels whose surrounding cells
+    are alike depend only on light and dark, so they are summed apart.
     """
     out_matrix[:] = 0.0
     out_right[:] = 0.0

@@ -71,7 +71,8 @@ class MarkerTracker:
     """Finder of known robots' markers in frame after frame.
 
     ``dictionary`` is an OpenCV name such as ``DICT_4X4_50`` or ``DICT_APRILTAG_36h11``,
-    ``rolling_shutter_s`` the time from the first to the last row's exposure, the frame's time.
+    ``rolling_shutter_s`` the time from the first row's exposure to the last row's, which is the
+    frame's.
     """
 
     def __init__(
@@ -282,7 +283,6 @@ class MarkerTracker:
         }
 
     def _best(self, sightings: list[Sighting], robot_id: int, now_s: float) -> Sighting | None:
-        """Of several markers with one id, take the nearest to the robot's expected place."""
         if not sightings:
             return None
         expected = self._tracks[robot_id].predict(now_s)

@@ -140,7 +140,6 @@ def _grey(image: ArrayLike, calibration: Calibration | None) -> Image:
 
 
 def _books(dictionary: str | Path | None) -> Iterator[tuple[str, cv2.aruco.Dictionary]]:
-    """Dictionaries to search, each with its name."""
     if dictionary is None:
         largest: dict[str, str] = {}
         for name in sorted(dictionary_names(), key=_count_in):
@@ -170,7 +169,6 @@ def _smallest(name: str, marker_id: int) -> str:
 
 
 def _agreement(grey: Image, quad: FloatArray, bits: FloatArray) -> float:
-    """Share of a marker's cells that are rightly light or dark."""
     side = bits.shape[0] * _CELL_PX
     corners = np.array([(0, 0), (side, 0), (side, side), (0, side)], np.float32) - 0.5
     upright = cv2.warpPerspective(

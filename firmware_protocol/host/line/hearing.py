@@ -18,7 +18,7 @@ DEAF_FRAMES: Final = 8
 
 
 class Hearing:
-    """Watch on the robot's count, given each frame sent and each report."""
+    """Tracker of the robot's count; give it each frame sent and each report received."""
 
     def __init__(self) -> None:
         self.why_deaf: str | None = None

@@ -1,4 +1,4 @@
-"""Time of bytes on the line, and when it is free again, so that at most one frame waits.
+"""Transmission time of bytes, and the time the line is free, so that at most one frame waits.
 
 Bytes in the operating system cannot be taken back; an emergency stop would wait behind them.
 Seconds; 10 bits a byte.

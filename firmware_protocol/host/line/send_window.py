@@ -87,7 +87,7 @@ class SendWindow:
 
     @property
     def next_sequence(self) -> int:
-        """The number expected by the receiver once it has everything."""
+        """The number that the receiver expects once it has everything."""
         return self._next_sequence
 
     @property

@@ -3,7 +3,7 @@
 - Between waypoints: pure pursuit (Coulter, 1992) of the polyline through them; beyond a stop
   the last line is extended, so that the robot runs straight into its target.
 - Speed: at every waypoint ahead at most its own, zero at stops, sharp corners and the queue's
-  end, in between within the brakes' power.
+  end, and in between no more than the brakes allow.
 - The robot turns on the spot at a corner sharper than TURN_ENTER. At a stop it settles, drives the
   last millimetres if needed, turns to the heading asked for, and dwells.
 - Lengths are counts of 64 um and end at 2 m (FAR), angles are 2^16 a turn, speeds eighths of mm/s.
@@ -312,7 +312,6 @@ class Follower:
 
     @micropython.native
     def _track(self, begin: int) -> None:
-        """Follow the line, or turn towards it."""
         if self._queue.data[self._queue.at(begin) + 15] and self._remaining <= SHORT:
             self.phase = SETTLE
             self._move(0, 0)
@@ -334,7 +333,7 @@ class Follower:
 
     @micropython.native
     def _has_settled(self, ahead_um: int, at: int, tolerance: int) -> bool:
-        """True if at rest long enough, and near enough; if not near, it docks."""
+        """True if at rest long enough and near enough to the target; if not near, dock."""
         self._move(0, 0)
         if self._still_us == 0:
             self._stood_um = 0
@@ -357,7 +356,7 @@ class Follower:
 
     @micropython.native
     def _dock(self, at: int) -> None:
-        """Drive straight to the target, forwards or backwards, after a turn towards it."""
+        """Drive straight to the target, forwards or backwards, turning towards it first."""
         data = self._queue.data
         VECTOR[0] = (get_place(data, at) >> 2) - (self._pose[0] >> 2)
         VECTOR[1] = (get_place(data, at + 4) >> 2) - (self._pose[1] >> 2)
@@ -382,7 +381,6 @@ class Follower:
 
     @micropython.native
     def _is_stuck(self) -> bool:
-        """True without progress for too long."""
         pose, progress = self._pose, self._progress
         if (
             self.phase == SETTLE

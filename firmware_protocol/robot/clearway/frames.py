@@ -115,7 +115,7 @@ class Frames:
         return self._end(put_halves(self.frame, 10, self._robot.numbers, 2))
 
     def time(self, session: int, host: bytearray, then: bytearray, clock: bytearray) -> int:
-        """TIMESYNC_REPLY: the host's time, ours at its question, and ours at present."""
+        """TIMESYNC_REPLY: the host's time, ours when its question came, and ours now."""
         self._begin(TIMESYNC_REPLY, session, 0)
         at = self._put_bytes(10, host)
         at = self._put_bytes(at, then)

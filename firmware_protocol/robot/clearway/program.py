@@ -77,7 +77,7 @@ class Program:
         board.drive(robot.left, robot.right, robot.powered)
 
     def run(self) -> None:
-        """Run for ever; the motors are off at any end."""
+        """Run for ever; however it ends, the motors are off."""
         try:
             while True:
                 self.round()

@@ -4,10 +4,11 @@
   nothing. So it is long enough to break a wheel loose, and ordered and driven travel always differ
   by less than a pulse and a cycle.
 - The left wheel is half a pulse ahead: a robot turning on the spot turns by one wheel's pulse at a
-  time, half of both together.
+  time, half of what both would turn it by.
 - An order of zero is zero at once, and so is any slow order while the robot stops.
 
-Speeds are eighths of mm/s, debts those times microseconds. The twin of ``pulses.c``.
+Speeds are eighths of mm/s; what a wheel owes is in those times microseconds. The twin of
+``pulses.c``.
 """
 
 from array import array

@@ -4,8 +4,8 @@
 and ``frames`` reports its state. Distances are micrometres, as the wheel encoders measure them,
 speeds eighths of mm/s. Memory is bounded: QUEUE_SIZE waypoints of 16 bytes.
 
-Times are microseconds modulo 2^30 (17.9 minutes); elapsed time is an unsigned difference: after a
-processor's standstill the lease has lapsed.
+Times are microseconds modulo 2^30 (17.9 minutes); elapsed time is an unsigned difference, so a
+processor that stood still finds its lease lapsed.
 
 The twin of ``robot.c``.
 """
@@ -346,7 +346,8 @@ class Robot:
 
     @micropython.native
     def follow(self, now_us: int, left_um: int, right_um: int) -> None:
-        """Decide for a cycle that ended at ``now_us``, without lease and wheels.
+        """Decide for a cycle that ended at ``now_us``, without checking the lease or moving the
+        wheels.
 
         A robot that gets several cycles at once follows each, and turns its wheels after the last.
         """

@@ -70,7 +70,7 @@ class LiveState:
 
 
 class LiveSession:
-    """Taker of a board's views from frames, until the spread is ``limit_px``."""
+    """Collector of views from frames; ``limit_px`` is the largest acceptable spread."""
 
     def __init__(self, spec: BoardSpec, limit_px: float = LIMIT_PX) -> None:
         if not (math.isfinite(limit_px) and limit_px > 0.0):
@@ -177,7 +177,6 @@ class LiveSession:
         return f"views judged anew; left out: {', '.join(gone) or 'none'}"
 
     def _judge(self) -> None:
-        """Fit the lens, and find the next pose."""
         assert self._size is not None
         views = self.views
         self._lens = self._fit(views)

@@ -26,7 +26,7 @@ _NOISES: Final = 3.0
 
 
 class Stillness:
-    """Judge of stillness, given each view in turn."""
+    """Tracker of a board's stillness; give it each view in turn."""
 
     def __init__(self) -> None:
         self._last: tuple[float, BoardView] | None = None
@@ -52,7 +52,7 @@ class Stillness:
 
 
 def _movement(before: BoardView, after: BoardView) -> tuple[float, float] | None:
-    """(rms of the common movement, noise's possible part) in px; None with too few corners.
+    """(rms of the common movement, the most that noise feigns of it) in px; None with few corners.
 
     An affine map fitted to noise of spread s on n corners moves them by s sqrt(6 / n) rms.
     """
