@@ -1,1 +1,9 @@
-"""The mission on disk, so that a run that was ended goes on where it was."""
+"""Missions and stops on the disk, so that a restarted run continues where it ended.
+
+- `journal`: the mission, its progress and the plan that the robot holds, read at the start and
+  written on change.
+- `journal_records`: these as text.
+- `journal_file`: the sealed file of that text, written whole and used by one program.
+- `stop_latch`: each stop as a file, in force until a person re-arms.
+- `kept_stops`: the stops of a run: written before they are confirmed, removed by a re-arm only.
+"""

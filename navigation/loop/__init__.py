@@ -1,1 +1,12 @@
-"""The control loop: what is seen, planned and sent, once a cycle."""
+"""The control loop: see, plan, decide and send, once a cycle, for one robot or several.
+
+- `daemon` runs a cycle: `seeing/` gives poses and scene, `planning` a path, `traffic/` says how
+  far each robot may drive along it, `robot` decides with its pilot, and `robot_orders` puts the
+  decision on the link.
+- `people` and `stopping` take the orders of people: stops go past every queue.
+- `planner_news` and `punctuality` say what the planner's thread found, and which thread runs late.
+- `run_state`, `reports` and `recorder` pass the state on after each cycle.
+- `parts` names what the loop needs of camera, planner, link and world, in real or virtual time.
+- `stages` and `firmware_settings` turn a configuration into settings of the parts, and of the
+  robot.
+"""

@@ -1,1 +1,8 @@
-"""Who plans, and how much of their paths robots may drive: one alone, or several together."""
+"""Plans for one robot or several, and how much of a plan each robot may drive.
+
+- `traffic` names what the control loop needs of either.
+- `alone`: the pilot's requests go to the planner, and the robot may drive all of its plan.
+- `coordinated`: the coordinator promises each robot a part of its plan.
+- `fleet_planner`: the roadmap of the newest scene and the promises for all, in a thread beside the
+  loop.
+"""

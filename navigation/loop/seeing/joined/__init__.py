@@ -1,1 +1,5 @@
-"""The eye of a run with several cameras over one arena, and how it is made of a configuration."""
+"""The eye of a run with several cameras above one arena.
+
+- `joined_parts` makes it from the configuration: one eye a camera, and the common floor plan.
+- `joined_eye` takes the cameras' frames and returns one set of poses and one scene.
+"""
