@@ -1,1 +1,5 @@
-"""What the kernels of vision share: how they are compiled, and scratch memory."""
+"""Parts that the kernels of vision share.
+
+- `scratch`: memory used for one picture after another.
+- `typed_numbers`: numbers and answers with the types that kernels take.
+"""

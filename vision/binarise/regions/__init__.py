@@ -1,1 +1,7 @@
-"""Which of the regions of a mask are real: what speaks for a border, and what was left out."""
+"""The check of a mask's regions: which of them are real, and which are missing.
+
+- `edge_evidence` finds the level that the picture's edges speak for, and the obstacles that the
+  level taken has left out; its kernels measure the steps across a border.
+- `floor_pattern` recognises a floor with a pattern of its own.
+- `judge` decides for each region, by the steps across its border.
+"""

@@ -1,1 +1,8 @@
-"""Where two edges meet: corners, wall ends, fillets, merged and dropped sides."""
+"""Places where two edges meet.
+
+- `joint_kernels` fits the edges between their breaks, and `crossing_kernels` intersects neighbours.
+- `blurred_corner_kernels` is the effect of blur on a corner.
+- `fillet_kernels`, `wall_end_kernels` and `missed_arc_kernels` find rounded corners, the short ends
+  of walls and lines that are bent.
+- `edit_search_kernels` applies the edits of `edit_kernels` until none lowers the cost.
+"""

@@ -1,1 +1,8 @@
-"""Drawn pictures, whose borders are exact: edges that separate the pixels."""
+"""Outlines of pictures without grey, which must separate obstacle pixels from free ones.
+
+- `separation_kernels` checks that the finished edges do, and `lost_run_kernels` finds the cracks
+  lost.
+- `joint_relaxation_kernels` moves a chain of edges until it passes between the pixels.
+- `merging_kernels` replaces runs of edges by the line or arc of `merged_edge_kernels`.
+- `separating_chord_kernels` puts chords where edges still do not separate the pixels.
+"""
