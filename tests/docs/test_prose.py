@@ -41,7 +41,6 @@ PENDING = {
     "vision/paper",
     "vision/quality",
     "vision/records",
-    "vision/shared",
     "vision/watch",
 }
 
