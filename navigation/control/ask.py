@@ -39,7 +39,7 @@ MOST_AT_ONCE: Final = 32
 
 
 def default_socket() -> Path:
-    """Where the daemon listens: the user's runtime folder, else a private temporary one."""
+    """The socket that the daemon listens at: in the user's runtime folder, or a private one."""
     runtime = os.environ.get("RUNTIME_DIRECTORY") or os.environ.get("XDG_RUNTIME_DIR")
     if runtime and os.access(runtime.split(":")[0], os.W_OK):
         return Path(runtime.split(":")[0]) / "clearway" / "control.sock"

@@ -1,4 +1,4 @@
-"""Who is connected to the control socket: what came so far, until when, and who makes room.
+"""Clients of the control socket: bytes so far, deadlines, and the order of leaving.
 
 Rules
 - A request as a whole has ``REQUEST_WITHIN_S``, however its bytes drip in.
@@ -42,7 +42,7 @@ class Client:
     data: bytearray = field(default_factory=bytearray)
 
     def read(self) -> bytes | None:
-        """What has come, once it is a whole line or the end; None while more is needed.
+        """Return the bytes once they are a whole line or the end; None while more is needed.
 
         ``TooLongError`` where it is too long; OSError where the client is gone.
         """
@@ -74,7 +74,7 @@ class Client:
 
 
 def who_makes_room(clients: list[Client]) -> Client:
-    """Of so many clients the one whose place is given to another."""
+    """The client whose place is given to another."""
     return min(
         clients,
         key=lambda one: (one.job is not None, one.job is not None and one.job.is_stop, one.came_s),

@@ -33,7 +33,7 @@ class Job:
 
     @property
     def is_stop(self) -> bool:
-        """Whether it asks for the emergency stop."""
+        """True if it asks for the emergency stop."""
         return self.request.get("order") == "stop"
 
 

@@ -253,7 +253,7 @@ class ControlServer:
 
 
 def _is_due(job: Job, now_s: float) -> bool:
-    """Whether a stop that was carried out has waited long enough for the control loop."""
+    """True if an executed stop has waited long enough for the control loop."""
     if not job.is_stop or now_s - job.came_s < STOP_ANSWER_S:
         return False
     return job.answer is not None and bool(job.answer["ok"])

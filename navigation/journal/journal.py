@@ -1,4 +1,4 @@
-"""What must survive a restart: the mission, its progress and the plan that the robot holds.
+"""State that survives a restart: the mission, its progress and the robot's plan.
 
 Rules
 - Everything is written and synced before it takes effect: a mission before it is planned for,
@@ -143,7 +143,7 @@ def _is_for(one: Mission, other: Mission) -> bool:
 
 
 def _is_same(one: Contents, other: Contents) -> bool:
-    """Whether a restart would do the same: sentences differ every moment."""
+    """True if a restart would do the same: sentences differ every moment."""
     return one.plan is other.plan and _progress(one.mission) == _progress(other.mission)
 
 

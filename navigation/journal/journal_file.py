@@ -51,7 +51,7 @@ class JournalWriteError(JournalError):
 
 
 class _UntrustedError(ValueError):
-    """What is in the file must not be used; ``label`` goes into the name that it is kept under."""
+    """Content that must not be used; ``label`` goes into the name that the file is kept under."""
 
     def __init__(self, label: str, message: str) -> None:
         super().__init__(message)

@@ -1,4 +1,4 @@
-"""What a journal holds, as text: the owner, the mission with its progress, the plan that was sent.
+"""A journal's records as text: the owner, the mission with its progress, the plan sent.
 
 Rules
 - Read as strictly as a configuration: unknown keys, wrong types, numbers that are not finite or
@@ -52,7 +52,7 @@ class Owner:
     bounds_m: tuple[float, float, float, float] = (-1e3, -1e3, 1e3, 1e3)
 
     def difference(self, other: Owner) -> str:
-        """What of the other is another, in words; empty where they are the same."""
+        """Differences from the other owner, in words; empty if they are the same."""
         mine, theirs = asdict(self), asdict(other)
         names = {"bounds_m": "arena"}
         parts = [
@@ -99,7 +99,7 @@ class SentPlan:
     targets: tuple[Target, ...]
 
     def visited_after(self, executed: int) -> int:
-        """How many stations are visited when the robot has executed so many targets."""
+        """Number of stations visited when the robot has executed ``executed`` targets."""
         passed = [t.station for t in self.targets[:executed] if t.station is not None]
         return self.visited_before + max(passed, default=0)
 

@@ -1,4 +1,4 @@
-"""What a camera delivers, judged for a run: a sentence on each thing, and what to do about it.
+"""Findings on a camera for a run: a sentence on each, and what to do about it.
 
 Every limit has its reason beside it. Grey levels, pixels, seconds, metres; shares are of one.
 """
@@ -101,7 +101,7 @@ def _rate(judged: Judged) -> Iterator[Finding]:
 
 
 def _faster(judged: Judged) -> str:
-    """What makes a camera faster: another format, a shorter exposure, a smaller picture."""
+    """Advice for a faster camera: another format, a shorter exposure, a smaller picture."""
     asked = judged.asked
     best = rank_modes(judged.modes, asked.size_px, asked.rate_hz)
     reaches = best and best[0].rate_hz is not None and best[0].rate_hz >= REACHES * asked.rate_hz

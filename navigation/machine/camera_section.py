@@ -73,7 +73,7 @@ def _mains_hz(judged: Judged) -> int:
 
 
 def _exposure_ms(judged: Judged, has: Listed) -> float | str:
-    """As asked, unless lamps flicker or the robot would smear: then a time that avoids it."""
+    """The exposure asked for, or one that avoids flicker and smear."""
     asked, flicker = judged.asked.exposure_ms, judged.quality.flicker
     now_ms = judged.exposure_ms or 1000.0 / judged.asked.rate_hz
     least_ms, most_ms = has.least * EXPOSURE_UNIT_MS, has.most * EXPOSURE_UNIT_MS

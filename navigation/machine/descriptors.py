@@ -29,7 +29,7 @@ def set_descriptor_limit(wanted: int = WANTED) -> int:
 
 
 def descriptor_limit() -> int:
-    """How many descriptors this process may have open; `WANTED` where there is no limit."""
+    """Number of descriptors that this process may open; `WANTED` if there is no limit."""
     soft, _hard = resource.getrlimit(resource.RLIMIT_NOFILE)
     return WANTED if soft == resource.RLIM_INFINITY else soft
 

@@ -1,4 +1,4 @@
-"""What is wrong with this machine, told before a run does: one finding a line, each with a cure.
+"""Checks of this machine before a run: one finding a line, each with what to do.
 
 Every check looks at one thing and changes nothing; what it needs to know is passed in. `fail`
 means that a run cannot work, `warn` that it may disappoint. Sizes in MB are 10^6 bytes.
@@ -153,7 +153,7 @@ def check_cores(count: int | None) -> Finding:
 
 
 def check_wakeups(worst_s: float, load: float) -> Finding:
-    """How late threads were woken: robots hold where that is too late."""
+    """Check how late threads were woken: robots hold if that is too late."""
     told = f"woken at most {worst_s * 1e3:.0f} ms late, load {load:.1f}"
     if worst_s > WAKEUP_WARN_S:
         cure = "end what else runs: robots hold while the program is late"
@@ -224,7 +224,7 @@ def running_programs(proc: Path = Path("/proc")) -> Iterator[str]:
 
 
 def check_kernels(cold: bool, folder: Path | None, environment: Mapping[str, str]) -> Finding:
-    """Whether the kernels are compiled, and where they are kept."""
+    """Check that the kernels are compiled, and name their folder."""
     where = environment.get("NUMBA_CACHE_DIR") or (str(folder) if folder else "beside the source")
     if cold:
         cure = "nothing to do: the first run compiles them, which takes some minutes"

@@ -1,4 +1,4 @@
-"""What systemd is told: ready, stopping, and that every stage of the program still works.
+"""Reports to systemd: ready, stopping, and that every stage of the program still works.
 
 Rules
 - A message is one datagram that is sent without waiting: a full socket loses a message, never

@@ -36,7 +36,7 @@ class ServiceError(ValueError):
 
 @dataclass(frozen=True, slots=True)
 class UsbAdapter:
-    """How udev knows a serial adapter: four hexadecimal digits each, and its serial number."""
+    """A serial adapter's identity for udev: four hexadecimal digits each, and its serial number."""
 
     vendor: str
     product: str

@@ -1,4 +1,4 @@
-"""Whether camera and wheels tell of one motion: where the robot was seen, less where it rolled.
+"""Agreement of camera and wheels: where the robot was seen, less where it rolled.
 
 The wheels' way is laid out along the headings that the camera saw, so that wheels of unequal
 size bend nothing. What is left of the camera's position is the slip; it may grow by what the
@@ -48,7 +48,7 @@ LATERAL_TURN_RAD: Final = 0.5
 
 @dataclass(frozen=True, slots=True)
 class AgreementLimits:
-    """What camera and wheels may differ by: a length, and a share of the way driven."""
+    """Limits on the difference of camera and wheels: a length, and a share of the path driven."""
 
     slack_m: float
     error: float
@@ -247,7 +247,7 @@ class Agreement:
         )
 
     def _learn(self, here: _Anchor, wheels: WheelMotion) -> None:
-        """What a stretch without a parting teaches of the wheels."""
+        """Learn the wheels' scale and bend from a stretch without a parting."""
         if self._lesson is None:
             self._lesson = (here, wheels)
             return

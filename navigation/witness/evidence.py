@@ -1,4 +1,4 @@
-"""What camera and wheels say together, once a control cycle.
+"""Evidence of camera and wheels together, once a control cycle.
 
 Metres, radians, seconds; nothing in it changes any more.
 """
@@ -41,7 +41,7 @@ class Evidence:
 
     @property
     def longest_latency_s(self) -> float:
-        """What has to be counted on; before it is measured, what needs no slower driving."""
+        """Latency to count on; before it is measured, one that needs no slower driving."""
         if self.latency_s is None:
             return FREE_LATENCY_S
         return self.latency_s + self.latency_error_s

@@ -1,4 +1,4 @@
-"""How old pictures are when they arrive: the shift at which camera and wheels move alike.
+"""Latency of pictures: the shift at which camera and wheels move alike.
 
 For every latency of a grid, the motion that the camera saw in a short window is compared with
 that of the wheels in the window so much earlier; the squared differences in units of their

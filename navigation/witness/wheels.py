@@ -125,7 +125,7 @@ class WheelTrack:
 
     @property
     def stand(self) -> bool:
-        """Whether the wheels were still in the last report, or none came yet."""
+        """True if the wheels were still in the last report, or none came yet."""
         if not self._knots:
             return True
         now = self._knots[-1][1]
@@ -133,7 +133,7 @@ class WheelTrack:
 
     @property
     def stood_first(self) -> bool:
-        """Whether the wheels were still when what is known begins."""
+        """True if the wheels were still when the known track begins."""
         first = self._knots[0][1] if self._knots else None
         return first is None or (first.speed_m_s == 0.0 and first.turn_rad_s == 0.0)
 
@@ -161,7 +161,7 @@ class WheelTrack:
         return np.interp(times_s, knots_s, ways_m), np.interp(times_s, knots_s, turns_rad)
 
     def since(self, time_s: float, now_s: float) -> tuple[float, float]:
-        """How far the wheels went and turned from a time up to now; zeros where unknown.
+        """Distance and turn of the wheels from a time up to now; zeros if unknown.
 
         After the last report its speeds are taken to hold, for a moment.
         """

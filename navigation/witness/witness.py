@@ -65,7 +65,7 @@ class Witness:
         self._compare()
 
     def saw(self, pose: RobotPose, arrived_s: float) -> None:
-        """Where the camera saw the robot; ``arrived_s`` as its source has stamped the picture."""
+        """Take the camera's pose of the robot; ``arrived_s`` is the stamp of the picture."""
         if self._seen_rad is not None:
             self._camera_rad += math.remainder(pose.heading_rad - self._seen_rad, math.tau)
         self._seen_rad = pose.heading_rad
@@ -75,7 +75,7 @@ class Witness:
         self._compare()
 
     def measure_again(self) -> None:
-        """What was measured of the latency stays until the next motion has shown it."""
+        """Measure the latency again; the old value holds until the next motion shows one."""
         self._latency = LatencyEstimate()
 
     def forget_latency(self) -> None:
@@ -92,7 +92,7 @@ class Witness:
         return self._dated_by_s
 
     def evidence(self) -> Evidence:
-        """What is known by now; a parting is told once."""
+        """Return the evidence so far; a parting is reported once."""
         parting, self._parting = self._parting, None
         known = self._measured
         return Evidence(
@@ -109,7 +109,7 @@ class Witness:
         )
 
     def carried(self, pose: RobotPose, now_s: float) -> tuple[float, float, float]:
-        """Where the robot is now: its pose, dated, and what the wheels have done since."""
+        """The robot's pose now: its dated pose, and the wheels' motion since."""
         way_m, turn_rad = self.wheels.since(pose.captured_s, now_s)
         middle = pose.heading_rad + turn_rad / 2.0
         heading = math.remainder(pose.heading_rad + turn_rad, math.tau)

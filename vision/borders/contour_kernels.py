@@ -98,7 +98,7 @@ def follow_borders(mask, xs, ys, directions):
 
 @njit(**LEAF)
 def _any_new(words):
-    """Whether a west crack that was not walked yet lies in any word but the first."""
+    """True if a word other than the first has a west crack not walked yet."""
     before = words[:-1]
     here = words[1:]
     new = np.uint64(0)
@@ -235,7 +235,7 @@ def hole_owners(mask, xs, ys, directions, starts, areas):
 
 @njit(**OWNING)
 def _ask_for_owners(mask, xs, ys, starts, areas, keys):
-    """Of every hole the west crack whose border owns it, also into the table of ``keys``."""
+    """Find for every hole the west crack whose border owns it, also in the table of ``keys``."""
     borders = areas.shape[0]
     size = keys.shape[0]
     asked = np.full(borders, -1, np.int64)
@@ -279,7 +279,7 @@ def _walked_by(stride, xs, ys, directions, starts, keys):
 
 @njit(**LEAF)
 def count_contour_pixels(xs, ys, starts):
-    """How many pixels ``contour_pixels`` gives, but for a turn at a border's very end."""
+    """Number of pixels that ``contour_pixels`` gives, but for a turn at a border's very end."""
     count = 0
     for b in range(starts.shape[0] - 1):
         first = starts[b]

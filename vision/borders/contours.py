@@ -92,7 +92,7 @@ class EdgePoints:
 
     @property
     def blur_px(self) -> float:
-        """How far light spreads at an edge (sigma), in pixels, besides a pixel's own width."""
+        """Spread of light at an edge (sigma), in pixels, besides a pixel's own width."""
         return blur_of(self.slope)
 
 

@@ -122,7 +122,7 @@ def edge_points(grey, mask, level, by_level, xs, ys, directions, starts, points)
 
 @njit(**SUMS, forceinline=True)
 def _find_crossings(level, n, work, totals):
-    """Where the smoothed profile crosses the half level between the crack's own two pixels.
+    """Crossings of the half level by the smoothed profile between the crack's own two pixels.
 
     ``totals``: the sum and number of slopes, full steps and slanted cracks.
     """
@@ -190,7 +190,7 @@ def _place(grey, level, xs, ys, directions, n, work, totals, points, count):
 
 @njit(**LEAF, forceinline=True)
 def _crossing_beside(grey, x, y, nx, ny, i, work, totals):
-    """Where the smoothed profile crosses the half level beside the crack's own two pixels."""
+    """Crossing of the half level by the smoothed profile beside the crack's own two pixels."""
     half = 0.5 * (work.light_level[i] + work.dark_level[i])
     share = 1.0 / (work.light_level[i] - work.dark_level[i])
     k = 0
@@ -216,7 +216,7 @@ def _crossing_beside(grey, x, y, nx, ny, i, work, totals):
 
 @njit(**LEAF, forceinline=True)
 def _crossing_narrow(level, i, work):
-    """Where the profile itself crosses the half level, at a wall or a gap three or four wide."""
+    """Crossing of the half level by the profile itself, at a wall or a gap three or four wide."""
     dark = work.dark_level[i]
     light = work.light_level[i]
     half = 0.5 * (light + dark)

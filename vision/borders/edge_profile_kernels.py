@@ -68,7 +68,7 @@ def out(direction):
 
 @njit(**LEAF, forceinline=True)
 def locate(grey, xs, ys, directions, n, work, places):
-    """Where every crack lies, and what its profile holds at the obstacle pixel.
+    """Place of every crack, and its profile's value at the obstacle pixel.
 
     ``places`` (2, k): a crack's obstacle pixel in the picture, and the way from it to the free
     one. A border that runs up or down finds a new line of the memory at every crack: a short

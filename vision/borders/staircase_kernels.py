@@ -1,4 +1,4 @@
-"""Whether edge points still follow the pixels' staircase, though there is grey between them.
+"""The test for edge points that follow the pixels' staircase although there is grey.
 
 Rules and units
 - Pixels, centres at integers. A drawing without grey that was blurred afterwards keeps the steps of
@@ -48,7 +48,7 @@ of 0.2 px; looking at all borders took a tenth to a fifth of a picture's time, t
 
 @njit(**OWNING)
 def follow_staircase(points, starts, blur):
-    """How much of the pixels' staircase is in the points (k, 2) of borders, from ``starts`` on.
+    """Share of the pixels' staircase in the points (k, 2) of borders, from ``starts`` on.
 
     ``blur``: how far light spreads at an edge, pixels. Returns the sum of what points leave their
     parabola by times what the staircase does, and the sum of the latter's squares, square pixels:
@@ -106,7 +106,7 @@ def _first_break(border, axis):
 
 @njit(**LEAF)
 def _course(border, axis, begin, most):
-    """How many points from ``begin`` on follow each other a pixel apart; at most one more."""
+    """Number of points from ``begin`` on that follow each other a pixel apart; at most one more."""
     n = border.shape[0]
     here = successor(begin, n)
     step = border[here, axis] - border[begin, axis]

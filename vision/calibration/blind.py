@@ -1,4 +1,4 @@
-"""Where a camera's picture shows no floor that could be driven on: a lens folds, or looks sideways.
+"""Parts of a picture that show no floor to drive on: a lens folds, or looks sideways.
 
 Rules and units
 - A pixel is blind where no ray is seen once, where its ray does not meet the floor, and where it
@@ -49,7 +49,7 @@ class Plan(NamedTuple):
 
 
 class Seeing(Protocol):
-    """What is asked of a ``vision.calibration.calibration.Calibration``."""
+    """The part of a calibration that this file uses."""
 
     def __hash__(self) -> int:
         """By identity: nothing in it changes."""
@@ -117,7 +117,7 @@ def blind_plan(calibration: Seeing, bounds: Bounds) -> Plan | None:
 
 
 def is_shown(calibration: Seeing, places_m: FloatArray) -> NDArray[np.bool_]:
-    """Whether each place (n, 2) on the floor is in the picture (n), and not where that is blind."""
+    """True for each place (n, 2) on the floor in a part of the picture that is not blind."""
     width, height = calibration.size
     with np.errstate(all="ignore"):  # places behind the camera or its lens's fold have no pixel
         pixels = calibration.image_from_arena(places_m)
@@ -130,7 +130,7 @@ def is_shown(calibration: Seeing, places_m: FloatArray) -> NDArray[np.bool_]:
 
 
 def _is_blind(pixels: FloatArray, mask: NDArray[np.bool_]) -> NDArray[np.bool_]:
-    """Whether each place's pixel is blind or none; beyond the rim the nearest one is asked."""
+    """True if a place's pixel is blind or missing; beyond the rim the nearest pixel counts."""
     height, width = mask.shape
     near = np.nan_to_num(np.rint(pixels), nan=0.0, posinf=_REACH, neginf=-_REACH)
     near = np.clip(near, 0, (width - 1, height - 1)).astype(np.int64)

@@ -1,4 +1,4 @@
-"""Where pixels become metres: lens, homography to the arena's floor, and heights above it.
+"""A camera's calibration: lens, homography to the arena's floor, and heights above it.
 
 Rules and units
 - Pixels are those of the raw picture, centres at integers. *Undistorted* pixels are what an
@@ -192,7 +192,7 @@ class Calibration:
         return blind_pixels(self)
 
     def blind_plan(self, bounds: Bounds) -> tuple[NDArray[np.bool_], Calibration] | None:
-        """What of the bounds is not seen, (h, w) as a plan with its calibration; None for none."""
+        """Unseen part of the bounds, a plan (h, w) with its calibration; None if all is seen."""
         from vision.calibration.blind import blind_plan
 
         plan = blind_plan(self, bounds)

@@ -1,4 +1,4 @@
-"""How a lens bends a picture: Brown's model and OpenCV's fisheye model, and how far each reaches.
+"""Lens models, Brown's and OpenCV's fisheye, and how far each of them reaches.
 
 Rules and units
 - Normalised coordinates x = X / Z, y = Y / Z of the camera, Z along its view; ``r`` their radius.
@@ -78,7 +78,7 @@ def lens_arrays(model: str, camera_matrix: FloatArray, terms: ArrayLike) -> Lens
 
 
 def folds(lens: LensArrays) -> bool:
-    """Whether the lens turns back somewhere, and not only looks sideways there."""
+    """True if the lens turns back somewhere, and does not only look sideways there."""
     if lens.model == FISHEYE:
         return math.atan(lens.reach) < MOST_ANGLE_RAD - 1e-9
     return lens.model == BROWN and lens.reach < _MOST_RADIUS

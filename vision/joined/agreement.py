@@ -1,4 +1,4 @@
-"""How far two cameras' outlines lie apart on the floor that both see.
+"""Distance between two cameras' outlines on the floor that both see.
 
 Rules and units
 - Each camera's picture is made black and white and its sub-pixel edge points are put on the floor

@@ -58,7 +58,7 @@ Rectangle: TypeAlias = tuple[int, int, int, int]
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Part:
-    """What one camera shows: the pixels within ``box`` (x, y, width, height) where ``mask`` is."""
+    """One camera's share: the pixels within ``box`` (x, y, width, height) where ``mask`` is set."""
 
     box: Rectangle
     mask: NDArray[np.uint8]
@@ -160,7 +160,7 @@ class FloorPlan:
         return np.asarray(cv2.remap(picture, *self.maps[index], cv2.INTER_LINEAR), dtype=np.uint8)
 
     def gains(self, pictures: Sequence[Image | None]) -> FloatArray:
-        """What each camera's greys are multiplied by, so that the same floor is equally light.
+        """Factor of each camera's greys that makes the same floor equally light.
 
         ``pictures``: grey, None where there is none. From the pixels that two cameras both see,
         for all pairs at once (least squares of the logarithms); 1 for cameras without overlap.
@@ -225,7 +225,7 @@ class FloorPlan:
         return int(low[0]), int(low[1]), int(high[0] - low[0]), int(high[1] - low[1])
 
     def is_unknown(self, unknown: Shares, x_m: float, y_m: float, radius_m: float) -> bool:
-        """Whether a disc on the floor touches what is unknown."""
+        """True if a disc on the floor touches unknown ground."""
         ((x, y),) = self.calibration.image_from_arena([(x_m, y_m)]).tolist()
         radius = radius_m / self.calibration.metres_per_pixel
         height, width = unknown.shape
@@ -279,7 +279,7 @@ def _plan_of(bounds: Bounds, metres_per_pixel: float) -> Calibration:
 def _view(
     camera: Calibration, floor: FloatArray, plan: Calibration
 ) -> tuple[Shares, Shares, tuple[NDArray[np.int16], NDArray[np.uint16]]]:
-    """How far inside the camera's picture the floor's points lie, its error there, and the map."""
+    """Depth of the floor's points inside the camera's picture, its error there, and the map."""
     width, height = plan.size
     shape = (height, width)
     with np.errstate(all="ignore"):  # places behind the camera or its lens's fold have none

@@ -81,7 +81,7 @@ class PoseFusion:
         """By marker id: a sentence where two cameras see the marker in different places."""
 
     def take(self, camera: int, poses: Sequence[RobotPose]) -> tuple[RobotPose, ...]:
-        """What one camera saw in one picture; the robots' poses at the times of its sightings."""
+        """Take one picture's sightings; return the robots' poses at the times of these."""
         fused = []
         for pose in poses:
             newest = self._note(camera, pose)
@@ -141,7 +141,7 @@ class PoseFusion:
         return np.asarray(covariance), heading
 
     def _compare(self, camera: int, pose: RobotPose) -> None:
-        """Whether another camera sees the same marker elsewhere at the same time."""
+        """Compare with the same marker as another camera sees it at the same time."""
         together = False
         for other, seen in self._seen[pose.id].items():
             away_s = pose.captured_s - seen.pose.captured_s
@@ -167,12 +167,12 @@ class PoseFusion:
 
 
 def _together(one: RobotPose, other: RobotPose) -> bool:
-    """Whether two sightings are near enough in time to be brought to one."""
+    """True if two sightings are near enough in time to be merged."""
     return abs(one.captured_s - other.captured_s) <= TOGETHER_S
 
 
 def _spread_m(away_s: float) -> float:
-    """How far a robot may have left its velocity after a time."""
+    """Distance that a robot may be from its predicted place after a time."""
     return SPEED_M_S * abs(away_s) + 0.5 * away_s * away_s
 
 

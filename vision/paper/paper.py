@@ -91,7 +91,7 @@ def _record(contour: NDArray[np.int32], corner: NDArray[np.bool_], *, clockwise:
 
 
 def _rms_distance(contour: NDArray[np.int32], chosen: NDArray[np.int64]) -> float:
-    """How far the contour's pixels lie from the sides between its chosen pixels, rms."""
+    """Distance of the contour's pixels from the sides between its chosen pixels, rms."""
     n = len(contour)
     points = contour.astype(np.float64)
     side = np.searchsorted(chosen, np.arange(n), side="right") - 1

@@ -1,4 +1,4 @@
-"""What a camera really delivers, measured on its pictures for some seconds.
+"""Quality of a camera's pictures, measured for some seconds.
 
 `watching` gathers what is needed of each picture; `timing` judges when they came, `light` noise,
 flicker and clipping, `focus` how sharp edges are, and where. Nothing here knows what the camera

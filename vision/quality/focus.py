@@ -1,4 +1,4 @@
-"""How sharp a picture is, and where: the spread of its edges.
+"""Sharpness of a picture, tile by tile: the spread of its edges.
 
 Rules and units
 - An edge's blur is the sigma, in pixels, of the Gaussian that makes a step of it: the step's height

@@ -37,7 +37,7 @@ class SeenMarker:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Quality:
-    """What a camera delivers. ``timing``, ``noise_grey``, ``flicker`` are None where unknown."""
+    """Quality of a camera. ``timing``, ``noise_grey``, ``flicker`` are None where unknown."""
 
     picture: Image
     """The last one, grey."""
@@ -89,11 +89,11 @@ class Watching:
 
     @property
     def pictures(self) -> int:
-        """How many have come."""
+        """Number of pictures so far."""
         return len(self._stamps_s)
 
     def judge(self, dictionary: str | None = None) -> Quality | None:
-        """What they are like; None of no picture. ``dictionary``: where to look for markers."""
+        """Judge the pictures; None if there are none. ``dictionary``: the markers to look for."""
         grey = self._last
         if grey is None:
             return None

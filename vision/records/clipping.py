@@ -85,12 +85,12 @@ def _clip_at(edges: tuple[Edge, ...], axis: int, limit: float, sign: float) -> t
 
 
 def _between(end: Vec, start: Vec) -> list[Edge]:
-    """What joins two pieces: nothing where they meet but for rounding."""
+    """Edges that join two pieces: none where they meet but for rounding."""
     return [Segment(end, start)] if math.dist(end, start) > SAME else []
 
 
 def _crossings(edge: Edge, axis: int, limit: float) -> list[Vec]:
-    """Where an edge meets a side of the bounds, in its order; exactly on that side."""
+    """Points where an edge meets a side of the bounds, in its order; exactly on that side."""
     if isinstance(edge, Segment):
         a, b = edge.start[axis] - limit, edge.end[axis] - limit
         if a * b >= 0.0:

@@ -1,4 +1,4 @@
-"""Where a picture's records lie: in its own pixels, or on the floor in metres.
+"""Coordinates of a picture's records: its own pixels, or metres on the floor.
 
 Rules and units
 - Rectified pixels are metres divided by the nominal pixel, with y down as in the picture, so
@@ -33,7 +33,7 @@ _MILD = 0.2
 
 
 class Calibration(Protocol):
-    """What turns pixels into metres."""
+    """The part of a calibration that turns pixels into metres."""
 
     @property
     def metres_per_pixel(self) -> float:
@@ -47,7 +47,7 @@ class Calibration(Protocol):
 
 @dataclass(frozen=True, slots=True)
 class Placement:
-    """How rectified pixels become the scene's coordinates: x * scale_x, y * scale_y."""
+    """Scales from rectified pixels to the scene's coordinates: x * scale_x, y * scale_y."""
 
     units: Units
     bounds: Bounds
@@ -96,7 +96,7 @@ class Placement:
 
     @property
     def y_scale(self) -> float:
-        """What a rectified y is multiplied by: metres have y up."""
+        """Factor of a rectified y: metres have y up."""
         return self.scale if self.calibration is None else -self.scale
 
     def rectified(self, points: NDArray[np.float64]) -> NDArray[np.float64]:

@@ -1,4 +1,4 @@
-"""What records are made of, looked up for all borders in one pass.
+"""Contents of records, looked up for all borders in one pass.
 
 Rules and units
 - Edges are those of ``vision.outline.fitted_borders.FittedBorders``, in the scene's coordinates or

@@ -90,7 +90,7 @@ def _onto(x: float, y: float, cx: float, cy: float, radius: float) -> Vec:
 
 
 def _corners(points: NDArray[np.float64], first: int, last: int) -> list[int]:
-    """Where the polyline from first to last must bend to stay within NEAR_PX of every point."""
+    """Vertices that keep the polyline from first to last within NEAR_PX of every point."""
     found: list[int] = []
     stack = [(first, last)]
     while stack:

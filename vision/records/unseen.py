@@ -64,7 +64,7 @@ def without_blind(image: NDArray[Any], blind: NDArray[np.bool_]) -> NDArray[Any]
 def unseen_ground(
     shares: NDArray[Any], plan: object, bounds: Bounds, outline: Callable[..., Scene]
 ) -> tuple[SceneObject, ...]:
-    """What a plan (h, w) of shares from 0 to 1 says is seen by nobody, as objects in metres.
+    """Ground that no camera sees, by a plan (h, w) of shares from 0 to 1, as objects in metres.
 
     ``plan`` is the calibration of the plan's pixels, ``outline`` is ``vision.extract``.
     """
@@ -73,7 +73,7 @@ def unseen_ground(
 
 
 def hidden_by_lens(calibration: object, bounds: Bounds, outline: Callable[..., Scene]) -> Unseen:
-    """What a camera's lens hides of the ground in the bounds; ``outline`` is ``vision.extract``.
+    """Ground in the bounds that a camera's lens hides; ``outline`` is ``vision.extract``.
 
     Raises ``PictureError`` where nothing within the bounds is seen. Made once, then remembered.
     """

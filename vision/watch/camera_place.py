@@ -1,4 +1,4 @@
-"""Whether the camera is where it was: the common movement of the picture's fixed points.
+"""The watch on the camera's place: the common movement of the picture's fixed points.
 
 Rules and units
 - Fixed points are the configured floor markers; where fewer than ``LEAST_POINTS`` of them are
@@ -57,7 +57,7 @@ class FloorMarker:
 
 @dataclass(frozen=True, slots=True)
 class PlaceSettings:
-    """What is watched: ``limit_px`` is how far the camera may move; 0 watches nothing."""
+    """Settings of the watch: ``limit_px`` is how far the camera may move; 0 watches nothing."""
 
     bounds_m: Bounds
     markers: tuple[FloorMarker, ...]
@@ -67,7 +67,7 @@ class PlaceSettings:
 
 @dataclass(frozen=True, slots=True)
 class PlaceReport:
-    """What a frame says of the camera's place; every sentence is empty while there is no cause."""
+    """A frame's findings on the camera's place; a sentence is empty if it has no cause."""
 
     moved: str = ""
     """The camera has moved."""
@@ -83,7 +83,7 @@ NOTHING_KNOWN = PlaceReport()
 
 
 def said_together(reports: Iterable[PlaceReport]) -> PlaceReport:
-    """What several cameras' reports say of all: every one that has moved or is lost counts."""
+    """Join several cameras' reports: every one that has moved or is lost counts."""
     reports = tuple(reports)
     return PlaceReport(
         "; ".join(one.moved for one in reports if one.moved),
@@ -123,7 +123,7 @@ class CameraPlace:
 
     @property
     def points(self) -> tuple[FixedPoint, ...]:
-        """What is watched; empty before it is learned."""
+        """Points that are watched; empty before they are learned."""
         return () if self._meter is None else self._meter.points
 
     def look(
@@ -224,7 +224,7 @@ class CameraPlace:
     def _offsets(
         self, points: Sequence[FixedPoint], expected: Sequence[tuple[float, float] | None]
     ) -> FloatArray:
-        """How far (n, 2) markers are seen from their configured places; NaN for those without."""
+        """Offsets (n, 2) of markers from their configured places; NaN for markers without one."""
         offsets = np.full((len(points), 2), np.nan)
         for i, (point, place) in enumerate(zip(points, expected, strict=True)):
             if place is not None:

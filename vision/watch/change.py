@@ -42,7 +42,7 @@ _SPARSE = 23
 
 @dataclass(frozen=True, slots=True)
 class ChangeLimits:
-    """What counts: ``least_contrast`` grey levels, ``least_cells`` connected cells.
+    """Limits of a change: ``least_contrast`` grey levels, ``least_cells`` connected cells.
 
     ``tremor`` is the share of the local contrast that an edge may differ by: 0.15 forgives a
     shake of about half a pixel.
@@ -166,7 +166,7 @@ class SceneWatcher:
         return mask
 
     def _gain(self, cells: _Cells, covered: _Mask) -> float:
-        """How much lighter the whole picture has become: the median of the cells' ratios.
+        """Gain of the whole picture's light: the median of the cells' ratios.
 
         A few thousand cells are enough for a median.
         """
@@ -225,7 +225,7 @@ class SceneWatcher:
         self._measure_tolerance()
 
     def _reveal(self, image: Image, covered: _Mask, changed: _Mask) -> None:
-        """What was never seen and now is: the true pixels replace the filled ones.
+        """Replace filled pixels by the true ones where the floor is seen for the first time.
 
         Where they differ from what was filled in, the change is reported as any other.
         """
@@ -300,7 +300,7 @@ class SceneWatcher:
         return mask[np.ix_(rows, columns)]
 
     def _measure_tolerance(self) -> None:
-        """What an edge's tremor may change: a share of the contrast around each cell."""
+        """Set the change that an edge's tremor may cause: a share of the contrast at each cell."""
         box = np.ones((3, 3), np.uint8)
         contrast = cv2.morphologyEx(self._reference, cv2.MORPH_GRADIENT, box)
         self._tolerance = (contrast * np.float32(self._limits.tremor)).astype(np.float32)

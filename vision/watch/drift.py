@@ -64,7 +64,7 @@ class DriftTest:
 
 
 def of_most(away_px: FloatArray) -> float:
-    """How far more than half of the things are away, at least; (n) distances, n > 0.
+    """Least distance that more than half of the things are away; (n) distances, n > 0.
 
     A camera moves them all; what happens to fewer than half of them moves this by nothing.
     """

@@ -162,7 +162,7 @@ def _likeness(
 def _find(
     grey: Image, point: FixedPoint, moved: tuple[int, int], reach_px: int
 ) -> tuple[float, float] | None:
-    """How far the patch has moved, looked for around ``moved``; None where it is not there."""
+    """Movement of the patch, looked for around ``moved``; None if it is not there."""
     likeness, (left, up) = _likeness(grey, point, moved, reach_px)
     _, best, _, (column, row) = cv2.minMaxLoc(likeness)
     height, width = likeness.shape
@@ -191,7 +191,7 @@ class PointMeter:
         self._turn = 0
 
     def measure(self, grey: Image, discs: FloatArray) -> Readings:
-        """How far each point is from where it was; ``discs`` (k, 3) is what robots cover.
+        """Measure each point's movement since it was learned; robots cover ``discs`` (k, 3).
 
         One of the points that are lost is looked for farther away in each frame.
         """

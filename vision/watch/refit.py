@@ -227,7 +227,7 @@ def _parts(
 
 
 def _leaves(box: _Box, part: _Box, size: tuple[int, int]) -> bool:
-    """Whether an object reaches a part's edge that is not the picture's own."""
+    """True if an object reaches a part's edge that is not the picture's own."""
     width, height = size
     return (
         (box[0] <= part[0] and part[0] > 0)
