@@ -1,10 +1,9 @@
-"""The socket without a file: its name, and the names of all daemons that listen on this computer.
+"""The socket without a file: its name, and the names of all daemons listening on this computer.
 
-The second path to a daemon, for when its file is gone: an abstract socket lives as long as its
-process, and nobody can remove it. Its name has the user, a digest of the path that the daemon was
-given, and random digits, so that nobody can take it beforehand. Names are per network namespace:
-from inside a container without the host's network a daemon outside is not seen, nor the other way
-round.
+It is the second path to a daemon, if its file is gone: an abstract socket lives while its process
+does, and cannot be removed. Its name has the user, a digest of the daemon's path, and random
+digits, so that it cannot be taken beforehand. Names are per network namespace: from inside a
+container without the host's network a daemon outside is not seen, nor the reverse.
 """
 
 from __future__ import annotations
@@ -26,7 +25,7 @@ _NAME: Final = re.compile(rb"@(clearway-(\d{1,10})-([0-9a-f]{16})-[0-9a-f]{16})"
 
 @dataclass(frozen=True, slots=True)
 class Abstract:
-    """A listening socket without a file; who listens is only known once it is connected to."""
+    """Listening socket without a file; its owner shows only on connecting."""
 
     name: str
     uid: int
@@ -34,17 +33,17 @@ class Abstract:
 
     @property
     def address(self) -> str:
-        """The address that `connect` and `bind` take."""
+        """Address for `connect` and `bind`."""
         return f"\0{self.name}"
 
 
 def digest_of(path: Path) -> str:
-    """A digest of a path for a socket's name: the same however the path is spelt."""
+    """Digest of a path for a socket's name: equal for every spelling of the path."""
     return hashlib.sha256(os.fsencode(os.path.realpath(path))).hexdigest()[:16]
 
 
 def listen_without_a_file(path: Path, backlog: int) -> socket.socket:
-    """Listen under a new name for the daemon that was given ``path``."""
+    """Listen under a new name for the daemon of ``path``."""
     one = socket.socket(socket.AF_UNIX, socket.SOCK_STREAM)
     try:
         one.bind(f"\0clearway-{os.geteuid()}-{digest_of(path)}-{secrets.token_hex(8)}")
@@ -57,7 +56,7 @@ def listen_without_a_file(path: Path, backlog: int) -> socket.socket:
 
 
 def all_listening() -> list[Abstract]:
-    """Every socket of such a name that listens, of any user; OSError where none can be listed."""
+    """Every listening socket with such a name, of any user; OSError if none can be listed."""
     found = []
     for line in LISTS_SOCKETS.read_bytes().splitlines():
         fields = line.split(None, 7)  # address, count, protocol, flags, type, state, inode, name
@@ -72,5 +71,5 @@ def all_listening() -> list[Abstract]:
 def _listens(flags: bytes) -> bool:
     try:
         return bool(int(flags, 16) & LISTENS)
-    except ValueError:  # a name with a line's end in it looks like a line of its own
+    except ValueError:  # a name with a line end in it looks like a line of its own
         return False

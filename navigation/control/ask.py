@@ -1,14 +1,14 @@
-"""The asking end of the control sockets: where they are, and one order with its answer.
+"""The asking end of the control sockets: their places, and one order with its answer.
 
 Rules
-- The file is asked first. Where nobody listens there, the daemon is found by its socket without a
-  file: the one of that path, or, where no path was given, any daemon of this user. A stop goes to
-  all of those at once; any other order is refused where there are several.
-- ``NoDaemonError`` is raised only where certainly nobody listens. Another user's process that has
-  taken a name or a file is nobody.
-- The whole of an order, answer included, has ``PATIENCE_S``.
-- A stop and a status may be asked for twice, so a daemon that is crowded is asked again; any
-  other order is sent once.
+- The file is asked first. If none listens there, the daemon is found by its socket without a file:
+  the one of that path or, without a path, any daemon of this user. A stop is sent to all of them at
+  once; any other order is refused if there are several.
+- ``NoDaemonError`` means that certainly no daemon listens. Another user's process that has taken a
+  name or a file is no daemon.
+- A whole order, answer included, has ``PATIENCE_S``.
+- A stop and a status may be repeated, so a crowded daemon is asked again; any other order is sent
+  once.
 
 Units: seconds.
 """
@@ -39,7 +39,7 @@ MOST_AT_ONCE: Final = 32
 
 
 def default_socket() -> Path:
-    """The socket that the daemon listens at: in the user's runtime folder, or a private one."""
+    """Socket of the daemon: in the user's runtime folder, or a private one."""
     runtime = os.environ.get("RUNTIME_DIRECTORY") or os.environ.get("XDG_RUNTIME_DIR")
     if runtime and os.access(runtime.split(":")[0], os.W_OK):
         return Path(runtime.split(":")[0]) / "clearway" / "control.sock"
@@ -47,10 +47,10 @@ def default_socket() -> Path:
 
 
 def send_order(path: Path | None, request: Mapping[str, Any]) -> dict[str, Any]:
-    """Give an order to the daemon of ``path``, None: of this user; its answer.
+    """Give an order to the daemon of ``path``, None: of this user; return its answer.
 
-    Where several daemons were stopped, their answers are in ``daemons``. ``NoDaemonError`` where
-    no daemon runs; ``ControlError`` where one does not answer, or refuses.
+    Answers of several stopped daemons are in ``daemons``. ``NoDaemonError`` if no daemon runs;
+    ``ControlError`` if one does not answer, or refuses.
     """
     until_s = time.monotonic() + PATIENCE_S
     file = path or default_socket()
@@ -70,7 +70,7 @@ def send_order(path: Path | None, request: Mapping[str, Any]) -> dict[str, Any]:
 
 
 def _ask(address: str, who: str, request: Mapping[str, Any], until_s: float) -> dict[str, Any]:
-    """The answer of the daemon at one address; ``ControlError`` where it has none for us."""
+    """Answer of the daemon at one address; ``ControlError`` if it has none for us."""
     line = json.dumps(request).encode() + b"\n"
     while True:
         try:
@@ -84,7 +84,7 @@ def _ask(address: str, who: str, request: Mapping[str, Any], until_s: float) -> 
             again = isinstance(error, CrowdedError) or request.get("order") in REPEATABLE
             if not again or time.monotonic() + AGAIN_AFTER_S > until_s:
                 raise ControlError(f"{who} does not answer: {error}") from None
-            time.sleep(AGAIN_AFTER_S)  # a crowded daemon has room by then; nothing tells us
+            time.sleep(AGAIN_AFTER_S)  # a crowded daemon has places by then; no message says so
         except (OSError, OutsideError) as error:
             raise ControlError(f"{who} does not answer: {error}") from None
     if not answer.get("ok"):
@@ -95,7 +95,7 @@ def _ask(address: str, who: str, request: Mapping[str, Any], until_s: float) -> 
 
 
 def _found(file: Path, *, any_path: bool) -> list[Abstract]:
-    """The sockets without a file that may be daemons of this user, for root of any user."""
+    """Sockets without a file that may be daemons of this user, for root of any user."""
     try:
         everybody = all_listening()
     except OSError as error:
@@ -111,7 +111,7 @@ def _found(file: Path, *, any_path: bool) -> list[Abstract]:
 def _ask_all(
     found: Sequence[Abstract], request: Mapping[str, Any], until_s: float
 ) -> list[dict[str, Any]]:
-    """The answers of those that are daemons; only a stop is given to more than one."""
+    """Answers of the daemons among them; only a stop is given to more than one."""
     if request.get("order") != "stop" and len(found) > 1:
         statuses = [one for one in _at_once(found, {"order": "status"}, until_s) if one is not None]
         if len(statuses) > 1:
@@ -123,7 +123,7 @@ def _ask_all(
 def _at_once(
     found: Sequence[Abstract], request: Mapping[str, Any], until_s: float
 ) -> list[dict[str, Any] | None]:
-    """Each one's answer, None where it is no daemon; none waits for another."""
+    """Answer of each, None if it is no daemon; none waits for another."""
     if not found:
         return []
 

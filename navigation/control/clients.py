@@ -1,10 +1,10 @@
 """Clients of the control socket: bytes so far, deadlines, and the order of leaving.
 
 Rules
-- A request as a whole has ``REQUEST_WITHIN_S``, however its bytes drip in.
-- Where ``MOST_CLIENTS`` are connected, a new one takes the place of the one that has kept its
-  request back for longest: whoever sends a whole line at once is read before that happens.
-- Those that wait for the answer to a stop make room last of all.
+- A whole request has ``REQUEST_WITHIN_S``, however its bytes drip in.
+- If ``MOST_CLIENTS`` are connected, a new one replaces the one that has held back its request
+  longest: a client that sends a whole line at once is read before that.
+- Clients waiting for the answer to a stop leave last of all.
 
 Units: seconds.
 """
@@ -29,12 +29,12 @@ ANSWER_WITHIN_S: Final = 5.0
 
 
 class TooLongError(ValueError):
-    """A request of more than ``MOST_BYTES``."""
+    """Error: a request of more than ``MOST_BYTES``."""
 
 
 @dataclass(slots=True, eq=False)
 class Client:
-    """One connection; ``job`` is there when its request was read whole."""
+    """One connection; ``job`` is set once its request was read whole."""
 
     socket: socket.socket
     came_s: float
@@ -44,7 +44,7 @@ class Client:
     def read(self) -> bytes | None:
         """Return the bytes once they are a whole line or the end; None while more is needed.
 
-        ``TooLongError`` where it is too long; OSError where the client is gone.
+        ``TooLongError`` if it is too long; OSError if the client is gone.
         """
         while True:
             try:
@@ -58,14 +58,14 @@ class Client:
                 return bytes(self.data)
 
     def answer(self, answer: Mapping[str, Any]) -> None:
-        """Send the answer as far as the client takes it at once, and hang up."""
+        """Send as much of the answer as the client takes at once, and hang up."""
         line = json.dumps(hide_in(_without_infinities(answer)), allow_nan=False).encode() + b"\n"
         with contextlib.suppress(OSError):  # it did not wait for its answer
             self.socket.send(line)
         self.socket.close()
 
     def late(self, now_s: float) -> str | None:
-        """Why it is to be given up; None while it is in time."""
+        """Reason to give it up; None while it is in time."""
         if self.job is None and now_s - self.came_s > REQUEST_WITHIN_S:
             return f"no request came within {REQUEST_WITHIN_S:g} s"
         if self.job is not None and now_s - self.job.came_s > ANSWER_WITHIN_S:
@@ -74,7 +74,7 @@ class Client:
 
 
 def who_makes_room(clients: list[Client]) -> Client:
-    """The client whose place is given to another."""
+    """Client whose place is given to another."""
     return min(
         clients,
         key=lambda one: (one.job is not None, one.job is not None and one.job.is_stop, one.came_s),
@@ -82,7 +82,7 @@ def who_makes_room(clients: list[Client]) -> Client:
 
 
 def _without_infinities(value: Any) -> Any:
-    """The same as JSON takes it: what is infinite or no number is null."""
+    """Value for JSON: infinities and NaN become null."""
     if isinstance(value, float) and not math.isfinite(value):
         return None
     if isinstance(value, Mapping):

@@ -16,15 +16,15 @@ MOST_ANSWER_BYTES: Final = 1_000_000
 
 
 class CrowdedError(OSError):
-    """The daemon had no place for us just now; nothing was sent."""
+    """Error: the daemon had no place for us just now; nothing was sent."""
 
 
 class NobodyError(OSError):
-    """No daemon of this user listens there."""
+    """Error: no daemon of this user listens there."""
 
 
 def exchange(address: str, line: bytes, until_s: float) -> bytes:
-    """The answer; `CrowdedError`, `NobodyError` or another OSError where there is none."""
+    """Answer to a line; `CrowdedError`, `NobodyError` or another OSError without one."""
     with socket.socket(socket.AF_UNIX, socket.SOCK_STREAM) as client:
         client.settimeout(_left_s(until_s))
         _connect(client, address)

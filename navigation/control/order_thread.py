@@ -1,7 +1,6 @@
-"""A thread that carries orders out, all that wait at once, and hands their answers back.
+"""A thread that carries out all waiting orders at once, and returns their answers.
 
-Stops have such a thread of their own: whatever another order waits for, a stop does not.
-Seconds of the clock that is passed in.
+Stops have a thread of their own: they wait for no other order. Seconds of the given clock.
 """
 
 from __future__ import annotations
@@ -24,7 +23,7 @@ MOST_WAITING: Final = 64
 
 @dataclass(slots=True, eq=False)
 class Job:
-    """One request; its ``answer`` is there once it was carried out, ``done`` when it is final."""
+    """One request; ``answer`` is set once it was carried out, ``done`` once it is final."""
 
     request: dict[str, Any]
     came_s: float
@@ -38,7 +37,7 @@ class Job:
 
 
 class OrderThread:
-    """Carries out what `put` hands over; ``on_done`` is called from the thread."""
+    """Carries out jobs from `put`; calls ``on_done`` from the thread."""
 
     def __init__(
         self,
@@ -54,19 +53,19 @@ class OrderThread:
         self._thread.start()
 
     def put(self, job: Job) -> bool:
-        """Hand a job over; False where too many wait already."""
+        """Queue a job; False if too many wait already."""
         if self._jobs.qsize() >= MOST_WAITING:
             return False
         self._jobs.put(job)
         return True
 
     def busy_s(self, now_s: float) -> float:
-        """For how long it has been at its present work; 0 while it waits for some."""
+        """Time at its present work; 0 while it waits for some."""
         since_s = self._since_s
         return 0.0 if since_s is None else now_s - since_s
 
     def end(self) -> None:
-        """Let the thread end after what it has."""
+        """End the thread after its present jobs."""
         self._jobs.put(None)
 
     def _run(self) -> None:
@@ -92,7 +91,7 @@ class OrderThread:
         acted = [job for job in batch if job.answer and job.answer["ok"] and _acts(job)]
         try:
             if acted:
-                # what the orders led to, not what was before them
+                # what the orders led to, not the state before them
                 self._people.settle()
                 now = self._people.describe()
                 for job in acted:

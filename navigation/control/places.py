@@ -1,12 +1,11 @@
 """The sockets that a daemon listens at: its file, and one without a file.
 
 Rules
-- The file is looked after: where it is no longer this daemon's own socket, because somebody
-  removed it or its folder, it is made again; where that cannot be, one in the temporary folder
-  stands in until it can. `trouble` says so.
-- The socket without a file is there all the time, whatever becomes of files.
-- Two daemons never share a file: one that answers is left alone, one that does not is a
-  leftover and is replaced.
+- The file is watched: if it or its folder was removed, so that it is not this daemon's own socket,
+  it is made again; until that succeeds, one in the temporary folder replaces it. `trouble` says so.
+- The socket without a file is always there.
+- Two daemons never share a file: one that answers is left alone, one that does not is a leftover
+  and is replaced.
 
 Units: seconds.
 """
@@ -36,7 +35,7 @@ LOOK_EVERY_S: Final = 0.25
 
 @dataclass(frozen=True, slots=True)
 class _Bound:
-    """A socket at a path, and the file that it is there."""
+    """A socket at a path, and its file."""
 
     path: Path
     socket: socket.socket
@@ -44,7 +43,7 @@ class _Bound:
 
     @property
     def is_there(self) -> bool:
-        """True if the file at the path still is this socket."""
+        """True if the file at the path is still this socket."""
         try:
             found = self.path.lstat()
         except OSError:
@@ -56,7 +55,7 @@ class Places:
     """Listens at ``path`` and without a file, from `open` on.
 
     ``watch`` is called with each socket that `look` makes, ``unwatch`` before one is closed, and
-    ``release`` where no descriptor is left: True if it gave one back.
+    ``release`` if no descriptor is left: True if it gave one back.
     """
 
     def __init__(
@@ -77,7 +76,7 @@ class Places:
         """Sentences for a person: a socket that was made again."""
 
     def open(self) -> None:
-        """Begin to listen; ``ControlError`` where that cannot be."""
+        """Begin to listen; ``ControlError`` if that fails."""
         self._bound = _bind(self._path)
         try:
             self._abstract = listen_without_a_file(self._path, BACKLOG)
@@ -87,12 +86,12 @@ class Places:
 
     @property
     def sockets(self) -> list[socket.socket]:
-        """The sockets that listen now."""
+        """Sockets that listen now."""
         bound = None if self._bound is None else self._bound.socket
         return [one for one in (bound, self._abstract) if one is not None]
 
     def look(self, now_s: float) -> None:
-        """Make the file again where it is gone; a few times a second, cheap where it is there."""
+        """Make a missing file again; call a few times a second, cheap if it is there."""
         if now_s < self._look_at_s:
             return
         self._look_at_s = now_s + LOOK_EVERY_S
@@ -108,7 +107,7 @@ class Places:
         self.trouble = ""
 
     def close(self) -> None:
-        """End listening and remove the file, if it still is this daemon's."""
+        """Stop listening and remove the file, if it is still this daemon's."""
         self._leave()
         if self._abstract is not None:
             self._abstract.close()
@@ -144,7 +143,7 @@ class Places:
     def _leave(self) -> None:
         if self._bound is None:
             return
-        with contextlib.suppress(KeyError):  # it never came to be watched
+        with contextlib.suppress(KeyError):  # it was never watched
             self._unwatch(self._bound.socket)
         self._bound.socket.close()
         if self._bound.is_there:
@@ -154,7 +153,7 @@ class Places:
 
 
 def in_its_place(path: Path) -> Path:
-    """The file in the temporary folder that stands in for ``path``, this process's own."""
+    """File in the temporary folder that replaces ``path``, this process's own."""
     folder = Path(tempfile.gettempdir()) / f"clearway-{os.getuid()}"
     return folder / f"{path.name[:40]}.{os.getpid()}"
 
@@ -198,7 +197,7 @@ def _listen(path: Path) -> socket.socket:
 def _make_private(folder: Path) -> None:
     folder.mkdir(mode=0o700, parents=True, exist_ok=True)
     info = folder.lstat()
-    # systemd makes a link to the folder of an account that it has made up; a stranger's may turn
+    # systemd links to the folder of an account that it made up; a stranger's link may change
     if stat.S_ISLNK(info.st_mode) and info.st_uid in (0, os.getuid()):
         info = folder.stat()
     if not stat.S_ISDIR(info.st_mode) or info.st_uid != os.getuid() or info.st_mode & 0o022:
@@ -214,7 +213,7 @@ def _remove_leftover(path: Path) -> None:
         probe.settimeout(PROBE_S)
         try:
             probe.connect(str(path))
-        except BlockingIOError:  # its queue is full: somebody listens
+        except BlockingIOError:  # its queue is full: it listens
             pass
         except OSError:
             path.unlink()

@@ -1,13 +1,13 @@
-"""The thread that reads the control sockets; a stop is taken whatever else goes on.
+"""The thread that reads the control sockets; a stop is taken during any other work.
 
 Rules
-- The thread waits for nobody: all clients are read as their bytes come, orders are carried out
-  in threads of their own (`order_thread`), and a client that is slow makes room (`clients`).
-- Where no descriptor is left, one of those held back lets the next client in.
-- The thread is watched like every other stage: `turns` grows while it works, `failure` says
-  what has ended it, `restart` starts it again on the same socket.
-- Where it listens is looked after several times a second (`places`); who connects has to be of
-  this daemon's own user, or root (`peers`): others are hung up on unread.
+- The thread never waits: all clients are read as their bytes come, orders are carried out in their
+  own threads (`order_thread`), and a slow client makes way (`clients`).
+- If no descriptor is left, one of those held back lets the next client in.
+- The thread is watched like every other stage: `turns` grows while it works, `failure` gives the
+  error that ended it, `restart` starts it again on the same socket.
+- Its sockets are checked several times a second (`places`). Clients must be of this daemon's user,
+  or root (`peers`): others are hung up on unread.
 
 Units: seconds.
 """
@@ -103,7 +103,7 @@ class ControlServer:
 
     @property
     def trouble(self) -> str:
-        """Why orders cannot come where they should, and where they can; empty: they can."""
+        """Reason why orders cannot come to their place, and where they can; empty if they can."""
         return self._places.trouble
 
     def news(self) -> list[str]:
@@ -115,7 +115,7 @@ class ControlServer:
         return found
 
     def failure(self) -> str | None:
-        """The error that ended the thread, in words; None while it runs."""
+        """Error that ended the thread, in words; None while it runs."""
         return None if self._crash is None else in_words(self._crash)
 
     def restart(self) -> None:
@@ -129,7 +129,7 @@ class ControlServer:
         self._thread.start()
 
     def _wake(self) -> None:
-        # a full pipe wakes the thread just as well, and a closed one has none to wake
+        # a full pipe wakes the thread too, and a closed one has none to wake
         with contextlib.suppress(OSError):
             self._wake_in.send(b"!")
 
@@ -180,7 +180,7 @@ class ControlServer:
                     return
                 continue
             if not may_order(peer_of(connection)):
-                connection.close()  # and so it takes nobody's place
+                connection.close()  # so that it takes no client's place
                 continue
             if len(self._clients) >= MOST_CLIENTS:
                 self._drop_one()
@@ -191,7 +191,7 @@ class ControlServer:
             self._read(client)  # most have sent their line before they are let in
 
     def _make_room(self) -> bool:
-        """A descriptor for the next client: one that was held back, else another client's."""
+        """Free a descriptor for the next client: a reserve, else another client's."""
         if self._spare.release():
             return True
         if self._clients:
@@ -215,7 +215,7 @@ class ControlServer:
             self._selector.unregister(client.socket)
 
     def _read(self, client: Client) -> None:
-        if client not in self._clients:  # it made room a moment ago
+        if client not in self._clients:  # it made way a moment ago
             return
         try:
             line = client.read()
@@ -227,7 +227,7 @@ class ControlServer:
         except (TooLongError, OutsideError) as error:
             self._refuse(client, str(error))
             return
-        except OSError:  # a client that hangs up has its order dropped, nothing more
+        except OSError:  # only the order of a client that hangs up is dropped
             self._forget(client)
             client.socket.close()
             return

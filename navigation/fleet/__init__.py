@@ -1,8 +1,13 @@
-"""Several robots that are driven together: what each is promised, and what it may drive of it.
+"""Several robots driven together: their promises, and how far each may drive along its own.
 
-`request` asks for a plan of all who want to move; `planning` makes promises of the fleet's plan: a
-path for each with the gates at places that it shares. `releases` says how far each may drive, for
-whom it waits and why; `coordinator` decides when all stand still and are planned again, and which
-places a robot that is lost or stopped keeps. Decisions only: nothing here opens anything or reads
-a clock.
+- `request` has the planner's requests and answers, a promise being a path with gates at shared
+  places; `asking` makes a request.
+- `planning` makes promises for all robots, and `joining` adds new ones while others drive;
+  `rounding` smooths the corners of their tracks.
+- `releases` says how far each robot may drive; `orders` says which robots wait or hold, and why.
+- `places_kept` has the places of robots that take no part; `refusals` remembers failed requests.
+- `runaways` finds robots that run away, and `giving_way` moves the others aside.
+- `coordinator` decides with all of these, once a cycle.
+
+Decisions only: nothing here opens anything or reads a clock.
 """

@@ -1,4 +1,4 @@
-"""The request for those that ask for a path: who travels, who drives on, and what is taken."""
+"""Request of the robots that ask for a path: travellers, driving robots, and taken places."""
 
 from __future__ import annotations
 
@@ -28,7 +28,7 @@ def request_of(
     driving: tuple[Driving, ...],
     runaways: Sequence[Runaway],
 ) -> FleetRequest:
-    """The request of those with a wish; every robot was seen."""
+    """Request of the robots with a wish; every robot was seen."""
     travellers = tuple(
         Traveller(
             name,

@@ -1,18 +1,18 @@
-"""Who drives when: new goals join those that drive, and who drives goes as far as the order allows.
+"""Order of driving: new goals join driving robots, each of which follows the common order.
 
 Rules
-- A robot that asks for a path and still stands on what it was promised continues there.
-- Any other is planned against the promises of those that drive, who drive on. While the planner
-  works at it they are sent no more than they have.
-- Where that cannot be, or a robot waits at a gate for one that will not come (stopped, failed,
-  refused, or held for longer than ``PATIENCE_S``), all are planned: those that drive stop under
-  control, and when all stand, one plan is made of every robot that wants to move.
-- What the others keep is taken: the place where each stands, and of one that is not seen whatever
-  it may have driven to since. One without a mission may have to step aside and come back.
-- Who is in the way of a robot that runs away drives aside, and asks again (`giving_way`).
-- Where no path was found for a robot it waits until something has changed that the plan hung on.
-  A plan of all waits for those that were refused and hold, until they ask again: two that stand on
-  each other's goals have a path together, and none one by one.
+- A robot that asks for a path and is still on its promise continues there.
+- Any other is planned against the promises of driving robots, which drive on. Until the planner
+  answers they are sent no more than they have.
+- If that fails, or a robot waits at a gate for one that will not come (stopped, failed, refused, or
+  held for longer than ``PATIENCE_S``), all are planned: driving robots stop under control, and once
+  all are at rest, one plan is made for every robot that wants to move.
+- Other robots keep their places; an unseen one keeps everything that it may have driven to since.
+  A robot without a mission may have to step aside and come back.
+- A robot in the way of a runaway drives aside, and asks again (`giving_way`).
+- A refused robot waits until something changes on which the refusal depended. A plan of all waits
+  for refused robots that hold, until they ask again: two robots on each other's goals have paths
+  together, but none one by one.
 
 Decisions only; `Coordinator.step` once a cycle. Metres, radians, seconds.
 """
@@ -63,7 +63,7 @@ Clearance = Callable[[FloatArray], float | None]
 
 
 class Coordinator:
-    """Keeps the promises, and where the fleet is between two plans."""
+    """The promises, and the fleet's state between two plans."""
 
     def __init__(self, clearance_m: Clearance) -> None:
         self.held: dict[str, Held] = {}
@@ -89,7 +89,7 @@ class Coordinator:
         revision: int,
         answer: FleetAnswer | None,
     ) -> FleetOrders:
-        """One cycle; see the module's text for its rules."""
+        """Run one cycle by the rules of the module's text."""
         self._follow(members)
         answers: dict[str, PlanAnswer] = {}
         errands: dict[str, Station] = {}
@@ -106,7 +106,7 @@ class Coordinator:
         plan_again: tuple[tuple[str, str], ...] = aside.plan_again
         request = None
         if self._giving_way.aside:
-            pass  # where it drives to is not promised: the others wait until it asks
+            pass  # its line is not promised: the others wait until it asks
         elif self._gathering_s is None and self._asked is None:
             if not astray:
                 answers |= self._continued(members, revision)
@@ -118,7 +118,7 @@ class Coordinator:
                 (name, self._why)
                 for name, one in members.items()
                 if one.state is State.DRIVING
-                # one that is there has no new path to where it is without a turn on the spot
+                # a robot at its end has no new path to its own place without a turn on the spot
                 and (one.limits.turns_on_spot or self._drives(name, one))
             )
             if not plan_again:
@@ -136,12 +136,12 @@ class Coordinator:
         return FleetOrders(plan_again, request, answers, waits, waits_for, holds, errands)
 
     def forget(self, name: str) -> None:
-        """The robot's promise is void: it is planned for again, and so are all."""
+        """Void the robot's promise: it is planned again, and so are all."""
         if name in self.held:
             self.held[name].broken = True
 
     def release(self, name: str) -> Release | None:
-        """How much of the plan that is driven now may be sent; None without a promise."""
+        """Targets of the present plan that may be sent; None without a promise."""
         if name in self._giving_way.aside:
             return Release(self._giving_way.aside[name].targets, None)
         held = self.held.get(name)
@@ -155,7 +155,7 @@ class Coordinator:
         held.sent = max(held.sent, count)
         return Release(max(0, count - held.base), gate)
 
-    # What was promised.
+    # Promises.
 
     def _follow(self, members: Mapping[str, Member]) -> None:
         for name, one in members.items():
@@ -180,7 +180,7 @@ class Coordinator:
                     held.executed = executed
 
     def _continued(self, members: Mapping[str, Member], revision: int) -> dict[str, PlanAnswer]:
-        """Answers for those that stand on what they were promised."""
+        """Answers for robots that are still on their promises."""
         answers = {}
         for name, request in self._open.items():
             held = self.held.get(name)
@@ -199,7 +199,7 @@ class Coordinator:
         return answers
 
     def _fits(self, held: Held, request: PlanRequest) -> bool:
-        """Whether the rest of a promise leads from where its robot is to where it wants to go."""
+        """True if the rest of a promise leads from its robot to the requested goal."""
         promise, here = held.promise, request.start[:2]
         if not request.stations or request.stations[0] != promise.station:
             return False
@@ -219,7 +219,7 @@ class Coordinator:
         revision: int,
         answers: dict[str, PlanAnswer],
     ) -> bool:
-        """Whether robots are to join those that drive; else gathers all where there is need."""
+        """True if robots are to join driving ones; otherwise gathers all if needed."""
         at_rest = self._at_rest(members)
         refused = self._refusals.reasons
         if not self._refusals.still_hold(members, self._open, revision, at_rest):
@@ -247,7 +247,7 @@ class Coordinator:
         self._why, self._gathering_s = why, now_s
 
     def _hopeless(self, now_s: float, members: Mapping[str, Member]) -> str | None:
-        """The sentence where a robot waits for one that does not come."""
+        """Sentence about a robot awaited in vain."""
         for name, one in members.items():
             if one.state is not State.DRIVING or name not in self.held:
                 continue
@@ -271,7 +271,7 @@ class Coordinator:
     def _gathered(
         self, now_s: float, members: Mapping[str, Member], revision: int
     ) -> tuple[FleetRequest | None, dict[str, PlanAnswer]]:
-        """The request, once all stand and those that want to move have asked."""
+        """Request once all are at rest and all that want to move have asked."""
         assert self._gathering_s is not None
         late = now_s - self._gathering_s > ASK_S
         for name, one in members.items():
@@ -292,7 +292,7 @@ class Coordinator:
     def _joining(
         self, members: Mapping[str, Member], revision: int, answers: Mapping[str, PlanAnswer]
     ) -> tuple[FleetRequest | None, dict[str, PlanAnswer]]:
-        """The request of those that ask, once all of them stand, while others drive on."""
+        """Request of the robots that ask, once they are at rest, while others drive on."""
         asking = [name for name in self._open if name not in answers]
         if not all(members[name].stands for name in asking):
             return None, {}
@@ -315,7 +315,7 @@ class Coordinator:
         asking: Sequence[str],
         driving: tuple[Driving, ...],
     ) -> tuple[FleetRequest | None, dict[str, PlanAnswer]]:
-        """The request for those that ask, or why nobody can be planned for."""
+        """Request for the robots that ask, or the reason why none can be planned."""
         wishes = {name: self._open[name] for name in asking}
         why = why_nobody_moves(members)
         if why is not None:
@@ -336,7 +336,7 @@ class Coordinator:
     def _take(
         self, now_s: float, answer: FleetAnswer, members: Mapping[str, Member]
     ) -> dict[str, PlanAnswer]:
-        """The new promises, all old ones out or with more gates, and the pilots' answers."""
+        """Replace the promises or add gates to them; return the pilots' answers."""
         assert self._asked is not None
         asked, self._asked = self._asked, None
         starts = {one.name: one.start for one in (*asked.travellers, *asked.idle)}
@@ -344,7 +344,7 @@ class Coordinator:
             self._gather(now_s, f"planning together with {asked.travellers[0].name}")
             return {}
         if any(self._left_its_promise(one) for one in asked.driving):
-            return {}  # it was planned for what is not so any more: who asks, asks again
+            return {}  # its plan is out of date: robots that ask will ask again
         moved = [
             one.name for one in asked.idle
             if one.name in answer.promises and not members[one.name].obliging
@@ -359,7 +359,7 @@ class Coordinator:
             for promise in answer.driving:
                 self.held[promise.name].promise = promise
             for name in self._asked_ids if new else ():
-                self.forget(name)  # the others' order is one with it standing where it asked
+                self.forget(name)  # the others' order assumes it where it asked
             self.held |= new
         else:
             self._left |= self.held
@@ -393,7 +393,7 @@ class Coordinator:
         }
 
     def _drives(self, name: str, one: Member) -> bool:
-        """Whether it is on its promise, and asks for no other path."""
+        """True if it is on its promise and asks for no other path."""
         held = self.held.get(name)
         if held is None or held.is_finished or held.broken or name in self._open:
             return False

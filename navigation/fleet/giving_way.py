@@ -1,14 +1,14 @@
-"""Out of the way of a robot that runs away: who holds, who drives on, and who drives aside.
+"""Clearing the path of a runaway: which robots hold, drive on, or drive aside.
 
 Rules
-- A robot drives on where that keeps clear of every runaway for `HORIZON_S`; else it holds where
-  standing does. Else it leaves its promise and drives aside, on a straight line: the shortest of
-  those that keep clear, or the one that keeps clearest.
-- For one that only may run away somebody holds, but nobody leaves its path.
-- Aside is only ground that the roadmap knows to be free, as far from the other robots, and from
-  all that they were sent, as robots keep from each other; where it is nearer now, no nearer.
-- Where no line is better, it drives on only if that touches nobody, and is better than to stand.
-- While one drives aside nobody is sent more than it has, and nobody is planned for.
+- A robot drives on if that stays clear of every runaway for `HORIZON_S`; otherwise it holds if
+  standing still does. Otherwise it leaves its promise and drives aside on a straight line: the
+  shortest of the clear ones, or the clearest.
+- For a possible runaway robots hold, but none leaves its path.
+- Aside means ground that the roadmap knows to be free, at the robots' usual distance from the other
+  robots and from all that they were sent; if it is nearer now, no nearer.
+- If no line is better, it drives on only if that touches no robot and beats standing still.
+- While one drives aside no robot is sent more than it has, and none is planned.
 
 Metres, radians, seconds.
 """
@@ -52,7 +52,7 @@ Clearance = Callable[[FloatArray], float | None]
 
 @dataclass(slots=True)
 class Aside:
-    """A robot that drives aside: along which line, and as the answer to which request."""
+    """A robot that drives aside: its line, and the request answered."""
 
     points: FloatArray
     request_id: int
@@ -61,7 +61,7 @@ class Aside:
 
 @dataclass(frozen=True, slots=True)
 class GivesWay:
-    """What follows from one cycle."""
+    """Results of one cycle."""
 
     plan_again: tuple[tuple[str, str], ...] = ()
     """Robots that are to leave their paths and ask, and why."""
@@ -72,7 +72,7 @@ class GivesWay:
 
 
 class GivingWay:
-    """Keeps who drives aside."""
+    """Robots that drive aside."""
 
     def __init__(self, clearance_m: Clearance) -> None:
         self.aside: dict[str, Aside] = {}
@@ -87,7 +87,7 @@ class GivingWay:
         asking: Mapping[str, PlanRequest],
         runaways: Sequence[Runaway],
     ) -> GivesWay:
-        """One cycle; see the module's text for its rules. ``asking`` are the open requests."""
+        """Run one cycle by the module's rules. ``asking`` are the open requests."""
         for name, driven in list(self.aside.items()):
             one = members[name]
             asks = name in asking and asking[name].id != driven.request_id
@@ -141,7 +141,7 @@ class GivingWay:
         runaways: Sequence[Runaway],
         stays_m: float,
     ) -> FloatArray | None:
-        """The points (n, 2) of the way aside; None where none is better than to stand."""
+        """Points (n, 2) of the path aside; None if none is better than rest."""
         one = members[name]
         lines, tracks, cost = _lines(one)
         gaps = np.array([_least_gap(one, track, runaways).gap_m for track in tracks])
@@ -161,7 +161,7 @@ class GivingWay:
         return None
 
     def _sent_to(self, name: str, one: Member, held: Mapping[str, Held]) -> FloatArray:
-        """The places (n, 2) that another robot may still drive to."""
+        """Places (n, 2) that another robot may still drive to."""
         assert one.pose is not None
         here = np.array([one.pose[:2]])
         if name in self.aside:
@@ -174,7 +174,7 @@ class GivingWay:
     def _is_free(
         self, one: Member, line: FloatArray, known: Sequence[tuple[Member, FloatArray]]
     ) -> bool:
-        """Whether the line is on free ground, and leads towards nobody."""
+        """True if the line is on free ground and approaches no other robot."""
         clearance_m = self._clearance_m(line)
         if clearance_m is None or clearance_m < one.radius_m + CERTAIN_M:
             return False
@@ -220,7 +220,7 @@ class _Gap:
 
 
 def _can_move(one: Member) -> bool:
-    """Whether the robot is seen, and may be asked to drive."""
+    """True if the robot is seen and may be asked to drive."""
     if one.pose is None or one.pose_age_s > SEEN_S:
         return False
     return one.obliging or one.state in (State.DRIVING, State.HOLDING, State.PLANNING)
@@ -231,7 +231,7 @@ def _times() -> FloatArray:
 
 
 def _least_gap(one: Member, track: FloatArray, runaways: Sequence[Runaway]) -> _Gap:
-    """How near the robot comes to a runaway on a track (STEPS, 2) of places at `_times`."""
+    """Least gap to a runaway on a track (STEPS, 2) of places at `_times`."""
     least = _Gap(math.inf, "")
     for other in runaways:
         apart = np.hypot(*(other.places(_times()) - track).T)
@@ -242,7 +242,7 @@ def _least_gap(one: Member, track: FloatArray, runaways: Sequence[Runaway]) -> _
 
 
 def _standing(one: Member) -> FloatArray:
-    """Where the robot is if it stops now: it needs its brakes to."""
+    """Positions of the robot if it brakes now."""
     assert one.pose is not None
     speed = _speed(one)
     t = np.minimum(_times(), BEGINS_S + speed / one.limits.acceleration)
@@ -252,7 +252,7 @@ def _standing(one: Member) -> FloatArray:
 
 
 def _driving_on(one: Member, way: FloatArray) -> FloatArray:
-    """Where the robot is on its way (n >= 1, 2), as far as it may drive that now."""
+    """Positions along its path (n >= 1, 2), as far as it may drive that now."""
     steps = np.hypot(*np.diff(way, axis=0).T)
     along = np.concatenate([[0.0], np.cumsum(steps)])
     gone = _gone(np.array([along[-1]]), np.zeros(1), _speed(one), one)[0]
@@ -260,9 +260,9 @@ def _driving_on(one: Member, way: FloatArray) -> FloatArray:
 
 
 def _lines(one: Member) -> tuple[list[FloatArray], FloatArray, FloatArray]:
-    """Straight lines aside in pieces; where the robot is on each at `_times`; how long each is.
+    """Straight lines aside in pieces; positions on each at `_times`; duration of each.
 
-    A robot that drives brakes first where a line lies to the side.
+    A moving robot first brakes for a line to the side.
     """
     assert one.pose is not None
     x, y, heading = one.pose
@@ -299,7 +299,7 @@ def _cut_in_pieces(corners: FloatArray) -> FloatArray:
 
 
 def _gone(lengths_m: FloatArray, turns: FloatArray, speed: float, one: Member) -> FloatArray:
-    """How far (n, STEPS) the robot has come at `_times` on ways of these lengths, with a turn."""
+    """Distances (n, STEPS) covered at `_times` on paths of these lengths, with a turn."""
     limits = one.limits
     sharp = np.abs(turns) > STEERS_RAD
     rate = limits.angular_rate_rad_s
@@ -323,6 +323,6 @@ def _speed(one: Member) -> float:
 
 
 def _apart(line: FloatArray, way: FloatArray) -> float:
-    """The least distance between the points of two ways, of the other one's halved pieces too."""
+    """Least distance between the points of two paths, and the second's midpoints."""
     places = np.concatenate([way, 0.5 * (way[1:] + way[:-1])])
     return float(np.hypot(*(line[:, None] - places[None]).T).min())

@@ -1,15 +1,15 @@
-"""New goals while others drive: promises for those that ask, and more gates for those that drive.
+"""New goals while others drive: promises for the robots that ask, more gates for the rest.
 
 Rules
-- What was sent to a robot stays as it is: nobody is made to wait before it, and no path changes
-  of a robot that drives. Those that ask pass behind what was sent, and in turn with the rest.
-  Where nobody can be added nothing changes.
-- Robots that stand without a mission may have to step aside; they come back to their places.
-- Where a robot that drives would have to step aside, the one that asks waits until that has
-  arrived. Where the promises no longer fit the arena, nothing can be added to them
-  (`FleetAnswer.cannot`), and all are planned together.
+- Everything sent to a robot stays: it never has to wait earlier, and a driving robot's path never
+  changes. Robots that ask pass behind what was sent, and in turn with the rest. If none can be
+  added, nothing changes.
+- Robots at rest without a mission may have to step aside; they come back to their places.
+- If a driving robot would have to step aside, the one that asks waits until it has arrived. If the
+  promises do not fit the arena, nothing can be added (`FleetAnswer.cannot`), and all are planned
+  together.
 
-The path is found by `planner.FleetSchedule`. Metres, radians, seconds.
+`planner.FleetSchedule` finds the path. Metres, radians, seconds.
 """
 
 from __future__ import annotations
@@ -55,11 +55,11 @@ TIME_LIMIT_S: Final = 1.0
 
 
 class CannotJoinError(Exception):
-    """Nothing can be added to the promises; the text says why."""
+    """Error: nothing can be added to the promises; the text says why."""
 
 
 class _CannotDriveError(Exception):
-    """A robot's new path is none that it can drive; the text says why."""
+    """Error: a robot cannot drive its new path; the text says why."""
 
     def __init__(self, one: Traveller, why: str) -> None:
         super().__init__(why)
@@ -68,7 +68,7 @@ class _CannotDriveError(Exception):
 
 @dataclass(frozen=True, slots=True)
 class _Party:
-    """All robots in one order: those that drive, those that ask, those that may step aside."""
+    """All robots in one order: driving, asking, and able to step aside."""
 
     driving: tuple[Driving, ...]
     asking: tuple[Traveller, ...]
@@ -86,7 +86,7 @@ class _Party:
 
     @property
     def offsets(self) -> list[int]:
-        """The number of the target that each new track begins at."""
+        """Number of the target at which each new track begins."""
         return [one.executed for one in self.driving] + [0] * len(self.standing)
 
 
@@ -97,9 +97,9 @@ def join_promises(
     keep_m: float,
     clock: Clock = search_clock_s,
 ) -> FleetAnswer:
-    """Promises for those that ask, and new gates for those that drive; see the module's text.
+    """Make promises for robots that ask, and gates for driving ones; see the module's text.
 
-    ``roadmap`` is of the smallest robot in ``scene``; ``clock`` limits each search.
+    ``roadmap`` is the smallest robot's in ``scene``; ``clock`` limits each search.
     """
     taken, out = request.taken, dict[str, str]()
     while True:
@@ -114,7 +114,7 @@ def join_promises(
             answer = _join(here, party, everybody, request, keep_m)
         except CannotJoinError as error:
             return FleetAnswer(request.id, request.scene_revision, {}, {}, cannot=str(error))
-        except _CannotDriveError as error:  # it stays where it is, and the others are tried again
+        except _CannotDriveError as error:  # it stays in place, and the others are tried again
             one = error.one
             out[one.name] = str(error)
             taken = (*taken, Taken(one.name, one.start[0], one.start[1], one.radius_m))
@@ -158,7 +158,7 @@ def _join(
         promises,
         refused,
         driving=tuple(
-            # the next order is taken with no more room than this one
+            # the next order gets no more room than this one
             replace(one.promise, gates=tuple(gates[j]), margin_m=sizes[j] - one.promise.radius_m)
             for j, one in enumerate(party.driving)
         ),
@@ -166,9 +166,9 @@ def _join(
 
 
 def _with_goals(schedule: FleetSchedule, party: _Party) -> tuple[FleetSchedule, dict[str, str]]:
-    """The schedule with the goals of those that ask, and who has no path and why.
+    """Add the goals of robots that ask; return the schedule and each refusal's reason.
 
-    One goal after the other; those that have no path so are tried together.
+    Goals are added one by one; then the failed ones are tried together.
     """
     first, names = len(party.driving), party.names
     goals = {k: (one.station.x, one.station.y) for k, one in enumerate(party.asking, first)}
@@ -198,7 +198,7 @@ def _with_goals_at_once(
     party: _Party,
     may_move: Container[int],
 ) -> FleetSchedule | NoFleetPlan:
-    """Nobody else is to step aside for it: who drives, or has no path of its own."""
+    """Add goals at once, if no driving robot and none without a path has to step aside."""
     try:
         found = schedule.with_goals(goals, sent=sent, time_limit_s=TIME_LIMIT_S, clock=party.clock)
     except ValueError as error:
@@ -216,7 +216,7 @@ def _with_goals_at_once(
 def _promised(
     here: Roadmap, party: _Party, everybody: Sequence[Traveller], sizes: Sequence[float]
 ) -> FleetSchedule:
-    """What is promised by now, as the planner's schedule: time zero is now."""
+    """Present promises as the planner's schedule; time zero is now."""
     names, offsets = party.names, party.offsets
     tracks = [_timed(one) for one in party.driving]
     tracks += [np.array([[0.0, *one.start[:2]]]) for one in party.standing]
@@ -244,7 +244,7 @@ def _timed(one: Driving) -> FloatArray:
 
 
 def _sizes(here: Roadmap, party: _Party, keep_m: float) -> list[float]:
-    """Each robot's radius with the margin that it was promised, or that there is room for."""
+    """Each robot's radius with its promised margin, or with what fits."""
     sizes = []
     for one in party.driving:
         rest = np.ascontiguousarray(one.promise.points[one.executed :])
@@ -268,7 +268,7 @@ def _margin_m(
     for driving, size in zip(party.driving, sizes, strict=False):
         rest = driving.promise.points[driving.executed :]
         past_m = distance_to_polyline(rest, one.start[:2]) - size - one.radius_m
-        if past_m < -OVERLAP_M:  # it was to be gone by then, and has another goal now
+        if past_m < -OVERLAP_M:  # it should be gone by then, and has another goal now
             raise CannotJoinError(f"{one.name} is in the path of {driving.promise.name}")
         end_m = math.dist(rest[-1], ends[1]) - size - one.radius_m
         margin_m = min(margin_m, past_m - SLACK_M, end_m - SLACK_M)
@@ -286,9 +286,9 @@ def _in_pieces(
     first: int,
     sizes: Sequence[float],
 ) -> tuple[list[CutTrack], Sequence[Dependency]]:
-    """New tracks in short pieces, where the order still takes back nothing that was sent.
+    """Cut new tracks into short pieces if the order still takes back nothing sent.
 
-    The corners of those are rounded that cannot turn at them.
+    Corners are rounded for robots that cannot turn at them.
     """
     plan = schedule.plan
     whole = [CutTrack.whole(track) for track in plan.tracks]
@@ -310,7 +310,7 @@ def _in_pieces(
 def _gates(
     party: _Party, numbers: Sequence[FloatArray], waits: Sequence[Dependency]
 ) -> list[list[Gate]]:
-    """For each robot its gates, by the numbers of its promise's targets."""
+    """Gates of each robot, by the numbers of its promise's targets."""
     names, offsets = party.names, party.offsets
     for one, number in zip(party.driving, numbers, strict=False):
         if int(number[-1]) != len(one.promise.points) - 1 - one.executed:

@@ -1,4 +1,4 @@
-"""What follows from one cycle of the coordinator, what a refusal hung on, and who waits for whom.
+"""Results of one cycle of the coordinator, and which robots wait or hold.
 
 Metres.
 """
@@ -25,7 +25,7 @@ ON_TRACK_M: Final = 0.02
 
 @dataclass(frozen=True, slots=True)
 class FleetOrders:
-    """What follows from one cycle."""
+    """Results of one cycle."""
 
     plan_again: tuple[tuple[str, str], ...] = ()
     """Robots that are to stop and ask for a path, and why."""
@@ -48,10 +48,9 @@ def waits_of(
     refused: Mapping[str, str],
     aside: Container[str],
 ) -> tuple[dict[str, str], dict[str, str]]:
-    """Who waits, in a sentence each, and of those that wait for one other robot: for which.
+    """Sentences of waiting robots, and the one robot each of them waits for, if any.
 
-    ``refused`` are those that have no path yet, with the reason; who drives ``aside`` waits
-    for nobody.
+    ``refused`` have no path yet, with the reason; a robot driving ``aside`` waits for none.
     """
     waits = {name: f"waits for the others: {why}" for name, why in refused.items()}
     waits_for = {}
@@ -70,9 +69,9 @@ def waits_of(
 def holds_of(
     members: Mapping[str, Member], held: Mapping[str, Held], aside: Container[str]
 ) -> dict[str, str]:
-    """Robots that may not drive now, and why: another robot is in their way, or may be anywhere.
+    """Robots that may not drive now, and why: another robot is in the path, or may be anywhere.
 
-    Those that drive aside may, unless one may be anywhere.
+    Robots driving aside may, unless one may be anywhere.
     """
     holds = {}
     astray = [name for name, one in members.items() if one.at_large]
@@ -89,14 +88,14 @@ def holds_of(
 
 
 def ahead(held: Mapping[str, Held], name: str, here: tuple[float, float, float]) -> FloatArray:
-    """The places (n >= 1, 2) from here through what the robot may drive now, or was ever given."""
+    """Places (n >= 1, 2) from here through everything the robot may drive, or was given."""
     mine = held[name]
     count = max(release_of(name, held).targets, mine.sent)
     return np.vstack([here[:2], mine.promise.points[mine.executed + 1 : count + 1]])
 
 
 def is_seen_there(one: Member, promise: Promise, executed: int) -> bool:
-    """True if the camera sees the robot where its report says that it is."""
+    """True if the camera sees the robot where its report places it."""
     if one.pose is None:
         return False
     around = promise.points[max(0, executed - 1) : executed + 2]

@@ -1,8 +1,7 @@
-"""What the coordinator knows of each robot, and the places that one keeps which does not take part.
+"""The coordinator's knowledge of each robot, and the places of robots that take no part.
 
-A robot that is seen keeps its body's disc. One that is not seen may be anywhere along what it was
-given, as far as it can have driven before its lease ran out and its brakes brought it to a stand:
-all of that is kept. Metres, radians, seconds.
+A seen robot keeps its body's disc. An unseen one keeps every place along what it was given that it
+can have reached before its lease ran out and its brakes stopped it. Metres, radians, seconds.
 """
 
 from __future__ import annotations
@@ -65,7 +64,7 @@ class Member:
     """It may be anywhere: it is neither seen nor heard, and nothing of its own stops it."""
 
     def limits_at(self, request: PlanRequest) -> Limits:
-        """What it can do, no faster than it asks for."""
+        """Its limits, at no more than the speed requested."""
         if request.speed_m_s is None or request.speed_m_s >= self.limits.speed:
             return self.limits
         slow = min(self.limits.slow_speed, request.speed_m_s)
@@ -73,14 +72,14 @@ class Member:
 
     @property
     def waits_because(self) -> str:
-        """What another robot that waits for this one says of it."""
+        """Reason given by a robot that waits for this one."""
         if self.state is State.DRIVING:
             return "has to pass first"
         return f"is {self.state.value}: {self.sentence}" if self.sentence else "does not drive"
 
 
 def why_nobody_moves(members: Mapping[str, Member]) -> str | None:
-    """The sentence where a robot may be anywhere; None where each one's places are known."""
+    """Sentence about a robot that may be anywhere; None if every place is known."""
     for name, one in members.items():
         if one.pose is None:
             return f"{name} was not seen yet: nobody knows where it is"
@@ -90,7 +89,7 @@ def why_nobody_moves(members: Mapping[str, Member]) -> str | None:
 
 
 def places_kept(name: str, one: Member, held: Held | None) -> Iterator[Taken]:
-    """The discs in which a robot is that does not take part in a plan."""
+    """Discs that hold a robot which takes no part in a plan."""
     if one.pose is None:
         return
     x, y, _ = one.pose
@@ -102,7 +101,7 @@ def places_kept(name: str, one: Member, held: Held | None) -> Iterator[Taken]:
 
 
 def _ahead(here: tuple[float, float], held: Held, reach_m: float) -> Iterator[tuple[float, float]]:
-    """The promised places (closer than a radius each) that it can have come to."""
+    """Promised places, closer than a radius each, that it can have reached."""
     gone_m, before = 0.0, here
     for x, y in held.promise.points[held.executed + 1 :].tolist():
         gone_m += math.dist(before, (x, y))
@@ -113,10 +112,10 @@ def _ahead(here: tuple[float, float], held: Held, reach_m: float) -> Iterator[tu
 
 
 def comes_too_near(way: FloatArray, name: str, members: Mapping[str, Member]) -> str | None:
-    """The sentence where a robot's way leads into another one's body; None where all is clear.
+    """Sentence about a path that leads into another body; None if all is clear.
 
-    ``way`` (n >= 1, 2) begins where the robot is. What does not come nearer than it is now is no
-    reason to hold.
+    ``way`` (n >= 1, 2) begins at the robot. A body that it approaches no further is no reason to
+    hold.
     """
     radius_m = members[name].radius_m
     x_m, y_m = way[0].tolist()

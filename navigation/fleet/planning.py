@@ -1,14 +1,13 @@
-"""From a fleet's plan to promises: each robot's targets, and the gates at the places it shares.
+"""From a fleet's plan to promises: each robot's targets, and gates at shared places.
 
 Rules
-- Every radius is planned with a margin, so that robots which follow their paths to within it never
-  touch. Where two starts, two goals, or a start and a wall are nearer than that, the margin is what
-  there is room for.
-- Corners are rounded where no robot comes too near (`rounding`): at a sharp one a robot stops.
+- Every radius gets a margin, so that robots which follow their paths to within it never touch. If
+  two starts, two goals, or a start and a wall are nearer than that, the margin shrinks to fit.
+- Corners are rounded where no robot comes too near (`rounding`): at sharp ones a robot stops.
 - Tracks are cut into short pieces before the order at shared places is taken from them: a robot
-  waits no longer than it must, and the place it waits at is one of its targets.
-- A robot that has no path is left out, with the reason, and keeps the place where it stands; the
-  others are planned around it.
+  waits no longer than it must, at one of its targets.
+- A robot without a path is left out, with the reason, and keeps its place; the others are planned
+  around it.
 
 Metres, radians, seconds.
 """
@@ -70,10 +69,10 @@ def plan_promises(
     keep_m: float,
     clock: Clock = search_clock_s,
 ) -> FleetAnswer:
-    """Promises for all travellers that can move, two bodies ``keep_m`` apart where there is room.
+    """Make promises for all travellers that can move, bodies ``keep_m`` apart where that fits.
 
-    Where one cannot because of robots that stand without a mission, these step aside and come back.
-    ``roadmap`` is of the smallest robot in ``scene``; ``clock`` limits each search.
+    If robots at rest without a mission block one, they step aside and come back. ``roadmap`` is the
+    smallest robot's in ``scene``; ``clock`` limits each search.
     """
     idle = [Taken(one.name, one.start[0], one.start[1], one.radius_m) for one in request.idle]
     answer = _plan_for(roadmap, scene, request, [*request.taken, *idle], (), keep_m, clock)
@@ -123,7 +122,7 @@ def _try(
     keep_m: float,
     clock: Clock,
 ) -> dict[str, Promise] | tuple[int, str]:
-    """Promises for all of them, or which of them to leave out and why."""
+    """Promises for all of them, or the one to leave out and why."""
     for i, one in enumerate(moving):
         for other in taken:
             gap_m = math.dist((one.station.x, one.station.y), (other.x_m, other.y_m))
@@ -155,10 +154,10 @@ def _try(
 def _ordered(
     here: Roadmap, moving: Sequence[Traveller], keep_m: float, clock: Clock
 ) -> tuple[list[CutTrack], list[Dependency], list[float]] | NoFleetPlan:
-    """Tracks in short pieces, an order at shared places in which nobody waits in a circle, and the
-    radii that they were planned with.
+    """Tracks in short pieces, a live order at shared places, and the radii planned with.
 
-    With less room between the bodies, and then from other beginnings, where there is none else.
+    In a live order robots never wait in a circle. If there is none, it tries less distance between
+    the bodies, then other beginnings.
     """
     refused: NoFleetPlan | None = None
     for share, seed in ((1.0, 0), (LESS_ROOM, 0), *((1.0, seed) for seed in range(1, SEEDS))):
@@ -193,7 +192,7 @@ def _ordered(
 def make_promise(
     here: Roadmap, one: Traveller, track: CutTrack, gates: Sequence[Gate], margin_m: float
 ) -> Promise:
-    """The promise of one robot's track; ``TrajectoryError`` where the robot cannot drive it."""
+    """Promise of one robot's track; ``TrajectoryError`` if the robot cannot drive it."""
     numbers = point_numbers(track.fine)
     smooth = np.ascontiguousarray(track.fine[np.unique(numbers, return_index=True)[1], 1:])
     at = np.unique(numbers[track.rows])
@@ -257,9 +256,9 @@ def _targets(
     station: Station,
     limits: Limits,
 ) -> tuple[Target, ...]:
-    """A target at every point but the first; one where the robot is there already.
+    """A target at every point except the first; one if the robot is there already.
 
-    ``along`` (n,) is how far each point is along the way that the trajectory is of.
+    ``along`` (n,): distance of each point along the trajectory's path.
     """
     (x, y) = points[-1].tolist()
     end = Target(x, y, limits.speed, True, station.heading_rad, station.dwell_s, 1)
@@ -282,7 +281,7 @@ def _lengths(points: FloatArray) -> FloatArray:
 
 
 def point_numbers(track: FloatArray) -> FloatArray:
-    """For each row the number of its place along the track: rows at one place share it."""
+    """Number of each row's place along the track; rows at one place share it."""
     moves = np.any(track[1:, 1:] != track[:-1, 1:], axis=1)
     return np.concatenate([[0], np.cumsum(moves)]).astype(np.int64)
 
@@ -292,7 +291,7 @@ def _number(numbers: FloatArray, row: int) -> int:
 
 
 def _sizes(here: Roadmap, moving: Sequence[Traveller], keep_m: float) -> list[float]:
-    """Each robot's radius with the margin that there is room for."""
+    """Each robot's radius with the margin that fits."""
     margins = [0.5 * keep_m] * len(moving)
     for i, j in combinations(range(len(moving)), 2):
         a, b = moving[i], moving[j]
@@ -310,7 +309,7 @@ def _sizes(here: Roadmap, moving: Sequence[Traveller], keep_m: float) -> list[fl
 
 
 def with_taken(scene: Scene, taken: Sequence[Taken], moving: Sequence[Traveller]) -> Scene:
-    """The scene with what is taken as round obstacles, smaller where a robot stands beside."""
+    """Scene with taken places as round obstacles, smaller beside a robot."""
     first = 1 + max((thing.id for thing in scene.objects), default=-1)
     things = []
     for i, one in enumerate(taken):
@@ -326,7 +325,7 @@ def with_taken(scene: Scene, taken: Sequence[Taken], moving: Sequence[Traveller]
 
 
 def with_names(reason: str, names: Sequence[str]) -> str:
-    """A reason that speaks of robots by number, with their names."""
+    """Replace robots' numbers in a reason by their names."""
 
     def named(found: re.Match[str]) -> str:
         return listed([names[int(n)] for n in re.findall(r"\d+", found.group(0))])
@@ -335,7 +334,7 @@ def with_names(reason: str, names: Sequence[str]) -> str:
 
 
 def listed(names: Sequence[str]) -> str:
-    """Names as a sentence has them: "ada, bob and cleo", each once."""
+    """Names for a sentence: "ada, bob and cleo", each once."""
     unique = list(dict.fromkeys(names))
     if len(unique) < 2:
         return "".join(unique)

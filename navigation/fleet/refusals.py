@@ -1,4 +1,4 @@
-"""Who has no path, why, and what that hung on: while it is the same, another plan is refused too.
+"""Robots without a path, the reasons, and the situation that makes a new plan pointless.
 
 Metres.
 """
@@ -17,7 +17,7 @@ from navigation.mission.mission import State, Station
 
 @dataclass(frozen=True, slots=True)
 class Situation:
-    """What a refusal hung on: while it is the same, another plan would be refused too."""
+    """Situation behind a refusal: while it lasts, another plan would be refused too."""
 
     revision: int
     goals: frozenset[tuple[str, Station]]
@@ -25,7 +25,7 @@ class Situation:
     """Where those are that do not drive."""
 
     def is_like(self, other: Situation | None) -> bool:
-        """Whether nothing has changed but by noise."""
+        """True if nothing has changed except by noise."""
         if other is None or (self.revision, self.goals) != (other.revision, other.goals):
             return False
         if self.at_rest.keys() != other.at_rest.keys():
@@ -35,7 +35,7 @@ class Situation:
 
 
 class Refusals:
-    """Those of the plan that was answered last."""
+    """Refusals of the last answered plan."""
 
     def __init__(self) -> None:
         self.reasons: dict[str, str] = {}
@@ -50,12 +50,12 @@ class Refusals:
         revision: int,
         at_rest: Mapping[str, tuple[float, float]],
     ) -> None:
-        """A plan is asked for: what it finds hangs on how things are now."""
+        """Note that a plan is requested in the present situation."""
         goals = {name: request.stations[0] for name, request in wishes.items()}
         self._asked = goals, Situation(revision, frozenset(), at_rest)
 
     def take(self, reasons: Mapping[str, str]) -> None:
-        """Who was refused in the answer."""
+        """Take the refusals of the answer."""
         assert self._asked is not None
         goals, situation = self._asked
         self.reasons = dict(reasons)
@@ -63,7 +63,7 @@ class Refusals:
         self._hung_on = replace(situation, goals=frozenset(self._goals.items()))
 
     def refuse(self, names: Iterable[str], why: str) -> None:
-        """Nobody asks for a plan: these are refused in this cycle."""
+        """Refuse these robots in this cycle, without a request."""
         self.reasons = dict.fromkeys(names, why)
         self._goals, self._hung_on = {}, None
 
@@ -74,7 +74,7 @@ class Refusals:
         revision: int,
         at_rest: Mapping[str, tuple[float, float]],
     ) -> bool:
-        """Whether nothing has changed that they hung on."""
+        """True if their situation is unchanged."""
         goals = frozenset(
             (name, asking[name].stations[0] if name in asking else goal)
             for name, goal in self._goals.items()
@@ -83,7 +83,7 @@ class Refusals:
         return Situation(revision, goals, at_rest).is_like(self._hung_on)
 
     def will_ask(self, members: Mapping[str, Member], asking: Mapping[str, PlanRequest]) -> bool:
-        """Whether one that was refused holds, and will ask again."""
+        """True if a refused robot holds, and will ask again."""
         return any(
             name not in asking and members[name].state is State.HOLDING for name in self.reasons
         )

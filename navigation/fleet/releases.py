@@ -1,9 +1,9 @@
-"""How far each robot may drive of what it was promised, and for whom it waits.
+"""Released part of each promise, and the robots waited for.
 
 Rules
-- A robot is given its targets up to its first gate whose other robot has not passed yet.
-- A robot has passed a target when it reports that and the camera sees it there.
-- A robot whose promise is not known any more has passed nothing.
+- A robot is given its targets up to the first gate that another robot has not passed.
+- A robot has passed a target if it reports so and the camera sees it there.
+- A robot whose promise is unknown has passed nothing.
 """
 
 from __future__ import annotations
@@ -17,7 +17,7 @@ from navigation.fleet.request import Gate, Promise
 
 @dataclass(slots=True)
 class Held:
-    """A promise that is being kept, and how far its robot has come."""
+    """A promise being kept, and its robot's progress."""
 
     promise: Promise
     executed: int = 0
@@ -33,19 +33,19 @@ class Held:
 
     @property
     def is_finished(self) -> bool:
-        """Whether the robot is at its end."""
+        """True if the robot is at its end."""
         return self.executed >= len(self.promise.targets)
 
 
 class Release(NamedTuple):
-    """How many targets may be sent, and the gate that ends them."""
+    """Number of targets that may be sent, and the gate that ends them."""
 
     targets: int
     gate: Gate | None
 
 
 def release_of(name: str, held: Mapping[str, Held]) -> Release:
-    """What the robot may drive now."""
+    """Part of its promise that the robot may drive now."""
     promise = held[name].promise
     count, closed = len(promise.targets), None
     for gate in promise.gates:

@@ -1,4 +1,4 @@
-"""What is asked of the fleet's planner, and what it answers. Metres, radians, seconds."""
+"""Requests to the fleet's planner, and its answers. Metres, radians, seconds."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from planner.scene import FloatArray
 
 @dataclass(frozen=True, slots=True)
 class Traveller:
-    """A robot that wants to move: where it stands, and the station that it goes to."""
+    """A robot that wants to move: its place, and the station that it drives to."""
 
     name: str
     start: tuple[float, float, float]
@@ -28,7 +28,7 @@ class Traveller:
 
 @dataclass(frozen=True, slots=True)
 class Taken:
-    """A round place that a robot which does not take part keeps."""
+    """Round place kept by a robot that takes no part."""
 
     name: str
     x_m: float
@@ -38,7 +38,7 @@ class Taken:
 
 @dataclass(frozen=True, slots=True)
 class FleetRequest:
-    """Ask for paths for all travellers at once, around what is taken."""
+    """Request for paths of all travellers at once, around taken places."""
 
     id: int
     scene_revision: int
@@ -52,8 +52,9 @@ class FleetRequest:
 
 @dataclass(frozen=True, slots=True)
 class Gate:
-    """Of a promise: no more than ``before`` targets before another robot has executed ``passed``
-    of its own."""
+    """Limit in a promise: no more than ``before`` targets until another robot has executed
+    ``passed`` of its own.
+    """
 
     before: int
     other: str
@@ -62,9 +63,9 @@ class Gate:
 
 @dataclass(frozen=True, slots=True)
 class Promise:
-    """What one robot may drive in the end: its path, the targets along it, and its gates.
+    """A robot's path, the targets along it, and its gates.
 
-    ``points`` (n + 1, 2): where it stood, and the place of each of its n targets.
+    ``points`` (n + 1, 2): its place at the time, and the place of each of its n targets.
     """
 
     name: str
@@ -81,8 +82,7 @@ class Promise:
 
 @dataclass(frozen=True, slots=True)
 class Driving:
-    """A robot that drives on: its promise, the targets of it that it has executed, and how many
-    it was given."""
+    """A robot that drives on: its promise, and its executed and its given targets."""
 
     promise: Promise
     executed: int
@@ -91,7 +91,7 @@ class Driving:
 
     @property
     def as_traveller(self) -> Traveller:
-        """The same robot, from the target that it has executed last."""
+        """The same robot, from the last target that it has executed."""
         x, y = self.promise.points[self.executed].tolist()
         promise = self.promise
         return Traveller(promise.name, (x, y, 0.0), promise.station, promise.radius_m, self.limits)
@@ -101,9 +101,9 @@ class Driving:
 class FleetAnswer:
     """A promise for each traveller that has one, and the reason for each that has none.
 
-    ``driving`` are the promises of those that drive on with the gates that they have now, where any
-    have changed; ``cannot`` is the reason where nothing could be added to them. A promise of an
-    idle robot asks it to step aside and come back.
+    ``driving`` are the promises of driving robots with their present gates, if any have changed;
+    ``cannot`` is the reason if nothing could be added to them. A promise of an idle robot asks it
+    to step aside and come back.
     """
 
     id: int

@@ -1,11 +1,11 @@
-"""Corners of a fleet's tracks rounded, so that robots need not stop and turn at each of them.
+"""Rounded corners of a fleet's tracks, at which robots need not stop and turn.
 
 Rules
-- A plan's tracks are straight pieces between places. Each robot's are rounded like the path of one
-  that drives alone, where they keep their clearance; where it waits it is as before.
-- A rounded track is taken where it comes as near to no other robot as the plan allows: else the
-  legs between its waits are tried one by one, and what touches stays as it was.
-- The order at shared places is found from what comes out, so it holds for what is driven.
+- A plan's tracks are straight pieces between places. Each is rounded like a lone robot's path if it
+  keeps its clearance; waits stay as they are.
+- A rounded track is used if it comes as near to no other robot as the plan allows. Otherwise the
+  legs between its waits are tried one by one, and legs that touch stay as they were.
+- The order at shared places comes from the result, so it is valid for what is driven.
 
 Metres, seconds.
 """
@@ -36,14 +36,14 @@ ROUNDING_M: Final = 1e-9
 
 @dataclass(frozen=True, slots=True)
 class CutTrack:
-    """A track (k, 3) of t, x, y in short pieces, and the rows that a robot is given as targets."""
+    """Track (k, 3) of t, x, y in short pieces, and the rows given to a robot as targets."""
 
     fine: FloatArray
     rows: NDArray[np.int64]
 
     @property
     def targets(self) -> FloatArray:
-        """The track of straight lines between the targets: what is driven, and judged."""
+        """Straight lines between the targets: the track that is driven and judged."""
         return np.ascontiguousarray(self.fine[self.rows])
 
     @classmethod
@@ -53,7 +53,7 @@ class CutTrack:
 
     @classmethod
     def of(cls, track: FloatArray, piece_m: float) -> CutTrack:
-        """A track as it is, with a target at each of its points."""
+        """A track in pieces, with a target at each of its points."""
         return cls.whole(split_track(np.asarray(track), piece_m))
 
     @classmethod
@@ -70,9 +70,9 @@ def rounded(
     piece_m: float,
     turning_m: Mapping[int, float],
 ) -> list[CutTrack]:
-    """The tracks with their corners rounded wherever nobody comes too near.
+    """Tracks with corners rounded where no robot comes too near.
 
-    Those are rounded that are in ``turning_m``, by bends no tighter than its radii.
+    Only tracks in ``turning_m`` are rounded, by bends no tighter than its radii.
     """
     now = list(tracks)
     for i, radius_m in turning_m.items():
@@ -92,14 +92,14 @@ def rounded(
 
 
 def legs_of(track: FloatArray) -> list[FloatArray]:
-    """The track cut where it waits: each wait between two legs is the time between them."""
+    """Cut the track at its waits: each wait is the time between two legs."""
     stands = np.flatnonzero(~np.any(track[1:, 1:] != track[:-1, 1:], axis=1))
     cuts = [0, *(int(row) + 1 for row in stands), len(track)]
     return [track[a:b] for a, b in pairwise(cuts)]
 
 
 def _rounded_leg(here: Roadmap, leg: FloatArray, size: float, turning_m: float) -> FloatArray:
-    """The leg on a smooth path, in the same time at one speed."""
+    """Leg on a smooth path, in the same time at one speed."""
     if len(leg) < 3:
         return leg
     points = np.ascontiguousarray(leg[:, 1:])
@@ -142,7 +142,7 @@ def _along(points: FloatArray) -> FloatArray:
 
 
 def split_track(track: FloatArray, piece_m: float) -> FloatArray:
-    """The track (k, 3) of t, x, y with rows no further apart than a piece."""
+    """Track (k, 3) of t, x, y with rows no further apart than a piece."""
     rows = [track[:1]]
     for a, b in pairwise(track):
         parts = max(1, math.ceil(math.dist(a[1:], b[1:]) / piece_m - 1e-9))
@@ -153,10 +153,10 @@ def split_track(track: FloatArray, piece_m: float) -> FloatArray:
 
 
 def thinned(track: FloatArray, piece_m: float) -> NDArray[np.int64]:
-    """The rows of a track, in order, that a robot is given as targets.
+    """Rows of a track, in order, given to a robot as targets.
 
-    No two are further apart than a piece, the line between them leaves the track by no more than
-    ``CHORD_M``, and every row at which it stands is one of them.
+    No two are further apart than a piece, the line between them leaves the track by at most
+    ``CHORD_M``, and every row at rest is included.
     """
     points = track[:, 1:]
     stands = {0, len(track) - 1}
@@ -174,7 +174,7 @@ def thinned(track: FloatArray, piece_m: float) -> NDArray[np.int64]:
 
 
 def _is_straight(points: FloatArray, piece_m: float) -> bool:
-    """Whether the line from the first of these points to the last may stand for all."""
+    """True if the line from the first to the last of these points may replace all."""
     chord = points[-1] - points[0]
     length = float(np.hypot(*chord))
     if len(points) > 2 and length > piece_m + 1e-9:

@@ -1,9 +1,8 @@
-"""Robots that move although nothing lets them, and where they may be in the next seconds.
+"""Robots that move without permission, and their possible places in the next seconds.
 
-A robot runs away that is faster than its brakes can have left it since its permit ended, or that
-moves off what it was sent by more than its path allows. One that moves while nothing is heard of it
-may run away: whether it obeys, its lease has yet to show. It is taken to keep its speed and its
-bend. Metres, radians, seconds.
+A robot runs away if it is faster than its brakes allow since its permit ended, or strays from what
+it was sent by more than its path allows. A silent robot that moves may run away: its lease has yet
+to show if it obeys. Speed and bend are assumed constant. Metres, radians, seconds.
 """
 
 from __future__ import annotations
@@ -24,7 +23,7 @@ from planner.scene import FloatArray
 
 @dataclass(frozen=True, slots=True)
 class Runaway:
-    """Where it is now, how it moves, and its body."""
+    """Present place, motion and body of a runaway."""
 
     name: str
     x_m: float
@@ -45,7 +44,7 @@ class Runaway:
 
 
 def runaways_of(members: Mapping[str, Member], held: Mapping[str, Held]) -> list[Runaway]:
-    """Who runs away or may, of those that are seen."""
+    """Seen robots that run away, or may."""
     found = []
     for name, one in members.items():
         vx, vy, turn = one.velocity
@@ -60,7 +59,7 @@ def runaways_of(members: Mapping[str, Member], held: Mapping[str, Held]) -> list
 
 
 def _strays(one: Member, held: Held | None) -> bool:
-    """Whether it is off what it was sent, by more than a path allows."""
+    """True if it is off what it was sent by more than a path allows."""
     if held is None or held.broken or held.errand or one.pose is None:
         return False
     if one.state not in (State.DRIVING, State.HOLDING):

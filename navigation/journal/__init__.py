@@ -1,7 +1,7 @@
-"""Missions and stops on the disk, so that a restarted run continues where it ended.
+"""Missions and stops on disk, so that a restarted run continues where it ended.
 
-- `journal`: the mission, its progress and the plan that the robot holds, read at the start and
-  written on change.
+- `journal`: the mission, its progress and the robot's plan, read at the start and written on
+  change.
 - `journal_records`: these as text.
 - `journal_file`: the sealed file of that text, written whole and used by one program.
 - `stop_latch`: each stop as a file, in force until a person re-arms.

@@ -1,15 +1,14 @@
 """State that survives a restart: the mission, its progress and the robot's plan.
 
 Rules
-- Everything is written and synced before it takes effect: a mission before it is planned for,
-  a plan before its first waypoint goes out, a visited station before anything relies on it.
+- Everything is written and synced before it takes effect: a mission before it is planned, a plan
+  before its first waypoint is sent, a visited station before anything relies on it.
 - The journal holds the present, not history, and serves its owner only (`journal_records`).
-- A mission that was stopped, done or failed is over, and one that was re-armed waits for an
-  order: a restart never resumes them by itself. A paused one stays paused.
-- A journal that cannot be written costs no run: `trouble` says it, it is tried again every
-  ``RETRY_S``, and a file that was deleted is made again. A file that says less than the truth,
-  stations that were visited meanwhile, stays; one that would have a restart drive what was
-  stopped, finished or replaced is removed.
+- A stopped, done or failed mission is over, and a re-armed one waits for an order: a restart never
+  resumes them by itself. A paused one stays paused.
+- A journal that cannot be written ends no run: `trouble` reports it, it is tried again every
+  ``RETRY_S``, and a deleted file is made again. A file that only lacks stations visited meanwhile
+  stays; one that would make a restart drive a stopped, finished or replaced mission is removed.
 """
 
 from __future__ import annotations
@@ -33,10 +32,10 @@ _GOES_ON: Final = (State.PLANNING, State.PROVING, State.DRIVING, State.HOLDING)
 
 
 class Journal:
-    """One journal; a context manager that opens nothing later than its constructor. One thread.
+    """One journal; a context manager whose constructor opens everything. One thread.
 
-    ``JournalError`` where the file must not be used: another program holds it, it is no journal
-    or of a later version, or it is forbidden. ``remark`` says what was put aside; empty: nothing.
+    ``JournalError`` if the file must not be used: another program holds it, it is no journal or of
+    a later version, or it is forbidden. ``remark`` says what was put aside; empty: nothing.
     """
 
     def __init__(self, path: Path, owner: Owner) -> None:
@@ -68,29 +67,29 @@ class Journal:
             self._file.close()
 
     def mission(self) -> Mission | None:
-        """The mission that was kept last; None where there is none."""
+        """Last mission stored; None if there is none."""
         return None if self._kept is None else self._kept.mission
 
     def plan(self) -> SentPlan | None:
-        """The plan that was kept last; None where there is none of this mission."""
+        """Last plan stored; None if there is none of this mission."""
         return None if self._kept is None else self._kept.plan
 
     def unfinished(self) -> Mission | None:
-        """The mission that a restart has to go on with; None where nothing is left to do."""
+        """Mission that a restart must continue; None if nothing is left to do."""
         mission = self.mission()
         return mission if mission is not None and _has_work(mission) else None
 
     def rearmed(self) -> Mission | None:
-        """A mission that was stopped and re-armed, and that nobody has told to go on since."""
+        """Mission that was stopped and re-armed, and not resumed since."""
         mission = self.mission()
         waits = mission is not None and mission.state is State.IDLE and bool(mission.remaining)
         return mission if waits else None
 
     def keep(self, mission: Mission, sent: SentPlan | None, now_s: float) -> None:
-        """Keep the mission with its progress, and ``sent``, what the robot is about to be given.
+        """Store the mission with its progress, and ``sent``, the plan about to be given.
 
-        A plan is kept until the next one, another mission or another errand is. Where nothing
-        changed nothing is written. Never raises: see `trouble`.
+        A plan is kept until the next plan, another mission or another errand is. Nothing is written
+        without a change. Never raises: see `trouble`.
         """
         known = self._failed or self._kept
         if sent is None and known is not None and _is_for(known.mission, mission):
@@ -111,16 +110,16 @@ class Journal:
             self._failed, self._kept = None, wanted
 
     def _write(self, wanted: Contents) -> None:
-        """Into the open file; where that is gone, into a new one in its place."""
+        """Write into the open file; if that is gone, into a new one in its place."""
         if self._file is not None:
             try:
                 self._file.save(wanted)
             except JournalWriteError:
                 if self._failed is None:
-                    raise  # said first: whoever deleted it has perhaps a reason
+                    raise  # reported first: its deletion may have had a reason
             else:
                 return
-        self._open(patience_s=0.0)  # the control loop waits for nobody
+        self._open(patience_s=0.0)  # the control loop never waits
         assert self._file is not None
         self._file.save(wanted)
 

@@ -1,16 +1,15 @@
-"""The file of a journal: one sealed text that is written whole, and that one program uses.
+"""A journal's file: one sealed text, written whole, used by one program.
 
 Rules
-- A save is on the disk when it returns, under another name first: a kill at any moment leaves
-  this entry or the one before it, whole.
-- The seal is over everything: a lost byte or a flipped bit anywhere is damage, and never an
-  earlier entry.
-- Locked as long as it is open, by a file beside it that is never replaced: a second program is
-  refused.
+- A save is on disk when it returns, under another name first: a kill at any moment leaves this
+  entry or the previous one, whole.
+- The seal covers everything: a lost byte or a flipped bit anywhere is damage, never an earlier
+  entry.
+- A file beside it, never replaced, locks it while it is open: a second program is refused.
 - Readable by its owner only.
-- What cannot be trusted is kept aside under another name, for a person to look at, and the
-  journal begins empty: damage, or another owner's mission. A file that was never a journal, or of
-  another version, is refused and left alone.
+- Untrusted content (damage, or another owner's mission) is kept under another name for a person to
+  look at, and the journal begins empty. A file that was never a journal, or of another version, is
+  refused and left alone.
 """
 
 from __future__ import annotations
@@ -43,15 +42,15 @@ _NO_ROOM: Final = frozenset({errno.ENOSPC, errno.EDQUOT, errno.EFBIG, errno.EIO}
 
 
 class JournalError(ValueError):
-    """The journal cannot be used; the message says which file and why."""
+    """Error: the journal cannot be used; the message says which file and why."""
 
 
 class JournalWriteError(JournalError):
-    """The journal cannot be written at the moment: no room, an error of the disk, a lost file."""
+    """Error: the journal cannot be written now: no space, a disk error, a lost file."""
 
 
 class _UntrustedError(ValueError):
-    """Content that must not be used; ``label`` goes into the name that the file is kept under."""
+    """Error: content must not be used; ``label`` goes into the name it is kept under."""
 
     def __init__(self, label: str, message: str) -> None:
         super().__init__(message)
@@ -59,7 +58,7 @@ class _UntrustedError(ValueError):
 
 
 class JournalFile:
-    """An open, locked journal; ``contents`` is what was found in it, ``remark`` what was wrong."""
+    """An open, locked journal; ``contents`` is what it held, ``remark`` what was wrong."""
 
     def __init__(self, path: Path, owner: Owner, patience_s: float = OPEN_WITHIN_S) -> None:
         self.path, self.owner = path, owner
@@ -88,7 +87,7 @@ class JournalFile:
         self._seen = self._present()
 
     def _make_private(self) -> None:
-        """Its owner alone may read what is there."""
+        """Let only its owner read it."""
         self._file.parent.mkdir(parents=True, exist_ok=True)
         with contextlib.suppress(FileNotFoundError):
             mode = self._file.stat().st_mode
@@ -111,7 +110,7 @@ class JournalFile:
                         f"journal {self.path}: is in use by another program, a running clearway "
                         "most likely: give each its own recording.journal"
                     ) from None
-                time.sleep(LOOK_AGAIN_S)  # no lock of a file can be waited for with a time limit
+                time.sleep(LOOK_AGAIN_S)  # a file's lock cannot be awaited with a time limit
             finally:
                 if self._lock != handle:
                     os.close(handle)
@@ -135,7 +134,7 @@ class JournalFile:
         return contents
 
     def _look_like_a_journal(self, data: bytes) -> None:
-        """JournalError for other programs' files, which are left as they are."""
+        """Raise JournalError for other programs' files, which stay as they are."""
         if data.startswith(_MAGIC) or not data:
             return
         if _is_alike(data) or not any(data):
@@ -143,7 +142,7 @@ class JournalFile:
         raise JournalError(f"journal {self.path}: is no journal: name another file, or remove it")
 
     def _unsealed(self, data: bytes) -> str:
-        """The text; SealError where it is damaged, JournalError where a later program wrote it."""
+        """The text; SealError if damaged, JournalError if a later program wrote it."""
         number = data[len(_MAGIC) :].split(b" ", 1)[0]
         version = int(number) if number.isdigit() and len(number) < 4 else VERSION
         text = unseal(KIND, version, data)
@@ -155,7 +154,7 @@ class JournalFile:
         return text
 
     def _put_aside(self, label: str) -> Path:
-        """Rename what is there, so that nothing is lost; the new name."""
+        """Rename the file so that nothing is lost; return the new name."""
         for number in range(1, MOST_ASIDE + 1):
             aside = self._file.with_name(f"{self._file.name}.{label}-{number}")
             if not aside.exists():
@@ -166,7 +165,7 @@ class JournalFile:
         return aside
 
     def save(self, contents: Contents) -> None:
-        """Keep the contents; ``JournalWriteError`` where they are not on the disk now."""
+        """Save the contents; ``JournalWriteError`` if they are not on disk now."""
         if self._present() != self._seen:
             raise JournalWriteError(f"journal {self.path}: was deleted or replaced by another file")
         sealed = seal(KIND, VERSION, to_text(contents))
@@ -178,25 +177,25 @@ class JournalFile:
             self._seen = self._present()
 
     def _present(self) -> list[tuple[int, int] | None]:
-        """Which files the journal and its lock are now: both may be deleted meanwhile."""
+        """Identities of the journal and its lock: both may be deleted meanwhile."""
         return [_identity(self._file), _identity(self._lock_file)]
 
     def discard(self) -> None:
-        """Remove the file, where what is in it would mislead the next program."""
+        """Remove the file if its content would mislead the next program."""
         if self._present() == self._seen:
-            with contextlib.suppress(OSError):  # what is left is no worse than before
+            with contextlib.suppress(OSError):  # the remains are no worse than before
                 self._file.unlink(missing_ok=True)
                 sync_folder(self._file.parent)
 
     def close(self) -> None:
-        """End the lock."""
+        """Release the lock."""
         if self._lock is not None:
             os.close(self._lock)
             self._lock = None
 
 
 def _identity(file: Path | int) -> tuple[int, int] | None:
-    """Device and inode; None where there is no such file."""
+    """Device and inode; None without such a file."""
     try:
         told = os.stat(file)
     except OSError:
@@ -205,6 +204,6 @@ def _identity(file: Path | int) -> tuple[int, int] | None:
 
 
 def _is_alike(data: bytes) -> bool:
-    """True if it begins like a journal, or is what is left of such a beginning."""
+    """True if it begins like a journal, or like the remains of one."""
     equal = sum(one == other for one, other in zip(data, _MAGIC, strict=False))
     return equal >= _LIKENESS or _MAGIC.startswith(data)

@@ -1,10 +1,10 @@
 """A journal's records as text: the owner, the mission with its progress, the plan sent.
 
 Rules
-- Read as strictly as a configuration: unknown keys, wrong types, numbers that are not finite or
-  beyond their limits, and places outside the arena are errors of one sentence.
-- A record names its owner: a mission is for one robot, on one port, in one arena, of one
-  configuration, and for nobody else.
+- Read as strictly as a configuration: unknown keys, wrong types, numbers not finite or beyond
+  their limits, and places outside the arena are errors of one sentence.
+- A record names its owner: a mission is only for one robot, on one port, in one arena, of one
+  configuration.
 
 Metres, radians, seconds.
 """
@@ -38,12 +38,12 @@ LARGEST_RAD: Final = 7.0
 
 
 class RecordError(ValueError):
-    """A record of a journal cannot be used; the message says which and why."""
+    """Error: a journal's record cannot be used; the message says which and why."""
 
 
 @dataclass(frozen=True, slots=True)
 class Owner:
-    """Whose journal it is; ``camera`` is a fingerprint of its address and calibration."""
+    """Owner of a journal; ``camera`` is a fingerprint of its address and calibration."""
 
     robot: str = ""
     port: str = ""
@@ -66,7 +66,7 @@ class Owner:
 
 
 def owner_of(config: Config, file: Path | None = None) -> Owner:
-    """Whose missions a configuration's run drives; ``file`` is where it was read from."""
+    """Owner for a configuration's run; ``file`` is the configuration's source."""
     own = [one.camera for one in each_camera(config).values()] or [config.camera]
     cameras = [
         (without_user(str(one.source)), str(one.calibration), one.metres_per_pixel) for one in own
@@ -92,7 +92,7 @@ def _shown(value: object) -> str:
 
 @dataclass(frozen=True, slots=True)
 class SentPlan:
-    """A plan as it was given to the robot: its id on the wire and where in the mission it began."""
+    """A plan given to the robot: its id on the wire, and the station at which it began."""
 
     mission_id: int
     visited_before: int
@@ -162,7 +162,7 @@ class _Contents(_Record):
 
 @dataclass(frozen=True, slots=True)
 class Contents:
-    """All that a journal holds."""
+    """Everything in a journal."""
 
     owner: Owner
     mission: Mission
@@ -178,7 +178,7 @@ def to_text(contents: Contents) -> str:
 
 
 def from_text(text: str) -> Contents:
-    """The contents of a text; ``RecordError`` where it holds anything that cannot be."""
+    """Contents of a text; ``RecordError`` if anything in it is impossible."""
     try:
         read = _Contents.model_validate_json(text)
     except ValidationError as error:

@@ -1,7 +1,7 @@
-"""The stops of a run on the disk: kept before they are answered, lifted by a re-arm only.
+"""The stops of a run on disk: stored before they are answered, lifted by a re-arm only.
 
-One thread alone touches the disk, and nobody waits for it longer than ``ANSWER_S``: a disk that
-hangs delays no stop. What it has not done by then is said. Seconds.
+One thread alone touches the disk, and no caller waits for it longer than ``ANSWER_S``: a disk that
+hangs delays no stop, and the answer says so. Seconds.
 """
 
 from __future__ import annotations
@@ -29,9 +29,9 @@ END_S: Final = 2.0
 
 
 class KeptStops:
-    """A context manager; ``ports`` names each robot's, a robot alone has the empty name.
+    """Stops on disk, a context manager; ``ports`` has each robot's, under "" for a lone robot.
 
-    ``held`` says at the beginning why robots wait, by name.
+    ``held`` gives at the beginning why robots wait, by name.
     """
 
     def __init__(
@@ -75,7 +75,7 @@ class KeptStops:
             self._news.notify_all()
 
     def stop(self, names: Iterable[str], reason: str) -> None:
-        """Keep a stop of these robots soon; `trouble_with` waits for it."""
+        """Store a stop of these robots soon; `settled` waits for it."""
         when = self._now().isoformat(timespec="seconds")
         with self._news:
             for name in names:
@@ -88,7 +88,7 @@ class KeptStops:
             self._news.notify_all()
 
     def lift(self, names: Iterable[str]) -> None:
-        """A person re-arms these robots; a stop that comes later is kept."""
+        """Lift the stops of re-armed robots; a later stop is kept."""
         with self._news:
             for name in names:
                 self._wanted[name] = None
@@ -97,12 +97,12 @@ class KeptStops:
             self._news.notify_all()
 
     def is_kept(self, name: str) -> bool:
-        """True if a stop of this robot was given after the last re-arm of it."""
+        """True if a stop of this robot came after its last re-arm."""
         with self._news:
             return self._wanted.get(name) is not None
 
     def settled(self) -> str:
-        """The disk's trouble, once it has taken what was asked for; empty if there is none."""
+        """Wait for the disk; return its trouble, empty if there is none."""
         with self._news:
             if not self._wait(ANSWER_S):  # in force until the disk answers
                 self.trouble = f"{self._folder}: not on the disk after {ANSWER_S:g} s"
@@ -140,7 +140,7 @@ class KeptStops:
         for file, names in list(self._files.items()):
             names.discard(name)
             if not names:
-                if file != self._folder:  # that cannot be read, and is no file
+                if file != self._folder:  # an unreadable folder is no stop's file
                     remove_latch(file)
                 del self._files[file]
         if name in self._own:

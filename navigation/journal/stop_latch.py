@@ -1,9 +1,9 @@
 """Stops as files: each is in force until a person re-arms, whatever happens to the program.
 
 Rules
-- A file for each stop, written whole and synced; nothing but a re-arm removes it.
-- A run is held by every stop that has its socket, its configuration or one of its ports in common
-  with it. A file that cannot be read whole is a stop of every robot.
+- A file for each stop, written whole and synced; only a re-arm removes it.
+- A run is held by every stop that shares its socket, its configuration or one of its ports. A file
+  that cannot be read whole is a stop of every robot.
 """
 
 from __future__ import annotations
@@ -31,7 +31,7 @@ MOST_BYTES: Final = 65_536
 
 @dataclass(frozen=True, slots=True)
 class Latch:
-    """One stop; ``robot`` is empty where all are meant, or the only one. ``when`` is ISO 8601."""
+    """One stop; ``robot`` is empty for all, or for the only one. ``when`` is ISO 8601."""
 
     robot: str
     reason: str
@@ -42,7 +42,7 @@ class Latch:
 
     @property
     def sentence(self) -> str:
-        """The sentence of a run that is held by it."""
+        """Sentence of a run held by it."""
         return (
             f"stopped before this run began ({self.reason}, {self.when}): "
             "waits for `clearway resume`"
@@ -51,7 +51,7 @@ class Latch:
 
 @dataclass(frozen=True, slots=True)
 class Kept:
-    """A stop's file and what it says; ``latch`` is None where it cannot be read."""
+    """A stop's file and content; ``latch`` is None if it cannot be read."""
 
     file: Path
     latch: Latch | None
@@ -59,7 +59,7 @@ class Kept:
 
     @property
     def sentence(self) -> str:
-        """Why a robot waits."""
+        """Reason why a robot waits."""
         if self.latch is not None:
             return self.latch.sentence
         return (
@@ -69,7 +69,7 @@ class Kept:
 
 
 def write_latch(folder: Path, latch: Latch) -> Path:
-    """Keep a stop; its file is on the disk when this returns. ``OSError``, UnwrittenFileError."""
+    """Store a stop; its file is on disk when this returns. ``OSError``, UnwrittenFileError."""
     text = json.dumps(asdict(latch))
     file = folder / f"{hashlib.sha256(text.encode()).hexdigest()[:16]}.stop"
     folder.mkdir(mode=0o700, parents=True, exist_ok=True)
@@ -84,14 +84,14 @@ def remove_latch(file: Path) -> None:
 
 
 def read_latches(folder: Path) -> list[Kept]:
-    """Every stop in a folder. One that cannot be looked into counts as a stop."""
+    """Every stop in a folder; an unreadable file or folder counts as one."""
     try:
         names = sorted(os.listdir(folder))
     except (FileNotFoundError, NotADirectoryError):
         return []
     except OSError as error:
         return [Kept(folder, None, f"cannot be read ({error.strerror or error})")]
-    # a name that begins with a dot is of a stop that is being written
+    # a name that begins with a dot is a stop being written
     return [_read(folder / name) for name in names if not name.startswith(".")]
 
 
@@ -109,7 +109,7 @@ def _read(file: Path) -> Kept:
 
 
 def ports_of(port: str) -> tuple[str, ...]:
-    """The names that a real port is known by, without passwords; none where it is simulated."""
+    """Names of a real port, without passwords; none if it is simulated."""
     if port == SIMULATED:
         return ()
     own = without_password(port)
@@ -119,9 +119,9 @@ def ports_of(port: str) -> tuple[str, ...]:
 def held_by(
     kept: Kept, socket: str, configuration: str, ports: Mapping[str, tuple[str, ...]]
 ) -> set[str]:
-    """The names of a run's robots, of ``ports``, that a stop holds.
+    """Names of a run's robots, of ``ports``, that a stop holds.
 
-    A stop of a robot that the run does not know holds them all: it may be any of them.
+    A stop of a robot unknown to the run holds them all: it may be any of them.
     """
     latch, everyone = kept.latch, set(ports)
     if latch is None:

@@ -1,6 +1,6 @@
-"""What is known of the link and the robot at one moment, read off the host's end of the line.
+"""State of the link and the robot at one moment, read off the host's end of the line.
 
-Seconds; nothing in a snapshot changes any more.
+Seconds; a snapshot never changes.
 """
 
 from __future__ import annotations
@@ -24,21 +24,20 @@ from firmware_protocol.wire.messages import (
 
 @dataclass(frozen=True, slots=True)
 class LinkSnapshot:
-    """What is known of link and robot; ages are those at the time of the snapshot.
+    """State of link and robot; ages are those at the time of the snapshot.
 
-    ``down_reason`` is None while the link is up, else a plain sentence. ``status`` is the
-    robot's last report, None before the first. ``mission_id``, ``accepted``, ``executed`` and
-    ``mission_done`` are the robot's; ``mission_id`` is None where it holds none.
-    ``moving`` is True in RUN and until the robot has come to a stand after it.
-    ``no_permit`` says why the robot cannot be given a lease, None where it can;
-    ``standing_reason`` says why the robot is not running, None while it is in RUN.
-    ``leaving_estop``: the robot was told to leave its emergency stop and has not answered; what
-    it reports is the old stop. ``clock_offset_s`` is the robot's clock minus the host's, wrong by
-    no more than ``clock_error_s``; by it ``status_taken_s`` is when the robot took ``status``, in
-    host seconds. All three are None before the clock is known. ``fault`` says why a robot is in its
+    ``down_reason`` is None while the link is up, else a plain sentence. ``status`` is the robot's
+    last report, None before the first. ``mission_id``, ``accepted``, ``executed`` and
+    ``mission_done`` are the robot's; ``mission_id`` is None if it holds none. ``moving`` is True in
+    RUN and until the robot is at rest after it. ``no_permit`` says why the robot cannot be given a
+    lease, None if it can; ``standing_reason`` says why the robot is not running, None while it is
+    in RUN. ``leaving_estop``: the robot was ordered out of its emergency stop and has not answered;
+    its report is the old stop. ``clock_offset_s`` is the robot's clock minus the host's, wrong by
+    at most ``clock_error_s``; with it ``status_taken_s`` is when the robot took ``status``, in host
+    seconds. All three are None before the clock is known. ``fault`` says why a robot is in its
     emergency stop or, behind a driver, what is wrong with it, and ``remark`` what people should
-    know of it although it drives. ``stands``: whether a robot behind a driver is heard to stand;
-    None for our own firmware, which reports it in ``status``.
+    know although it drives. ``stands``: True if a robot behind a driver reports rest; None for our
+    own firmware, which reports it in ``status``.
     """
 
     state: LinkState
@@ -75,14 +74,14 @@ FRESH_S: Final = 0.5
 
 
 def doubt_of_stop(snapshot: LinkSnapshot) -> str | None:
-    """The doubt about an emergency stop that was sent; None if the robot is known to stand."""
+    """Doubt about an emergency stop that was sent; None if the robot is known to be at rest."""
     confirmed = snapshot.estopped and not snapshot.leaving_estop
     why = snapshot.down_reason
     if snapshot.stands is None:
         fresh = why is None and snapshot.status_age_s <= FRESH_S
         known = fresh and confirmed and not snapshot.moving
     else:
-        # where no driver's process has the robot, the daemon itself does, and keeps the stop
+        # without a driver's process the daemon itself has the robot, and keeps the stop
         known = snapshot.stands and (confirmed or why is not None)
     if known:
         return None
@@ -92,7 +91,7 @@ def doubt_of_stop(snapshot: LinkSnapshot) -> str | None:
 
 
 class _OfLink(TypedDict):
-    """The part of a snapshot that needs no report of the robot."""
+    """Part of a snapshot that needs no report of the robot."""
 
     state: LinkState
     down_reason: str | None
@@ -110,10 +109,10 @@ class _OfLink(TypedDict):
 def snapshot_of(
     host: HostConnection, now_s: float, *, port_fault: str, estop_waits: bool
 ) -> LinkSnapshot:
-    """The present state.
+    """Present state.
 
-    ``port_fault`` is the reason while the port is closed; ``estop_waits``: an emergency stop
-    was asked for that the host's end does not know of yet.
+    ``port_fault`` is the reason while the port is closed; ``estop_waits``: the host's end does not
+    know yet of an emergency stop that was ordered.
     """
     reason = host.why_down(now_s)
     if host.state is LinkState.CLOSED:

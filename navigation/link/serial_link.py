@@ -1,10 +1,10 @@
 """The thread that alone owns the serial port, around the sans-IO ``HostConnection``.
 
-- Orders come from any thread through a queue; the emergency stop passes it. A snapshot and
-  the events go out; nobody but the thread touches the port or the connection.
+- Any thread may queue orders; the emergency stop bypasses the queue. A snapshot and the events go
+  out; only this thread touches the port or the connection.
 - The thread sends no lease of its own: a control loop that hangs stops the robot.
-- A port that breaks is closed, its reason told, and opened again by the same path with growing
-  pauses. Seconds are those of ``clock``; metres and radians.
+- A broken port is closed, its reason reported, and the same path opened again with growing pauses.
+  Seconds are those of ``clock``; metres and radians.
 """
 
 from __future__ import annotations
@@ -47,10 +47,9 @@ LATENCIES_KEPT: Final = 10_000
 class SerialLink:
     """One robot on one serial port; a context manager that opens and closes.
 
-    ``clock`` gives monotonic seconds, in which pose capture times are given too; ``rng`` gives
-    session numbers; ``expected_boot_id`` is the boot that a journalled mission belongs to.
-    ``wait_for_port``: a port that is not ready when the link is opened is waited for, as one that
-    breaks later is, and the snapshot says so.
+    ``clock`` gives monotonic seconds, also for pose capture times; ``rng`` gives session numbers;
+    ``expected_boot_id`` is the boot of a journalled mission. ``wait_for_port``: wait for a port
+    that is not ready at opening, like one that breaks later; the snapshot says so.
     """
 
     def __init__(
@@ -99,7 +98,7 @@ class SerialLink:
     # Life.
 
     def open(self) -> None:
-        """Open the port and start the thread; PortError where the port cannot be used."""
+        """Open the port and start the thread; PortError if the port cannot be used."""
         if self._thread is not None:
             raise PortError(f"serial port {self.path}: is open already")
         port = None
@@ -112,7 +111,7 @@ class SerialLink:
         self._start_thread(port)
 
     def _start_thread(self, port: serial.Serial | None) -> None:
-        """With the open port, or with none: the thread opens it then, again and again."""
+        """Start with the open port; without one the thread tries to open it repeatedly."""
         self._serial = port
         self._wake_out, self._wake_in = os.pipe()
         os.set_blocking(self._wake_out, False)
@@ -125,7 +124,7 @@ class SerialLink:
         self._thread.start()
 
     def close(self) -> None:
-        """Stop the thread and close the port; the robot stops when its lease runs out."""
+        """Stop the thread and close the port; the robot stops when its lease ends."""
         thread = self._thread
         if thread is None:
             return
@@ -156,10 +155,10 @@ class SerialLink:
     ) -> Mission:
         """Replace the robot's mission and (``start``) drive it; returns what is sent.
 
-        ``mission`` is an id in [1, 2**32) that this robot has not had, or the id of the
-        mission that it holds, to go on with the same waypoints. LocalError where a value does
-        not fit on the wire. Start needs a lease with permit and a pose within a second.
-        ``released``: no more than so many waypoints are sent before :meth:`release`; None: all.
+        ``mission`` is an id in [1, 2**32) that is new to this robot, or its present mission's id,
+        to continue with the same waypoints. LocalError if a value does not fit on the wire. Start
+        needs a lease with permit and a pose within a second. ``released``: number of waypoints sent
+        before :meth:`release`; None: all.
         """
         whole = Mission(mission, waypoints)
         self._order(lambda now_s: give_mission(self._host, whole, now_s, start, released))
@@ -188,26 +187,26 @@ class SerialLink:
         ttl_s: float = 0.5,
         odometry: bool = False,
     ) -> None:
-        """From the control loop, 10 times a second or more: it lives, and the robot may drive.
+        """Renew the lease, 10 times a second or more: the loop is alive, and the robot may drive.
 
         ``pose_age_s`` is the age of the camera's last pose: above 0.5 s the robot holds, unless
         ``odometry`` lets it drive without the camera.
         """
         Lease(ttl_s, LeaseFlag.NONE, pose_age_s).pack()  # an error belongs to the caller's thread
-        issued_s = self._clock()  # now, and not when the thread comes to it
+        issued_s = self._clock()  # now, not when the thread comes to it
         self._order(lambda _now_s: self._host.lease(issued_s, ttl_s, permit, pose_age_s, odometry))
 
     def pose_fix(self, x_m: float, y_m: float, heading_rad: float, captured_s: float) -> None:
-        """Where the camera saw the robot at ``captured_s`` of the clock."""
+        """Send the pose that the camera saw at ``captured_s`` of the clock."""
         PoseFix(x_m, y_m, heading_rad).pack()
         if not math.isfinite(captured_s):
             raise LocalError(f"captured_s = {captured_s}: must be finite")
         self._order(lambda _now_s: self._host.pose_fix(x_m, y_m, heading_rad, captured_s))
 
     def estop(self) -> None:
-        """Emergency stop: before every other order, repeated until the robot confirms."""
+        """Stop in an emergency: before every other order, repeated until confirmed."""
         self._estop.set()
-        # and once more in its turn: a re-arm of before may still wait, and would undo it
+        # once more in its turn: an earlier re-arm may still wait, and would undo it
         self._order(lambda _now_s: self._host.estop())
 
     def reset_estop(self) -> None:
@@ -217,10 +216,10 @@ class SerialLink:
             self._orders.append(self._host.reset_estop)
         self._wake()
 
-    # What is known, for any thread.
+    # Known facts, for any thread.
 
     def snapshot(self) -> LinkSnapshot:
-        """The present state, ages counted up to now."""
+        """Present state, ages counted up to now."""
         resetting = self._resets != self._resets_published
         snapshot, heard_s, status_s = self._published
         now_s = self._clock()
@@ -232,23 +231,23 @@ class SerialLink:
         )
 
     def late_s(self) -> float:
-        """How late the thread was woken, at worst, since the last call."""
+        """Longest delay in waking the thread since the last call."""
         late_s, self._late_s = self._late_s, 0.0
         return late_s
 
     def failure(self) -> str | None:
-        """The error that ended the thread, in words; None while it runs."""
+        """Error that ended the thread, in words; None while it runs."""
         return None if self._crash is None else in_words(self._crash)
 
     def restart(self) -> None:
-        """Close what an error has left and open again; a port that is missing is waited for."""
+        """Close what an error left and open again; a missing port is waited for."""
         self.close()
         self._crash = None
         self._orders.clear()
         self._start_thread(None)
 
     def events(self) -> list[Event]:
-        """What has happened since the last call, oldest first (the newest 500 are kept)."""
+        """Events since the last call, oldest first (the newest 500 are kept)."""
         out = []
         with contextlib.suppress(IndexError):
             while True:
@@ -314,7 +313,7 @@ class SerialLink:
                 return
 
     def _measure_pose(self) -> None:
-        """Once for each pose fix that has been written: how old its picture is now."""
+        """Record a picture's age once for each pose fix written."""
         captured_s = self._host.pose_captured_s
         if captured_s > self._measured_s:
             self._measured_s = captured_s
@@ -378,7 +377,7 @@ class SerialLink:
         self._resets_published = self._resets_taken
 
     def _start(self, now_s: float) -> None:
-        # without a mission there is nothing to start: it may have become void meanwhile
+        # without a mission there is nothing to start: it may have become void
         with contextlib.suppress(LocalError):
             self._host.start(now_s)
 
@@ -387,7 +386,7 @@ class SerialLink:
         self._wake()
 
     def _wake(self) -> None:
-        # the lock keeps a late order from writing into a pipe that close() has closed
+        # the lock keeps a late order out of a pipe that close() has closed
         with self._wake_lock, contextlib.suppress(BlockingIOError):
             if self._thread is not None:
                 os.write(self._wake_in, b"!")

@@ -1,7 +1,7 @@
-"""Opening a serial port, or saying in one sentence why it cannot be opened.
+"""Opening of a serial port, or one sentence on why it fails.
 
-A port that is missing, busy or forbidden may be usable a moment later: a cable is plugged in,
-another program ends, udev sets the permissions. What is no serial port will never be one.
+A missing, busy or forbidden port may be usable later: a cable is plugged in, another program ends,
+udev sets the permissions. A file that is no serial port never will be.
 """
 
 from __future__ import annotations
@@ -16,11 +16,11 @@ import serial
 
 
 class PortError(ValueError):
-    """A serial port cannot be used; the message says which and why."""
+    """Error: a serial port cannot be used; the message says which and why."""
 
 
 class PortNotReadyError(PortError):
-    """A serial port cannot be used now, but perhaps later: it is worth waiting for."""
+    """Error: a serial port cannot be used now, but is worth waiting for."""
 
 
 NEVER: Final = frozenset(
@@ -30,11 +30,10 @@ NEVER: Final = frozenset(
 
 
 def open_port(path: str, baud: int) -> serial.Serial:
-    """Open ``path`` for this process alone, without waiting in reads and writes.
+    """Open ``path`` for this process alone, with non-blocking reads and writes.
 
-    ``path`` may also be an address that pyserial knows, as ``socket://host:port``.
-    Raises PortNotReadyError where the port is missing, busy or forbidden, and PortError where it
-    is no serial port.
+    ``path`` may also be a pyserial address such as ``socket://host:port``. Raises PortNotReadyError
+    if the port is missing, busy or forbidden, and PortError if it is no serial port.
     """
     look_for_port(path)
     try:
@@ -44,14 +43,16 @@ def open_port(path: str, baud: int) -> serial.Serial:
 
 
 def is_address(path: str) -> bool:
-    """Whether ``path`` is one of pyserial's addresses and no device."""
+    """True if ``path`` is a pyserial address, not a device."""
     return "://" in path
 
 
 def look_for_port(path: str) -> None:
-    """Errors as of `open_port`, as far as they show without opening: that resets some robots."""
+    """Raise errors as `open_port` does, as far as they show without opening, which resets some
+    robots.
+    """
     if is_address(path):
-        return  # only opening it shows whether anybody is there
+        return  # only opening it shows if anything listens
     try:
         mode = os.stat(path).st_mode
     except FileNotFoundError as error:

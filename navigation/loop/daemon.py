@@ -1,13 +1,12 @@
-"""The running program of one robot or several: newest frame, eye, decisions, orders, once a cycle.
+"""Main loop for one or several robots: newest frame, eye, decisions, orders, once a cycle.
 
-Threads: the camera's (newest frame wins), the planner's (newest scene and request win), the
-links', each of which alone owns its port, and this one. A cycle runs once a frame, at once when
-the planner has news, and at least every ``LONGEST_CYCLE_S`` without either, so that a lost camera
-stops the robots too. The leases that let robots move are given by this loop only: should it hang,
-all stop.
+Threads: the camera's (newest frame wins), the planner's (newest scene and request win), one per
+link (sole owner of its port), and this one. A cycle runs once a frame, at once on the planner's
+news, and at least every ``LONGEST_CYCLE_S``, so that a lost camera stops the robots too. Only this
+loop grants the leases that let robots move: if it hangs, all stop.
 
-The clock is the world's: real, or virtual in a simulation that runs as fast as it can.
-Units: metres, radians, seconds.
+The clock is the world's: real, or virtual in a simulation at full speed. Units: metres, radians,
+seconds.
 """
 
 from __future__ import annotations
@@ -54,9 +53,9 @@ SETTLE_S: Final = 0.3
 class Daemon:
     """Runs a configuration; a context manager that opens and closes everything.
 
-    ``first_mission_id``: ids on the wire count up from the one after it. With a robot's journal,
-    by its name, its mission, progress and plan are kept before they take effect. A ``recorder`` is
-    told all that is seen, planned and decided. People's orders go to ``people``.
+    ``first_mission_id``: ids on the wire count up from the next one. Journals, by robot name, store
+    mission, progress and plan before they take effect. A ``recorder`` gets everything seen, planned
+    and decided. People's orders go to ``people``.
     """
 
     def __init__(
@@ -144,14 +143,14 @@ class Daemon:
         self.world.stop()
 
     def halt(self) -> None:
-        """Withdraw all leases: the robots begin to brake. No `cycle` may follow."""
+        """Withdraw all leases, so the robots brake. No `cycle` may follow."""
         for one in self.robots.values():
             one.orders.halt(self._clock())
 
     def let_the_robots_stop(self) -> None:
-        """`halt`, and wait until all robots say that they stand, or should by now.
+        """`halt`, then wait until all robots report rest, or should be at rest.
 
-        The camera is closed meanwhile; no decision needs it any more.
+        The camera is closed meanwhile; no decision needs it.
         """
         self.halt()
         self.camera.stop()
@@ -159,7 +158,7 @@ class Daemon:
             while self._clock() < one.orders.stands_s and one.link.snapshot().moving:
                 self.world.wait(0.01)
 
-    # Restarts after errors of the program; the supervisor says when.
+    # Restarts after errors of the program, timed by the supervisor.
 
     def _restart_planner(self) -> None:
         self._planner.restart()
@@ -167,12 +166,12 @@ class Daemon:
             self._planner.see(self.scene, self.view.revision, None)
 
     def look_after(self, name: str, part: Part, turns: Callable[[], int]) -> None:
-        """Watch one more stage like those of the loop: its failures, and whether it turns."""
+        """Watch another stage like the loop's: its failures and its turns."""
         self._supervisor.add(name, part)
         self._further_turns[name] = turns
 
     def turns(self) -> dict[str, int]:
-        """For each stage a number that grows while it works, or waits for work as it should."""
+        """A counter per stage that grows while it works or rightly waits for work."""
         turns = {
             "control loop": self._cycles,
             "camera": self.camera.turns,
@@ -183,21 +182,21 @@ class Daemon:
             turns["recorder"] = self._recorder.turns
         return turns | {name: count() for name, count in self._further_turns.items()}
 
-    # Words of people, from any thread.
+    # Orders from people, from any thread.
 
     def accept_arena(self) -> None:
-        """A person says that arena and camera are as they are seen now."""
+        """Accept arena and camera as they are seen now, on a person's word."""
         self.view.doubt.accept()
         self._forget_latency = True
 
     def settle(self) -> None:
-        """Wait, in another thread, until a cycle has acted on the orders so far; not for long."""
+        """Wait briefly, in another thread, until a cycle has acted on the orders so far."""
         wanted = self._ended + 2  # the cycle under way may have decided already
         self.camera.wake()
         with self._turned:
             self._turned.wait_for(lambda: self._ended >= wanted, SETTLE_S)
 
-    # What is known; any thread may look.
+    # Known facts; any thread may read them.
 
     @property
     def scene(self) -> Scene | None:
@@ -206,12 +205,12 @@ class Daemon:
 
     @property
     def others(self) -> OtherRobots:
-        """The robots that nobody here drives."""
+        """Robots that this program does not drive."""
         return self.view.others
 
     @property
     def processed(self) -> int:
-        """How many pictures were looked at."""
+        """Number of pictures looked at."""
         return self.view.processed
 
     @property
@@ -221,7 +220,7 @@ class Daemon:
 
     @property
     def calibration(self) -> Calibration:
-        """Where pixels lie on the floor."""
+        """Map from pixels to the floor."""
         return self.world.calibration
 
     def camera_status(self) -> CameraStatus:
@@ -230,18 +229,18 @@ class Daemon:
 
     @property
     def roadmap(self) -> Roadmap | None:
-        """The newest roadmap, of several robots that of the smallest, for pictures."""
+        """Newest roadmap, with several robots the smallest one's, for pictures."""
         return self.traffic.planner.roadmap
 
     @property
     def robot(self) -> Robot:
-        """The robot of a run of one."""
+        """Robot of a run of one."""
         (robot,) = self.robots.values()
         return robot
 
     @property
     def has_met_its_devices(self) -> bool:
-        """True if every robot and the camera have been there."""
+        """True if every robot and the camera have reported at least once."""
         return all(one.pilot.has_met_its_devices for one in self.robots.values())
 
     # The cycle.
@@ -266,7 +265,7 @@ class Daemon:
         return self.state
 
     def _note_lateness(self) -> None:
-        """By how much the threads were late, this one's own look at a picture left out."""
+        """Record the threads' delays, without this thread's own look at a picture."""
         now_s = self._clock()
         looked_s = (self.view.vision.look_s or 0.0) if self.view.processed != self._looked else 0.0
         self._looked = self.view.processed
@@ -278,12 +277,12 @@ class Daemon:
             note(f"{_of(name) or 'the '}link's thread", one.link.late_s(), now_s)
 
     def _tell_poses(self, poses: Mapping[int, RobotPose]) -> None:
-        """The newest thing that anybody knows goes to the robots at once."""
+        """Send the robots their newest poses at once."""
         for one in self.robots.values():
             one.sees(poses, self.view.frame_s)
 
     def _look_at_camera(self, camera: CameraStatus) -> None:
-        """Whether the camera is another one than before, for which latency counts again."""
+        """Forget the latency if the camera was reopened or accepted."""
         reopened = camera_openings(camera)
         forget = reopened != self._reopened or self._forget_latency
         self._reopened, self._forget_latency = reopened, False
@@ -292,7 +291,7 @@ class Daemon:
                 one.witness.forget_latency()
 
     def _decide(self, now_s: float, failed: str | None, camera: CameraStatus) -> RunState:
-        """What follows from what is known: orders to robots and planner, and the new state."""
+        """Send orders to robots and planner; return the new state."""
         checks, answer = self._news.take()
         for name, clearance_m in self.traffic.checked(checks):
             with self.lock:
@@ -312,7 +311,7 @@ class Daemon:
     def _decide_one(
         self, robot: Robot, now_s: float, failed: str | None, camera: CameraStatus
     ) -> Decided:
-        """One pilot's cycle."""
+        """Run one pilot's cycle."""
         snapshot = robot.link.snapshot()
         robot.hears()
         sight = robot.sight(
@@ -334,7 +333,7 @@ class Daemon:
         return Decided(orders, sight, snapshot)
 
     def _let_drive(self, now_s: float, decided: Mapping[str, Decided]) -> None:
-        """What follows for all, and everybody's orders."""
+        """Apply the traffic's decisions and send every robot its orders."""
         ordered = self.traffic.step(now_s, decided, self._news.known_revision)
         for name, why in ordered.plan_again:
             with self.lock:
@@ -351,7 +350,7 @@ class Daemon:
             self.troubles[f"{_of(name)}journal"] = robot.write_journal(one.orders, now_s)
             robot.drive(one.orders, now_s, one.sight, self.traffic.released(name))
         if ordered.answers:
-            self.camera.wake()  # the pilots take them at once
+            self.camera.wake()  # so that the pilots take them at once
 
     def _state(self, now_s: float, decided: Mapping[str, Decided]) -> RunState:
         time_s, roadmap, times = now_s - self.started_s, self.roadmap, self._times()
@@ -381,7 +380,7 @@ class Daemon:
 
     @property
     def _hold(self) -> str | None:
-        """Why all robots have to hold; None where they need not."""
+        """Reason why all robots hold; None if they need not."""
         return self.lent or self.view.hold or self.punctuality.hold(self._clock())
 
     @property
@@ -391,5 +390,5 @@ class Daemon:
 
 
 def _of(name: str) -> str:
-    """Whose part it is, where there are several robots."""
+    """Possessive prefix of a robot's part; empty for a lone robot."""
     return f"{name}'s " if name else ""

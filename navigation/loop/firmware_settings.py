@@ -1,11 +1,11 @@
-"""The configuration as a C header: what a robot's firmware has to know before it is built.
+"""C header from a configuration, for building a robot's firmware.
 
     python -m navigation.loop.firmware_settings configs/simulation.yaml -o my_robot.h
     make -C firmware_protocol/firmware avr SETTINGS=$PWD/my_robot.h
 
-Track, speeds and accelerations come from the section ``robot``, the baud rate from ``serial``.
-The encoders' resolution and the wheels' speed at full power are not in a configuration, for no
-other part of the program needs them; give them here. ``firmware/settings.h`` has the defaults.
+Track, speeds and accelerations come from the section ``robot``, the baud rate from ``serial``. Give
+the encoders' resolution and the wheels' speed at full power here: no other part of the program
+needs them, so no configuration has them. ``firmware/settings.h`` has the defaults.
 """
 
 from __future__ import annotations
@@ -21,7 +21,7 @@ FULL_SPEED_MM_S = 800
 
 
 def header_of(config: Config, um_per_step: int, full_speed_mm_s: int) -> str:
-    """The header's text; micrometres, then mm, mrad and ms, as ``cw_settings`` has them."""
+    """Text of the header; micrometres, then mm, mrad and ms, as in ``cw_settings``."""
     track_um, *others = drive_settings_of(config).whole_numbers()
     values = ", ".join([f"{track_um}ul", *(f"{value}u" for value in others)])
     lines = [

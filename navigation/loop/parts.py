@@ -1,8 +1,8 @@
-"""What the control loop needs of camera, eye, planner, link and world, in two kinds of time.
+"""Protocols of the loop's parts (camera, eye, planner, link, world) in two kinds of time.
 
-In real time all but the eye are threads (`vision.camera.latest_frame`, `planning.PlannerThread`,
-`serial_link.SerialLink`); in virtual time (`run.virtual_world`) the same code without
-threads, so that a run takes a fraction of its time and is the same every time. Seconds of the
+In real time every part except the eye is a thread (`vision.camera.latest_frame`,
+`planning.PlannerThread`, `serial_link.SerialLink`). In virtual time (`run.virtual_world`) the same
+code runs without threads, so a run takes a fraction of its time and repeats exactly. Seconds of the
 world's clock, metres, radians.
 """
 
@@ -35,36 +35,36 @@ _Q_contra = TypeVar("_Q_contra", contravariant=True)
 
 
 class Frames(Protocol):
-    """The newest frame of a camera that is opened again when it fails."""
+    """Newest frame of a camera that is reopened when it fails."""
 
     @property
     def turns(self) -> int:
-        """Grows while it works, or waits for work as it should."""
+        """Counter that grows while it works or rightly waits for work."""
         ...
 
     def start(self) -> None:
-        """Begin to read the camera."""
+        """Start reading the camera."""
 
     def stop(self) -> None:
         """Close it."""
 
     def has_died(self) -> bool:
-        """Whether it has ended by an error of the program."""
+        """True if an error of the program ended it."""
         ...
 
     def take(self, timeout_s: float) -> Frame | None:
-        """The newest frame that was not yet taken, waiting for it, or until `wake`."""
+        """Wait for the newest frame not yet taken; `wake` ends the wait."""
 
     def wake(self) -> None:
-        """End the wait of `take`, the present one or the next: there is other news."""
+        """End the present wait of `take`, or the next: there is other news."""
 
     def status(self) -> CameraStatus:
-        """What the camera is doing now."""
+        """State of the camera."""
         ...
 
 
 def camera_part(frames: Frames) -> Part:
-    """The camera's thread as the supervisor looks after it."""
+    """The camera's thread as a part for the supervisor."""
 
     def restart() -> None:
         frames.stop()
@@ -74,16 +74,16 @@ def camera_part(frames: Frames) -> Part:
 
 
 class Link(Protocol):
-    """The link to the robot; `SerialLink` says what its members mean."""
+    """Link to the robot; `SerialLink` explains its members."""
 
     @property
     def turns(self) -> int:
-        """Grows while it works, or waits for work as it should."""
+        """Counter that grows while it works or rightly waits for work."""
         ...
 
     @property
     def capture_to_wire_s(self) -> Sequence[float]:
-        """How old pose fixes were when they were sent."""
+        """Ages of pose fixes when they were sent."""
         ...
 
     def open(self) -> None:
@@ -93,11 +93,11 @@ class Link(Protocol):
         """The error that ended it, in words."""
 
     def late_s(self) -> float:
-        """How late its thread was woken, at worst, since the last call."""
+        """Longest delay in waking its thread since the last call."""
         ...
 
     def restart(self) -> None:
-        """Start it again after an error."""
+        """Restart it after an error."""
 
     def close(self) -> None:
         """Close it."""
@@ -109,7 +109,7 @@ class Link(Protocol):
         start: bool = True,
         released: int | None = None,
     ) -> object:
-        """Replace the robot's mission and drive it, or as much of it as is released."""
+        """Replace the robot's mission and drive the released part of it."""
 
     def release(self, mission: int, count: int) -> None:
         """Let the first ``count`` waypoints of this mission be sent."""
@@ -121,10 +121,10 @@ class Link(Protocol):
         """Stop under control and drop the mission."""
 
     def lease(self, permit: bool, pose_age_s: float = math.inf, ttl_s: float = 0.5) -> None:
-        """The control loop lives, and the robot may drive."""
+        """Renew the lease: the control loop is alive, and the robot may drive."""
 
     def pose_fix(self, x_m: float, y_m: float, heading_rad: float, captured_s: float) -> None:
-        """Where the camera saw the robot."""
+        """Send the pose that the camera saw."""
 
     def estop(self) -> None:
         """Emergency stop."""
@@ -133,20 +133,20 @@ class Link(Protocol):
         """Leave the emergency stop."""
 
     def snapshot(self) -> LinkSnapshot:
-        """The present state."""
+        """Present state."""
         ...
 
     def events(self) -> Sequence[Event]:
-        """What has happened since the last call, oldest first."""
+        """Events since the last call, oldest first."""
         ...
 
 
 class PlannerPart(Protocol[_Q_contra]):
-    """Something that builds roadmaps and answers requests beside the control loop."""
+    """Builder of roadmaps and answers beside the control loop."""
 
     @property
     def turns(self) -> int:
-        """Grows while it works, or waits for work as it should."""
+        """Counter that grows while it works or rightly waits for work."""
         ...
 
     def start(self) -> None:
@@ -156,7 +156,7 @@ class PlannerPart(Protocol[_Q_contra]):
         """End."""
 
     def see(self, scene: Scene, revision: int, path_points: FloatArray | None) -> None:
-        """Hand over a new scene, and the path that the robot is on."""
+        """Hand over a new scene and the robot's present path."""
 
     def ask(self, request: _Q_contra) -> None:
         """Hand over a request."""
@@ -165,25 +165,25 @@ class PlannerPart(Protocol[_Q_contra]):
         """The error that ended it, in words."""
 
     def restart(self) -> None:
-        """Start it again after an error."""
+        """Restart it after an error."""
 
 
 class Surroundings(Protocol):
-    """What every run is connected to; opens and closes the simulated robots."""
+    """Everything outside a run; opens and closes the simulated robots."""
 
     @property
     def calibration(self) -> Calibration:
-        """Where pixels lie on the floor, of the picture that people are shown."""
+        """Map from pixels to the floor for the picture shown to people."""
         ...
 
     @property
     def floor_plan(self) -> FloorPlan | None:
-        """The floor under several cameras; None where there is one."""
+        """Floor under several cameras; None with one camera."""
         ...
 
     @property
     def truths(self) -> Mapping[str, Truth]:
-        """By name, of each simulated robot what only a simulation can know."""
+        """Facts only a simulation knows of each simulated robot, by name."""
         ...
 
     def clock(self) -> float:
@@ -194,25 +194,25 @@ class Surroundings(Protocol):
         """Let time pass."""
 
     def late_s(self) -> float:
-        """How late this program's threads were woken, at worst, since the last call."""
+        """Longest delay in waking a thread of this program since the last call."""
         ...
 
     def make_frames(self) -> Frames:
-        """The camera."""
+        """Make the camera."""
         ...
 
     def make_vision(
         self, config: Config, witness: KnowsLatency, driven: Sequence[RobotSection]
     ) -> VisionStage:
-        """Vision; ``driven`` are the driven robots where there are several."""
+        """Make vision; ``driven`` are the driven robots if there are several."""
         ...
 
     def search_clock(self) -> float:
-        """The seconds by which a search for plans is limited."""
+        """Seconds that limit a search for plans."""
         ...
 
     def make_link(self, name: str) -> Link:
-        """The link to a robot, whose name is empty where it is alone."""
+        """Make the link to a robot; the name is empty for a lone robot."""
         ...
 
     def make_planner(
@@ -221,7 +221,7 @@ class Surroundings(Protocol):
         on_scene: Callable[[SceneCheck], None],
         on_answer: Callable[[_A], None],
     ) -> PlannerPart[_Q]:
-        """The planner beside the control loop."""
+        """Make the planner beside the control loop."""
         ...
 
     def start(self) -> None:

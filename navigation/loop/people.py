@@ -1,4 +1,4 @@
-"""Orders from people: to all robots of a run, or to the one that is named.
+"""Orders from people: to all robots of a run, or to one by name.
 
 Any thread may give them; the next cycle acts on them. Metres, radians, seconds.
 """
@@ -34,16 +34,16 @@ class OrderedRun(Protocol):
     state: RunState | None
 
     def accept_arena(self) -> None:
-        """A person says that arena and camera are as they are seen now."""
+        """Accept arena and camera as they are seen now, on a person's word."""
 
     def settle(self) -> None:
-        """Wait until a cycle has acted on the orders so far; not for long."""
+        """Wait briefly until a cycle has acted on the orders so far."""
 
 
 class People:
-    """Takes the orders of a run; ``robot`` is a name, None where all robots are meant.
+    """Takes the orders of a run; ``robot`` is a name, None for all robots.
 
-    ``reanchor`` places the camera of a name, or the only one, again, and gives the lines to say.
+    ``reanchor`` finds the place of the named or only camera again and returns the lines to say.
     """
 
     def __init__(self, daemon: OrderedRun) -> None:
@@ -62,7 +62,7 @@ class People:
         raise MissionError(f"robot '{robot}': there are {', '.join(robots)}")
 
     def _one(self, robot: str | None) -> Robot:
-        """The robot that is meant; ``MissionError`` where it could be any of several."""
+        """The one robot meant; ``MissionError`` if it could be any of several."""
         chosen = self._chosen(robot)
         if len(chosen) > 1:
             names = ", ".join(self._daemon.robots)
@@ -72,9 +72,9 @@ class People:
     def give(
         self, stations: tuple[Station, ...], robot: str | None = None, *, any_order: bool = False
     ) -> None:
-        """A new mission for one robot; ``MissionError`` where it cannot be.
+        """Give one robot a new mission; ``MissionError`` if it cannot take it.
 
-        Also where the newest scene shows that the robot does not fit at a station.
+        That includes a station where the robot does not fit in the newest scene.
         """
         one = self._one(robot)
         if self._daemon.lent is not None:
@@ -98,7 +98,7 @@ class People:
             one.pilot.give(stations, any_order=any_order)
 
     def appoint(self, mission: Mission, robot: str) -> None:
-        """The configured mission: given, or put behind the stop of a robot that is stopped."""
+        """Give the configured mission, or queue it behind the stop of a stopped robot."""
         pilot = self._daemon.robots[robot].pilot
         with self._daemon.lock:
             if pilot.mission.state is State.STOPPED:
@@ -107,12 +107,12 @@ class People:
                 pilot.give(mission.stations, any_order=mission.any_order)
 
     def restore(self, mission: Mission, robot: str) -> None:
-        """Go on with a robot's mission from its journal."""
+        """Continue a robot's mission from its journal."""
         with self._daemon.lock:
             self._daemon.robots[robot].pilot.restore(mission)
 
     def stop(self, reason: str, robot: str | None = None) -> str | None:
-        """Emergency stop of one or all: straight to the links, past every queue, then latched."""
+        """Stop one or all in an emergency: straight to the links, then latched."""
         return self._daemon.stopping.stop(self._chosen(robot), reason)
 
     def pause(self, robot: str | None = None) -> None:
@@ -123,7 +123,7 @@ class People:
                 one.pilot.pause()
 
     def resume(self, robot: str | None = None) -> None:
-        """End a pause; after a stop re-arm the robots, and the next time go on."""
+        """End a pause; after a stop re-arm the robots, and continue at the next call."""
         self._daemon.stopping.resume(self._chosen(robot))
         self._daemon.accept_arena()
 
@@ -136,14 +136,14 @@ class People:
                 one.pilot.replan()
 
     def skip(self, robot: str | None = None) -> None:
-        """Give up the station that one robot is on its way to; ``MissionError`` if it cannot."""
+        """Give up one robot's next station; ``MissionError`` if it cannot."""
         one = self._one(robot)
         with self._daemon.lock:
             one.pilot.skip()
             self._daemon.traffic.forget(one.name)
 
     def preview(self, stations: tuple[Station, ...], robot: str | None = None) -> PlanAnswer:
-        """The plan that these stations would lead to if the robot were alone; changes nothing."""
+        """The plan through these stations for a lone robot; changes nothing."""
         one = self._one(robot)
         pose = one.pose
         if pose is None:
@@ -152,11 +152,11 @@ class People:
         return self._daemon.traffic.preview(one.name, PlanRequest(0, start, stations, 0))
 
     def settle(self) -> None:
-        """Wait, in another thread, until a cycle has acted on the orders so far; not for long."""
+        """Wait briefly, in another thread, until a cycle has acted on the orders so far."""
         self._daemon.settle()
 
     def describe(self, robot: str | None = None) -> dict[str, Any]:
-        """The present state as JSON takes it: of one robot, or of several by name."""
+        """The present state for JSON: of one robot, or of several by name."""
         chosen = self._chosen(robot)
         told = {one.name: self._describe_one(one) for one in chosen}
         if robot is not None or "" in told:
@@ -185,7 +185,7 @@ class People:
             self._daemon.camera.status(),
             robot.evidence.latency_s,
         )
-        if not robot.name:  # it waits for nobody
+        if not robot.name:  # a lone robot waits for no other
             return told
         return told | {"waits": self._daemon.traffic.waits.get(robot.name)}
 

@@ -1,4 +1,4 @@
-"""What the planner's thread has found out, kept until the control loop's next cycle takes it.
+"""Results of the planner's thread, kept for the control loop's next cycle.
 
 Seconds of the world's clock.
 """
@@ -24,12 +24,12 @@ class SeesScenes(Protocol):
 
     @property
     def roadmap(self) -> Roadmap | None:
-        """None before the first scene."""
+        """Newest roadmap; None before the first scene."""
         ...
 
 
 class PlannerNews:
-    """Scenes that have a roadmap now, and the newest plan; ``wake`` calls the loop to take them."""
+    """Scenes whose roadmap is ready, and the newest plan; ``wake`` calls the loop to take them."""
 
     def __init__(
         self,
@@ -54,17 +54,17 @@ class PlannerNews:
     # From the control loop.
 
     def gets_scene(self) -> None:
-        """A scene goes to the planner now."""
+        """Note that a scene goes to the planner now."""
         self._scene_s = self._clock()
 
     def gets_request(self, request: Request, now_s: float) -> None:
-        """A request goes to the planner now."""
+        """Note that a request goes to the planner now."""
         self._asked_s = now_s
         if self._recorder is not None:
             self._recorder.put(PlanAsked(now_s, request))
 
     def take(self) -> tuple[list[SceneCheck], Answer | None]:
-        """What is new since the last cycle."""
+        """News since the last cycle."""
         with self._lock:
             checks = list(self._checks)
             self._checks.clear()
@@ -76,7 +76,7 @@ class PlannerNews:
     # From the planner's thread.
 
     def on_scene(self, check: SceneCheck) -> None:
-        """A roadmap was built."""
+        """Take a scene whose roadmap was built."""
         now_s = self._clock()
         self.roadmap_s = now_s - self._scene_s
         roadmap = self._planner.roadmap
@@ -87,7 +87,7 @@ class PlannerNews:
         self._wake()
 
     def on_answer(self, answer: Answer) -> None:
-        """A request was answered."""
+        """Take the answer to a request."""
         now_s = self._clock()
         self.plan_s = now_s - self._asked_s
         if self._recorder is not None:

@@ -1,8 +1,7 @@
-"""From the newest scene and a request to a plan: the planner as the daemon uses it.
+"""The daemon's planner: from the newest scene and a request to a plan.
 
-`ArenaPlanner` is plain and synchronous; `PlannerThread` runs one beside the control loop, with
-a one-slot hand-off each way: the newest scene and the newest request win. Units: metres,
-radians, seconds.
+`ArenaPlanner` is plain and synchronous. `PlannerThread` runs one beside the control loop, with a
+one-slot hand-off each way: the newest scene and request win. Units: metres, radians, seconds.
 """
 
 from __future__ import annotations
@@ -32,7 +31,7 @@ LONGEST_WAIT_S = 0.25
 
 @dataclass(frozen=True, slots=True)
 class PlanSettings:
-    """What a plan must keep, from the configuration."""
+    """Requirements on a plan, from the configuration."""
 
     radius_m: float
     margin_m: float
@@ -45,14 +44,14 @@ class PlanSettings:
 
 @dataclass(frozen=True, slots=True)
 class SceneCheck:
-    """A scene's revision, and the clearance that the running path keeps in it."""
+    """A scene's revision, and the running path's clearance in it."""
 
     revision: int
     path_clearance_m: float | None
 
 
 class ArenaPlanner:
-    """Keeps the roadmap of the newest scene and answers requests with it."""
+    """Roadmap of the newest scene, and answers from it."""
 
     def __init__(self, settings: PlanSettings) -> None:
         self.settings = settings
@@ -64,7 +63,7 @@ class ArenaPlanner:
         """The last way that was answered with, through ``_stations``."""
 
     def see(self, scene: Scene, revision: int) -> None:
-        """Take over a new scene: what changed in it changes in the roadmap."""
+        """Take over a new scene: only its changes change the roadmap."""
         known = self.roadmap
         self.roadmap = self._build(scene) if known is None else known.updated(scene)
         self._scene = scene
@@ -74,22 +73,22 @@ class ArenaPlanner:
         return planner.build_roadmap(scene, self.settings.radius_m, spacing=self.settings.spacing_m)
 
     def answer(self, request: PlanRequest, *, preview: bool = False) -> PlanAnswer:
-        """Plan from the request's start through its stations; `NoPath` says why not.
+        """Plan from the request's start through its stations; `NoPath` gives the reason.
 
-        Of ways that are as good within noise it is the one that the last answer took through
-        these stations; a ``preview`` is no answer for the next one to stay with. A request that
-        the planner fails on has no path: it is one answer's failure, not the program's.
+        Among paths equal within noise the one of the last answer through these stations wins; a
+        ``preview`` is no such answer. A request on which the planner fails has no path: the failure
+        is that answer's, not the program's.
         """
         try:
             return self._answer(request, preview=preview)
-        except (SmoothError, TrajectoryError) as error:  # no way for this robot and its limits
+        except (SmoothError, TrajectoryError) as error:  # no path for this robot and its limits
             return PlanAnswer(request.id, self.revision, NoPath(str(error)))
         except Exception as error:  # noqa: BLE001 - said where the answer is, which is asked again
             reason = f"the planner failed on this request ({in_words(error)})"
             return PlanAnswer(request.id, self.revision, NoPath(reason))
 
     def _answer(self, request: PlanRequest, *, preview: bool) -> PlanAnswer:
-        """:meth:`answer`; raises where a path cannot be smoothed or timed."""
+        """Answer as :meth:`answer`; raises if a path cannot be smoothed or timed."""
         roadmap, scene = self.roadmap, self._scene
         if roadmap is None or scene is None:
             return PlanAnswer(request.id, 0, NoPath("no scene was seen yet"))
@@ -123,8 +122,10 @@ class ArenaPlanner:
     def _around_robots(
         self, roadmap: Roadmap, scene: Scene, request: PlanRequest
     ) -> tuple[Roadmap, Path | NoPath]:
-        """The route, and the roadmap that it is from: around all robots, or at least around
-        those that stand. For those that move the robot waits when it meets them."""
+        """The route and its roadmap: around all robots, or at least around those at rest.
+
+        The robot waits for moving robots when it meets them.
+        """
         standing = tuple(disc for disc in request.avoid if not disc.moves)
         for discs in dict.fromkeys((request.avoid, standing)):
             here = roadmap.updated(with_discs(scene, discs)) if discs else roadmap
@@ -134,13 +135,13 @@ class ArenaPlanner:
         return here, path
 
     def path_clearance_m(self, points: FloatArray) -> float | None:
-        """The exact clearance of a polyline in the newest scene; None before the first."""
+        """Exact clearance of a polyline in the newest scene; None before the first."""
         if self.roadmap is None:
             return None
         return self.roadmap.path_clearance(points).distance
 
     def clearance_m(self, position: Vec) -> float | None:
-        """The exact clearance of a place in the newest scene; None before the first."""
+        """Exact clearance of a place in the newest scene; None before the first."""
         if self.roadmap is None:
             return None
         return float(self.roadmap.clearance(np.array([position]))[0])
@@ -163,13 +164,13 @@ class ArenaPlanner:
         )
 
     def _last_way(self, request: PlanRequest) -> Path | None:
-        """The last way, where the request is for the rest of the same stations in their order."""
+        """The last path if the request is for the rest of the same stations in order."""
         rest = self._stations[-len(request.stations) :]
         return self._way if rest == request.stations and not request.any_order else None
 
 
 def with_discs(scene: Scene, discs: Sequence[Disc]) -> Scene:
-    """The scene with other robots in it as round obstacles."""
+    """The scene with other robots as round obstacles."""
     first = 1 + max((thing.id for thing in scene.objects), default=-1)
     robots = (
         SceneObject(first + i, (CircleRecord((disc.x_m, disc.y_m), disc.radius_m),))
@@ -186,24 +187,24 @@ _A_co = TypeVar("_A_co", covariant=True)
 
 
 class Answering(Protocol[_Q_contra, _A_co]):
-    """A planner that runs beside the control loop: `ArenaPlanner`, or the fleet's."""
+    """Planner beside the control loop: `ArenaPlanner`, or the fleet's."""
 
     def see(self, scene: Scene, revision: int) -> None:
         """Take over a new scene."""
 
     def path_clearance_m(self, points: FloatArray) -> float | None:
-        """The exact clearance of a polyline in the newest scene; None before the first."""
+        """Exact clearance of a polyline in the newest scene; None before the first."""
 
     def answer(self, request: _Q_contra) -> _A_co:
-        """Plan what is asked for."""
+        """Plan for the request."""
         ...
 
 
 class PlannerThread(Generic[_Q, _A]):
-    """An `ArenaPlanner` in a thread of its own; the newest scene and request win.
+    """An `ArenaPlanner` in its own thread; the newest scene and request win.
 
-    ``on_scene`` and ``on_answer`` are called in the thread. An error in a request is its answer;
-    one in a scene ends the thread, `failure` says which, and `restart` starts a new one.
+    ``on_scene`` and ``on_answer`` are called in the thread. A request's error is its answer. A
+    scene's error ends the thread; `failure` names it, and `restart` starts a new thread.
     """
 
     def __init__(
@@ -228,7 +229,7 @@ class PlannerThread(Generic[_Q, _A]):
         self._thread.start()
 
     def stop(self, timeout_s: float = 1.0) -> None:
-        """Ask the thread to end after what it is doing, and wait for it."""
+        """Ask the thread to end after its present work, and wait for it."""
         with self._wake:
             self._stopping = True
             self._wake.notify()
@@ -236,7 +237,7 @@ class PlannerThread(Generic[_Q, _A]):
             self._thread.join(timeout_s)
 
     def see(self, scene: Scene, revision: int, path_points: FloatArray | None) -> None:
-        """Hand over a new scene, and the path that the robot is on."""
+        """Hand over a new scene and the robot's present path."""
         with self._wake:
             self._scene = (scene, revision, path_points)
             self._wake.notify()
@@ -252,7 +253,7 @@ class PlannerThread(Generic[_Q, _A]):
         return None if self._error is None else in_words(self._error)
 
     def restart(self) -> None:
-        """Start a new thread after an error; what was asked of the old one is forgotten."""
+        """Start a new thread after an error; requests to the old one are dropped."""
         self._thread.join(RESTART_PATIENCE_S)
         with self._wake:
             self._scene = self._request = None

@@ -1,9 +1,8 @@
-"""Whether the program's own threads run when they should.
+"""Punctuality of the program's own threads.
 
-On a computer that is too busy pictures and reports are dated late, and what camera and wheels tell
-no longer fits together. Then nothing is wrong with the robot: it is the computer that is late. The
-robots hold and people are told so, until the threads have been on time for a while. Seconds of the
-world's clock.
+A computer that is too busy dates pictures and reports late, so camera and wheels disagree though
+nothing is wrong with the robot. The robots then hold, with that reason, until the threads have been
+on time for a while. Seconds of the world's clock.
 """
 
 from __future__ import annotations
@@ -24,24 +23,24 @@ CALM_S: Final = 1.0
 
 
 class Punctuality:
-    """Told by how much threads were late; says what follows. ``load`` is for the sentence."""
+    """Judgement of the threads' delays. ``load`` is for the sentence."""
 
     def __init__(self, load: Callable[[], tuple[float, float, float]] = os.getloadavg) -> None:
         self._load = load
         self._late: dict[float, tuple[float, str]] = {}
 
     def note(self, thread: str, late_s: float, now_s: float) -> None:
-        """``thread`` was late by so much, just now; what is no later than usual is forgotten."""
+        """Note that ``thread`` was late by ``late_s`` just now; usual delays are ignored."""
         for limit_s in (DOUBTFUL_S, LATE_S):
             if late_s >= limit_s:
                 self._late[limit_s] = (now_s, self._sentence(thread, late_s))
 
     def hold(self, now_s: float) -> str | None:
-        """Why robots have to hold; None while all is on time."""
+        """Reason why robots hold; None while all is on time."""
         return self._since(LATE_S, now_s)
 
     def doubt(self, now_s: float) -> str | None:
-        """Why camera and wheels may seem to part; None while all is on time."""
+        """Reason why camera and wheels may seem to differ; None while all is on time."""
         return self._since(DOUBTFUL_S, now_s)
 
     def _since(self, limit_s: float, now_s: float) -> str | None:

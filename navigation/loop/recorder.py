@@ -1,10 +1,10 @@
-"""Records a run in a thread of its own: `put` never waits, the loops never notice.
+"""Recording of a run in its own thread: `put` never waits, and the loops never notice.
 
 Rules
-- Events are never dropped. Pictures are: those beyond the configured rate are left out, and
-  when the writer lags behind by more than a few, new ones are dropped and counted.
-- What was put is on its way to the disk within ``FLUSH_EVERY_S``: a kill loses no more.
-- A recording that cannot go on (disk full) ends and says so; the run continues.
+- Events are never dropped. Pictures beyond the configured rate are left out. If the writer lags
+  behind by more than a few, new pictures are dropped and counted.
+- Events are on their way to the disk within ``FLUSH_EVERY_S``: a kill loses no more.
+- A recording that cannot continue (disk full) ends and says so; the run continues.
 """
 
 from __future__ import annotations
@@ -60,7 +60,7 @@ _LEVELS: Final[dict[State, Level]] = {
 
 @dataclass(frozen=True, slots=True)
 class RecordingCounts:
-    """What a recording holds so far; ``failed`` says why it ended early, else it is empty."""
+    """Counts of a recording so far; ``failed`` gives the reason of an early end, else empty."""
 
     pictures: int = 0
     dropped: int = 0
@@ -73,9 +73,9 @@ class RecordingCounts:
 
 
 class Recorder:
-    """Records one run; a context manager that starts and ends the thread.
+    """Recorder of one run; a context manager that starts and ends the thread.
 
-    ``clock`` is the run's; ``began`` is the wall time at which the clock says ``anchor_s``.
+    ``clock`` is the run's; ``began`` is the wall time when the clock reads ``anchor_s``.
     """
 
     def __init__(
@@ -143,11 +143,11 @@ class Recorder:
 
     @property
     def path(self) -> Path:
-        """The file that is being written."""
+        """Path of the file being written."""
         return self._files.path
 
     def counts(self) -> RecordingCounts:
-        """What was recorded and dropped so far."""
+        """Counts of recorded and dropped items so far."""
         with self._wake:
             return RecordingCounts(
                 self._pictures,
@@ -160,11 +160,11 @@ class Recorder:
             )
 
     def has_ended(self) -> bool:
-        """Whether it failed, or the thread died: nothing more will be written."""
+        """True if it failed or the thread died: nothing more will be written."""
         return bool(self._failed) or not self._thread.is_alive()
 
     def summary(self) -> str:
-        """One sentence on the recording."""
+        """Return one sentence on the recording."""
         counts = self.counts()
         parts = [f"{counts.pictures} pictures", f"{counts.events} events"]
         if counts.dropped:
@@ -177,7 +177,7 @@ class Recorder:
     # From the loops: never waits.
 
     def saw(self, frame: Frame, poses: Mapping[int, RobotPose], seen: SceneSeen | None) -> None:
-        """What the eye looked at, the robots in it by marker id, and the scene where it is new."""
+        """Record a picture, its robots by marker id, and the scene if it is new."""
         self._picture(frame)
         revision = None if seen is None else seen.revision
         self.put(RobotsSeen(frame.captured_s, tuple(poses.values()), revision))
@@ -185,7 +185,7 @@ class Recorder:
             self.put(seen)
 
     def _picture(self, frame: Frame) -> None:
-        """Left out beyond the rate, dropped when the writer is behind."""
+        """Queue a picture; omit it beyond the rate, drop it if the writer is behind."""
         period_s = 1.0 / self.config.recording.picture_rate_hz
         if frame.captured_s - self._last_picture_s < RATE_SLACK * period_s:
             return
@@ -200,7 +200,7 @@ class Recorder:
             self._append(PictureTaken(frame))
 
     def put(self, event: RecordedEvent) -> None:
-        """Anything but a picture."""
+        """Record anything but a picture."""
         with self._wake:
             if not self._failed:
                 self._append(event)
@@ -211,9 +211,9 @@ class Recorder:
         self._wake.notify()
 
     def state(self, now: RobotSnapshot, time_s: float, robot: str = "") -> None:
-        """The state after a cycle: recorded where its sentence is news; counters now and then.
+        """Record the state if its sentence is news, and counters now and then.
 
-        ``robot`` is the name of one of several.
+        ``robot`` names one of several.
         """
         news = (now.mission.state, now.sentence)
         if news != self._said.get(robot):
@@ -243,7 +243,7 @@ class Recorder:
         waits_for: Mapping[str, str],
         time_s: float,
     ) -> None:
-        """The states of several robots, and where that is news which wait, why, and for whom."""
+        """Record the states of several robots and, if new, which ones wait, why, and for which."""
         for name, one in each.items():
             self.state(one, time_s, name)
         if (waits, waits_for) != self._waits:

@@ -1,4 +1,4 @@
-"""What the control loop says of its parts: to the pilot, and as JSON to whoever asks.
+"""Reports on the loop's parts: to the pilot, and as JSON to people and programs.
 
 Units: metres, radians, seconds.
 """
@@ -19,7 +19,7 @@ from vision.markers.markers import RobotPose
 
 
 def robot_report(snapshot: LinkSnapshot) -> RobotReport:
-    """What the pilot needs to know of the link."""
+    """The link's report to the pilot."""
     status = snapshot.status
     return RobotReport(
         age_s=snapshot.heard_age_s,
@@ -38,21 +38,21 @@ def robot_report(snapshot: LinkSnapshot) -> RobotReport:
 
 
 def camera_reason(camera: CameraStatus) -> str:
-    """What the camera says of itself, but for its silence, which the pilot says itself."""
+    """The camera's reason, except its silence, which the pilot reports itself."""
     return "" if camera.state == "stalled" else camera.reason
 
 
 def camera_openings(camera: CameraStatus) -> int:
-    """Another number where the camera was opened again, so that its latency has to be measured.
+    """Number that changes when the camera is reopened, which restarts the latency's measurement.
 
-    Of several cameras always the same: a robot that was lost from view with one of them proves
-    itself, which measures it, and one that others still see is seen twice at odds.
+    It is constant for several cameras: a robot lost from view with one of them proves itself, which
+    measures the latency, and one that others still see is seen twice at odds.
     """
     return 0 if camera.each else camera.reopened
 
 
 def to_go_m(pose: RobotPose | None, targets: Sequence[Target], executed: int) -> float | None:
-    """How far it still is through the targets that are not executed; None where that is unknown."""
+    """Distance left through the targets not executed; None if unknown."""
     if pose is None or not targets:
         return None
     left = targets[min(executed, len(targets)) :]
@@ -68,10 +68,10 @@ def describe(
     camera: CameraStatus,
     latency_s: float | None,
 ) -> dict[str, Any]:
-    """Mission, robot, link and camera as JSON takes them.
+    """Return mission, robot, link and camera for JSON.
 
-    ``seen``: where the robot was seen, and how long ago. A stop is "stopped" when the robot is
-    known to stand, and "stopping", with what is not known, until then.
+    ``seen``: the robot's last seen pose, and its age. A stop is "stopped" once the robot is known
+    to be at rest, and "stopping", with what is not known, until then.
     """
     doubt = doubt_of_stop(snapshot) if mission.state is State.STOPPED else None
     return {

@@ -1,4 +1,4 @@
-"""One driven robot in the control loop: its pilot, its link, and what camera and wheels say of it.
+"""One driven robot in the control loop: pilot, link, and readings of camera and wheels.
 
 Metres, radians, seconds of the world's clock.
 """
@@ -38,9 +38,9 @@ PLANS_KEPT: Final = 200
 
 
 class Robot:
-    """One robot's parts, its pose, and what it was given; ``name`` is empty where it is alone.
+    """Parts, pose and answers of one robot; ``name`` is empty for a lone robot.
 
-    ``first_mission_id``: ids on the wire count up from the one after it.
+    ``first_mission_id``: ids on the wire count up from the next one.
     """
 
     def __init__(self, name: str, config: Config, link: Link, first_mission_id: int) -> None:
@@ -66,10 +66,10 @@ class Robot:
         self._sent: tuple[int, int] | None = None
         """A plan's mission on the wire, and how many of its targets may be sent, where not all."""
 
-    # What comes in.
+    # Inputs.
 
     def sees(self, poses: Mapping[int, RobotPose], frame_s: float) -> None:
-        """The newest picture's poses: the robot gets its own at once, if it is among them."""
+        """Take the newest picture's poses and send the robot its own, if present, at once."""
         pose = poses.get(self.config.robot.marker_id)
         if pose is None:
             return
@@ -82,7 +82,7 @@ class Robot:
             self.moved_s = pose.captured_s
 
     def hears(self) -> None:
-        """The wheels' side of the story: every report, for a loop that is late has several."""
+        """Read every report of the wheels: a late loop has several."""
         for event in self.link.events():
             if isinstance(event, StatusReceived):
                 self.witness.report(event.status, event.at_s)
@@ -100,7 +100,7 @@ class Robot:
         hold: str | None,
         punctuality: Punctuality,
     ) -> Sight:
-        """What the pilot is told of camera and arena.
+        """The pilot's view of camera and arena.
 
         ``clearance_m`` measures in the scene of ``known_revision``.
         """
@@ -126,9 +126,9 @@ class Robot:
         )
 
     def report(self, snapshot: LinkSnapshot) -> RobotReport:
-        """What the pilot is told of the robot.
+        """The pilot's view of the robot.
 
-        One that has driven all it was given waits for another robot: it is not idle.
+        A robot that has driven all it was given waits for another robot; it is not idle.
         """
         report = robot_report(snapshot)
         if self._sent is not None and report.mission_id == self._sent[0]:
@@ -137,10 +137,10 @@ class Robot:
                 return replace(report, standing_reason=None)
         return report
 
-    # What goes out.
+    # Outputs.
 
     def write_journal(self, orders: Orders, now_s: float) -> str:
-        """Keep mission, progress and the plan before they take effect; the trouble with it."""
+        """Save mission, progress and plan before they take effect; return any trouble."""
         mission = self.pilot.mission
         if self.journal is None or not (mission.stations or self._journal_is_stale()):
             return ""
@@ -151,13 +151,13 @@ class Robot:
         return self.journal.trouble
 
     def _journal_is_stale(self) -> bool:
-        """True if the journal has stations to visit of a mission that is done without any."""
+        """True if the journal still lists stations of a mission that ended without any."""
         kept = None if self.journal is None else self.journal.mission()
         has_more = kept is not None and bool(kept.remaining)
         return has_more and self.pilot.mission.state is State.DONE
 
     def drive(self, orders: Orders, now_s: float, sight: Sight, released: int | None) -> None:
-        """Send what the cycle has decided: of a plan ``released`` targets, or all if it is None."""
+        """Send the cycle's decision; ``released`` targets of a plan, or all if None."""
         if orders.permit:
             self.permitted_s = now_s
         self.orders.carry_out(orders, now_s, sight.pose_age_s)
@@ -202,9 +202,9 @@ class Robot:
         troubles: tuple[str, ...],
         waits: str | None,
     ) -> RobotSnapshot:
-        """What people are told after a cycle, ``time_s`` after the start.
+        """State to report after a cycle, ``time_s`` after the start.
 
-        ``waits`` says for whom it waits, and why.
+        ``waits`` says which robot this one waits for, and why.
         """
         mission = self.pilot.mission
         return RobotSnapshot(
@@ -227,17 +227,17 @@ class Robot:
         )
 
     def _stop_to_leave(self) -> str:
-        """What to do about an emergency stop of the robot's own while it has no mission."""
+        """Advice on the robot's own emergency stop while it has no mission."""
         why = self.pilot.stands_stopped
         return "" if why is None else f"{why}; re-arm it before it is to drive (clearway resume)"
 
 
 class Witnesses:
-    """All robots are seen by the same eye: it is as late as the one that has measured most."""
+    """Latency of the shared eye: the largest that any robot's witness measured."""
 
     def __init__(self, robots: Mapping[str, Robot]) -> None:
         self._robots = robots
 
     def latency_s(self) -> float:
-        """How late the camera's pictures are, as far as that was measured."""
+        """Measured delay of the camera's pictures."""
         return max(one.witness.latency_s() for one in self._robots.values())

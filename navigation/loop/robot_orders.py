@@ -1,7 +1,6 @@
-"""A cycle's decisions as orders on the link: the lease, and every kind of stop.
+"""Leases and stops of a cycle, sent as orders on the link.
 
-The lease is given again at least every ``LEASE_EVERY_S``, and at once where it changes.
-Metres, seconds.
+The lease is renewed at least every ``LEASE_EVERY_S``, and at once if it changes. Metres, seconds.
 """
 
 from __future__ import annotations
@@ -19,7 +18,7 @@ STOP_GRACE_S: Final = 0.35
 
 
 class RobotOrders:
-    """Keeps which lease the robot has, and by when it stands after the last one."""
+    """The robot's present lease, and the time by which it is at rest after the last one."""
 
     def __init__(self, link: Link, config: Config) -> None:
         self._link, self._config = link, config
@@ -38,7 +37,7 @@ class RobotOrders:
             self.stands_s = now_s + robot.speed_m_s / robot.acceleration_m_s2 + STOP_GRACE_S
 
     def carry_out(self, orders: Orders, now_s: float, pose_age_s: float) -> None:
-        """Send what one cycle has decided of lease and stops; an emergency stop goes alone."""
+        """Send a cycle's lease and stops; an emergency stop is sent alone."""
         if orders.estop:
             link = self._link.snapshot()
             if link.leaving_estop or not link.estopped:

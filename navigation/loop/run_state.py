@@ -1,7 +1,6 @@
-"""The state of a run after a cycle, of each robot and of all together; the plans that were driven.
+"""State of a run after a cycle, for each robot and for all; driven plans.
 
-Nothing here changes once it is made: any thread may keep it and read it.
-Units: metres, radians, seconds.
+These objects are immutable: any thread may keep and read them. Units: metres, radians, seconds.
 """
 
 from __future__ import annotations
@@ -23,7 +22,7 @@ from vision.markers.markers import RobotPose
 
 @dataclass(frozen=True, slots=True)
 class StageTimes:
-    """How long each stage took last, seconds; None before its first time."""
+    """Seconds that each stage last took; None before its first time."""
 
     look_s: float | None = None
     """Vision, one frame."""
@@ -37,7 +36,7 @@ class StageTimes:
 
 @dataclass(frozen=True, slots=True)
 class RobotSnapshot:
-    """Everything known of one robot after a cycle."""
+    """Everything known about one robot after a cycle."""
 
     time_s: float
     mission: Mission
@@ -66,7 +65,7 @@ class RobotSnapshot:
 
 @dataclass(frozen=True, slots=True)
 class RunState:
-    """The robots after a cycle by name, which of a robot alone is empty, and which of them wait."""
+    """Robots after a cycle by name (empty for a lone robot), and which of them wait."""
 
     time_s: float
     robots: Mapping[str, RobotSnapshot]
@@ -79,15 +78,15 @@ class RunState:
 
     @property
     def only(self) -> RobotSnapshot:
-        """The robot of a run of one."""
+        """Robot of a run of one."""
         (robot,) = self.robots.values()
         return robot
 
     @property
     def together(self) -> RobotSnapshot:
-        """The robot of a run of one; several as one, without a place, stations or a path.
+        """Robot of a run of one; several combined, without a place, stations or a path.
 
-        The link is the one that needs attention most.
+        The combined link is the one that most needs attention.
         """
         each = list(self.robots.values())
         if "" in self.robots:
@@ -111,7 +110,7 @@ class RunState:
 
     @property
     def state(self) -> State:
-        """Of all robots together: the worst end, and before it that of one that is under way."""
+        """State of a robot under way; if there is none, the worst end."""
         if "" in self.robots:
             return self.only.mission.state
         states = [one.mission.state for one in self.robots.values() if one.mission.places]
@@ -125,7 +124,7 @@ class RunState:
 
     @property
     def sentence(self) -> str:
-        """The sentence of a robot that is alone, or of each that is not at its end."""
+        """Sentence of a lone robot, or of each robot not at its end."""
         if "" in self.robots:
             return self.only.sentence
         told = {
@@ -139,14 +138,14 @@ class RunState:
 
 
 def _unknown(link: LinkSnapshot) -> tuple[bool, bool, float]:
-    """How little is known of a robot, above all whether it stands after a stop."""
+    """Sort key for how little is known, above all about rest after a stop."""
     age_s = math.inf if math.isnan(link.heard_age_s) else link.heard_age_s
     return doubt_of_stop(link) is not None, link.down_reason is not None, age_s
 
 
 @dataclass(frozen=True, slots=True)
 class DrivenPlan:
-    """A plan that was driven, and from when on, in the clock's seconds."""
+    """Driven plan and the time it started, in the clock's seconds."""
 
     path: Path
     trajectory: Trajectory | None

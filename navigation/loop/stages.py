@@ -1,4 +1,4 @@
-"""From a configuration to the settings of planner, pilot and witness.
+"""Settings of planner, pilot and witness from a configuration.
 
 Units: metres, radians, seconds.
 """
@@ -28,12 +28,12 @@ BITS_A_BYTE: Final = 10
 
 
 def stations_of(config: Config) -> tuple[Station, ...]:
-    """The configured mission's stations."""
+    """Stations of the configured mission."""
     return tuple(Station(s.x_m, s.y_m, s.heading_rad, s.dwell_s) for s in config.mission.stations)
 
 
 def pilot_settings(config: Config) -> PilotSettings:
-    """The pilot's numbers."""
+    """Settings of the pilot."""
     safety = config.safety
     return PilotSettings(
         limits=SafetyLimits(
@@ -65,7 +65,7 @@ def pilot_settings(config: Config) -> PilotSettings:
 
 
 def witness_limits(config: Config) -> WitnessLimits:
-    """What camera and wheels may differ by."""
+    """Limits on differences between camera and wheels."""
     report_bytes = wire_bytes(Status.LAYOUT.size)
     return WitnessLimits(
         AgreementLimits(config.safety.odometry_slack_m, config.safety.odometry_error),
@@ -74,7 +74,7 @@ def witness_limits(config: Config) -> WitnessLimits:
 
 
 def plan_settings(config: Config) -> PlanSettings:
-    """What every plan must keep."""
+    """Requirements on every plan."""
     return PlanSettings(
         radius_m=config.robot.radius_m,
         margin_m=config.planning.margin_m,

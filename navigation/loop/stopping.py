@@ -1,6 +1,6 @@
-"""Stops and re-arms of one robot or several: past every queue, on the disk, until a person re-arms.
+"""Stops and re-arms of robots: past every queue, kept on disk until a person re-arms.
 
-Any thread may give them.
+Any thread may call these.
 """
 
 from __future__ import annotations
@@ -14,7 +14,7 @@ from navigation.mission.mission import MissionError, State
 
 
 class Stopping:
-    """Stops robots; ``kept`` keeps the stops on the disk, None where none are kept."""
+    """Stops robots; ``kept`` stores stops on disk, None if none are stored."""
 
     def __init__(self, lock: Lock) -> None:
         self._lock = lock
@@ -27,15 +27,15 @@ class Stopping:
 
     @property
     def trouble(self) -> str:
-        """A warning about stops that are not on the disk; empty if there is none."""
+        """Warning about stops that are not on disk; empty if there are none."""
         trouble = "" if self.kept is None else self.kept.trouble
         return f"a restart would not know whether robots are stopped: {trouble}" if trouble else ""
 
     def hold_from_before(self, robots: Sequence[Robot], kept: KeptStops) -> dict[str, str]:
-        """Stop the robots that are held by earlier stops; the sentences by name."""
+        """Stop the robots held by earlier stops; return the sentences by name."""
         self.kept = kept
         said = dict(kept.held)
-        with self._lock:  # what was stopped since orders are taken
+        with self._lock:  # stops since orders are taken
             stopped = {one.name: one.pilot.stop_reason for one in robots}
         for name, reason in stopped.items():
             if reason is not None:
@@ -48,9 +48,9 @@ class Stopping:
         return said
 
     def stop(self, robots: Sequence[Robot], reason: str) -> str | None:
-        """Emergency stop: to the links, past every queue, then latched and kept.
+        """Send an emergency stop to the links past every queue, then latch and store it.
 
-        The sentence where it is not on the disk.
+        Returns a sentence if the stop is not on disk.
         """
         for robot in robots:
             robot.link.estop()
@@ -64,20 +64,20 @@ class Stopping:
         return f"a restart would not know of this stop: {trouble}" if trouble else None
 
     def stopped_itself(self, robot: Robot) -> None:
-        """Keep a stop that the pilot has entered, for which the control loop does not wait."""
+        """Store a stop that the pilot entered; the control loop does not wait."""
         if self.kept is not None:
             self.kept.stop([robot.name], robot.pilot.stopped_by)
 
     def resume(self, robots: Sequence[Robot]) -> None:
-        """End a pause; lift a stop and re-arm; the next time continue.
+        """End a pause; lift a stop and re-arm; continue at the next call.
 
-        ``MissionError`` where a stop came meanwhile.
+        ``MissionError`` if a stop came meanwhile.
         """
         with self._lock:
             stopped = [one for one in robots if one.pilot.mission.state is State.STOPPED]
         if self.kept is not None and stopped:
             self.kept.lift([one.name for one in stopped])
-            self.kept.settled()  # a stop that stays on the disk is said, and is the safer error
+            self.kept.settled()  # a stop left on disk is reported, and is the safer error
         with self._lock:
             if self.kept is not None and any(self.kept.is_kept(one.name) for one in stopped):
                 raise MissionError("stopped again meanwhile: re-arm it again")

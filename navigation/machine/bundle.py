@@ -1,9 +1,8 @@
-"""The bundle for a report of a fault: one zip with what helps to understand it.
+"""Bundle for a fault report: one zip with what helps to understand it.
 
-It holds findings, versions, the configuration with the files it names, the last run's report
-and picture, and the head of the newest recording. Secrets are left out, by their keys and by
-their values, wherever they stand; a recording in which one stands is left out as a whole. Of the
-environment only Clearway's own variables are kept.
+It holds findings, versions, the configuration with the files it names, the last run's report and
+picture, and the head of the newest recording. Secrets are removed everywhere, by key and by value;
+a recording that contains one is left out. Of the environment only Clearway's variables are kept.
 """
 
 from __future__ import annotations
@@ -42,9 +41,9 @@ def write_bundle(
     environment: Mapping[str, str],
     now: datetime,
 ) -> list[str]:
-    """Write the zip; the names of what is in it.
+    """Write the zip; return the names of its contents.
 
-    ``file``, the configuration, may be broken: then its text is there and ``config`` is None.
+    ``file``, the configuration, may be broken: then its text is included and ``config`` is None.
     """
     names = []
     with zipfile.ZipFile(target, "w", zipfile.ZIP_DEFLATED) as archive:
@@ -95,7 +94,7 @@ def _contents(
 
 
 def _newest_recording(folder: Path) -> Iterator[tuple[str, str | bytes]]:
-    """The head of it: a recording that is cut off can still be replayed."""
+    """Head of the newest recording: a recording cut off there can still be replayed."""
     files = sorted(folder.glob("clearway_*.mcap"))
     if files:
         with files[-1].open("rb") as recording:
@@ -109,14 +108,14 @@ def _newest_recording(folder: Path) -> Iterator[tuple[str, str | bytes]]:
 def _file(
     name: str, file: Path, clean: Callable[[str], str] = without_secrets
 ) -> Iterator[tuple[str, str]]:
-    """A text file without its secrets; nothing where it cannot be read."""
+    """A text file without its secrets; nothing if it cannot be read."""
     text = _text(file)
     if text is not None:
         yield name, clean(text)
 
 
 def _shown(text: str) -> str:
-    """A configuration without its secrets and the values of unknown keys."""
+    """Remove secrets and the values of unknown keys from a configuration."""
     return without_secrets(text, values_of_unknown_keys(text, Config))
 
 

@@ -1,4 +1,4 @@
-"""Findings on a camera for a run: a sentence on each, and what to do about it.
+"""Findings on a camera for a run, each a sentence with advice.
 
 Every limit has its reason beside it. Grey levels, pixels, seconds, metres; shares are of one.
 """
@@ -36,7 +36,7 @@ SMEARED_PX: Final = 2.0
 
 @dataclass(frozen=True, slots=True)
 class Judged:
-    """A camera as it was watched; what a source does not have is empty or None."""
+    """Measurements of a camera, empty or None if its source lacks them."""
 
     asked: CameraSection
     kind: str
@@ -58,7 +58,7 @@ class Judged:
 
     @property
     def exposure_ms(self) -> float | None:
-        """The exposure time in use, automatic or not; None where the driver does not say."""
+        """Exposure time in use, automatic or not; None if the driver does not report it."""
         for control in self.controls:
             if control.id == EXPOSURE and control.value is not None:
                 return control.value * EXPOSURE_UNIT_MS
@@ -66,7 +66,7 @@ class Judged:
 
 
 def camera_findings(judged: Judged) -> list[Finding]:
-    """One sentence on each thing that was measured, or on why it cannot be."""
+    """One sentence on each measurement, or on why it is impossible."""
     return [
         *_size(judged), *_rate(judged), *_regularity(judged), *_delay(judged), *_damage(judged),
         *_noise(judged), *_flicker(judged), *_light(judged), *_focus(judged), *_markers(judged),
@@ -261,7 +261,7 @@ def _markers(judged: Judged) -> Iterator[Finding]:
 
 
 def _smear(judged: Judged) -> Iterator[Finding]:
-    """By how much a marker smears at the robot's full speed, where all of it is known."""
+    """Smear of a marker at the robot's full speed, if all of its causes are known."""
     exposure_ms, speed_m_s = judged.exposure_ms, judged.speed_m_s
     if exposure_ms is None or speed_m_s is None or judged.metres_per_pixel is None:
         return

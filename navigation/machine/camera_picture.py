@@ -1,4 +1,4 @@
-"""A camera's picture with what was judged drawn in: sharp and blurred tiles, clipping, markers."""
+"""A camera's picture with its judgement drawn in: sharp and blurred tiles, clipping, markers."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ GREEN, AMBER, RED, GREY = (70, 160, 40), (20, 150, 230), (40, 40, 215), (150, 15
 
 
 def draw_judged(quality: Quality, arena_px: NDArray[np.float64] | None) -> NDArray[np.uint8]:
-    """The picture (h, w, 3) BGR; ``arena_px`` (n, 2) is the arena's border in it."""
+    """Draw the picture (h, w, 3) BGR; ``arena_px`` (n, 2) is the arena's border in it."""
     drawn: Canvas = cv2.cvtColor(quality.picture, cv2.COLOR_GRAY2BGR)
     drawn[quality.picture >= WHITE] = RED
     width = max(1, round(min(drawn.shape[:2]) / 400))

@@ -1,10 +1,10 @@
-"""The section of the configuration that serves a camera best, and putting it into a file.
+"""The best configuration section for a camera, and its insertion into a file.
 
 Rules
-- What hunts is fixed at what the camera has found: focus always, exposure where lamps flicker or
-  the robot would smear. What is well stays as it was asked for.
-- A file keeps its comments, order and other keys; what was written is read again before the file
-  is replaced.
+- Automatic controls are fixed at the values found: focus always, exposure if lamps flicker or the
+  robot would smear. Good settings stay as requested.
+- A file keeps its comments, order and other keys; the new text is read again before the file is
+  replaced.
 """
 
 from __future__ import annotations
@@ -30,11 +30,11 @@ from vision.camera.v4l2.modes import rank_modes
 
 
 class SectionError(ValueError):
-    """A section cannot be put into a file; the message says why, and what to do."""
+    """A section cannot be put into a file; the message says why, with advice."""
 
 
 def best_section(judged: Judged, source: str | int) -> dict[str, Any]:
-    """The keys of ``camera`` and their values, as plain data."""
+    """Return the keys of ``camera`` and their values, as plain data."""
     asked, quality = judged.asked, judged.quality
     section: dict[str, Any] = {
         "source": source,
@@ -73,7 +73,7 @@ def _mains_hz(judged: Judged) -> int:
 
 
 def _exposure_ms(judged: Judged, has: Listed) -> float | str:
-    """The exposure asked for, or one that avoids flicker and smear."""
+    """Requested exposure, or one that avoids flicker and smear."""
     asked, flicker = judged.asked.exposure_ms, judged.quality.flicker
     now_ms = judged.exposure_ms or 1000.0 / judged.asked.rate_hz
     least_ms, most_ms = has.least * EXPOSURE_UNIT_MS, has.most * EXPOSURE_UNIT_MS
@@ -89,13 +89,13 @@ def _exposure_ms(judged: Judged, has: Listed) -> float | str:
 
 
 def section_text(section: Mapping[str, Any]) -> str:
-    """The section as a configuration has it."""
+    """Text of the section in a configuration."""
     lines = [f"  {key}: {value_text(value)}" for key, value in section.items()]
     return "\n".join(["camera:", *lines]) + "\n"
 
 
 def write_section(file: Path, section: Mapping[str, Any]) -> Config:
-    """Put a section's keys into a configuration; raises ``SectionError`` and leaves it then."""
+    """Put a section's keys into a configuration; on ``SectionError`` the file is unchanged."""
     text = read_source(file)
     try:
         changed = with_values(text, {("camera", key): value for key, value in section.items()})

@@ -1,7 +1,7 @@
-"""Processes that work for this one, and that end with it, whatever ends it.
+"""Helper processes that end with this one, whatever ends it.
 
-A child that is only told to end outlives a parent that was killed: it would go on with work that
-nobody waits for. Here the child itself watches its parent.
+A child that only obeys an order to end would outlive a killed parent and continue useless work. So
+it watches its parent itself.
 """
 
 from __future__ import annotations
@@ -21,14 +21,14 @@ ORPHANED = 1
 
 
 def start_child(work: Callable[..., None], *arguments: object) -> SpawnProcess:
-    """Run ``work``, a function of a module, in a process of its own that ends with this one."""
+    """Run ``work``, a function of a module, in a process that ends with this one."""
     child = FRESH.Process(target=_work, args=(work, arguments), daemon=True)
     child.start()
     return child
 
 
 def end_with_parent() -> None:
-    """In a process made by `multiprocessing`: end at once when the parent has ended."""
+    """End at once when the parent has ended; for a process made by `multiprocessing`."""
     parent = multiprocessing.parent_process()
     assert parent is not None
     sentinel = parent.sentinel
@@ -42,6 +42,6 @@ def end_with_parent() -> None:
 
 def _work(work: Callable[..., None], arguments: tuple[object, ...]) -> None:
     end_with_parent()
-    # Ctrl-C in a terminal reaches parent and child alike; it is the parent that ends the child
+    # Ctrl-C in a terminal reaches parent and child alike; the parent must end the child
     signal.signal(signal.SIGINT, signal.SIG_IGN)
     work(*arguments)

@@ -1,4 +1,4 @@
-"""File descriptors: as many as the system allows, and a few held back for when they run out."""
+"""File descriptors: as many as the system allows, and a few in reserve."""
 
 from __future__ import annotations
 
@@ -15,9 +15,9 @@ NONE_LEFT: Final = frozenset({errno.EMFILE, errno.ENFILE, errno.ENOBUFS, errno.E
 
 
 def set_descriptor_limit(wanted: int = WANTED) -> int:
-    """Bring this process's soft limit to ``wanted``, as far as the hard one lets it.
+    """Set this process's soft limit to ``wanted``, at most the hard limit.
 
-    A higher one comes down: the serial port could not be waited for with a descriptor beyond it.
+    A higher limit is lowered: a serial port with a descriptor beyond it could not be waited for.
     """
     soft, hard = resource.getrlimit(resource.RLIMIT_NOFILE)
     if hard != resource.RLIM_INFINITY:
@@ -35,7 +35,7 @@ def descriptor_limit() -> int:
 
 
 class SpareDescriptors:
-    """Descriptors that are kept open for nothing, to be given away when none is left."""
+    """Reserve of open descriptors, released when none is left."""
 
     def __init__(self, count: int) -> None:
         self._count = count
@@ -43,14 +43,14 @@ class SpareDescriptors:
         self.refill()
 
     def release(self) -> bool:
-        """Close one of them, so that the next call that opens something succeeds; False: none."""
+        """Close one, so that the next opening succeeds; False if none is left."""
         if not self._held:
             return False
         os.close(self._held.pop())
         return True
 
     def refill(self) -> None:
-        """Hold back as many as were wanted again, as far as there are some."""
+        """Restore the reserve as far as the system allows."""
         while len(self._held) < self._count:
             try:
                 self._held.append(os.open(os.devnull, os.O_RDONLY | os.O_CLOEXEC))
@@ -60,6 +60,6 @@ class SpareDescriptors:
                 return
 
     def close(self) -> None:
-        """Give all of them back."""
+        """Close all of them."""
         while self.release():
             pass

@@ -1,7 +1,7 @@
-"""Checks of this machine before a run: one finding a line, each with what to do.
+"""Checks of this machine before a run: one finding a line, each with advice.
 
-Every check looks at one thing and changes nothing; what it needs to know is passed in. `fail`
-means that a run cannot work, `warn` that it may disappoint. Sizes in MB are 10^6 bytes.
+A check examines one thing, changes nothing and gets its inputs as arguments. `fail`: a run cannot
+work; `warn`: it may disappoint. Sizes in MB are 10^6 bytes.
 """
 
 from __future__ import annotations
@@ -31,7 +31,7 @@ RELEASE_YEAR: Final = 2026
 
 @dataclass(frozen=True, slots=True)
 class Finding:
-    """One line: what was looked at, how it is, and what to do where it is not well."""
+    """One line: the thing checked, its state, and advice if it is not well."""
 
     status: Status
     name: str
@@ -40,13 +40,13 @@ class Finding:
 
 
 def worst(findings: Iterable[Finding]) -> Status:
-    """The worst status; ``ok`` of none."""
+    """Return the worst status; ``ok`` for no findings."""
     order: tuple[Status, ...] = ("ok", "warn", "fail")
     return max((f.status for f in findings), key=order.index, default="ok")
 
 
 def check_python(version: tuple[int, int] = sys.version_info[:2]) -> Finding:
-    """The interpreter."""
+    """Check the interpreter."""
     told = f"{version[0]}.{version[1]}"
     if version < LEAST_PYTHON:
         wanted = ".".join(map(str, LEAST_PYTHON))
@@ -57,7 +57,7 @@ def check_python(version: tuple[int, int] = sys.version_info[:2]) -> Finding:
 def check_packages(
     wanted: Iterable[str], installed: Callable[[str], str] = metadata.version
 ) -> Iterator[Finding]:
-    """The distributions that Clearway needs, given as in ``importlib.metadata.requires``."""
+    """Check Clearway's requirements, given as by ``importlib.metadata.requires``."""
     fine = []
     for line in wanted:
         if "extra ==" in line:
@@ -85,7 +85,7 @@ def _requirement(line: str) -> tuple[str, str]:
 
 
 def _numbers(version: str) -> tuple[int, ...]:
-    """The release part of a version, without trailing zeros."""
+    """Release part of a version, without trailing zeros."""
     numbers = [int(n) for n in re.findall(r"\d+", re.split(r"[a-z+]", version)[0])]
     while numbers and numbers[-1] == 0:
         numbers.pop()
@@ -93,7 +93,7 @@ def _numbers(version: str) -> tuple[int, ...]:
 
 
 def check_opencv_twice(names: Iterable[str]) -> Finding | None:
-    """Several OpenCVs share one folder and overwrite each other; ``names`` are distributions."""
+    """Check for several OpenCVs, which overwrite each other; ``names`` are distributions."""
     found = sorted({n for n in names if re.fullmatch(r"opencv[-_].*python.*", n)})
     if len(found) < 2:
         return None
@@ -106,7 +106,7 @@ def check_opencv_twice(names: Iterable[str]) -> Finding | None:
 
 
 def check_writable(name: str, folder: Path) -> Finding:
-    """A folder that the program makes, or writes to."""
+    """Check a folder that the program makes or writes to."""
     at = folder
     while not at.exists() and at != at.parent:
         at = at.parent
@@ -118,7 +118,7 @@ def check_writable(name: str, folder: Path) -> Finding:
 
 
 def check_disk(folder: Path, free_bytes: Callable[[Path], int]) -> Finding:
-    """Room for reports and recordings."""
+    """Check the free space for reports and recordings."""
     at = folder.absolute()
     while not at.exists() and at != at.parent:
         at = at.parent
@@ -133,7 +133,7 @@ def check_disk(folder: Path, free_bytes: Callable[[Path], int]) -> Finding:
 
 
 def check_clock(now: datetime, synchronised: bool | None) -> Finding:
-    """The wall clock, which stamps logs and recordings; runs themselves do not use it."""
+    """Check the wall clock, which stamps logs and recordings; runs do not use it."""
     told = f"{now:%Y-%m-%d %H:%M:%S}"
     if now.year < RELEASE_YEAR:
         cure = "set the clock (timedatectl set-ntp true)"
@@ -145,7 +145,7 @@ def check_clock(now: datetime, synchronised: bool | None) -> Finding:
 
 
 def check_cores(count: int | None) -> Finding:
-    """Vision, planner, link and page share the processor's cores."""
+    """Check the processor's cores, which vision, planner, link and page share."""
     if count is not None and count < LEAST_CORES:
         cure = "lower camera.rate_hz and run with --no-dashboard"
         return Finding("warn", "processor", f"{count} core", cure)
@@ -153,7 +153,7 @@ def check_cores(count: int | None) -> Finding:
 
 
 def check_wakeups(worst_s: float, load: float) -> Finding:
-    """Check how late threads were woken: robots hold if that is too late."""
+    """Check the delay in waking threads: robots hold if it is too long."""
     told = f"woken at most {worst_s * 1e3:.0f} ms late, load {load:.1f}"
     if worst_s > WAKEUP_WARN_S:
         cure = "end what else runs: robots hold while the program is late"
@@ -162,7 +162,7 @@ def check_wakeups(worst_s: float, load: float) -> Finding:
 
 
 def check_device(name: str, path: Path, group: str, groups: Iterable[str]) -> Finding:
-    """A serial port or camera that must be there and be ours to read and write."""
+    """Check that a serial port or camera exists and may be read and written."""
     try:
         mode = path.stat().st_mode
     except OSError as error:
@@ -181,7 +181,7 @@ def check_device(name: str, path: Path, group: str, groups: Iterable[str]) -> Fi
 
 
 def own_groups() -> list[str]:
-    """The names of this process's groups."""
+    """Names of this process's groups."""
     names = []
     for number in {os.getgid(), *os.getgroups()}:
         try:
@@ -207,7 +207,7 @@ PORT_TAKERS = {
 
 
 def check_port_takers(running: Iterable[str]) -> Iterator[Finding]:
-    """A warning for each of the ``running`` programs that may take the robot's port."""
+    """Warn of each of the ``running`` programs that may take the robot's port."""
     here = set(running)
     for name, (sentence, fix) in PORT_TAKERS.items():
         if name in here:
@@ -215,7 +215,7 @@ def check_port_takers(running: Iterable[str]) -> Iterator[Finding]:
 
 
 def running_programs(proc: Path = Path("/proc")) -> Iterator[str]:
-    """The names of the programs that run here."""
+    """Names of the running programs."""
     for comm in proc.glob("[0-9]*/comm"):
         try:
             yield comm.read_text().strip()

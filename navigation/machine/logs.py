@@ -1,12 +1,12 @@
-"""The log of a run: one line an event on stderr, for a journal, a log collector or a person.
+"""Log of a run: one line an event on stderr, for a journal, a log collector or a person.
 
 Rules
 - An event is a name from `EVENTS` and fields; its line is JSON or ``time level event words``.
 - Only news is logged: a change of state, of the reason, of the camera, of the link, a new plan.
-- What is no character, such as half of a surrogate pair, is written as its number.
-- Under systemd a text line begins with its priority, ``<4>``, which the journal takes off.
+- A non-character, such as half of a surrogate pair, is written as its number.
+- Under systemd a text line begins with its priority, ``<4>``, which the journal removes.
 
-Times in lines are UTC; fields keep their units in their names.
+Times in lines are UTC; fields have their units in their names.
 """
 
 from __future__ import annotations
@@ -55,10 +55,10 @@ STATE_LEVELS: Final[Mapping[State, Level]] = {
 
 
 class EventLog:
-    """Writes events at ``level`` and above to ``stream``.
+    """Writer of events at ``level`` and above to ``stream``.
 
-    ``form``: ``json``, ``text``, or None for no log. ``now`` gives the wall time;
-    ``priorities`` puts the journal's before each text line.
+    ``form``: ``json``, ``text``, or None for no log. ``now`` gives the wall time; ``priorities``
+    puts the journal's before each text line.
     """
 
     def __init__(
@@ -80,9 +80,9 @@ class EventLog:
 
     @classmethod
     def to_file(cls, file: Path, *, now: Callable[[], datetime]) -> EventLog:
-        """A log into a file of at most ``MOST_FILE_BYTES``; its last line says that it is full.
+        """Open a log file of at most ``MOST_FILE_BYTES``; its last line says that it is full.
 
-        A file that cannot be opened is a `trouble` like one that cannot be written.
+        A file that cannot be opened or written is a `trouble`.
         """
         try:
             log = cls(_LimitedFile(file), "json", now=now)
@@ -94,11 +94,11 @@ class EventLog:
 
     def close(self) -> None:
         """Close the stream."""
-        with contextlib.suppress(OSError, ValueError):  # its last event has said so already
+        with contextlib.suppress(OSError, ValueError):  # its last event has reported that
             self._stream.close()
 
     def write(self, level: Level, event: str, **fields: Any) -> None:
-        """One event; None values are left out of text and null in JSON."""
+        """Write one event; None values are left out of text and null in JSON."""
         if self._form is None or LEVELS.index(level) < self._least:
             return
         time = self._now().astimezone(UTC).isoformat(timespec="milliseconds")
@@ -115,7 +115,7 @@ class EventLog:
         try:
             self._stream.write(line.encode("utf-8", "backslashreplace").decode() + "\n")
             self._stream.flush()
-        except (OSError, ValueError) as error:  # a full disk, a reader that went away
+        except (OSError, ValueError) as error:  # a full disk, a closed reader
             reason = error.strerror if isinstance(error, OSError) else None
             self.trouble = f"{self._name}: cannot be written: {reason or error}"
         else:
@@ -130,7 +130,7 @@ class _LimitedFile(io.TextIOBase):
         self._left = MOST_FILE_BYTES
 
     def write(self, line: str, /) -> int:
-        """Append a line while there is room."""
+        """Append a line if it fits."""
         if self._left > 0:
             self._left -= self._file.write(line)
             if self._left <= 0:
@@ -138,16 +138,14 @@ class _LimitedFile(io.TextIOBase):
         return len(line)
 
     def flush(self) -> None:
-        """Hand it to the operating system."""
         self._file.flush()
 
     def close(self) -> None:
-        """Close the file."""
         self._file.close()
 
 
 def _timeless(sentence: str | None) -> str | None:
-    """The sentence without its times: that something lasts longer by now is no news."""
+    """Remove the times from a sentence: a longer duration is no news."""
     return None if sentence is None else _TIME.sub("", sentence)
 
 
@@ -164,26 +162,26 @@ def _word(value: Any) -> str:
 
 
 class RunLog:
-    """Turns what a run's cycles end with into events, where it is news; into several logs."""
+    """Reporter of a run's news to several logs."""
 
     def __init__(self, *logs: EventLog) -> None:
         self.logs = list(logs)
         self._last: dict[tuple[str, str], Any] = {}
 
     def write(self, level: Level, event: str, **fields: Any) -> None:
-        """One event into every log."""
+        """Write one event to every log."""
         for log in self.logs:
             log.write(level, event, **fields)
 
     @property
     def trouble(self) -> str:
-        """Which of the logs cannot be written, and why; empty where all can."""
+        """Names of the logs that cannot be written, and why; empty if all can."""
         return "; ".join(log.trouble for log in self.logs if log.trouble)
 
     def cycle(self, robots: Mapping[str, Any], camera: Any) -> None:
-        """After a cycle: the `RobotSnapshot` of each robot by its name, and the `CameraStatus`.
+        """Log a cycle: each robot's `RobotSnapshot` by name, and the `CameraStatus`.
 
-        A robot that is alone has the empty name, and its events name no robot.
+        A single robot has the empty name, and its events name no robot.
         """
         for name, now in robots.items():
             self._robot(name, now)

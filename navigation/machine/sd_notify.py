@@ -1,11 +1,11 @@
 """Reports to systemd: ready, stopping, and that every stage of the program still works.
 
 Rules
-- A message is one datagram that is sent without waiting: a full socket loses a message, never
-  stops a robot's loop.
-- WATCHDOG=1 is sent only when every stage has turned since the last time. A stage that hangs
-  is named in STATUS, and systemd restarts the program when its time is over.
-- An assignment is one line whatever is in it: what came from outside sets no other.
+- A message is one datagram, sent without waiting: a full socket loses a message, never stops a
+  robot's loop.
+- WATCHDOG=1 is sent only if every stage has turned since the last one. STATUS names a hanging
+  stage, and systemd restarts the program after its time.
+- An assignment is always one line: outside text can set no other.
 - Without systemd (no NOTIFY_SOCKET) nothing is sent.
 
 The protocol: sd_notify(3). Units: seconds.
@@ -29,25 +29,25 @@ SAID_AFTER: Final = 0.5
 
 
 class Notifier:
-    """Sends sd_notify messages to ``address``; None sends nothing."""
+    """Sender of sd_notify messages to ``address``; None sends nothing."""
 
     def __init__(self, address: str | None) -> None:
         self.lost = 0
         self._socket: socket.socket | None = None
         if not address:
             return
-        # an @ stands for the zero byte that begins a name in the abstract namespace
+        # an @ means the zero byte that begins a name in the abstract namespace
         self._address = "\0" + address[1:] if address.startswith("@") else address
         self._socket = socket.socket(socket.AF_UNIX, socket.SOCK_DGRAM | socket.SOCK_CLOEXEC)
         self._socket.setblocking(False)
 
     @classmethod
     def from_environment(cls, environment: Mapping[str, str]) -> Notifier:
-        """The notifier that systemd's NOTIFY_SOCKET asks for."""
+        """Make the notifier for systemd's NOTIFY_SOCKET."""
         return cls(environment.get("NOTIFY_SOCKET"))
 
     def send(self, *assignments: str) -> bool:
-        """Send assignments such as ``READY=1``; False where the message was lost."""
+        """Send assignments such as ``READY=1``; False if the message was lost."""
         if self._socket is None:
             return True
         try:
@@ -66,7 +66,7 @@ class Notifier:
 
 
 class Watchdog:
-    """Keeps systemd's watchdog from barking while every stage turns.
+    """Sender of systemd's watchdog messages while every stage turns.
 
     ``turns`` gives a number for each stage, which grows while the stage works. ``period_s``:
     systemd's WatchdogSec; None sends nothing.
@@ -84,7 +84,7 @@ class Watchdog:
         """The stages that have not turned for more than half the period."""
 
     def tick(self, now_s: float) -> None:
-        """Call often: sends when it is time, and every stage has turned."""
+        """Send if it is time and every stage has turned; call often."""
         if self._period_s is None:
             return
         if self._sent_s is None:
@@ -103,7 +103,7 @@ class Watchdog:
 
 
 def watchdog_period_s(environment: Mapping[str, str], own_pid: int | None = None) -> float | None:
-    """systemd's WatchdogSec for this process; None where it watches none or another."""
+    """Return systemd's WatchdogSec for this process; None if it watches none or another."""
     pid = environment.get("WATCHDOG_PID")
     if pid and pid != str(os.getpid() if own_pid is None else own_pid):
         return None

@@ -1,10 +1,10 @@
 """The systemd unit and the udev rule that make Clearway a service of this machine.
 
 Rules
-- Ready when ready (Type=notify), restarted when a stage hangs (WatchdogSec), not restarted for
-  ever (StartLimit), and never for a bad configuration (exit code 78).
-- The service may write to its own cache, state and runtime directories only, and to the serial
-  ports and cameras that it is for. It must be able to make code executable: kernels are compiled.
+- Ready when ready (Type=notify), restarted when a stage hangs (WatchdogSec), not restarted for ever
+  (StartLimit), and never for a bad configuration (exit code 78).
+- The service may write only to its own cache, state and runtime directories, and to its serial
+  ports and cameras. It must be able to make code executable: kernels are compiled.
 - A user's own service has no hardening that the user's manager could refuse.
 
 Sources: systemd.exec(5), systemd.service(5), udev(7).
@@ -44,10 +44,10 @@ class UsbAdapter:
 
 
 def unit_text(program: Path, config: Path, *, user: bool, run_as: str | None = None) -> str:
-    """The unit that runs ``config``; ``user``: for a user's own manager.
+    """Unit that runs ``config``; ``user``: for a user's own manager.
 
-    ``run_as`` is an account of this machine; None lets systemd make one up (DynamicUser).
-    Both paths must be absolute.
+    ``run_as`` is an account of this machine; None lets systemd create one (DynamicUser). Both paths
+    must be absolute.
     """
     for path in (program, config):
         if not path.is_absolute():
@@ -119,7 +119,7 @@ _HARDENING: Final = (
 
 
 def udev_text(adapter: UsbAdapter) -> str:
-    """The rule that gives a serial adapter one name, and keeps ModemManager off it."""
+    """Rule that gives a serial adapter one name and keeps ModemManager off it."""
     match = [
         'SUBSYSTEM=="tty"',
         f'ATTRS{{idVendor}}=="{_hex(adapter.vendor)}"',
@@ -136,7 +136,7 @@ def udev_text(adapter: UsbAdapter) -> str:
 
 
 def adapter_of(port: str) -> UsbAdapter | None:
-    """The USB adapter behind a port; None where it is none, or not plugged in."""
+    """USB adapter behind a port; None if there is none, or it is not plugged in."""
     import os
 
     from serial.tools import list_ports
@@ -150,7 +150,7 @@ def adapter_of(port: str) -> UsbAdapter | None:
 
 
 def _quoted(path: Path) -> str:
-    """A path as systemd's ExecStart takes it: its specifiers and variables are doubled."""
+    """Quote a path for systemd's ExecStart, doubling its specifiers and variables."""
     text = str(path).replace("%", "%%").replace("$", "$$")
     if re.fullmatch(r"[\w./%+@:,=-]+", text):
         return text

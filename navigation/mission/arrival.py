@@ -1,7 +1,7 @@
-"""Whether the robot stands where the mission ends: the camera has the last word.
+"""Arrival at the mission's end, which the camera confirms.
 
-The robot says that it has executed everything. When it has stood for a moment the camera looks
-where; off the goal the last stretch is planned again, but not for ever. Metres, radians, seconds.
+The robot says that it has executed everything. After a moment at rest the camera checks its place;
+off the goal the last stretch is planned again, a limited number of times. Metres, radians, seconds.
 """
 
 from __future__ import annotations
@@ -13,7 +13,7 @@ from navigation.mission.mission import Event, Station
 
 
 class Arrival:
-    """Keeps since when the robot stands at its end, and how often that was corrected."""
+    """Time since when the robot is at rest at its end, and number of corrections."""
 
     def __init__(self, settings: PilotSettings) -> None:
         self._settings = settings
@@ -21,17 +21,17 @@ class Arrival:
         self._stands_since_s: float | None = None
 
     def begin(self) -> None:
-        """A new mission, or one that a person has sent on."""
+        """Begin a mission, or one that a person has resumed."""
         self._corrections = 0
 
     def moves(self) -> None:
-        """The robot does not stand at its end."""
+        """Note that the robot is not at rest at its end."""
         self._stands_since_s = None
 
     def stands(
         self, now_s: float, pose: tuple[float, float, float], goal: Station
     ) -> tuple[Event, str] | None:
-        """The robot stands at its end: what becomes of the mission, once the camera is sure."""
+        """Judge a robot at rest at its end; return the mission's event once the camera is sure."""
         settings = self._settings
         if self._stands_since_s is None:
             self._stands_since_s = now_s

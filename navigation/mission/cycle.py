@@ -1,4 +1,4 @@
-"""What goes into and comes out of one control cycle: facts in, orders out.
+"""Input and output of one control cycle: facts in, orders out.
 
 Units: metres, radians, seconds.
 """
@@ -19,7 +19,7 @@ from planner.scene import Bounds
 
 @dataclass(frozen=True, slots=True)
 class PilotSettings:
-    """The pilot's numbers, from the configuration."""
+    """The pilot's settings, from the configuration."""
 
     limits: SafetyLimits
     bounds_m: Bounds
@@ -45,7 +45,7 @@ class PilotSettings:
 
 @dataclass(frozen=True, slots=True)
 class Sight:
-    """What the camera says: the robot's pose and how old picture and pose are."""
+    """The camera's report: the robot's pose, and the ages of picture and pose."""
 
     frame_age_s: float = math.inf
     pose_age_s: float = math.inf
@@ -76,7 +76,7 @@ class Sight:
 
 @dataclass(frozen=True, slots=True)
 class RobotReport:
-    """What the link says of the robot."""
+    """The link's report of the robot."""
 
     age_s: float = math.inf
     down_reason: str | None = "not connected yet"
@@ -102,7 +102,7 @@ class RobotReport:
 
 @dataclass(frozen=True, slots=True)
 class PlanRequest:
-    """Ask for a way from here through these stations."""
+    """Request for a path from here through these stations."""
 
     id: int
     start: tuple[float, float, float]
@@ -130,7 +130,7 @@ class PlanAnswer:
 
 @dataclass(frozen=True, slots=True)
 class Orders:
-    """What to do after a cycle; None and False mean nothing."""
+    """Orders after a cycle; None and False mean nothing."""
 
     permit: bool
     """Whether the lease lets the robot move."""

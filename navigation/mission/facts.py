@@ -1,8 +1,7 @@
-"""What safety is judged by in a cycle: what camera and link say, and what that means now.
+"""Facts for the safety rules in a cycle: reports of camera and link, and their meaning now.
 
-The same report means another thing while the robot is to drive, to prove itself or to stand: a
-robot is idle only where it was told to move, and a late camera that is about to be measured again
-is not too late yet. Metres, seconds.
+The meaning depends on the robot's task (drive, prove itself, be at rest): only a robot ordered to
+move can be idle, and a late camera about to be measured again is not yet too late. Metres, seconds.
 """
 
 from __future__ import annotations
@@ -21,7 +20,7 @@ from navigation.mission.watch import Facts
 
 
 class PilotSituation(NamedTuple):
-    """What the pilot is at: its mission, the plan, and their mission on the wire."""
+    """The pilot's mission, its plan, and their mission on the wire."""
 
     mission: Mission
     plan: RunningPlan
@@ -33,7 +32,7 @@ class PilotSituation(NamedTuple):
 
 
 class FactFinder:
-    """Keeps since when the robot is idle or motionless, and how late the camera may be."""
+    """Times since when the robot is idle or motionless, and the camera's latency that counts."""
 
     def __init__(self, settings: PilotSettings, trust: Trust) -> None:
         self.late_camera = LateCamera()
@@ -49,7 +48,7 @@ class FactFinder:
         situation: PilotSituation,
         met: Encounter | None,
     ) -> Facts:
-        """The facts of one cycle; ``met`` is the robot that comes near, if one does."""
+        """Facts of one cycle; ``met`` is the robot that comes near, if any."""
         mission, plan, wire_id, rearms, stop_ordered = situation
         position = None if sight.pose is None else sight.pose[:2]
         driving = mission.state is State.DRIVING
@@ -80,7 +79,7 @@ class FactFinder:
         )
 
     def _latency_that_matters(self, now_s: float, sight: Sight, state: State) -> float | None:
-        """The camera's latency, but while it is being measured again, or is about to be."""
+        """The camera's latency, except while a new measurement is under way or due."""
         late_s = sight.evidence.latency_s
         if state is State.PROVING or late_s is None:
             return None
@@ -91,7 +90,7 @@ class FactFinder:
     def _idle_reason(
         self, now_s: float, sight: Sight, robot: RobotReport, situation: PilotSituation
     ) -> str | None:
-        """The reason why a robot that had time to begin does not do its plan; it is doubted then.
+        """Reason why a robot with time to begin does not drive its plan; then doubted.
 
         While it holds and no lease can be dated for it, that is the reason.
         """
@@ -120,7 +119,7 @@ class FactFinder:
     def _motionless(
         self, now_s: float, sight: Sight, robot: RobotReport, target: Target
     ) -> str | None:
-        """The sentence where a robot that runs its mission does not move; it is doubted then."""
+        """Sentence about a robot on its mission that does not move; then doubted."""
         if not is_to_move(robot, target, None if sight.pose is None else sight.pose[:2]):
             self.stillness.need_not_move()
             return None

@@ -1,7 +1,7 @@
-"""The mission: what is to be visited, and the table of states between standing and done.
+"""The mission: stations to visit, and the table of its states.
 
-The table is the whole of the logic of states: what is not in it does not happen. The
-documentation's diagram is drawn from it (`python -m navigation.mission.mission`).
+The table is the whole logic of states: what is not in it does not happen. The documentation's
+diagram is drawn from it (`python -m navigation.mission.mission`).
 """
 
 from __future__ import annotations
@@ -16,7 +16,7 @@ STOPPING: Final = "stopping"
 
 
 class State(Enum):
-    """Where the mission stands."""
+    """State of the mission."""
 
     IDLE = "idle"
     PLANNING = "planning"
@@ -29,7 +29,7 @@ class State(Enum):
 
 
 class Event(Enum):
-    """What may happen to a mission."""
+    """Possible event of a mission."""
 
     GIVEN = "mission given"
     PLANNED = "plan accepted"
@@ -82,12 +82,12 @@ TRANSITIONS: dict[tuple[State, Event], State] = {
 
 
 class MissionError(ValueError):
-    """An event that the mission's state does not allow, or a station that cannot be."""
+    """Error: an event that the mission's state does not allow, or an impossible station."""
 
 
 @dataclass(frozen=True, slots=True)
 class Station:
-    """A place to visit: metres in the arena, the heading to stand at, and how long to stay."""
+    """Place to visit: metres in the arena, the heading at rest, and the stay."""
 
     x: float
     y: float
@@ -97,10 +97,10 @@ class Station:
 
 @dataclass(frozen=True, slots=True)
 class Mission:
-    """Stations, how many of them were visited, the state, and the sentence that explains it.
+    """Stations, number visited, state, and the sentence that explains it.
 
-    ``any_order``: the stations but the last may be visited in the order that is shortest; the
-    first plan settles it.
+    ``any_order``: all stations but the last may be visited in the shortest order, which the first
+    plan settles.
     """
 
     stations: tuple[Station, ...] = ()
@@ -115,21 +115,21 @@ class Mission:
 
     @property
     def places(self) -> tuple[Station, ...]:
-        """The stations, and behind them the place of an errand."""
+        """Stations, then the place of an errand."""
         return self.stations if self.errand is None else (*self.stations, self.errand)
 
     @property
     def remaining(self) -> tuple[Station, ...]:
-        """The places that are still to be visited, in order."""
+        """Places still to visit, in order."""
         return self.places[self.visited :]
 
     @property
     def is_over(self) -> bool:
-        """Whether nothing more will happen without a new order."""
+        """True if nothing more will happen without a new order."""
         return self.state in (State.DONE, State.FAILED, State.STOPPED)
 
     def after(self, event: Event, reason: str) -> Mission:
-        """The mission after an event; ``MissionError`` where the table has no such move."""
+        """Mission after an event; ``MissionError`` if the table has no such move."""
         try:
             state = TRANSITIONS[self.state, event]
         except KeyError:
@@ -139,13 +139,13 @@ class Mission:
         return replace(self, state=state, reason=reason)
 
     def allows(self, event: Event) -> bool:
-        """Whether the table has a move for the event."""
+        """True if the table has a move for the event."""
         return (self.state, event) in TRANSITIONS
 
     def given(
         self, stations: tuple[Station, ...], reason: str, *, any_order: bool = False
     ) -> Mission:
-        """A new mission in place of this one."""
+        """New mission in place of this one."""
         if not stations:
             raise MissionError("a mission needs at least one station")
         return replace(
@@ -157,18 +157,18 @@ class Mission:
         )
 
     def stepping_aside(self, place: Station, reason: str) -> Mission:
-        """The same, which was over, with an errand: aside for another robot, and back."""
+        """This finished mission with an errand: aside for another robot, and back."""
         if self.remaining:
             raise MissionError("a robot that has stations to visit steps aside for no other")
         return replace(self.after(Event.GIVEN, reason), errand=place)
 
     def arrived(self, reason: str) -> Mission:
-        """The mission at its end; an errand is over too."""
+        """Mission at its end; an errand is over too."""
         return replace(self.after(Event.ARRIVED, reason), visited=len(self.stations), errand=None)
 
     @property
     def cannot_skip(self) -> str:
-        """The reason why no station can be skipped now; empty where one can."""
+        """Reason why no station can be skipped now; empty if one can."""
         if self.state is State.STOPPED:
             return "the robot is stopped: re-arm it first (clearway resume)"
         if self.visited >= len(self.stations):
@@ -178,10 +178,10 @@ class Mission:
         return ""
 
     def without_next(self) -> Mission:
-        """The mission without the station that is next; done where that was the last one.
+        """Mission without the next station; done if that was the last one.
 
-        A robot under way plans for the rest. One that waits for an order waits on: a pause, a
-        re-armed stop and a failed mission are ended by `clearway resume`, not by this.
+        A robot under way plans for the rest. One that waits for an order keeps waiting: only
+        `clearway resume` ends a pause, a re-armed stop or a failure.
         """
         skipped, rest = self.remaining[0], self.stations[self.visited + 1 :]
         left = replace(self, stations=self.stations[: self.visited] + rest)
@@ -198,7 +198,7 @@ class Mission:
         return left
 
     def settled(self, order: tuple[int, ...]) -> Mission:
-        """The same with its stations but the last in this order, which then stays."""
+        """Mission with all stations but the last in this order, which then stays."""
         if not self.any_order or self.visited:
             return self
         *vias, goal = self.stations
@@ -207,7 +207,7 @@ class Mission:
         return replace(self, stations=(*(vias[i] for i in order), goal), any_order=False)
 
     def with_visited(self, visited: int) -> Mission:
-        """The same with more stations visited; the count never falls."""
+        """Mission with more stations visited; the count never falls."""
         if not self.visited <= visited <= len(self.stations):
             raise MissionError(
                 f"visited = {visited}: must be in {self.visited}..{len(self.stations)}"
@@ -216,7 +216,7 @@ class Mission:
 
 
 def diagram() -> Iterator[str]:
-    """The table as a Mermaid state diagram, a line each."""
+    """Yield the table as a Mermaid state diagram, line by line."""
     yield "stateDiagram-v2"
     yield f"    [*] --> {State.IDLE.value}"
     for (state, event), following in TRANSITIONS.items():

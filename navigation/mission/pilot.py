@@ -1,12 +1,11 @@
 """The pilot: every decision of a control cycle, sans-IO.
 
-`Pilot.step` takes what one cycle knows (`Sight`, `RobotReport`, the planner's answer, the time)
-and returns what to do (`Orders`). It opens nothing, waits for nothing and reads no clock, so
-the same pilot runs in the daemon, in virtual time and in replay. Units: metres, radians,
-seconds.
+`Pilot.step` takes a cycle's facts (`Sight`, `RobotReport`, the planner's answer, the time) and
+returns `Orders`. It opens nothing, waits for nothing and reads no clock, so the same pilot runs in
+the daemon, in virtual time and in replay. Units: metres, radians, seconds.
 
-One cycle: judge safety -> follow progress -> move the mission's state -> orders. Every order
-to move is a lease that this cycle gives; a pilot that is not stepped moves nothing.
+One cycle: judge safety -> follow progress -> change the mission's state -> orders. Every order to
+move is a lease given by this cycle; a pilot that is not stepped moves nothing.
 """
 
 from __future__ import annotations
@@ -40,7 +39,7 @@ CONTINUES = "continuing as ordered"
 
 
 class Pilot:
-    """Keeps the mission, the running plan and the robot's progress along it."""
+    """The mission, the running plan and the robot's progress along it."""
 
     def __init__(self, settings: PilotSettings, first_mission_id: int) -> None:
         self.settings = settings
@@ -78,16 +77,16 @@ class Pilot:
 
     @property
     def stop_reason(self) -> str | None:
-        """Why a person has stopped the robot; None where none has."""
+        """A person's reason for stopping the robot; None if there is none."""
         return self._stop_reason
 
     def begin_stopped(self, reason: str) -> None:
-        """Begin in a stop that an earlier program was given; missions wait behind it."""
+        """Begin in a stop from an earlier program; missions wait behind it."""
         self._stop_reason = self.stopped_by = reason
         self.mission = self.mission.after(Event.STOP, reason)
 
     def appoint(self, mission: Mission) -> None:
-        """Put a mission, with its progress, behind a stop: it waits for re-arm and resume."""
+        """Put a mission, with its progress, behind a stop until re-arm and resume."""
         self.mission = replace(
             self.mission,
             stations=mission.stations,
@@ -98,7 +97,7 @@ class Pilot:
         )
 
     def give(self, stations: tuple[Station, ...], *, any_order: bool = False) -> None:
-        """Replace the mission; ``MissionError`` where a station lies outside the arena."""
+        """Replace the mission; ``MissionError`` if a station lies outside the arena."""
         if self.mission.state is State.STOPPED:
             raise MissionError("the robot is stopped: re-arm it first (clearway resume)")
         for number, station in enumerate(stations, 1):
@@ -111,18 +110,18 @@ class Pilot:
         self._begin_again()
 
     def step_aside(self, place: Station) -> None:
-        """Let a robot whose mission is over make room for another one and come back to a place."""
+        """Let a robot whose mission is over make way for another and come back to a place."""
         self.mission = self.mission.stepping_aside(place, "stepping aside for another robot")
         self._forget_plan()
         self._begin_again()
 
     def _begin_again(self) -> None:
-        """What counts the troubles of a mission counts from here."""
+        """Reset the counts of a mission's troubles."""
         self._arrival.begin()
         self._progress.begin()
 
     def restore(self, mission: Mission) -> None:
-        """Continue a mission that an earlier program left unfinished, with a new plan."""
+        """Continue an earlier program's unfinished mission with a new plan."""
         self.trust.doubt("the program was started again")
         if self.mission.state is State.STOPPED:
             self.appoint(mission)
@@ -146,9 +145,9 @@ class Pilot:
         self.mission = replace(self.mission, paused=True)
 
     def resume(self) -> None:
-        """The one order that lets a robot go again; each time one step.
+        """Let the robot move again, one step each time.
 
-        After a pause the mission continues, planned again from where the robot is. After an
+        After a pause the mission continues, with a new plan from the robot's place. After an
         emergency stop the robot is re-armed and does not move; a second resume continues with the
         remaining stations. A failed mission is tried again.
         """
@@ -164,7 +163,7 @@ class Pilot:
             self._begin_again()
             self.trust.vouch()
         elif self._estopped:
-            self._rearm = True  # a robot that was stopped before we came
+            self._rearm = True  # a robot stopped before we came
 
     def _leave_stop(self) -> None:
         left = len(self.mission.remaining)
@@ -175,16 +174,16 @@ class Pilot:
         self.trust.vouch()
 
     def replan(self, why: str = "a new plan was asked for", *, holding: bool = False) -> None:
-        """Plan again from where the robot is, if it drives, or holds and that is asked for."""
+        """Plan again from the robot's place, if it drives, or holds and ``holding`` is set."""
         if self.mission.state is State.DRIVING:
             self._replan(why)
         elif holding and self.mission.state is State.HOLDING:
             self.mission = self.mission.after(Event.CLEARED, why)
 
     def skip(self) -> None:
-        """Give up the station that is next; ``MissionError`` where none can be skipped.
+        """Give up the next station; ``MissionError`` if none can be skipped.
 
-        One that is reached before the next cycle was visited, and no other is given up for it.
+        A station reached before the next cycle counts as visited, and no other is given up for it.
         """
         if self.mission.cannot_skip:
             raise MissionError(self.mission.cannot_skip)
@@ -195,7 +194,7 @@ class Pilot:
     def step(
         self, now_s: float, sight: Sight, robot: RobotReport, answer: PlanAnswer | None = None
     ) -> Orders:
-        """One control cycle; see the module's text for its order."""
+        """Run one control cycle in the order of the module's text."""
         met = self._look_at_traffic(sight)
         self._look_at_identity(sight)
         ordered = self._stop_reason is not None or self.mission.state is State.STOPPED
@@ -233,7 +232,7 @@ class Pilot:
         )
 
     def _look_at_identity(self, sight: Sight) -> None:
-        """Whether camera and wheels still speak of one robot."""
+        """Check that camera and wheels still describe one robot."""
         lost = sight.pose is not None and sight.pose_age_s > self.settings.limits.pose_stale_s
         unseen = "the robot was lost from view" if lost else sight.blind
         refuted = self.trust.look(sight.evidence, unseen, sight.late)
@@ -241,7 +240,7 @@ class Pilot:
             self._stop_reason = refuted
 
     def _slow_down(self, sight: Sight) -> None:
-        """A slower plan where the pictures have become later than the present one allows."""
+        """Plan more slowly if pictures have become later than the present plan allows."""
         allowed_m_s = self._allowed_m_s(sight)
         if self.mission.state is State.DRIVING and allowed_m_s < WORTH_A_PLAN * self.plan.speed_m_s:
             late_s = sight.evidence.longest_latency_s
@@ -256,7 +255,7 @@ class Pilot:
     def _prove(
         self, now_s: float, sight: Sight, robot: RobotReport
     ) -> tuple[int, tuple[Target, ...]] | None:
-        """Let a doubted robot turn on the spot, and look at what the camera makes of it."""
+        """Let a doubted robot turn on the spot, and judge what the camera sees."""
         if self.mission.state is State.PROVING:
             step = self._proving.judge(now_s, sight, robot)
         elif self.mission.state is State.PLANNING and self.trust.level is Level.DOUBTED:
@@ -281,7 +280,7 @@ class Pilot:
         return (self._mission_id + 1) & 0xFFFFFFFF or 1
 
     def _look_at_traffic(self, sight: Sight) -> Encounter | None:
-        """What other robots ask for; while holding for one, the way that it had closed counts."""
+        """Most urgent other robot; while holding, on the path that it had closed."""
         if sight.pose is None or not sight.others:
             return None
         left = self.plan.left
@@ -289,35 +288,35 @@ class Pilot:
         return encounter(sight.pose[:2], way, sight.others, self.settings.traffic)
 
     def _make_way(self, met: Encounter | None) -> None:
-        """Another plan around a robot that stands in the way."""
+        """Plan around a robot at rest in the way."""
         if self.mission.state is State.DRIVING and met is not None and met.stands:
             self._replan(f"{met.sentence}: planning around it")
 
     def _take_rearm(self, robot: RobotReport) -> bool:
-        """Whether the robot is to be told in this cycle that it may leave its stop."""
+        """True if the robot gets permission in this cycle to leave its stop."""
         rearm, self._rearm, self._estopped = self._rearm, False, robot.estopped
         return rearm
 
     def _enter_stop(self, robot: RobotReport) -> None:
         idle = self.mission.state in (State.IDLE, State.DONE, State.FAILED)
         if robot.estopped and idle and self._stop_reason is None:
-            return  # a robot that was stopped before we came: it is said when a mission is given
+            return  # a robot stopped before we came: reported when a mission is given
         if self.mission.state is not State.STOPPED:
             self.stopped_by = self.verdict.reasons[0]
             self.mission = self.mission.after(Event.STOP, self.stopped_by)
             self._forget_plan()
 
     def _say_why_stopped(self) -> None:
-        """The cause of the stop, and whatever else forbids driving now."""
+        """Name the cause of the stop, and whatever else forbids driving now."""
         others = [reason for reason in self.verdict.reasons if reason != self.stopped_by]
         self.verdict = Verdict(Action.STOP, (self.stopped_by, *others))
         self.mission = replace(self.mission, reason=self.verdict.sentence)
 
     @property
     def stands_stopped(self) -> str | None:
-        """Why the robot is in its emergency stop although the mission is not: it has none.
+        """Reason for the robot's emergency stop while it has no mission to stop.
 
-        None where the robot is in none, or the mission's own reason says it.
+        None if there is no such stop, or the mission's own reason gives it.
         """
         if self.verdict.action is not Action.STOP or self.mission.state is State.STOPPED:
             return None
@@ -331,13 +330,13 @@ class Pilot:
             self.waypoints_executed += executed - self.plan.executed
             self.plan = replace(self.plan, executed=executed)
         last = len(self.mission.places) - 1
-        # the last station counts when the camera has seen the robot stand there
+        # the last station counts once the camera has seen the robot at rest there
         visited = min(self.plan.visited, last)
         if visited > self.mission.visited:
             self.mission = self.mission.with_visited(visited)
 
     def _skip_station(self) -> None:
-        """Go on without the station that a person has given up, unless it was just visited."""
+        """Continue without the station that a person gave up, unless it was just visited."""
         skip, self._skip = self._skip, None
         if skip is not None and self.mission.remaining and self.mission.remaining[0] is skip:
             self.mission = self.mission.without_next()
@@ -422,10 +421,10 @@ class Pilot:
             self._closed_way = NO_PLAN.left
 
     def new_scene(self, path_clearance_m: float | None) -> None:
-        """The scene changed; the running path keeps this clearance in it (None: no path runs).
+        """Take a new scene's clearance of the running path (None: no path runs).
 
-        The way is planned anew where the robot does not fit any more, and where something has
-        come nearer to the path than ``replan_distance_m``.
+        The path is planned again if the robot does not fit, or if something has come nearer to it
+        than ``replan_distance_m``.
         """
         if self.mission.state is not State.DRIVING or path_clearance_m is None:
             return
@@ -445,7 +444,7 @@ class Pilot:
             self._arrival.moves()
             return
         if self.plan.visited < len(self.mission.places):
-            return self._replan("on to the next station")  # the plan ended at one on the way
+            return self._replan("on to the next station")  # the plan ended at a station on the way
         end = self._arrival.stands(now_s, sight.pose, self.mission.places[-1])
         if end is None:
             return

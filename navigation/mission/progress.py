@@ -1,8 +1,8 @@
-"""Whether a mission gets on: a station visited, or nearer to its end than ever.
+"""Progress of a mission: a station visited, or its end nearer than ever.
 
-States say nothing of that: a robot that holds, plans and drives in turns can do so for ever.
-What counts is the way that is left. A new scene may make it longer and be measured from there,
-but not time and again. Metres, seconds.
+States do not show it: a robot can hold, plan and drive in turns for ever. The remaining distance
+counts. A new scene may lengthen it and restart the measurement, a limited number of times. Metres,
+seconds.
 """
 
 from __future__ import annotations
@@ -17,7 +17,7 @@ DETOURS: Final = 10
 
 
 class Progress:
-    """How long a mission has waited since it last got on; `look` once a cycle."""
+    """Time that a mission has waited since its last progress; `look` once a cycle."""
 
     def __init__(self) -> None:
         self.waited_s = 0.0
@@ -28,16 +28,16 @@ class Progress:
         self._detours = 0
 
     def begin(self) -> None:
-        """A new mission, or one that a person has sent on."""
+        """Begin a mission, or one that a person has resumed."""
         self.waited_s, self._visited = 0.0, 0
         self._next_station()
 
     def look(
         self, now_s: float, *, waits: bool, visited: int, left_m: float | None, revision: int
     ) -> None:
-        """One cycle: whether the robot waits, and how far it still has to go, where it drives.
+        """Take one cycle's facts: waiting or not, and the distance left while it drives.
 
-        ``revision`` is that of the scene that the way was planned in.
+        ``revision`` is the scene's in which the path was planned.
         """
         passed_s = 0.0 if self._looked_s is None else now_s - self._looked_s
         self._looked_s = now_s

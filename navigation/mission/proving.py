@@ -1,7 +1,7 @@
-"""A doubted robot proves itself: it turns on the spot, and the camera has to see it turn.
+"""Proof of a doubted robot: it turns on the spot, and the camera must see it turn.
 
-When a robot may be asked to, what its turn has shown, and what follows from that for the mission.
-Metres, radians, seconds.
+Decides when a robot may be asked to, what its turn has shown, and the mission's next step. Metres,
+radians, seconds.
 """
 
 from __future__ import annotations
@@ -21,7 +21,7 @@ is less late is found to be so meanwhile, and said."""
 
 
 class ProofStep(NamedTuple):
-    """What one cycle of a proof asks for; nothing at all while it goes on."""
+    """Orders of one cycle of a proof; empty while it continues."""
 
     event: Event | None = None
     """Of the mission."""
@@ -36,7 +36,7 @@ _NOTHING = ProofStep()
 
 
 class Proving:
-    """The proof that is under way, if any."""
+    """The proof under way, if any."""
 
     def __init__(self, trust: Trust) -> None:
         self._trust = trust
@@ -47,9 +47,9 @@ class Proving:
     def begin(
         self, now_s: float, mission_id: int, sight: Sight, robot: RobotReport, *, turns: bool
     ) -> ProofStep:
-        """Let a doubted robot turn as mission ``mission_id``, once it can be asked to.
+        """Let a doubted robot turn as mission ``mission_id``, as soon as it can be asked to.
 
-        ``turns``: whether it can turn on the spot; one that cannot is believed when it stands
+        ``turns``: True if it can turn on the spot; otherwise it is believed when it is at rest
         where its wheels brought it.
         """
         trust, evidence = self._trust, sight.evidence
@@ -73,14 +73,14 @@ class Proving:
         )
 
     def _pictures_have_caught_up(self, now_s: float, evidence: Evidence) -> bool:
-        """True if the wheels have stood for so long that pictures show them so."""
+        """True if the wheels have been at rest long enough for pictures to show it."""
         if not evidence.wheels_stand or now_s - self._asked_s > LATE_S:
             self._stood_s = now_s
         self._asked_s = now_s
         return now_s - self._stood_s >= LATE_S
 
     def judge(self, now_s: float, sight: Sight, robot: RobotReport) -> ProofStep:
-        """What the turn under way has shown by now."""
+        """Judge the turn under way by what it has shown."""
         assert self._proof is not None
         evidence = sight.evidence
         done = robot.mission_id == self._proof.mission_id and robot.executed >= 1

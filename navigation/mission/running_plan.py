@@ -1,6 +1,6 @@
-"""The plan that the robot drives: where it leads, how far the robot has got, and its sentences.
+"""The plan being driven: its destination, the robot's progress, and its sentences.
 
-Nothing in it changes: progress and the next plan replace it whole. Metres, seconds.
+Immutable: progress and the next plan replace it whole. Metres, seconds.
 """
 
 from __future__ import annotations
@@ -22,7 +22,7 @@ TINY: Final = float(np.finfo(float).tiny)
 
 @dataclass(frozen=True, slots=True)
 class RunningPlan:
-    """A path, what the robot was given for it, and what it has executed of that."""
+    """A path, the targets given for it, and the part executed."""
 
     path: Path | None = None
     """None where nothing is driven."""
@@ -47,12 +47,12 @@ class RunningPlan:
 
     @property
     def visited(self) -> int:
-        """The mission's stations that are visited by what was executed."""
+        """Stations of the mission visited by the executed part."""
         passed = [t.station for t in self.targets[: self.executed] if t.station is not None]
         return self.visited_before + max(passed, default=0)
 
     def left_m(self, place_m: tuple[float, float]) -> float | None:
-        """How far it still is from a place through the targets that are left; None without any."""
+        """Distance from a place through the remaining targets; None without any."""
         left = self.left
         if len(left) == 0:
             return None
@@ -60,14 +60,14 @@ class RunningPlan:
         return float(np.hypot(*np.diff(points, axis=0).T).sum())
 
     def deviation_m(self, place_m: tuple[float, float] | None) -> float | None:
-        """How far a place is from the path; None where either is missing."""
+        """Distance of a place from the path; None if either is missing."""
         if place_m is None or self.path is None:
             return None
         return distance_to_polyline(self.path.points, place_m)
 
 
 def distance_to_polyline(points: FloatArray, position: tuple[float, float]) -> float:
-    """The distance from a position to a polyline (n, 2), n >= 1, in the same units."""
+    """Distance from a position to a polyline (n, 2), n >= 1, in the same units."""
     x, y = points[:, 0] - position[0], points[:, 1] - position[1]
     if len(points) == 1:
         return math.hypot(x[0], y[0])
@@ -81,7 +81,7 @@ def distance_to_polyline(points: FloatArray, position: tuple[float, float]) -> f
 
 
 def what_is_driven(path: Path, stations_left: int) -> str:
-    """The sentence to a plan that is driven."""
+    """Sentence about a plan being driven."""
     return (
         f"driving {path.length:.2f} m to {stations_left} station{'s' * (stations_left != 1)}, "
         f"clearance at least {path.min_clearance:.3f} m" + _remarked(path)
@@ -89,7 +89,7 @@ def what_is_driven(path: Path, stations_left: int) -> str:
 
 
 def why_no_plan(answer: NoPath, asked: PlanRequest) -> str:
-    """The sentence where there is none."""
+    """Sentence about a missing plan."""
     robots = sorted({disc.robot_id for disc in asked.avoid})
     around = f" around robot {' and '.join(map(str, robots))}" if robots else ""
     return f"no safe plan{around}: {answer.reason}{_remarked(answer)}"

@@ -1,8 +1,8 @@
-"""How fast the robot may drive with pictures that are late.
+"""Speed limit for late pictures.
 
-From the moment that something happens until the robot stands, it covers the way of the picture's
-latency, of the loop's reaction and of the brakes. That way stays what it is at full speed with a
-camera that is no later than ``FREE_LATENCY_S``. Metres, seconds.
+Between an event and rest the robot drives on for the picture's latency, the loop's reaction and
+braking. This distance stays what it is at full speed with a camera no later than
+``FREE_LATENCY_S``. Metres, seconds.
 """
 
 from __future__ import annotations
@@ -22,7 +22,7 @@ WORTH_A_PLAN: Final = 0.85
 
 
 def speed_with(latency_s: float, full_m_s: float, braking_m_s2: float) -> float:
-    """The highest speed at which the stopping way is no longer than the usual one."""
+    """Highest speed at which the stopping distance is no longer than usual."""
     if latency_s <= FREE_LATENCY_S:
         return full_m_s
     usual_m = full_m_s * (REACTION_S + FREE_LATENCY_S) + full_m_s**2 / (2.0 * braking_m_s2)
@@ -31,19 +31,19 @@ def speed_with(latency_s: float, full_m_s: float, braking_m_s2: float) -> float:
 
 
 class LateCamera:
-    """Measures a camera again that was too late, with a turn of the robot, now and then."""
+    """Measures a late camera again now and then, with a turn of the robot."""
 
     def __init__(self) -> None:
         self._again_s: float | None = None
 
     def measured(self) -> None:
-        """The robot begins to turn: what was measured before is forgotten."""
+        """Forget the last measurement, as the robot begins to turn."""
         self._again_s = None
 
     def look(self, now_s: float, late_s: float, limit_s: float, trust: Trust) -> float | None:
-        """The latency that counts; None where it is about to be measured again.
+        """Latency that counts; None if it is about to be measured again.
 
-        A camera that is too late makes its robot doubted, so that it turns.
+        A late camera makes its robot doubted, so that it turns.
         """
         if late_s <= limit_s:
             self._again_s = None

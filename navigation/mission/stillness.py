@@ -1,7 +1,7 @@
-"""Evidence that a robot which is ordered to drive moves at all, from its own wheels.
+"""Evidence from its own wheels that a robot ordered to drive moves at all.
 
-A camera that sees it move all the same is the witness's business: it says how the two differ.
-Metres, radians, seconds.
+If the camera sees it move all the same, the witness reports how the two differ. Metres, radians,
+seconds.
 """
 
 from __future__ import annotations
@@ -29,7 +29,7 @@ LONGEST_PAUSE_S: Final = 16.0
 
 
 class Stillness:
-    """Since when the robot has shown no motion, and how often that was found in a row."""
+    """Time since when the robot has shown no motion, and number of such findings in a row."""
 
     def __init__(self) -> None:
         self._moved_s: float | None = None
@@ -38,11 +38,11 @@ class Stillness:
         self._found = 0
 
     def need_not_move(self) -> None:
-        """It is ordered nothing, or to stand."""
+        """Note that it is ordered nothing, or to be at rest."""
         self._moved_s = None
 
     def look(self, now_s: float, evidence: Evidence) -> bool:
-        """One cycle in which it is to drive; True if it has not moved for too long."""
+        """Take one cycle in which it must drive; True if it has not moved for too long."""
         moved_m = evidence.driven_m - self._driven_m
         turned_rad = abs(evidence.wheels_rad - self._turned_rad)
         moved = moved_m > MOVED_M or turned_rad > MOVED_RAD
@@ -53,14 +53,14 @@ class Stillness:
         return now_s - self._moved_s > STILL_S
 
     def pause_s(self) -> float:
-        """It was found to stand: how long to wait before it is tried again, longer each time."""
+        """Pause before a motionless robot is tried again, longer each time."""
         self._found += 1
         self._moved_s = None
         return min(LONGEST_PAUSE_S, FIRST_PAUSE_S * 2.0 ** (self._found - 1))
 
 
 def is_to_move(robot: RobotReport, target: Target, place_m: tuple[float, float] | None) -> bool:
-    """True if a robot that runs its mission has to move towards its next target."""
+    """True if a robot on its mission must move towards its next target."""
     if robot.waits:
         return False
     near = place_m is not None and math.dist(place_m, (target.x_m, target.y_m)) < AT_M

@@ -1,8 +1,8 @@
-"""From a timed trajectory to the waypoints that go over the wire.
+"""From a timed trajectory to the waypoints on the wire.
 
-The robot turns on the spot by itself where its line bends sharply, so waypoints at one place
-become one target; it stands where the trajectory does. The first waypoint is where the robot
-is, and is not sent. Units: metres, radians, seconds.
+The robot turns on the spot by itself at sharp bends, so waypoints at one place become one target;
+it rests where the trajectory does. The first waypoint is the robot's place, and is not sent. Units:
+metres, radians, seconds.
 """
 
 from __future__ import annotations
@@ -28,9 +28,9 @@ STEERED_RAD: Final = 0.2
 
 @dataclass(frozen=True, slots=True)
 class Target:
-    """Where the robot is to go next; ``station`` counts along the path's stations, 0 the start.
+    """The robot's next place; ``station`` counts along the path's stations, 0 the start.
 
-    ``heading_rad`` is None where any will do; the robot comes to rest where ``stops``.
+    ``heading_rad`` is None if any will do; the robot comes to rest if ``stops``.
     """
 
     x_m: float
@@ -43,10 +43,10 @@ class Target:
 
 
 def begin_as_it_stands(path: Path) -> Path:
-    """Without the start's heading, where the way leads so nearly there that it is steered for.
+    """Drop the start's heading if the path leads so nearly there that it can be steered.
 
-    The camera's headings are never the way's to the last digit; a robot that cannot turn on the
-    spot takes up to ``STEERED_RAD`` of difference while it drives.
+    The camera's headings never match the path's exactly; a robot that cannot turn on the spot
+    steers away up to ``STEERED_RAD`` of difference while it drives.
     """
     heading_rad = path.headings_rad[0]
     ahead = np.flatnonzero(np.any(path.points != path.points[0], axis=1))
@@ -60,7 +60,7 @@ def begin_as_it_stands(path: Path) -> Path:
 
 
 def targets_of(path: Path, trajectory: Trajectory) -> tuple[Target, ...]:
-    """The targets after the start; at least one, for a robot that is there already."""
+    """Targets after the start; at least one, for a robot that is there already."""
     groups = [list(g) for _, g in groupby(trajectory.waypoints, key=lambda w: (w.x, w.y))]
     return tuple(_targets(path, groups[1:] or groups[-1:]))
 
@@ -80,7 +80,7 @@ def _targets(path: Path, groups: list[list[Waypoint]]) -> Iterator[Target]:
 
 
 def to_wire(targets: tuple[Target, ...]) -> list[WireWaypoint]:
-    """The targets as the protocol's waypoints; the robot brakes for a stop by itself."""
+    """Targets as the protocol's waypoints; the robot brakes for a stop by itself."""
     return [
         WireWaypoint(
             t.x_m,

@@ -1,13 +1,13 @@
-"""Other robots: moving obstacles that are seen by their markers and are never part of the scene.
+"""Other robots: moving obstacles, seen by their markers, never part of the scene.
 
-`encounter` looks at what one cycle knows and says whether to go, to hold because another robot
-comes too near, or to plan anew because one stands in the way. `discs_to_avoid` is what a plan
-has to keep clear of. Units: metres, seconds.
+`encounter` decides in each cycle to drive, to hold because another robot comes too near, or to plan
+again because one is at rest in the path. `discs_to_avoid` gives the places that a plan avoids.
+Units: metres, seconds.
 
-- A robot is its body's disc, carried on with its velocity for as long as ours takes to stop.
-- A robot that was not seen for ``LOST_S`` is taken to stand where it was seen last.
-- What does not come nearer than it is now is no reason to hold: else two robots that stand side
-  by side would stand for ever.
+- A robot is its body's disc, extrapolated with its velocity for our robot's stopping time.
+- A robot not seen for ``LOST_S`` is assumed to be at rest where it was last seen.
+- A robot that comes no nearer than it is now is no reason to hold: otherwise two robots at rest
+  side by side would never move.
 """
 
 from __future__ import annotations
@@ -39,7 +39,7 @@ AHEAD_S: Final = 1.0
 
 @dataclass(frozen=True, slots=True)
 class Mover:
-    """Another robot: where it is now, its velocity, its body, and when it was seen."""
+    """Another robot: present place, velocity, body, and age of its sighting."""
 
     id: int
     x_m: float
@@ -51,7 +51,7 @@ class Mover:
 
     @property
     def stands(self) -> bool:
-        """Whether it does not move, as far as anybody knows."""
+        """True if it does not move, as far as is known."""
         return self.age_s > LOST_S or math.hypot(self.vx_m_s, self.vy_m_s) < STANDING_M_S
 
     def places(self, horizon_s: float) -> FloatArray:
@@ -64,7 +64,7 @@ class Mover:
 
 @dataclass(frozen=True, slots=True)
 class TrafficLimits:
-    """What our robot is and can do, and how far it keeps from others."""
+    """Our robot's size and abilities, and its distance from others."""
 
     radius_m: float
     speed_m_s: float
@@ -73,18 +73,18 @@ class TrafficLimits:
 
     @property
     def stop_s(self) -> float:
-        """How long it takes to stand."""
+        """Time it takes to stop."""
         return REACTION_S + self.speed_m_s / self.acceleration_m_s2
 
     @property
     def stop_m(self) -> float:
-        """How far it gets meanwhile."""
+        """Distance it covers meanwhile."""
         return self.speed_m_s * (REACTION_S + 0.5 * self.speed_m_s / self.acceleration_m_s2)
 
 
 @dataclass(frozen=True, slots=True)
 class Encounter:
-    """Another robot is in the way: hold (``stands`` False), or find another way around it."""
+    """Another robot in the way: hold (``stands`` False), or plan around it."""
 
     id: int
     stands: bool
@@ -94,10 +94,10 @@ class Encounter:
 def encounter(
     here: Vec, way: FloatArray, movers: Sequence[Mover], limits: TrafficLimits
 ) -> Encounter | None:
-    """The most urgent of the other robots; None where all is clear.
+    """Most urgent of the other robots; None if all is clear.
 
-    ``way`` (n, 2) is the path that the robot still has to go, from ``here`` on; with no row the
-    robot stands and means to.
+    ``way`` (n, 2) is the rest of the robot's path from ``here``; with no rows the robot is at rest
+    and stays so.
     """
     if not movers:
         return None
@@ -123,7 +123,7 @@ def _leaves(gap_m: float) -> str:
 def _gap(
     here: Vec, way: FloatArray, mover: Mover, limits: TrafficLimits, horizon_s: float
 ) -> float | None:
-    """The least distance between both bodies, where it is too small and shrinks; else None."""
+    """Least distance between both bodies if it is too small and shrinks, else None."""
     bodies_m = limits.radius_m + mover.radius_m
     now_m = math.dist(here, (mover.x_m, mover.y_m)) - bodies_m
     least_m = _distance(way, mover.places(horizon_s)) - bodies_m
@@ -131,7 +131,7 @@ def _gap(
 
 
 def _distance(way: FloatArray, places: FloatArray) -> float:
-    """The least distance (m) of places (k, 2) from a polyline (n >= 1, 2)."""
+    """Least distance (m) of places (k, 2) from a polyline (n >= 1, 2)."""
     a = way[:-1] if len(way) > 1 else way
     d = np.diff(way, axis=0) if len(way) > 1 else np.zeros((1, 2))
     squared = np.maximum((d * d).sum(1), 1e-18)
@@ -141,7 +141,7 @@ def _distance(way: FloatArray, places: FloatArray) -> float:
 
 
 def cut(here: Vec, way: FloatArray, length_m: float) -> FloatArray:
-    """The first metres of the way from ``here`` through its points, (n >= 1, 2)."""
+    """First metres of the path from ``here`` through its points, (n >= 1, 2)."""
     points = np.vstack([np.array(here), way.reshape(-1, 2)])
     steps = np.hypot(*np.diff(points, axis=0).T)
     gone = np.concatenate([[0.0], np.cumsum(steps)])
@@ -155,7 +155,7 @@ def cut(here: Vec, way: FloatArray, length_m: float) -> FloatArray:
 
 @dataclass(frozen=True, slots=True)
 class Disc:
-    """A round place to keep clear of, and which robot it belongs to."""
+    """Round place to keep clear of, and its robot."""
 
     x_m: float
     y_m: float
@@ -166,9 +166,9 @@ class Disc:
 
 
 def discs_to_avoid(here: Vec, movers: Sequence[Mover], limits: TrafficLimits) -> tuple[Disc, ...]:
-    """What a plan from ``here`` keeps clear of: a disc around each robot, now and soon.
+    """Places that a plan from ``here`` avoids: a disc around each robot, now and soon.
 
-    Made smaller where ours stands nearer than that, so that it can drive off.
+    A disc shrinks if our robot is nearer than that, so that it can drive off.
     """
     return tuple(disc for mover in movers if (disc := _disc(here, mover, limits)) is not None)
 

@@ -1,12 +1,12 @@
-"""Whether the robot that the camera sees is the one whose wheels turn, and how it proves that.
+"""Trust that the robot seen is the one whose wheels turn, and its proof.
 
 - SURE: a person has armed the robot, or camera and wheels have agreed for ``PROBATION_M``.
-- DOUBTED: they parted, or the robot was lost from view. It may do nothing but prove itself: turn
-  a little on the spot, which leaves its disc where it is, and be seen to turn as its wheels do.
-- A robot that the camera shows far from where its wheels brought it needs a person in any case.
-- PROBATION: it has proved itself and drives on, slowly at first. What parts now is a stop.
+- DOUBTED: they differed, or the robot was lost from view. It may only prove itself: turn a little
+  on the spot, which leaves its disc in place, and be seen to turn as its wheels do.
+- A robot seen far from where its wheels brought it always needs a person.
+- PROBATION: it has proved itself and drives on, slowly at first. A difference is now a stop.
 
-A robot that cannot turn on the spot proves itself by the first, slow piece of its way. Decisions
+A robot that cannot turn on the spot proves itself by the first, slow piece of its path. Decisions
 only, no clock. Metres, radians, seconds.
 """
 
@@ -53,7 +53,7 @@ to the place where it is told to turn."""
 
 
 class Level(Enum):
-    """How far the robot's identity can be trusted."""
+    """Trust in the robot's identity."""
 
     SURE = "sure"
     DOUBTED = "doubted"
@@ -61,7 +61,7 @@ class Level(Enum):
 
 
 class ProofVerdict(Enum):
-    """What a proof has come to."""
+    """Result of a proof."""
 
     OPEN = "not decided yet"
     PROVED = "camera and wheels turned alike"
@@ -71,7 +71,7 @@ class ProofVerdict(Enum):
 
 @dataclass(slots=True)
 class Proof:
-    """A turn on the spot that is under way: its mission on the wire and what was known before."""
+    """A turn on the spot under way: its mission on the wire, and the evidence before it."""
 
     mission_id: int
     began_s: float
@@ -79,7 +79,7 @@ class Proof:
     stands_since_s: float | None = None
 
     def judge(self, now_s: float, evidence: Evidence, done: bool) -> tuple[ProofVerdict, str]:
-        """What the turn shows by now, and the sentence to a proof that failed.
+        """Judge the turn so far; return a sentence for a failed proof.
 
         ``done``: the robot reports that it has turned.
         """
@@ -114,7 +114,7 @@ class Proof:
 
 
 class Trust:
-    """The level and why; `look` once a cycle, before anything is decided."""
+    """The level and its reason; `look` once a cycle, before any decision."""
 
     def __init__(self) -> None:
         self.level = Level.SURE
@@ -125,23 +125,23 @@ class Trust:
         self._slip_m, self._slip_rad = (0.0, 0.0), 0.0
 
     def arm(self) -> None:
-        """Nothing speaks against the robot."""
+        """Trust the robot: nothing contradicts it."""
         self.level, self.why = Level.SURE, ""
 
     def vouch(self) -> None:
-        """A person has looked: the robot is where the camera shows it."""
+        """Trust a person's look: the robot is where the camera shows it."""
         self.arm()
 
     def doubt(self, why: str) -> None:
-        """Something asks for a proof; the first reason stays."""
+        """Ask for a proof; the first reason stays."""
         if self.level is not Level.DOUBTED:
             self.level, self.why = Level.DOUBTED, why
 
     def look(self, evidence: Evidence, lost: str | None, late: str | None = None) -> str | None:
-        """New evidence; the sentence of a stop where a robot on probation parts again.
+        """Take new evidence; return a stop's sentence if a robot on probation differs again.
 
-        ``lost`` says why nobody saw what the robot did; ``late`` that pictures or reports may be
-        dated late, so that a parting asks for a proof and no more.
+        ``lost``: reason why the robot's motion was not seen. ``late``: reason why pictures or
+        reports may be dated late, so that a difference only asks for a proof.
         """
         if evidence.parted is not None and late is not None:
             self.doubt(late)
@@ -159,10 +159,10 @@ class Trust:
         return None
 
     def moved(self, evidence: Evidence) -> str | None:
-        """The sentence where a robot that stands is too far from where its wheels had brought it.
+        """Sentence about a robot at rest too far from where its wheels brought it.
 
-        It was carried, or the camera shows it where it is not: no motion tells one from the other.
-        To be asked when the pictures have caught up with it, however late they are.
+        It was carried, or the camera shows it wrongly; no motion separates the two. Ask when the
+        pictures have caught up, however late they are.
         """
         off_m = math.dist(evidence.slip_m, self._slip_m)
         off_rad = abs(math.remainder(evidence.slip_rad - self._slip_rad, math.tau))
@@ -176,7 +176,7 @@ class Trust:
         )
 
     def proved(self, evidence: Evidence) -> None:
-        """The proof was made: probation begins."""
+        """Begin probation after a proof."""
         self.level, self.why, self._since_m = Level.PROBATION, "", evidence.agreed_m
 
     def turn(
@@ -184,7 +184,7 @@ class Trust:
         here: tuple[float, float],
         heading_rad: float,
     ) -> tuple[Target, ...]:
-        """The next proof: a turn where the robot believes to be, to the other side each time."""
+        """Next proof: a turn at the robot's own estimate, to the other side each time."""
         self.proofs += 1
         side = 1.0 if self.proofs % 2 else -1.0
         towards = math.remainder(heading_rad + side * TURN_RAD, math.tau)
@@ -192,7 +192,7 @@ class Trust:
 
 
 def slow_at_first(here: tuple[float, float], targets: Sequence[Target]) -> tuple[Target, ...]:
-    """The targets with no more than ``SLOWLY_M_S`` over the first ``SLOWLY_OVER_M``."""
+    """Targets with at most ``SLOWLY_M_S`` over the first ``SLOWLY_OVER_M``."""
     slowed, gone_m, before = [], 0.0, here
     for target in targets:
         early = gone_m < SLOWLY_OVER_M

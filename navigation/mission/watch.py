@@ -1,11 +1,11 @@
-"""The safety rules: what must hold for the robot to move, each with the sentence that says why not.
+"""Safety rules: conditions for the robot to move, each with the sentence of its failure.
 
-`judge` looks at one cycle's facts and answers go, hold or stop; it opens nothing, keeps
-nothing and is called once a control cycle. Units: metres, radians, seconds.
+`judge` looks at one cycle's facts and answers go, hold or stop; it opens nothing, keeps nothing and
+is called once a control cycle. Units: metres, radians, seconds.
 
-- hold: the cause may pass by itself (a hidden marker, a lost frame); driving goes on with a new
-  plan when it has.
-- stop: the world is not what the plan took it for; it is latched, and only a person re-arms.
+- hold: the cause may pass by itself (a hidden marker, a lost frame); driving then resumes with a
+  new plan.
+- stop: the world is not what the plan assumed; latched, and only a person re-arms.
 """
 
 from __future__ import annotations
@@ -16,7 +16,7 @@ from enum import IntEnum
 
 
 class Action(IntEnum):
-    """What the rules allow, ordered by severity."""
+    """Permitted action, ordered by severity."""
 
     GO = 0
     HOLD = 1
@@ -25,7 +25,7 @@ class Action(IntEnum):
 
 @dataclass(frozen=True, slots=True)
 class SafetyLimits:
-    """The numbers of the rules, from the configuration."""
+    """Limits of the rules, from the configuration."""
 
     pose_stale_s: float
     frame_stale_s: float
@@ -41,7 +41,7 @@ class SafetyLimits:
 
 @dataclass(frozen=True, slots=True)
 class Facts:
-    """What one control cycle knows; ages are infinite where a thing was never seen."""
+    """Facts of one control cycle; ages are infinite for things never seen."""
 
     frame_age_s: float
     pose_age_s: float
@@ -84,12 +84,12 @@ class Verdict:
 
     @property
     def sentence(self) -> str:
-        """All reasons in one line, the most severe first; empty where the robot may go."""
+        """All reasons in one line, most severe first; empty if the robot may move."""
         return "; ".join(self.reasons)
 
 
 def judge(facts: Facts, limits: SafetyLimits) -> Verdict:
-    """Whether the robot may move in this cycle."""
+    """Decide if the robot may move in this cycle."""
     found = [
         *_camera(facts, limits),
         *_identity(facts, limits),

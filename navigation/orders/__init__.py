@@ -1,11 +1,12 @@
 """Orders of people to a running program: each exists once, in `table`.
 
-From that table are made the commands of the command line, what the control socket takes (`control`)
-and what the page offers and may order (`dashboard`). In the order of the data:
+The table defines the commands of the command line, the orders of the control socket (`control`) and
+those of the page (`dashboard`). In the order of the data:
 
 - `carry_out`: a request from outside, checked and given to the run's `People`; its answer.
-- `table`: every order: its name, its arguments, who may give it, what it does, its help.
-- `arguments`: how each argument is read.
+- `table`: each order's name, arguments, permitted people, action and help.
+- `arguments`: reads each argument.
+- `errors`: orders that cannot be given or taken.
 
 Listing the table needs none of the program's libraries, so that `clearway --help` stays quick.
 """

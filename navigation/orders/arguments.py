@@ -1,4 +1,4 @@
-"""Arguments of orders as they come from outside: read and checked, or refused in a sentence.
+"""Arguments of orders from outside: read and checked, or refused in a sentence.
 
 A stop's reason that is too long or unprintable is shortened and cleaned, never refused.
 
@@ -23,7 +23,7 @@ ROBOT_CHARACTERS: Final = 64
 
 
 def read_robot(request: Mapping[str, Any]) -> str | None:
-    """The robot that a request names; None where it names none."""
+    """Robot named by a request; None if it names none."""
     name = _name(request, "robot")
     return None if name is None else printable(name, ROBOT_CHARACTERS)
 
@@ -43,7 +43,7 @@ def _reason(request: Mapping[str, Any]) -> str:
 
 
 def read_stations(value: Any) -> tuple[Station, ...]:
-    """Stations from JSON; ControlError where they are none."""
+    """Stations from JSON; ControlError if they are none."""
     if not isinstance(value, list) or not 1 <= len(value) <= MOST_STATIONS:
         raise ControlError(f"stations: must be a list of 1 to {MOST_STATIONS} stations")
     stations = tuple(_station(number, item) for number, item in enumerate(value, 1))

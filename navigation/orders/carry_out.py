@@ -1,7 +1,7 @@
-"""Orders as they come from outside: checked, carried out by the run, answered.
+"""Orders from outside: checked, carried out by the run, answered.
 
-A request is ``{"order": NAME, ...}``; an answer is ``{"ok": true, ...}`` or
-``{"ok": false, "error": SENTENCE}``. What is malformed is refused, never raised.
+A request is ``{"order": NAME, ...}``; an answer is ``{"ok": true, ...}`` or ``{"ok": false,
+"error": SENTENCE}``. Malformed requests are refused, never raised.
 """
 
 from __future__ import annotations
@@ -23,7 +23,7 @@ SCHEMA: Final = "clearway.status/1"
 
 
 def carry_out(request: Mapping[str, Any], people: People) -> dict[str, Any]:
-    """Do what a request asks for; the answer, never an exception for a bad request."""
+    """Carry out a request; return the answer, also for a bad request."""
     try:
         order = _order_of(request)
         robot = read_robot(request)

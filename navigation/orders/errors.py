@@ -1,4 +1,4 @@
-"""Orders that cannot be given or taken; the message says why."""
+"""Errors of orders that cannot be given or taken."""
 
 
 class ControlError(ValueError):
@@ -6,4 +6,4 @@ class ControlError(ValueError):
 
 
 class NoDaemonError(ControlError):
-    """An order that nobody takes, because certainly no daemon runs."""
+    """An order without a recipient, because certainly no daemon runs."""

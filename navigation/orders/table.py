@@ -1,7 +1,7 @@
-"""Every order that people may give, once: its name, arguments, who may give it, what it does, help.
+"""Every order that people may give, once: name, arguments, permitted people, action, help.
 
-A new order is a row here, and the method of `People` that it calls: the command line, the control
-socket and the page have it then. Each row acts on one robot by its name, or on all for None.
+A new order is a row here, and the method of `People` that it calls; the command line, the control
+socket and the page then have it. Each row acts on one robot by name, or on all for None.
 """
 
 from __future__ import annotations
@@ -23,7 +23,7 @@ Act: TypeAlias = "Callable[[People, str | None, Mapping[str, Any]], Mapping[str,
 
 
 class Who(Enum):
-    """The people who may give an order; all of them may at the control socket."""
+    """People who may give an order; all of them may at the control socket."""
 
     ANYONE = "everybody with a token"
     OPERATOR = "the operator who holds the arena"
@@ -35,7 +35,7 @@ class Button:
     """An order's button on the page.
 
     ``why_not`` gives the reason why the order would do nothing for a mission that is not stopped;
-    empty where it would.
+    empty if it would.
     """
 
     label: str

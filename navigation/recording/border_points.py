@@ -1,4 +1,4 @@
-"""A scene's borders as polylines: for pictures in three dimensions and for comparing scenes."""
+"""Borders of a scene as polylines: for pictures in three dimensions and for comparing scenes."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ CHORD_TOLERANCE = 0.0005
 
 
 def border_polylines(scene: Scene) -> Iterator[tuple[int, FloatArray]]:
-    """Each record of each object as (the object's id, points (n, 2)); a P is one point."""
+    """Yield each record of each object as (the object's id, points (n, 2)); a P is one point."""
     tolerance = CHORD_TOLERANCE * min(scene.bounds.width, scene.bounds.height)
     for obj in scene.objects:
         for record in object_records(obj):
@@ -31,7 +31,7 @@ def border_polylines(scene: Scene) -> Iterator[tuple[int, FloatArray]]:
 
 
 def record_polyline(record: Record, y_down: bool, tolerance: float) -> FloatArray:
-    """The points (n, 2) along a record, arcs within ``tolerance``."""
+    """Points (n, 2) along a record, arcs within ``tolerance``."""
     if isinstance(record, PointRecord):
         return np.array([record.at], dtype=np.float64)
     edges = record_edges(record)

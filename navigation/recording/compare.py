@@ -1,7 +1,7 @@
-"""How far what a replay saw and planned is from what was recorded, and how far it may be.
+"""Distance of a replay from its recording, and the tolerances.
 
-Scenes and paths are compared as curves: the greatest distance from a place on one to the
-nearest place on the other, both ways (Hausdorff). Units: metres, radians, seconds.
+Scenes and paths are compared as curves: the greatest distance from a place on one to the nearest
+place on the other, both ways (Hausdorff). Units: metres, radians, seconds.
 """
 
 from __future__ import annotations
@@ -25,7 +25,7 @@ ROWS_AT_ONCE: Final = 512
 
 @dataclass(frozen=True, slots=True)
 class Tolerances:
-    """What counts as equal. The defaults allow for JPEG and for pictures left out."""
+    """Largest differences that count as equal. The defaults allow for JPEG and skipped pictures."""
 
     position_m: float = 0.003
     heading_rad: float = math.radians(1.0)
@@ -36,7 +36,7 @@ class Tolerances:
 
 @dataclass(frozen=True, slots=True)
 class Difference:
-    """One difference: of what (``pose``, ``scene``, ``plan``), when, and the sentence."""
+    """One difference: kind (``pose``, ``scene``, ``plan``), time and sentence."""
 
     kind: str
     time_s: float
@@ -44,7 +44,7 @@ class Difference:
 
 
 def scene_distance_m(one: Scene, other: Scene) -> float:
-    """The distance of two scenes' borders; inf where only one of them has any."""
+    """Distance of two scenes' borders; inf if only one has any."""
     return _curve_distance_m(
         [line for _, line in border_polylines(one)],
         [line for _, line in border_polylines(other)],
@@ -52,7 +52,7 @@ def scene_distance_m(one: Scene, other: Scene) -> float:
 
 
 def path_distance_m(one: FloatArray, other: FloatArray) -> float:
-    """The distance of two polylines (n, 2) and (m, 2)."""
+    """Distance of two polylines (n, 2) and (m, 2)."""
     return _curve_distance_m([one], [other])
 
 
@@ -82,7 +82,7 @@ def _directed_m(lines: list[FloatArray], others: list[FloatArray]) -> float:
 
 
 def _places(line: FloatArray) -> FloatArray:
-    """The vertices of a polyline and places between them, ``SAMPLE_M`` apart at most."""
+    """Vertices of a polyline and places between them, at most ``SAMPLE_M`` apart."""
     if len(line) == 1:
         return line
     parts = []
@@ -95,13 +95,13 @@ def _places(line: FloatArray) -> FloatArray:
 def pose_offset(
     recorded: tuple[float, float, float], seen: tuple[float, float, float]
 ) -> tuple[float, float]:
-    """How far two poses are apart: metres, radians."""
+    """Distance of two poses: metres, radians."""
     off_rad = abs(math.remainder(recorded[2] - seen[2], math.tau))
     return math.dist(recorded[:2], seen[:2]), off_rad
 
 
 def pose_problem(off_m: float, off_rad: float, limits: Tolerances) -> str | None:
-    """Why two poses so far apart differ; None where they agree."""
+    """Difference of two poses in words; None if they agree."""
     if off_m <= limits.position_m and off_rad <= limits.heading_rad:
         return None
     return (
@@ -111,14 +111,14 @@ def pose_problem(off_m: float, off_rad: float, limits: Tolerances) -> str | None
 
 
 def plan_offset_m(recorded: dict[str, Any], found: Path | NoPath) -> float:
-    """How far the paths are apart; 0 where one or both are none."""
+    """Distance of two paths; 0 if one or both are missing."""
     if recorded["status"] != "ok" or isinstance(found, NoPath):
         return 0.0
     return path_distance_m(np.asarray(recorded["path"], dtype=np.float64), found.points)
 
 
 def gates_problem(recorded: Sequence[Mapping[str, Any]], others: Sequence[str]) -> str | None:
-    """Why a robot's order at shared places differs; None where it gives way to the same ones."""
+    """Difference in a robot's right of way at shared places, in words; None if they agree."""
     before = [gate["other"] for gate in recorded]
     if before == list(others):
         return None
@@ -129,7 +129,7 @@ def gates_problem(recorded: Sequence[Mapping[str, Any]], others: Sequence[str]) 
 def plan_problem(
     recorded: dict[str, Any], found: Path | NoPath, off_m: float, limits: Tolerances
 ) -> str | None:
-    """Why a plan differs from the recorded answer; None where they agree."""
+    """Difference of a plan from the recorded answer, in words; None if they agree."""
     if recorded["status"] != "ok":
         if isinstance(found, NoPath):
             return None

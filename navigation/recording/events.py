@@ -1,7 +1,7 @@
-"""What a recording holds: one class an event, made in the loops and written by the recorder.
+"""Events of a recording: one class each, made in the loops and written by the recorder.
 
-An event carries objects that nobody changes any more, so that making one costs nothing; what
-it is as bytes is decided in the recorder's thread. Times are the run's clock, seconds.
+An event carries objects that do not change, so making one costs nothing; the recorder's thread
+turns it into bytes. Times are the run's clock, seconds.
 """
 
 from __future__ import annotations
@@ -21,19 +21,19 @@ Level: TypeAlias = Literal["debug", "info", "warning", "error"]
 
 @dataclass(frozen=True, slots=True)
 class PictureTaken:
-    """A picture that the eye looked at."""
+    """A picture that the eye analysed."""
 
     frame: Frame
 
     @property
     def time_s(self) -> float:
-        """When it was captured."""
+        """Time of its capture."""
         return self.frame.captured_s
 
 
 @dataclass(frozen=True, slots=True)
 class RobotsSeen:
-    """What the eye saw in a picture: the poses, and the new scene's revision or None."""
+    """Result of the eye for a picture: the poses, and the new scene's revision or None."""
 
     time_s: float
     poses: tuple[RobotPose, ...]
@@ -61,7 +61,7 @@ class RoadmapBuilt:
 
 @dataclass(frozen=True, slots=True)
 class PlanAsked:
-    """The planner was asked: for one robot, or for all of several that want to move."""
+    """A request to the planner, for one robot or all of several that want to move."""
 
     time_s: float
     request: Request
@@ -69,7 +69,7 @@ class PlanAsked:
 
 @dataclass(frozen=True, slots=True)
 class PlanAnswered:
-    """The planner's answer; ``carried``: given in an earlier file of the recording."""
+    """An answer of the planner; ``carried``: given in an earlier file of the recording."""
 
     time_s: float
     answer: Answer
@@ -88,7 +88,7 @@ class Told:
 
 @dataclass(frozen=True, slots=True)
 class Counted:
-    """Counters, of the link for instance, as JSON takes them."""
+    """Counters, such as the link's, in JSON's types."""
 
     time_s: float
     topic: str

@@ -1,9 +1,8 @@
-"""Recorded events into MCAP files: a new file when one is full, the oldest ones removed.
+"""Files of recorded events, in MCAP: a new one when one is full, the oldest removed.
 
 Rules
-- Every file stands alone: it begins with the configuration and what still holds.
-- Nothing is compressed beyond the pictures' own format, and `flush` closes a chunk: what was
-  flushed survives a kill.
+- Every file is complete: it begins with the configuration and what still holds.
+- Only pictures are compressed, in their own format. `flush` closes a chunk, which survives a kill.
 - Only files with a recording's name are counted and removed, and never the one being written.
 """
 
@@ -57,11 +56,11 @@ class RecordingError(ValueError):
 
 
 class RecordingFiles:
-    """The files of one recording, written by one thread.
+    """Files of one recording, written by one thread.
 
-    ``header(part)`` gives the configuration's message for the file of that number, from 1;
-    ``stamp_ns`` turns the run's clock into nanoseconds since 1970. ``names`` by marker id are
-    those of several driven robots, whose channels are called by them.
+    ``header(part)`` gives the configuration's message for file number ``part``, from 1;
+    ``stamp_ns`` turns the run's clock into nanoseconds since 1970. ``names`` by marker id name the
+    channels of several driven robots.
     """
 
     def __init__(
@@ -104,7 +103,7 @@ class RecordingFiles:
             number += 1
 
     def _open(self, stamp_ns: Callable[[float], int]) -> None:
-        # without seeking a chunk is written as a whole, so that a killed file ends in whole ones
+        # without seeking, chunks are written whole, so a killed file ends in whole ones
         options = MCAPWriteOptions(compression=None, profile="clearway", disable_seeking=True)
         try:
             self._writer = foxglove.open_mcap(
@@ -120,7 +119,7 @@ class RecordingFiles:
             self._write(event)
 
     def write(self, event: RecordedEvent) -> None:
-        """Write one event: as Foxglove's message where it has one, and as JSON for replay."""
+        """Write one event: as Foxglove's message if it has one, and as JSON for replay."""
         self._standing.take(event)
         self._write(event)
 
@@ -185,9 +184,9 @@ class RecordingFiles:
         return self._poses[robot_id]
 
     def flush(self) -> None:
-        """Hand everything to the operating system; begin a new file where this one is full.
+        """Pass everything to the operating system; begin a new file if this one is full.
 
-        Raises ``RecordingError`` where the disk is nearly full or the file cannot be written.
+        Raises ``RecordingError`` if the disk is nearly full or writing fails.
         """
         try:
             self._writer.flush()
@@ -226,5 +225,5 @@ class RecordingFiles:
 
 
 def recordings_in(folder: Path) -> list[Path]:
-    """The recordings in a folder, the oldest first."""
+    """Recordings in a folder, oldest first."""
     return sorted(folder.glob(f"{PREFIX}*{SUFFIX}"), key=lambda file: file.stem)

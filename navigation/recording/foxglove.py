@@ -1,4 +1,4 @@
-"""Our objects as Foxglove's messages, so that a recording opens in any viewer of MCAP.
+"""Foxglove's messages of our objects, so that any viewer of MCAP opens a recording.
 
 The arena is the frame ``arena``: metres, x right, y up, z towards the camera.
 """
@@ -50,12 +50,12 @@ _LEVELS: Final[dict[Level, LogLevel]] = {
 
 
 def timestamp(time_ns: int) -> Timestamp:
-    """Nanoseconds since 1970 as Foxglove's timestamp."""
+    """Foxglove's timestamp of nanoseconds since 1970."""
     return Timestamp(sec=time_ns // NANOSECONDS, nsec=time_ns % NANOSECONDS)
 
 
 def image_message(frame: Frame, time_ns: int, form: str, quality: int) -> CompressedImage:
-    """A picture, compressed: ``form`` is jpeg or png, ``quality`` that of JPEG."""
+    """Compress a picture: ``form`` is jpeg or png, ``quality`` that of JPEG."""
     if form == "jpeg":
         done, data = cv2.imencode(".jpg", frame.image, [cv2.IMWRITE_JPEG_QUALITY, quality])
     else:
@@ -67,7 +67,7 @@ def image_message(frame: Frame, time_ns: int, form: str, quality: int) -> Compre
 
 
 def pose_message(pose: RobotPose, time_ns: int) -> PoseInFrame:
-    """A robot's pose in the arena."""
+    """Pose of a robot in the arena."""
     half_rad = pose.heading_rad / 2.0
     return PoseInFrame(
         timestamp=timestamp(time_ns),
@@ -85,20 +85,20 @@ def log_message(level: Level, sentence: str, source: str, time_ns: int) -> Log:
 
 
 def scene_message(scene: Scene, time_ns: int) -> SceneUpdate:
-    """The borders of every obstacle; replaces those of the scene before."""
+    """Borders of all obstacles, replacing those of the last scene."""
     lines = [line for _, line in border_polylines(scene)]
     corners = scene.bounds.corners()
     return _lines_message("scene", [*lines, (*corners, corners[0])], OBSTACLE_EDGE, time_ns)
 
 
 def roadmap_message(roadmap: Roadmap, time_ns: int) -> SceneUpdate:
-    """The diagram: every edge of the roadmap."""
+    """All edges of the roadmap."""
     lines = [data["polyline"] for _, _, data in roadmap.graph.edges(data=True)]
     return _lines_message("roadmap", lines, ramp_colour(ROADMAP_COLOUR_STEP), time_ns)
 
 
 def path_message(points: FloatArray | None, time_ns: int) -> SceneUpdate:
-    """The planned path; None where there is none."""
+    """The planned path; None if there is none."""
     return _lines_message("plan", [] if points is None else [points], PATH, time_ns)
 
 

@@ -1,8 +1,7 @@
-"""The JSON messages of a recording: what `clearway replay` needs, without loss.
+"""JSON messages of a recording, which `clearway replay` reads without loss.
 
-Every message is one object; floats are written so that they read back the same. The scene is
-the text of `planner.formats.scene_text`, the calibration that of
-`vision.calibration.calibration_file`.
+Every message is one object; floats read back the same. The scene is the text of
+`planner.formats.scene_text`, the calibration that of `vision.calibration.calibration_file`.
 """
 
 from __future__ import annotations
@@ -64,7 +63,7 @@ _REQUEST: TypeAdapter[PlanRequest] = TypeAdapter(PlanRequest)
 
 @dataclass(frozen=True, slots=True)
 class _Promised:
-    """Of a robot that drives on what its planner looks at: a promise without targets and path."""
+    """Promise of a driving robot as its planner uses it, without targets and path."""
 
     name: str
     station: Station
@@ -93,7 +92,7 @@ class _Promised:
 
     @property
     def driving(self) -> Driving:
-        """The same as the planner gets it; nothing was ever said of its clearances here."""
+        """The planner's form of it; its clearances were never recorded."""
         points = np.array(self.points)
         unknown = np.full(len(points), np.nan)
         path = Path(
@@ -116,7 +115,7 @@ class _Promised:
 
 @dataclass(frozen=True, slots=True)
 class _FleetRequest:
-    """A `FleetRequest` in plain values."""
+    """Plain values of a `FleetRequest`."""
 
     id: int
     scene_revision: int
@@ -130,7 +129,7 @@ _FLEET_REQUEST: TypeAdapter[_FleetRequest] = TypeAdapter(_FleetRequest)
 
 
 def read_body(data: bytes) -> Any:
-    """A message's JSON; ``ValueError`` if it is damaged, or a number in it is not finite."""
+    """Read a message's JSON; ``ValueError`` if damaged or with a number that is not finite."""
     return json.loads(data, parse_float=_finite, parse_constant=_finite)
 
 
@@ -144,11 +143,11 @@ def _finite(text: str) -> float:
 def configuration_body(
     config: Config, calibration: str, version: str, part: int, anchor_s: float, anchor_ns: int
 ) -> dict[str, Any]:
-    """The first message of every file: with it alone the pictures can be understood.
+    """First message of every file, which explains the pictures.
 
-    ``anchor_s`` on the run's clock was ``anchor_ns`` since 1970, in which messages are stamped.
-    Secrets are left out, since recordings are given away: the dashboard's section, and the
-    password in a camera's address.
+    ``anchor_s`` on the run's clock was ``anchor_ns`` since 1970, the messages' time base. Since
+    recordings are given away, secrets are left out: the dashboard's section, and the password in a
+    camera's address.
     """
     plain = hide_in(config.model_dump(mode="json", exclude={"dashboard"}))
     plain["camera"]["source"] = _public(config.camera.source)
@@ -171,7 +170,7 @@ def _public(source: int | str) -> int | str:
 
 
 def frame_body(seen: RobotsSeen) -> dict[str, Any]:
-    """The poses in one picture: metres, radians."""
+    """Poses in one picture: metres, radians."""
     poses = [
         {"id": pose.id, "x_m": pose.x, "y_m": pose.y, "heading_rad": pose.heading_rad}
         for pose in seen.poses
@@ -191,7 +190,7 @@ def scene_body(seen: SceneSeen) -> dict[str, Any]:
 
 
 def request_message(asked: PlanAsked) -> tuple[str, dict[str, Any]]:
-    """The topic, and what the planner was asked, every field of it."""
+    """Return the topic, and every field of a request to the planner."""
     request = asked.request
     if isinstance(request, FleetRequest):
         topic, plain = FLEET_REQUESTS, _FLEET_REQUEST.dump_python(_plain(request), mode="json")
@@ -206,9 +205,9 @@ def _plain(one: FleetRequest) -> _FleetRequest:
 
 
 def request_of(topic: str, body: dict[str, Any]) -> Request:
-    """The request in a message of one of the ``ANSWERS``' topics.
+    """Read the request in a message of one of the ``ANSWERS``' topics.
 
-    Raises pydantic's ValidationError (a ValueError) where it is none.
+    Raises pydantic's ValidationError (a ValueError) if it is invalid.
     """
     if topic == REQUESTS:
         return _REQUEST.validate_python(body["request"])
@@ -220,9 +219,9 @@ def request_of(topic: str, body: dict[str, Any]) -> Request:
 
 
 def plan_message(answered: PlanAnswered) -> tuple[str, dict[str, Any]]:
-    """The topic, and what the planner answered: the path and what the robot is given, or why not.
+    """Return the topic and the planner's answer: the path and the robot's orders, or a reason.
 
-    Of several robots what each is promised, by name: its path and gates, or why it has none.
+    For several robots, each one's promise by name: its path and gates, or the reason for none.
     """
     answer = answered.answer
     body: dict[str, Any] = {

@@ -1,10 +1,10 @@
-"""The messages of an MCAP file, with bounds: a few bytes can claim gigabytes.
+"""Messages of an MCAP file, with bounds: a few bytes can claim gigabytes.
 
 Rules
-- A record is read from its own bytes alone: a length in it that leads past its end ends the file
-  there, as a kill does.
-- Records that nothing here asks for are skipped unread.
-- A chunk is unpacked no further than the size that it declares, which has limits of its own.
+- A record is read from its own bytes alone: a length that points past its end ends the file there,
+  as a kill does.
+- Unused kinds of records are skipped unread.
+- A chunk is unpacked no further than the size that it declares, which is limited too.
 
 Source: the MCAP specification, mcap.dev/spec.
 """
@@ -40,9 +40,9 @@ _HEAD: Final = struct.Struct("<BQ")
 
 
 class Messages:
-    """The messages of a file in order: the place of the record that holds it, topic, message.
+    """Messages of a file in order, each with its topic and the place of its record.
 
-    ``cut`` says afterwards whether the file's end was missing. Raises ``RecordingError`` for a file
+    ``cut`` is True afterwards if the file's end was missing. Raises ``RecordingError`` for a file
     that is no MCAP, or claims more than the bounds.
     """
 
@@ -71,7 +71,7 @@ class Messages:
 
 
 def messages_at(path: Path, place: int) -> list[Message]:
-    """The messages in the record at a place in the file; ``RecordingError`` where it is damaged."""
+    """Read the messages in the record at a place in the file; ``RecordingError`` if damaged."""
     try:
         with path.open("rb") as file:
             file.seek(place)
@@ -83,7 +83,7 @@ def messages_at(path: Path, place: int) -> list[Message]:
 
 
 def _records(file: BinaryIO, path: Path) -> Iterator[tuple[int, int, bytes]]:
-    """Place, kind and bytes of what may hold messages, up to the footer."""
+    """Yield place, kind and bytes of the records that may hold messages, up to the footer."""
     size = os.fstat(file.fileno()).st_size
     while True:
         place = file.tell()
@@ -105,13 +105,12 @@ def _records(file: BinaryIO, path: Path) -> Iterator[tuple[int, int, bytes]]:
 
 
 def _parsed(opcode: int, body: bytes, path: Path) -> Iterator[Channel | Message]:
-    """The channels and messages in a record."""
     if opcode == Opcode.CHANNEL:
         yield Channel.read(_Body(body))
     elif opcode == Opcode.MESSAGE:
         yield Message.read(_Body(body), len(body))
     elif opcode == Opcode.CHUNK:
-        # all of it before the first is given: a chunk counts whole or not at all
+        # parsed fully before the first is given: a chunk counts whole or not at all
         yield from list(_inner(_unpacked(Chunk.read(_Body(body)), path), path))
 
 
@@ -125,7 +124,7 @@ def _inner(data: bytes, path: Path) -> Iterator[Channel | Message]:
 
 
 def _unpacked(chunk: Chunk, path: Path) -> bytes:
-    """The contents of a chunk; `McapError` if they are not what it declares."""
+    """Return the contents of a chunk; `McapError` if they are not as declared."""
     size = chunk.uncompressed_size
     if chunk.compression:
         _refuse_beyond(size, min(MOST_RECORD_BYTES, MOST_TIMES * len(chunk.data)), path)
@@ -138,14 +137,13 @@ def _unpacked(chunk: Chunk, path: Path) -> bytes:
 
 
 def _unpack(compression: str, data: bytes, most: int) -> bytes:
-    """At most so many bytes of what was packed."""
     if not compression:
         return data
     try:
         if compression == "lz4":
             unpacked: Any = lz4.frame.LZ4FrameDecompressor().decompress(data, max_length=most)
         elif compression == "zstd":
-            # a frame's own header is not believed: `decompress` would make room for what it claims
+            # a frame's own header is not trusted: `decompress` would allocate what it claims
             with zstandard.ZstdDecompressor().stream_reader(data) as stream:
                 unpacked = stream.read(most)
         else:
@@ -164,14 +162,14 @@ def _refuse_beyond(size: int, most: int, path: Path) -> None:
 
 
 class _Body(ReadDataStream):
-    """Bytes that mcap's records are read from, and no length in them leads past their end."""
+    """Source of bytes for mcap's records; no length leads past its end."""
 
     def __init__(self, data: bytes) -> None:
         super().__init__(BytesIO(data))
         self._size = len(data)
 
     def read(self, length: int) -> bytes:
-        """So many bytes; ``McapError`` where there are fewer."""
+        """Return ``length`` bytes; ``McapError`` if there are fewer."""
         left = self._size - self.count
         if not 0 <= length <= left:
             raise McapError(f"a length of {length} bytes where {left} are left")

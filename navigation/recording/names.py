@@ -1,4 +1,4 @@
-"""What a recording's file is called, for those who look for one without writing any."""
+"""File names of recordings, for programs that look for one without writing any."""
 
 from __future__ import annotations
 

@@ -1,7 +1,7 @@
-"""Reads a recording, whole or cut off by a kill: what was flushed is there.
+"""Reader of recordings, whole or cut off by a kill: everything flushed is readable.
 
-The file is read from its beginning, never by its index, which a cut file does not have.
-Pictures are decoded one at a time. Times are the run's clock, seconds.
+A file is read from its beginning, never by its index, which a cut file lacks. Pictures are decoded
+one at a time. Times are the run's clock, seconds.
 """
 
 from __future__ import annotations
@@ -41,7 +41,7 @@ _VARINT_BITS: Final = 64
 
 @dataclass(frozen=True, slots=True)
 class SeenFrame:
-    """What the run saw in one picture; ``poses`` by marker id: x_m, y_m, heading_rad."""
+    """Poses that the run saw in one picture; ``poses`` by marker id: x_m, y_m, heading_rad."""
 
     captured_s: float
     poses: dict[int, tuple[float, float, float]]
@@ -49,7 +49,7 @@ class SeenFrame:
 
 @dataclass(frozen=True, slots=True)
 class SeenScene:
-    """A scene and from when on it was the newest; ``carried`` from an earlier file."""
+    """A scene and the time since which it was the newest; ``carried`` from an earlier file."""
 
     captured_s: float
     revision: int
@@ -59,22 +59,22 @@ class SeenScene:
 
 @dataclass(frozen=True, slots=True)
 class Planned:
-    """A request and its answer, as `json_bodies.plan_message` has it."""
+    """A request and its answer, as in `json_bodies.plan_message`."""
 
     request: Request
     answer: dict[str, Any]
 
     @property
     def carried(self) -> bool:
-        """Whether it was planned in an earlier file of the recording, and still holds."""
+        """True if it was planned in an earlier file of the recording and still holds."""
         return bool(self.answer.get("carried", False))
 
 
 @dataclass(slots=True)
 class Recording:
-    """A recording but its pictures, which `pictures` gives one by one.
+    """A recording without its pictures, which `pictures` gives one by one.
 
-    ``cut``: the file has no end; the run was killed, or goes on.
+    ``cut``: the file has no end; the run was killed, or is still running.
     """
 
     path: Path
@@ -90,14 +90,14 @@ class Recording:
     cut: bool = False
 
     def pictures(self) -> Iterator[tuple[int, Image]]:
-        """Time in the file (nanoseconds) and picture, in order."""
+        """Yield time in the file (nanoseconds) and picture, in order."""
         for _, topic, message in Messages(self.path):
             if topic == CAMERA:
                 yield message.log_time, decoded_picture(message.data, self.path)
 
 
 def read_recording(path: Path) -> Recording:
-    """Read a recording; `RecordingError` where it is none, or has no configuration."""
+    """Read a recording; `RecordingError` if it is invalid or has no configuration."""
     recording: Recording | None = None
     asked: dict[tuple[str, int], Request] = {}
     """By the topic of the answer, and id."""
@@ -127,7 +127,7 @@ def read_recording(path: Path) -> Recording:
 
 
 def unreadable(path: Path, topic: str, error: Exception) -> RecordingError:
-    """The refusal of a message, in one sentence."""
+    """Error for a message, in one sentence."""
     why = " ".join(f"{type(error).__name__}: {error}".split())[:MOST_CHARACTERS]
     return RecordingError(f"{path}: a message of {topic} cannot be read: {why}")
 
@@ -162,7 +162,7 @@ def _scene(body: dict[str, Any]) -> SeenScene:
 
 
 def decoded_picture(message: bytes, path: Path) -> Image:
-    """The picture in a message of Foxglove's; `RecordingError` where there is none."""
+    """Decode the picture in a message of Foxglove's; `RecordingError` if there is none."""
     data = bytes_field(message, _DATA_FIELD)
     large = oversize(data)
     if large:
@@ -177,10 +177,10 @@ def decoded_picture(message: bytes, path: Path) -> Image:
 
 
 def bytes_field(message: bytes, wanted: int) -> bytes:
-    """A field of a protobuf message that holds bytes; empty where it has none.
+    """Return a bytes field of a protobuf message; empty if absent.
 
-    Protobuf's wire: a varint of number and type; then a varint (0), 8 bytes (1), a length and
-    as many bytes (2), or 4 bytes (5).
+    Protobuf's wire: a varint of number and type; then a varint (0), 8 bytes (1), a length and that
+    many bytes (2), or 4 bytes (5).
     """
     at = 0
     while at < len(message):

@@ -1,8 +1,8 @@
-"""What still holds when a recording goes on in another file: that file begins with it.
+"""Events that still hold when a recording continues in a new file, which begins with them.
 
-Of each kind the newest: the scene and its roadmap, what every mission is and why, who waits for
-whom, and each robot's plan with the request that it answers. A request that is not answered yet
-goes along too, or its answer in the next file would answer nothing.
+The newest of each kind: the scene and its roadmap, each mission's state and reason, who waits for
+whom, and each robot's plan with its request. An unanswered request is carried too, or its later
+answer would answer nothing.
 """
 
 from __future__ import annotations
@@ -24,7 +24,7 @@ from navigation.recording.json_bodies import FLEET_WAITS
 
 
 class CurrentEvents:
-    """Takes every event that is written; `carried` gives those that still hold."""
+    """Store of every written event; `carried` gives the events that still hold."""
 
     def __init__(self) -> None:
         self._newest: dict[object, SceneSeen | RoadmapBuilt | Told | Counted] = {}
@@ -34,7 +34,7 @@ class CurrentEvents:
         """By robot; "" is a single one."""
 
     def take(self, event: RecordedEvent) -> None:
-        """It was written."""
+        """Take an event that was written."""
         match event:
             case SceneSeen() | RoadmapBuilt():
                 self._newest[type(event)] = event
@@ -52,11 +52,11 @@ class CurrentEvents:
         asked = self._open.get(number)
         if asked is not None:
             self._plans |= dict.fromkeys(robots, (asked, event))
-        # the planner answers in order: what was asked before is not answered any more
+        # the planner answers in order: earlier requests get no answer after this
         self._open = {key: one for key, one in self._open.items() if key > number}
 
     def carried(self) -> Iterator[RecordedEvent]:
-        """In the order in which they can be read."""
+        """Yield the events in a readable order."""
         for event in self._newest.values():
             yield replace(event, carried=True) if isinstance(event, SceneSeen) else event
         pairs = {id(answered): (asked, answered) for asked, answered in self._plans.values()}
@@ -67,7 +67,6 @@ class CurrentEvents:
 
 
 def _robots_of(answer: Answer) -> list[str]:
-    """The robots that an answer is for."""
     if isinstance(answer, FleetAnswer):
         return [*answer.promises, *answer.refused]
     return [""]

@@ -1,7 +1,7 @@
-"""A recording at any moment: what was seen, planned and said by then, and its newest picture.
+"""A recording at any moment: sightings, plans, sentences and the newest picture.
 
-The file is read once, in order; of pictures only their places in it are kept, and one is read and
-decoded when it is asked for. Times are the run's clock, seconds; wall times seconds since 1970.
+The file is read once, in order; only the places of its pictures are kept, and one is read and
+decoded on request. Times are the run's clock, seconds; wall times seconds since 1970.
 """
 
 from __future__ import annotations
@@ -45,7 +45,7 @@ MISSION: Final = "mission"
 
 @dataclass(frozen=True, slots=True)
 class TapedPicture:
-    """A picture's moment and number, and the place in the file of the chunk that holds it."""
+    """A picture's time and number, and the place of its chunk in the file."""
 
     captured_s: float
     stamp_ns: int
@@ -56,7 +56,7 @@ class TapedPicture:
 
 @dataclass(frozen=True, slots=True)
 class TapedPlan:
-    """What one robot was planned, as `json_bodies.plan_message` has it, and where it goes."""
+    """A robot's plan, as in `json_bodies.plan_message`, and its targets."""
 
     time_s: float
     stations: tuple[Station, ...]
@@ -71,7 +71,7 @@ Waits: TypeAlias = tuple[dict[str, str], dict[str, str]]
 class Tape:
     """A recording, ordered by time; `read_tape` makes one. Lists are ascending.
 
-    What there is once for each robot is kept by its name; that of a single one is "".
+    Values of each robot are kept by its name; a single one's is "".
     """
 
     recording: Recording
@@ -90,24 +90,24 @@ class Tape:
 
     @property
     def begin_s(self) -> float:
-        """The first moment."""
+        """First moment."""
         return self.frames[0].captured_s
 
     @property
     def end_s(self) -> float:
-        """The last moment."""
+        """Last moment."""
         return self.frames[-1].captured_s
 
     def frame_at(self, time_s: float) -> SeenFrame:
-        """What was seen last; the first sighting before it."""
+        """Last sighting; the first one for an earlier time."""
         return self.frames[max(0, self.count_until(time_s) - 1)]
 
     def count_until(self, time_s: float) -> int:
-        """How many pictures had been looked at."""
+        """Number of pictures analysed."""
         return bisect_right(self.frames, time_s, key=lambda seen: seen.captured_s)
 
     def seen_between(self, begin_s: float, end_s: float, every_s: float) -> Iterator[float]:
-        """When something was seen, at least ``every_s`` apart."""
+        """Yield times of sightings, at least ``every_s`` apart."""
         last_s = -math.inf
         for seen in self.frames[self.count_until(begin_s) : self.count_until(end_s)]:
             if seen.captured_s - last_s >= every_s:
@@ -115,13 +115,13 @@ class Tape:
                 yield last_s
 
     def told_until(self, time_s: float, most: int) -> list[float]:
-        """When something was said of a mission, the newest ``most`` times."""
+        """The newest ``most`` times at which something was said of a mission."""
         return sorted({at_s for said in self.said.values() for at_s, _ in said if at_s <= time_s})[
             -most:
         ]
 
     def scene_at(self, time_s: float) -> SeenScene | None:
-        """The newest scene."""
+        """Newest scene."""
         scenes = self.recording.scenes
         at = bisect_right(scenes, time_s, key=lambda scene: scene.captured_s)
         if at == 0 and scenes and scenes[0].carried:
@@ -129,7 +129,7 @@ class Tape:
         return scenes[at - 1] if at else None
 
     def plan_at(self, time_s: float, robot: str = "") -> TapedPlan | None:
-        """A robot's newest plan, or the newest word that there is none."""
+        """Newest plan of a robot, or the newest message that there is none."""
         plans = self.plans.get(robot, [])
         at = bisect_right(plans, time_s, key=lambda plan: plan.time_s)
         return plans[at - 1] if at else None
@@ -139,20 +139,20 @@ class Tape:
         return _newest(self.said.get(robot, []), time_s)
 
     def link_at(self, time_s: float, robot: str = "") -> dict[str, Any] | None:
-        """The newest counters of a robot's link."""
+        """Newest counters of a robot's link."""
         return _newest(self.links.get(robot, []), time_s)
 
     def waits_at(self, time_s: float) -> Waits:
-        """Who waits for whom; nobody, where nothing was recorded of that."""
+        """Robots and those they wait for; empty if none was recorded."""
         return _newest(self.waits, time_s) or ({}, {})
 
     def picture_at(self, time_s: float) -> TapedPicture | None:
-        """The newest picture."""
+        """Newest picture."""
         at = bisect_right(self.pictures, time_s, key=lambda one: one.captured_s)
         return self.pictures[at - 1] if at else None
 
     def image(self, picture: TapedPicture) -> Image:
-        """Read and decode a picture; `RecordingError` where that cannot be."""
+        """Read and decode a picture; `RecordingError` on failure."""
         path = self.recording.path
         for message in messages_at(path, picture.offset):
             if (message.channel_id, message.log_time) == (picture.channel, picture.stamp_ns):
@@ -161,7 +161,7 @@ class Tape:
 
 
 def read_tape(path: Path) -> Tape:
-    """Read a recording to be looked at; `RecordingError` where it is none or nothing was seen."""
+    """Read a recording for viewing; `RecordingError` if it is invalid or has no sighting."""
     recording = read_recording(path)
     if not recording.frames:
         raise RecordingError(f"{path}: nothing was seen in it")
@@ -189,11 +189,11 @@ def read_tape(path: Path) -> Tape:
 
 
 def _take(tape: Tape, offset: int, topic: str, message: Message) -> None:
-    """Put a message where it belongs; ``offset`` is the place of the record that holds it."""
+    """Sort a message into the tape; ``offset`` is the place of its record."""
     time_s = message.log_time / 1e9 - tape.wall_offset_s
     if topic == CAMERA:
         seen = tape.recording.frames.get(message.log_time)
-        if seen is not None:  # else the file was cut between a picture and what was seen
+        if seen is not None:  # else the file was cut between a picture and the result for it
             number = len(tape.pictures)
             place = (offset, message.channel_id, number)
             tape.pictures.append(TapedPicture(seen.captured_s, message.log_time, *place))
@@ -211,7 +211,7 @@ def _take(tape: Tape, offset: int, topic: str, message: Message) -> None:
 
 
 def _plans_in(planned: Planned) -> Iterator[tuple[str, TapedPlan]]:
-    """What each robot was planned by one answer, by name."""
+    """Yield each robot's plan in one answer, by name."""
     request, answer = planned.request, planned.answer
     time_s = float(answer["time_s"])
     if isinstance(request, PlanRequest):
@@ -223,6 +223,6 @@ def _plans_in(planned: Planned) -> Iterator[tuple[str, TapedPlan]]:
 
 
 def _newest(moments: list[tuple[float, T]], time_s: float) -> T | None:
-    """What was said last; ``moments`` ascending."""
+    """Return the last value by ``time_s``; ``moments`` ascending."""
     at = bisect_right(moments, time_s, key=lambda one: one[0])
     return moments[at - 1][1] if at else None

@@ -1,7 +1,7 @@
-"""The camera's place renewed from the floor markers: pictures in, the calibration's file rewritten.
+"""Place a camera again from the floor markers in its pictures, and rewrite its calibration file.
 
-The file is there whole or not at all, and what it was before is kept beside it, named after the
-moment. Metres, pixels.
+The file is replaced as a whole; the old one is kept beside it, named after the time. Metres,
+pixels.
 """
 
 from __future__ import annotations
@@ -35,19 +35,19 @@ NAME_CHARACTERS: Final = 64
 
 
 class AnchoringError(ValueError):
-    """The anchoring cannot be renewed; the message says what is missing."""
+    """Anchoring is impossible; the message says what is missing."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Renewed:
-    """What was found, the file that was written, and where the one before it is kept."""
+    """Result of a renewal, with the file written and its backup."""
 
     found: Reanchored
     file: Path
     backup: Path
 
     def lines(self) -> list[str]:
-        """All of it as people read it."""
+        """Return the result as lines for a person."""
         found = self.found
         used = sum(one.used for one in found.residuals)
         told = [
@@ -64,9 +64,9 @@ class Renewed:
 
 
 def of_camera(config: Config, name: str | None) -> Config:
-    """The configuration of the camera that is meant; of several one has to be named.
+    """Return the configuration of one camera, which must be named if there are several.
 
-    Raises ``AnchoringError`` where there is none of that name.
+    Raises ``AnchoringError`` for an unknown name.
     """
     cameras = each_camera(config)
     if name in cameras:
@@ -82,10 +82,10 @@ def of_camera(config: Config, name: str | None) -> Config:
 def renew(
     config: Config, pictures: Sequence[Image], now: datetime, lens: Lens | None = None
 ) -> Renewed:
-    """Place the camera of a configuration anew by what its pictures show of the floor markers.
+    """Place the configured camera again from the floor markers in its pictures.
 
-    With a ``lens`` this one takes the place of the file's. Raises ``AnchoringError`` where the
-    configuration names no file or no markers, and for what the pictures do not show.
+    ``lens`` replaces the file's. Raises ``AnchoringError`` without a configured file or markers, or
+    if the pictures show too little.
     """
     file = config.camera.calibration
     if file is None:
@@ -112,7 +112,6 @@ def renew(
 
 
 def _anchors(config: Config) -> list[Anchor]:
-    """The floor markers whose places are known."""
     return [
         Anchor(
             one.marker_id,
@@ -147,10 +146,10 @@ def take_over_lens(
     now: datetime,
     reload: Callable[[], None] | None,
 ) -> str:
-    """Save a lens in the place of the present one, and have the run take it over; what to say.
+    """Replace the lens, have the run take it over, and return the report.
 
-    The camera is placed by the floor markers in ``picture``. Where none has a place the lens is
-    saved alone, beside the calibration, which stays as it is. Raises ``AnchoringError``.
+    The floor markers in ``picture`` place the camera. If none has a known place, the lens alone is
+    saved, beside the unchanged calibration. Raises ``AnchoringError``.
     """
     file = config.camera.calibration
     if file is None:
@@ -178,9 +177,9 @@ def take_over_lens(
 
 
 def _corners(picture: Image, dictionary: str, calibration: Calibration) -> dict[int, FloatArray]:
-    """The corners of every marker in a picture, by id; one that is there twice is left out."""
+    """Corners of a picture's markers by id, without ids seen twice."""
     grey = grey_of(picture).view()
-    grey.setflags(write=False)  # as a run's pictures are: the kernels are compiled for one kind
+    grey.setflags(write=False)  # read-only as in a run: the kernels are compiled for that type
     found = find_markers(grey, dictionary, calibration=calibration)
     ids = [marker.id for marker in found]
     return {marker.id: marker.corners_px for marker in found if ids.count(marker.id) == 1}
@@ -192,10 +191,9 @@ def renew_while_running(
     newest: Callable[[str | None], Frame | None],
     reload: Callable[[], None] | None,
 ) -> list[str]:
-    """Renew by a run's newest picture of a camera, and have the run take it over; what to say.
+    """Renew from a camera's newest picture, have the run take it over, and return the report.
 
-    ``camera`` is the name of one of several. Raises ``MissionError`` where that cannot be, as any
-    other order that is refused.
+    ``camera`` names one of several. Raises ``MissionError`` like any refused order.
     """
     try:
         meant = of_camera(config, camera)

@@ -1,6 +1,6 @@
-"""News of a run for the machine it runs on, after each cycle: log, watchdog, troubles, recording.
+"""News of a run after each cycle: log, watchdog, troubles, recording.
 
-It decides nothing and opens nothing; every sentence is said once, when it becomes true.
+It decides and opens nothing, and says each sentence once, when it becomes true.
 """
 
 from __future__ import annotations
@@ -25,10 +25,9 @@ RECORDER_SILENT_S: Final = 3.0
 
 
 class Attendance:
-    """Looks at a daemon after each of its cycles; `cycle`.
+    """Observer of a daemon's cycles; call `cycle` after each.
 
-    ``say`` gets what the person at the terminal must know too: a device that is waited for, a
-    recording that goes wrong.
+    ``say`` gets lines for the terminal: a device is awaited, a recording fails.
     """
 
     def __init__(
@@ -53,7 +52,7 @@ class Attendance:
         self._recorder_turned_s = 0.0
 
     def cycle(self, now: RunState, time_s: float) -> None:
-        """After a cycle that ended with ``now`` at ``time_s`` of the run's clock."""
+        """Report a cycle that ended with ``now`` at ``time_s`` of the run's clock."""
         camera = self._daemon.camera.status()
         self._log.cycle(now.robots, camera)
         for name, one in now.robots.items():
@@ -69,7 +68,7 @@ class Attendance:
             self._look_at_the_recording(self._recorder, time_s)
 
     def _look_at_robot(self, name: str, now: RobotSnapshot) -> None:
-        """Say that a robot is waited for, and when it is there; the log says it as news anyway."""
+        """Say when waiting for a robot starts and ends; the log has it anyway."""
         waits = now.link.state is LinkState.CLOSED
         if waits != self._waits_for.get(name, False):
             self._waits_for[name] = waits
@@ -79,7 +78,7 @@ class Attendance:
             self._say(f"{waiting}: {reason}" if waits else is_open)
 
     def _look_at_camera(self, camera: CameraStatus) -> None:
-        """The same of the camera."""
+        """Say when waiting for the camera starts and ends."""
         if camera.state == ("running" if self._waits_for_camera else "lost"):
             self._waits_for_camera = not self._waits_for_camera
             self._say(

@@ -1,4 +1,4 @@
-"""Where the pixels of a run's cameras lie on the floor, as configured. Metres, pixels."""
+"""Calibrations of a run's cameras: from pixels to the floor. Metres, pixels."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from vision.joined.floor_plan import FloorPlan
 
 
 def calibration_of(config: Config) -> Calibration:
-    """The configured calibration; a simulated camera's true values where there is none."""
+    """Configured calibration, or a simulated camera's true one if there is none."""
     camera = config.camera
     if camera.calibration is not None:
         return load_calibration(camera.calibration)
@@ -22,9 +22,9 @@ def calibration_of(config: Config) -> Calibration:
 
 
 def floor_plan_of(config: Config) -> FloorPlan | None:
-    """The floor under the configuration's several cameras; None where there is one.
+    """Floor under several cameras; None for one camera.
 
-    Raises ``CalibrationError`` with the camera's name where one sees nothing of the arena.
+    Raises ``CalibrationError`` naming a camera that sees nothing of the arena.
     """
     cameras = each_camera(config)
     if not cameras:
@@ -34,5 +34,5 @@ def floor_plan_of(config: Config) -> FloorPlan | None:
 
 
 def shown_calibration(config: Config, plan: FloorPlan | None) -> Calibration:
-    """Where the pixels of the picture that people are shown lie on the floor."""
+    """Calibration of the picture shown to people."""
     return calibration_of(config) if plan is None else plan.calibration

@@ -1,10 +1,9 @@
-"""The configured missions, each to its robot; tasks once it is known where all robots are.
+"""Give the configured missions to their robots, and tasks once all robots have been located.
 
-Tasks go to those robots that have no stations of their own so that their driving times together,
-each alone on its own path, are least; before anybody moves. After a kill every journal's unfinished
-mission continues; what its journal says is over stays over as long as another robot's mission
-continues, so that nobody drives twice what was done once, or what a person has stopped. Metres,
-seconds.
+Before any robot moves, tasks go to robots without stations of their own, with the least sum of
+driving times, each robot alone on its own path. After a kill, every journal's unfinished mission
+continues. While any does, missions recorded as over stay over: no robot repeats finished work or
+what a person has stopped. Metres, seconds.
 """
 
 from __future__ import annotations
@@ -24,9 +23,9 @@ ROBOT_PATIENCE_S: Final = 3.0
 
 
 class GiveMissions:
-    """Gives missions as soon as they can be given; `cycle` before each of the daemon's.
+    """Distribution of missions, each as soon as possible; call `cycle` before each of the daemon's.
 
-    ``for_orders``: nothing that is configured is given, since people give the orders.
+    ``for_orders``: give nothing configured, since people give orders.
     """
 
     def __init__(
@@ -60,7 +59,7 @@ class GiveMissions:
         self.cycle()
 
     def _rearmed(self) -> set[str]:
-        """The robots that were re-armed and not resumed: they wait for the second resume."""
+        """Names of robots re-armed but not resumed, which wait for the second resume."""
         found = set()
         for name, robot in self._daemon.robots.items():
             mission = None if robot.journal is None else robot.journal.rearmed()
@@ -75,10 +74,9 @@ class GiveMissions:
         return found
 
     def _open_tasks(self) -> tuple[ConfiguredStation, ...]:
-        """Tasks that nobody has: all of a run's, and of one that continues what it had not given.
+        """Unassigned tasks: all, or after a kill those not yet given.
 
-        They are given in one moment, but journals are written one after the other: a kill between
-        two of them leaves fewer missions than there were to give.
+        Journals are written one by one: a kill between two writes leaves tasks without a mission.
         """
         tasks = self._daemon.config.tasks
         if not self._kept:
@@ -93,11 +91,11 @@ class GiveMissions:
 
     @property
     def are_given(self) -> bool:
-        """Whether every robot has what is configured for it."""
+        """True if every robot has its configured missions and tasks."""
         return not self._left and not self._tasks and not self._given
 
     def cycle(self) -> None:
-        """Give what can be given by now."""
+        """Give everything that can be given now."""
         if self._tasks:
             self._assign()
         if self._tasks:
@@ -110,9 +108,9 @@ class GiveMissions:
         self._given = {}
 
     def _assign(self) -> None:
-        """Tasks to free robots, once all of these were seen and there is a roadmap.
+        """Assign tasks to free robots once all were seen and a roadmap exists.
 
-        Nobody moves meanwhile: paths are planned for every pair, in the control loop.
+        No robot moves meanwhile: the control loop plans a path for every pair.
         """
         robots = self._daemon.robots
         free = {
@@ -142,7 +140,7 @@ class GiveMissions:
         self._tasks = ()
 
     def _continue(self, name: str) -> None:
-        """The journal's mission, once the robot has said how far it has come of it, or not."""
+        """Restore the journal's mission after the robot's report of its progress, or a timeout."""
         robot, mission = self._daemon.robots[name], self._left[name]
         assert robot.journal is not None
         plan = robot.journal.plan()
@@ -166,5 +164,5 @@ def _station(task: ConfiguredStation) -> Station:
 
 
 def _who(name: str) -> str:
-    """A robot in a sentence; one that is alone has no name."""
+    """Name of a robot in a sentence, even of a single one, which has none."""
     return name or "the robot"

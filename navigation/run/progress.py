@@ -1,4 +1,4 @@
-"""Lines about a run: the news of each robot, and now and then how far it has to go.
+"""Lines about a run: news of each robot and, at intervals, the distance to go.
 
 Metres, seconds, degrees.
 """
@@ -16,9 +16,9 @@ PROGRESS_EVERY_S: Final = 1.0
 
 
 class ProgressLines:
-    """Says what is news after each cycle; `cycle`.
+    """News of each cycle as lines; call `cycle` after each of the run's.
 
-    ``say`` gets lines for a terminal, and ``status`` the state of all robots in one.
+    ``say`` gets lines for a terminal, ``status`` the state of all robots in one line.
     """
 
     def __init__(self, say: Callable[[str], None], status: Callable[[str], object]) -> None:
@@ -27,7 +27,7 @@ class ProgressLines:
         self._said_s = -math.inf
 
     def cycle(self, now: RunState) -> None:
-        """After a cycle that ended with ``now``."""
+        """Report a cycle that ended with ``now``."""
         any_news = False
         for name, one in now.robots.items():
             if not self._is_news(name, one):
@@ -49,7 +49,7 @@ class ProgressLines:
     def _is_news(self, name: str, one: RobotSnapshot) -> bool:
         mission, said = one.mission, self._said.get(name)
         if said is None:
-            # one of several without a mission has nothing to say until it is stopped
+            # one of several robots without a mission has no news until it is stopped
             return not name or bool(mission.places) or mission.state is State.STOPPED
         if said[0] is not mission.state:
             return True
@@ -57,7 +57,7 @@ class ProgressLines:
 
 
 def why_stopped(now: RunState) -> str | None:
-    """The cause of each robot's emergency stop; None where none is stopped."""
+    """Cause of each robot's emergency stop; None if none is stopped."""
     causes = {
         name: one.sentence for name, one in now.robots.items() if one.mission.state is State.STOPPED
     }
@@ -68,7 +68,6 @@ def why_stopped(now: RunState) -> str | None:
 
 
 def _of_all(now: RunState) -> str:
-    """The distance that each robot has still to go."""
     parts = []
     for name, one in now.robots.items():
         if one.to_go_m is not None and not one.mission.is_over:
@@ -79,7 +78,7 @@ def _of_all(now: RunState) -> str:
 
 
 def _of_one(now: RobotSnapshot) -> str:
-    """Place and what is left, or the reason for which it holds."""
+    """Place and distance to go, or the reason for holding."""
     if now.mission.state is State.HOLDING or now.pose is None:
         return now.sentence
     turned_deg = math.degrees(now.pose.heading_rad)

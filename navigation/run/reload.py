@@ -1,11 +1,11 @@
-"""Reading the configuration again while a run goes on: a broken file changes nothing.
+"""Read the configuration again during a run; a broken file changes nothing.
 
-SIGHUP asks for it (`systemctl reload clearway`). The file is read in a thread of its own, so
-that the control loop goes on; a good one is handed over, of a bad one every error is told. So is
-the calibration that it names: another one there is news, too.
+SIGHUP asks for it (`systemctl reload clearway`). A separate thread reads, so the control loop
+continues. A good file is handed over; all errors of a bad one are reported. A changed calibration
+counts too.
 
-Requests that come together are one, which keeps the stricter of both: a person who changes settings
-on the page has ordered no drive, whatever else asks for the same file a moment before or after.
+Concurrent requests merge, and the stricter one wins: a person who changes settings on the page has
+ordered no drive, even if another request comes just before or after.
 """
 
 from __future__ import annotations
@@ -20,10 +20,10 @@ from navigation.machine.logs import Level
 
 
 class Reloader:
-    """Reads ``file`` when asked; ``good`` is called with a new, different, sound configuration.
+    """Reader of ``file`` on request; ``good`` gets a new, different, valid configuration.
 
-    ``load`` reads and checks, raising ``ConfigError``; ``say`` tells what came of it. Both
-    ``say`` and ``good`` are called in the reloader's thread.
+    ``load`` reads and checks, raising ``ConfigError``; ``say`` reports. ``say`` and ``good`` are
+    called in the reloader's thread.
     """
 
     def __init__(
@@ -46,13 +46,13 @@ class Reloader:
 
     @property
     def waits(self) -> bool:
-        """True if the run that begins again has to wait for orders."""
+        """True if the restarted run must wait for orders."""
         return self._waiting_asked > self._waiting_answered
 
     def ask(self, *, waits: bool = False) -> None:
-        """Read the file soon; for a signal's handler, which must not wait.
+        """Request a reading without waiting, as a signal handler must.
 
-        ``waits``: the run that begins again waits for orders, whoever else asks for it.
+        ``waits``: the restarted run waits for orders, even if other requests do not ask for it.
         """
         self._waiting_asked += waits
         self._asked.set()
@@ -61,7 +61,7 @@ class Reloader:
             self._thread.start()
 
     def join(self, timeout_s: float) -> None:
-        """Wait for a reading that goes on."""
+        """Wait for the reading in progress."""
         if self._thread is not None:
             self._thread.join(timeout_s)
 
@@ -72,11 +72,11 @@ class Reloader:
                 self._read_once()
         finally:
             self._lock.release()
-        if self._asked.is_set():  # asked for after the last look and before the release
+        if self._asked.is_set():  # asked for between the last check and the release
             self.ask()
 
     def _read_once(self) -> None:
-        asked = self._waiting_asked  # before the file is read: a later request reads it again
+        asked = self._waiting_asked  # taken before the file is read: a later request reads it again
         try:
             config = self._load(self._file)
         except ConfigError as error:
@@ -102,7 +102,7 @@ class Reloader:
 
 
 def _calibration_in(config: Config) -> bytes:
-    """What the calibration's file holds; nothing where there is none, or it cannot be read."""
+    """Content of the calibration file; empty if missing or unreadable."""
     file = config.camera.calibration
     try:
         return b"" if file is None else file.read_bytes()

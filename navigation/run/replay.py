@@ -1,15 +1,14 @@
-"""Runs vision and planner again on a recording, and says where they come to something else.
+"""Run vision and planner again on a recording and report differences.
 
 Rules
-- The pictures go through the same `Eye`, the requests through the same `ArenaPlanner`, or with
-  several robots `FleetPlanner`, with the recorded configuration and calibration; starts and
-  stations are those that were asked.
-- A recording may hold fewer pictures than were seen: a scene counts as found when the replay
-  comes to it while it was the newest, or within ``SCENE_LAG_S`` after.
-- Tracking may take a moment to find a robot that the run had found before: a robot must be
-  missed for ``SEARCH_S`` to be a difference.
-- Where two ways are almost as good, scenes that are equal within the tolerance may lead to
-  either: a plan that comes out as recorded in the recorded scene is no difference.
+- Pictures go through the same `Eye`, requests through the same `ArenaPlanner` (`FleetPlanner` for
+  several robots), with the recorded configuration, calibration, starts and stations.
+- A recording may hold fewer pictures than the run saw: a scene counts as found if the replay
+  produces it while it was the newest, or within ``SCENE_LAG_S`` after.
+- Tracking may find a robot a moment later than the run: only a robot missed for ``SEARCH_S`` is a
+  difference.
+- With two almost equally good paths, scenes equal within the tolerance may lead to either: a plan
+  that comes out as recorded in the recorded scene is no difference.
 
 Units: metres, radians, seconds of the recorded run's clock.
 """
@@ -51,7 +50,7 @@ SEARCH_S: Final = 0.6
 
 @dataclass(slots=True)
 class Largest:
-    """How far apart things were at most, equal or not."""
+    """Largest distances found, whether within tolerance or not."""
 
     position_m: float = 0.0
     heading_rad: float = 0.0
@@ -61,7 +60,7 @@ class Largest:
 
 @dataclass(slots=True)
 class ReplayResult:
-    """What was compared, and every difference in the order of time."""
+    """Numbers of things compared, and every difference in order of time."""
 
     pictures: int = 0
     poses: int = 0
@@ -77,7 +76,7 @@ class ReplayResult:
 
     @property
     def is_equal(self) -> bool:
-        """Whether nothing differs."""
+        """True if nothing differs."""
         return not self.differences
 
 
@@ -88,18 +87,18 @@ class _FoundScene:
 
 
 class _Plans(Protocol):
-    """What is asked again: one robot's planner, or that of several."""
+    """The planner under comparison, for one robot or several."""
 
     @property
     def revision(self) -> int:
-        """Of the scene that it saw last."""
+        """Revision of the last scene seen."""
         ...
 
     def see(self, scene: Scene, revision: int) -> None:
         """Take over a scene."""
 
     def compare(self, planned: Planned, limits: Tolerances) -> tuple[float, str | None]:
-        """How far off its plan is, and how it differs; None where they agree."""
+        """Return the plan's distance from the recorded one, and the difference or None."""
         ...
 
 
@@ -107,7 +106,6 @@ class _PlansOfOne(ArenaPlanner):
     """The planner of one robot."""
 
     def compare(self, planned: Planned, limits: Tolerances) -> tuple[float, str | None]:
-        """The paths."""
         assert isinstance(planned.request, PlanRequest)
         answer: PlanAnswer = self.answer(planned.request)
         off_m = plan_offset_m(planned.answer, answer.path)
@@ -118,7 +116,9 @@ class _PlansOfSeveral(FleetPlanner):
     """The planner of several robots."""
 
     def compare(self, planned: Planned, limits: Tolerances) -> tuple[float, str | None]:
-        """The farthest of all paths, the first robot's difference, and who gives way to whom."""
+        """Return the largest distance of all paths, and the first difference in path or right of
+        way.
+        """
         assert isinstance(planned.request, FleetRequest)
         answer: FleetAnswer = self.answer(planned.request)
         farthest_m, first = 0.0, None
@@ -137,7 +137,7 @@ class _PlansOfSeveral(FleetPlanner):
 
 
 class Replay:
-    """One recording going through the pipeline once; `run` it.
+    """Replay of one recording; call `run`.
 
     Raises ``RecordingError`` for a recording of several cameras.
     """
@@ -174,11 +174,11 @@ class Replay:
         self._equal_scenes: set[int] = set()
 
     def run(self) -> ReplayResult:
-        """Every picture, then every scene and plan; the differences come in order of time."""
+        """Replay every picture, then compare scenes and plans."""
         for number, (time_ns, image) in enumerate(self.recording.pictures()):
             seen = self.recording.frames.get(time_ns)
             if seen is None:
-                continue  # the file was cut between a picture and what was seen in it
+                continue  # the file was cut between a picture and the result for it
             self._look(Frame(image, seen.captured_s, number, "recording"), seen)
         by_revision = self._compare_scenes()
         self._compare_plans(by_revision)
@@ -221,7 +221,7 @@ class Replay:
             self._differ("pose", since_s, f"robot {robot_id} is seen {where} only")
 
     def _compare_scenes(self) -> dict[int, Scene]:
-        """Compare every recorded scene; the replay's scene for each revision."""
+        """Compare the recorded scenes; return the replay's scene for each revision."""
         by_revision: dict[int, Scene] = {}
         scenes = self.recording.scenes
         ends = [*(scene.captured_s for scene in scenes[1:]), math.inf]
@@ -229,7 +229,7 @@ class Replay:
             begin_s = recorded.captured_s
             if recorded.carried and self._first_s is not None:
                 begin_s = max(begin_s, self._first_s)
-            # a file of a few pictures ends before a scene that it was begun with is seen again
+            # a short file may end before its carried-over first scene is seen again
             is_short = recorded.carried and self._last_s < begin_s + SCENE_LAG_S
             if self._last_s < begin_s or (is_short and not self._found):
                 self.result.not_compared += 1
@@ -260,7 +260,7 @@ class Replay:
     def _nearest(
         self, recorded: SeenScene, begin_s: float, end_s: float
     ) -> tuple[Scene | None, float]:
-        """Of the replay's scenes that were the newest at some time between, the nearest."""
+        """Nearest of the replay's scenes that were the newest during an interval."""
         before = [f for f in self._found if f.captured_s <= begin_s][-1:]
         between = [f for f in self._found if begin_s < f.captured_s <= end_s]
         best: Scene | None = None
@@ -275,7 +275,7 @@ class Replay:
         recorded = {seen.revision: seen.scene for seen in self.recording.scenes}
         for planned in self.recording.plans:
             if planned.carried:
-                continue  # compared with the file in which it was planned
+                continue  # compared in the file in which it was planned
             revision = int(planned.answer["revision"])
             scene = by_revision.get(revision)
             if scene is None:
@@ -288,14 +288,14 @@ class Replay:
             if problem is None:
                 continue
             if in_recorded is None and revision in self._equal_scenes:
-                # the planner does the same with the same; a hair's breadth decides here
+                # equal input gives an equal plan; here a hair's breadth decides
                 self.result.near_ties += 1
                 continue
             sentence = f"plan {planned.request.id} {problem}"
             self._differ("plan", planned.answer["time_s"], sentence)
 
     def _offset(self, planner: _Plans, planned: Planned, scene: Scene) -> tuple[float, str | None]:
-        """How far off the plan in this scene is, and how it differs; None where they agree."""
+        """Compare a plan made in this scene; results as for `_Plans.compare`."""
         revision = int(planned.answer["revision"])
         if planner.revision != revision:
             planner.see(scene, revision)
@@ -303,5 +303,5 @@ class Replay:
 
 
 def replay(recording: Recording, tolerances: Tolerances | None = None) -> ReplayResult:
-    """Run vision and planner on a recording again and compare; see `Replay`."""
+    """Replay a recording and compare; see `Replay`."""
     return Replay(recording, tolerances or Tolerances()).run()

@@ -1,4 +1,4 @@
-"""The report of one robot's run: what DESIGN lists, and as lines for a person.
+"""Report of one robot's run, as data and as lines for a person.
 
 Units: metres, degrees, seconds; latencies in milliseconds.
 """
@@ -16,7 +16,7 @@ from planner.scene import FloatArray
 
 @dataclass(frozen=True, slots=True)
 class TrackingError:
-    """How far the robot was off its planned path while driving, metres."""
+    """Distance of the robot from its planned path while driving, metres."""
 
     rms: float | None = None
     max: float | None = None
@@ -24,7 +24,7 @@ class TrackingError:
 
 @dataclass(frozen=True, slots=True)
 class LinkCounts:
-    """What went over the wire."""
+    """Counts of the traffic on the wire."""
 
     frames: int = 0
     bytes: int = 0
@@ -35,7 +35,7 @@ class LinkCounts:
 
 @dataclass(frozen=True, slots=True)
 class FrameCounts:
-    """What the camera gave and what was made of it."""
+    """Counts of the camera's frames and their use."""
 
     captured: int = 0
     dropped: int = 0
@@ -44,7 +44,7 @@ class FrameCounts:
 
 @dataclass(frozen=True, slots=True)
 class CaptureToWire:
-    """From a frame's capture to its pose fix on the wire, milliseconds."""
+    """Time from a frame's capture to its pose fix on the wire, milliseconds."""
 
     p50: float | None = None
     p99: float | None = None
@@ -52,14 +52,14 @@ class CaptureToWire:
 
 @dataclass(frozen=True, slots=True)
 class Latencies:
-    """The run's latencies."""
+    """Latencies of a run."""
 
     capture_to_wire: CaptureToWire = field(default_factory=CaptureToWire)
 
 
 @dataclass(frozen=True, slots=True)
 class Report:
-    """The summary of one robot's run; None where a thing could not be known."""
+    """Summary of one robot's run; None for an unknown value."""
 
     state: str
     reason: str
@@ -84,7 +84,7 @@ class Report:
 
     @classmethod
     def of_nothing(cls, reason: str, stations: int) -> Report:
-        """Of a run that was ended before it had a robot and a camera."""
+        """Make the report of a run that ended before it had a robot and a camera."""
         return cls(
             state="stopped",
             reason=reason,
@@ -105,7 +105,7 @@ class Report:
         )
 
     def in_short(self) -> str:
-        """One of several robots, in a line."""
+        """Return one line, for one of several robots."""
         off = self.goal_error_m
         goal = "" if off is None else f", {off * 1e3:.1f} mm from its goal"
         return f"{self.state}, {self.stations_visited} of {self.stations} stations{goal}"
@@ -118,7 +118,7 @@ class Report:
         return [("track", f"{told} is not counted as driven")]
 
     def lines(self) -> list[tuple[str, str]]:
-        """Label and value, for a person."""
+        """Return pairs of label and value, for a person."""
         t, c = self.tracking_error_m, self.latency_ms.capture_to_wire
         source = "ground truth" if self.ground_truth else "camera"
         return [
@@ -150,19 +150,19 @@ class Report:
 
 
 def tracking_error(track: FloatArray, path: FloatArray) -> FloatArray:
-    """The distance (n,) of each position of a track (n, 2) from the planned path (k, 2)."""
+    """Distance (n,) of each position of a track (n, 2) from the planned path (k, 2)."""
     return np.array([distance_to_polyline(path, (x, y)) for x, y in track])
 
 
 def rms_and_max(errors: FloatArray) -> TrackingError:
-    """Root mean square and maximum of distances (n,); None where there are none."""
+    """Root mean square and maximum of distances (n,); None if there are none."""
     if errors.size == 0:
         return TrackingError()
     return TrackingError(math.sqrt(float(np.mean(errors**2))), float(errors.max()))
 
 
 def percentiles_ms(latencies_s: list[float]) -> CaptureToWire:
-    """The median and 99th percentile of latencies, in milliseconds."""
+    """Median and 99th percentile of latencies, in milliseconds."""
     if not latencies_s:
         return CaptureToWire()
     p50, p99 = np.percentile(np.array(latencies_s) * 1e3, [50.0, 99.0])

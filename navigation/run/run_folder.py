@@ -1,4 +1,4 @@
-"""The folder that a run leaves behind: its report, and a picture of what was driven.
+"""The folder that a run leaves: its report, and a picture of the tracks.
 
 Units: metres, radians, seconds.
 """
@@ -34,7 +34,7 @@ STRETCH_STEP_M = 0.005
 
 
 def make_run_folder(runs_dir: Path, now: datetime) -> Path:
-    """A new folder named after the time; a second run in one second gets a number."""
+    """Make a folder named after the time, numbered if the name is taken."""
     name = now.strftime("%Y-%m-%d_%H-%M-%S")
     for number in range(1, 1000):
         folder = runs_dir / (name if number == 1 else f"{name}_{number}")
@@ -47,7 +47,7 @@ def make_run_folder(runs_dir: Path, now: datetime) -> Path:
 
 
 def write_report(folder: Path, report: RunReport) -> list[str]:
-    """``report.json``; why it could not be written."""
+    """Write ``report.json``; return the error, if any."""
     try:
         report.write(folder / "report.json")
     except UnwrittenFileError as error:
@@ -56,7 +56,7 @@ def write_report(folder: Path, report: RunReport) -> list[str]:
 
 
 def write_run(folder: Path, daemon: Daemon, report: RunReport) -> list[str]:
-    """``report.json``, and ``track.svg`` where a scene was seen; why one could not be written."""
+    """Write ``report.json``, and ``track.svg`` if a scene was seen; return the errors."""
     troubles = write_report(folder, report)
     try:
         write_picture(folder / "track.svg", daemon, report)
@@ -66,16 +66,15 @@ def write_run(folder: Path, daemon: Daemon, report: RunReport) -> list[str]:
 
 
 def prepare_picture(daemon: Daemon) -> None:
-    """Have the roadmap's graph made, which the picture wants: 0.2 s the first time."""
+    """Have the roadmap's graph made for the picture: 0.2 s the first time."""
     if daemon.roadmap is not None:
         _ = daemon.roadmap.graph
 
 
 def write_picture(file: Path, daemon: Daemon, report: RunReport) -> None:
-    """Draw roadmap, plans and tracks where a scene was seen; ``DrawError`` where it cannot be.
+    """Draw roadmap, plans and tracks if a scene was seen; ``DrawError`` on failure.
 
-    Tracks of robots that are not simulated are where the camera saw them. Each of several robots
-    has its own colour.
+    The track of a real robot is the camera's. Each robot has its colour.
     """
     if daemon.scene is None:
         return
@@ -117,7 +116,7 @@ def write_picture(file: Path, daemon: Daemon, report: RunReport) -> None:
 
 
 def _driven(name: str, robot: Robot, daemon: Daemon) -> DrawnRobot:
-    """One of several robots, with its track, its last plan and its stations."""
+    """One of several robots, with its track, last plan and stations."""
     body = robot.config.robot
     pieces = driven_pieces(driven_track(daemon, robot), body.speed_m_s)
     stations = robot.pilot.mission.stations
@@ -133,10 +132,10 @@ def _driven(name: str, robot: Robot, daemon: Daemon) -> DrawnRobot:
 def driven_stretches(
     plans: Sequence[DrivenPlan], track: FloatArray, fastest_m_s: float
 ) -> list[FloatArray]:
-    """Of every plan but the last the points (n, 2) up to where the robot was when it was replaced.
+    """Driven points (n, 2) of every plan but the last, up to its replacement.
 
-    ``track`` (k, 4) of seconds, x_m, y_m, heading_rad. A plan that crosses itself ends at the
-    pass that the length driven can have reached.
+    ``track`` (k, 4) of seconds, x_m, y_m, heading_rad. If a plan crosses itself, the driven length
+    decides which pass was reached.
     """
     stretches = []
     for plan, following in pairwise(plans):

@@ -1,4 +1,4 @@
-"""The report of a run: each robot's own, and how near any two came.
+"""The report of a run: each robot's own, and the least gap between two robots.
 
 Units: metres, degrees, seconds; latencies in milliseconds.
 """
@@ -24,10 +24,9 @@ from planner.fleet.motions.track_kernels import nearest_pair
 
 @dataclass(frozen=True, slots=True)
 class RunReport:
-    """The summary of one run; None where a thing could not be known.
+    """Summary of one run; None for an unknown value.
 
-    A robot that is driven alone has the empty name; files and people are given its report, as a
-    run of one robot has no other.
+    A single robot has the empty name; files and people get its report alone.
     """
 
     state: str
@@ -44,18 +43,18 @@ class RunReport:
 
     @classmethod
     def of_nothing(cls, reason: str, stations: Mapping[str, int]) -> RunReport:
-        """Of a run that was ended before it had robots and a camera."""
+        """Make the report of a run that ended before it had robots and a camera."""
         robots = {name: Report.of_nothing(reason, count) for name, count in stations.items()}
         return cls(State.STOPPED.value, reason, 0.0, robots)
 
     @property
     def only(self) -> Report:
-        """The report of the robot of a run of one."""
+        """Report of a run's only robot."""
         (report,) = self.robots.values()
         return report
 
     def as_json(self) -> dict[str, Any]:
-        """As JSON takes it."""
+        """Return the report in JSON's types."""
         if "" in self.robots:
             return asdict(self.only)
         return {
@@ -70,15 +69,15 @@ class RunReport:
         }
 
     def to_json(self) -> str:
-        """As one JSON object; numbers are finite or null."""
+        """Return one JSON object; numbers are finite or null."""
         return json.dumps(hide_in(self.as_json()), indent=2, allow_nan=False)
 
     def write(self, path: Path) -> None:
-        """Write the JSON file; ``UnwrittenFileError`` where that cannot be done."""
+        """Write the JSON file; ``UnwrittenFileError`` on failure."""
         write_whole(path, self.to_json() + "\n")
 
     def lines(self) -> list[tuple[str, str]]:
-        """Label and value, for a person."""
+        """Return pairs of label and value, for a person."""
         if "" in self.robots:
             return self.only.lines()
         gap = "unknown"
@@ -95,7 +94,7 @@ class RunReport:
 
 
 def summarise_run(daemon: Daemon, state: State, reason: str, duration_s: float) -> RunReport:
-    """The report, from everything that the daemon kept."""
+    """Make the report from everything that the daemon kept."""
     alone = "" in daemon.robots
     robots = {}
     for name, robot in daemon.robots.items():
@@ -117,9 +116,9 @@ def summarise_run(daemon: Daemon, state: State, reason: str, duration_s: float) 
 
 
 def least_gap(daemon: Daemon) -> tuple[float, str, str] | None:
-    """How near two bodies came by the ground truth, and which; None with fewer than two.
+    """Least gap between two bodies by the ground truth, and their names; None with fewer than two.
 
-    Between two moments at which places are known, 20 ms apart, both move straight and evenly.
+    Between two known places, 20 ms apart, both move straight and evenly.
     """
     names, tracks = [], []
     for name, truth in daemon.world.truths.items():

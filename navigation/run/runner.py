@@ -1,4 +1,4 @@
-"""One run from its beginning to its report: warm-up, mission, what is said meanwhile, the end.
+"""One run from start to report: warm-up, mission, news, end.
 
 Units: metres, radians, seconds.
 """
@@ -62,10 +62,7 @@ EVENTS_FILE = "events.jsonl"
 
 @dataclass(frozen=True, slots=True)
 class RunResult:
-    """The report, where the run's folder is, and the exit code it deserves.
-
-    ``folder`` is None where there was no room for one.
-    """
+    """Report, folder and exit code; ``folder`` is None if the disk had no space."""
 
     report: RunReport
     folder: Path | None
@@ -73,16 +70,16 @@ class RunResult:
 
 
 class Runner:
-    """Runs a configuration; ``say`` gets a line whenever there is news.
+    """Runner of a configuration; ``say`` gets a line for each piece of news.
 
-    ``interrupt`` set from anywhere ends the run in order: the robot is stopped first. While
+    Setting ``interrupt``, from anywhere, ends the run in order: the robot stops first. While
     ``is_warming_up`` there is no robot yet, and a KeyboardInterrupt may be raised in it.
-    ``dashboard`` False serves none, whatever the configuration says; with ``show_token`` the
-    address that is said has the configured token in it, and the program's own one in any case but
-    that of the journal. ``log`` gets every event, and ``notifier`` tells
-    systemd that the run is ready, stopping and, every ``watchdog_s`` at least, well. ``file`` is
-    where the configuration was read from: missions in the journal are its own. ``stops`` is the
-    folder of stops that outlive a run; without it none do.
+    ``dashboard`` False serves none, whatever the configuration says. With ``show_token`` the
+    printed address includes the configured token; it includes the program's own except in the
+    journal. ``log`` gets every event. ``notifier`` reports to systemd: ready, stopping and, at
+    least every ``watchdog_s``, healthy. ``file`` is the configuration's source, the owner of
+    missions in the journal. ``stops`` is the folder of stops that outlive a run; without it none
+    do.
     """
 
     def __init__(  # noqa: PLR0913 (what a command gives a run, each with a default)
@@ -126,7 +123,7 @@ class Runner:
         self._say_as_it_is = say
 
     def run(self) -> RunResult:
-        """Until all missions are over (``once``), the time limit, or an interrupt."""
+        """Run until all missions are over (``once``), the time limit, or an interrupt."""
         self._refuse_what_is_no_port()  # before the user has waited for the kernels
         with ExitStack() as open_things:
             journals = self._open_journals(open_things)  # first: a second program is refused here
@@ -154,7 +151,7 @@ class Runner:
             named = " --robot NAME" if self.config.robots else ""
             self._say(f"orders at {socket}: clearway go X,Y{named}, stop, pause, resume, status")
             page = self._serve_dashboard(daemon, open_things, socket, folder)
-            # after orders are taken: what was stopped before is on the disk, what comes, here
+            # after orders are taken: earlier stops are on the disk, new ones arrive here
             self._hold_what_was_stopped(open_things, daemon, socket)
             missions = GiveMissions(daemon, self._say, for_orders=self.waits)
             self._notifier.send("READY=1")
@@ -171,7 +168,7 @@ class Runner:
             daemon.let_the_robots_stop()
             duration_s = world.clock() - daemon.started_s
             report = summarise_run(daemon, state, reason, duration_s)
-            # here, as the tracks of simulated robots end with their simulation
+            # before the simulation ends, and with it the tracks of simulated robots
             unwritten = [] if folder is None else write_run(folder, daemon, report)
             self._log_end(report)
         for trouble in (*world.doubts, *unwritten):
@@ -192,7 +189,7 @@ class Runner:
         )
 
     def _warm_up(self) -> bool:
-        """Compile or load the kernels; whether that came to its end."""
+        """Compile or load the kernels; return True if not interrupted."""
         self.is_warming_up = True
         try:
             warm_up(self.config, self._say)
@@ -204,7 +201,6 @@ class Runner:
         return not self.interrupt.is_set()
 
     def _end_before_the_start(self, folder: Path | None) -> RunResult:
-        """The result of a run that was interrupted before it had robots."""
         stations = {name: len(stations_of(one)) for name, one in self._robots.items()}
         reason = f"{self.interrupt_reason} before anything was driven"
         report = RunReport.of_nothing(reason, stations)
@@ -215,7 +211,7 @@ class Runner:
         return RunResult(report, folder, FAILED if self._once and has_missions else DONE)
 
     def _refuse_what_is_no_port(self) -> None:
-        """``PortError`` where waiting would not help, and with ``once`` where nobody waits."""
+        """Raise ``PortError`` if waiting cannot help, or with ``once`` if a port is not ready."""
         for one in self._robots.values():
             if one.serial.port == SIMULATED:
                 continue
@@ -224,7 +220,7 @@ class Runner:
             except PortNotReadyError:
                 if self._once:
                     raise
-                # else it is waited for: the link opens it, and says so until it can
+                # else the link opens it once it can, and reports until then
 
     def _serve_dashboard(
         self,
@@ -235,7 +231,7 @@ class Runner:
     ) -> Dashboard | None:
         if not self._dashboard:
             return None
-        # here, not above: a run without a page need not load a web server
+        # imported here: a run without a page need not load a web server
         from navigation.dashboard import Bench, Dashboard, KeptRuns
 
         bench = Bench(
@@ -270,7 +266,7 @@ class Runner:
         )
 
     def _own_token(self, file: Path) -> str:
-        """The token that is kept in the file; where it cannot be, one for this run."""
+        """Token kept in the file, or one for this run if that fails."""
         from navigation.dashboard.admission.own_token import new_token, own_token
 
         try:
@@ -281,7 +277,6 @@ class Runner:
             return new_token()
 
     def _open_journals(self, open_things: ExitStack) -> dict[str, Journal]:
-        """A journal for each robot, beside each other."""
         journals = {}
         for name, one in self._robots.items():
             path = one.recording.journal
@@ -295,7 +290,7 @@ class Runner:
         return journals
 
     def _open_folder(self, open_things: ExitStack) -> Path | None:
-        """The run's folder with its log of events; None where the disk has no room for it."""
+        """Make the run's folder with its event log; None if the disk is full."""
         runs_dir = self.config.recording.runs_dir
         try:
             folder = make_run_folder(runs_dir, datetime.now())
@@ -325,7 +320,7 @@ class Runner:
         return recorder
 
     def _hold_what_was_stopped(self, open_things: ExitStack, daemon: Daemon, socket: Path) -> None:
-        """Begin with the stops that earlier programs, or nobody's, were given."""
+        """Begin with the stops kept from before this run."""
         if self._stops is None:
             return
         ports = {name: ports_of(one.serial.port) for name, one in self._robots.items()}
@@ -365,13 +360,13 @@ class Runner:
                 return now.state, now.sentence
 
     def why_interrupted(self, stopped: str | None) -> str:
-        """The reason of a run that was interrupted, after an emergency stop for that cause."""
+        """Reason of an interrupted run, after an emergency stop for that cause."""
         return f"{stopped}; then {self.interrupt_reason}" if stopped else self.interrupt_reason
 
     def _exit_code(self, state: State, daemon: Daemon) -> int:
         interrupted = self.interrupt.is_set()
         if state is State.DONE or (interrupted and not self._once):
-            return DONE  # nothing but an interrupt ends a run that goes on after its mission
+            return DONE  # a run that continues after its mission ends only by an interrupt
         pilots = [one.pilot for one in daemon.robots.values()]
         if any(pilot.no_path for pilot in pilots):
             return NO_PATH
@@ -381,13 +376,13 @@ class Runner:
     def reanchor(
         self, camera: str | None, newest: Callable[[str | None], Frame | None]
     ) -> list[str]:
-        """Place a camera anew by its newest picture; what to say of it, or ``MissionError``."""
+        """Place a camera again from its newest picture and report, or raise ``MissionError``."""
         told = renew_while_running(self.config, camera, newest, self.reload)
         self._log.write("warning", "anchoring", reason="; ".join(told))
         return told
 
     def take_over_lens(self, lens: Lens, picture: Image | None) -> str:
-        """Save a lens that was found meanwhile, and begin again with it; ``ValueError``."""
+        """Save a newly found lens and begin again with it; ``ValueError`` on failure."""
         said = take_over_lens(self.config, lens, picture, datetime.now(), self.reload_and_wait)
         self._log.write("warning", "calibration", reason=said)
         return said
@@ -398,12 +393,12 @@ class Runner:
 
 
 def _port_words(world: World) -> str:
-    """The port of a robot that is alone, or each robot's."""
+    """Port of a single robot, or of each with its name."""
     named = (f"{name} on {port}" if name else port for name, port in world.ports.items())
     return ", ".join(named)
 
 
 def camera_words(config: Config) -> str:
-    """The camera, or each of several with its name, as a run says it."""
+    """The camera, or each of several with its name, as printed."""
     named = [f"{name} {one.camera.source}" for name, one in each_camera(config).items()]
     return f"cameras {', '.join(named)}" if named else f"camera {config.camera.source}"

@@ -1,4 +1,4 @@
-"""The simulated camera above an arena in which things happen, to the camera itself too.
+"""The simulated camera above a changing arena, itself subject to knocks.
 
 Metres, radians, seconds of the clock that is passed in.
 """
@@ -29,10 +29,9 @@ def camera_over(
     wait: Callable[[float], None] = time.sleep,
     make: Callable[..., TimedCamera[Any]] = make_camera,
 ) -> TimedCamera[Any] | KnockedCamera:
-    """The camera over ``arenas``, each from its time after ``began_s`` on.
+    """Make the camera over ``arenas``, each valid from its time after ``began_s`` on.
 
-    ``tracks`` are those of robots that nobody here drives; ``make`` makes the cameras, as
-    `make_camera` does.
+    ``tracks`` belong to robots driven elsewhere; ``make`` makes the cameras, like `make_camera`.
     """
 
     def follow(track: ScriptedTrack) -> Callable[[], tuple[float, float, float]]:
@@ -76,7 +75,7 @@ def camera_over(
 def others_of(
     config: Config, tracks: Mapping[int, ScriptedTrack]
 ) -> dict[int, tuple[ScriptedTrack, float]]:
-    """By marker id: the track and the body's radius of each other robot that is there."""
+    """Track and body radius of each other robot present, by marker id."""
     return {
         one.marker_id: (tracks[one.marker_id], one.radius_m)
         for one in config.other_robots

@@ -1,6 +1,6 @@
-"""The simulated robots of one arena and the simulated cameras above it, in real time.
+"""The simulated robots of one arena and the cameras above it, in real time.
 
-Only ports and pictures of it are handed out. Of several robots it runs in a process of its own
+It hands out only ports and pictures. With several robots it runs in a process of its own
 (`simulation_apart`). Metres, radians, seconds of the clock that is passed in.
 """
 
@@ -27,19 +27,19 @@ from planner.scene import FloatArray
 
 
 def is_simulated(config: Config) -> bool:
-    """True if a robot or a camera is."""
+    """True if a robot or a camera is simulated."""
     ports = [one.serial.port for one in robots_of(config).values()]
     return SIMULATED in (*(one.camera.source for one in cameras_of(config).values()), *ports)
 
 
 def cameras_of(config: Config) -> dict[str | None, Config]:
-    """The configuration of each of several cameras by name; of the only one, that has none."""
+    """Configuration of each camera by name; a single one has none."""
     several = each_camera(config)
     return {name: several[name] for name in several} if several else {None: config}
 
 
 class Simulation:
-    """Everything of a configuration that is simulated, switched off until `start`."""
+    """Everything simulated in a configuration, switched off until `start`."""
 
     def __init__(self, config: Config, clock: WorldClock) -> None:
         self.clock = clock
@@ -70,19 +70,19 @@ class Simulation:
 
     @property
     def ports(self) -> dict[str, str]:
-        """By name, of the robots that are simulated."""
+        """Ports of the simulated robots, by name."""
         return {name: robot.port for name, robot in self.robots.items()}
 
     def track(self, name: str) -> FloatArray:
-        """Where a robot has been: (n, 4) of the clock's seconds, x_m, y_m, heading_rad."""
+        """Track of a robot: (n, 4) of the clock's seconds, x_m, y_m, heading_rad."""
         return self.robots[name].track()
 
     def pose(self, name: str) -> tuple[float, float, float]:
-        """Where a robot is now, as the simulated camera sees it."""
+        """Present pose of a robot, as the simulated camera sees it."""
         return pose_of(self._configs[name], self.robots.get(name), self._shared.get(name))
 
     def open_camera(self, name: str | None = None) -> TimedCamera[Any] | KnockedCamera:
-        """A new camera, closed; the same source each time. ``name`` is one of several cameras."""
+        """Make a closed camera, always of the same source; ``name`` is one of several."""
         camera = camera_over(
             self._cameras[name],
             self._arenas,
@@ -96,7 +96,7 @@ class Simulation:
         return camera
 
     def start(self) -> None:
-        """Switch the robots on; what happens in the arena counts from here."""
+        """Switch the robots on; times in the arena count from here."""
         self._began_s = self.clock()
         for robot in self.robots.values():
             if robot not in self._together:
@@ -107,7 +107,7 @@ class Simulation:
         self._thread.start()
 
     def stop(self) -> None:
-        """Switch them off."""
+        """Switch the robots off."""
         self._stop.set()
         if self._thread is not None:
             self._thread.join()
@@ -115,9 +115,9 @@ class Simulation:
             robot.stop()
 
     def _run(self) -> None:
-        """All that are steps of this program in one thread: eight would wait for each other.
+        """Step all robots of this program in one thread: eight threads would wait for each other.
 
-        An emulated one that is slow holds up nobody but itself.
+        A slow emulated robot, in its own thread, delays no other.
         """
         robots = self._together
         try:

@@ -1,11 +1,11 @@
-"""The simulation in a process of its own: what is simulated takes no time from the daemon.
+"""The simulation in a process of its own, which takes no time from the daemon.
 
-Robots' processors and a camera's sensor work beside a real daemon, not in it; in one process their
-threads would share one interpreter with the control loop, which then is late. Only what a cable
-would carry comes here: the ports' names, pictures, and, for the report, the truth.
+Like real robots and cameras, it works beside the daemon. In one process its threads would share the
+interpreter with the control loop and make it late. Only what a cable would carry passes: port
+names, pictures and, for the report, the truth.
 
-One question is answered after the other on each pipe; every camera has one of its own. The process
-ends with this one. Both have the same clock, over memory that they share.
+Each pipe answers one question at a time; every camera has its own. The process ends with this one.
+Both share a clock through shared memory.
 """
 
 from __future__ import annotations
@@ -31,11 +31,11 @@ END_S: Final = 2.0
 
 
 class SimulationEndedError(RuntimeError):
-    """The simulation's process is gone."""
+    """The simulation's process has ended."""
 
 
 class _Asked:
-    """This end of a pipe: asks for a method and waits for what it returns, or raises."""
+    """This end of a pipe: calls a method and returns its result or raises its exception."""
 
     def __init__(self, pipe: Connection) -> None:
         self._pipe = pipe
@@ -54,7 +54,7 @@ class _Asked:
 
 
 class SimulationApart:
-    """`Simulation` in another process; the methods are the same. ``clock`` is this one's."""
+    """`Simulation` in another process, with the same methods. ``clock`` is this process's."""
 
     def __init__(self, config: Config) -> None:
         shared = FRESH.RawArray("d", SHARED_VALUES)
@@ -70,7 +70,7 @@ class SimulationApart:
         self.ports: dict[str, str] = self._ask("ports")
 
     def track(self, name: str) -> FloatArray:
-        """Where the robot has been (n, 4); nothing is known once the process has ended."""
+        """Track of the robot (n, 4); empty once the process has ended."""
         try:
             track: FloatArray = self._ask("track", name)
         except SimulationEndedError:
@@ -78,12 +78,12 @@ class SimulationApart:
         return track
 
     def pose(self, name: str) -> tuple[float, float, float]:
-        """Where the robot is now; ``SimulationEndedError`` where nobody knows."""
+        """Present pose of the robot; ``SimulationEndedError`` if it is unknown."""
         pose: tuple[float, float, float] = self._ask("pose", name)
         return pose
 
     def open_camera(self, name: str | None = None) -> Camera:
-        """A new camera, closed; ``name`` is one of several cameras."""
+        """Make a closed camera; ``name`` is one of several."""
         return CameraApart(self._cameras[name])
 
     def start(self) -> None:
@@ -91,7 +91,7 @@ class SimulationApart:
         self._ask("start")
 
     def stop(self) -> None:
-        """Switch them off, and end the process."""
+        """Switch the robots off and end the process."""
         try:
             self._ask("stop")
         except SimulationEndedError:
@@ -101,7 +101,7 @@ class SimulationApart:
 
 
 class CameraApart:
-    """The simulated camera, as a `vision.camera.camera.Camera` of this process."""
+    """The simulated camera as a `vision.camera.camera.Camera` of this process."""
 
     def __init__(self, ask: _Asked) -> None:
         self._ask = ask
@@ -116,7 +116,7 @@ class CameraApart:
         self.state = "running"
 
     def read(self, timeout_s: float) -> Frame | None:
-        """The next frame; None where none came in time."""
+        """Return the next frame; None if none came in time."""
         seen, self.rate_hz = self._asked("read", timeout_s)
         if seen is None:
             return None
@@ -124,7 +124,7 @@ class CameraApart:
         return Frame(image, captured_s, sequence, self.name)
 
     def close(self) -> None:
-        """Stop; harmless when closed."""
+        """Stop; harmless if closed."""
         if self.state == "running":
             self.state = "closed"
             try:
@@ -145,7 +145,7 @@ def _simulate(
     shared: MutableSequence[float],
     config: Config,
 ) -> None:
-    """The process: answer until the simulation is stopped, or nobody asks any more."""
+    """Run the process: answer until the simulation stops or the pipe closes."""
     simulation = Simulation(config, world_clock(config, shared, side=1))
     for name, side in pictures.items():
         camera = _CameraHere(simulation, name)
@@ -154,38 +154,36 @@ def _simulate(
 
 
 class _CameraHere:
-    """The camera's side of the pipe: one camera at a time."""
+    """The camera's side of the pipe, one camera at a time."""
 
     def __init__(self, simulation: Simulation, name: str | None) -> None:
         self._simulation, self._name = simulation, name
         self._camera: Camera | None = None
 
     def make(self) -> tuple[str, bool]:
-        """A new camera's name, and whether its pictures may repeat."""
+        """Make a camera; return its name and if its pictures may repeat."""
         self.close()
         self._camera = self._simulation.open_camera(self._name)
         return self._camera.name, self._camera.may_repeat
 
     def open(self) -> None:
-        """Start giving frames."""
         assert self._camera is not None
         self._camera.open()
 
     def read(self, timeout_s: float) -> tuple[tuple[Image, float, int] | None, float]:
-        """The next frame's picture, time and number, and the rate."""
+        """Return the next frame's picture, time and number, and the rate."""
         assert self._camera is not None
         frame = self._camera.read(timeout_s)
         seen = None if frame is None else (frame.image, frame.captured_s, frame.sequence)
         return seen, self._camera.rate_hz
 
     def close(self) -> None:
-        """Stop giving frames."""
         if self._camera is not None:
             self._camera.close()
 
 
 def _answer(pipe: Connection, side: object, last: str = "") -> None:
-    """Carry out what is asked for, and send what came of it."""
+    """Carry out each request and send the result."""
     while True:
         try:
             name, arguments = pipe.recv()

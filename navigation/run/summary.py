@@ -1,7 +1,7 @@
 """One robot's report of a finished run.
 
-Clearance, tracking and goal errors come from the simulation's truth where there is one, else
-from what the camera saw. Units: metres, radians, seconds.
+Clearance, tracking and goal errors come from the simulation's truth, else from the camera's
+sightings. Units: metres, radians, seconds.
 """
 
 from __future__ import annotations
@@ -30,7 +30,7 @@ from planner.scene import FloatArray
 
 
 def summarise(daemon: Daemon, robot: Robot, state: State, reason: str, duration_s: float) -> Report:
-    """One robot's report, from everything that the daemon kept."""
+    """Make one robot's report from everything that the daemon kept."""
     track = driven_track(daemon, robot)
     pieces = driven_pieces(track, robot.config.robot.speed_m_s)
     snapshot, camera = robot.link.snapshot(), daemon.camera.status()
@@ -65,7 +65,7 @@ def summarise(daemon: Daemon, robot: Robot, state: State, reason: str, duration_
 
 
 def driven_track(daemon: Daemon, robot: Robot) -> FloatArray:
-    """(n, 4) of seconds, x_m, y_m, heading_rad: the truth where simulated, else the sightings."""
+    """Track (n, 4) of seconds, x_m, y_m, heading_rad: the truth if simulated, else sightings."""
     truth = daemon.world.truths.get(robot.name)
     return robot.sightings.rows() if truth is None else truth.track()
 
@@ -82,7 +82,7 @@ def _least_clearance_m(
 
 
 def _tracking(robot: Robot, track: FloatArray) -> FloatArray:
-    """Each position's distance from the plan that was driven at its time."""
+    """Distance of each position from the plan driven at its time."""
     errors = []
     plans = list(robot.plans)
     ends = [*(plan.since_s for plan in plans[1:]), math.inf]

@@ -1,4 +1,4 @@
-"""The control socket of a run: opened, watched like every other stage, and what it has to say."""
+"""The control socket of a run: opened, watched like every stage, and its news."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ if TYPE_CHECKING:
 
 
 class TakingOrders:
-    """Takes orders of people at a socket until the run ends; `cycle` after each cycle.
+    """Socket for people's orders, open until the run ends; call `cycle` after each cycle.
 
     ``say`` gets a line for the terminal.
     """
@@ -35,7 +35,7 @@ class TakingOrders:
         daemon.look_after("control socket", part, lambda: self._control.turns)
 
     def cycle(self) -> None:
-        """Say once what a person should know; what lasts becomes one of the run's troubles."""
+        """Report news once; a lasting fault becomes one of the run's troubles."""
         for sentence in self._control.news():
             self._log.write("warning", "trouble", reason=sentence)
             self._say(sentence)

@@ -1,4 +1,4 @@
-"""The lines about a run's troubles: each said once, and once that it is over."""
+"""Lines about a run's troubles: one when a trouble begins, one when it ends."""
 
 from __future__ import annotations
 
@@ -13,14 +13,14 @@ if TYPE_CHECKING:
 
 
 class TroubleLines:
-    """Compares the troubles after each cycle with those before it; `cycle`."""
+    """Comparison of each cycle's troubles with the last; call `cycle`."""
 
     def __init__(self, log: RunLog, say: Callable[[str], None]) -> None:
         self._log, self._say = log, say
         self._before: tuple[str, ...] = ()
 
     def cycle(self, troubles: Iterable[str]) -> None:
-        """Write and say what has come and what has gone."""
+        """Write and say which troubles have begun and ended."""
         before, self._before = self._before, tuple(troubles)
         for sentence in self._before:
             if sentence not in before:
@@ -33,7 +33,7 @@ class TroubleLines:
 
 
 def troubles_of(fleet: RunState) -> list[str]:
-    """The troubles of all robots; one that not every robot has begins with whose it is."""
+    """Troubles of all robots; one that not all share begins with the robot's name."""
     robots = fleet.robots
     counts = Counter(sentence for one in robots.values() for sentence in one.troubles)
     return list(

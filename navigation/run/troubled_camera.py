@@ -1,7 +1,7 @@
-"""The simulated camera with everything that goes wrong with real ones, for runs in virtual time.
+"""The simulated camera with the faults of real ones, for runs in virtual time.
 
-A test switches `CameraTroubles` while a run goes on. Nothing but the picture and its stamp changes:
-the program sees what it would see of a camera that is frozen, late or swapped. Seconds.
+A test switches `CameraTroubles` during a run. Only the picture and its stamp change: the program
+sees what a frozen, late or swapped camera would give. Seconds.
 """
 
 from __future__ import annotations
@@ -20,7 +20,7 @@ NOISE_GREY = 2.0
 
 @dataclass(slots=True)
 class CameraTroubles:
-    """What a test may switch while a run goes on; everything is well in the beginning."""
+    """Faults that a test may switch during a run; none at first."""
 
     camera_lost: bool = False
     """Reading fails, and so does opening it again."""
@@ -60,22 +60,22 @@ class TroubledCamera:
 
     @property
     def state(self) -> SourceState:
-        """As the camera's."""
+        """State of the simulated camera."""
         return self._camera.state
 
     @property
     def reason(self) -> str:
-        """As the camera's."""
+        """Reason given by the simulated camera."""
         return self._camera.reason
 
     @property
     def rate_hz(self) -> float:
-        """As the camera's."""
+        """Rate of the simulated camera."""
         return self._camera.rate_hz
 
     @property
     def may_repeat(self) -> bool:
-        """As the camera's."""
+        """True if the simulated camera may repeat pictures."""
         return self._camera.may_repeat
 
     def open(self) -> None:
@@ -83,11 +83,11 @@ class TroubledCamera:
         self._camera.open()
 
     def close(self) -> None:
-        """Close the camera; what is under way comes all the same, as from a stream's server."""
+        """Close the camera; pictures under way still arrive, as from a stream's server."""
         self._camera.close()
 
     def read(self, timeout_s: float) -> Frame | None:
-        """The next picture, with its troubles."""
+        """Return the next picture, with its faults."""
         troubles = self._troubles
         if troubles.camera_lost:
             raise CameraError(f"{self.name}: is unplugged")
@@ -124,7 +124,7 @@ class TroubledCamera:
 
 
 class Memory:
-    """What the camera saw before: opening it again does not thaw one that is frozen."""
+    """Pictures seen before: opening a frozen camera again does not thaw it."""
 
     def __init__(self, rng: np.random.Generator) -> None:
         self.last: Image | None = None
@@ -134,13 +134,13 @@ class Memory:
         self._rng = rng
 
     def noisy(self, image: Image) -> Image:
-        """The picture with fresh noise."""
+        """Return the picture with fresh noise."""
         noise = self._rng.normal(0.0, NOISE_GREY, image.shape)
         return np.clip(image + noise, 0, 255).astype(np.uint8)
 
 
 def with_clock(image: Image, time_s: float) -> Image:
-    """The picture with the time in its corner, as network cameras draw it."""
+    """Draw the time into the picture's corner, as network cameras do."""
     shown = image.copy()
     cv2.rectangle(shown, (0, 0), (120, 14), 230, -1)
     cv2.putText(shown, f"12:00:{time_s:06.3f}", (2, 11), cv2.FONT_HERSHEY_PLAIN, 0.9, 20, 1)

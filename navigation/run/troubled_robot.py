@@ -1,4 +1,4 @@
-"""A simulated robot in virtual time, and what may go wrong with it: marker, cable, motors, people.
+"""A simulated robot in virtual time and its faults: marker, cable, motors, people.
 
 Metres, radians, virtual seconds.
 """
@@ -30,7 +30,7 @@ NOWHERE: Final[Place] = (-9.0, -9.0, 0.0)
 
 @dataclass(slots=True)
 class RobotTroubles:
-    """What a test may switch while a run goes on; everything is well in the beginning."""
+    """Faults that a test may switch during a run; none at first."""
 
     marker_hidden: bool = False
     marker_at: Place | None = None
@@ -57,7 +57,7 @@ class RobotTroubles:
     """Where it stays, once it does."""
 
     def meet(self, loop: VirtualLoop) -> None:
-        """Do to a robot and its line what is wrong at this moment."""
+        """Apply the present faults to a robot and its line."""
         loop.knobs.cable = not (self.cable_out or self.port_broken)
         loop.knobs.to_robot = not self.wire_to_robot_cut
         loop.drive.has_power = not self.motors_dead
@@ -71,7 +71,7 @@ class RobotTroubles:
             self.stuck_at = None
 
     def seen_at(self, true: TruePose) -> Place:
-        """The place at which pictures show a robot that is at ``true``."""
+        """Place at which pictures show a robot whose true pose is ``true``."""
         if self.marker_hidden:
             return NOWHERE
         if self.marker_at is not None:
@@ -83,12 +83,12 @@ class RobotTroubles:
 
 @dataclass(slots=True)
 class ProcessorFaults:
-    """The configured faults of a robot's processor, at their times: it hangs, and it restarts."""
+    """Configured faults of a robot's processor, by time: it hangs, and it restarts."""
 
     faults: FaultSpec
 
     def meet(self, loop: VirtualLoop, since_s: float) -> None:
-        """Do to the processor what is due ``since_s`` after the beginning."""
+        """Apply the faults due ``since_s`` after the beginning to the processor."""
         loop.knobs.frozen = 0.0 <= since_s - self.faults.freeze_at_s < self.faults.freeze_s
         if since_s >= self.faults.reset_at_s:
             self.faults = replace(self.faults, reset_at_s=math.inf)
@@ -97,7 +97,7 @@ class ProcessorFaults:
 
 @dataclass(slots=True)
 class TroubledRobot:
-    """One simulated robot with its line and what may go wrong with it."""
+    """One simulated robot with its line and its faults."""
 
     config: Config
     loop: VirtualLoop
@@ -111,7 +111,7 @@ class TroubledRobot:
 
     @classmethod
     def of(cls, config: Config) -> TroubledRobot:
-        """The configured robot and its line; camera and lease are the program's."""
+        """Make the configured robot and its line; camera and lease are the program's."""
         assert config.simulation is not None
         loop = VirtualLoop(
             seed=config.simulation.seed,
@@ -125,7 +125,7 @@ class TroubledRobot:
         return cls(config, loop, VirtualRobot(loop), ProcessorFaults(faults_of(config)))
 
     def tick(self, since_s: float) -> None:
-        """One millisecond, ``since_s`` after the beginning."""
+        """Simulate one millisecond, ``since_s`` after the beginning."""
         loop = self.loop
         self.processor.meet(loop, since_s)
         loop.knobs.frozen |= self.frozen or self.off
@@ -135,9 +135,9 @@ class TroubledRobot:
         loop.tick()
 
     def seen(self) -> Place:
-        """The place at which pictures show it now."""
+        """Place at which pictures show it now."""
         return self.troubles.seen_at(self.robot.pose())
 
     def double(self) -> Place:
-        """The place of the second marker with its id, far away where there is none."""
+        """Place of the second marker with its id; far away without one."""
         return self.troubles.double_at or NOWHERE

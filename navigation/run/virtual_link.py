@@ -1,4 +1,4 @@
-"""The link to the robot in virtual time: on the loop's own line, without thread and port.
+"""The link to the robot in virtual time: on the loop's own line, without thread or port.
 
 Metres, radians, virtual seconds.
 """
@@ -23,7 +23,7 @@ LATENCIES_KEPT = 10_000
 
 @dataclass(slots=True)
 class VirtualLink:
-    """`SerialLink` without its thread and its port, on the virtual loop's line."""
+    """`SerialLink` without thread or port, on the virtual loop's line."""
 
     loop: VirtualLoop
     troubles: RobotTroubles
@@ -31,25 +31,25 @@ class VirtualLink:
     turns: int = 0
 
     def open(self) -> None:
-        """A new session, as a program that has just been started opens one."""
+        """Open a new session, as a freshly started program does."""
         host = self.loop.host
         self.loop.events.clear()
         host.close("another program opens the port")
         host.open(self.loop.now_s)
 
     def failure(self) -> str | None:
-        """There is no thread that could fail."""
+        """None: no thread can fail."""
         return None
 
     def late_s(self) -> float:
-        """There is no thread that could be late."""
+        """0: no thread can be late."""
         return 0.0
 
     def restart(self) -> None:
         """Nothing to do."""
 
     def close(self) -> None:
-        """The program is gone; the robot stops when its lease runs out."""
+        """End like a killed program; the robot stops when its lease runs out."""
         self.loop.host.close()
 
     def upload(
@@ -59,13 +59,13 @@ class VirtualLink:
         start: bool = True,
         released: int | None = None,
     ) -> Mission:
-        """Replace the robot's mission and drive it, or as much of it as is released."""
+        """Replace the robot's mission and drive its released part."""
         whole = Mission(mission, waypoints)
         give_mission(self.loop.host, whole, self.loop.now_s, start, released)
         return whole
 
     def release(self, mission: int, count: int) -> None:
-        """Let the first ``count`` waypoints of this mission be sent."""
+        """Allow the first ``count`` waypoints of this mission to be sent."""
         release_mission(self.loop.host, mission, count)
 
     def pause(self) -> None:
@@ -77,12 +77,12 @@ class VirtualLink:
         self.loop.host.clear()
 
     def lease(self, permit: bool, pose_age_s: float = math.inf, ttl_s: float = 0.5) -> None:
-        """The control loop lives, and the robot may drive."""
+        """Report that the control loop lives and whether the robot may drive."""
         self.turns += 1
         self.loop.host.lease(self.loop.now_s, ttl_s, permit, pose_age_s)
 
     def pose_fix(self, x_m: float, y_m: float, heading_rad: float, captured_s: float) -> None:
-        """Where the camera saw the robot."""
+        """Send the pose at which the camera saw the robot."""
         self.loop.host.pose_fix(x_m, y_m, heading_rad, captured_s)
         self.capture_to_wire_s.append(self.loop.now_s - captured_s)
 
@@ -95,12 +95,12 @@ class VirtualLink:
         self.loop.host.reset_estop(self.loop.now_s)
 
     def events(self) -> list[Event]:
-        """What has happened since the last call, oldest first."""
+        """Return the events since the last call, oldest first."""
         happened, self.loop.events = self.loop.events, []
         return happened
 
     def snapshot(self) -> LinkSnapshot:
-        """The present state."""
+        """Present state."""
         snapshot = snapshot_of(
             self.loop.host, self.loop.now_s, port_fault="the port is not open", estop_waits=False
         )

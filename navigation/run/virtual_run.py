@@ -1,4 +1,4 @@
-"""A whole run in virtual time: as fast as the machine goes, and the same every time."""
+"""A whole run in virtual time: as fast as the machine allows, and always the same."""
 
 from __future__ import annotations
 
@@ -37,16 +37,16 @@ def run_virtually(
     pictures: bool = True,
     make_world: Callable[..., VirtualWorld] = VirtualWorld,
 ) -> RunReport:
-    """Drive the configured missions until all are over or the time limit; the run's report.
+    """Drive the configured missions until all are over or the time limit; return the report.
 
-    ``meet`` is called every millisecond with the world and the time since the start, and may
-    change its troubles; ``look`` after each cycle, and ends the run where it is True. The run ends
-    ``linger_s`` after all missions are over. ``record`` is a folder for recordings, ``bodies``
-    what the simulated robots really are. Everything random comes from ``simulation.seed``.
-    Without ``pictures`` none is drawn or looked at: the same decisions in a fraction of the time.
-    ``make_world`` makes the world from the same arguments as `VirtualWorld`. Raises ValueError
-    without a section ``simulation``, for a robot behind a driver, which is a process in real time,
-    and without pictures for what only pictures show.
+    ``meet`` is called every millisecond with the world and the time since the start, and may change
+    its troubles. ``look`` is called after each cycle and ends the run by returning True. The run
+    ends ``linger_s`` after all missions. ``record`` is a folder for recordings, ``bodies`` the
+    simulated robots' true configurations. All randomness comes from ``simulation.seed``. Without
+    ``pictures`` none is drawn or analysed: the same decisions in a fraction of the time.
+    ``make_world`` takes the arguments of `VirtualWorld`. Raises ValueError without a section
+    ``simulation``, for a robot behind a driver (a real-time process), and without pictures for
+    anything that only pictures show.
     """
     if config.simulation is None:
         raise ValueError("a run in virtual time needs a section 'simulation'")
@@ -83,7 +83,7 @@ def run_virtually(
 
 
 def _recorder(config: Config, world: VirtualWorld, folder: Path) -> Recorder:
-    """A recorder whose virtual seconds count from 1970: the same stamps every time."""
+    """Recorder whose virtual seconds count from 1970: always the same stamps."""
     from navigation.loop.recorder import Recorder  # only a run that records needs its libraries
 
     began = datetime.fromtimestamp(world.clock(), UTC)

@@ -1,9 +1,9 @@
 """The running program's world in virtual time: the same parts without threads or waiting.
 
-Time passes only where the control loop waits for a frame: then bytes travel, the robots drive,
-and the simulated cameras give their pictures, through the same `LatestFrame`, host's end, robot's
-end and drive model as in real time. What computing takes is given in `VirtualTimes`, so that a
-run is the same on every machine and every time. Metres, radians, seconds.
+Time passes only while the control loop waits for a frame: then bytes travel, robots drive and
+cameras take pictures, through the real `LatestFrame`, host's end, robot's end and drive model.
+`VirtualTimes` sets the time for computing, so a run is the same on every machine and every time.
+Metres, radians, seconds.
 """
 
 from __future__ import annotations
@@ -46,9 +46,9 @@ VIRTUAL_LIMITS = WatchLimits(read_timeout_s=WATCH_EVERY_S)
 
 @dataclass(frozen=True, slots=True)
 class VirtualTimes:
-    """What the parts take in virtual time: a picture's vision, a new scene, a plan.
+    """Durations in virtual time: a picture's vision, a new scene, a plan.
 
-    ``search_s`` is what a search for several robots takes between two looks at its clock.
+    ``search_s`` is the time between two looks at the clock in a search for several robots.
     """
 
     look_s: float = 0.008
@@ -65,10 +65,9 @@ _A = TypeVar("_A")
 class VirtualWorld:
     """`parts.Surroundings` in virtual time.
 
-    Robots and lines stay when a daemon ends: another may come, as after a restart. ``bodies`` by
-    name is what the simulated robots really are, where their errors are each its own; else as
-    configured. Without ``pictures`` none is drawn or looked at
-    (`navigation.run.without_pictures`).
+    Robots and lines outlive a daemon: another may follow, as after a restart. ``bodies`` gives
+    robots with errors of their own, by name; others are as configured. Without ``pictures`` none is
+    drawn or analysed (`navigation.run.without_pictures`).
     """
 
     def __init__(
@@ -110,18 +109,16 @@ class VirtualWorld:
 
     @property
     def body(self) -> TroubledRobot:
-        """The robot of a run of one."""
+        """The only robot of a run of one."""
         (body,) = self.bodies.values()
         return body
-
-    # Time.
 
     def clock(self) -> float:
         """Virtual seconds."""
         return self._time.now_s
 
     def wait(self, seconds: float) -> None:
-        """Let time pass: bytes travel, the robots drive, and what is due is done."""
+        """Let time pass: bytes travel, robots drive, and due calls are made."""
         end_s = self._time.now_s + seconds
         bodies = list(self.bodies.values())
         while self._time.now_s < end_s - 1e-9:
@@ -142,23 +139,21 @@ class VirtualWorld:
             item[1]()
 
     def late_s(self) -> float:
-        """There is no thread that could be late."""
+        """0: no thread can be late."""
         return 0.0
 
     def after(self, seconds: float, call: Callable[[], None]) -> None:
-        """Have something done when so much time has passed."""
+        """Call ``call`` after ``seconds``."""
         self._due.append((self.clock() + seconds, call))
 
-    # The parts.
-
     def make_frames(self) -> VirtualFrames:
-        """The camera, or several as one."""
+        """Make the camera, or several as one."""
         return VirtualFrames(self, tuple(self._configs_of_cameras))
 
     def make_vision(
         self, config: Config, witness: KnowsLatency, driven: Sequence[RobotSection]
     ) -> VisionStage:
-        """Vision, with drawn pictures or without."""
+        """Make vision, with drawn pictures or without."""
         return VisionStage(
             config,
             self.calibration,
@@ -170,12 +165,12 @@ class VirtualWorld:
         )
 
     def make_link(self, name: str) -> VirtualLink:
-        """The link to one robot."""
+        """Make the link to one robot."""
         body = self.bodies[name]
         return VirtualLink(body.loop, body.troubles)
 
     def search_clock(self) -> float:
-        """Counts the looks at it, so that equal work is limited equally on every computer."""
+        """Count the looks at it, so that equal work has an equal limit on every computer."""
         self._searched_s += self.times.search_s
         return self._searched_s
 
@@ -185,11 +180,11 @@ class VirtualWorld:
         on_scene: Callable[[SceneCheck], None],
         on_answer: Callable[[_A], None],
     ) -> VirtualPlanner[_Q, _A]:
-        """The planner."""
+        """Make the planner."""
         return VirtualPlanner(self, planner, on_scene, on_answer)
 
     def open_camera(self, name: str | None = None) -> Camera:
-        """A new camera over what the arena is by now; ``name`` is one of several."""
+        """Make a camera over the arena as it is now; ``name`` is one of several."""
         troubles = self.cameras[name]
         if troubles.camera_lost:
             raise CameraError("simulated camera: is unplugged")
@@ -206,7 +201,7 @@ class VirtualWorld:
         return TroubledCamera(camera, troubles, self._memories[name], self.clock, self.wait)
 
     def _driven(self) -> Driven:
-        """The robots, and the second markers that may lie beside them."""
+        """Robots, and the second markers that may lie beside them."""
         bodies = self.bodies.values()
         return [
             *((body.config.robot, body.seen) for body in bodies),
@@ -214,14 +209,14 @@ class VirtualWorld:
         ]
 
     def start(self) -> None:
-        """What happens in the arena counts from the first start."""
+        """Set the time from which the arena's events count; only the first start does."""
         if self._began_s == 0.0:
             self._began_s = self.clock()
             for truth in self.truths.values():
                 truth.began_s = self._began_s
 
     def stop(self) -> None:
-        """The robots stay switched on."""
+        """Leave the robots switched on."""
 
 
 class VirtualFrames:
@@ -249,12 +244,14 @@ class VirtualFrames:
         self._latest.stop()
 
     def has_died(self) -> bool:
-        """There is no thread that could die."""
+        """False: no thread can die."""
         return False
 
     def take(self, timeout_s: float) -> Frame | None:
-        """The next frame, after the time that vision takes for it; None where none comes, or
-        where `wake` was called."""
+        """Return the next frame, after the time that vision takes for it.
+
+        None if none comes or `wake` is called.
+        """
         self.turns += 1
         end_s = self._world.clock() + timeout_s
         while self._world.clock() < end_s and not self._woken:
@@ -270,16 +267,16 @@ class VirtualFrames:
         return None
 
     def wake(self) -> None:
-        """End the wait of `take`, the present one or the next."""
+        """End the present wait of `take`, or the next one."""
         self._woken = True
 
     def status(self) -> CameraStatus:
-        """What the camera is doing now."""
+        """Present status of the camera."""
         return self._latest.status()
 
 
 class VirtualPlanner(Generic[_Q, _A]):
-    """Plans at once, and tells it when a planner's thread would have."""
+    """A planner that plans at once and answers when a thread would have."""
 
     def __init__(
         self,
@@ -300,7 +297,7 @@ class VirtualPlanner(Generic[_Q, _A]):
         """Nothing to do."""
 
     def failure(self) -> str | None:
-        """The error of the last scene or plan, in words."""
+        """Error of the last scene or plan, in words."""
         return self._failure
 
     def restart(self) -> None:
@@ -317,7 +314,7 @@ class VirtualPlanner(Generic[_Q, _A]):
             self._failure = in_words(error)
 
     def see(self, scene: Scene, revision: int, path_points: FloatArray | None) -> None:
-        """Build the roadmap; it is there after ``scene_s``."""
+        """Build the roadmap; it is available after ``scene_s``."""
 
         def built() -> None:
             self.planner.see(scene, revision)

@@ -1,7 +1,7 @@
-"""What a run is connected to in real time: cameras, serial ports, and, where simulated, the truth.
+"""The real-time world of a run: cameras, serial ports and, if simulated, the truth.
 
-The rest of the program gets cameras and ports and cannot tell what they are; only the report asks
-for the truth. Units: metres, radians, seconds.
+The rest of the program cannot distinguish simulated cameras and ports; only the report asks for the
+truth. Units: metres, radians, seconds.
 """
 
 from __future__ import annotations
@@ -41,7 +41,7 @@ _A = TypeVar("_A")
 
 
 class World:
-    """Makes what the configuration names; `start` switches simulated robots on.
+    """The configured devices; `start` switches simulated robots on.
 
     ``wait_for_port`` False: a serial port that is not ready is a ``PortError`` of its link.
     """
@@ -74,12 +74,12 @@ class World:
 
     @cached_property
     def floor_plan(self) -> FloorPlan | None:
-        """The floor under several cameras; None where there is one."""
+        """Floor under several cameras; None for one camera."""
         return floor_plan_of(self.config)
 
     @cached_property
     def calibration(self) -> Calibration:
-        """Where pixels lie on the floor, of the picture that people are shown."""
+        """Calibration of the picture shown to people."""
         return shown_calibration(self.config, self.floor_plan)
 
     def _truths(self, simulated: Iterable[str]) -> dict[str, Truth]:
@@ -94,21 +94,21 @@ class World:
         self.clock.wait(seconds)
 
     def late_s(self) -> float:
-        """How late this program's threads were woken, at worst, since the last call."""
+        """Worst delay in waking this program's threads since the last call."""
         return self._wakeups.worst_s()
 
     def make_frames(self) -> LatestFrame | SeveralFrames:
-        """The camera in a thread of its own, or each of several."""
+        """Make the camera in a thread of its own, or each of several."""
         return self._cameras.frames()
 
     def make_vision(
         self, config: Config, witness: KnowsLatency, driven: Sequence[RobotSection]
     ) -> VisionStage:
-        """Vision that looks at the camera's pictures."""
+        """Make the vision that analyses the camera's pictures."""
         return VisionStage(config, self.calibration, witness, self.clock, driven, self.floor_plan)
 
     def make_link(self, name: str) -> SerialLink:
-        """The link to one robot in a thread of its own; it waits for one that comes later."""
+        """Make the link to one robot in its own thread; it waits for a later robot."""
         driver = self._drivers.get(name)
         if driver is not None:
             return link_of(driver, self.clock)
@@ -118,7 +118,7 @@ class World:
         )
 
     def search_clock(self) -> float:
-        """The seconds by which a search for plans is limited: compiling is left out."""
+        """Seconds that limit a search for plans, without the time for compiling."""
         return search_clock_s()
 
     def make_planner(
@@ -127,11 +127,11 @@ class World:
         on_scene: Callable[[SceneCheck], None],
         on_answer: Callable[[_A], None],
     ) -> PlannerThread[_Q, _A]:
-        """The planner in a thread of its own."""
+        """Make the planner in a thread of its own."""
         return PlannerThread(planner, on_scene, on_answer)
 
     def open_camera(self, name: str | None = None) -> Camera:
-        """A new camera, closed; the same source each time. ``name`` is one of several cameras."""
+        """Make a closed camera, always of the same source; ``name`` is one of several."""
         return self._cameras.open(name)
 
     def _simulated(self, name: str | None, _config: Config) -> Camera:
@@ -139,7 +139,7 @@ class World:
         return self.simulation.open_camera(name)
 
     def start(self) -> None:
-        """Switch simulated robots and all drivers on; what happens counts from here."""
+        """Switch simulated robots and all drivers on; times in the arena count from here."""
         self.clock.waits_for_this_thread()
         self._wakeups.start()
         for truth in self.truths.values():
@@ -149,7 +149,7 @@ class World:
         start_all(self._drivers.values())
 
     def stop(self) -> None:
-        """Switch them off."""
+        """Switch robots and drivers off."""
         self._wakeups.stop()
         self.doubts = end_all(self._drivers.values())
         if self.simulation is not None:
@@ -157,22 +157,20 @@ class World:
 
 
 class _RobotOf:
-    """One robot of the simulation, for those who ask for the truth."""
+    """One robot of the simulation, for the truth."""
 
     def __init__(self, simulation: Simulation | SimulationApart, name: str) -> None:
         self._simulation, self._name = simulation, name
 
     def pose(self) -> TruePose:
-        """Where it is now."""
         return TruePose(*self._simulation.pose(self._name))
 
     def track(self) -> FloatArray:
-        """Where it has been."""
         return self._simulation.track(self._name)
 
 
 def _simulation_of(config: Config) -> Simulation | SimulationApart | None:
-    """Several robots' threads would keep this program's waiting: they get a process."""
+    """Make the simulation; that of several robots in a process, so as not to delay this one."""
     if not is_simulated(config):
         return None
     if len(config.robots) > 1:

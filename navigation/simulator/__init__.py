@@ -1,12 +1,13 @@
 """The simulated arena: its geometry, its camera and its robot.
 
-- `arena`: what stands in it; `happenings`: what changes while a run goes on; `settings`: all of it
-  from the configuration.
-- `picture`: what its camera sees.
-- `drive_model`: wheels and odometry; `twins`: the robots that turn them; `robot`: one of these at
-  the other end of a line, in real time (`own_time`); `emulated_processor`: what one of them runs
-  on.
-- `line_faults`: bytes that a line loses, damages and delays; `virtual_loop`: both ends of the line
-  and the robot in virtual time; `virtual_robot`: that robot as the truth knows it.
-- `truth`, `shared_pose`: where the robot really is, for the camera and for measuring.
+- `settings` turns the configuration into the robot's settings.
+- `arena` holds the obstacles; `happenings` changes them during a run.
+- `picture/` shows them to the camera.
+- `drive_model` moves wheels and odometry; `twins/` are the robots that order the wheels, one of
+  them on an `emulated_processor`.
+- `robot` puts a twin at the other end of a line in real time (`own_time`, `slowing_clock`);
+  `line_faults` loses, damages and delays bytes.
+- `virtual_loop` has both ends of the line and the robot in virtual time; `virtual_robot` is its
+  robot as the truth knows it.
+- `truth` and `shared_pose` give the true poses, for the camera and for measuring.
 """

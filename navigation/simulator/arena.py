@@ -1,8 +1,8 @@
-"""The ground truth of the simulated arena: where the obstacles really are.
+"""Ground truth of the simulated arena: the true places of the obstacles.
 
-Only the simulator and the report know this; vision and planning see pictures. The distances
-are computed straight from the records, without the planner's kernels, so that the report's
-clearance judges the planner independently. Units: metres, y up.
+Only the simulator and the report use it; vision and planning see pictures. Distances come straight
+from the records, without the planner's kernels, so the report judges the planner independently.
+Units: metres, y up.
 """
 
 from __future__ import annotations
@@ -57,8 +57,8 @@ class SimulatedArena:
     def clearances(self, points_m: ArrayLike) -> FloatArray:
         """Distance (n,) of points (n, 2) to the nearest border or wall.
 
-        Negative inside an obstacle and outside the bounds. Exact but for rounding;
-        O(points x edges).
+        Negative inside an obstacle and outside the bounds. Exact but for rounding; O(points x
+        edges).
         """
         points = np.asarray(points_m, dtype=np.float64).reshape(-1, 2)
         distance = _distance_to_walls(points, self.scene.bounds)
@@ -72,10 +72,10 @@ class SimulatedArena:
         return np.where(solid | ~_within(points, self.scene.bounds), -distance, distance)
 
     def track_clearance(self, track_m: ArrayLike) -> tuple[float, tuple[float, float]]:
-        """The least clearance of a polyline (n >= 1, 2) and where it is.
+        """Return the least clearance of a polyline (n >= 1, 2) and its place.
 
-        Between its points too, to ``TRACK_TOLERANCE_M``: the clearance changes by no more than
-        the way gone, so pieces that cannot hold the least one are left out and the others
+        Covers places between the points, to ``TRACK_TOLERANCE_M``: the clearance changes by at most
+        the distance travelled, so pieces that cannot hold the least one are dropped and others
         halved.
         """
         track = np.asarray(track_m, dtype=np.float64).reshape(-1, 2)
@@ -99,10 +99,10 @@ class SimulatedArena:
 
 
 def load_arena(config: Config) -> SimulatedArena:
-    """The simulated arena of a configuration, inside the configuration's bounds.
+    """Load a configuration's simulated arena, inside the configured bounds.
 
-    Raises ``SceneError`` where the file is no scene in metres, where no arena is configured,
-    and where the robot's start is not free.
+    Raises ``SceneError`` if the file is no scene in metres, no arena is configured, or the robot's
+    start is not free.
     """
     simulation = config.simulation
     if simulation is None:
@@ -139,7 +139,6 @@ def _distance_to_walls(points: FloatArray, bounds: Bounds) -> FloatArray:
 
 
 def _distance_to(record: Record, points: FloatArray) -> FloatArray:
-    """Distance (n,) to a record's border."""
     match record:
         case PointRecord(at):
             return np.asarray(np.hypot(points[:, 0] - at[0], points[:, 1] - at[1]))
@@ -165,7 +164,7 @@ def _to_segment(edge: Segment, points: FloatArray) -> FloatArray:
 
 
 def _to_arc(edge: Arc, points: FloatArray) -> FloatArray:
-    """To the circle where the foot lies on the arc, otherwise to the nearer end."""
+    """Distance to the circle if the foot lies on the arc, else to the nearer end."""
     start_rad, sweep_rad = edge.sweep(y_down=False)
     off = points - np.array(edge.center)
     turned = np.arctan2(off[:, 1], off[:, 0]) - start_rad
@@ -179,7 +178,7 @@ def _to_arc(edge: Arc, points: FloatArray) -> FloatArray:
 
 
 def _inside(record: Record, points: FloatArray) -> BoolArray:
-    """Whether points lie inside a record's closed border; open records have no inside."""
+    """True for points inside a record's closed border; open records have no inside."""
     match record:
         case CircleRecord(center, radius):
             return np.asarray(np.hypot(points[:, 0] - center[0], points[:, 1] - center[1]) < radius)
@@ -205,7 +204,7 @@ def _inside_chords(corners: FloatArray, points: FloatArray) -> BoolArray:
 
 
 def _between_chord_and_arc(edge: Arc, points: FloatArray) -> BoolArray:
-    """Whether points lie in the circular segment that the arc adds to or takes from its chord."""
+    """True for points in the circular segment between the arc and its chord."""
     off = points - np.array(edge.center)
     in_disc: BoolArray = np.hypot(off[:, 0], off[:, 1]) < edge.radius
     start_rad, sweep_rad = edge.sweep(y_down=False)

@@ -1,10 +1,8 @@
-"""How a differential-drive robot really moves: slow motors, wrong wheels, slip, coarse encoders.
+"""True motion of a differential-drive robot: slow motors, wrong wheels, slip, coarse encoders.
 
-Wheels do not turn however slowly they are ordered to: an order in the dead zone does nothing, one
-that sets out from rest has to overcome the stiction too, and orders may go in steps only.
-The motors' controller regulates what the encoders measure; the wheels' true radii, and slip,
-decide what becomes of it on the floor. Metres, radians, seconds; the random generator is
-passed in.
+An order in the dead zone does nothing, one from rest must also overcome the stiction, and orders
+may have steps. The motors' controller regulates what the encoders measure; true wheel radii and
+slip decide the motion on the floor. Metres, radians, seconds; the random generator is passed in.
 """
 
 from __future__ import annotations
@@ -25,7 +23,7 @@ ROUNDING: Final = 1e-9
 
 
 class TruePose(NamedTuple):
-    """Where the robot is."""
+    """Pose of the robot."""
 
     x_m: float
     y_m: float
@@ -34,13 +32,12 @@ class TruePose(NamedTuple):
 
 @dataclass(frozen=True, slots=True)
 class DriveModel:
-    """The robot's body. ``*_scale`` is the true radius of a wheel over the nominal one.
+    """The robot's body. ``*_scale`` is a wheel's true radius over the nominal one.
 
-    ``slip`` is the standard deviation of the part of each wheel's travel that is lost or
-    gained, changing over about ``slip_time_s``; ``ticks_per_m`` is the encoders' resolution. A
-    wheel that turns stops at orders below ``dead_zone_m_s``, and one at rest stays there up to an
-    order that is larger by the part ``stiction``. Orders are rounded towards zero to whole
-    ``step_m_s``; 0: to none.
+    ``slip`` is the standard deviation of the share of each wheel's travel lost or gained, changing
+    over about ``slip_time_s``; ``ticks_per_m`` is the encoders' resolution. A turning wheel stops
+    at orders below ``dead_zone_m_s``; one at rest needs an order larger by the share ``stiction``.
+    Orders are rounded towards zero to whole ``step_m_s``; 0: not rounded.
     """
 
     track_m: float = 0.12
@@ -56,7 +53,7 @@ class DriveModel:
     step_m_s: float = 0.0
 
     def driven(self, order_m_s: float, *, at_rest: bool) -> float:
-        """The speed that an order makes a wheel aim at."""
+        """Return the speed that an ordered wheel aims at."""
         size = min(self.max_wheel_m_s, abs(order_m_s))
         if self.step_m_s > 0.0:
             size = math.floor(size / self.step_m_s + ROUNDING) * self.step_m_s
@@ -66,7 +63,7 @@ class DriveModel:
 
 
 class _Wheel:
-    """One wheel: it follows its motor, and slips. What is the same in every step is kept."""
+    """One wheel, which follows its motor and slips; keeps the constants of every step."""
 
     def __init__(self, model: DriveModel, scale: float, rng: np.random.Generator) -> None:
         self.speed_m_s = 0.0
@@ -87,7 +84,7 @@ class _Wheel:
         self._kick = model.slip * math.sqrt(1.0 - self._keep * self._keep)
 
     def turn(self, dt_s: float, order_m_s: float) -> float:
-        """Turn for ``dt_s``; how far that moves it over the floor."""
+        """Turn for ``dt_s``; return the travel over the floor."""
         if dt_s != self._dt_s:
             self._take_steps_of(dt_s)
         speed_m_s = self.speed_m_s
@@ -107,7 +104,7 @@ class _Wheel:
 
 
 class Drive:
-    """The moving robot: :meth:`step` it in steps of at most a few milliseconds."""
+    """The moving robot; :meth:`step` it in steps of at most a few milliseconds."""
 
     def __init__(self, model: DriveModel, pose: TruePose, rng: np.random.Generator) -> None:
         self.model = model
@@ -123,7 +120,7 @@ class Drive:
 
     @property
     def encoders_m(self) -> tuple[float, float]:
-        """The wheels' travel as the encoders count it, from the nominal radius."""
+        """Travel of the wheels as the encoders count it, from the nominal radius."""
         ticks = self.model.ticks_per_m
         return (
             math.floor(self._left.travel_m * ticks) / ticks,
@@ -132,18 +129,18 @@ class Drive:
 
     @property
     def moving(self) -> bool:
-        """Whether a wheel turns faster than 1 mm/s."""
+        """True if a wheel turns faster than 1 mm/s."""
         return max(abs(self._left.speed_m_s), abs(self._right.speed_m_s)) > AT_REST_M_S
 
     def step(self, dt_s: float, wanted: WheelSpeeds) -> None:
-        """Move for ``dt_s`` while the motors are told ``wanted``."""
+        """Move for ``dt_s`` with the motors ordered to ``wanted``."""
         left_m_s, right_m_s, powered = wanted
         if not (powered and self.has_power):
             left_m_s = right_m_s = 0.0
         left_m = self._left.turn(dt_s, left_m_s)
         right_m = self._right.turn(dt_s, right_m_s)
         if not (left_m or right_m):
-            return  # both wheels stand: that is exactly zero
+            return  # both wheels are at rest: exactly zero
         travel_m = (left_m + right_m) / 2.0
         turn_rad = (right_m - left_m) / self.model.track_m
         x_m, y_m, heading_rad = self.pose

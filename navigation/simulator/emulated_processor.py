@@ -1,11 +1,11 @@
 """A microcontroller in another process, in lockstep with this one's time.
 
-The program runs the robot's real firmware on an emulated processor and speaks on its stdin and
-stdout, integers little-endian, packed. Request: u32 microseconds to run, i16 and i16 encoder
-steps (left, right) to make meanwhile, u8 flags (bit 0: reset first), u16 count, count bytes for
-the UART. Answer: u8 PWM left, u8 PWM right, u8 bit 0 powered, bit 1 left backwards, bit 2 right
-backwards; u32 cycle of the last power-off, u32 cycle now; u16 count, count bytes from the UART.
-The cycles wrap after 268 s; here they go on, as long as a power-off is asked for within that time.
+The program emulates the robot's processor with its real firmware. Messages on stdin and stdout are
+little-endian integers, packed. Request: u32 microseconds to run, i16 and i16 encoder steps (left,
+right) to make meanwhile, u8 flags (bit 0: reset first), u16 count, count bytes for the UART.
+Answer: u8 PWM left, u8 PWM right, u8 bit 0 powered, bit 1 left backwards, bit 2 right backwards;
+u32 cycle of the last power-off, u32 cycle now; u16 count, count bytes from the UART. The cycles
+wrap after 268 s; they are unwrapped here if power-offs are read within that time.
 """
 
 from __future__ import annotations
@@ -31,7 +31,7 @@ class EmulatorError(ValueError):
 
 
 class Motors(NamedTuple):
-    """What the board's outputs do."""
+    """State of the board's outputs."""
 
     left_m_s: float
     right_m_s: float
@@ -42,7 +42,7 @@ class Motors(NamedTuple):
 
 
 class EmulatedProcessor:
-    """The running program ``command``; :meth:`close` ends it. EmulatorError where it is missing."""
+    """The running program ``command``; :meth:`close` ends it. EmulatorError if it is missing."""
 
     def __init__(self, command: Sequence[str | Path]) -> None:
         try:
@@ -64,7 +64,7 @@ class EmulatedProcessor:
         wheels_m: tuple[float, float] = (0.0, 0.0),
         reset: bool = False,
     ) -> tuple[Motors, bytes]:
-        """Let time pass while bytes arrive and the wheels turn by so much; EmulatorError."""
+        """Let time pass with arriving bytes and wheels turning by ``wheels_m``; EmulatorError."""
         steps = []
         for side, travel in enumerate(wheels_m):
             self._rest[side] += travel / TICK_M

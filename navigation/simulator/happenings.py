@@ -1,7 +1,7 @@
-"""What happens in the simulated arena by itself: robots drive past, obstacles come and go.
+"""Scripted events in the simulated arena: robots drive past, obstacles come and go.
 
-Everything is known beforehand from the configuration; times count from the beginning of the
-run. Units: metres, radians, seconds.
+The configuration fixes everything beforehand; times count from the beginning of the run. Units:
+metres, radians, seconds.
 """
 
 from __future__ import annotations
@@ -26,9 +26,9 @@ TURN_RATE_RAD_S = 2.0
 
 @dataclass(frozen=True, slots=True, eq=False)
 class ScriptedTrack:
-    """Where a robot is at any time: ``knots`` (n, 4) of time_s, x_m, y_m, unwrapped heading_rad.
+    """Pose of a robot over time: ``knots`` (n, 4) of time_s, x_m, y_m, unwrapped heading_rad.
 
-    ``back_and_forth``: at the end it goes the same way back, and so on.
+    ``back_and_forth``: it drives the track back from the end, and so on.
     """
 
     knots: FloatArray
@@ -36,7 +36,7 @@ class ScriptedTrack:
     back_and_forth: bool
 
     def pose(self, since_s: float) -> tuple[float, float, float]:
-        """(x, y, heading) so long after the beginning."""
+        """Return (x, y, heading) at ``since_s`` after the beginning."""
         gone_s, whole_s = max(0.0, since_s - self.start_s), float(self.knots[-1, 0])
         if self.back_and_forth and whole_s > 0.0:
             gone_s %= 2.0 * whole_s
@@ -47,7 +47,7 @@ class ScriptedTrack:
 
 
 def scripted_track(section: SimulatedTrackSection) -> ScriptedTrack:
-    """The track of a configured robot: straight from place to place, turning on the spot."""
+    """Track of a configured robot: straight from place to place, turning on the spot."""
     places = [(place.x_m, place.y_m) for place in section.track]
     heading = _direction(*places[:2]) if len(places) > 1 else 0.0
     knots = [(0.0, *places[0], heading)]
@@ -65,16 +65,16 @@ def _direction(a: Vec, b: Vec) -> float:
 
 
 def tracks_of(config: Config) -> dict[int, ScriptedTrack]:
-    """The scripted tracks by marker id."""
+    """Scripted tracks by marker id."""
     if config.simulation is None:
         return {}
     return {one.marker_id: scripted_track(one) for one in config.simulation.other_robots}
 
 
 def arenas_over_time(config: Config, arena: SimulatedArena) -> list[tuple[float, SimulatedArena]]:
-    """The arena with the obstacles that are there, each from its time after the beginning on.
+    """Return the arena with its present obstacles, each from its time after the beginning on.
 
-    The first begins at 0. Raises ``SceneError`` for a record that cannot be read.
+    The first begins at 0. Raises ``SceneError`` for an unreadable record.
     """
     sections = () if config.simulation is None else config.simulation.obstacles
     things = [(section, object_of(section, arena)) for section in sections]
@@ -84,11 +84,11 @@ def arenas_over_time(config: Config, arena: SimulatedArena) -> list[tuple[float,
 
 
 def object_of(section: SimulatedObstacleSection, arena: SimulatedArena) -> SceneObject:
-    """The obstacle of a record; ``SceneError`` where it cannot be read or holds not just one."""
+    """Obstacle of a record; ``SceneError`` if unreadable or not exactly one."""
     try:
         scene = read_scene_text(f"#@ clearway.scene/1\n#@ units m\n{section.record}\n", "record")
     except SceneError as error:
-        # the place is the record's in a file that nobody wrote
+        # errors cite a place in a file; this record comes from none
         raise SceneError(re.sub(r"^record:\d+:\d+: ", "", str(error))) from None
     if len(scene.objects) != 1:
         raise SceneError(f"must be one record, not {len(scene.objects)}")

@@ -1,14 +1,14 @@
-"""What a bad cable does to bytes, on order: drop, flip, dup, swap, span, noise, stall.
+"""Effects of a bad cable on bytes, on order: drop, flip, dup, swap, span, noise, stall.
 
 A specification is a comma-separated list, as ``drop=0.001,flip=0.0005,stall=0.1@5``:
 
-- ``drop=P`` every byte is lost with probability P; ``flip=P`` one of its bits is turned
-- ``noise=P`` a random byte is inserted before it
-- ``dup=P``, ``swap=P``, ``span=P`` of every frame: sent twice, sent after the next one, or
-  4 to 40 bytes of it lost
+- ``drop=P`` loses a byte with probability P; ``flip=P`` turns one of its bits
+- ``noise=P`` inserts a random byte before it
+- ``dup=P``, ``swap=P``, ``span=P`` act on frames: sent twice, sent after the next one, or 4 to 40
+  bytes of it lost
 - ``stall=S@T`` for S seconds out of every T nothing passes, then all of it at once
-- ``reset=T``, ``freeze=S@T`` the robot's processor restarts, or stands still for S seconds,
-  T seconds after the start
+- ``reset=T``, ``freeze=S@T`` restart the robot's processor, or halt it for S seconds, T seconds
+  after the start
 """
 
 from __future__ import annotations
@@ -20,7 +20,7 @@ import numpy as np
 
 
 class FaultSpecError(ValueError):
-    """A fault specification cannot be understood; the message says which part and why."""
+    """A fault specification is invalid; the message names the part and the reason."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -41,7 +41,7 @@ class FaultSpec:
 
     @classmethod
     def parse(cls, text: str) -> FaultSpec:
-        """Read a specification as in the module's text; FaultSpecError says what is wrong."""
+        """Read a specification as in the module's text; FaultSpecError if invalid."""
         values: dict[str, float] = {}
         for part in filter(None, (part.strip() for part in text.split(","))):
             name, equals, value = part.partition("=")
@@ -91,7 +91,7 @@ def _positive(name: str, value: str) -> float:
 
 
 class FaultyLine:
-    """One direction of a bad line; :meth:`carry` gives what arrives of what is sent."""
+    """One direction of a bad line; :meth:`carry` turns sent bytes into received ones."""
 
     def __init__(self, spec: FaultSpec, rng: np.random.Generator) -> None:
         self.spec = spec
@@ -104,7 +104,7 @@ class FaultyLine:
         self._by_frame = any(rate > 0.0 for rate in per_frame)
 
     def carry(self, data: bytes, now_s: float) -> bytes:
-        """Bytes in, bytes out; call with ``b""`` too, so that a stall can end."""
+        """Return the bytes that arrive; call with ``b""`` too, to end a stall."""
         if data and self._by_frame:
             data = self._damage_frames(data)
         if data:

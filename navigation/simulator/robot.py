@@ -1,12 +1,12 @@
 """A simulated robot in real time: a twin behind a line, on simulated wheels.
 
-The twin is our own robot, one of another maker, or an emulated one (`twins`). A thread steps it and
-the moving robot, and carries bytes between it and a pseudo-terminal, as a UART does: at the line's
-pace, and with its faults. The host opens :attr:`SimulatedRobot.port` with pyserial, as it would
-open a cable. The true pose and the driven track are for the simulated camera and the report.
+The twin is our own robot, another maker's, or an emulated one (`twins`). A thread steps twin and
+wheels and carries bytes to and from a pseudo-terminal like a UART: at the line's pace and with its
+faults. The host opens :attr:`SimulatedRobot.port` with pyserial, like a cable. True pose and track
+are for the simulated camera and the report.
 
-Of the faults ``reset`` boots the processor again; ``freeze`` stops it: the motors keep what they
-were told, and of what the host sends meanwhile the UART's buffer holds RING_BYTES.
+The fault ``reset`` boots the processor again; ``freeze`` stops it: the motors keep their last
+order, and the UART keeps RING_BYTES from the host.
 """
 
 from __future__ import annotations
@@ -56,11 +56,10 @@ END_S: Final = 2.0
 class SimulatedRobot:
     """A robot on a new pseudo-terminal, or on an existing serial port; a context manager.
 
-    ``pose`` is (x_m, y_m, heading_rad) at the start; ``twin`` is our own robot where none is given;
-    ``baud`` paces the line, by default as the twin does, and infinity lets bytes pass at once;
-    ``rng`` moves the robot and its faults. PortError where ``port`` cannot be opened,
-    FaultSpecError for faults that this line cannot have. When what the twin runs on ends, the robot
-    stands and its line is silent.
+    ``pose`` is (x_m, y_m, heading_rad) at the start; ``twin`` is our own robot by default; ``baud``
+    paces the line, by default as the twin does (infinity: at once); ``rng`` drives the robot's
+    motion and faults. PortError if ``port`` cannot be opened, FaultSpecError for faults that this
+    line cannot have. When the twin's platform ends, the robot stops and its line is silent.
     """
 
     def __init__(
@@ -117,8 +116,6 @@ class SimulatedRobot:
         os.set_blocking(self._fd, False)
         return port
 
-    # Life.
-
     def start(self) -> None:
         """Switch the robot on, in a thread of its own."""
         self.switched_on()
@@ -130,7 +127,7 @@ class SimulatedRobot:
         self._stop.set()
         if self._thread is not None:
             self._thread.join(END_S)
-        self.twin.close()  # a step that waits for it ends now
+        self.twin.close()  # ends a step that waits for it
         if self._thread is not None:
             self._thread.join()
             self._thread = None
@@ -155,10 +152,8 @@ class SimulatedRobot:
     ) -> None:
         self.stop()
 
-    # What is true, for any thread.
-
     def pose(self) -> TruePose:
-        """The place of the robot now; waits for a robot whose thread is behind."""
+        """Present true pose; waits for a robot whose thread is behind."""
         self._time.wait_for(self._clock())
         return self._drive.pose
 
@@ -168,18 +163,15 @@ class SimulatedRobot:
         return self._drive.moving
 
     def track(self) -> NDArray[np.float64]:
-        """The places where it has been: (n, 4) of time, x_m, y_m, heading_rad, every 20 ms."""
+        """True track: (n, 4) of time, x_m, y_m, heading_rad, every 20 ms."""
         return self._track.rows()
 
     def late_since_s(self) -> float:
-        """The time since which the robot has steps to do, or the host bytes to read; infinity
-        while it is off."""
+        """Time since which the robot has due steps or the host unread bytes; infinity while off."""
         return min(self._time.since_s, self._unread_since_s)
 
-    # What a person does to it.
-
     def bump(self, pressed: bool = True) -> None:
-        """Touch its bumper, or let go of it; press its emergency stop where it has one."""
+        """Touch or release its bumper, or its emergency stop if it has one."""
         with self.held:
             self.twin.bump(pressed)
 
@@ -189,11 +181,9 @@ class SimulatedRobot:
             self.twin.lift(lifted)
 
     def unplug(self, unplugged: bool = True) -> None:
-        """Cut both directions of its cable, or join them again; its power stays on."""
+        """Cut both directions of its cable, or join them; its power stays on."""
         with self.held:
             self._is_unplugged = unplugged
-
-    # The thread.
 
     def _run(self) -> None:
         try:
@@ -203,22 +193,22 @@ class SimulatedRobot:
             self.switched_off()
 
     def switched_on(self) -> None:
-        """It is driven from now on: by its own thread, or by who calls :meth:`turn`."""
+        """Switch on, driven by its own thread or by a caller of :meth:`turn`."""
         self._start_s = self._clock()
         self.twin.boot(self._start_s - ON_FOR_S)
         self._time.begin(self._start_s)
 
     def switched_off(self) -> None:
-        """Nobody drives it any more."""
+        """Switch off: it is driven by no thread."""
         self._time.end()
         self._unread_since_s = math.inf
 
     def fileno(self) -> int:
-        """The descriptor that the host's bytes arrive at."""
+        """Descriptor at which the host's bytes arrive."""
         return self._fd
 
     def turn(self) -> float:
-        """Make all steps that are due, and exchange bytes; how long until the next, seconds."""
+        """Do all due steps and exchange bytes; return the seconds until the next step."""
         if self._has_ended:
             return math.inf
         now_s = self._clock()
@@ -254,7 +244,7 @@ class SimulatedRobot:
         self._meet_reset(now_s)
         data = self._read()
         if data and not self._is_unplugged:
-            self._to_robot.put(data, self._clock())  # behind the clock, it has to wait
+            self._to_robot.put(data, self._clock())  # behind the clock, so it has to wait
         self._waiting += self._lines[0].carry(self._to_robot.take(now_s), now_s)
         if self._is_frozen(now_s):
             self._waiting = self._waiting[:RING_BYTES]
@@ -277,7 +267,7 @@ class SimulatedRobot:
         try:
             return os.read(self._fd, READ_BYTES)
         except OSError:
-            return b""  # nothing came, or the other end has hung up: a robot does not mind
+            return b""  # no bytes, or the other end has hung up: a robot ignores both
 
     def _write(self, data: bytes) -> None:
         self._unsent = (self._unsent + data)[-READ_BYTES:]
@@ -287,7 +277,7 @@ class SimulatedRobot:
             try:
                 self._unsent = self._unsent[os.write(self._fd, self._unsent) :]
             except OSError:
-                self._unsent = b""  # nobody reads: a UART does not wait either
+                self._unsent = b""  # no reader: a UART does not wait either
 
     def _look_whether_the_host_reads(self, now_s: float) -> None:
         if not self._waits_in_the_line():
@@ -296,7 +286,7 @@ class SimulatedRobot:
             self._unread_since_s = now_s
 
     def _waits_in_the_line(self) -> bool:
-        """True if bytes lie in the pseudo-terminal that the host has not read."""
+        """True if the pseudo-terminal holds bytes that the host has not read."""
         if self._slave < 0:
             return False
         (count,) = struct.unpack("i", fcntl.ioctl(self._slave, termios.FIONREAD, b"\0" * 4))
@@ -317,9 +307,9 @@ class SimulatedRobot:
 
 
 def wait_until_due(robots: Sequence[SimulatedRobot], wait_s: float) -> None:
-    """Until bytes arrive for one of the robots, or so long."""
+    """Wait until bytes arrive for a robot, at most ``wait_s``."""
     wait_s = min(wait_s, LONGEST_WAIT_S)
     try:
         select.select(robots, [], [], wait_s)
-    except (*PORT_FAULTS, ValueError):  # a line that was closed is no file any more
-        time.sleep(wait_s)  # nothing is left to wait on but the next step
+    except (*PORT_FAULTS, ValueError):  # a closed line is not a file
+        time.sleep(wait_s)  # only the next step is left to wait for

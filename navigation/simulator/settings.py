@@ -1,4 +1,4 @@
-"""From a configuration's section ``simulation`` to the simulated robot's own settings."""
+"""Settings of the simulated robot from a configuration's section ``simulation``."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from navigation.simulator.line_faults import FaultSpec
 
 
 def drive_model_of(config: Config) -> DriveModel:
-    """How the configured robot really moves; the ideal one without a section ``simulation``."""
+    """Drive model of the configured robot; the ideal one without a section ``simulation``."""
     if config.simulation is None:
         return DriveModel(track_m=config.robot.track_m)
     errors = config.simulation.robot
@@ -30,7 +30,7 @@ def drive_model_of(config: Config) -> DriveModel:
 
 
 def drive_settings_of(config: Config) -> DriveSettings:
-    """What the robot's own firmware was told about the robot."""
+    """Settings of the robot's own firmware."""
     robot = config.robot
     return DriveSettings(
         track_m=robot.track_m,
@@ -44,7 +44,7 @@ def drive_settings_of(config: Config) -> DriveSettings:
 
 
 def true_start_of(config: Config) -> TruePose:
-    """Where the simulated robot stands at the beginning."""
+    """True pose of the simulated robot at the beginning."""
     if config.simulation is None:
         raise ValueError("the configuration has no section 'simulation'")
     start = config.simulation.start
@@ -54,5 +54,5 @@ def true_start_of(config: Config) -> TruePose:
 
 
 def faults_of(config: Config) -> FaultSpec:
-    """What is wrong with the line; raises ``FaultSpecError`` for a specification that is none."""
+    """Faults of the line; raises ``FaultSpecError`` for an invalid specification."""
     return FaultSpec.parse(config.simulation.robot.faults if config.simulation else "")

@@ -1,13 +1,11 @@
-"""Where a simulated robot in another process is, through a small file.
+"""Pose of a simulated robot in another process, through a small file.
 
-The simulated camera of one process sees the robot of another that way. Written many times a
-second by one process, read by any; a reading in the middle of a writing is made again. Metres
-and radians.
+It shows the robot to another process's simulated camera. One process writes it often, any may read;
+a reading during a writing is repeated. Metres and radians.
 
-Either process may end, be killed and come back, and the file may be cut, replaced or deleted
-meanwhile. So nobody maps it (a mapped file that is cut short kills who reads it), no writer
-empties it, the path is looked up anew for each reading and writing, and a pose carries a
-checksum: whatever else stands there is no pose yet.
+Either process may end, be killed and return, and the file may be cut, replaced or deleted. So it is
+never mapped (cutting a mapped file kills its reader), no writer empties it, each access looks the
+path up again, and a pose carries a checksum: other content is not a pose yet.
 """
 
 from __future__ import annotations
@@ -29,9 +27,9 @@ class PoseFileError(ValueError):
 
 
 class PoseWriter:
-    """Tells the pose; a writer that is started again goes on in the same file.
+    """Writer of the pose; after a restart it continues in the same file.
 
-    ``PoseFileError`` where the file cannot be made or written.
+    ``PoseFileError`` if the file cannot be made or written.
     """
 
     def __init__(self, path: Path) -> None:
@@ -44,7 +42,7 @@ class PoseWriter:
             raise self._refused(error) from None
 
     def write(self, x_m: float, y_m: float, heading_rad: float) -> None:
-        """Tell where the robot is now."""
+        """Write the robot's present pose."""
         pose = _POSE.pack(x_m, y_m, heading_rad)
         try:
             if not self._is_there():
@@ -54,7 +52,7 @@ class PoseWriter:
             raise self._refused(error) from None
 
     def close(self) -> None:
-        """Let go of the file; it stays, with the last pose."""
+        """Close the file; it stays, with the last pose."""
         file, self._file = self._file, -1
         if file >= 0:
             os.close(file)
@@ -64,7 +62,7 @@ class PoseWriter:
         self._file = os.open(self.path, os.O_RDWR | os.O_CREAT | os.O_CLOEXEC, 0o644)
 
     def _is_there(self) -> bool:
-        """Whether the file that is open is still the one of that name."""
+        """True if the open file is still the one of that name."""
         try:
             return os.path.samestat(os.stat(self.path), os.fstat(self._file))
         except FileNotFoundError:
@@ -75,9 +73,9 @@ class PoseWriter:
 
 
 class PoseReader:
-    """Reads the pose of whatever file has the name by then.
+    """Reader of the pose from the file that has the name at the time.
 
-    One must be there at the beginning, lest a wrong name is waited for: ``PoseFileError``.
+    A file must exist at the start, or a wrong name would be waited for: ``PoseFileError``.
     """
 
     def __init__(self, path: Path) -> None:
@@ -88,7 +86,7 @@ class PoseReader:
             raise self._without_pose(error.strerror or str(error)) from None
 
     def read(self) -> tuple[float, float, float]:
-        """Where the robot is, as told last; PoseFileError where no pose is told."""
+        """Last written pose of the robot; PoseFileError if there is none."""
         why = "no pose has been written into it"
         for _ in range(_TRIES):
             try:

@@ -1,17 +1,15 @@
-"""The clock of a simulated world in real time: it follows the wall, and waits for who is late.
+"""Clock of a simulated world in real time: it follows the wall and waits for late parts.
 
-In a real arena time waits for nobody. Where camera, robots and program share one busy computer,
-each falls behind by its own lot: a report is heard late, a picture is drawn late, and the program
-has to conclude that a robot was carried. Here the simulation owns the clock. Every part of the
-simulated world says since when it has had work that is not done; the clock passes no such moment
-by more than the part's slack. What the computer is too slow for, the whole world is slower by,
-evenly; nothing that reads the clock can tell.
+On one busy computer, camera, robots and program fall behind differently: late reports and pictures
+make the program conclude that a robot was carried. So the simulation owns the clock. Each part
+states since when it has had unfinished work; the clock passes that by at most the part's slack. On
+a slow computer the whole world slows evenly, and no reader of the clock notices.
 
-A part that has not moved for ``PATIENCE_S`` while others read the clock hangs, and is not waited
-for: so a program that hangs is seen by the robots as in the real world, by a lease that lapses. A
-computer that sleeps, or a program that is stopped and continued, loses nothing.
+A part without progress for ``PATIENCE_S`` while others read the clock hangs, and is not waited for:
+robots notice a hanging program as in the real world, by a lapsed lease. A computer that sleeps, or
+a program that is stopped and continued, loses nothing.
 
-Two processes may share a clock: each reads its own, over the same memory. Seconds.
+Two processes may share a clock, each reading its own over the same memory. Seconds.
 """
 
 from __future__ import annotations
@@ -35,8 +33,8 @@ SHARED_VALUES: Final = 3
 class SlowingClock:
     """Monotonic seconds of the simulated world; call it, from any thread.
 
-    ``shared`` is memory of ``SHARED_VALUES`` numbers that two processes have in common, zeros in
-    the beginning; ``side`` is 0 in the one and 1 in the other. ``wall`` gives monotonic seconds.
+    ``shared`` is memory for ``SHARED_VALUES`` numbers, at first zeros, common to two processes;
+    ``side`` is 0 in one and 1 in the other. ``wall`` gives monotonic seconds.
     """
 
     def __init__(
@@ -66,7 +64,7 @@ class SlowingClock:
             until_s = self._until_s()
             if wall_s - lost_s > until_s:
                 lost_s = wall_s - max(until_s, self._now_s)
-                # two processes that write at once lose nothing: the next reading does it again
+                # concurrent writes of two processes lose nothing: the next reading repeats it
                 self._shared[0] = max(self._shared[0], lost_s)
             self._now_s = max(self._now_s, wall_s - lost_s)
             if threading.get_ident() == self._reader:
@@ -74,26 +72,26 @@ class SlowingClock:
             return self._now_s
 
     def wait(self, seconds: float) -> None:
-        """Return when so much of the simulated world's time has passed."""
+        """Wait ``seconds`` of the simulated world's time."""
         end_s = self() + seconds
         while (left_s := end_s - self()) > 0.0:
-            time.sleep(left_s)  # the wall has to go on that long at least
+            time.sleep(left_s)  # the wall needs at least that long
 
     @property
     def lost_s(self) -> float:
-        """How much slower than the wall the simulated world has been so far."""
+        """Delay of the simulated world behind the wall so far."""
         return self._shared[0]
 
     def waits_for(self, name: str, since_s: Callable[[], float], slack_s: float) -> None:
-        """Let a part be late by no more than ``slack_s``; one of the same name is replaced.
+        """Let a part be late by at most ``slack_s``; it replaces one of the same name.
 
-        ``since_s`` says since when it has had work that is not done, infinity where it has none.
+        ``since_s`` gives the time since which it has had unfinished work, or infinity.
         """
         with self._lock:
             self._parts[name] = _Part(since_s, slack_s)
 
     def waits_for_this_thread(self) -> None:
-        """Wait for the thread that calls this, which must read the clock again and again."""
+        """Wait for the calling thread, which must read the clock again and again."""
         self._read_s = self()
         self._reader = threading.get_ident()
         self.waits_for("control loop", lambda: self._read_s, READS_SLACK_S)
@@ -105,14 +103,14 @@ class SlowingClock:
 
 
 class _Part:
-    """A part of the world, and whether it moves."""
+    """A part of the world and its progress."""
 
     def __init__(self, since_s: Callable[[], float], slack_s: float) -> None:
         self._since_s, self._slack_s = since_s, slack_s
         self._last_s, self._moved_s = math.nan, -math.inf
 
     def until_s(self, awake_s: float) -> float:
-        """Until when it lets time pass; ``awake_s`` goes on while anybody reads the clock."""
+        """Time up to which it lets the clock run; ``awake_s`` grows while the clock is read."""
         since_s = self._since_s()
         if since_s != self._last_s:
             self._last_s, self._moved_s = since_s, awake_s

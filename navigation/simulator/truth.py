@@ -1,7 +1,7 @@
-"""What only a simulation can know: where the obstacles and all robots really are.
+"""True places of obstacles and robots, known only to a simulation.
 
-The report judges a run by it; nothing that drives the robot ever asks. Units: metres, radians,
-seconds of the world's clock.
+The report judges a run by them; nothing that drives the robot asks. Units: metres, radians, seconds
+of the world's clock.
 """
 
 from __future__ import annotations
@@ -21,11 +21,11 @@ class TrueRobot(Protocol):
     """A simulated robot, seen from outside."""
 
     def pose(self) -> TruePose:
-        """Where it is now."""
+        """Present pose."""
         ...
 
     def track(self) -> FloatArray:
-        """Where it has been: (n, 4) of the clock's seconds, x_m, y_m, heading_rad."""
+        """Track so far: (n, 4) of the clock's seconds, x_m, y_m, heading_rad."""
         ...
 
 
@@ -44,15 +44,15 @@ class Truth:
 
     @property
     def arena(self) -> SimulatedArena:
-        """The arena as it was in the beginning."""
+        """Arena at the beginning."""
         return self.arenas[0][1]
 
     def track(self) -> FloatArray:
-        """Where the robot really was: (n, 4) of the clock's seconds, x_m, y_m, heading_rad."""
+        """True track of the robot: (n, 4) of the clock's seconds, x_m, y_m, heading_rad."""
         return self.robot.track()
 
     def track_clearance(self, track: FloatArray) -> float:
-        """The least distance of a track (n, 4) from the obstacles that were there at the time."""
+        """Least distance of a track (n, 4) from the obstacles of the time."""
         least = math.inf
         ends = [*(from_s for from_s, _ in self.arenas[1:]), math.inf]
         for (from_s, arena), until_s in zip(self.arenas, ends, strict=True):
@@ -63,7 +63,7 @@ class Truth:
         return least
 
     def others_clearance(self, track: FloatArray) -> float:
-        """The least distance of a track's centre from another robot's body at the time."""
+        """Least distance of a track's centre from another robot's body at the time."""
         gaps = [
             math.dist((x, y), scripted.pose(time_s - self.began_s)[:2]) - radius_m
             for scripted, radius_m in self.others.values()

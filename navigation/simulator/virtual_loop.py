@@ -1,9 +1,8 @@
 """Host, line, robot and floor in virtual time: no threads, no port, no waiting.
 
-Everything that the real loop has is here but the operating system: the host's end, a line
-paced to its baud rate with faults in both directions, the robot's end, its controller at 100
-steps a second, the moving robot, a camera with noise and delay, and a control loop that gives
-leases. Twenty seconds take about a second.
+All of the real loop but the operating system: the host's end, a line paced to its baud rate with
+faults both ways, the robot's end, its controller at 100 steps a second, the moving robot, a camera
+with noise and delay, and a control loop that gives leases. Twenty seconds take about one.
 """
 
 from __future__ import annotations
@@ -31,7 +30,7 @@ CONTROL_TICKS = 10
 
 
 class PacedLine:
-    """Bytes that take their time, ten bits each; none where ``baud`` is infinite."""
+    """A line on which a byte takes ten bits' time; none if ``baud`` is infinite."""
 
     def __init__(self, baud: float) -> None:
         self._byte_s = 10.0 / baud
@@ -41,11 +40,11 @@ class PacedLine:
         """When the next bytes arrive; infinity where none are on their way."""
 
     def free(self, now_s: float) -> bool:
-        """Whether the sender may put the next byte."""
+        """True if the sender may put the next byte."""
         return now_s >= self._free_s
 
     def put(self, data: bytes, now_s: float) -> None:
-        """Send bytes after those on their way."""
+        """Send bytes after those under way."""
         start = max(now_s, self._free_s)
         self._free_s = start + len(data) * self._byte_s
         for at in range(0, len(data), 8):
@@ -54,7 +53,7 @@ class PacedLine:
         self.arrives_s = self._bytes[0][0] if self._bytes else math.inf
 
     def take(self, now_s: float) -> bytes:
-        """What has arrived."""
+        """Bytes that have arrived."""
         if now_s < self.arrives_s:
             return b""
         out = bytearray()
@@ -66,7 +65,7 @@ class PacedLine:
 
 @dataclass(frozen=True, slots=True)
 class CameraModel:
-    """The simulated camera's poses: rate, delay, noise (standard deviations)."""
+    """Poses of the simulated camera: rate, delay, noise (standard deviations)."""
 
     rate_hz: float = 30.0
     delay_s: float = 0.04
@@ -76,7 +75,7 @@ class CameraModel:
 
 @dataclass(slots=True)
 class Knobs:
-    """What a scenario may switch while the loop runs."""
+    """Settings that a scenario may switch while the loop runs."""
 
     cable: bool = True
     to_robot: bool = True
@@ -143,7 +142,7 @@ class VirtualLoop:
         self.host.open(self.now_s)
 
     def boot(self, cause: ResetCause) -> None:
-        """The robot's processor starts: nothing of before is left."""
+        """Start the robot's processor with nothing left from earlier."""
         boot_id = int(self._rng.integers(1, 1 << 32))
         self.robot = self.make_robot(Identity(boot_id, reset_cause=cause), self.settings)
         self.wheels = WheelSpeeds(0.0, 0.0, powered=False)
@@ -155,7 +154,7 @@ class VirtualLoop:
         return passed_s * (1.0 + self.robot_clock_drift) + self.robot_clock_offset_s
 
     def run(self, seconds: float, until: Callable[[], bool] | None = None) -> bool:
-        """Let time pass; True as soon as ``until`` holds (looked at every 10 ms)."""
+        """Let time pass; True as soon as ``until`` holds (checked every 10 ms)."""
         end_s = self.now_s + seconds
         while self.now_s < end_s:
             self.tick()
@@ -164,7 +163,7 @@ class VirtualLoop:
         return until is None
 
     def tick(self) -> None:
-        """One millisecond."""
+        """Simulate one millisecond."""
         self._ticks += 1
         self.now_s = now_s = self.now_s + TICK_S
         knobs, cycle_ends = self.knobs, self._ticks % CONTROL_TICKS == 0
@@ -197,7 +196,7 @@ class VirtualLoop:
             self.to_host.put(arrived, now_s)
 
     def _bytes_of_robot(self, now_s: float, robot_s: float) -> None:
-        """The robot's next frame; either way its controller watches the lease."""
+        """Return the robot's next frame; either way its controller watches the lease."""
         if not self.to_host.free(now_s):
             self.robot.controller.tick(robot_s)
             return

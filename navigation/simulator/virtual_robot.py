@@ -1,4 +1,4 @@
-"""The robot of a virtual loop as the truth knows it. Metres, radians, virtual seconds."""
+"""Truth about a virtual loop's robot. Metres, radians, virtual seconds."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ ROBOT_EVERY = 2
 
 
 class VirtualRobot:
-    """The robot of a virtual loop as the truth knows it."""
+    """True pose and track of the robot, and a person's actions on it."""
 
     def __init__(self, loop: VirtualLoop) -> None:
         self._loop = loop
@@ -21,11 +21,11 @@ class VirtualRobot:
         self._rows = 0
 
     def pose(self) -> TruePose:
-        """Where it is now."""
+        """Present pose."""
         return self._loop.drive.pose
 
     def track(self) -> FloatArray:
-        """Where it has been, every 20 ms."""
+        """Track so far, every 20 ms."""
         return self._track.rows()
 
     def press_estop(self) -> None:
@@ -33,11 +33,11 @@ class VirtualRobot:
         self._loop.robot.controller.emergency_stop(StopReason.ESTOP_LOCAL)
 
     def switch_off_and_on(self) -> None:
-        """A power cycle: nothing of before is left in its processor."""
+        """Cycle the power: nothing from earlier is left in its processor."""
         self._loop.boot(ResetCause.POWER_ON)
 
     def keep_track(self) -> None:
-        """Take over what the loop has noted since the last time."""
+        """Take over the loop's notes since the last call."""
         for row in self._loop.track:
             if self._rows % ROBOT_EVERY == 0:
                 self._track.add(*row)

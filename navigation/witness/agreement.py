@@ -1,13 +1,13 @@
-"""Agreement of camera and wheels: where the robot was seen, less where it rolled.
+"""Agreement of camera and wheels: the seen place minus the rolled one.
 
-The wheels' way is laid out along the headings that the camera saw, so that wheels of unequal
-size bend nothing. What is left of the camera's position is the slip; it may grow by what the
-odometry is wrong by, and by what two wrong dates make of a changing speed. The same is done for
-the heading. The newest slip is held against those of the last seconds: a frozen picture, a jump,
-a drift, a robot that is carried, stuck or turned round all show as slip.
+The wheels' path is laid out along the headings that the camera saw, so that wheels of unequal size
+bend nothing. The rest of the camera's position is the slip; it may grow by the odometry's error,
+and by that of two wrong dates at a changing speed. The heading is treated alike. The newest slip is
+compared with those of the last seconds: a frozen picture, a jump, a drift, a robot that is carried,
+stuck or turned round all show as slip.
 
-How long the wheels' metre is, and how much they bend, is learned on the way, within bounds.
-Metres, radians, seconds.
+The length of the wheels' metre, and their bend, are learned during the run, within bounds. Metres,
+radians, seconds.
 """
 
 from __future__ import annotations
@@ -56,7 +56,7 @@ class AgreementLimits:
 
 @dataclass(frozen=True, slots=True)
 class Parting:
-    """Camera and wheels since a moment: how far each says that the robot got, and turned."""
+    """Motion since a moment by camera and by wheels: distance and turn."""
 
     over_s: float
     camera_m: float
@@ -68,7 +68,7 @@ class Parting:
 
     @property
     def sentence(self) -> str:
-        """In one sentence, for people."""
+        """One sentence for people."""
         if self.by_place and abs(self.camera_m - self.wheels_m) < 0.005:
             what = f"in another direction than its wheels drove ({self.wheels_m:.3f} m each)"
             return f"the camera saw the robot move {what} in {self.over_s:.1f} s"
@@ -85,7 +85,7 @@ class Parting:
 
 
 class _Learned:
-    """A constant, learned by a Kalman filter of one state that never moves."""
+    """A constant, learned by a one-state Kalman filter without motion."""
 
     def __init__(self, value: float, spread: float, most: float) -> None:
         self.value, self.variance = value, spread * spread
@@ -96,7 +96,7 @@ class _Learned:
         return math.sqrt(self.variance)
 
     def learn(self, correction: float, sigma: float) -> None:
-        """Take a measured difference from the value; one that cannot be is left."""
+        """Take a measured difference from the value; an impossible one is left out."""
         total = self.variance + sigma * sigma
         if correction * correction > 9.0 * total:
             return
@@ -107,7 +107,7 @@ class _Learned:
 
 
 class _Anchor(NamedTuple):
-    """One moment: slip, what both say of place and heading, and how fast the robot was."""
+    """One moment: slip, place and heading by both, and the robot's speed."""
 
     time_s: float
     slip_x_m: float
@@ -124,7 +124,7 @@ class _Anchor(NamedTuple):
 
 
 class Agreement:
-    """Fed with a pose and the wheels' motion at its time; `add` says where they part."""
+    """Fed with a pose and the wheels' motion at its time; `add` reports differences."""
 
     def __init__(self, limits: AgreementLimits) -> None:
         self.limits = limits
@@ -142,13 +142,13 @@ class Agreement:
         self._lesson: tuple[_Anchor, WheelMotion] | None = None
 
     def begin_again(self) -> None:
-        """Compare with what was until now no more; the slip so far stays."""
+        """Stop comparing with earlier moments; the slip so far stays."""
         self._lesson = None
         self._anchors.clear()
         self._table = None
 
     def break_off(self) -> None:
-        """The wheels lost count: what they did meanwhile is unknown."""
+        """Note that the wheels lost count: their motion meanwhile is unknown."""
         self._last = None
         self.begin_again()
 
@@ -159,7 +159,7 @@ class Agreement:
         wheels: WheelMotion,
         latency_error_s: float,
     ) -> Parting | None:
-        """The worst disagreement with one of the last seconds' poses; None while there is none."""
+        """Worst disagreement with one of the last seconds' poses; None without any."""
         if self._rolled is None:
             self._rolled = pose
         step_m = self._roll(pose, wheels)
@@ -175,10 +175,10 @@ class Agreement:
         return parting
 
     def _roll(self, pose: tuple[float, float, float], wheels: WheelMotion) -> float:
-        """Carry the rolled place on to the newest pose's time; how far was driven.
+        """Carry the rolled place on to the newest pose's time; return the distance driven.
 
-        What the wheels did while nobody saw the robot counts; what nobody knows of, because they
-        did not report, is left out and shows as slip.
+        Motion of the wheels while the robot was unseen counts. Unreported motion is left out and
+        shows as slip.
         """
         assert self._rolled is not None
         before, then = self._last if self._last is not None else (pose, wheels)

@@ -1,6 +1,6 @@
 """Evidence of camera and wheels together, once a control cycle.
 
-Metres, radians, seconds; nothing in it changes any more.
+Metres, radians, seconds; immutable.
 """
 
 from __future__ import annotations
@@ -15,7 +15,7 @@ picture's exposure. Before it is measured the latency is taken to lie between 0 
 
 @dataclass(frozen=True, slots=True)
 class Evidence:
-    """The witnesses' words; the defaults are those of a robot that was never seen to move."""
+    """Evidence of the witnesses; the defaults are for a robot never seen to move."""
 
     parted: str | None = None
     """The sentence that says how camera and wheels differ, in the cycle that found it."""

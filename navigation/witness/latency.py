@@ -1,10 +1,9 @@
 """Latency of pictures: the shift at which camera and wheels move alike.
 
-For every latency of a grid, the motion that the camera saw in a short window is compared with
-that of the wheels in the window so much earlier; the squared differences in units of their
-errors are summed up, older ones fading. The least sum is the latency, and where the sum is not
-clearly larger the latency may be too. Only a change of motion tells anything: a start, a stop, a
-turn. Metres, radians, seconds.
+For every latency of a grid, the camera's motion in a short window is compared with the wheels' in
+the window earlier by that latency; the squared differences in units of their errors are summed up,
+older ones fading. The least sum is the latency; others whose sum is not clearly larger are possible
+too. Only a change of motion counts: a start, a stop, a turn. Metres, radians, seconds.
 """
 
 from __future__ import annotations
@@ -44,7 +43,7 @@ STILL_RAD: Final = 0.01
 
 @dataclass(frozen=True, slots=True)
 class Latency:
-    """An estimate and what it may be off by, seconds."""
+    """An estimate and its possible error, seconds."""
 
     latency_s: float
     error_s: float
@@ -59,11 +58,11 @@ class LatencyEstimate:
         self._count = 0.0
 
     def break_off(self) -> None:
-        """The camera or the wheels lost the thread: no window reaches over this moment."""
+        """Note that camera or wheels lost track: no window reaches over this moment."""
         self._seen.clear()
 
     def add(self, time_s: float, pose: tuple[float, float, float], wheels: WheelTrack) -> None:
-        """A pose whose picture arrived, or was stamped, at ``time_s``."""
+        """Add a pose whose picture arrived, or was stamped, at ``time_s``."""
         seen = self._seen
         seen.append((time_s, *pose))
         while len(seen) > 1 and seen[1][0] <= time_s - WINDOW_S:
@@ -88,7 +87,7 @@ class LatencyEstimate:
         self._sums += ((moved - ways) / SIGMA_M) ** 2 + ((turned - turns) / SIGMA_RAD) ** 2
 
     def estimate(self) -> Latency | None:
-        """The latency, None while no motion has shown it."""
+        """Latency; None while no motion has shown it."""
         if self._count < 3.0:
             return None
         least = int(np.argmin(self._sums))
@@ -100,7 +99,7 @@ class LatencyEstimate:
         return Latency(self._between(least), max(float(high_s - low_s) / 2.0, STEP_S))
 
     def _between(self, least: int) -> float:
-        """The bottom of the parabola through the least sum and its neighbours."""
+        """Bottom of the parabola through the least sum and its neighbours."""
         if not 0 < least < len(GRID_S) - 1:
             return float(GRID_S[least])
         before, here, after = self._sums[least - 1 : least + 2]

@@ -1,9 +1,9 @@
 """The robot's motion by its own wheels, from the speeds in its reports.
 
-The pose in STATUS is drawn to the camera's and is no second witness; speed and turning rate are
-the wheels' alone. They are integrated between reports (trapezoids) and dated by the robot's own
-clock, so that a report that was held up on the line is not taken for a late motion. What happened
-in a longer gap is unknown: a new stretch begins there. Metres, radians, seconds of our clock.
+The pose in STATUS is drawn to the camera's and is no second witness; speed and turning rate are the
+wheels' alone. They are integrated between reports (trapezoids) and dated by the robot's own clock,
+so that a report delayed on the line is not a late motion. Motion in a longer gap is unknown: a new
+stretch begins there. Metres, radians, seconds of our clock.
 """
 
 from __future__ import annotations
@@ -37,10 +37,10 @@ STANDING_RAD_S: Final = 0.03
 
 
 class WheelMotion(NamedTuple):
-    """The wheels at one moment: since the stretch began, and as fast as they turned then.
+    """Motion of the wheels since the stretch began, and their speed at that moment.
 
-    ``way_m`` and ``turn_rad`` are signed sums, ``driven_m`` and ``turned_rad`` count every
-    motion as positive.
+    ``way_m`` and ``turn_rad`` are signed sums, ``driven_m`` and ``turned_rad`` count every motion
+    as positive.
     """
 
     way_m: float
@@ -52,10 +52,9 @@ class WheelMotion(NamedTuple):
 
 
 class WheelTrack:
-    """Fed with the robot's reports; asked for the motion at a time.
+    """Motion over time, fed with the robot's reports.
 
-    ``report_age_s`` is how old a report is when it has arrived by the shortest way: its bytes'
-    time on the wire.
+    ``report_age_s`` is a report's age on arrival by the shortest path: its bytes' time on the wire.
     """
 
     def __init__(self, report_age_s: float = 0.0) -> None:
@@ -115,12 +114,12 @@ class WheelTrack:
 
     @property
     def newest_s(self) -> float:
-        """Up to when the motion is known; -infinity before the first report."""
+        """End of the known motion; -infinity before the first report."""
         return self._knots[-1][0] if self._knots else -np.inf
 
     @property
     def oldest_s(self) -> float:
-        """From when on it is known; infinity before the first report."""
+        """Start of the known motion; infinity before the first report."""
         return self._knots[0][0] if self._knots else np.inf
 
     @property
@@ -138,7 +137,7 @@ class WheelTrack:
         return first is None or (first.speed_m_s == 0.0 and first.turn_rad_s == 0.0)
 
     def at(self, time_s: float) -> WheelMotion | None:
-        """The motion at a time; None where it lies outside of what is known."""
+        """Motion at a time; None outside of what is known."""
         if not self.oldest_s <= time_s <= self.newest_s:
             return None
         after = bisect_right(self._knots, time_s, key=_time_of)
@@ -163,7 +162,7 @@ class WheelTrack:
     def since(self, time_s: float, now_s: float) -> tuple[float, float]:
         """Distance and turn of the wheels from a time up to now; zeros if unknown.
 
-        After the last report its speeds are taken to hold, for a moment.
+        The speeds of the last report are assumed to last for a moment.
         """
         then = self.at(time_s)
         if then is None:

@@ -1,7 +1,7 @@
-"""Feeds both witnesses, in order of time, and gives the evidence of a cycle.
+"""Both witnesses, fed in order of time, and the evidence of a cycle.
 
 A pose waits until the wheels are known up to its time, which takes a report's interval of 50 ms;
-the robot that reports nothing is another rule's business. Metres, radians, seconds.
+another rule covers a robot that reports nothing. Metres, radians, seconds.
 """
 
 from __future__ import annotations
@@ -32,7 +32,7 @@ than a picture's interval, so that their order stays."""
 
 @dataclass(frozen=True, slots=True)
 class WitnessLimits:
-    """The numbers of the comparison, from the configuration."""
+    """Settings of the comparison, from the configuration."""
 
     agreement: AgreementLimits
     report_age_s: float
@@ -57,10 +57,10 @@ class Witness:
         self._compared_s = UNKNOWN.latency_s
         self._parting: Parting | None = None
 
-    # What comes in.
+    # Inputs.
 
     def report(self, status: Status, arrived_s: float) -> None:
-        """The robot's newest report; the same one again changes nothing."""
+        """Take the robot's newest report; a repeated one changes nothing."""
         self.wheels.see(status, arrived_s)
         self._compare()
 
@@ -79,20 +79,20 @@ class Witness:
         self._latency = LatencyEstimate()
 
     def forget_latency(self) -> None:
-        """Another camera, or one that a person has seen to: nothing is known of its latency."""
+        """Forget the latency of a camera that was replaced, or that a person has seen to."""
         self._latency, self._measured = LatencyEstimate(), None
 
-    # What it says.
+    # Outputs.
 
     def latency_s(self) -> float:
-        """By how much the next picture's stamp is too late; moves slowly to what is measured."""
+        """Delay to subtract from the next picture's stamp; moves slowly to what is measured."""
         wanted_s = 0.0 if self._measured is None else self._measured.latency_s
         change_s = max(-SLEW_S, min(SLEW_S, wanted_s - self._dated_by_s))
         self._dated_by_s += change_s
         return self._dated_by_s
 
     def evidence(self) -> Evidence:
-        """Return the evidence so far; a parting is reported once."""
+        """Evidence so far; a parting is reported once."""
         parting, self._parting = self._parting, None
         known = self._measured
         return Evidence(
@@ -137,7 +137,7 @@ class Witness:
         known = self._measured or UNKNOWN
         if abs(known.latency_s - self._compared_s) > REDATED_S:
             self._compared_s = known.latency_s
-            # what was dated otherwise shows as a parting, and may have just now, untold yet
+            # a change of dates shows as a parting, perhaps one just now and not yet reported
             self._parting = None
             self._agreement.begin_again()
         wheels = self.wheels.at(time_s - self._compared_s)

@@ -1,16 +1,16 @@
 """Contour following along the cracks between obstacle and free pixels, and sub-pixel edges.
 
 Rules and units
-- The mask has one free pixel of margin on every side and rows of a multiple of eight bytes:
-  1 is obstacle, 0 free. Coordinates given out are the picture's own (margin taken off).
-- A crack is the side of an obstacle pixel behind which a free pixel lies. A border is the
-  closed sequence of cracks around one component (clockwise as seen on the screen) or around
-  one hole (counter-clockwise): the obstacle is always on the right hand. Obstacles are
-  8-connected and free space is 4-connected. The pixels of the cracks in their order, without
-  repetition, are the contour of clockwise 8-connected contour following.
-- A crack's direction is that of the walk: 0 east (the free pixel lies north), 1 south (it
-  lies east), 2 west (south), 3 north (west).
-- Everything is O(pixels / 8) for the search and O(border) for the rest.
+- The mask has one free pixel of margin on every side and rows of a multiple of eight bytes: 1
+  is obstacle, 0 free. Returned coordinates are the picture's own (margin taken off).
+- A crack is the side of an obstacle pixel that faces a free pixel. A border is the closed
+  sequence of cracks around one component (clockwise on the screen) or one hole
+  (counter-clockwise): the obstacle is always on the right. Obstacles are 8-connected, free
+  space is 4-connected. The pixels of the cracks in order, without repetition, are the contour
+  of clockwise 8-connected contour following.
+- A crack's direction is that of the walk: 0 east (the free pixel lies north), 1 south (it lies
+  east), 2 west (south), 3 north (west).
+- The search is O(pixels / 8), the rest O(border).
 """
 
 # mypy: allow-untyped-defs
@@ -40,12 +40,12 @@ AT_A_TIME = 32
 
 @njit(**OWNING)
 def follow_borders(mask, xs, ys, directions):
-    """Walk every border of the padded mask (h + 2, w') uint8, which is left as it was.
+    """Walk every border of the padded mask (h + 2, w') uint8, which is unchanged afterwards.
 
-    ``xs``, ``ys``, ``directions`` are room for the cracks; where it does not do, there is more.
-    Returns ``(x, y, direction, starts, area)``: per crack the obstacle pixel and the walk's
-    direction, per border the index of its first crack (one more entry than borders) and the
-    pixels it encloses, negative for a hole.
+    ``xs``, ``ys``, ``directions`` are scratch space for the cracks; larger arrays are made if
+    needed. Returns ``(x, y, direction, starts, area)``: per crack the obstacle pixel and the walk's
+    direction, per border the index of its first crack (one more entry than borders) and the pixels
+    it encloses, negative for a hole.
     """
     height, stride = mask.shape
     flat = mask.reshape(-1)
@@ -76,7 +76,7 @@ def follow_borders(mask, xs, ys, directions):
                 x = start - row * stride - 1
                 last, area = _walk(flat, start, x, row - 1, tables, xs, ys, directions, count)
                 while last < 0:
-                    # no room: walk it again where there is
+                    # too little space: walk it again in a larger array
                     room *= 2
                     xs = grown(xs, room)
                     ys = grown(ys, room)
@@ -110,7 +110,7 @@ def _any_new(words):
 
 @njit(**LEAF)
 def _forget_seen(mask, xs, ys, directions, count):
-    """Take the marks of the walk off the mask again."""
+    """Remove the walk's marks from the mask."""
     for i in range(count):
         if directions[i] == 3:
             mask[ys[i] + 1, xs[i] + 1] = OBSTACLE
@@ -118,7 +118,7 @@ def _forget_seen(mask, xs, ys, directions, count):
 
 @njit(**LEAF)
 def _walk(flat, start, x, y, tables, xs, ys, directions, count):
-    """Walk one border: ``(where its cracks end, area)``, or -1 where the room does not do."""
+    """Walk one border: ``(end of its cracks, area)``, or -1 if the arrays are too short."""
     move, to_left, to_front, step_x, step_y, turn, seen, area_of_x, begin_left, begin_front = tables
     room = xs.shape[0]
     # unsigned: no index counts from the end
@@ -152,13 +152,13 @@ def _walk(flat, start, x, y, tables, xs, ys, directions, count):
 
 @njit(**OWNING)
 def _walk_tables(stride):
-    """The walk without branches: what follows from a direction and the two pixels ahead.
+    """Tables for a walk without branches: the step for a direction and the two pixels ahead.
 
-    By direction * 4 + left * 2 + ahead: how far to move, in bytes; from where the walk was, the
-    two pixels to look at next, the one ahead on the left and the one ahead, so that they need not
-    wait for the next direction to be looked up; how far to move in x and y; the next direction
-    * 4. By direction * 4: the bit to set, the factor of x in the area. Then the two pixels to look
-    at first, from the first one, northwards. Offsets are unsigned and wrap.
+    By direction * 4 + left * 2 + ahead: the move in bytes; the next two pixels to look at, ahead on
+    the left and ahead, relative to the old place, so that they need not wait for the next
+    direction; the move in x and y; the next direction * 4. By direction * 4: the bit to set, the
+    factor of x in the area. Then the first two pixels to look at, from the first one, northwards.
+    Offsets are unsigned and wrap.
     """
     ahead = (1, stride, -1, -stride)
     across = (1, 0, -1, 0)
@@ -205,9 +205,8 @@ def _walk_tables(stride):
 def hole_owners(mask, xs, ys, directions, starts, areas):
     """The outline that each border belongs to: its own index, or for a hole its object's.
 
-    From the first crack of a hole, which is the west crack in the hole's topmost row, the
-    object lies to the left behind the hole; its run of pixels begins with a west crack that
-    an earlier border walked.
+    A hole's first crack is the west crack in its topmost row. From there the object lies to the
+    left behind the hole; its run of pixels begins with a west crack that an earlier border walked.
     """
     borders = areas.shape[0]
     owners = np.arange(borders)
@@ -279,7 +278,7 @@ def _walked_by(stride, xs, ys, directions, starts, keys):
 
 @njit(**LEAF)
 def count_contour_pixels(xs, ys, starts):
-    """Number of pixels that ``contour_pixels`` gives, but for a turn at a border's very end."""
+    """Number of pixels that ``contour_pixels`` gives, except a turn at a border's very end."""
     count = 0
     for b in range(starts.shape[0] - 1):
         first = starts[b]
@@ -296,8 +295,8 @@ def count_contour_pixels(xs, ys, starts):
 def contour_pixels(xs, ys, starts):
     """The 8-connected contours: every border's pixels without immediate repetition.
 
-    Returns ``(x, y, starts)``; the walk turns round one pixel without leaving it, and comes
-    by again where the object is one pixel wide.
+    Returns ``(x, y, starts)``; the walk turns round one pixel without leaving it, and revisits
+    pixels where the object is one pixel wide.
     """
     borders = starts.shape[0] - 1
     out_x = np.empty(xs.shape[0], np.int32)

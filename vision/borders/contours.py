@@ -65,7 +65,7 @@ class Borders:
 
     @property
     def pixels(self) -> int:
-        """Border pixels, as often as contour following comes by: n of the paper."""
+        """Number of border pixels, counted at each visit of contour following: n of the paper."""
         return int(kernels.count_contour_pixels(self.x, self.y, self.starts))
 
     def contours(self) -> tuple[NDArray[np.int32], NDArray[np.int64]]:
@@ -79,9 +79,9 @@ class EdgePoints:
     """Sub-pixel points (k, 2) along every border, and ``starts`` (b + 1,).
 
     ``slope`` is the smoothed profile's mean step at the edge as a share of the contrast;
-    ``crispness`` the share of slanted cracks where black meets white without grey.
-    ``staircase``: what points have in common with the pixels' staircase, and what that has in
-    all, square pixels (see ``vision.borders.staircase_kernels``).
+    ``crispness`` the share of slanted cracks where black meets white without grey. ``staircase``:
+    sums of the points' deviations times the pixels' staircase, and of the staircase's squares,
+    square pixels (see ``vision.borders.staircase_kernels``).
     """
 
     points: NDArray[np.float64]
@@ -97,14 +97,14 @@ class EdgePoints:
 
 
 def blur_of(slope: float) -> float:
-    """The blur (sigma, pixels) of edges whose smoothed profile has such a slope."""
+    """The blur (sigma, pixels) of edges whose smoothed profile has this slope."""
     return math.sqrt(max((STEEPEST / slope) ** 2 - 1.0, LEAST_VARIANCE))
 
 
 def laplacian_border(mask: NDArray[np.uint8]) -> NDArray[np.bool_]:
     """The obstacle pixels of a mask (h, w) where the paper's Laplacian is positive.
 
-    What lies outside the picture is free.
+    Everything outside the picture is free.
     """
     padded = cv2.copyMakeBorder(mask, 1, 1, 1, 1, cv2.BORDER_CONSTANT, value=0)
     response = cv2.filter2D(padded, cv2.CV_16S, LAPLACIAN)
@@ -115,8 +115,8 @@ def laplacian_border(mask: NDArray[np.uint8]) -> NDArray[np.bool_]:
 def follow_borders(mask: NDArray[np.uint8], room: Room | None = None) -> Borders:
     """Follow every border of a padded mask (see ``vision.binarise.grey_picture.Binary``).
 
-    The mask is marked on the way and is the same again afterwards. With a ``room`` the borders
-    stay only until it is used again.
+    The mask is marked meanwhile and restored afterwards. With a ``room`` the borders are valid only
+    until its next use.
 
     O(pixels / 8) to find them and O(border) to follow them.
     """
@@ -135,7 +135,7 @@ def follow_borders(mask: NDArray[np.uint8], room: Room | None = None) -> Borders
 def locate_edges(binary: Binary, borders: Borders, room: Room | None = None) -> EdgePoints:
     """Sub-pixel edge points of every border. O(border).
 
-    With a ``room`` they stay only until it is used again.
+    With a ``room`` they are valid only until its next use.
     """
     room = Room() if room is None else room
     most = len(borders.x) + 1

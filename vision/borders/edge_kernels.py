@@ -2,16 +2,16 @@
 
 Rules and units
 - Pixel coordinates, pixel centres at integers, y down; grey values as floats.
-- A crack contributes where the border runs more along it than across it, so that one point a
-  row or column is left and the profile across the crack meets the edge at 45 degrees or more.
-- The profile across the crack is smoothed along itself (Gaussian, sigma 1 px): next to the
-  best that can be done at a noisy edge, and it makes the step so wide that an interpolation
-  through the normal distribution's inverse is exact to a few thousandths of a pixel.
+- A crack contributes where the border runs more along it than across it. That leaves one point
+  a row or column, and the profile across the crack meets the edge at 45 degrees or more.
+- The profile across the crack is smoothed along itself (Gaussian, sigma 1 px). That is nearly
+  optimal at a noisy edge, and widens the step enough that interpolation through the normal
+  distribution's inverse is exact to a few thousandths of a pixel.
 - The half level is taken from both plateaus beside the edge, averaged over a stretch of the
   border, so that objects of different darkness and uneven light do not move the edge.
-- Where a wall or a gap is so narrow that a plateau may not be reached, nothing beyond its middle
-  is read: the light is not smoothed, and the given level counts, unless what is seen of the
-  plateau tells another one.
+- In walls or gaps so narrow that a plateau may not be reached, nothing beyond the middle is
+  read: the light is not smoothed, and the given level counts unless the visible part of the
+  plateau shows another.
 - One border at a time: its profiles are gathered from the picture into rows of ``work``, a
   column a crack, and everything else runs over whole rows, several cracks at once.
 """
@@ -77,12 +77,11 @@ class Kind(NamedTuple):
 def edge_points(grey, mask, level, by_level, xs, ys, directions, starts, points):
     """Sub-pixel points of every border, in order.
 
-    ``grey`` (h, w), obstacles dark; ``mask`` the padded mask; ``level`` the threshold, and
-    ``by_level`` whether the mask is what lies below it, no more and no less; ``points`` is
-    room for one more point (k, 2) than there are cracks.
-    Returns ``(points, point_starts, slope, crispness)``: (k, 2) float64, per border the index
-    of its first point, the mean step of the smoothed profile at the edge as a share of the
-    contrast, and the share of slanted cracks with a full step.
+    ``grey`` (h, w), obstacles dark; ``mask`` the padded mask; ``level`` the threshold;
+    ``by_level``: the mask is exactly the pixels below it; ``points`` has space for one more point
+    (k, 2) than there are cracks. Returns ``(points, point_starts, slope, crispness)``: (k, 2)
+    float64, per border the index of its first point, the mean step of the smoothed profile at the
+    edge as a share of the contrast, and the share of slanted cracks with a full step.
     """
     borders = starts.shape[0] - 1
     point_starts = np.empty(borders + 1, np.int64)
@@ -165,7 +164,7 @@ def _find_crossings(level, n, work, totals):
 
 @njit(**SUMS)
 def _probit(w):
-    """The inverse normal distribution near its middle, but for a factor; w in [-0.5, 0.5]."""
+    """The inverse normal distribution near its middle, up to a factor; w in [-0.5, 0.5]."""
     w = min(max(w, -0.5), 0.5)
     q = w * w
     return w * (1.0 + q * (1.047198 + q * (2.30291 + q * 6.0)))
@@ -220,7 +219,7 @@ def _crossing_narrow(level, i, work):
     dark = work.dark_level[i]
     light = work.light_level[i]
     half = 0.5 * (light + dark)
-    # what a plateau lacks can only lie beyond what is seen of it
+    # the missing part of a plateau can only lie beyond the visible one
     lowest = half - (UNREACHED * (light - dark) if work.wall[i] > 0.0 else 0.0)
     highest = half + (UNREACHED * (light - dark) if work.gap[i] > 0.0 else 0.0)
     if lowest <= level <= highest:
@@ -237,7 +236,7 @@ def _crossing_narrow(level, i, work):
 
 @njit(**LEAF)
 def _smoothed(grey, x, y, nx, ny):
-    """The profile across a crack, smoothed at one pixel; the picture goes on beyond its edge."""
+    """The profile across a crack, smoothed at one pixel; the picture extends beyond its edge."""
     height, width = grey.shape
     value = 0.0
     for k in range(-2, 3):
@@ -250,11 +249,11 @@ def _smoothed(grey, x, y, nx, ny):
 
 @njit(**SUMS, forceinline=True)
 def find_plateaus(n, work, sums):
-    """Dark and light for every crack, from what lies within STRETCH of it.
+    """Dark and light for every crack, from pixels within STRETCH of it.
 
-    Near a corner the plateaus are not reached, so that the second round leaves out what is
-    lighter or darker than the first round's mean. A crack whose stretch has none keeps its own.
-    ``sums`` (4, n + 1) is room to work in.
+    Near a corner the plateaus are not reached, so the second round leaves out pixels lighter or
+    darker than the first round's mean. A crack without any in its stretch keeps its own. ``sums``
+    (4, n + 1) is scratch space.
     """
     reach = min(STRETCH, (n - 1) // 2)
     dark = Kind(work.dark, work.dark_level, sums[0], sums[1], sums[3])
@@ -272,10 +271,11 @@ def find_plateaus(n, work, sums):
 
 @njit(**LEAF, forceinline=True)
 def _add_up(n, clear, dark, light):
-    """Up to every crack: what is dark and how many, what is light and how many.
+    """Cumulative sums along the cracks: dark values and their number, light values and their
+    number.
 
-    Without what is lighter than the dark level known so far, or darker than the light one. Sums of
-    whole and half grey values, and so exact: the same wherever a border begins.
+    Values lighter than the known dark level, or darker than the light one, are left out. Sums of
+    whole and half grey values are exact, and so the same wherever a border begins.
     """
     a = 0.0
     b = 0.0
@@ -299,8 +299,8 @@ def _set_level(begin, end, ahead, behind, around, n, kind):
     """The means of the stretches of cracks ``begin`` .. ``end`` - 1, dark or light.
 
     The stretch of the first one ends before crack ``ahead`` and begins at crack ``behind``;
-    ``around``: past the border's end.
-    One kind at a time: a loop that writes two rows works on one crack at a time.
+    ``around``: past the border's end. One kind at a time: a loop that writes two rows handles one
+    crack at a time.
     """
     cracks = end - begin
     own = kind.own[begin:end]

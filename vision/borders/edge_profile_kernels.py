@@ -1,8 +1,8 @@
-"""The light across every crack of a border, and what is there of both plateaus beside it.
+"""The light across every crack of a border, and both plateaus beside it.
 
 Rules and units
-- As in ``vision.borders.edge_kernels``. A border's cracks are the columns of ``work``; a row of it
-  is gathered or reckoned at once.
+- As in ``vision.borders.edge_kernels``. A border's cracks are the columns of ``work``; a row of
+  it is gathered or computed at once.
 """
 
 # mypy: allow-untyped-defs
@@ -28,7 +28,7 @@ ROWS = SAMPLES + 15
 
 
 class Profiles(NamedTuple):
-    """The profiles of a border's cracks, and what is found there: a column a crack."""
+    """The profiles of a border's cracks and their results: a column a crack."""
 
     profile: FloatArray
     """(SAMPLES, k): grey values, from the obstacle to the free side."""
@@ -70,9 +70,9 @@ def out(direction):
 def locate(grey, xs, ys, directions, n, work, places):
     """Place of every crack, and its profile's value at the obstacle pixel.
 
-    ``places`` (2, k): a crack's obstacle pixel in the picture, and the way from it to the free
-    one. A border that runs up or down finds a new line of the memory at every crack: a short
-    loop has many of them fetched at once, and the profiles are read from lines that are there.
+    ``places`` (2, k): a crack's obstacle pixel in the picture, and the offset to the free one. A
+    vertical border touches a new line of memory at every crack. A short loop fetches many lines at
+    once, and the profiles are then read from the cache.
     """
     width = grey.shape[1]
     flat_grey = grey.reshape(-1)
@@ -126,8 +126,8 @@ def look_at_mask(mask, width, xs, ys, directions, n, clear):
 def gather(grey, mask, xs, ys, directions, n, work, places):
     """The rest of the profile across every crack.
 
-    Where the profile leaves the picture, CLEAR is found here. Where the free pixel lies outside,
-    CROSSING is -1.
+    CLEAR is found here if the profile leaves the picture. CROSSING is -1 if the free pixel is
+    outside.
     """
     height, width = grey.shape
     flat_grey = grey.reshape(-1)
@@ -177,9 +177,9 @@ def _is_clear(mask, x, y, nx, ny, width, height):
 
 @njit(**LEAF, forceinline=True)
 def look_along(directions, n, work):
-    """Which cracks give a point, and where the border runs aslant."""
+    """Mark cracks that give a point, and slanted parts of the border."""
     for i in range(n):
-        # twice the way between the cracks' middles
+        # twice the distance between the cracks' middles
         dx = abs(work.middle_x[i + 2 * REACH] - work.middle_x[i])
         dy = abs(work.middle_y[i + 2 * REACH] - work.middle_y[i])
         upright = directions[i] & 1 == 1
@@ -193,8 +193,8 @@ def look_along(directions, n, work):
 def look_beside(level, by_level, n, work):
     """The plateaus beside every crack, and the profile smoothed at its two pixels.
 
-    A plateau is the mean of two pixels, or the nearer one where the outer one may be at the far
-    side, or in a narrow wall or gap the middle.
+    A plateau is the mean of two pixels; the nearer one if the outer may be at the far side; the
+    middle in a narrow wall or gap.
     """
     pixels = work.profile
     a4, a3, a2, a1, here = pixels[0], pixels[1], pixels[2], pixels[3], pixels[4]

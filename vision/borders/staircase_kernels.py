@@ -1,15 +1,14 @@
-"""The test for edge points that follow the pixels' staircase although there is grey.
+"""The test for edge points that follow the pixels' staircase in spite of grey.
 
 Rules and units
-- Pixels, centres at integers. A drawing without grey that was blurred afterwards keeps the steps of
-  its pixels wherever they are longer than the blur is wide: its border is the staircase, rounded
-  along itself, and lies up to half a pixel off what was drawn.
+- Pixels, centres at integers. A drawing without grey that is blurred afterwards keeps its
+  pixels' steps where they are longer than the blur is wide: its border is the staircase,
+  rounded along itself, and lies up to half a pixel off the drawing.
 - Where points follow each other a column (or a row) apart, a parabola through a stretch of them
-  predicts the one in its middle. What lies between pixels is drawn where it is, and the point does
-  not leave the parabola. What was rounded to pixels has the point where the rounded parabola is,
-  blurred. The two are compared by their squares.
-- Noise favours neither: over a stretch that rises by a pixel it meets every phase of the staircase
-  alike. A stretch that rises less says nothing and is not asked.
+  predicts the middle one. A border drawn between pixels stays on the parabola. A border rounded
+  to pixels follows the rounded parabola, blurred. The two are compared by their squares.
+- Noise favours neither: a stretch that rises by a pixel meets every phase of the staircase
+  alike. A stretch that rises less is not evaluated.
 """
 
 # mypy: allow-untyped-defs
@@ -50,10 +49,10 @@ of 0.2 px; looking at all borders took a tenth to a fifth of a picture's time, t
 def follow_staircase(points, starts, blur):
     """Share of the pixels' staircase in the points (k, 2) of borders, from ``starts`` on.
 
-    ``blur``: how far light spreads at an edge, pixels. Returns the sum of what points leave their
-    parabola by times what the staircase does, and the sum of the latter's squares, square pixels:
-    their quotient is 0 for what was drawn with grey, and 1 for what was not. Where enough of them
-    tell, the rest is not looked at. O(points).
+    ``blur``: spread of light at an edge, pixels. Returns the sum of the points' deviation from
+    their parabola times the staircase's, and the sum of the latter's squares, square pixels. Their
+    quotient is 0 for drawings with grey, and 1 for those without. The rest is skipped once enough
+    points have been compared. O(points).
     """
     longest = 0
     for b in range(starts.shape[0] - 1):
@@ -91,7 +90,7 @@ def follow_staircase(points, starts, blur):
 
 @njit(**LEAF)
 def _first_break(border, axis):
-    """A point at which no course goes on: those before and behind it are not both a pixel away."""
+    """A point where no course continues: its neighbours are not a pixel away on opposite sides."""
     n = border.shape[0]
     if n == 0:
         return 0
@@ -132,7 +131,7 @@ def _compare(work, count, taps, reach):
     width = int(NARROW * (count / COURSE) ** WIDER)
     width = min(max(width, NARROWEST), WIDEST)
     size = 2 * width + 1
-    # what a parabola through so many points has in its middle: a sum of weights a - b j^2
+    # value in the middle of a parabola through that many points: a sum of weights a - b j^2
     second = width * (width + 1.0) * size / 3.0
     fourth = second * (3.0 * width * width + 3.0 * width - 1.0) / 5.0
     scale = 1.0 / (size * fourth - second * second)

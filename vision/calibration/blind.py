@@ -1,11 +1,11 @@
 """Parts of a picture that show no floor to drive on: a lens folds, or looks sideways.
 
 Rules and units
-- A pixel is blind where no ray is seen once, where its ray does not meet the floor, and where it
-  covers a length of more than ``MOST_STRETCH`` of the nominal pixels: what stands there would be
-  missed. The mask is grown by ``MARGIN_PX``, so that edges beside it are looked at where rays are.
-- The same floor as a plan: places within the bounds that no pixel of the picture, or a blind one,
-  looks at. What lies beyond the rim of a picture without a blind pixel is not asked here.
+- A pixel is blind if no ray within the lens's reach is seen there, if its ray misses the floor,
+  or if it covers more than ``MOST_STRETCH`` nominal pixels of length: an object there would be
+  missed. The mask is grown by ``MARGIN_PX``, so that edges beside it are read where rays are.
+- The same floor as a plan: places within the bounds that no pixel sees, or only a blind one.
+  Places beyond the rim of a picture without a blind pixel are not considered here.
 """
 
 from __future__ import annotations
@@ -39,8 +39,8 @@ SAME_M = 1e-3
 
 
 class Plan(NamedTuple):
-    """``blind`` (h, w) of places, row 0 at the top; the first of them is ``first_m`` (x, y), the
-    next ones ``step_m`` to the right and down.
+    """``blind`` (h, w) of places, row 0 at the top; the first is at ``first_m`` (x, y), the others
+    ``step_m`` apart to the right and down.
     """
 
     blind: NDArray[np.bool_]
@@ -71,13 +71,13 @@ class Seeing(Protocol):
 
 @lru_cache(maxsize=16)
 def blind_pixels(calibration: Seeing) -> NDArray[np.bool_] | None:
-    """The mask (h, w), read-only; None where every pixel shows floor. O(pixels / 64), cached."""
+    """The mask (h, w), read-only; None if every pixel shows floor. O(pixels / 64), cached."""
     width, height = calibration.size
     stretch = _stretch(calibration)
     if (stretch <= MOST_STRETCH).all():
         return None
     hidden = ~(stretch <= MOST_STRETCH)
-    # the corners of a block: where they differ every pixel is asked
+    # the corners of a block: if they differ, every pixel is computed
     corners = np.stack([hidden[:-1, :-1], hidden[:-1, 1:], hidden[1:, :-1], hidden[1:, 1:]])
     whole = np.kron(corners.all(axis=0), np.ones((BLOCK_PX, BLOCK_PX), np.bool_))
     mixed = np.kron(corners.any(axis=0), np.ones((BLOCK_PX, BLOCK_PX), np.bool_)) & ~whole
@@ -92,14 +92,14 @@ def blind_pixels(calibration: Seeing) -> NDArray[np.bool_] | None:
 
 @lru_cache(maxsize=16)
 def coarsest_pixel_m(calibration: Seeing) -> float:
-    """The greatest length of floor, metres, that a pixel that is not blind covers."""
+    """The greatest length of floor, metres, that a pixel covers that is not blind."""
     stretch = _stretch(calibration)
     return float(stretch[stretch <= MOST_STRETCH].max()) * calibration.metres_per_pixel
 
 
 @lru_cache(maxsize=16)
 def blind_plan(calibration: Seeing, bounds: Bounds) -> Plan | None:
-    """The bounds as a plan of what is blind; None where all of them is seen."""
+    """The blind part of the bounds as a plan; None if all of them is seen."""
     mask = blind_pixels(calibration)
     if mask is None:
         return None

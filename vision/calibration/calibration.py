@@ -1,15 +1,15 @@
 """A camera's calibration: lens, homography to the arena's floor, and heights above it.
 
 Rules and units
-- Pixels are those of the raw picture, centres at integers. *Undistorted* pixels are what an
-  ideal pinhole camera with the same camera matrix would see.
-- The arena is in metres, x right, y up, z towards the camera; its floor is z = 0. Seen from
-  above it is never mirrored: a calibration that mirrors is refused.
+- Pixels are those of the raw picture, centres at integers. *Undistorted* pixels are those of an
+  ideal pinhole camera with the same camera matrix.
+- The arena is in metres, x right, y up, z towards the camera; its floor is z = 0. A calibration
+  that mirrors the arena, seen from above, is refused.
 - ``arena_from_pixel`` is the homography from undistorted pixels to the floor.
-- The lens model is Brown's or OpenCV's fisheye model (``vision.calibration.lens_model``). What no
-  ray within the lens's reach is seen at, and what lies behind the floor's horizon, is NaN.
-- A point at height h over p is seen where a point of the floor at c + (p - c) H / (H - h)
-  would be, with c the point below the camera and H the camera's height, whatever its tilt.
+- The lens model is Brown's or OpenCV's fisheye model (``vision.calibration.lens_model``).
+  Pixels that no ray within the lens's reach produces, or behind the floor's horizon, are NaN.
+- A point at height h over p is seen where a point of the floor at c + (p - c) H / (H - h) would
+  be, with c the point below the camera and H the camera's height, whatever its tilt.
 """
 
 from __future__ import annotations
@@ -56,12 +56,11 @@ class Calibration:
     """A camera over an arena.
 
     ``size`` (width, height) px; ``camera_matrix`` (3, 3) without skew; ``distortion`` (5,) of
-    ``lens_model`` ``brown``, fewer are padded, or exactly (4,) of ``fisheye``;
-    ``arena_from_pixel`` (3, 3), scaled so that its last element is 1 or its norm is;
-    ``camera_center_m`` (x, y, height) in the arena, None where it is unknown: then nothing
-    above the floor can be placed. ``lens_rms_px`` and ``arena_rms_m`` are the residuals it
-    was made with (None: none were), ``remarks`` what was left out or is weak.
-    Raises ``CalibrationError`` for anything that no camera can be.
+    ``lens_model`` ``brown``, fewer are padded, or exactly (4,) of ``fisheye``; ``arena_from_pixel``
+    (3, 3), scaled to a last element or a norm of 1; ``camera_center_m`` (x, y, height) in the
+    arena, or None if unknown: then nothing above the floor can be placed. ``lens_rms_px`` and
+    ``arena_rms_m`` are its residuals (None if there were none), ``remarks`` its omissions and
+    weaknesses. Raises ``CalibrationError`` for values that no camera can have.
     """
 
     size: tuple[int, int]
@@ -149,9 +148,9 @@ class Calibration:
         )
 
     def arena_from_image(self, points_px: ArrayLike, height_m: float = 0.0) -> FloatArray:
-        """Raw pixels (n, 2) to metres (n, 2) of what is ``height_m`` above the floor.
+        """Raw pixels (n, 2) to metres (n, 2) at ``height_m`` above the floor.
 
-        NaN for pixels that look at no floor: the lens folds there, or they lie behind the horizon.
+        NaN for pixels that see no floor: the lens folds there, or they lie behind the horizon.
         """
         homography = self.plane_from_pixel(height_m)
         if self.lens.model == STRAIGHT:
@@ -178,7 +177,7 @@ class Calibration:
 
     @property
     def metres_per_pixel(self) -> float:
-        """The nominal scale of the floor, at the picture's centre."""
+        """Nominal scale of the floor, at the picture's centre."""
         x, y = (self.size[0] - 1) / 2.0, (self.size[1] - 1) / 2.0
         around = self.arena_from_image([(x - 1, y), (x + 1, y), (x, y - 1), (x, y + 1)])
         (ax, ay), (bx, by) = (around[1] - around[0]) / 2.0, (around[3] - around[2]) / 2.0
@@ -186,7 +185,7 @@ class Calibration:
 
     @property
     def blind(self) -> NDArray[np.bool_] | None:
-        """The pixels (h, w) that show no floor to drive on; None where every pixel does."""
+        """The pixels (h, w) that show no floor to drive on; None if every pixel does."""
         from vision.calibration.blind import blind_pixels
 
         return blind_pixels(self)
@@ -223,7 +222,7 @@ class Calibration:
         return distort_all(np.array(ideal, order="C"), self.lens)
 
     def plane_view(self, height_m: float = 0.0) -> PlaneView:
-        """The plane at ``height_m`` and its picture, as kernels take them."""
+        """The plane at ``height_m`` and its picture, for kernels."""
         known = self._planes.get(height_m)
         if known is not None:
             return known
@@ -326,7 +325,7 @@ def _terms(model: str, distortion: ArrayLike) -> FloatArray:
 
 
 def _sample_of_picture(size: tuple[int, int]) -> FloatArray:
-    """Pixels (n, 2) all over the picture, those of its rim among them, its middle the first."""
+    """Sample pixels (n, 2) of the picture, its rim included, beginning with the middle."""
     width, height = size
     xs, ys = np.linspace(-0.5, width - 0.5, 33), np.linspace(-0.5, height - 0.5, 33)
     grid = np.stack(np.meshgrid(xs, ys), axis=-1).reshape(-1, 2)
@@ -334,7 +333,7 @@ def _sample_of_picture(size: tuple[int, int]) -> FloatArray:
 
 
 def _refuse_fold(calibration: Calibration) -> None:
-    """A lens that folds keeps what it shows once, where that is the middle and the larger part."""
+    """Refuse a lens that does not show the picture's middle, or folds and shows too little."""
     if calibration.lens.model == STRAIGHT:
         return
     shown = np.isfinite(calibration.undistort_points(_sample_of_picture(calibration.size))[:, 0])
@@ -349,8 +348,7 @@ def _refuse_fold(calibration: Calibration) -> None:
 def _front_of(calibration: Calibration) -> float:
     """The sign of the homography's third coordinate in front of the camera.
 
-    Raises ``CalibrationError`` where y would not point up, and for a camera that looks along the
-    floor.
+    Raises ``CalibrationError`` if y would not point up, or the camera looks along the floor.
     """
     h = calibration.arena_from_pixel
     norm = float(np.linalg.norm(h[:2, :2]))

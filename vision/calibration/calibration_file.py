@@ -1,8 +1,8 @@
 """Calibrations as YAML files, with errors that name file, line and column.
 
-The keys are those of ``vision.calibration.calibration.Calibration``; ``schema`` names the format.
-A file without ``lens_model`` holds Brown's.
-Unknown keys are errors, as a misspelt one would be ignored for ever.
+The keys are those of ``vision.calibration.calibration.Calibration``; ``schema`` names the format. A
+file without ``lens_model`` holds Brown's. Unknown keys are errors, as a misspelt one would be
+ignored for ever.
 """
 
 from __future__ import annotations
@@ -42,7 +42,7 @@ _NO_FLOOR = ((1.0, 0.0, 0.0), (0.0, -1.0, 0.0), (0.0, 0.0, 1.0))
 
 
 def save_calibration(calibration: Calibration, path: str | Path) -> None:
-    """Write a calibration without loss; raises ``CalibrationError`` where that is impossible."""
+    """Write a calibration without loss; raises ``CalibrationError`` if that is impossible."""
     try:
         Path(path).write_text(calibration_text(calibration), encoding="utf-8")
     except OSError as error:
@@ -57,7 +57,7 @@ def save_lens(
     rms_px: float,
     lens_model: str = "brown",
 ) -> None:
-    """Write a lens alone; raises ``CalibrationError`` where that is impossible."""
+    """Write a lens alone; raises ``CalibrationError`` if that is impossible."""
     values = {
         "schema": LENS_SCHEMA,
         "size": list(size),
@@ -74,12 +74,12 @@ def save_lens(
 
 
 def load_lens(path: str | Path) -> Calibration:
-    """A lens alone, or that of a whole calibration; its floor means nothing where it is alone."""
+    """A lens alone, or that of a whole calibration; the floor of a lens alone is meaningless."""
     return parse_calibration(read_text(path), str(path), lens_alone=True)
 
 
 def calibration_text(calibration: Calibration) -> str:
-    """The YAML text of a calibration; floats are written so that they read back the same."""
+    """The YAML text of a calibration, with floats that read back the same."""
     center = calibration.camera_center_m
     values: dict[str, Any] = {
         "schema": SCHEMA,
@@ -105,7 +105,7 @@ def load_calibration(path: str | Path) -> Calibration:
 def read_text(path: str | Path) -> str:
     """A small text file, with or without the byte order mark that spreadsheets write.
 
-    Raises ``CalibrationError`` where it is none, or has no end.
+    Raises ``CalibrationError`` if it cannot be read, is not text, or is too long.
     """
     try:
         with Path(path).open("rb") as file:
@@ -125,7 +125,7 @@ def parse_calibration(
 ) -> Calibration:
     """A calibration from its YAML text; ``name`` is the file's name in messages.
 
-    A file that holds a lens alone is refused unless ``lens_alone`` is enough.
+    A file with a lens alone is refused unless ``lens_alone`` is set.
     """
     try:
         root = yaml.compose(text, Loader=yaml.SafeLoader)
@@ -180,7 +180,7 @@ def _build(nodes: Mapping[str, yaml.Node], name: str) -> Calibration:
             else "brown",
         )
     except CalibrationError as error:
-        # A value that only the whole calibration shows to be wrong starts with its key.
+        # An error that only the whole calibration shows starts with its key.
         key = str(error).split(":", 1)[0].split(" ", 1)[0]
         where = f"{_where(name, nodes[key])}: " if key in nodes else ""
         raise CalibrationError(f"{where}{error}") from error
@@ -226,7 +226,7 @@ def _number(node: yaml.Node, name: str, key: str) -> float:
 
 
 def _numbers(node: yaml.Node, name: str, key: str, length: int | None) -> tuple[float, ...]:
-    """A list of numbers, of any length where ``length`` is None."""
+    """A list of numbers, of any length if ``length`` is None."""
     if not isinstance(node, yaml.SequenceNode):
         raise CalibrationError(f"{_where(name, node)}: {key}: must be a list of numbers")
     if length is not None and len(node.value) != length:

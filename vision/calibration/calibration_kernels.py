@@ -1,8 +1,8 @@
-"""The compiled loops of ``vision.calibration.calibration``: a lens undone and laid on again.
+"""The compiled loops of ``vision.calibration.calibration``: removing and applying a lens.
 
-Raw and undistorted pixels, centres at integers; ``lens`` as
-``vision.calibration.lens_model.lens_arrays`` gives it. NaN for a pixel that no ray within the
-lens's reach is seen at.
+Raw and undistorted pixels, centres at integers; ``lens`` from
+``vision.calibration.lens_model.lens_arrays``. NaN for a pixel that no ray within the lens's reach
+produces.
 """
 
 from __future__ import annotations
@@ -161,8 +161,8 @@ def image_from_plane(
 ) -> NDArray[np.float64]:
     """Points (n, 2) of a plane to raw pixels; NaN behind the camera and beyond the lens's reach.
 
-    ``homography`` (3, 3) leads to undistorted pixels, with a third coordinate of the sign of
-    ``front`` before the camera.
+    ``homography`` (3, 3) leads to undistorted pixels; its third coordinate has the sign of
+    ``front`` in front of the camera.
     """
     found = np.empty_like(points)
     for i in range(len(points)):
@@ -175,7 +175,7 @@ def image_from_plane(
 def plane_from_image(
     points: NDArray[np.float64], homography: NDArray[np.float64], front: float, lens: LensArrays
 ) -> NDArray[np.float64]:
-    """Raw pixels (n, 2) to points of a plane; NaN where they show none."""
+    """Raw pixels (n, 2) to points of a plane; NaN if they show none."""
     found = np.empty_like(points)
     for i in range(len(points)):
         x, y = undistort(points[i, 0], points[i, 1], lens)
@@ -185,7 +185,7 @@ def plane_from_image(
 
 @njit(cache=True, nogil=True, fastmath=False)
 def _moved(x: float, y: float, h: NDArray[np.float64], front: float) -> tuple[float, float]:
-    """Through a homography; NaN where the third coordinate has not the sign of ``front``."""
+    """Through a homography; NaN if the third coordinate lacks the sign of ``front``."""
     w = h[2, 0] * x + h[2, 1] * y + h[2, 2]
     if not w * front > 0.0:
         return math.nan, math.nan
@@ -201,6 +201,6 @@ def seen_at(x_m: float, y_m: float, view: PlaneView) -> tuple[float, float]:
 
 @njit(cache=True, nogil=True, fastmath=False)
 def placed_at(x_px: float, y_px: float, view: PlaneView) -> tuple[float, float]:
-    """The point of a plane that one raw pixel shows; NaN where it shows none."""
+    """The point of a plane that one raw pixel shows; NaN if it shows none."""
     x, y = undistort(x_px, y_px, view.lens)
     return _moved(x, y, view.from_pixel, view.front)

@@ -1,14 +1,16 @@
-"""Lens models, Brown's and OpenCV's fisheye, and how far each of them reaches.
+"""Lens models, Brown's and OpenCV's fisheye, and the reach of each.
 
 Rules and units
-- Normalised coordinates x = X / Z, y = Y / Z of the camera, Z along its view; ``r`` their radius.
-- ``brown`` (D. C. Brown, Close-range camera calibration, 1971): up to five terms in OpenCV's order
-  (k1, k2, p1, p2, k3). ``fisheye`` (J. Kannala and S. S. Brandt, A generic camera model, 2006, as
-  OpenCV has it): four terms (k1, k2, k3, k4); a ray at the angle theta to the view is seen at the
-  radius theta_d = theta (1 + k1 theta^2 + k2 theta^4 + k3 theta^6 + k4 theta^8).
-- Either is undone within a disc of normalised radius ``reach`` alone. There Brown's Jacobian, which
-  is symmetric, is positive definite: the map is the gradient of a convex function, so that no two
-  rays share a pixel. There theta_d grows with theta. Beyond it a lens folds, or looks sideways.
+- Normalised coordinates x = X / Z, y = Y / Z of the camera, Z along its view; ``r`` their
+  radius.
+- ``brown`` (D. C. Brown, Close-range camera calibration, 1971): up to five terms in OpenCV's
+  order (k1, k2, p1, p2, k3). ``fisheye`` (J. Kannala and S. S. Brandt, A generic camera model,
+  2006, as OpenCV has it): four terms (k1, k2, k3, k4); a ray at the angle theta to the view is
+  seen at the radius theta_d = theta (1 + k1 theta^2 + k2 theta^4 + k3 theta^6 + k4 theta^8).
+- Either is inverted only within a disc of normalised radius ``reach``. In it Brown's Jacobian,
+  which is symmetric, is positive definite: the map is the gradient of a convex function, so no
+  two rays share a pixel. For the fisheye, theta_d grows with theta. Beyond it a lens folds, or
+  looks sideways.
 """
 
 from __future__ import annotations
@@ -37,10 +39,10 @@ _ANGLES, _DIRECTIONS = 1801, 48
 
 
 class LensArrays(NamedTuple):
-    """A lens as kernels take it.
+    """A lens for kernels.
 
     ``model`` is ``STRAIGHT``, ``BROWN`` or ``FISHEYE``; ``camera`` (4,) fx, fy, cx, cy in pixels;
-    ``terms`` (5,), unused ones 0; ``reach`` the normalised radius up to which it can be undone.
+    ``terms`` (5,), unused ones 0; ``reach`` the normalised radius up to which it can be inverted.
     """
 
     model: int
@@ -50,10 +52,10 @@ class LensArrays(NamedTuple):
 
 
 class PlaneView(NamedTuple):
-    """A plane of the arena and its picture, as kernels take them.
+    """A plane of the arena and its picture, for kernels.
 
     ``from_pixel`` (3, 3) leads from undistorted pixels to the plane, ``to_pixel`` back; the third
-    coordinate of what is before the camera has the sign of ``front``.
+    coordinate has the sign of ``front`` in front of the camera.
     """
 
     from_pixel: FloatArray
@@ -63,7 +65,7 @@ class PlaneView(NamedTuple):
 
 
 def lens_arrays(model: str, camera_matrix: FloatArray, terms: ArrayLike) -> LensArrays:
-    """The arrays of a lens; ``camera_matrix`` (3, 3), ``terms`` as the model has them."""
+    """The arrays of a lens; ``camera_matrix`` (3, 3), ``terms`` of the model."""
     k = camera_matrix
     camera = np.array([k[0, 0], k[1, 1], k[0, 2], k[1, 2]])
     given = np.asarray(terms, dtype=np.float64)
@@ -78,7 +80,7 @@ def lens_arrays(model: str, camera_matrix: FloatArray, terms: ArrayLike) -> Lens
 
 
 def folds(lens: LensArrays) -> bool:
-    """True if the lens turns back somewhere, and does not only look sideways there."""
+    """True if the lens turns back somewhere, rather than only looking sideways."""
     if lens.model == FISHEYE:
         return math.atan(lens.reach) < MOST_ANGLE_RAD - 1e-9
     return lens.model == BROWN and lens.reach < _MOST_RADIUS
@@ -119,5 +121,5 @@ def _least_stretch(radii: FloatArray, terms: FloatArray) -> FloatArray:
 
 
 def _before_the_first(bad: NDArray[np.bool_]) -> int:
-    """The index before the first that is bad; the last one where none is."""
+    """The index before the first bad one; the last if there is none."""
     return max(int(np.argmax(bad)) - 1, 0) if bad.any() else len(bad) - 1

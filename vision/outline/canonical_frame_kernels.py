@@ -1,12 +1,11 @@
-"""Borders that are each other's mirror image, or turned, are fitted alike.
+"""A canonical frame, in which mirrored or turned borders are fitted alike.
 
 Rules and units
-- A search that goes along a border from a place of its choice, and takes the best that it finds
-  there, may answer otherwise for the same border in a mirror, where it goes the other way. So a
-  left-handed border is transposed, x and y exchanged and its order turned round, which keeps it
-  clockwise; its edges are transposed back when they are finished.
-- Where a border begins depends on the picture's rows. A fit begins where the border is farthest
-  from its centroid, and sees that in the east: a tie is decided alike however a border is turned.
+- A search along a border that takes the best place it finds may answer differently for the mirror
+  image, where it runs the other way. So a left-handed border is transposed: x and y are exchanged
+  and its order is reversed, which keeps it clockwise. Finished edges are transposed back.
+- A border's first point depends on the picture's rows. A fit begins where the border is farthest
+  from its centroid, turned to the east, so that ties are decided alike however a border is turned.
 - ``border``, ``cracks``, ``place`` and ``finished``: see ``vision.outline.outline_types``.
 """
 
@@ -39,8 +38,8 @@ point is the middle between two pixels, but for what the smoothing's weights lac
 def bring_into_place(points, away, border):
     """Write a border's points (n, 2) so that it is right-handed and begins far in the east.
 
-    It begins where it is farthest from its centroid, which is turned to the east, and that point
-    is its origin. ``away`` (n + 1,): room to work in.
+    The first point is the farthest from the centroid, turned to the east; it is the origin.
+    ``away`` (n + 1,) is scratch space.
     """
     px = border.x
     py = border.y
@@ -67,7 +66,7 @@ def bring_into_place(points, away, border):
     y = points[first, 1]
     east = x - mx
     south = y - my
-    # the way from the picture's x and y
+    # matrix from the picture's x and y to the frame's
     xx, xy, yx, yy = 1.0, 0.0, 0.0, 1.0
     if transposed:
         xx, xy, yx, yy = 0.0, 1.0, 1.0, 0.0
@@ -79,7 +78,7 @@ def bring_into_place(points, away, border):
         xx, xy, yx, yy = -yx, -yy, xx, xy
     share = 1.0 / STEPS
     for part in range(2):
-        # from the first point to the end, and from there on; or back to the start, and from there
+        # first the points from ``first`` to the end, then the rest; transposed, both run backwards
         behind = part == 1
         if transposed:
             low = first + 1 if behind else 0
@@ -101,15 +100,15 @@ def bring_into_place(points, away, border):
 
 @njit(**SUMS)
 def is_left_handed(away, n, farthest):
-    """Whether the squared distances from the centroid rise more steeply than they fall.
+    """True if the squared distances from the centroid rise more steeply than they fall.
 
-    A third moment of their course along a border, which neither a turn nor the first point
-    changes, and whose sign changes where it is mirrored.
+    The test is a third moment of their course along the border. Turning the border or moving its
+    first point does not change it; mirroring changes its sign.
     """
     step = n // APART + 1
     skew = 0.0
     for part in range(3):
-        # where neither end, one, or the middle too comes around
+        # no index wraps round, ``after`` does, or ``here`` does too
         lo = (0, n - 2 * step, n - step)[part]
         hi = (n - 2 * step, n - step, n)[part]
         here = away[lo + step - n if part == 2 else lo + step :]
@@ -122,10 +121,10 @@ def is_left_handed(away, n, farthest):
 
 @njit(**LEAF)
 def bring_cracks_along(border, cracks, place):
-    """The same for the border's cracks, the first of which is the one at the origin.
+    """Bring the border's cracks into the same frame, beginning with the crack at the origin.
 
-    The obstacle pixel of the first becomes the origin of both: fractions of pixels are exact, and
-    a shift by whole pixels changes nothing. Returns the new place.
+    Its obstacle pixel becomes the origin of both: fractions of pixels are exact, and a shift by
+    whole pixels changes nothing. Returns the new place.
     """
     qx = cracks.x
     qy = cracks.y
@@ -179,7 +178,7 @@ def _begin_at(px, py, n, first):
 
 @njit(**LEAF)
 def _turn(px, py, n, turns):
-    """Turn by so many quarters, from east to south."""
+    """Turn by ``turns`` quarters, from east to south."""
     for _ in range(turns):
         for k in range(2 * n + 1):
             px[k], py[k] = -py[k], px[k]
@@ -187,7 +186,7 @@ def _turn(px, py, n, turns):
 
 @njit(**LEAF)
 def _transpose(px, py, n):
-    """Exchange x and y of a border's points and turn their order round."""
+    """Exchange x and y of a border's points and reverse their order."""
     for k in range((n + 1) // 2):
         other = n - 1 - k
         px[k], py[k], px[other], py[other] = py[other], px[other], py[k], px[k]
@@ -205,9 +204,9 @@ def _repeat(px, py, n):
 
 @njit(**LEAF)
 def put_edges_back(finished, count, place):
-    """Turn and transpose finished edges back to where they were.
+    """Turn and transpose finished edges back to the picture's frame.
 
-    An arc that is transposed turns as before: it is both mirrored and run through the other way.
+    A transposed arc keeps its direction: it is both mirrored and reversed.
     """
     kind = finished.kind
     rows = finished.rows

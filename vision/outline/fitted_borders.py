@@ -1,4 +1,4 @@
-"""What the fit of outlines gives: the edges of every border, and the numbers of their kinds."""
+"""Fitted outlines: the edges of every border, and the codes of their kinds."""
 
 from __future__ import annotations
 
@@ -26,11 +26,11 @@ FEWEST_LINES: Final = 3
 
 @dataclass(frozen=True, slots=True)
 class FittedBorders:
-    """Lines, arcs and circles of every border, as ``vision.outline.fitting`` leaves them.
+    """Lines, arcs and circles of every border, from ``vision.outline.fitting``.
 
-    ``border_kind`` (b,): POLYGON, CIRCLE or TINY. ``edge_starts`` (b + 1,). ``kind`` (k,):
-    LINE, ARC_CW or ARC_CCW. ``data`` (k, 6): first point x, y; centre x, y and radius of an
-    arc or circle; the whole border's rms deviation in pixels.
+    ``border_kind`` (b,): POLYGON, CIRCLE or TINY. ``edge_starts`` (b + 1,). ``kind`` (k,): LINE,
+    ARC_CW or ARC_CCW. ``data`` (k, 6): first point x, y; centre x, y and radius of an arc or
+    circle; the whole border's rms deviation in pixels.
     """
 
     border_kind: NDArray[np.int8]

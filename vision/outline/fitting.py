@@ -1,8 +1,8 @@
 """Lines, arcs and circles through sub-pixel edge points; every decision by residual.
 
 Rules and units
-- Pixels (or rectified pixels), y down. The tolerance follows the picture: the noise, the
-  steepness of its edges, and whether it was drawn without grey.
+- Pixels (or rectified pixels), y down. The tolerance follows the picture's noise, the steepness of
+  its edges, and whether it was drawn without grey.
 """
 
 from __future__ import annotations
@@ -33,12 +33,12 @@ derived, a pixel's centre is no farther off the border that it was rounded from.
 
 
 class Tolerance(NamedTuple):
-    """What a fit may miss: ``dead_zone_px`` is free, ``sigma_px`` the spread beyond it.
-    ``crisp``: the picture has no grey at its edges; ``spread_px``: what noise does to a point.
+    """Deviations that a fit allows: ``dead_zone_px`` is free, ``sigma_px`` the spread beyond it.
 
-    ``blur_px`` is how far light spreads at an edge (sigma), ``guard_px`` how far from a corner
-    it bends the border: what is nearer takes no part in a fit. ``trim_px`` is the same while
-    the corners are still being looked for.
+    ``crisp``: the picture has no grey at its edges; ``spread_px``: the noise of a point.
+    ``blur_px``: spread of light at an edge (sigma). ``guard_px``: distance from a corner within
+    which blur bends the border; points nearer take no part in a fit. ``trim_px``: the same while
+    corners are being searched.
     """
 
     crisp: bool
@@ -51,19 +51,19 @@ class Tolerance(NamedTuple):
 
     @property
     def prices(self) -> Prices:
-        """What a line, an arc and a circle have to save."""
+        """Saving that a line, an arc and a circle must bring."""
         return edge_prices(self.dead_zone_px, self.sigma_px, self.spread_px, self.crisp)
 
 
 def tolerance_of(edges: EdgePoints, noise: float, contrast: float) -> Tolerance:
-    """The tolerance that a picture's noise (grey levels), contrast and edges call for."""
+    """The tolerance for a picture's noise (grey levels), contrast and edges."""
     spread = SMOOTHING * noise / (edges.slope * max(contrast, 1.0))
     sigma = float(np.hypot(KNOWN_PX, spread))
     crisp = edges.crispness if edges.crispness > 0.3 else 0.0
     blur = edges.blur_px
     noisy = min(max((spread - QUIET_PX) / (NOISY_PX - QUIET_PX), 0.0), 1.0)
     calm = CALM_PX * (1.0 - 0.5 * noisy)
-    # noise outweighs what little of the bend is left so far out
+    # so far out, noise outweighs the rest of the bend
     loud = min(1.0, spread / LOUD_PX)
     return Tolerance(
         crisp=crisp > 0.5,
@@ -77,10 +77,10 @@ def tolerance_of(edges: EdgePoints, noise: float, contrast: float) -> Tolerance:
 
 
 def staircase_share(edges: EdgePoints, sigma_px: float) -> float:
-    """How much of the pixels' staircase is left at edges with grey: 0 .. 1.
+    """Share of the pixels' staircase left at edges with grey: 0 .. 1.
 
-    Points cost their squares, as in a fit: beside the staircase they have to cost less than beside
-    none, by what one more line would have to save.
+    The staircase counts only if it lowers the sum of squares, as in a fit, by more than one more
+    line would have to save.
     """
     common, whole = edges.staircase
     saved = (2.0 * common - whole) / sigma_px**2
@@ -88,7 +88,7 @@ def staircase_share(edges: EdgePoints, sigma_px: float) -> float:
 
 
 def is_drawing(grey: NDArray[Any], borders: Borders) -> bool:
-    """Whether every border runs between the same two values of grey. O(1) for most others."""
+    """True if every border runs between the same two values of grey. O(1) for most others."""
     return bool(runs_between_two_greys(grey, borders.x, borders.y, borders.direction))
 
 
@@ -102,8 +102,8 @@ def fit_edges(
 ) -> FittedBorders:
     """Partition every border into lines and arcs, or take it for a circle. O(points).
 
-    ``separate``: the points are the picture's own, and it is a drawing without grey, so that every
-    border's edges have to separate its obstacle pixels from the free ones beside them.
+    ``separate``: the points are the picture's own, a drawing without grey, and every border's edges
+    must separate its obstacle pixels from the free ones beside them.
     """
     count = len(starts) - 1
     known = len(borders.x) if separate else 0

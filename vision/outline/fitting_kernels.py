@@ -2,17 +2,17 @@
 
 Rules and units
 - Points (k, 2) float64 in pixels (or rectified pixels), y down, border after border, each a
-  closed sequence. What is handed on: ``vision.outline.outline_types``.
-- One border at a time: is it a circle (``vision.outline.whole_circle_kernels``); where does it
-  break (``vision.outline.partition_kernels``); what are its edges and where do they meet
-  (``vision.outline.corners.joint_kernels``); do they cover it
-  (``vision.outline.check.area_lost_kernels``), or without grey, do they separate its pixels
+  closed sequence. The types passed between kernels: ``vision.outline.outline_types``.
+- A border is tested for a circle (``vision.outline.whole_circle_kernels``), broken into edges
+  (``vision.outline.partition_kernels``), and these are joined
+  (``vision.outline.corners.joint_kernels``). They must then cover the border
+  (``vision.outline.check.area_lost_kernels``) or, without grey, separate its pixels
   (``vision.outline.drawn.separating_chord_kernels``).
-- Whatever was fitted, an outline that leaves its border, or leaves a part of it out, is given up
-  for chords from border point to border point (``vision.outline.check.stray_kernels``).
-- A kernel that says nothing of ``forceinline`` or ``fastmath`` inherits it from the one that it is
-  first compiled for. ``fit_borders`` takes in all that is below it but what is called seldom: a
-  call copies nine numbers for an array, which costs small borders a fifth of their time.
+- An outline that still leaves its border, or a part of it out, is replaced by chords from
+  border point to border point (``vision.outline.check.stray_kernels``).
+- A kernel without ``forceinline`` or ``fastmath`` inherits it from its first caller to be
+  compiled. ``fit_borders`` inlines all but rarely called kernels: a call copies nine numbers
+  per array, which costs small borders a fifth of their time.
 """
 
 # mypy: allow-untyped-defs
@@ -85,15 +85,16 @@ indifferent."""
 def fit_borders(
     points, point_starts, budgets, pixels, crack_pixels, tolerance, prices, memory, fitted
 ):  # fmt: skip
-    """Write lines, arcs and circles of every border into ``fitted``; returns the edges' number.
+    """Write lines, arcs and circles of every border into ``fitted``; returns the number of edges.
 
     ``budgets``, ``pixels`` (b,): see ``vision.outline.limit_kernels.allow_losses``;
-    ``crack_pixels``: the borders' cracks where edges have to separate every crack's pixels, or else
-    none; ``memory``: as long as the longest border.
-    Per border POLYGON, CIRCLE or TINY and its first edge; per edge LINE, ARC_CW or ARC_CCW and a
-    row (6,): the edge's first point x, y, then cx, cy, r of an arc, and the whole border's rms
-    deviation. A circle is one edge of kind LINE with its centre and radius in the row. TINY
-    borders have no edges.
+    ``crack_pixels``: the borders' cracks if edges must separate every crack's pixels, else none;
+    ``memory``: sized for the longest border.
+
+    Per border: POLYGON, CIRCLE or TINY and its first edge. Per edge: LINE, ARC_CW or ARC_CCW and a
+    row (6,) of the edge's first point x, y, then cx, cy, r of an arc, and the whole border's rms
+    deviation. A circle is one edge of kind LINE with its centre and radius in the row. TINY borders
+    have no edges.
     """
     exact = crack_pixels.x.shape[0] > 0
     limits = limits_of(tolerance, exact)
@@ -129,7 +130,7 @@ def fit_borders(
 
 @njit(**LEAF, inline="always")
 def share_out(memory):
-    """What each array of the memory for one border is used for: ``Work``."""
+    """Share out the memory for one border as ``Work``."""
     most = memory.most
     numbers = memory.numbers
     indices = memory.indices
@@ -158,7 +159,7 @@ def _fit_border(
 ):  # fmt: skip
     """Write one border's edges, or its circle, moved to ``place``: its kind, and their number.
 
-    ``budget``: the area that its edges may lose; ``held``: even where they are one circle.
+    ``budget``: area that the edges may lose; ``held``: the budget binds a single circle too.
     """
     costs = Costs(
         limits.crisp,
@@ -174,9 +175,9 @@ def _fit_border(
     sound = False
     one_circle = cracks.n > 0 and nearly
     if one_circle:
-        # no search would find what it loses: the last check does
+        # a search would not see the pixels that it loses: the last check does
         edges = cut_circle(border, work.circle, work.outline)
-    # a circle that costs no more than any lines would is not compared with other edges
+    # a circle no dearer than the fewest lines is not compared with other edges
     elif round_cost > FEWEST_LINES * prices.line + limits.expected * border.n:
         edges, sound = _search_edges(
             border, cracks, round_cost, budget, tolerance, limits, prices, work
@@ -192,23 +193,23 @@ def _fit_border(
     _move(finished, edges, place)
     put_edges_back(finished, edges, place)
     if edges < FEWEST_LINES and not _any(finished.kind, edges):
-        # two lines enclose nothing: so small a border is its pixels' outline
+        # two lines enclose nothing: the border is too small and keeps its pixels' outline
         return TINY, NONE
     return POLYGON, edges
 
 
 @njit(**LEAF, inline="always")
 def _search_edges(border, cracks, round_cost, budget, tolerance, limits, prices, work):
-    """Break a border into edges, and once more where they do not cover it.
+    """Break a border into edges, and a second time if they do not cover it.
 
-    Returns their number, 0 where its circle, which costs ``round_cost``, is better than all of
-    them, and whether they are known to cover it.
+    Returns their number, 0 if the border's circle, of cost ``round_cost``, beats them; and whether
+    they are known to cover it.
     """
     outline = work.outline
     spare = work.room.numbers[6]
     crisp = limits.crisp
     spread = tolerance.spread_px
-    # noise leaves nothing to see at a second look
+    # in noise a second look finds nothing
     looks = LOOKS if crisp or spread <= QUIET_PX else 1
     finer = Prices(prices.line, prices.arc if crisp else ROUNDER_BY * prices.arc, prices.circle)
     radius = work.circle[2] if round_cost < HUGE else 0.0
@@ -231,7 +232,7 @@ def _search_edges(border, cracks, round_cost, budget, tolerance, limits, prices,
                 border, outline, edges, limits, tolerance.blur_px, costs, prices, work.room
             )
         if cracks.n > 0 and not _any(outline.is_arc, edges):
-            # what straight sides lose they lose at their corners, which the last check sees
+            # straight sides lose area at their corners, which the last check sees
             break
         if crisp:
             if budget >= pass_between_pixels(
@@ -244,7 +245,7 @@ def _search_edges(border, cracks, round_cost, budget, tolerance, limits, prices,
         if round_cost < HUGE and lost > area_beside_circle(
             border.x, border.y, NONE, border.n, work.circle, limits.free
         ):
-            # its one edge covers the border better than all of these
+            # the circle alone covers the border better
             return 0, False
         sound = lost <= budget
         bent = again + 1 < looks and any_bent_line(border, outline, edges, spread, spare)
@@ -259,8 +260,7 @@ def _search_edges(border, cracks, round_cost, budget, tolerance, limits, prices,
 def _finish_drawn(border, cracks, edges, budget, one_circle, work, finished):
     """Write edges that separate the pixels of a border without grey; returns their number.
 
-    ``one_circle``: they are arcs of the circle that the border nearly is; 0 where nothing becomes
-    of them but that.
+    ``one_circle``: the edges are arcs of the circle that the border nearly is; 0 if they stay that.
     """
     outline = work.outline
     room = work.room
@@ -288,7 +288,7 @@ def _finish_drawn(border, cracks, edges, budget, one_circle, work, finished):
 
 @njit(**LEAF, inline="always")
 def _finish_grey(border, edges, sound, budget, tolerance, limits, work, finished):
-    """Write edges that cover their border, chords where none do; returns their number."""
+    """Write edges that cover their border, or chords; returns their number."""
     outline = work.outline
     review = work.review
     room = work.room
@@ -305,7 +305,7 @@ def _finish_grey(border, edges, sound, budget, tolerance, limits, work, finished
 
 @njit(**LEAF)
 def _any(flags, count):
-    """Whether any of the first ``count`` is not 0."""
+    """True if any of the first ``count`` is not 0."""
     for i in range(count):  # noqa: SIM110 (numba knows no generators)
         if flags[i]:
             return True
@@ -314,7 +314,7 @@ def _any(flags, count):
 
 @njit(**LEAF)
 def _any_line(kinds, count):
-    """Whether any of the first ``count`` edges is a line."""
+    """True if any of the first ``count`` edges is a line."""
     for e in range(count):  # noqa: SIM110 (numba knows no generators)
         if kinds[e] == LINE:
             return True
@@ -323,7 +323,7 @@ def _any_line(kinds, count):
 
 @njit(**LEAF)
 def _move(finished, count, place):
-    """Move finished edges from the border's own origin to the picture's."""
+    """Move finished edges from the border's origin to the picture's."""
     data = finished.rows
     for i in range(count):
         data[i, 0] += place.x

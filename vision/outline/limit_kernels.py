@@ -1,7 +1,7 @@
-"""What a picture's noise, blur and greys let its edges miss.
+"""Limits on what edges may miss, from a picture's noise, blur and greys.
 
 Rules and units
-- Pixels, but for ``Limits.skip`` in points and budgets in square pixels.
+- Pixels, but ``Limits.skip`` in points and budgets in square pixels.
 - ``tolerance``: see ``vision.outline.fitting.Tolerance``.
 """
 
@@ -43,7 +43,7 @@ the promise of the page on outlines."""
 
 @njit(**LEAF)
 def limits_of(tolerance, exact):
-    """The limits of a picture; ``exact``: edges have to separate every crack's pixels."""
+    """The limits of a picture; ``exact``: edges must separate every crack's pixels."""
     crisp = tolerance.crisp
     dead_zone = tolerance.dead_zone_px
     sigma = tolerance.sigma_px
@@ -67,7 +67,7 @@ def limits_of(tolerance, exact):
 
 @njit(**LEAF)
 def _expected_cost(dead_zone, sigma, spread):
-    """What noise alone costs a point: the mean of a normal deviation's excess, squared."""
+    """Mean cost of a point from noise alone: the mean square of a normal deviation's excess."""
     if spread <= 0.0:
         return 0.0
     a = dead_zone / spread
@@ -78,9 +78,9 @@ def _expected_cost(dead_zone, sigma, spread):
 
 @njit(**OWNING)
 def allow_losses(point_starts, areas, owners, pixels, budgets):
-    """Fill every border's ``budgets``, and ``pixels``, those of its object without its holes.
+    """Fill each border's ``budgets``, and ``pixels``, those of its object without its holes.
 
-    An object may lose a share of its pixels, which its borders divide among them by their points.
+    An object may lose a share of its pixels, divided among its borders by their points.
     """
     borders = areas.shape[0]
     lengths = np.zeros(borders, np.int64)
@@ -96,7 +96,7 @@ def allow_losses(point_starts, areas, owners, pixels, budgets):
 
 @njit(**LEAF)
 def longest_of(starts):
-    """The longest of sequences that follow one another."""
+    """Length of the longest of consecutive sequences."""
     longest = 0
     for b in range(starts.shape[0] - 1):
         longest = max(longest, starts[b + 1] - starts[b])

@@ -1,11 +1,11 @@
-"""What the kernels of the fit hand on: one border's points, its edges, and what they may cost.
+"""Types that the fitting kernels pass on: a border's points, its edges, and their costs.
 
 Rules and units
 - Pixels (or rectified pixels), y down, about the border's own origin (see
   ``vision.outline.canonical_frame_kernels``).
-- Tuples of arrays and numbers, which cost a kernel nothing. Their arrays are C-contiguous and may
-  be longer than what is in use: numbers beside them say how much that is. Whoever makes a tuple
-  holds its arrays.
+- Tuples of arrays and numbers, which cost a kernel nothing. Arrays are C-contiguous, and may be
+  longer than the part in use, which numbers beside them give. The maker of a tuple holds its
+  arrays.
 """
 
 from __future__ import annotations
@@ -19,8 +19,8 @@ from numpy.typing import NDArray
 class BorderPoints(NamedTuple):
     """One border's points, a closed sequence, or the middles of its cracks.
 
-    ``x``, ``y`` (2 n + 1,) float64: the ``n`` points twice over and the first once more, so that
-    a stretch lo .. hi may run past the border's end once.
+    ``x``, ``y`` (2 n + 1,) float64: the ``n`` points twice and the first once more, so that a
+    stretch lo .. hi may run past the border's end once.
     """
 
     x: NDArray[np.float64]
@@ -31,9 +31,9 @@ class BorderPoints(NamedTuple):
 class Cracks(NamedTuple):
     """One border's cracks, each between an obstacle pixel and a free one.
 
-    ``x``, ``y`` (2 n + 1,) float64: the middles of the ``n`` cracks, twice over as in
-    ``BorderPoints``; ``free_x``, ``free_y``: from there to the free pixel's centre. ``n`` is 0
-    where edges need not separate pixels.
+    ``x``, ``y`` (2 n + 1,) float64: the middles of the ``n`` cracks, twice as in ``BorderPoints``;
+    ``free_x``, ``free_y``: from there to the free pixel's centre. ``n`` is 0 if edges need not
+    separate pixels.
     """
 
     x: NDArray[np.float64]
@@ -44,10 +44,10 @@ class Cracks(NamedTuple):
 
 
 class CrackPixels(NamedTuple):
-    """The cracks of all borders as ``vision.borders.contours.Borders`` has them.
+    """The cracks of all borders, as in ``vision.borders.contours.Borders``.
 
-    ``x``, ``y`` (k,): the obstacle pixels; ``direction`` (k,): the free one's; ``starts``
-    (borders + 1,).
+    ``x``, ``y`` (k,): the obstacle pixels; ``direction`` (k,): the free one's; ``starts`` (borders
+    + 1,).
     """
 
     x: NDArray[np.int32]
@@ -57,10 +57,10 @@ class CrackPixels(NamedTuple):
 
 
 class Place(NamedTuple):
-    """Where a border was before it was brought into the frame that it is fitted in.
+    """Original position of a border that was moved into its canonical frame.
 
-    ``transposed``: x and y were exchanged, ``turns`` quarters it was turned by then; ``x``, ``y``
-    is what its origin lies at after both.
+    ``transposed``: x and y were exchanged, after ``turns`` quarter turns; ``x``, ``y``: its origin
+    after both.
     """
 
     transposed: bool
@@ -70,14 +70,14 @@ class Place(NamedTuple):
 
 
 class Outline(NamedTuple):
-    """The edges of one border while they are being fitted; their number is handed on beside it.
+    """The edges of one border during the fit; their number is passed beside it.
 
     ``breaks`` (edges,) int64: each edge's first point; it ends at the next one's. ``is_arc``,
     ``is_fillet`` (edges,) bool. ``shape`` (edges, 5) float64: x, y, ux, uy of a line or cx, cy, r
-    of a circle, and the rms deviation last. ``joints`` (edges, 2) float64: where the edge begins.
-    ``ranges`` (edges, 2) int64: the first point that took part in its fit, and the one behind the
-    last. ``fresh`` (edges, 2) bool: whether it was fitted again, and whether its break moved;
-    ``moved`` (edges,) int64: where to.
+    of a circle, and the rms deviation last. ``joints`` (edges, 2) float64: the edge's beginning.
+    ``ranges`` (edges, 2) int64: the first point of its fit, and the one behind the last. ``fresh``
+    (edges, 2) bool: the edge was fitted again, its break moved; ``moved`` (edges,) int64: the new
+    break.
     """
 
     breaks: NDArray[np.int64]
@@ -91,11 +91,11 @@ class Outline(NamedTuple):
 
 
 class FinishedEdges(NamedTuple):
-    """Edges as they are written (see ``vision.outline.fit.outline_kernels``).
+    """Edges in their written form (see ``vision.outline.fit.outline_kernels``).
 
     ``kind`` (k,) int8: LINE, ARC_CW or ARC_CCW. ``rows`` (k, 6) float64: the first point x, y, the
-    centre and radius of an arc, and the rms deviation. ``at`` (k,) int64: the point or the crack
-    that an edge begins at, where it is known.
+    centre and radius of an arc, and the rms deviation. ``at`` (k,) int64: the edge's first point or
+    crack, if known.
     """
 
     kind: NDArray[np.int8]
@@ -104,10 +104,10 @@ class FinishedEdges(NamedTuple):
 
 
 class Review(NamedTuple):
-    """What a check of finished edges found.
+    """Findings of a check of finished edges.
 
-    ``ragged`` (edges,) bool: edges that chords have to replace; ``losses`` (edges,) float64: the
-    area that each loses, square pixels; ``stale`` (edges,) bool: to be finished again.
+    ``ragged`` (edges,) bool: chords must replace the edge; ``losses`` (edges,) float64: the area
+    that it loses, square pixels; ``stale`` (edges,) bool: to be finished again.
     """
 
     ragged: NDArray[np.bool_]
@@ -116,11 +116,11 @@ class Review(NamedTuple):
 
 
 class Costs(NamedTuple):
-    """What a point's deviation costs: ((deviation - dead_zone) / sigma)^2 beyond the dead zone.
+    """Cost of a point's deviation: ((deviation - dead_zone) / sigma)^2 beyond the dead zone.
 
     ``crisp``: deviations are along the pixels' axis, as without grey; ``dead_zone``, ``sigma`` and
-    ``worst``, the farthest that a point may lie from its edge, in pixels; ``expected``: what noise
-    alone costs a point, in the mean.
+    ``worst``, the largest deviation allowed, in pixels; ``expected``: a point's mean cost from
+    noise alone.
     """
 
     crisp: bool
@@ -131,7 +131,7 @@ class Costs(NamedTuple):
 
 
 class Prices(NamedTuple):
-    """What a line, an arc and a whole circle have to save (``vision.outline.fit.edge_prices``)."""
+    """Saving required of a line, an arc and a whole circle (``vision.outline.fit.edge_prices``)."""
 
     line: float
     arc: float
@@ -139,14 +139,14 @@ class Prices(NamedTuple):
 
 
 class Limits(NamedTuple):
-    """What a picture lets its edges miss, in pixels (``vision.outline.limit_kernels``).
+    """Limits on what a picture's edges may miss, in pixels (``vision.outline.limit_kernels``).
 
-    ``crisp``: without grey. ``worst``: the farthest point from its edge, ``round_worst``: from a
-    whole circle. ``seeds``: how far the first chords may lie from the border. ``skip``: points left
-    out at both ends of a stretch in the search, ``guard``: pixels in a fit. ``corner_blur``: how
-    far a corner may be rounded; ``tangent``: by how much smoothly joined edges may miss each other.
-    ``free``: a deviation that loses no area, ``allowed``: one that no edge may have; ``chord``: how
-    far a chord may leave its points. ``expected`` as in ``Costs``.
+    ``crisp``: without grey. ``worst``: largest distance of a point from its edge, ``round_worst``:
+    from a whole circle. ``seeds``: distance of the first chords from the border. ``skip``: points
+    left out at both ends of a stretch in the search, ``guard``: pixels in a fit. ``corner_blur``:
+    rounding of a corner; ``tangent``: gap allowed between smoothly joined edges. ``free``:
+    deviation that loses no area, ``allowed``: the most that an edge may have; ``chord``: distance
+    of a chord from its points. ``expected`` as in ``Costs``.
     """
 
     crisp: bool
@@ -164,12 +164,11 @@ class Limits(NamedTuple):
 
 
 class Search(NamedTuple):
-    """The state of the search for the cheapest partition; m seeds, the first one again as the last.
+    """The state of the search for the cheapest partition; m seeds, the first repeated as the last.
 
-    ``position`` (m + 1,) int64: the seeds' points from the first break on; ``rest``, ``best``
-    (m + 1,) float64: what the edges from there on cost at least, and those up to there as far as
-    known; ``came`` (m + 1,) int64: the seed before, -1 for none; ``arc`` (m + 1,) bool: whether an
-    arc leads from there.
+    ``position`` (m + 1,) int64: the seeds' points from the first break on; ``rest``, ``best`` (m +
+    1,) float64: least cost of the edges from there on, and least known cost up to there; ``came``
+    (m + 1,) int64: the seed before, -1 for none; ``arc`` (m + 1,) bool: an arc leads from it.
     """
 
     position: NDArray[np.int64]
@@ -180,10 +179,10 @@ class Search(NamedTuple):
 
 
 class StretchFit(NamedTuple):
-    """What the search's last stretch was fitted by.
+    """The fit of the search's last stretch.
 
     ``sums`` as in ``vision.outline.fit.moment_kernels``; ``line`` (4,), ``circle`` (3,) float64;
-    ``near`` (2, k) float64: room for points.
+    ``near`` (2, k) float64: scratch space for points.
     """
 
     sums: NDArray[np.float64]
@@ -193,10 +192,10 @@ class StretchFit(NamedTuple):
 
 
 class Blur(NamedTuple):
-    """What blur does to a border, in pixels.
+    """Effect of blur on a border, in pixels.
 
-    ``sigma``: of the light and the pixel's own width together; ``half_variance``: by how much it
-    moves an arc inwards, times the radius, square pixels; ``guard``: how far a corner is rounded.
+    ``sigma``: of the light and the pixel's own width together; ``half_variance``: an arc's shift
+    inwards times its radius, square pixels; ``guard``: distance to which a corner is rounded.
     """
 
     sigma: float
@@ -205,15 +204,15 @@ class Blur(NamedTuple):
 
 
 class Change(NamedTuple):
-    """What might be between two edges that stay: nothing but their corner, or one edge.
+    """A possible change between two edges that stay: just their corner, or one edge.
 
-    ``rows`` (3, 8) float64: the edge before, the one between, the one behind, as in
-    ``Outline.shape``; ``joints`` (2, 8): x, y where the one between begins and ends; ``corners``
-    (2, 8): see ``vision.outline.corners.blurred_corner_kernels``; ``meeting`` (8,): where both
-    that stay cross (``vision.outline.corners.fillet_kernels.set_corner``). ``stays`` (4,) int64:
-    the first points of both that stay, and those behind their last, as they are; ``points`` (4,)
-    int64: the first point compared, the first one of the edge between, those behind both.
-    ``deviations`` (2 n + 1,): room.
+    ``rows`` (3, 8) float64: the edge before, between and behind, as in ``Outline.shape``;
+    ``joints`` (2, 8): x, y of both ends of the one between; ``corners`` (2, 8): see
+    ``vision.outline.corners.blurred_corner_kernels``; ``meeting`` (8,): the crossing of both that
+    stay (``vision.outline.corners.fillet_kernels.set_corner``). ``stays`` (4,) int64: first point
+    and point behind the last of each edge that stays, unchanged; ``points`` (4,) int64: the first
+    point compared, the first of the edge between, those behind both. ``deviations`` (2 n + 1,):
+    scratch space.
     """
 
     rows: NDArray[np.float64]
@@ -228,9 +227,9 @@ class Change(NamedTuple):
 class Run(NamedTuple):
     """Edges that an edit might replace: ``length`` of them between ``before`` and ``behind``.
 
-    ``spare``: how many edges the outline can do without; ``untouched``: it is as the partition left
-    it; ``convex``: all turn to one side, and not too far; ``bent``: they are surely not one line.
-    ``price``: theirs; ``saved``: that and what their points and those beside them cost, at most.
+    ``spare``: edges that the outline can do without; ``untouched``: it is as partitioned;
+    ``convex``: all edges turn to one side, and not too far; ``bent``: they are surely not one line.
+    ``price``: theirs; ``saved``: at most that plus the cost of their points and those beside them.
     """
 
     before: int
@@ -245,12 +244,12 @@ class Run(NamedTuple):
 
 
 class Edits(NamedTuple):
-    """The best edit behind each edge: what takes the place of the edges that follow it.
+    """The best edit behind each edge, which replaces the edges that follow it.
 
-    ``sums`` (2 n + 1,) float64: what the border's points up to each one cost as it is.
-    ``saved`` (edges,) float64: what it saves; ``run`` (edges,) int64: how many edges it replaces;
-    ``kind`` (edges,) int64: by what (``vision.outline.corners.edit_kernels``); ``first``,
-    ``behind`` (edges,) int64: that edge's first point, and the one behind its last.
+    ``sums`` (2 n + 1,) float64: current cost of the points up to each one. ``saved`` (edges,)
+    float64: the saving; ``run`` (edges,) int64: number of edges replaced; ``kind`` (edges,) int64:
+    the replacement (``vision.outline.corners.edit_kernels``); ``first``, ``behind`` (edges,) int64:
+    its first point, and the one behind its last.
     """
 
     sums: NDArray[np.float64]
@@ -262,10 +261,10 @@ class Edits(NamedTuple):
 
 
 class Scratch(NamedTuple):
-    """Room that every step works in and none leaves anything in for the next.
+    """Scratch space for each step; nothing in it is kept for the next.
 
-    ``numbers`` (7, 2 n + 1) float64, ``indices`` (7, 2 n + 1) int64, ``flags`` (5, 2 n + 1) bool:
-    a step takes rows of them under names of its own. ``pairs`` (n + 1, 2) int64, ``table`` (2 n, 8)
+    ``numbers`` (7, 2 n + 1) float64, ``indices`` (7, 2 n + 1) int64, ``flags`` (5, 2 n + 1) bool: a
+    step takes rows of them under names of its own. ``pairs`` (n + 1, 2) int64, ``table`` (2 n, 8)
     float64.
     """
 
@@ -277,9 +276,10 @@ class Scratch(NamedTuple):
 
 
 class Memory(NamedTuple):
-    """All that one border is fitted in, shared out by ``vision.outline.fitting_kernels.share_out``.
+    """All memory for one border, shared out by ``vision.outline.fitting_kernels.share_out``.
 
-    Few arrays: a call from Python unpacks each of them. ``most``: so many points, and one more.
+    Few arrays, as a call from Python unpacks each. ``most``: the largest number of points, plus
+    one.
     """
 
     most: int
@@ -293,15 +293,15 @@ class Memory(NamedTuple):
 
 
 class Work(NamedTuple):
-    """Memory to fit one border in, as long as the longest one needs.
+    """Memory to fit one border, sized for the longest.
 
-    All of it is made at once, so that everything below is a borrowing kernel
-    (``planner.scene.compile_options``), and is few arrays: a kernel is compiled the longer the more
-    of them it is handed. As 60 of their own they were a third of the eye's compile time.
+    It is allocated at once, so that everything below is a borrowing kernel
+    (``planner.scene.compile_options``), and in few arrays, because each one passed lengthens a
+    kernel's compilation: 60 separate arrays took a third of the eye's compile time.
 
     ``places`` (6, 2 n + 1) float64: the arrays of ``BorderPoints``, then those of ``Cracks``.
-    ``trial``: edges finished for a look at them; ``at`` (n,) int64: of those that are written at
-    last. ``circle`` (3,) float64: the one through the whole border.
+    ``trial``: edges finished for a check; ``at`` (n,) int64: of those finally written. ``circle``
+    (3,) float64: the one through the whole border.
     """
 
     places: NDArray[np.float64]
@@ -314,10 +314,10 @@ class Work(NamedTuple):
 
 
 class Fitted(NamedTuple):
-    """Where all borders' edges are written, one border after the other.
+    """Output arrays for all borders' edges, one border after the other.
 
-    ``border_kind`` (b,) int8, ``edge_starts`` (b + 1,) int64, ``kind`` (k,) int8 and ``rows``
-    (k, 6) float64 as in ``vision.outline.fitted_borders``.
+    ``border_kind`` (b,) int8, ``edge_starts`` (b + 1,) int64, ``kind`` (k,) int8 and ``rows`` (k,
+    6) float64 as in ``vision.outline.fitted_borders``.
     """
 
     border_kind: NDArray[np.int8]

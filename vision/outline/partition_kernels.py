@@ -1,10 +1,9 @@
-"""Where a border breaks into edges: the cheapest partition that breaks at some of its seeds.
+"""The cheapest partition of a border into edges that break at some of its seeds.
 
 Rules and units
 - ``border``, ``outline``, ``costs``, ``search`` and ``fit``: see ``vision.outline.outline_types``.
-- A partition's cost is the cost of its lines and arcs plus their ``prices`` (see
-  ``vision.outline.fit.edge_prices``): a minimum description length, which the best partition
-  minimises.
+- A partition costs the sum of its lines' and arcs' costs plus their ``prices`` (see
+  ``vision.outline.fit.edge_prices``): a minimum description length, which the best one minimises.
 """
 
 # mypy: allow-untyped-defs
@@ -51,9 +50,9 @@ are fitted."""
 def partition(border, outline, skip, costs, tolerance, prices, limit, radius, room):
     """Seeds, then the cheapest partition that breaks at some of them: (edges, cost).
 
-    ``tolerance``: how far the chords between seeds may lie from the border; ``skip``: points left
-    out at the ends of a stretch. None is looked for that costs ``limit`` or more: no edges then.
-    Where that is the cost of a circle, ``radius`` is the circle's, and otherwise 0.
+    ``tolerance``: largest distance of the chords between seeds from the border; ``skip``: points
+    left out at the ends of a stretch. Partitions that cost ``limit`` or more are not sought: no
+    edges then. If that is a circle's cost, ``radius`` is the circle's, otherwise 0.
     """
     n = border.n
     longest = _longest_line(n, radius, costs.worst, skip)
@@ -67,7 +66,7 @@ def partition(border, outline, skip, costs, tolerance, prices, limit, radius, ro
             m += 1
     chord = _longest_line(n, radius, 0.5 * costs.worst, NONE)
     if radius > 0.0 and m > ROUND_SEEDS and prices.line * n >= limit * chord:
-        # no polygon is cheaper than the circle: what is left are arcs
+        # no polygon is cheaper than the circle: only arcs remain
         for t in range(ROUND_SEEDS):
             seeds[t] = seeds[t * m // ROUND_SEEDS]
         m = ROUND_SEEDS
@@ -93,7 +92,7 @@ def partition(border, outline, skip, costs, tolerance, prices, limit, radius, ro
         cost = least
         if sharpest >= CORNER or edges < 2:
             break
-        # no corner to begin at: begin again at a break that the search found
+        # no corner to begin at: repeat from a break that the search found
         sharpest = CORNER
         again = outline.breaks[edges // 2]
         for t in range(m):
@@ -107,10 +106,11 @@ def _best_partition(border, outline, seeds, start, skip, costs, prices, limit, l
     """The cheapest partition of a closed border into lines and arcs that break at seeds.
 
     The first break is seed number ``start``. Fills the outline's ``breaks`` (in order along the
-    border, starting there) and ``is_arc``; returns the number of edges and the cost: none, and the
-    limit, where all partitions cost that much.
-    Dynamic programming; stretches that fail are not extended far, and what is left of the border
-    costs at least a line or an arc: what leads beyond ``limit`` with that is not followed up.
+    border, starting there) and ``is_arc``; returns the number of edges and the cost: no edges, and
+    the limit, if all partitions cost that much.
+
+    Dynamic programming. Stretches that fail are not extended far. The rest of the border costs at
+    least a line or an arc; a path that exceeds ``limit`` with it is dropped.
     """
     m = seeds.shape[0]
     indices = room.indices
@@ -137,7 +137,7 @@ def _best_partition(border, outline, seeds, start, skip, costs, prices, limit, l
 
 @njit(**LEAF)
 def _extend(border, search, m, i, skip, costs, prices, fit):
-    """Try the stretches from seed i on, longer and longer: the ends they reach more cheaply."""
+    """Try longer and longer stretches from seed i, and note the ends they reach more cheaply."""
     position = search.position
     best = search.best
     failed = 0
@@ -181,7 +181,7 @@ def _extend(border, search, m, i, skip, costs, prices, fit):
 
 @njit(**LEAF)
 def _write_partition(n, search, m, outline):
-    """Write the cheapest partition's edges in their order; returns their number."""
+    """Write the cheapest partition's edges in order; returns their number."""
     edges = 0
     j = m
     while j > 0:
@@ -200,10 +200,10 @@ def _write_partition(n, search, m, outline):
 
 @njit(**LEAF)
 def _longest_line(n, radius, worst, guard):
-    """The most points that one line may span, with what is left out at its ends.
+    """The most points that one line may span, with those left out at its ends.
 
-    On a circle that no point leaves by more than ``worst`` its chord rises by less than four
-    times that; there is a point a pixel at most.
+    On a circle that no point leaves by more than ``worst``, its chord rises by less than four times
+    that; there is at most one point a pixel.
     """
     rise = 4.0 * worst
     if radius <= rise:
@@ -213,7 +213,7 @@ def _longest_line(n, radius, worst, guard):
 
 @njit(**LEAF)
 def _least_rest(search, m, longest, prices):
-    """What the edges from every seed on cost at least, into the search's ``rest``.
+    """Fill the search's ``rest``: the least cost of the edges from every seed on.
 
     No line has more than ``longest`` points.
     """
@@ -227,7 +227,7 @@ def _least_rest(search, m, longest, prices):
 
 @njit(**LEAF)
 def _trim(length, guard):
-    """How many points to leave out at each end of a stretch."""
+    """Number of points to leave out at each end of a stretch."""
     if length >= 3 * guard + 4:
         return guard
     if length >= 6:
@@ -237,7 +237,7 @@ def _trim(length, guard):
 
 @njit(**LEAF)
 def _what_seeds_allow(border, a, b, position, i, j, shift, worst):
-    """What points a .. b may be, by the seeds i + 1 .. j - 1 alone: ANY, BENT or NOTHING."""
+    """Shapes possible for points a .. b, by seeds i + 1 .. j - 1 alone: ANY, BENT or NOTHING."""
     px, py = border.x, border.y
     x0 = px[a]
     y0 = py[a]
@@ -255,7 +255,7 @@ def _what_seeds_allow(border, a, b, position, i, j, shift, worst):
     c = (a + b) // 2
     mx, my, r = circle_of_three(px[c] - x0, py[c] - y0, dx, dy)
     if chord < r:
-        # a line, or too little is known of a circle from points so near to each other
+        # a line, or the points are too close together to define a circle
         return BENT
     for s in range(i, j):
         # the seeds, and half-way between them

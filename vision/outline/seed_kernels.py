@@ -1,4 +1,4 @@
-"""Seeds: where a border might break into edges.
+"""Seeds: possible breaks of a border into edges.
 
 Rules and units
 - ``border``: see ``vision.outline.outline_types``. Seeds are the indices of its points, ascending.
@@ -23,9 +23,8 @@ SNAP = 4
 def seed_breaks(border, tolerance, is_seed, away, stack):
     """Mark generous breaks: split at the farthest point until chords lie within tolerance.
 
-    The first point is one, which lies farthest out (see
-    ``vision.outline.canonical_frame_kernels``); ``away`` (n,) and ``stack`` (n + 1, 2)
-    are room to work in.
+    The first point is one: it lies farthest out (see ``vision.outline.canonical_frame_kernels``).
+    ``away`` (n,) and ``stack`` (n + 1, 2) are scratch space.
     """
     px = border.x
     py = border.y
@@ -97,7 +96,7 @@ def _around(k, n):
 
 @njit(**LEAF)
 def _bulge(border, k, reach):
-    """How far point k lies from the chord of its neighbours ``reach`` points away."""
+    """Distance of point k from the chord of its neighbours ``reach`` points away."""
     px = border.x
     py = border.y
     n = border.n
@@ -113,7 +112,7 @@ def _bulge(border, k, reach):
 
 @njit(**LEAF)
 def snap_seeds(border, seeds, reach):
-    """Move every seed to where the border bulges most nearby, short of half-way to the next.
+    """Move every seed to the strongest bulge nearby, less than half-way to the next seed.
 
     They stay ascending; one that passes the border's first point changes its place.
     """
@@ -152,7 +151,7 @@ def snap_seeds(border, seeds, reach):
 
 @njit(**LEAF)
 def turn_at(border, k, reach):
-    """How sharply the border turns at point k, in radians."""
+    """Turn of the border at point k, in radians."""
     px = border.x
     py = border.y
     n = border.n

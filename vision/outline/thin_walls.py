@@ -1,12 +1,12 @@
-"""Thin walls that their fitted outlines cut short: those keep their pixels' outline.
+"""Thin walls that fitted outlines cut short, and that keep their pixels' outline.
 
 Rules and units
-- Pixels, y down. A wall of a few pixels lies amid the blur of both of its sides: edges that fit
-  their points well may still leave some of its pixels out, and a path would lead through there.
-- Objects thinner than ``THIN_PX``: what an edge leaves out of wider ones is less than a wall
-  (``vision.outline.check``). Of pictures whose histogram holds fine structure
-  (``vision.binarise.humps``) all of them; of drawings without grey and of noisy pictures those
-  beside holes narrower than ``NARROW_PX``, for a bar alone is no wall taken for a way.
+- Pixels, y down. A wall of a few pixels lies within the blur of both its sides: edges that fit well
+  may still leave out pixels, and a path would lead through there.
+- Only objects thinner than ``THIN_PX``: from wider ones an edge leaves out less than a wall
+  (``vision.outline.check``). In pictures whose histogram holds fine structure
+  (``vision.binarise.humps``) all of them; in drawings without grey and noisy pictures only those
+  beside holes narrower than ``NARROW_PX``, as a lone bar is no wall beside a passage.
 """
 
 from __future__ import annotations
@@ -44,8 +44,8 @@ def keep_thin_walls(
 ) -> FittedBorders:
     """``fitted``, with the pixels' outline for thin walls that it cuts short.
 
-    ``place`` takes pixels (n, 2) to where the edges are. ``fine``: all thin walls count, not those
-    beside narrow ways only. O(cracks * edges) of those, at most ``MOST_WORK`` a border.
+    ``place`` takes pixels (n, 2) to the edges' coordinates. ``fine``: all thin walls count, not
+    only those beside narrow passages. O(cracks * edges) of those, at most ``MOST_WORK`` a border.
     """
     holes = borders.owner != np.arange(len(borders.owner))
     if not (fine or holes.any()):
@@ -77,7 +77,7 @@ def keep_thin_walls(
 def _cuts_short(
     fitted: FittedBorders, borders: Borders, b: int, place: Place, least: float
 ) -> bool:
-    """True if an obstacle pixel beside border b lies less than ``least`` inside its outline."""
+    """True if border b's outline leaves a pixel less than ``least`` inside, or is too long."""
     rim = _polyline(fitted, b).astype(np.float32)
     xs, ys, _ = borders.cracks_of(b)
     sign = 1.0 if borders.owner[b] == b else -1.0

@@ -1,4 +1,4 @@
-"""Borders that are one circle, and circles that are cut into arcs.
+"""Borders that are one circle, and circles cut into arcs.
 
 Rules and units
 - ``border``, ``cracks``, ``costs``, ``outline`` and ``finished``: see
@@ -52,9 +52,9 @@ less than half a circle."""
 def circle_of_all(border, cracks, costs, budget, held, price, circle, near):
     """The circle through a whole border: its cost with its price, and whether it nearly fits.
 
-    HUGE where it is none. Without grey it is one whatever it costs where it loses no more pixels
-    than ``budget``. It nearly fits where it runs beside every point, but loses more than that of an
-    object that is ``held`` to it; ``near`` (2, n) is room to work in.
+    The cost is HUGE if the border is no circle. Without grey a circle that loses at most ``budget``
+    pixels is accepted at any cost. It nearly fits if it runs beside every point but loses more, and
+    the object is ``held`` to its budget. ``near`` (2, n) is scratch space.
     """
     px = border.x
     py = border.y
@@ -63,7 +63,7 @@ def circle_of_all(border, cracks, costs, budget, held, price, circle, near):
     dead_zone = costs.dead_zone
     sigma = costs.sigma
     worst = costs.worst
-    # a sample tells most other shapes from a circle
+    # a sample rules out most other shapes
     if not fit_circle(px, py, NONE, n, max(1, n // ROUGH), circle):
         return HUGE, False
     far = circle_cost(px, py, NONE, n, circle, crisp, dead_zone, sigma, 2.0 * worst, HUGE)
@@ -79,7 +79,7 @@ def circle_of_all(border, cracks, costs, budget, held, price, circle, near):
         return price + cost, False
     fitted = circle[2]
     if cracks.n > 0:
-        # what points cost is their squares, and few far ones pull: a pixel is lost or not
+        # squared costs let a few far points pull, but a pixel is either lost or not
         lost = lose_fewest(cracks, circle, near[0], near[1])
         worst = MOST_PX
     else:
@@ -95,7 +95,7 @@ def circle_of_all(border, cracks, costs, budget, held, price, circle, near):
 
 @njit(**LEAF)
 def cut_circle(border, circle, outline):
-    """Make three arcs of a circle; returns their number."""
+    """Cut a circle into three arcs; returns their number."""
     n = border.n
     for t in range(THIRDS):
         k = t * n // THIRDS

@@ -1,4 +1,4 @@
-"""The memory that one border after the other is fitted in.
+"""The memory in which borders are fitted, one after the other.
 
 Rules and units
 - Sizes are in points or cracks; a border never has more edges than those.
@@ -19,7 +19,7 @@ it."""
 
 
 class _Kept(threading.local):
-    """What this thread's last picture was fitted in: fresh pages cost as much as a small fit."""
+    """Memory of this thread's last picture, reused: fresh pages cost as much as a small fit."""
 
     memory: Memory | None = None
 
@@ -28,7 +28,7 @@ _KEPT = _Kept()
 
 
 def memory_for(longest: int) -> Memory:
-    """Memory to fit borders of up to ``longest`` points or cracks; the next call takes it again."""
+    """Memory to fit borders of up to ``longest`` points or cracks; the next call reuses it."""
     memory = _KEPT.memory
     if memory is None or memory.most <= longest:
         memory = _KEPT.memory = make_memory(max(longest + 1, LEAST))
@@ -51,7 +51,7 @@ def make_memory(most: int) -> Memory:
 
 
 def make_fitted(borders: int, edges: int) -> Fitted:
-    """Room for the edges of so many borders."""
+    """Output arrays for that many borders and edges."""
     return Fitted(
         np.empty(borders, np.int8),
         np.empty(borders + 1, np.int64),

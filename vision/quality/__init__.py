@@ -1,8 +1,8 @@
 """Quality of a camera's pictures, measured for some seconds.
 
-`watching` gathers what is needed of each picture; `timing` judges when they came, `light` noise,
-flicker and clipping, `focus` how sharp edges are, and where. Nothing here knows what the camera
-could do or was asked for.
+`watching` gathers the data of each picture. `timing` then judges arrival times, `light` noise,
+flicker and clipping, and `focus` the sharpness of edges, part by part. Nothing here knows the
+camera's abilities or settings.
 """
 
 from vision.quality.watching import Quality, Watching

@@ -1,11 +1,11 @@
 """Sharpness of a picture, tile by tile: the spread of its edges.
 
 Rules and units
-- An edge's blur is the sigma, in pixels, of the Gaussian that makes a step of it: the step's height
-  over its steepest slope times sqrt(2 pi). Lens, motion, sensor and JPEG all add to it.
-- A picture is judged in tiles. A tile without a clear edge says nothing, and is reported so.
-- From 3 pixels on noise cuts the edge's ends off: the blur is larger than reported then.
-- In focus is a blur of at most `SHARP_PX`.
+- An edge's blur is the sigma, in pixels, of the Gaussian that makes it from a step: the step's
+  height over its steepest slope times sqrt(2 pi). Lens, motion, sensor and JPEG all add to it.
+- A tile without a clear edge cannot be judged, and is reported so.
+- From 3 pixels on, noise cuts off the edge's ends, and the blur is larger than reported.
+- A blur of at most `SHARP_PX` is in focus.
 """
 
 from __future__ import annotations
@@ -48,7 +48,7 @@ class Focus:
 
     @property
     def sharp(self) -> float | None:
-        """The share of the judged tiles that are in focus; None where none is judged."""
+        """The share of the judged tiles that are in focus; None if none is judged."""
         known = self.blur_px[np.isfinite(self.blur_px)]
         return float(np.mean(known <= SHARP_PX)) if len(known) else None
 
@@ -87,7 +87,7 @@ def focus_of(image: Image, mask: Image | None = None) -> Focus:
 
 
 def blur_along(image: Image, corners_px: FloatArray) -> float | None:
-    """The blur of a quadrilateral's sides, such as a marker's (4, 2); None where too few say it."""
+    """The blur of a quadrilateral's sides, such as a marker's (4, 2); None if too few are clear."""
     points, normals = [], []
     for begin, end in zip(corners_px, np.roll(corners_px, -1, axis=0), strict=True):
         side = end - begin
@@ -99,7 +99,7 @@ def blur_along(image: Image, corners_px: FloatArray) -> float | None:
 
 
 def blur_across(image: Image, points: FloatArray, normals: FloatArray) -> float:
-    """The median blur of the edges at points (n, 2), across them; NaN where too few are clear."""
+    """The median blur of the edges at points (n, 2), across them; NaN if too few are clear."""
     lengths = np.hypot(normals[:, 0], normals[:, 1])
     keep = lengths > 0.0
     points, normals = points[keep], normals[keep] / lengths[keep, None]
@@ -117,14 +117,14 @@ def blur_across(image: Image, points: FloatArray, normals: FloatArray) -> float:
 
 
 def _sigma_of(profile: FloatArray) -> float:
-    """The blur of one step; NaN where the profile is none, as it turns or is too low."""
+    """The blur of one step; NaN if the profile is not one, as it turns or is too low."""
     middle = len(profile) // 2
     if profile[-1] < profile[0]:
         profile = -profile
     slopes = np.convolve(np.diff(profile) / STEP_PX, np.ones(4) / 4.0, mode="same")
     near = slice(middle - 8, middle + 8)
     peak = near.start + int(np.argmax(slopes[near]))
-    # The plateaus: from the peak out to where the slope has first come to rest.
+    # The plateaus: from the peak outwards to where the slope first flattens.
     rest = 0.05 * slopes[peak]
     left, right = peak, peak
     while left > 0 and slopes[left - 1] > rest:

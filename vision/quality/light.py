@@ -1,11 +1,11 @@
 """Noise, flicker and clipping of a camera's pictures.
 
 Rules and units
-- Grey levels 0..255. Noise is the standard deviation of a pixel that nothing happens to, from the
-  differences of pictures in a row; what moves is left out by its size.
-- Lamps on the mains flicker at twice its frequency, far above the rate of pictures: it is looked
-  for as a wave of exactly 100 or 120 Hz at the pictures' times, row by row, as a rolling shutter
-  shows it as bands. Where it would stand still in the pictures, it cannot be seen.
+- Grey levels 0..255. Noise is the standard deviation of an unchanging pixel, from the
+  differences of consecutive pictures; movement is left out by its size.
+- Lamps on the mains flicker at twice its frequency, far above the picture rate. The search is
+  for a wave of exactly 100 or 120 Hz at the pictures' times, row by row, as a rolling shutter
+  shows it as bands. A wave that is motionless in the pictures cannot be seen.
 """
 
 from __future__ import annotations
@@ -33,9 +33,9 @@ LEAST_CYCLES: Final = 2.0
 
 @dataclass(frozen=True, slots=True)
 class Flicker:
-    """``share`` is the wave's amplitude as a share of the brightness; 0.0 where none is seen.
+    """``share`` is the wave's amplitude as a share of the brightness; 0.0 if none is seen.
 
-    ``unseen_hz`` are frequencies that stand still at this rate: of them nothing is known.
+    ``unseen_hz`` are frequencies that stand still at this rate and remain unknown.
     """
 
     frequency_hz: float
@@ -44,7 +44,7 @@ class Flicker:
 
 
 def noise_of(differences: list[Image]) -> float | None:
-    """Noise in grey levels from absolute differences of pictures in a row; None without any.
+    """Noise in grey levels from absolute differences of consecutive pictures; None without any.
 
     The mean of the smaller half of |a - b| is 0.4523 sigma of the noise of both, without rounding.
     """
@@ -106,7 +106,7 @@ def _amplitude(times_s: FloatArray, changes: FloatArray, frequency_hz: float) ->
 
 
 def clipped_of(image: Image, mask: Image | None = None) -> tuple[float, float]:
-    """The shares of pixels that are white and that are black beyond measure, within a mask."""
+    """The shares of pixels within a mask that are clipped to white and to black."""
     whole = float(np.count_nonzero(mask)) if mask is not None else float(image.size)
     if whole == 0.0:
         return 0.0, 0.0

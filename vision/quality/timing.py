@@ -1,10 +1,10 @@
-"""When pictures came: their rate, its jitter, and how old they were when they arrived.
+"""Timing of pictures: their rate, its jitter, and their age at arrival.
 
 Rules and units
-- Seconds; a rate is pictures a second. ``stamps_s`` are the times of exposure as far as the source
-  knows them, ``arrivals_s`` those at which the program had the picture.
-- The period is the slope of the stamps over the pictures' numbers, gaps counted as the number of
-  periods that they are.
+- Seconds; a rate is pictures a second. ``stamps_s`` are the times of exposure as far as the
+  source knows them, ``arrivals_s`` the times at which the program had the picture.
+- The period is the slope of the stamps over the pictures' numbers; a gap counts as its number
+  of periods.
 """
 
 from __future__ import annotations
@@ -35,7 +35,7 @@ class Timing:
 
 
 def timing_of(stamps_s: FloatArray, arrivals_s: FloatArray) -> Timing | None:
-    """The timing of pictures in order, shapes (n,); None of fewer than three."""
+    """The timing of pictures in order, shapes (n,); None for fewer than three."""
     if len(stamps_s) < 3 or stamps_s[-1] <= stamps_s[0]:
         return None
     steps = np.diff(stamps_s)
@@ -52,14 +52,14 @@ def timing_of(stamps_s: FloatArray, arrivals_s: FloatArray) -> Timing | None:
 
 
 def even_times(stamps_s: FloatArray) -> FloatArray:
-    """The times of an even rhythm that are nearest to the stamps, (n,): jitter is left out."""
+    """Times of the even rhythm nearest to the stamps, (n,), without jitter."""
     numbers = _numbers(stamps_s)
     slope, begin = np.polyfit(numbers, stamps_s - stamps_s[0], 1)
     return np.asarray(stamps_s[0] + begin + slope * numbers, dtype=np.float64)
 
 
 def _numbers(stamps_s: FloatArray) -> FloatArray:
-    """The pictures' numbers, as their distances have them in periods."""
+    """The pictures' numbers, from their distances in periods."""
     steps = np.diff(stamps_s)
     period_s = float(np.median(steps))
     if period_s <= 0.0:

@@ -1,6 +1,6 @@
-"""Watches a camera for some seconds and keeps what is needed to judge it, not the pictures.
+"""Observation of a camera for some seconds; keeps the data to judge it, not the pictures.
 
-Grey pictures or colour ones; seconds of the clock that the frames carry.
+Grey or colour pictures; seconds of the frames' clock.
 """
 
 from __future__ import annotations
@@ -28,7 +28,7 @@ BANDS: Final = 240
 
 @dataclass(frozen=True, slots=True, eq=False)
 class SeenMarker:
-    """A marker in the last picture; ``blur_px`` is None where its sides say nothing."""
+    """A marker in the last picture; ``blur_px`` is None if its sides are not clear."""
 
     id: int
     corners_px: FloatArray
@@ -55,7 +55,7 @@ class Quality:
 
 
 class Watching:
-    """Takes frames in; ``judge`` says what they are like. ``mask`` (h, w) is 255 in the arena."""
+    """Collector of frames; ``judge`` evaluates them. ``mask`` (h, w) is 255 in the arena."""
 
     def __init__(self, mask: Image | None = None) -> None:
         self._mask = mask
@@ -67,7 +67,7 @@ class Watching:
         self._is_still = True
 
     def add(self, frame: Frame, arrived_s: float) -> None:
-        """One picture more, in their order. A picture of another size begins again."""
+        """Add one picture, in order. A picture of another size restarts the collection."""
         grey = grey_of(frame.image)
         last = self._last
         if last is not None and last.shape != grey.shape:
@@ -99,7 +99,7 @@ class Watching:
             return None
         stamps_s = np.array(self._stamps_s)
         timing = timing_of(stamps_s, np.array(self._arrivals_s))
-        # Pictures without any noise are the same file again: they say nothing of a sensor.
+        # Pictures without any noise repeat one file and do not describe a sensor.
         is_live = timing is not None and not self._is_still
         fits = self._mask is not None and self._mask.shape == grey.shape
         mask = self._mask if fits else None

@@ -1,16 +1,16 @@
-"""The driver of the iRobot Create 2 and of Roombas of the 500 series and later.
+"""Driver of the iRobot Create 2 and of Roombas of the 500 series and later.
 
-- It is woken with START, driven in SAFE mode, and streams what its sensors feel every 15 ms; each
-  frame of the stream is found again by its sum after lost bytes. It is deaf for a moment after
-  START, so the greeting goes out in two bursts.
-- START leads to PASSIVE and so stops the wheels: that is how an order that may have been damaged
-  underway, and a driver that was killed, are made harmless.
-- The orders have no check: they are repeated, end in zeros, and no byte of a speed is an order of
-  its own that could do harm. A wheel has few speeds, between which the orders alternate, and
-  counts without a sign (`create2_wheel`).
-- A cliff or a wheel that hangs takes it out of SAFE mode, and so does a byte that the line made
-  up; then it is asked back. A bumper stops it here, not there.
-- It charges in PASSIVE mode only: on its home base it rests there until it is to drive. With the
+- START wakes it, it drives in SAFE mode, and streams its sensors every 15 ms; checksums find the
+  frames again after lost bytes. It is deaf for a moment after START, so the greeting comes in two
+  bursts.
+- START leads to PASSIVE and so stops the wheels: this makes a possibly damaged order, and a killed
+  driver, harmless.
+- Orders have no check: they are repeated, end in zeros, and no byte of a speed is a harmful order
+  of its own. A wheel has few speeds, between which the orders alternate, and counts without a sign
+  (`create2_wheel`).
+- A cliff or a hanging wheel takes it out of SAFE mode, and so does a byte made up by the line; then
+  it is asked back. This driver, not the robot, stops for a bumper.
+- It charges only in PASSIVE mode: on its home base it rests there until it is to drive. With the
   charger's cable in its socket it cannot be driven.
 
 Open Interface, big-endian. Metres and seconds elsewhere.
@@ -95,11 +95,11 @@ class Create2Driver:
         self._wanted = (0.0, 0.0)
 
     def drive(self, left_m_s: float, right_m_s: float) -> None:
-        """In mm/s."""
+        """Set the speeds in mm/s."""
         self._wanted = (left_m_s * 1000, right_m_s * 1000)
 
     def clear_fault(self) -> None:
-        """It is greeted again, which brings it back into SAFE mode."""
+        """Greet it again, which brings it back into SAFE mode."""
         if self.heard.fault is not None:
             self.heard.fault = None
             self._greeted_s = -math.inf
@@ -117,7 +117,7 @@ class Create2Driver:
             self._order((0, 0), now_s)
             return FILL + bytes([0, START])
         if self._is_silent(now_s) and now_s - self._burst_s >= SILENT_S:
-            return self._second_burst(now_s)  # a line that stalled has joined both bursts
+            return self._second_burst(now_s)  # a stalled line has joined both bursts
         return self._speeds(now_s)
 
     def _is_to_be_greeted(self, now_s: float) -> bool:
@@ -133,7 +133,7 @@ class Create2Driver:
         return now_s - self._heard_s > SILENT_S
 
     def _rests(self, now_s: float) -> bool:
-        """True if it is left in its passive mode, to charge."""
+        """True if it is left in passive mode to charge."""
         idle = now_s - self._driven_s >= REST_S
         return bool(self._charger & SOCKET or (self._charger & HOME_BASE and idle))
 
@@ -172,7 +172,7 @@ class Create2Driver:
     # Bytes in.
 
     def receive(self, data: bytes, now_s: float) -> None:
-        """Find the frames of the stream by their sum; anything else is skipped."""
+        """Find the stream's frames by their checksum; skip the rest."""
         buffer = self._buffer
         buffer += data
         if BOOTS in buffer:
@@ -209,7 +209,7 @@ class Create2Driver:
         elif self._mode < MODE_SAFE and self._was_asked(now_s):
             heard.held = NO_SAFE_MODE if self._charger == 0 else STAYS
         if heard.held is not None:
-            return  # no odometry: it does not drive, and what it does is its own idea
+            return  # no odometry: it does not drive, and moves of its own accord
         left, right = (wheel.direction(now_s) for wheel in self._wheels)
         if not self._odometry.count(packets[LEFT], packets[RIGHT], now_s, (left, right)):
             heard.damaged += 1
@@ -222,7 +222,7 @@ class Create2Driver:
 
 
 def _fault(packets: dict[int, int]) -> str | None:
-    """What its sensors feel that must stop it."""
+    """Reason given by its sensors for a stop."""
     bumps = packets[BUMPS]
     if bumps & 0b1100:
         return "a wheel hangs in the air: put the robot back on the floor"
@@ -239,7 +239,7 @@ def _wheels(left_mm_s: int, right_mm_s: int) -> bytes:
 
 
 def _packets(frame: bytes) -> dict[int, int] | None:
-    """The values by packet; None where the frame is none of ours."""
+    """Values by packet; None if the frame is not ours."""
     values, at = {}, 2
     for number, size in SIZES.items():
         if frame[at] != number:

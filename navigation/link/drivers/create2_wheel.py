@@ -1,12 +1,12 @@
-"""One wheel of a Create 2: which of its few speeds is ordered next, and which way it turns.
+"""One wheel of a Create 2: the next of its few speeds, and its direction.
 
-- Its controller knows steps of 28.5 mm/s and nothing below 11. Between two steps the orders
-  alternate; what one was too fast or too slow is carried into the next, so that both wheels, and
-  with them the bend, are right in the mean.
-- Its encoder feels no direction: the robot counts down while it orders the wheel backwards and up
-  otherwise, also where a wheel rolls out from backwards. A wheel keeps turning as it did until it
-  has come through zero: only that gives a count its sign. While the wheel can be turned by hand
-  only, counts have none.
+- Its controller has steps of 28.5 mm/s and nothing below 11. The orders alternate between two
+  steps; each one's error is carried into the next, so that both wheels, and with them the bend, are
+  right in the mean.
+- Its encoder senses no direction: the robot counts down while it orders the wheel backwards and up
+  otherwise, even if a wheel rolls out from backwards. A wheel keeps its direction until it has
+  passed zero: only that gives a count its sign. While only a hand can turn the wheel, counts have
+  none.
 
 Whole mm/s, seconds.
 """
@@ -35,7 +35,7 @@ by as few mm/s as helps."""
 
 
 class Create2Wheel:
-    """Ask for :meth:`next_order` once a cycle, and report what was sent by :meth:`ordered`."""
+    """A wheel; call :meth:`next_order` once a cycle, and report orders by :meth:`ordered`."""
 
     def __init__(self) -> None:
         self._left_over = 0.0
@@ -45,25 +45,27 @@ class Create2Wheel:
         """At the moment of the last order."""
 
     def next_order(self, wanted_mm_s: float) -> int:
-        """An order of the step that is nearest to the speed with what is left over; sends none."""
+        """Order of the step nearest to the speed plus the remainder; sends nothing."""
         due = wanted_mm_s + self._left_over
         number = _nearest_step(abs(due))
         spare = due - math.copysign(_speed_of(number), due)
-        # what lies beyond the fastest step is never caught up on
+        # speed beyond the fastest step is never caught up on
         self._left_over = max(-STEP_MM_S, min(STEP_MM_S, spare))
         return harmless(round(math.copysign(_order_of(number), due)))
 
     def forget(self) -> None:
-        """A stop: nothing is left over."""
+        """Drop the remainder at a stop."""
         self._left_over = 0.0
 
     def ordered(self, order_mm_s: int, now_s: float) -> None:
-        """This has gone out to the wheel."""
+        """Note that this order has gone out to the wheel."""
         self._speed, self._ordered_s = self._speed_at(now_s), now_s
         self._order = driven(order_mm_s)
 
     def direction(self, now_s: float) -> int:
-        """1 forwards, -1 backwards, 0 at rest: what turns it now is not the robot."""
+        """Direction: 1 forwards, -1 backwards, 0 at rest: anything that turns it now is not the
+        robot.
+        """
         speed = self._speed_at(now_s)
         if abs(speed) < AT_REST_MM_S:
             speed = self._order
@@ -75,14 +77,14 @@ class Create2Wheel:
 
 
 def driven(order_mm_s: int) -> float:
-    """The speed that an order gives."""
+    """Speed given by an order."""
     number = math.floor((abs(order_mm_s) - LEAST_MM_S) / STEP_MM_S) + 1
     speed = min(float(MOST_MM_S), _speed_of(max(0, number)))
     return speed if order_mm_s >= 0 else -speed
 
 
 def harmless(speed_mm_s: int) -> int:
-    """The nearest speed whose low byte is not in `NEVER`; the slower of two."""
+    """Nearest speed whose low byte is not in `NEVER`; the slower of two."""
     for off in range(5):
         for speed in (abs(speed_mm_s) - off, abs(speed_mm_s) + off):
             signed = speed if speed_mm_s >= 0 else -speed
@@ -96,12 +98,12 @@ def _speed_of(number: int) -> float:
 
 
 def _order_of(number: int) -> float:
-    """The middle of the orders of a step."""
+    """Middle of the orders of a step."""
     return LEAST_MM_S + (number - 0.5) * STEP_MM_S if number else 0.0
 
 
 def _nearest_step(speed_mm_s: float) -> int:
-    """The slower of two."""
+    """Nearest step; the slower of two."""
     if speed_mm_s <= _speed_of(1) / 2:
         return 0
     number = math.ceil((speed_mm_s - STEP_ADDS_MM_S) / STEP_MM_S - 0.5)

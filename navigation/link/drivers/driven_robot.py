@@ -1,10 +1,10 @@
 """The robot's end of our wire on one side, a robot's own protocol on the other; sans-IO.
 
-- Waypoints, lease and camera fixes come over the wire and are followed here, from the robot's own
-  odometry, by the same code as the firmware's: one step for each report of the wheels.
-- A robot that does not report is out of reach: its wheels are ordered to stand, and the wire is
-  silent as if its cable were pulled. The host waits, keeps the mission, and starts it again.
-- A bumper, a cliff, a wheel in the air is an emergency stop on the robot: only a person ends it.
+- Waypoints, lease and camera fixes come over the wire. The firmware's own code follows them here
+  from the robot's odometry, one step for each report of the wheels.
+- A robot that does not report is out of reach: its wheels are ordered to stop, and the wire is
+  silent like a pulled cable. The host waits, keeps the mission, and starts it again.
+- A bumper, a cliff or a wheel in the air is an emergency stop on the robot: only a person ends it.
 
 Metres, seconds of this process's clock.
 """
@@ -34,7 +34,7 @@ LOOK_BACK_S: Final = 3.0
 
 
 class DrivenRobot:
-    """One driver behind the wire. ``port`` and ``baud`` are for its sentences only."""
+    """One driver behind the wire. ``port`` and ``baud`` are only for its sentences."""
 
     def __init__(
         self,
@@ -74,11 +74,11 @@ class DrivenRobot:
         self.driver.open(now_s)
 
     def port_closed(self, reason: str) -> None:
-        """``reason``: why there is no port, in one sentence."""
+        """Note that the port is closed; ``reason`` is one sentence."""
         self._port_fault = reason
 
     def receive_from_robot(self, data: bytes, now_s: float) -> None:
-        """Its words; the wheels are driven on at the next :meth:`tick`."""
+        """Take the robot's bytes; the wheels follow at the next :meth:`tick`."""
         self._fresh_bytes += len(data)
         self.driver.receive(data, now_s)
         self._standing.look(self.driver.heard)
@@ -86,13 +86,13 @@ class DrivenRobot:
             self._messages, self._fresh_bytes = self.driver.heard.messages, 0
 
     def bytes_to_robot(self, now_s: float) -> bytes:
-        """Call when the port has taken what came before."""
+        """Bytes due for the robot; call once the port has taken the last ones."""
         return b"" if self._port_fault is not None else self.driver.bytes_to_send(now_s)
 
     # The wire.
 
     def receive_from_host(self, data: bytes, now_s: float) -> None:
-        """Lost where the robot is out of reach: its wheels are ordered to stand anyway."""
+        """Take the host's bytes; lost if the robot is out of reach, as its wheels stop anyway."""
         if self._answers:
             self._wire.receive_bytes(data, now_s)
 
@@ -106,7 +106,7 @@ class DrivenRobot:
     # Both.
 
     def tick(self, now_s: float) -> None:
-        """A hundred times a second or more: one step of the controller for each report."""
+        """Step the controller for each report; call a hundred times a second or more."""
         heard, control = self.driver.heard, self.controller
         self._answers = self._is_within_reach(now_s)
         control.tick(now_s)
@@ -124,12 +124,12 @@ class DrivenRobot:
             self.driver.drive(0.0, 0.0)
 
     def leave(self) -> None:
-        """The process ends: the wheels stand from now on, whatever the host wants."""
+        """Stop the wheels for good, as the process ends."""
         self._leaving = True
         self._stand()
 
     def word(self, now_s: float) -> Word:
-        """What people are told of the robot."""
+        """Sentences for people about the robot."""
         heard, robot = self.driver.heard, self.driver.robot
         if self._port_fault is not None:
             return Word(silence=self._port_fault)
@@ -152,9 +152,9 @@ class DrivenRobot:
         return now_s - odometry_s <= FRESH_S and odometry_s >= self._opened_s
 
     def _step(self, now_s: float) -> None:
-        """The controller's cycle is 10 ms: a report's travel is dealt out over as many as it took.
+        """Deal a report's travel out over the controller's 10 ms cycles that it took.
 
-        No wheel turns faster than it can: what comes in a burst is dealt out over what follows.
+        No wheel turns faster than it can: a burst is dealt out over what follows.
         """
         heard, stepped_s = self.driver.heard, self._stepped_s
         since_s = CYCLE_S if stepped_s is None else min(DEALT_OUT_S, now_s - stepped_s)
@@ -168,9 +168,9 @@ class DrivenRobot:
         self._stepped_s, self._report_s = now_s, heard.odometry_s
 
     def _is_time_for_a_step(self, now_s: float) -> bool:
-        """At each report, and while travel of the last ones is still being dealt out.
+        """True at each report, and while the last ones' travel is still being dealt out.
 
-        A second report of the same moment is dealt out with what comes after it.
+        A second report of the same moment is dealt out with the next one.
         """
         heard = self.driver.heard
         if self._stepped_s is None:
@@ -182,12 +182,12 @@ class DrivenRobot:
         return self._given != (heard.left_m, heard.right_m) and now_s - self._stepped_s >= CYCLE_S
 
     def _stand(self) -> None:
-        """No ramp: what the wheels do is not known."""
+        """Stop without a ramp, as the wheels' motion is unknown."""
         self.controller.stand()
         self.driver.drive(0.0, 0.0)
 
     def _meet_fault(self) -> None:
-        """An emergency stop for as long as nobody resets it; then the fault has to be gone."""
+        """Stop in an emergency until a person resets it; then the fault must be gone."""
         if self.controller.state is not RobotState.ESTOP:
             if self._stopped_for_fault:
                 self._stopped_for_fault = False
@@ -199,12 +199,12 @@ class DrivenRobot:
     _stopped_for_fault = False
 
     def _bent_alike(self, left_m_s: float, right_m_s: float) -> tuple[float, float]:
-        """Both wheels slower where one is asked to turn faster than it can: the bend stays."""
+        """Slow both wheels if one is asked to turn too fast: the bend stays."""
         share = max(abs(left_m_s), abs(right_m_s)) / self.driver.robot.wheel_m_s
         return (left_m_s, right_m_s) if share <= 1.0 else (left_m_s / share, right_m_s / share)
 
     def _of_late(self, now_s: float) -> tuple[int, int]:
-        """How many messages came damaged and whole in the last seconds."""
+        """Number of damaged and whole messages in the last seconds."""
         heard, counts = self.driver.heard, self._counts
         if not counts or now_s - counts[-1][0] >= 0.1:
             counts.append((now_s, heard.damaged, heard.messages))

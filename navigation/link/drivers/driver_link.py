@@ -1,4 +1,4 @@
-"""The serial link to a robot behind a driver: what the driver says of it goes with the link."""
+"""The serial link to a robot behind a driver, with the driver's report on it."""
 
 from __future__ import annotations
 
@@ -25,12 +25,12 @@ class DriverLink(SerialLink):
         *,
         clock: Callable[[], float] = time.monotonic,
     ) -> None:
-        # its port goes and comes with the process, which may be just being started again
+        # its port comes and goes with the process, which may be restarting
         super().__init__(port, LINE_BAUD, clock=clock, wait_for_port=True)
         self._word_now = word
 
     def snapshot(self) -> LinkSnapshot:
-        """The present state; the driver's sentences before those about its pseudo-terminal."""
+        """Present state; the driver's sentences come before those about its pseudo-terminal."""
         snapshot, word = super().snapshot(), self._word_now()
         down = snapshot.down_reason
         if word.silence is not None:

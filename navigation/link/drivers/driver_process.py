@@ -1,8 +1,8 @@
 """The driver's process from outside: a thread that watches it, and stops the robot without it.
 
-The wire's port is a link in a folder of its own that stays the same over restarts; the daemon's
-serial link opens it as it would open a cable. The robot's own port is opened here and lent to the
-process. The thread does nothing else, so that nothing else can delay it.
+The wire's port is a link in its own folder that stays the same over restarts; the daemon's serial
+link opens it like a cable. The robot's own port is opened here and lent to the process. The thread
+does nothing else, so that nothing delays it.
 """
 
 from __future__ import annotations
@@ -41,10 +41,10 @@ _SPAWN: Final = multiprocessing.get_context("spawn")
 
 
 class DriverProcess:
-    """A driver and its watcher's thread; ``port`` is what the daemon opens.
+    """A driver and its watcher's thread; the daemon opens ``port``.
 
-    ``name`` is one of `KNOWN_ROBOTS`, ``robot_port`` where the robot is; ``model`` as in
-    `DriverOrder`; ``work`` what the process does.
+    ``name`` is one of `KNOWN_ROBOTS`, ``robot_port`` the robot's port; ``model`` as in
+    `DriverOrder`; ``work`` is the process's work.
     """
 
     def __init__(
@@ -71,12 +71,12 @@ class DriverProcess:
         self._watcher: threading.Thread | None = None
 
     def begin(self) -> None:
-        """Let it begin to start; `start` waits for it."""
+        """Begin to start it; `start` waits for it."""
         self._watcher = threading.Thread(target=self._run, name="robot's driver", daemon=True)
         self._watcher.start()
 
     def start(self) -> None:
-        """Start it, and wait until its port is there; PortNotReadyError where it never is."""
+        """Start it and wait for its port; PortNotReadyError if it never comes."""
         if self._watcher is None:
             self.begin()
         until_s = time.monotonic() + START_S
@@ -84,14 +84,14 @@ class DriverProcess:
             if time.monotonic() > until_s or self._watcher is None or not self._watcher.is_alive():
                 self.stop()
                 raise PortNotReadyError(f"the driver of the {self._title} has not started")
-            time.sleep(0.01)  # the pace at which it is looked for
+            time.sleep(0.01)  # the pace of looking for it
 
     def end(self) -> None:
-        """Let it begin to end; `stop` waits for it."""
+        """Begin to end it; `stop` waits for it."""
         self._ending.set()
 
     def stop(self) -> str | None:
-        """End it, and see that the robot stands; what is not known of that, None where it does."""
+        """End it and see that the robot is at rest; return the doubt about that, or None."""
         self._ending.set()
         if self._watcher is not None:
             self._watcher.join()
@@ -101,21 +101,21 @@ class DriverProcess:
 
     @property
     def pid(self) -> int | None:
-        """The number of the process that drives now."""
+        """Number of the process that drives now."""
         return self._process.pid
 
     @property
     def beat_s(self) -> float:
-        """When the process that drives, or that drove last, came round last; monotonic."""
+        """Last beat of the process that drives, or that last drove; monotonic."""
         return self._process.beat_s
 
     @property
     def restarts(self) -> int:
-        """The number of times that it was started again."""
+        """Number of restarts."""
         return self._watch.restarts
 
     def word(self) -> Word:
-        """The newest sentences about the robot."""
+        """Newest sentences about the robot."""
         return self._word
 
     def _run(self) -> None:
@@ -159,7 +159,7 @@ class _Process:
     def start(self) -> str | None:
         self._beat.value = -math.inf
         self._forget_ends()
-        # a port of the last process: its number may be another terminal's by now
+        # the last process's port: its number may be another terminal's by now
         self._order.link.unlink(missing_ok=True)
         try:
             ours, theirs = _SPAWN.Pipe(duplex=False)
@@ -191,7 +191,7 @@ class _Process:
         self._order.link.unlink(missing_ok=True)
 
     def close(self) -> None:
-        """As `kill`, and nothing of it is kept."""
+        """Kill it and forget its ends."""
         self.kill()
         self._forget_ends()
 
@@ -204,7 +204,7 @@ class _Process:
         return True
 
     def words(self) -> list[Word | PortLost]:
-        """Everything that it has said since."""
+        """Everything that it has said since the last call."""
         told: list[Word | PortLost] = []
         try:
             while self._words is not None and self._words.poll():
@@ -214,7 +214,7 @@ class _Process:
         return told
 
     def news(self) -> list[int | Connection]:
-        """The objects that `wait` waits for: its words, and its end."""
+        """Objects for `wait`: its words, and its end."""
         alive = self.runs() and self._process is not None
         ends: list[int | Connection] = [self._process.sentinel] if alive and self._process else []
         return ends if self._words is None else [*ends, self._words]

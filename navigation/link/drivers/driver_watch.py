@@ -1,14 +1,14 @@
-"""The watch over a driver: its process has the robot while its heart beats, else the daemon.
+"""Watch over a driver: its process has the robot while its heart beats, else the daemon has.
 
-- A process whose last beat is older than ``BEAT_MISSED_S`` hangs, however: it is killed, and the
-  daemon writes the maker's stop on its own descriptor of the port at once, again and again.
-- A new process is started when the robot is heard to stand, and gets the port when it is ready. It
-  is started too where the port is closed, or the robot answers that it cannot be driven.
-- At the end the process has ``LEAVE_S`` to say farewell; the daemon has the last word in any case,
-  until the robot is heard to stand or ``LAST_WORDS_S`` have passed.
+- A process hangs if its last beat is older than ``BEAT_MISSED_S``. It is killed, and the daemon at
+  once repeats the maker's stop on its own descriptor of the port.
+- A new process starts when the robot reports rest, the port is closed, or the robot answers that it
+  cannot be driven. It gets the port when it is ready.
+- At the end the process has ``LEAVE_S`` to say farewell. The daemon always has the last word, until
+  the robot reports rest or ``LAST_WORDS_S`` have passed.
 
-Sans-IO but for the port and the process that it is given. Seconds of one monotonic clock, which is
-the processes' own in common.
+Sans-IO except for the given port and process. Seconds of one monotonic clock, shared by the
+processes.
 """
 
 from __future__ import annotations
@@ -35,33 +35,33 @@ class Drives(Protocol):
 
     @property
     def beat_s(self) -> float:
-        """When its loop came round last; -inf before the first time."""
+        """Time of its loop's last beat; -inf before the first."""
         ...
 
     def start(self) -> str | None:
-        """Start a new one; why that was not possible, None where it was."""
+        """Start a new one; return the reason if that fails, else None."""
 
     def runs(self) -> bool:
         """True while there is one, if only to be buried."""
         ...
 
     def how_it_ended(self) -> str:
-        """In words, of one that does not run."""
+        """Words for the end of one that does not run."""
         ...
 
     def ask_to_end(self) -> None:
-        """It is to say farewell."""
+        """Ask it to say farewell."""
 
     def kill(self) -> None:
-        """It does nothing from now on, whatever it was at."""
+        """Stop it at once, whatever it does."""
 
     def lend(self, descriptor: int) -> bool:
-        """Give it the port; whether it was taken."""
+        """Give it the port; True if it was taken."""
         ...
 
 
 class DriverWatch:
-    """One robot, its port and its driver's process; `turn` it, often."""
+    """One robot, its port and its driver's process; call `turn` often."""
 
     def __init__(self, process: Drives, port: RobotPort, halt: RobotHalt, title: str) -> None:
         self._process, self._port, self._halt = process, port, halt
@@ -74,18 +74,18 @@ class DriverWatch:
         self._again_s = -math.inf
         self.restarts = 0
 
-    # What the driver's process says.
+    # Reports of the driver's process.
 
     def hears(self, word: Word) -> None:
-        """Its sentences about its robot."""
+        """Take its sentences about its robot."""
         self._told = word
 
     def loses_port(self, reason: str, now_s: float) -> None:
-        """The port that it was lent has broken."""
+        """Note that its lent port has broken."""
         self._is_lent = False
         self._port.lose(reason, now_s)
 
-    # What is known.
+    # State.
 
     @property
     def has_port(self) -> bool:
@@ -93,7 +93,7 @@ class DriverWatch:
         return not self._is_lent and self._port.fault is None
 
     def word(self, now_s: float) -> Word:
-        """The newest sentences about the robot."""
+        """Newest sentences about the robot."""
         if self._is_lent:
             return self._told
         if self._port.fault is not None:
@@ -101,7 +101,7 @@ class DriverWatch:
         return self._halt.word(self._why, now_s)
 
     def doubt(self, now_s: float) -> str | None:
-        """Why the robot that was driven is not known to stand; None where it is."""
+        """Reason why the driven robot is not known to be at rest; None if it is."""
         if not self._was_lent or (self.has_port and self._halt.stands(now_s)):
             return None
         return self._halt.doubt
@@ -109,7 +109,7 @@ class DriverWatch:
     # Time.
 
     def turn(self, now_s: float) -> None:
-        """Everything that is due now."""
+        """Do everything that is due."""
         if self._runs:
             self._look_at_process(now_s)
         if not self._is_lent:
@@ -119,13 +119,13 @@ class DriverWatch:
             self._start(now_s)
 
     def end(self, now_s: float) -> None:
-        """The program ends; turn on until `is_over`."""
+        """Begin the end of the program; call `turn` until `is_over`."""
         self._ending_s = now_s
         if self._runs:
             self._process.ask_to_end()
 
     def is_over(self, now_s: float) -> bool:
-        """True if there is nothing left to do for the robot at the end."""
+        """True if nothing is left to do for the robot at the end."""
         if self._runs or self._ending_s == math.inf:
             return False
         closed = self._port.fault is not None
@@ -152,7 +152,7 @@ class DriverWatch:
         self._take_over(f"{self._driver} {why}", now_s)
 
     def _take_over(self, why: str, now_s: float) -> None:
-        """The robot is ours: nothing that the process has queued goes out any more."""
+        """Take the robot: nothing queued by the process goes out any more."""
         self._runs, self._why = False, why
         self._killed_s, self._again_s = now_s, now_s + AGAIN_S
         if self._ending_s == math.inf:

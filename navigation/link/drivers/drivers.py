@@ -1,4 +1,4 @@
-"""Which drivers there are, by the name in `robot.driver`."""
+"""All drivers, by the name in `robot.driver`."""
 
 from __future__ import annotations
 
@@ -25,5 +25,7 @@ DRIVERS_BY_MODEL: Final[Mapping[str, Callable[[str], RobotDriver]]] = {
 
 
 def new_driver(name: str, model: str | None = None) -> RobotDriver:
-    """``model``: one of `KnownRobot.models`; None is the first, or of a robot that has none."""
+    """Make a driver; ``model`` is one of `KnownRobot.models`, None the first, or for a robot
+    without any.
+    """
     return DRIVERS[name]() if model is None else DRIVERS_BY_MODEL[name](model)

@@ -1,13 +1,13 @@
-"""The driver of the e-puck2 over its text commands, by USB or Bluetooth.
+"""Driver of the e-puck2 over its text commands, by USB or Bluetooth.
 
 - Lines of text: `D,left,right` orders steps a second, `Q` asks for the steps made. The next
-  question waits for the last one's answer, or for its time.
-- Each command begins with a zero, which means nothing in text and ends the robot's binary mode, in
-  which a damaged character puts it and from which text alone would not bring it back.
-- The first command after the port was opened begins with an end of line, too: an order that was
-  cut off there, because whoever sent it died, takes nothing with it.
-- Nothing in the text is checked: a count that the wheels cannot have made is left out. The robot
-  keeps the last order for ever, so orders are repeated, a stop like any other.
+  question waits for the last one's answer or timeout.
+- Each command begins with a zero. It means nothing in text, but ends the binary mode into which a
+  damaged character puts the robot and which text alone would not end.
+- The first command on an open port also begins with an end of line, so that an order cut off by a
+  dead sender spoils nothing.
+- The text has no check: a count that the wheels cannot have made is left out. The robot keeps the
+  last order for ever, so orders are repeated, stops too.
 
 Metres and seconds.
 """
@@ -57,21 +57,21 @@ class Epuck2Driver:
         self._is_new = True
 
     def open(self, now_s: float) -> None:
-        """The first order that goes out is a stop."""
+        """Begin with a stop as the first order."""
         self._buffer.clear()
         self._odometry.forget()
         self._wanted = (0, 0)
         self._forget_the_line()
 
     def drive(self, left_m_s: float, right_m_s: float) -> None:
-        """Whole steps a second."""
+        """Set the speeds in whole steps a second."""
         self._wanted = (
             round(left_m_s / self._metres_per_step),
             round(right_m_s / self._metres_per_step),
         )
 
     def clear_fault(self) -> None:
-        """It reports none."""
+        """Do nothing: it reports no fault."""
 
     # Bytes out.
 
@@ -99,7 +99,7 @@ class Epuck2Driver:
     # Bytes in.
 
     def receive(self, data: bytes, now_s: float) -> None:
-        """Lines; what has no end by now is no line."""
+        """Read whole lines; the rest waits for its end."""
         self._buffer += data
         *lines, rest = self._buffer.replace(b"\r", b"\n").split(b"\n")
         self._buffer = bytearray(rest[-LONGEST:])

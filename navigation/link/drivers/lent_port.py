@@ -1,7 +1,7 @@
-"""The robot's port in the driver's process: a descriptor that the daemon lends, and shares.
+"""The robot's port in the driver's process: a descriptor that the daemon lends and shares.
 
-The daemon opens the port and keeps its own descriptor of it: a driver that hangs or dies takes
-nothing away that is needed to stop the robot. A port that breaks is given back by saying so.
+The daemon opens the port and keeps its own descriptor: a driver that hangs or dies takes away
+nothing needed to stop the robot. A broken port is returned by reporting it.
 """
 
 from __future__ import annotations
@@ -18,18 +18,18 @@ READ_BYTES: Final = 4096
 
 @dataclass(frozen=True, slots=True)
 class PortLost:
-    """A message of the driver's process to the daemon: the lent port has broken, and why."""
+    """Message from the process to the daemon: the lent port broke, and why."""
 
     reason: str
 
 
 def lend(to: socket.socket, descriptor: int) -> None:
-    """Give the process at the other end a descriptor of the same port; OSError where it cannot."""
+    """Give the other process a descriptor of the same port; OSError if that fails."""
     socket.send_fds(to, [b"!"], [descriptor])
 
 
 class LentPort:
-    """``fault`` is why there is none, None while there is. ``lender``: where it comes from."""
+    """Port from ``lender``; ``fault`` is why there is none, else None."""
 
     def __init__(self, path: str, lender: socket.socket) -> None:
         self._path, self._lender = path, lender
@@ -39,7 +39,7 @@ class LentPort:
         self.fault: str | None = "the robot's port is not open yet"
 
     def take(self) -> bool:
-        """Take it where it is lent; whether it has just been."""
+        """Take the port if it is lent; True if it just was."""
         try:
             _data, descriptors, _flags, _from = socket.recv_fds(self._lender, 16, 4)
         except OSError:
@@ -54,7 +54,7 @@ class LentPort:
         return True
 
     def close(self) -> None:
-        """Let go of it; the daemon's descriptor stays."""
+        """Close it; the daemon's descriptor stays."""
         descriptor, self._descriptor = self._descriptor, None
         if descriptor is not None:
             with contextlib.suppress(OSError):
@@ -65,7 +65,7 @@ class LentPort:
         return [self._lender.fileno(), *([] if self._descriptor is None else [self._descriptor])]
 
     def read(self) -> bytes:
-        """Read what has come; a port that breaks is closed."""
+        """Read what has come; a broken port is closed."""
         if self._descriptor is None or not select.select([self._descriptor], [], [], 0)[0]:
             return b""
         try:
@@ -78,11 +78,11 @@ class LentPort:
 
     @property
     def is_free(self) -> bool:
-        """True if the line has taken everything that was written."""
+        """True if the line has taken everything written."""
         return not self._unsent
 
     def write(self, data: bytes) -> None:
-        """Write what the line takes now, and keep the rest; a port that breaks is closed."""
+        """Write what the line takes now, and keep the rest; a broken port is closed."""
         self._unsent += data
         if self._descriptor is None or not self._unsent:
             return

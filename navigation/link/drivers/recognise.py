@@ -1,6 +1,6 @@
-"""Which robot answers on a port: each driver greets it in turn, and none of them drives.
+"""Recognition of the robot on a port: each driver greets it in turn, and none drives it.
 
-A greeting is a stop and a question in every protocol, and nothing in those of the others.
+In every protocol a greeting is a stop and a question, and means nothing in the others.
 """
 
 from __future__ import annotations
@@ -22,7 +22,7 @@ PAUSE_S: Final = 0.005
 
 @dataclass(frozen=True, slots=True)
 class Recognised:
-    """Who answers: a name of `DRIVERS` and what it says, or why nobody does."""
+    """The robot that answers, a name of `DRIVERS`, and its report; or the reason why none does."""
 
     name: str | None
     sentence: str
@@ -37,7 +37,7 @@ def recognise(
     clock: Callable[[], float] = time.monotonic,
     wait: Callable[[float], None] = time.sleep,
 ) -> Recognised:
-    """Greet as the ``wanted`` driver, then as the others; PortError where the port cannot be used.
+    """Greet as the ``wanted`` driver, then as the others; PortError if the port cannot be used.
 
     Takes up to ``PATIENCE_S`` for each.
     """
@@ -59,7 +59,7 @@ def _greet(
     clock: Callable[[], float],
     wait: Callable[[float], None],
 ) -> tuple[Heard, int, float]:
-    """What one driver hears, how many bytes came, and how long it waited."""
+    """Report heard by one driver, number of bytes, and waiting time."""
     driver, port = DRIVERS[name](), RobotPort(path, baud)
     began_s, came = clock(), 0
     if not port.open(began_s):

@@ -1,8 +1,8 @@
-"""What a driver is: one robot's protocol, sans-IO, bytes in and events out.
+"""Protocol of a driver: one robot, sans-IO, bytes in and events out.
 
-A driver keeps no clock and opens nothing. It has an answer to four questions: which robot is this,
-how far have its wheels turned, what is wrong with it, how full is its battery. Metres, seconds,
-metres a second; forwards is positive on both sides.
+A driver keeps no clock and opens nothing. It answers four questions: which robot this is, how far
+its wheels have turned, what is wrong with it, how full its battery is. Metres, seconds, metres a
+second; forwards is positive on both sides.
 """
 
 from __future__ import annotations
@@ -15,7 +15,7 @@ from navigation.config.known_robots import KnownRobot
 
 @dataclass(slots=True)
 class Heard:
-    """What a robot has told so far; its driver writes it, everybody else reads."""
+    """Everything heard from a robot; its driver writes it, all others read."""
 
     identity: str | None = None
     """Who answers, in words; None until it has."""
@@ -41,23 +41,23 @@ class Heard:
 
 
 class RobotDriver(Protocol):
-    """One robot; `driven_robot` calls it, at least a hundred times a second."""
+    """Driver of one robot; `driven_robot` calls it at least a hundred times a second."""
 
     robot: KnownRobot
     heard: Heard
 
     def open(self, now_s: float) -> None:
-        """The port is open, for the first time or again: the robot is to stop, and to answer."""
+        """Make the robot stop and answer, as the port is open, for the first time or again."""
 
     def receive(self, data: bytes, now_s: float) -> None:
-        """Bytes from the robot, in any portion, with anything in between."""
+        """Take bytes from the robot, in any portion, with anything in between."""
 
     def drive(self, left_m_s: float, right_m_s: float) -> None:
-        """How fast the wheels are to turn from now on; both zero is a stop."""
+        """Set the wheels' speeds from now on; both zero is a stop."""
 
     def clear_fault(self) -> None:
-        """A person says that it may drive again; a fault that still holds comes back."""
+        """Let it drive again on a person's word; a fault that persists returns."""
 
     def bytes_to_send(self, now_s: float) -> bytes:
-        """What is due on the line; called when the line has taken what came before."""
+        """Bytes due; call once the line has taken the last ones."""
         ...

@@ -1,7 +1,7 @@
-"""The stop that the daemon itself writes, where no driver's process does; sans-IO.
+"""The daemon's own stop when no driver's process has the robot; sans-IO.
 
-The maker's own stop, by the same driver that the process drives with, again and again until the
-robot is heard to stand. What is not known until then is said. Seconds.
+The process's driver repeats the maker's stop until the robot reports rest. Until then the sentences
+say what is unknown. Seconds.
 """
 
 from __future__ import annotations
@@ -18,7 +18,7 @@ SAID_AFTER_S: Final = 0.7
 
 
 class RobotHalt:
-    """Orders one robot to stand. ``port`` is for its sentences only."""
+    """Orders one robot to stop. ``port`` is only for its sentences."""
 
     def __init__(self, driver: RobotDriver, port: str) -> None:
         self._driver = driver
@@ -27,7 +27,7 @@ class RobotHalt:
         self._began_s = math.inf
 
     def begin(self, now_s: float) -> None:
-        """The port is ours from now on: the first bytes are a stop."""
+        """Take the port: the first bytes are a stop."""
         self._began_s = now_s
         heard = self._driver.heard
         heard.stranger = heard.held = None
@@ -35,18 +35,18 @@ class RobotHalt:
         self._standing.begin(now_s)
 
     def receive(self, data: bytes, now_s: float) -> None:
-        """Its reports."""
+        """Take the robot's reports."""
         if data:
             self._driver.receive(data, now_s)
         self._standing.look(self._driver.heard)
 
     def bytes_to_send(self, now_s: float) -> bytes:
-        """Call when the port has taken what came before."""
+        """Bytes due; call once the port has taken the last ones."""
         self._driver.drive(0.0, 0.0)
         return self._driver.bytes_to_send(now_s)
 
     def stands(self, now_s: float) -> bool:
-        """True if it is heard to stand."""
+        """True if it reports rest."""
         return self._standing.is_known(now_s)
 
     @property
@@ -55,7 +55,7 @@ class RobotHalt:
         return self._driver.heard.held is not None
 
     def word(self, why: str, now_s: float) -> Word:
-        """``why`` nobody drives it, and what is known of the robot."""
+        """State of the robot, and ``why`` no driver has it."""
         if self.stands(now_s):
             return Word(f"{why}; {self._name} stands", stands=True)
         if now_s - self._began_s < SAID_AFTER_S:
@@ -64,7 +64,7 @@ class RobotHalt:
 
     @property
     def doubt(self) -> str:
-        """The sentence about a robot that is not heard to stand."""
+        """Sentence about a robot that does not report rest."""
         return (
             f"{self._name} was ordered to stand and has not been heard to: "
             f"{self._driver.robot.help}"

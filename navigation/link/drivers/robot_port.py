@@ -1,7 +1,7 @@
-"""The robot's own port on the daemon's side: opened, read and written, and opened again.
+"""The robot's own port on the daemon's side: opened, read, written, and opened again.
 
-A device or an address that pyserial's ``serial_for_url`` knows, as ``socket://host:port``.
-Nothing here waits, but for an address that takes its time to be reached.
+A device, or an address for pyserial's ``serial_for_url`` such as ``socket://host:port``. Nothing
+here waits, except for an address that is slow to reach.
 """
 
 from __future__ import annotations
@@ -21,7 +21,7 @@ READ_BYTES: Final = 4096
 
 
 class RobotPort:
-    """``fault`` is why it is closed, None while it is open."""
+    """Robot's port; ``fault`` is why it is closed, None while it is open."""
 
     def __init__(self, path: str, baud: int) -> None:
         self._path, self._baud = path, baud
@@ -32,7 +32,7 @@ class RobotPort:
         self.fault: str | None = "the robot's port is not open yet"
 
     def open(self, now_s: float) -> bool:
-        """Try it where it is time; whether it has just been opened."""
+        """Try to open it when due; True if it was just opened."""
         if self._port is not None or now_s < self._again_s:
             return False
         try:
@@ -56,7 +56,7 @@ class RobotPort:
         return False
 
     def close(self) -> None:
-        """Let go of it."""
+        """Close it."""
         port, self._port = self._port, None
         if port is not None:
             # a port that has hung up cannot be closed in order either
@@ -64,7 +64,7 @@ class RobotPort:
                 port.close()
 
     def fileno(self) -> int | None:
-        """What `select` waits for; None where there is no such thing."""
+        """Descriptor for `select`; None if there is none."""
         if self._port is None:
             return None
         try:
@@ -74,7 +74,7 @@ class RobotPort:
         return number
 
     def read(self, now_s: float) -> bytes:
-        """What has come; a port that breaks is closed."""
+        """Bytes that have come; a broken port is closed."""
         if self._port is None:
             return b""
         try:
@@ -85,11 +85,11 @@ class RobotPort:
 
     @property
     def is_free(self) -> bool:
-        """Whether everything was taken that was written."""
+        """True if everything written was taken."""
         return not self._unsent
 
     def write(self, data: bytes, now_s: float) -> None:
-        """Write what the line takes now, and keep the rest; a port that breaks is closed."""
+        """Write what the line takes now, and keep the rest; a broken port is closed."""
         self._unsent += data
         if self._port is None or not self._unsent:
             return
@@ -102,7 +102,7 @@ class RobotPort:
             self._break(error, now_s)
 
     def drop_unsent(self, now_s: float) -> None:
-        """Forget what waits to go out, in the computer's queue too: old orders to drive."""
+        """Drop unsent bytes, in the computer's queue too: old orders to drive."""
         self._unsent = b""
         try:
             if self._port is not None:
@@ -111,7 +111,7 @@ class RobotPort:
             self._break(error, now_s)
 
     def lose(self, fault: str, now_s: float) -> None:
-        """Close it, since whoever has used it found it broken; it is opened again soon."""
+        """Close a port that its user found broken; it is opened again soon."""
         self.close()
         self._unsent = b""
         self.fault = fault

@@ -1,10 +1,10 @@
 """The driver's process from inside: one loop around `DrivenRobot`, with its two ports.
 
-It makes a pseudo-terminal for our wire and puts a link with a lasting name to it; the robot's own
-port is lent to it. Each turn that did its whole work is a beat of its heart. It ends when it is
-told to, and when the program that started it has ended, however: the robot is stopped first. The
-folder of its link belongs to that program; only where the program has ended is it taken away here.
-Ctrl-C and Ctrl-Z in a terminal do not reach it; a daemon that hangs is met by its lease.
+It makes a pseudo-terminal for our wire and a link with a lasting name to it; the robot's own port
+is lent to it. Each turn that did its whole work is a heartbeat. It ends when asked, or when the
+program that started it has ended in any manner: the robot is stopped first. The folder of its link
+belongs to that program, and is removed here only if that has ended. Ctrl-C and Ctrl-Z in a terminal
+do not reach it; if the daemon hangs, its lease runs out.
 """
 
 from __future__ import annotations
@@ -42,7 +42,7 @@ READ_BYTES: Final = 4096
 
 @dataclass(frozen=True, slots=True)
 class DriverOrder:
-    """What a driver's process is to do: which robot, on which port, for which settings."""
+    """Order to a driver's process: the robot, its port, and its settings."""
 
     name: str
     port: str
@@ -60,10 +60,10 @@ Work: TypeAlias = "Callable[[DriverOrder, Connection, socket.socket, ctypes.c_do
 def serve(
     order: DriverOrder, words: Connection, lender: socket.socket, beat: ctypes.c_double
 ) -> None:
-    """The process's work, until it has to end.
+    """Run the process's work until it must end.
 
-    ``words`` takes each new `Word`, ``lender`` brings the robot's port, and ``beat`` shows when
-    the loop came round last.
+    ``words`` takes each new `Word`, ``lender`` brings the robot's port, and ``beat`` shows the
+    loop's last beat.
     """
     ended = _hear_the_end()
     parent = multiprocessing.parent_process()
@@ -87,7 +87,7 @@ def serve(
 
 
 def _hear_the_end() -> list[int]:
-    """The numbers of the signals that asked for the end; the terminal's reach nobody here."""
+    """List of the signals that asked for the end; the terminal's are ignored."""
     came: list[int] = []
     with contextlib.suppress(PermissionError):
         os.setsid()
@@ -119,10 +119,10 @@ class _Loop:
         new = link.with_name(f"{link.name}.new")
         new.unlink(missing_ok=True)
         new.symlink_to(os.ttyname(self._other_end))
-        new.replace(link)  # at once: whoever opens it gets the old one or the new one
+        new.replace(link)  # at once: a reader opens the old one or the new one
 
     def has_ended(self, sentinel: int) -> bool:
-        """Wait for news, not for long; whether the program that started this one has ended."""
+        """Wait briefly for news; True if the program that started this one has ended."""
         watched = [self._wire, sentinel, *self._port.descriptors()]
         try:
             return sentinel in select.select(watched, [], [], LONGEST_WAIT_S)[0]
@@ -130,7 +130,7 @@ class _Loop:
             return False  # the robot's port has just gone: the next turn closes it
 
     def turn(self) -> None:
-        """Everything that has come, one decision, everything that is due."""
+        """Read everything, decide once, send everything due."""
         now_s = time.monotonic()
         if self._port.take():
             self._robot.port_opened(now_s)
@@ -151,7 +151,7 @@ class _Loop:
     _port_is_lost = True
 
     def _lose_port(self, fault: str) -> None:
-        """Say once that the daemon has to open it again."""
+        """Report once that the daemon must open it again."""
         self._robot.port_closed(fault)
         if not self._port_is_lost:
             self._port_is_lost = True
@@ -166,7 +166,7 @@ class _Loop:
             time.sleep(LONGEST_WAIT_S)
 
     def close(self) -> None:
-        """Both ports; the link is taken away where it is still ours."""
+        """Close both ports; remove the link if it is still ours."""
         self._port.close()
         with contextlib.suppress(OSError):
             if str(self._link.readlink()) == os.ttyname(self._other_end):
@@ -180,7 +180,7 @@ class _Loop:
             try:
                 self._unsent = self._unsent[os.write(self._wire, self._unsent) :]
             except OSError:
-                self._unsent = b""  # nobody reads: a UART does not wait either
+                self._unsent = b""  # no reader: a UART does not wait either
 
     def _tell(self, now_s: float) -> None:
         if now_s - self._word_s < WORD_S:

@@ -1,6 +1,6 @@
-"""True knowledge of a stand: wheels that report, and whose travel does not change.
+"""Certain knowledge that a robot is at rest: its wheels report, and their travel does not change.
 
-An order to stand that was sent is no stand. Metres, seconds.
+An order to stop is no such proof. Metres, seconds.
 """
 
 from __future__ import annotations
@@ -19,7 +19,7 @@ FRESH_S: Final = 0.25
 
 
 class Standing:
-    """One robot's wheels; `look` after each report."""
+    """Rest of one robot's wheels; `look` after each report."""
 
     def __init__(self) -> None:
         self._place = (0.0, 0.0)
@@ -28,7 +28,7 @@ class Standing:
         self._is_new = True
 
     def begin(self, now_s: float) -> None:
-        """Nothing is known but from what is reported from now on."""
+        """Forget all but the reports from now on."""
         self._from_s, self._is_new = now_s, True
 
     def look(self, heard: Heard) -> None:
@@ -43,7 +43,7 @@ class Standing:
             self._place, self._since_s, self._is_new = here, came_s, False
 
     def is_known(self, now_s: float) -> bool:
-        """True if the robot is heard to stand."""
+        """True if the robot reports rest."""
         if self._is_new or now_s - self._newest_s > FRESH_S:
             return False
         return self._newest_s - self._since_s >= STILL_S

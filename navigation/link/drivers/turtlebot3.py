@@ -1,13 +1,13 @@
-"""The driver of the TurtleBot3 (Burger or Waffle) with ROBOTIS's firmware for ROS 2 on its OpenCR.
+"""Driver of the TurtleBot3 (Burger or Waffle) with ROBOTIS's ROS 2 firmware on its OpenCR.
 
-- Dynamixel protocol 2.0 over USB: the board is a slave with id 200 whose control table is read and
-  written. An answer is known by its length, so a lost one puts nothing out of order.
-- The heartbeat is counted up ten times a second; without it the board stops the wheels after half a
+- Dynamixel protocol 2.0 over USB: the board is slave 200, whose control table is read and written.
+  An answer is known by its length, so a lost one upsets no order.
+- The heartbeat counts up ten times a second; without it the board stops the wheels after half a
   second.
-- Speeds go in steps of 1 cm/s and 0.01 rad/s. What a step leaves over goes into the next order, so
-  that on average the robot drives as fast as it should.
-- The board looks for its motors when it starts only; motors that lost their power wake without
-  torque. Both are faults, and the torque comes back when a person has re-armed the robot.
+- Speeds have steps of 1 cm/s and 0.01 rad/s. The remainder goes into the next order, so that the
+  mean speed is right.
+- The board looks for its motors only at its start; motors that lost power wake without torque.
+  Both are faults; the torque returns when a person re-arms the robot.
 
 Little-endian; metres and seconds elsewhere.
 """
@@ -76,25 +76,25 @@ class Turtlebot3Driver:
         self._motors_found, self._torque_is_due = True, False
 
     def open(self, now_s: float) -> None:
-        """The first order that goes out is a stop."""
+        """Begin with a stop as the first order."""
         self._buffer.clear()
         self._odometry.forget()
         self._cycle_s = self._beat_s = self._asked_s = -math.inf
         self._wanted = (0.0, 0.0)
 
     def drive(self, left_m_s: float, right_m_s: float) -> None:
-        """As linear and angular speed of the robot's own track."""
+        """Set the speeds as linear and angular ones of the robot's own track."""
         self._wanted = ((left_m_s + right_m_s) / 2, (right_m_s - left_m_s) / self._track_m)
 
     def clear_fault(self) -> None:
-        """What still holds comes back with the next answer."""
+        """Clear the fault; one that persists returns with the next answer."""
         self._torque_is_due = self.heard.fault == NO_TORQUE
         self.heard.fault = None
 
     # Bytes out.
 
     def bytes_to_send(self, now_s: float) -> bytes:
-        """Every 20 ms the speeds and the question for the travel; the rest in its turn."""
+        """Speeds and the question for the travel every 20 ms; the rest in its turn."""
         if now_s - self._cycle_s < CYCLE_S:
             return b""
         self._cycle_s = now_s
@@ -114,7 +114,7 @@ class Turtlebot3Driver:
         return b"".join(packets)
 
     def _steps(self, which: int) -> int:
-        """The next order's whole steps; a stop is one at once."""
+        """Whole steps of the next order; a stop takes effect at once."""
         wanted = self._wanted[which] * STEP
         if wanted == 0.0:
             self._left_over[which] = 0.0
@@ -127,7 +127,7 @@ class Turtlebot3Driver:
     # Bytes in.
 
     def receive(self, data: bytes, now_s: float) -> None:
-        """Answers; what is none, or was damaged, is skipped to the next header."""
+        """Read answers; anything else, or damaged, is skipped to the next header."""
         self._buffer += data
         for error, answer in self._answers():
             self.heard.messages += 1
@@ -135,7 +135,7 @@ class Turtlebot3Driver:
                 self._take(answer, now_s)
 
     def _answers(self) -> Iterator[tuple[int, bytes]]:
-        """Error and data of each status packet that is whole."""
+        """Error and data of each whole status packet."""
         buffer = self._buffer
         while (at := buffer.find(HEADER)) >= 0:
             del buffer[:at]
@@ -201,7 +201,7 @@ def _write(address: int, data: bytes) -> bytes:
 
 
 def _unstuffed(data: bytes) -> bytes:
-    """Without the byte that keeps data from looking like a header."""
+    """Remove the byte that keeps data from looking like a header."""
     return data.replace(HEADER[:3] + HEADER[2:3], HEADER[:3])
 
 
@@ -219,7 +219,7 @@ _CRC: Final = _table()
 
 
 def crc16(data: bytes) -> int:
-    """Of protocol 2.0: polynomial 0x8005, begun with 0, nothing reflected."""
+    """CRC of protocol 2.0: polynomial 0x8005, initial value 0, not reflected."""
     value = 0
     for byte in data:
         value = (value << 8 & 0xFFFF) ^ _CRC[value >> 8 ^ byte]

@@ -1,13 +1,13 @@
-"""The driver of Waveshare's UGVs with encoders, over their JSON commands.
+"""Driver of Waveshare's UGVs with encoders, over their JSON commands.
 
 - One JSON object a line. The greeting switches the echo off and the stream of reports on, and sets
-  the robot's own watchdog to half a second; a robot whose reports stop is greeted again, since it
-  may have started again.
-- Which robot it is (``model``) the program on it keeps in memory only, never reports, and needs to
-  know which way its motors turn and what a pulse is worth: it is in the greeting and repeated.
-- The reports hold speeds, not counts. The travel is what they come to over the time between them;
-  reports that arrive together share it. A robot that reports nothing but zeros while it is driven
-  has no encoders, and may be at full power: it is stopped.
+  the robot's watchdog to half a second; a robot whose reports stop may have restarted, and is
+  greeted again.
+- The robot's program keeps its type (``model``) only in memory and never reports it, but needs it
+  for the motors' direction and a pulse's length: it is in the greeting and repeated.
+- Reports hold speeds, not counts. The travel is their integral over the time between them; reports
+  that arrive together share it. A robot that reports only zeros while driven has no encoders, and
+  may be at full power: it is stopped.
 - Wheel speeds in m/s.
 
 Metres and seconds.
@@ -78,11 +78,11 @@ class WaveshareDriver:
         self._forget_the_line()
 
     def drive(self, left_m_s: float, right_m_s: float) -> None:
-        """To a tenth of a millimetre a second."""
+        """Set the speeds, to a tenth of a millimetre a second."""
         self._wanted = (round(left_m_s, 4), round(right_m_s, 4))
 
     def clear_fault(self) -> None:
-        """Its wheels are tried again."""
+        """Try its wheels again."""
         self.heard.fault = None
         self._driven_since_s = None
 
@@ -115,7 +115,7 @@ class WaveshareDriver:
     # Bytes in.
 
     def receive(self, data: bytes, now_s: float) -> None:
-        """Lines; the reports among them share the time since the last one."""
+        """Read lines; the reports among them share the time since the last one."""
         self._buffer += data
         *lines, rest = self._buffer.split(b"\n")
         self._buffer = bytearray(rest[-LONGEST:])
@@ -134,7 +134,7 @@ class WaveshareDriver:
             heard.fault = BLIND
 
     def _read(self, line: bytes) -> tuple[float, float] | None:
-        """The wheels' speeds in a report; None for what is none."""
+        """Wheel speeds in a report; None for other lines."""
         line = line.strip()
         if not line:
             return None

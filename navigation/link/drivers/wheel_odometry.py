@@ -1,8 +1,8 @@
-"""From the counts of two encoders to the travel of two wheels, through wraps, resets and damage.
+"""Travel of two wheels from the counts of two encoders, through wraps, resets and damage.
 
-Counts of a line without a strong check are believed only where the wheels could have turned so far.
-What cannot be is left out; when the counts stay there, they are taken as a new beginning: the robot
-was switched off and on.
+On a line without a strong check, only counts that the wheels could have reached are believed.
+Others are left out; if the counts stay there, they are a new beginning: the robot was switched off
+and on.
 """
 
 from __future__ import annotations
@@ -17,7 +17,7 @@ DOUBTS: Final = 3
 
 
 class WheelOdometry:
-    """Two wheels. ``modulus`` is where the counts wrap, None where they do not."""
+    """Odometry of two wheels. ``modulus`` is where the counts wrap, None if they do not."""
 
     def __init__(self, metres_per_count: float, wheel_m_s: float, modulus: int | None) -> None:
         self._metres_per_count = metres_per_count
@@ -30,15 +30,16 @@ class WheelOdometry:
         self.right_m = 0.0
 
     def forget(self) -> None:
-        """The next counts are a new beginning: nothing is known of the time in between."""
+        """Make the next counts a new beginning: the time in between is unknown."""
         self._counts = None
 
     def count(
         self, left: int, right: int, now_s: float, directions: tuple[int, int] | None = None
     ) -> bool:
-        """The newest counts; False where they cannot be and were left out.
+        """Take the newest counts; False if they are impossible and were left out.
 
-        ``directions``: 1, -1 or 0 for each wheel whose encoder feels none; by 0 nothing is counted.
+        ``directions``: 1, -1 or 0 for each wheel whose encoder senses none; with 0 nothing is
+        counted.
         """
         before = self._counts
         if before is not None:

@@ -1,7 +1,7 @@
-"""What people are told of a robot that does not do what it should: one sentence each.
+"""Sentences for people about a robot with a fault.
 
-A sentence says what is seen on the port, and what to look at. It does not change while the cause
-does not, so that a log holds it once.
+A sentence says what is seen on the port, and what to check. It changes only with its cause, so that
+a log has it once.
 """
 
 from __future__ import annotations
@@ -22,7 +22,7 @@ LOW_BATTERY: Final = 0.15
 
 @dataclass(frozen=True, slots=True)
 class Word:
-    """What the driver's process says of its robot; it goes to the daemon's side as a whole.
+    """Report of the driver's process on its robot; sent whole to the daemon.
 
     ``silence``: why the robot is out of reach, None while it is not. ``fault``: why it must not
     drive. ``remark``: what people should know although it drives. ``stands``: its wheels report,
@@ -40,7 +40,7 @@ class Word:
 def silence_of(
     robot: KnownRobot, port: str, baud: int, heard: Heard, fresh_bytes: int, waited_s: float
 ) -> str:
-    """Why the robot is out of reach although its port is open.
+    """Reason why the robot is out of reach although its port is open.
 
     ``fresh_bytes`` came since its last message, or since the port was opened.
     """
@@ -66,7 +66,7 @@ def silence_of(
 
 
 def remark_of(robot: KnownRobot, port: str, heard: Heard, damaged: int, messages: int) -> str:
-    """What people should know of a robot that answers; counts are of the last seconds."""
+    """Remark on a robot that answers; counts are of the last seconds."""
     if damaged > DAMAGED_SHARE * (messages + damaged) and damaged > 3:
         return (
             f"much of what the {robot.title} sends arrives damaged: a bad cable, or a second "

@@ -1,4 +1,4 @@
-"""What the control loop knows of the arena: the newest picture and scene, and what is in doubt.
+"""The control loop's knowledge of the arena: newest picture and scene, and doubts.
 
 Metres, radians, seconds of the world's clock.
 """
@@ -24,7 +24,7 @@ if TYPE_CHECKING:
 
 
 class ArenaView:
-    """Fed with every frame that is taken; a recorder is told what was seen."""
+    """View of the arena, fed with every frame taken; passes what was seen to a recorder."""
 
     def __init__(
         self,
@@ -51,7 +51,7 @@ class ArenaView:
         self._measurable_revision = 0
 
     def see(self, frame: Frame, tell: Callable[[Mapping[int, RobotPose]], None]) -> bool:
-        """Look at a frame, ``tell`` its poses first; whether it shows a new scene."""
+        """Look at a frame and pass its poses on first; True if it shows a new scene."""
         if self.vision.failure() is not None:
             return False
         self.frame_s = min(frame.captured_s, self._clock())
@@ -76,12 +76,12 @@ class ArenaView:
 
     @property
     def hold(self) -> str | None:
-        """Why robots have to hold, whatever they do; None where they need not."""
+        """Reason why all robots hold; None if they need not."""
         return self.doubt.hold or self.glimpse.hold
 
     def is_measurable(self, known_revision: int) -> bool:
-        """Whether clearances mean something in a scene of that revision, or of a later one.
+        """True if clearances mean something in a scene of that revision or a later one.
 
-        In the unknown nothing can be measured.
+        Nothing can be measured in unknown ground.
         """
         return known_revision >= self._measurable_revision and not self.glimpse.hold

@@ -1,8 +1,8 @@
-"""The eye: one frame in, the robots' poses and, where the arena changed, the new scene out.
+"""The eye: one frame in, the robots' poses and, if the arena changed, the new scene out.
 
-It puts Global Vision's parts together for a running arena: markers first, because the robots'
-bodies must never be taken for obstacles; then the watch over what changed; the extractor only
-when something did. Units: metres and radians in the arena, seconds.
+It runs Global Vision's parts in order: markers first, because robots' bodies must never become
+obstacles; then the watch for changes; the extractor only after a change. Units: metres and radians
+in the arena, seconds.
 """
 
 from __future__ import annotations
@@ -30,7 +30,7 @@ Poses: TypeAlias = Mapping[int, RobotPose]
 
 @dataclass(frozen=True, slots=True)
 class RobotShape:
-    """A robot's shape as the camera meets it: the disc that holds it, and its marker's height."""
+    """Robot's shape for the camera: the disc around it, and its marker's height."""
 
     radius_m: float
     marker_height_m: float
@@ -38,7 +38,7 @@ class RobotShape:
 
 @dataclass(frozen=True, slots=True)
 class EyeSettings:
-    """What to look for, from the configuration."""
+    """Search settings from the configuration."""
 
     bounds_m: Bounds
     polarity: Polarity
@@ -55,7 +55,7 @@ class EyeSettings:
 
 @dataclass(frozen=True, slots=True)
 class Glimpse:
-    """What one frame told: poses by marker id, and the scene where it is new."""
+    """Findings of one frame: poses by marker id, and the scene if it is new."""
 
     captured_s: float
     poses: Mapping[int, RobotPose]
@@ -74,9 +74,9 @@ class Glimpse:
 
 
 class Eye:
-    """Keeps the trackers and the picture of the arena without its robots.
+    """Trackers, and the picture of the arena without its robots.
 
-    ``camera_place`` watches whether the camera stays where it is; it outlives an eye.
+    ``camera_place`` watches whether the camera stays in place; it outlives an eye.
     """
 
     def __init__(
@@ -97,14 +97,14 @@ class Eye:
         return SceneWatcher()
 
     def look(self, frame: Frame, tell: Callable[[Poses], None] = lambda _: None) -> Glimpse:
-        """Poses in this frame; a scene as soon as the robot was seen and after every change.
+        """Return this frame's poses; a scene once the robot was seen and after every change.
 
-        ``tell`` gets each pose before anything else is looked at: they are wanted first.
+        ``tell`` gets each pose before anything else is looked at: poses are needed first.
 
-        While no driven robot can be seen, or one never was, nobody knows which dark place is
-        its body: the scene stays as it was, and the pilots hold the robots anyway.
+        While no driven robot is seen, or one has never been seen, any dark place may be its body.
+        The scene then stays as it was, and the pilots hold the robots anyway.
         """
-        # Markers, changes and obstacles are judged by their grey: it is made once.
+        # Markers, changes and obstacles all use the grey picture, made once.
         frame = replace(frame, image=grey_of(frame.image))
         seen = self._tracker.update(frame, lambda pose: tell({pose.id: pose}))
         poses = {pose.id: pose for pose in seen}
@@ -123,7 +123,9 @@ class Eye:
         return Glimpse(frame.captured_s, poses, scene, change, self._doubles(), place)
 
     def _look_at_camera_place(self, frame: Frame, discs: FloatArray | None) -> PlaceReport | None:
-        """Its points are learned once the robots were seen: none of them is on a robot."""
+        """Look at the camera's place; its points are learned once the robots were seen, off their
+        bodies.
+        """
         if self._camera_place is None:
             return None
         return self._camera_place.look(
@@ -134,7 +136,7 @@ class Eye:
         return doubles_of(self._tracker, self.settings.driven_ids)
 
     def _body_discs(self, poses: Poses) -> FloatArray:
-        """The pixels of every robot's body, where it was seen last."""
+        """Pixels of every robot's body at its last known place."""
         bodies = self.settings.bodies
         return np.concatenate(
             [
@@ -149,7 +151,7 @@ class Eye:
         )
 
     def _brought_up_to_date(self, change: Change | None) -> KnownScene:
-        """The scene now: only what changed is fitted again, where that can be trusted."""
+        """The present scene; only changes are fitted again, if that can be trusted."""
         background = self._watcher.background
         if self._known is not None and change is not None and not (change.first or change.relit):
             known = self._known.refitted(background, change.rectangles)
@@ -165,7 +167,7 @@ class Eye:
 
 
 class ExtractSettings(TypedDict):
-    """Of the settings what says how obstacles are told from the floor."""
+    """Settings that separate obstacles from the floor."""
 
     polarity: Polarity
     method: Method
@@ -173,7 +175,7 @@ class ExtractSettings(TypedDict):
 
 
 def extract_settings(settings: EyeSettings) -> ExtractSettings:
-    """As ``vision.extract`` takes them."""
+    """Settings in the form that ``vision.extract`` takes."""
     return ExtractSettings(
         polarity=settings.polarity,
         method=settings.method,
@@ -182,7 +184,7 @@ def extract_settings(settings: EyeSettings) -> ExtractSettings:
 
 
 def doubles_of(tracker: MarkerTracker, driven_ids: Sequence[int]) -> dict[int, str]:
-    """Driven robots' markers in two places: nobody knows which of them it is."""
+    """Driven robots' markers seen in two places, either of which may be real."""
     found = {}
     for driven_id in driven_ids:
         places = tracker.doubles.get(driven_id, ())

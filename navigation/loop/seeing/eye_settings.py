@@ -1,4 +1,4 @@
-"""From a configuration to the settings of the eye: robots, markers, and where the camera is.
+"""Settings of the eye from a configuration: robots, markers, and the camera's place.
 
 Metres, radians, seconds.
 """
@@ -23,7 +23,7 @@ from vision.watch.camera_place import FloorMarker, PlaceSettings
 
 
 def eye_settings(config: Config, driven: Sequence[RobotSection] = ()) -> EyeSettings:
-    """What the eye looks for; ``driven`` are the driven robots where there are several."""
+    """Settings of the eye; ``driven`` are the driven robots if there are several."""
     robots = tuple(driven) or (config.robot,)
     seen = (*robots, *config.other_robots)
     return EyeSettings(
@@ -38,7 +38,7 @@ def eye_settings(config: Config, driven: Sequence[RobotSection] = ()) -> EyeSett
 
 
 def place_settings(config: Config, one_of_several: Calibration | None = None) -> PlaceSettings:
-    """What says whether the camera is where it was; of several, by the markers that it shows."""
+    """Settings that watch a camera's place; one of several uses the markers it shows."""
     markers = tuple(
         FloorMarker(one.marker_id, one.place_m)
         for one in config.arena.floor_markers
@@ -53,7 +53,7 @@ def place_settings(config: Config, one_of_several: Calibration | None = None) ->
 
 
 def _is_in_picture(marker: FloorMarkerSection, calibration: Calibration) -> bool:
-    """Whether a camera shows a marker whole, however it is turned, with some white around it."""
+    """True if a camera shows a marker whole, at any turn, with some white around it."""
     if marker.place_m is None:
         return False
     reach = 0.5 * math.sqrt(2.0) * 1.25 * marker.size_m
@@ -62,18 +62,18 @@ def _is_in_picture(marker: FloorMarkerSection, calibration: Calibration) -> bool
 
 
 def stop_s(robot: RobotSection, safety: SafetySection) -> float:
-    """How long a robot can drive at most after it was seen last: lease, reaction and brakes."""
+    """Longest time a robot can drive after it was last seen: lease, reaction, brakes."""
     braking_s = robot.speed_m_s / robot.acceleration_m_s2
     return safety.pose_stale_s + safety.lease_s + REACTION_S + braking_s
 
 
 def reach_m(robot: RobotSection, safety: SafetySection) -> float:
-    """How far it can have come by then."""
+    """Longest distance it can cover in that time."""
     return robot.speed_m_s * stop_s(robot, safety)
 
 
 def marked_robots(config: Config, driven: Sequence[RobotSection] = ()) -> list[MarkedRobot]:
-    """The robots whose markers are looked for; ``driven`` as for the eye."""
+    """Robots whose markers are sought; ``driven`` as for the eye."""
     ours = [
         MarkedRobot(
             one.marker_id,

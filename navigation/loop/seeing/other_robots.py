@@ -1,4 +1,4 @@
-"""The other robots as they were seen: where each was last, and where it has been.
+"""Last position and track of each of the other robots.
 
 Metres, radians, seconds of the world's clock; by marker id.
 """
@@ -18,7 +18,7 @@ TRACK_STEP_M: Final = 0.005
 
 
 class OtherRobots:
-    """Fed with what each picture shows; ``radii_m`` names the robots and their bodies' radii."""
+    """Other robots, fed with each picture; ``radii_m`` gives their bodies' radii."""
 
     def __init__(self, radii_m: Mapping[int, float]) -> None:
         self._radii_m = dict(radii_m)
@@ -26,19 +26,19 @@ class OtherRobots:
         self.tracks = {marker_id: Track(TRACK_ROWS, TRACK_STEP_M) for marker_id in radii_m}
 
     def see(self, poses: Mapping[int, RobotPose]) -> None:
-        """Take those among the poses that are other robots."""
+        """Take the poses of other robots."""
         for marker_id, pose in poses.items():
             if marker_id in self._radii_m:
                 self._last[marker_id] = pose
                 self.tracks[marker_id].add(pose.captured_s, pose.x, pose.y, pose.heading_rad)
 
     def movers(self, now_s: float) -> tuple[Mover, ...]:
-        """Each that was ever seen, carried on to now for as long as its velocity can be trusted."""
+        """Every robot ever seen, extrapolated to now while its velocity can be trusted."""
         return tuple(mover_of(one, self._radii_m[one.id], now_s) for one in self._last.values())
 
 
 def mover_of(other: RobotPose, radius_m: float, now_s: float) -> Mover:
-    """A robot that was seen, carried on to now for as long as its velocity can be trusted."""
+    """A seen robot, extrapolated to now while its velocity can be trusted."""
     age_s = now_s - other.captured_s
     x, y, _ = other.at(now_s) if age_s < LOST_S else (other.x, other.y, 0.0)
     return Mover(other.id, x, y, other.vx, other.vy, radius_m, age_s)

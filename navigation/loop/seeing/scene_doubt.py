@@ -1,13 +1,13 @@
-"""Whether the arena as it is seen now can be what it was: what is in doubt holds the robot.
+"""Doubts about the arena as seen now, which hold the robot.
 
-An arena without obstacles and a picture without contrast look the same. Where the first scene is
-in doubt that is said, and whoever gives the mission has seen it; where a sound scene was there
-before, the robot holds until a sound one comes again or a person accepts the arena as it is seen.
+An empty arena and a picture without contrast look the same. A doubt about the first scene is
+reported to the person who gives the mission. If a sound scene came before, the robot holds until a
+sound one returns or a person accepts the arena as seen.
 
-A camera that has moved shows every place beside where it is. Nobody accepts that: the robot holds
-until the camera is back where it was, or a run with a new calibration begins. Where most of the
-fixed points have vanished a person may accept it, unless there are floor markers: the points were
-obstacles that somebody took away, perhaps.
+A camera that has moved shows every place displaced. No one can accept that: the robot holds until
+the camera is back, or a run with a new calibration begins. If most of the fixed points have
+vanished, perhaps because they were obstacles that were removed, a person may accept it, unless
+there are floor markers.
 """
 
 from __future__ import annotations
@@ -19,9 +19,9 @@ from vision.watch.camera_place import NOTHING_KNOWN
 
 
 class SceneDoubt:
-    """Fed with every glimpse; `accept` is a person's word.
+    """Doubt about the scene, fed with every glimpse; `accept` is a person's word.
 
-    ``floor_markers``: whether the camera's place is watched by markers that nobody takes away.
+    ``floor_markers``: True if permanent markers show the camera's place.
     """
 
     def __init__(self, *, floor_markers: bool = False) -> None:
@@ -33,7 +33,7 @@ class SceneDoubt:
         self._accepted_loss = False
 
     def look(self, glimpse: Glimpse) -> dict[str, str]:
-        """Take what a frame has shown; what is to be said of it, by subject."""
+        """Take a frame's findings; return the sentences about it, by subject."""
         if glimpse.scene is not None:
             self.see(glimpse.scene)
         if glimpse.place is not None:
@@ -52,18 +52,18 @@ class SceneDoubt:
             self._objects_before = len(scene.objects)
 
     def accept(self) -> None:
-        """The arena is as it is seen, however it was before."""
+        """Accept the arena as seen, whatever it was before."""
         self._accepted = bool(self._doubt)
         self._accepted_loss = bool(self._place.lost) and not self._floor_markers
 
     @property
     def remark(self) -> str | None:
-        """What is to be said of the newest scene; None where it is sound."""
+        """Remark on the newest scene; None if it is sound."""
         return self._doubt or None
 
     @property
     def hold(self) -> str | None:
-        """Why the robot has to hold, None where it need not."""
+        """Reason why the robot holds; None if it need not."""
         return self._place.moved or self._hold_for_loss() or self._hold_for_scene()
 
     def _hold_for_loss(self) -> str | None:

@@ -1,7 +1,7 @@
-"""Vision in the control loop: frames dated and looked at, an eye that fails and is made again.
+"""Vision in the control loop: dates frames, looks at them, and replaces a failed eye.
 
-A frame counts from the moment of its exposure, as far as the witness has measured how late the
-camera is. Seconds of the world's clock.
+A frame's time is its exposure, corrected by the latency that the witness measured. Seconds of the
+world's clock.
 """
 
 from __future__ import annotations
@@ -30,15 +30,15 @@ class KnowsLatency(Protocol):
     """A witness, or several."""
 
     def latency_s(self) -> float:
-        """How late the camera's pictures are, as far as that was measured."""
+        """Measured delay of the camera's pictures."""
         ...
 
 
 @dataclass(frozen=True, slots=True)
 class EyeParts:
-    """What an eye is made of: all that looks at pictures, or what takes its place.
+    """Makers of an eye's parts, or of their substitutes.
 
-    ``watches_place``: whether the parts can tell that a camera was knocked.
+    ``watches_place``: True if the parts can notice that a camera was knocked.
     """
 
     tracker: Callable[..., MarkerTracker] = MarkerTracker
@@ -48,10 +48,10 @@ class EyeParts:
 
 
 class VisionStage:
-    """The eye, the error that ended the last one, and how long the last look took.
+    """The eye, the error that ended the last one, and the duration of the last look.
 
-    ``driven`` are the driven robots where there are several, ``floor_plan`` is that of several
-    cameras, ``parts`` is what the eye is made of.
+    ``driven``: the driven robots if there are several; ``floor_plan``: that of several cameras;
+    ``parts``: makers of the eye's parts.
     """
 
     def __init__(
@@ -80,14 +80,14 @@ class VisionStage:
         return self._failure
 
     def restart(self) -> None:
-        """A new eye, that knows of nothing that the last one saw but where the camera was."""
+        """Open a new eye; of the old one it keeps only the cameras' places."""
         self.eye = self._open_eye()
         self._failure = None
 
     def look(
         self, frame: Frame, tell: Callable[[Mapping[int, RobotPose]], None]
     ) -> tuple[Frame, Glimpse] | None:
-        """The frame with its own time and what it shows; None where the eye fails.
+        """The frame with its own time and what it shows; None if the eye fails.
 
         ``tell`` gets the poses before anything else is looked at.
         """
@@ -105,12 +105,12 @@ class VisionStage:
         return glimpse.picture or frame, glimpse
 
     def newest(self, camera: str | None) -> Frame | None:
-        """The newest picture as it came; ``camera`` is the name of one of several."""
+        """Newest picture as it came; ``camera`` names one of several."""
         newest = tuple(self._newest.values()) if camera is None else (self._newest.get(camera),)
         return newest[0] if newest else None
 
     def _watched_places(self) -> tuple[CameraPlace, ...]:
-        """Where each camera is; they outlive an eye."""
+        """Places of the cameras; they outlive an eye."""
         config, plan, began_s = self._config, self._floor_plan, self._clock()
         if not self._parts.watches_place:
             return ()
@@ -139,9 +139,9 @@ class VisionStage:
         return self._parts.eye(self._calibration, tracker, settings, *self._places)
 
     def _dated(self, frame: Frame) -> Frame:
-        """The frame with the time at which it was exposed, as far as that is known.
+        """The frame with its exposure time, as well as it is known.
 
-        A stamp in the future, from a clock that is not ours, counts as now.
+        A stamp in the future, from a foreign clock, counts as now.
         """
         stamp_s = frame.captured_s if math.isfinite(frame.captured_s) else -math.inf
         stamp_s = min(stamp_s, self._clock())

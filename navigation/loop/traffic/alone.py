@@ -26,16 +26,16 @@ class Alone:
         self.planner = ArenaPlanner(plan_settings(robot.config))
 
     def checked_points(self) -> FloatArray | None:
-        """The path that is driven."""
+        """The driven path."""
         path = self._robot.pilot.plan.path
         return None if path is None else path.points
 
     def checked(self, checks: Sequence[SceneCheck]) -> Iterable[tuple[str, float | None]]:
-        """Every scene counts: in one of them the way may have been closed."""
+        """Report every scene: any of them may have closed the route."""
         return [(self._robot.name, check.path_clearance_m) for check in checks]
 
     def take(self, answer: Answer | None) -> Mapping[str, PlanAnswer]:
-        """The planner's answer is the pilot's."""
+        """Pass the planner's answer to the pilot."""
         return {self._robot.name: answer} if isinstance(answer, PlanAnswer) else {}
 
     def step(self, _now_s: float, decided: Mapping[str, Decided], _revision: int) -> TrafficOrders:
@@ -44,12 +44,12 @@ class Alone:
         return TrafficOrders(None if orders.estop else orders.request)
 
     def released(self, _name: str) -> int | None:
-        """All."""
+        """Release all."""
         return None
 
     def forget(self, _name: str) -> None:
-        """Nothing is promised that could be forgotten."""
+        """Do nothing: no promise exists."""
 
     def preview(self, _name: str, request: PlanRequest) -> PlanAnswer:
-        """The plan that such a request would lead to; any thread may ask."""
+        """The plan for such a request; any thread may ask."""
         return self.planner.answer(request, preview=True)

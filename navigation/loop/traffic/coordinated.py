@@ -1,4 +1,4 @@
-"""Several robots: the coordinator's promises, and of each robot what it has to know.
+"""Several robots: the coordinator's promises, and its input about each robot.
 
 Metres, radians, seconds of the world's clock.
 """
@@ -48,14 +48,14 @@ class Coordinated:
 
     @property
     def rounds(self) -> int:
-        """How often all were planned together."""
+        """Number of times that all were planned together."""
         return self._coordinator.rounds
 
     def checked_points(self) -> None:
-        """None: there are several, and `checked` measures them."""
+        """Return None: there are several paths, and `checked` measures them."""
 
     def checked(self, checks: Sequence[SceneCheck]) -> Iterable[tuple[str, float | None]]:
-        """What the newest scene leaves of the paths that are driven."""
+        """Yield the clearance of each driven path in the newest scene."""
         if not checks:
             return
         for name, one in self._robots.items():
@@ -69,7 +69,7 @@ class Coordinated:
         return {}
 
     def step(self, now_s: float, decided: Mapping[str, Decided], revision: int) -> TrafficOrders:
-        """One cycle of the coordinator."""
+        """Run one cycle of the coordinator."""
         members = {
             name: member(one, now_s, decided[name].orders, decided[name].snapshot)
             for name, one in self._robots.items()
@@ -81,21 +81,21 @@ class Coordinated:
         )
 
     def released(self, name: str) -> int | None:
-        """As many targets as the order lets it drive; none without a promise."""
+        """Number of targets that the order lets it drive; 0 without a promise."""
         release = self._coordinator.release(name)
         return 0 if release is None else release.targets
 
     def forget(self, name: str) -> None:
-        """The robot's promise is void."""
+        """Cancel the robot's promise."""
         self._coordinator.forget(name)
 
     def preview(self, name: str, request: PlanRequest) -> PlanAnswer:
-        """The plan of one robot as if it were alone; any thread may ask."""
+        """Return one robot's plan as if it were alone; any thread may ask."""
         return self.planner.preview(name, request)
 
 
 def member(robot: Robot, now_s: float, orders: Orders, snapshot: LinkSnapshot) -> Member:
-    """What the coordinator needs to know of a robot."""
+    """The coordinator's input about a robot."""
     pose, pilot = robot.pose, robot.pilot
     body, safety = robot.config.robot, robot.config.safety
     age_s = now_s - robot.pose_arrived_s
@@ -128,7 +128,7 @@ def _is_obliging(robot: Robot, age_s: float, snapshot: LinkSnapshot) -> bool:
 
 
 def _obeys(robot: Robot, now_s: float) -> bool:
-    """True if it is no faster than its brakes can have left it since its lease ran out."""
+    """True if it is no faster than braking since its lease ran out allows."""
     if robot.pose is None:
         return True
     body = robot.config.robot
@@ -138,8 +138,11 @@ def _obeys(robot: Robot, now_s: float) -> bool:
 
 
 def _drives_on_s(robot: Robot, snapshot: LinkSnapshot) -> float:
-    """Time that it drives on beyond its lease: a lease of our firmware ends on the robot itself,
-    that of a driver with its cable, behind which only the robot's own watchdog is left."""
+    """Time that it drives on beyond its lease.
+
+    Our firmware ends a lease on the robot itself. A driver's lease ends with its cable, which
+    leaves only the robot's own watchdog.
+    """
     driver = robot.config.robot.driver
     if driver == CLEARWAY or snapshot.down_reason is None:
         return 0.0
@@ -148,9 +151,9 @@ def _drives_on_s(robot: Robot, snapshot: LinkSnapshot) -> float:
 
 
 def _is_at_large(robot: Robot, age_s: float, snapshot: LinkSnapshot) -> bool:
-    """True if nothing but its cable could stop it, that is out, and it is not seen.
+    """True if it is not seen and only its cable, which is out, could stop it.
 
-    One that was seen to stand when it had nothing to drive by still stands.
+    A robot seen at rest when it had nothing to drive by is still at rest.
     """
     if age_s <= SEEN_S or math.isfinite(_drives_on_s(robot, snapshot)):
         return False
@@ -161,12 +164,12 @@ def _is_at_large(robot: Robot, age_s: float, snapshot: LinkSnapshot) -> bool:
 
 def _stands(robot: Robot, now_s: float, age_s: float, snapshot: LinkSnapshot) -> bool:
     if robot.pose is None:
-        return True  # nobody knows: the coordinator refuses to plan
+        return True  # unknown: the coordinator refuses to plan
     safety = robot.config.safety
     if age_s > safety.pose_stale_s:
         drives_on_s = _drives_on_s(robot, snapshot)
         if math.isinf(drives_on_s):
-            return age_s > SEEN_S  # at large, and refused as a whole, or seen to stand
+            return age_s > SEEN_S  # at large, and refused as a whole, or seen at rest
         braked_s = stop_s(robot.config.robot, safety) + drives_on_s
         return age_s > braked_s  # its lease has ended, and it has braked
     if snapshot.down_reason is None and snapshot.moving:

@@ -1,4 +1,4 @@
-"""The fleet's planner beside the control loop: the newest scene's roadmap, and promises for all."""
+"""The fleet's planner beside the control loop: the newest roadmap, and promises for all."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ from planner.shared.search_clock import Clock, search_clock_s
 
 
 class FleetPlanner:
-    """Keeps the roadmap of the smallest robot in the newest scene, and answers with it.
+    """Keeps the smallest robot's roadmap of the newest scene, and answers with it.
 
     ``clock`` gives the seconds that limit a search.
     """
@@ -37,12 +37,12 @@ class FleetPlanner:
 
     @property
     def roadmap(self) -> Roadmap | None:
-        """The newest roadmap; None before the first scene."""
+        """Newest roadmap; None before the first scene."""
         return self._arena.roadmap
 
     @property
     def revision(self) -> int:
-        """Of the newest scene; 0 before the first."""
+        """Revision of the newest scene; 0 before the first."""
         return self._arena.revision
 
     def see(self, scene: Scene, revision: int) -> None:
@@ -51,15 +51,15 @@ class FleetPlanner:
         self._scene = scene
 
     def path_clearance_m(self, points: FloatArray) -> float | None:
-        """The exact clearance of a polyline in the newest scene; None before the first."""
+        """Exact clearance of a polyline in the newest scene; None before the first."""
         return self._arena.path_clearance_m(points)
 
     def clearance_m(self, position: Vec) -> float | None:
-        """The exact clearance of a place in the newest scene; None before the first."""
+        """Exact clearance of a place in the newest scene; None before the first."""
         return self._arena.clearance_m(position)
 
     def preview(self, robot: str, request: PlanRequest) -> PlanAnswer:
-        """What one robot would drive if it were alone, in the newest scene."""
+        """Return one robot's plan in the newest scene as if it were alone."""
         planner, scene = self._alone[robot], self._scene
         with self._previewing:
             if scene is not None and planner.revision != self._arena.revision:
@@ -67,7 +67,7 @@ class FleetPlanner:
             return planner.answer(request, preview=True)
 
     def answer(self, request: FleetRequest) -> FleetAnswer:
-        """Promises for all that can move; where the planner fails, that is everyone's refusal."""
+        """Return promises for all that can move; an error of the planner refuses everyone."""
         names = [one.name for one in request.travellers]
         if self.roadmap is None or self._scene is None:
             return FleetAnswer(request.id, 0, {}, dict.fromkeys(names, "no scene was seen yet"))
@@ -88,7 +88,7 @@ class FleetPlanner:
         return replace(answer, promises=promises, scene_revision=revision)
 
     def _best_order(self, one: Traveller) -> tuple[int, ...]:
-        """The shortest order of its stations but the last, if it were alone; else as written."""
+        """Shortest order of its stations except the last, if alone; else as written."""
         stations = one.open_order
         if len(stations) < 3:
             return tuple(range(len(stations) - 1))
@@ -98,5 +98,5 @@ class FleetPlanner:
 
 
 def _bound_first(one: Traveller, order: tuple[int, ...]) -> Traveller:
-    """The traveller, on its way to the first station of this order."""
+    """The traveller, bound for the first station of this order."""
     return replace(one, station=one.open_order[order[0]]) if order else one

@@ -1,7 +1,7 @@
-"""What the control loop needs of whoever plans for its robots and lets them drive.
+"""Interface between the control loop and the planning and release of its robots.
 
-Two do it: `alone` for one robot, which may drive all that was planned for it, and `coordinated`
-for several, which drive as far as their common order lets them. Metres, radians, seconds.
+`alone` serves one robot, which may drive all of its plan; `coordinated` serves several, which drive
+as far as their common order lets them. Metres, radians, seconds.
 """
 
 from __future__ import annotations
@@ -21,7 +21,7 @@ from planner.scene import FloatArray, Vec
 
 @dataclass(frozen=True, slots=True)
 class Decided:
-    """What one robot's pilot has decided in a cycle, and what it was told."""
+    """Decision of one robot's pilot in a cycle, and its inputs."""
 
     orders: Orders
     sight: Sight
@@ -30,7 +30,7 @@ class Decided:
 
 @dataclass(frozen=True, slots=True)
 class TrafficOrders:
-    """What follows from a cycle for the planner, and for robots by name."""
+    """Results of a cycle for the planner, and for robots by name."""
 
     request: Request | None = None
     plan_again: Sequence[tuple[str, str]] = ()
@@ -44,61 +44,61 @@ class TrafficOrders:
 
 
 class TrafficPlanner(Answering[Any, Any], Protocol):
-    """The planner that answers what `Traffic` asks, with the newest scene's roadmap."""
+    """Planner that answers `Traffic`, with the newest scene's roadmap."""
 
     @property
     def roadmap(self) -> Roadmap | None:
-        """None before the first scene."""
+        """Newest roadmap; None before the first scene."""
         ...
 
     def clearance_m(self, position: Vec) -> float | None:
-        """The exact clearance of a place in the newest scene; None before the first."""
+        """Exact clearance of a place in the newest scene; None before the first."""
 
 
 class Traffic(Protocol):
-    """Asks for plans, hands them out, and says how far each robot may drive."""
+    """Asks for plans, hands them out, and limits how far each robot may drive."""
 
     @property
     def planner(self) -> TrafficPlanner:
-        """Who plans."""
+        """The planner."""
         ...
 
     @property
     def rounds(self) -> int:
-        """How often all were planned together."""
+        """Number of times that all were planned together."""
         ...
 
     @property
     def waits(self) -> Mapping[str, str]:
-        """Who waits for whom and why, in a sentence each."""
+        """Sentences by waiting robot: which one it waits for, and why."""
         ...
 
     @property
     def waits_for(self) -> Mapping[str, str]:
-        """Of those in `waits` that wait for one other robot: for which."""
+        """The one robot awaited, for each in `waits` that waits for another robot."""
         ...
 
     def checked_points(self) -> FloatArray | None:
-        """The path whose clearance the planner's thread measures in each new scene, (n, 2)."""
+        """Path whose clearance the planner's thread measures in each new scene, (n, 2)."""
 
     def checked(self, checks: Sequence[SceneCheck]) -> Iterable[tuple[str, float | None]]:
-        """After new scenes: by name, what clearance the paths that are driven have in them."""
+        """Yield the clearance of each driven path in new scenes, by name."""
         ...
 
     def take(self, answer: Answer | None) -> Mapping[str, PlanAnswer]:
-        """Take over the planner's answer; what pilots are told of it in this very cycle."""
+        """Take the planner's answer; return the pilots' answers in this same cycle."""
         ...
 
     def step(self, now_s: float, decided: Mapping[str, Decided], revision: int) -> TrafficOrders:
-        """What follows from all pilots' decisions in the scene of this revision."""
+        """Act on all pilots' decisions in the scene of this revision."""
         ...
 
     def released(self, name: str) -> int | None:
-        """How many targets of its plan a robot may be sent; None: all."""
+        """Number of targets that a robot may be sent; None: all."""
 
     def forget(self, name: str) -> None:
-        """The robot is to be planned for anew."""
+        """Forget the robot's promise, so that it is planned again."""
 
     def preview(self, name: str, request: PlanRequest) -> PlanAnswer:
-        """The plan of one robot as if it were alone; any thread may ask."""
+        """Return one robot's plan as if it were alone; any thread may ask."""
         ...

@@ -1,8 +1,8 @@
 """Cameras and robots as a run opens them.
 
-- `cameras`: the cameras of a configuration, one or several as one; `device_settings` is what a run
-  asks of a plugged-in camera.
+- `cameras`: the configured cameras, one or several as one; `device_settings`: format and controls
+  of a plugged-in one.
 - `driven`: robots with another maker's protocol, through their driver.
-- `simulated`: the simulated robot, and where the simulated camera sees it.
-- `world_clock` and `wakeups`: the clock of the run, and how late its threads are woken.
+- `simulated`: the simulated robot and its pose for the simulated camera.
+- `world_clock` and `wakeups`: the clock of the run, and the delay in waking its threads.
 """

@@ -1,7 +1,6 @@
-"""The cameras that a configuration names, in real time: one, or several as one.
+"""The configured cameras in real time: one, or several as one.
 
-Each is opened again by its own source; what is known of a device is kept from one opening to the
-next.
+Each source reopens its own camera; knowledge of a device is kept between openings.
 """
 
 from __future__ import annotations
@@ -21,7 +20,7 @@ from vision.camera.sources import KnownCamera, camera_for
 
 
 class Cameras:
-    """Opens them; ``simulated`` makes a simulated one by its name and its own configuration."""
+    """The cameras; ``simulated`` makes one from its name and configuration."""
 
     def __init__(
         self, config: Config, clock: Clock, simulated: Callable[[str | None, Config], Camera]
@@ -31,7 +30,7 @@ class Cameras:
         self._clock, self._simulated = clock, simulated
 
     def open(self, name: str | None = None) -> Camera:
-        """A new camera, closed; the same source each time. ``name`` is one of several cameras."""
+        """Make a closed camera, always of the same source; ``name`` is one of several."""
         config = self._config if name is None else self._named[name]
         camera = config.camera
         if camera.source == SIMULATED:
@@ -47,7 +46,7 @@ class Cameras:
         )
 
     def frames(self) -> LatestFrame | SeveralFrames:
-        """The camera in a thread of its own, or each of several."""
+        """Make the camera in a thread of its own, or each of several."""
         if not self._named:
             return LatestFrame(self.open, self._clock)
         return SeveralFrames({name: partial(self.open, name) for name in self._named}, self._clock)

@@ -1,4 +1,4 @@
-"""What a run asks of a camera that is plugged in, from the configuration's section."""
+"""Settings of a plugged-in camera, from the configuration's section."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from vision.camera.v4l2.controls import CameraControls
 
 
 def device_settings(camera: CameraSection, *, colour: bool = False) -> DeviceSettings:
-    """Format and controls; grey pictures by default, as a run looks at nothing else."""
+    """Format and controls; grey pictures by default, since a run uses no others."""
     controls = CameraControls(
         exposure_ms=camera.exposure_ms,
         gain=camera.gain,

@@ -1,4 +1,4 @@
-"""Robots that speak another protocol, as a run opens them: their driver."""
+"""Robots with another protocol, opened through their driver."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from navigation.simulator.settings import drive_settings_of
 
 
 def driver_of(config: Config, robot_port: str) -> DriverProcess | None:
-    """The driver that the configuration names, not started; None for our own firmware."""
+    """Return the configured driver, not started; None for our own firmware."""
     if config.robot.driver == CLEARWAY:
         return None
     return DriverProcess(
@@ -25,12 +25,12 @@ def driver_of(config: Config, robot_port: str) -> DriverProcess | None:
 
 
 def link_of(driver: DriverProcess, clock: Callable[[], float]) -> DriverLink:
-    """The link to a driver's process."""
+    """Make the link to a driver's process."""
     return DriverLink(driver.port, driver.word, clock=clock)
 
 
 def start_all(drivers: Iterable[DriverProcess]) -> None:
-    """Start them, all at the same time; PortNotReadyError where one does not."""
+    """Start all drivers together; PortNotReadyError if one does not start."""
     drivers = list(drivers)
     for driver in drivers:
         driver.begin()
@@ -39,7 +39,7 @@ def start_all(drivers: Iterable[DriverProcess]) -> None:
 
 
 def end_all(drivers: Iterable[DriverProcess]) -> list[str]:
-    """End them, all at the same time; what is not known of their robots."""
+    """End all drivers together; return the doubts about their robots."""
     drivers = list(drivers)
     for driver in drivers:
         driver.end()

@@ -1,4 +1,4 @@
-"""The simulated robot of a configuration, and where the simulated camera sees it.
+"""The simulated robot of a configuration, and its pose for the simulated camera.
 
 Metres, radians, seconds of the clock that is passed in.
 """
@@ -30,7 +30,7 @@ from vision.camera.camera import CameraError
 
 
 def simulated_robot(config: Config, clock: Callable[[], float]) -> SimulatedRobot:
-    """The robot behind a new pseudo-terminal, switched off."""
+    """Make the robot behind a new pseudo-terminal, switched off."""
     simulation = config.simulation
     return SimulatedRobot(
         true_start_of(config),
@@ -48,7 +48,6 @@ def _is_emulated(config: Config) -> bool:
 
 
 def _twin_of(config: Config) -> Twin:
-    """The robot that the configuration names, without its line."""
     simulation, model = config.simulation, drive_model_of(config)
     if simulation is not None and simulation.robot.emulator:
         return EmulatedTwin(shlex.split(simulation.robot.emulator), model=model)
@@ -60,7 +59,7 @@ def _twin_of(config: Config) -> Twin:
 
 
 def shared_pose(config: Config) -> PoseReader | None:
-    """The file in which a robot of another process tells where it is; None without one."""
+    """Open the file with the pose of another process's robot; None without one."""
     path = None if config.simulation is None else config.simulation.robot.poses
     return None if path is None else PoseReader(path)
 
@@ -68,7 +67,7 @@ def shared_pose(config: Config) -> PoseReader | None:
 def pose_of(
     config: Config, robot: SimulatedRobot | None, shared: PoseReader | None
 ) -> tuple[float, float, float]:
-    """Where the robot is, as the simulated camera sees it; its start where nobody knows."""
+    """Pose of the robot, as the simulated camera sees it; its start if unknown."""
     if robot is not None:
         return robot.pose()
     if shared is not None:

@@ -1,7 +1,7 @@
-"""How late this program's threads are woken: one of them does nothing but look.
+"""Delay in waking this program's threads, measured by a thread that does nothing else.
 
-A thread that waits for a camera or a port cannot tell whether the device was late or its computer.
-This one waits for the clock alone. Seconds.
+A thread that waits for a device cannot distinguish a late device from a late computer. This one
+waits for the clock alone. Seconds.
 """
 
 from __future__ import annotations
@@ -25,24 +25,24 @@ class Wakeups:
         self._thread: threading.Thread | None = None
 
     def start(self) -> None:
-        """Begin to look."""
+        """Begin to measure."""
         self._stop.clear()
         self._thread = threading.Thread(target=self._run, name="wakeups", daemon=True)
         self._thread.start()
 
     def stop(self) -> None:
-        """Look no more."""
+        """Stop measuring."""
         self._stop.set()
         if self._thread is not None:
             self._thread.join()
             self._thread = None
 
     def late_since_s(self) -> float:
-        """When it was to be woken next; infinity while it is off."""
+        """Time of the next wake-up; infinity while it is off."""
         return self._woken_s + EVERY_S
 
     def worst_s(self) -> float:
-        """The latest since the last call."""
+        """Worst delay since the last call."""
         worst_s, self._worst_s = self._worst_s, 0.0
         return worst_s
 

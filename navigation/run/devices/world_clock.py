@@ -1,4 +1,4 @@
-"""Which clock a run has: the wall's, or that of a world in which all is simulated.
+"""The clock of a run: the wall's, or that of an entirely simulated world.
 
 Seconds.
 """
@@ -30,7 +30,7 @@ WORTH_SAYING_S: Final = 1.0
 
 
 class WallClock:
-    """The wall's clock, which waits for nobody, as a `SlowingClock`."""
+    """The wall's clock with the face of a `SlowingClock`; it waits for no part."""
 
     lost_s = 0.0
 
@@ -40,7 +40,7 @@ class WallClock:
 
     def wait(self, seconds: float) -> None:
         """Let time pass."""
-        time.sleep(seconds)  # what `wait` is for
+        time.sleep(seconds)  # the purpose of `wait`
 
     def waits_for(self, _name: str, _since_s: Callable[[], float], _slack_s: float) -> None:
         """Nothing to do."""
@@ -55,12 +55,12 @@ WorldClock: TypeAlias = SlowingClock | WallClock
 def world_clock(
     config: Config, shared: MutableSequence[float] | None = None, side: int = 0
 ) -> WorldClock:
-    """The clock of a configuration's world; ``shared`` with another process, as its ``side``."""
+    """Make the clock of a configuration's world; ``shared`` with another process, as ``side``."""
     return SlowingClock(shared, side) if is_all_simulated(config) else WallClock()
 
 
 def slowness(clock: WorldClock) -> tuple[str, ...]:
-    """What to say at the end of a run whose simulated world fell behind the wall's clock."""
+    """Final remarks if the simulated world fell behind the wall's clock."""
     if clock.lost_s < WORTH_SAYING_S:
         return ()
     return (
@@ -70,7 +70,7 @@ def slowness(clock: WorldClock) -> tuple[str, ...]:
 
 
 def is_all_simulated(config: Config) -> bool:
-    """True if no camera and no robot lives by the wall's clock, as drivers and emulators do."""
+    """True if no camera or robot runs by the wall's clock, as drivers and emulators do."""
     cameras = list(each_camera(config).values()) or [config]
     return all(map(_is_simulated, robots_of(config).values())) and all(
         one.camera.source == SIMULATED for one in cameras
@@ -83,12 +83,12 @@ def _is_simulated(robot: Config) -> bool:
 
 
 def wait_for_robot(clock: WorldClock, name: str, robot: SimulatedRobot) -> None:
-    """Let the clock wait for a simulated robot."""
+    """Make the clock wait for a simulated robot."""
     clock.waits_for(f"robot {name}", robot.late_since_s, ROBOT_SLACK_S)
 
 
 def wait_for_camera(
     clock: WorldClock, name: str | None, camera: TimedCamera[Any] | KnockedCamera
 ) -> None:
-    """Let the clock wait for a simulated camera, in place of the last one of this name."""
+    """Make the clock wait for a simulated camera, replacing the last of this name."""
     clock.waits_for(f"camera {name}", lambda: camera.late_since_s, CAMERA_SLACK_S)

@@ -2,8 +2,8 @@
 
     NUMBA_CPU_NAME=x86-64-v3 python -m navigation.run.kernels.compile_ahead FOLDER
 
-``.ci/compile-wheel`` calls this for each processor; what it makes is described in
-``planner.shared.kernel_locator``.
+``.ci/compile-wheel`` calls this for each processor; ``planner.shared.kernel_locator`` describes the
+result.
 """
 
 from __future__ import annotations
@@ -32,7 +32,7 @@ from planner.shared.kernel_locator import (
 
 
 def main(folder: Path, known: Path | None) -> int:
-    """Fill the folder; the exit code. ``known`` is a checkout with kernels that may be of use."""
+    """Fill the folder; return the exit code. ``known``: a checkout with reusable kernels."""
     processor = os.environ.get("NUMBA_CPU_NAME")
     if not processor:
         print("NUMBA_CPU_NAME: must name the processor to compile for", file=sys.stderr)
@@ -64,7 +64,7 @@ def main(folder: Path, known: Path | None) -> int:
 
 
 def copy_kernels(checkout: Path) -> None:
-    """Take over what lies beside the sources of a checkout; numba checks whether it fits."""
+    """Copy kernels from beside a checkout's sources; numba checks whether they fit."""
     for package in PACKAGES:
         for kept in (checkout / package).rglob("__pycache__/*.nb[ci]"):
             folder = cache_folder(ROOT / kept.parent.parent.relative_to(checkout))
@@ -73,9 +73,9 @@ def copy_kernels(checkout: Path) -> None:
 
 
 def note_what_is_loaded(work: Callable[[], None], into: Path) -> None:
-    """Do the work once more, from the compiled kernels, and list the files that it loads.
+    """Do the work again from the compiled kernels, and list the files that it loads.
 
-    Code of a kernel that only kernels call is in theirs too: its own file is never opened.
+    Kernels called only by kernels are compiled into their files: their own are never opened.
     """
     work()
     files = []
@@ -88,7 +88,7 @@ def note_what_is_loaded(work: Callable[[], None], into: Path) -> None:
 
 
 def keep_only(used: Collection[Path], folder: Path) -> None:
-    """Remove all compiled code but the files named, and the indices that then name none."""
+    """Remove all compiled code but the named files, and the indices left without any."""
     for code in folder.rglob("*.nbc"):
         if code not in used:
             code.unlink()

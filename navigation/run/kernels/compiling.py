@@ -1,7 +1,7 @@
-"""Compile the kernels in processes of their own, and report how far they have come.
+"""Compile the kernels in processes of their own, and report progress.
 
-Each part of the kernels is compiled by running that part of the program on a small example. A part
-is a process: this one only waits, so that it can be ended at once, and a processor each is used.
+Each part is compiled by running that part of the program on a small example, in a process: parts
+use a processor each, and this process only waits, so it can be ended at once.
 """
 
 from __future__ import annotations
@@ -30,7 +30,7 @@ EARLY = 0.05
 
 @dataclass(frozen=True)
 class CompileProgress:
-    """How far the compilation has come: kernels done and known so far, and the parts that ended."""
+    """Progress of the compilation: kernels done, known so far, and parts that ended."""
 
     done: int
     known: int
@@ -40,7 +40,7 @@ class CompileProgress:
 
     @property
     def left_s(self) -> float | None:
-        """An estimate of what is left, in seconds; None before there is ground for one."""
+        """Estimate of the remaining seconds; None without a basis for one."""
         if self.done < EARLY * self.known or self.done == 0:
             return None
         return self.passed_s * (self.known - self.done) / self.done
@@ -53,9 +53,9 @@ class CompileProgress:
 def compile_parts(
     parts: Mapping[str, tuple[Callable[..., None], tuple[object, ...]]],
 ) -> Iterator[CompileProgress]:
-    """Run each part, a function of a module and its arguments, in a process; progress as it comes.
+    """Run each part, a module's function and its arguments, in a process; yield the progress.
 
-    A part that fails is named in ``failed``. The processes end with the iterator.
+    ``failed`` names the parts that fail. The processes end with the iterator.
     """
     children: dict[str, SpawnProcess] = {}
     pipes: dict[Connection, str] = {}
@@ -93,7 +93,7 @@ def compile_parts(
 def _compile_and_count(
     pipe: Connection, work: Callable[..., None], arguments: tuple[object, ...]
 ) -> None:
-    """In the child: do the work, and report the kernels compiled and the number of all known."""
+    """In the child: do the work; report the numbers of kernels compiled and known."""
     gc.set_threshold(*RARELY)
     counter = _Counter(pipe)
     with event.install_listener("numba:compile", counter):
@@ -102,7 +102,7 @@ def _compile_and_count(
 
 
 class _Counter(event.Listener):
-    """Counts each kernel of ours once, whatever types it is compiled for."""
+    """Counter of our kernels, each once for all its types."""
 
     def __init__(self, pipe: Connection) -> None:
         self._pipe = pipe
@@ -122,7 +122,7 @@ class _Counter(event.Listener):
             self._report()
 
     def finish(self) -> None:
-        """Report the last kernels; nothing more will be sent."""
+        """Report the last kernels; nothing more is sent."""
         self._report()
         self._pipe.close()
 
@@ -132,7 +132,7 @@ class _Counter(event.Listener):
 
 
 def _kernels_known() -> int:
-    """Kernels in the modules that the work has imported up to now."""
+    """Number of kernels in the modules imported so far."""
     modules = [
         module
         for name, module in list(sys.modules.items())

@@ -1,4 +1,4 @@
-"""Kernels that several robots need besides those of one: two discs pass each other."""
+"""Kernels that only several robots need: two discs pass each other."""
 
 from __future__ import annotations
 

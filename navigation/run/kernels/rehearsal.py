@@ -1,7 +1,7 @@
-"""Everything that needs kernels, once on small examples: what is compiled ahead is what this uses.
+"""Everything that needs kernels, once on small examples, to be compiled ahead.
 
-The warm-up of a run needs less; a command or a script may need any of this.
-``python -m navigation.run.kernels.rehearsal`` compiles it all beside the sources.
+``python -m navigation.run.kernels.rehearsal`` compiles it all beside the sources. A run's warm-up
+needs less; a command or a script may need any of it.
 """
 
 from __future__ import annotations
@@ -44,12 +44,12 @@ P (140,90)
 
 
 def see_an_arena() -> None:
-    """What the eye of a run does."""
+    """Do the work of a run's eye."""
     compile_eye(Config.model_validate(CONFIG))
 
 
 def rehearse_eye() -> None:
-    """Every way from a picture to a scene."""
+    """Run every way from a picture to a scene."""
     see_an_arena()
     rng = np.random.default_rng(0)
     drawn = _drawing()
@@ -74,7 +74,7 @@ def rehearse_eye() -> None:
 
 
 def rehearse_planner() -> None:
-    """Every way from a scene to a path."""
+    """Run every way from a scene to a path."""
     compile_planner()
     scene = planner.read_scene_text(SCENE)
     bare = Scene("px", Bounds(0.0, 0.0, *SIZE_PX), ())
@@ -88,7 +88,7 @@ def rehearse_planner() -> None:
                 roadmap.plan(*STATIONS[:2], prefer=prefer, via=STATIONS[2:], order="best")
                 if not isinstance(path, planner.NoPath):
                     roadmap.path_clearance(path.points)
-        # too large for every way: why there is none
+        # too large for every path: the reason for having none
         planner.build_roadmap(one, 30.0).plan(*STATIONS[:2])
         planner.build_roadmap(one, RADIUS_PX).updated(scene)
     roadmap = planner.build_roadmap(scene, RADIUS_PX)
@@ -111,7 +111,7 @@ def _drawing() -> Image:
 
 
 def _coloured(rng: np.random.Generator) -> Image:
-    """Obstacles that differ from the floor by their colour, not by their grey."""
+    """Obstacles that differ from the floor in colour but not in grey."""
     picture = np.full((SIZE_PX[1], SIZE_PX[0], 3), (90, 140, 90), np.uint8)
     picture[30:60, 30:70] = (40, 60, 220)
     cv2.circle(picture, (110, 70), 20, (220, 60, 40), -1)
@@ -120,7 +120,7 @@ def _coloured(rng: np.random.Generator) -> Image:
 
 
 def main() -> int:
-    """Compile what is missing beside the sources; 1 where a part failed."""
+    """Compile missing kernels beside the sources; return 1 if a part failed."""
     parts = {"eye": (rehearse_eye, ()), "planner": (rehearse_planner, ())}
     last = say_now_and_then(compile_parts(parts), print)
     return 1 if last.failed else 0

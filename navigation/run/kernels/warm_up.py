@@ -1,11 +1,10 @@
 """Compile or load every kernel before the robot may move.
 
-A small arena goes through the daemon's own parts: a marker and obstacles are seen, a way past
-them is planned, smoothed and timed; then an obstacle appears, goes again, and another robot
-stands in the way, as while the robot drives. A kernel that is first needed there would cost
-half a second of a moving robot's time. Loaded from the kernel cache this takes about a second. The
-first time on a machine the kernels are compiled in two processes beside this one, which only
-waits and so can be ended at once, and what is going on is said.
+A small arena goes through the daemon's own parts: a marker and obstacles are seen; a path past them
+is planned, smoothed and timed; an obstacle appears and disappears; another robot is in the way. A
+kernel first needed during a drive would cost a moving robot half a second. Loading from the kernel
+cache takes about a second. The first time on a machine, two processes compile the kernels and
+report progress; this one only waits, so it can be ended at once.
 """
 
 from __future__ import annotations
@@ -61,11 +60,11 @@ WAYSIDE = (Station(1.0, 0.2), Station(0.5, 0.6), Station(1.75, 0.6))
 
 
 def warm_up(config: Config, say: Callable[[str], None]) -> None:
-    """Run eye, roadmap, plan, smoothing and timing; ``say`` gets a line of news at a time."""
+    """Run eye, roadmap, plan, smoothing and timing; ``say`` gets lines of news."""
     if kernels_are_cold():
         say("compiling the kernels, once on this machine: some minutes")
         say_now_and_then(compile_kernels(config), say)
-    # loads what has been compiled, and compiles what could not be
+    # loads the compiled kernels, and compiles any that failed
     _run_planner(_see(config))
     if config.robots:
         plan_together(config)
@@ -74,7 +73,7 @@ def warm_up(config: Config, say: Callable[[str], None]) -> None:
 def say_now_and_then(
     compilation: Iterator[CompileProgress], say: Callable[[str], None]
 ) -> CompileProgress:
-    """Compile to the end, with a line every ``SAY_EVERY_S``; how far it came."""
+    """Compile to the end, with a line every ``SAY_EVERY_S``; return the final progress."""
     shown_s = 0.0
     for progress in compilation:
         if progress.passed_s - shown_s >= SAY_EVERY_S:
@@ -87,7 +86,7 @@ def say_now_and_then(
 
 
 def compile_kernels(config: Config) -> Iterator[CompileProgress]:
-    """Compile what a run needs, in processes beside this one; how far they have come."""
+    """Compile a run's kernels in processes beside this one; yield the progress."""
     return compile_parts({"eye": (compile_eye, (config,)), "planner": (compile_planner, ())})
 
 
@@ -114,12 +113,12 @@ def compile_planner() -> None:
 
 
 def kernels_are_cold() -> bool:
-    """Whether kernels are missing that were compiled for this processor from these sources."""
+    """True if kernels compiled for this processor from these sources are missing."""
     return not (is_compiled(triangulate) and is_compiled(fit_borders))
 
 
 def _see(config: Config) -> list[Scene]:
-    """The scenes of an arena in which a disc appears and goes again: three of them."""
+    """The three scenes of an arena in which a disc appears and disappears."""
     warm_up_binarisation(config.vision.polarity)
     flat = Calibration.from_scale(METRES_PER_PIXEL, SIZE_PX)
     calibration = replace(flat, distortion=np.array(SLIGHT_LENS))
@@ -148,7 +147,7 @@ def _see(config: Config) -> list[Scene]:
 
 
 def _run_planner(scenes: Sequence[Scene]) -> None:
-    """What the planner's thread does while scenes come in, and another robot is in the way."""
+    """Do the planner thread's work on the scenes, with another robot in the way."""
     in_the_way = Disc(1.0, 0.9, 0.1, 1, moves=False)
     for prefer in (0.0, 0.5, 1.0):
         limits = default_limits(RADIUS_M)
@@ -164,11 +163,11 @@ def _run_planner(scenes: Sequence[Scene]) -> None:
                         arena_planner.path_clearance_m(answer.path.points)
         arena_planner.answer(PlanRequest(0, STARTS[0], (*WAYSIDE, GOAL), 0, any_order=True))
     assert arena_planner.roadmap is not None
-    _ = arena_planner.roadmap.graph  # loads networkx, which pages and the final picture want
+    _ = arena_planner.roadmap.graph  # loads networkx, which pages and the final picture need
 
 
 def _picture(config: Config, rng: np.random.Generator, *, stranger: bool) -> Image:
-    """A noisy floor with the robot's marker, a square and a disc, and perhaps another disc."""
+    """A noisy floor with the robot's marker, a square and a disc; a second one for ``stranger``."""
     picture = np.full((SIZE_PX[1], SIZE_PX[0]), 225, np.uint8)
     picture[130:180, 180:230] = 25
     cv2.circle(picture, (300, 230), 25, 25, -1)
@@ -178,7 +177,7 @@ def _picture(config: Config, rng: np.random.Generator, *, stranger: bool) -> Ima
     marker = cv2.aruco.generateImageMarker(book, config.robot.marker_id, MARKER_PX)
     if config.vision.polarity == "light":
         picture = 255 - picture
-    picture[202:258, 42:98] = 225  # the marker's quiet zone, whatever the floor is
+    picture[202:258, 42:98] = 225  # the marker's quiet zone on any floor
     picture[210 : 210 + MARKER_PX, 50 : 50 + MARKER_PX] = marker
     noisy = picture + rng.normal(0.0, 2.0, picture.shape)
     return np.clip(noisy, 0, 255).astype(np.uint8)

@@ -1,6 +1,6 @@
-"""What a simulated world looks with: drawn pictures, or the truth; what only pictures show.
+"""Cameras and eye of a simulated world, with drawn pictures or the truth.
 
-Metres, pixels.
+Includes the check for what only pictures show. Metres, pixels.
 """
 
 from __future__ import annotations
@@ -31,7 +31,7 @@ MOST_OFF_M: Final = 0.002
 
 @dataclass(frozen=True, slots=True)
 class Looking:
-    """What makes the cameras, and what the eye is made of; drawn pictures where not said."""
+    """Constructors of the cameras and parts of the eye; drawn pictures by default."""
 
     make_camera: Callable[..., TimedCamera[Any]] = make_camera
     parts: EyeParts = field(default_factory=EyeParts)
@@ -40,9 +40,9 @@ class Looking:
 def looking_of(
     config: Config, arenas: Sequence[tuple[float, SimulatedArena]], *, pictures: bool
 ) -> Looking:
-    """With pictures or without them.
+    """Return the parts for a run with or without pictures.
 
-    Raises ``ValueError`` for a configuration in which something happens that only pictures show.
+    Raises ``ValueError`` for a configuration with something that only pictures show.
     """
     if pictures:
         return Looking()
@@ -70,7 +70,7 @@ def looking_of(
 
 
 def _why_pictures(config: Config) -> str:
-    """What of one camera's configuration is told by pictures only; empty where nothing is."""
+    """Reason why a camera's configuration needs pictures; empty if there is none."""
     assert config.simulation is not None
     if config.simulation.camera.knocks:
         return "simulation.camera.knocks: only a picture shows that a camera was knocked"
@@ -86,7 +86,7 @@ def _why_pictures(config: Config) -> str:
 
 
 def _calibration_off_m(config: Config) -> float:
-    """How far the calibration is from the truth, at most, of what the camera shows of the arena."""
+    """Largest error of the calibration where the camera shows the arena."""
     pinhole, calibration = pinhole_of(config), calibration_of(config)
     bounds = Bounds(*config.arena.bounds_m)
     x, y = np.meshgrid(
@@ -102,7 +102,7 @@ def _calibration_off_m(config: Config) -> float:
 
 
 def _empties(arenas: Sequence[tuple[float, SimulatedArena]]) -> bool:
-    """Whether more than half of the things that an arena begins with are gone at some time."""
+    """True if, at some time, more than half of the arena's first things are gone."""
     first = {one.records for one in arenas[0][1].scene.objects}
     return any(
         2 * len(first & {one.records for one in arena.scene.objects}) < len(first)

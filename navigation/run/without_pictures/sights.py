@@ -1,12 +1,11 @@
-"""What a simulated camera would show at a moment, and a picture that is no more than its number.
+"""Views of a simulated camera, each kept under a number that its picture holds.
 
 Rules and units
-- A frame's picture is tiny: black and white cells hold the number under which the sight is kept.
-  All that happens to pictures on their way (frozen, late, played again, with fresh noise, a clock
-  in the corner) happens to these too, and is noticed, or not, by the same code.
-- Markers' corners are where the true lens puts them, in pixels, with the noise of the real tracker.
-  A marker is not seen where it leaves the picture, or where a body nearer to the lens stands before
-  one of its corners.
+- A frame's picture is tiny: black and white cells hold the number of the sight. All that happens to
+  pictures in transit (frozen, late, replayed, with fresh noise, a clock in the corner) happens to
+  these too, and is noticed, or not, by the same code.
+- Markers' corners are where the true lens puts them, in pixels, with the real tracker's noise. A
+  marker is not seen if it leaves the picture or a body nearer to the lens hides a corner.
 Metres, radians, seconds, raw pixels.
 """
 
@@ -45,9 +44,9 @@ _UNIT_CORNERS: Final = np.array([(-0.5, 0.5), (0.5, 0.5), (0.5, -0.5), (-0.5, -0
 
 @dataclass(frozen=True, slots=True, eq=False)
 class TrueSight:
-    """What there was to be seen: the arena, all bodies (n, 3) of x, y, radius, and the markers.
+    """The visible truth: the arena, all bodies (n, 3) of x, y, radius, and the markers.
 
-    ``markers`` by id with their corners (4, 2), as far as they can be read.
+    ``markers`` by id with their corners (4, 2), if they can be read.
     """
 
     scene: Scene
@@ -56,7 +55,7 @@ class TrueSight:
 
 
 class Sights:
-    """Keeps what cameras saw under the numbers that their pictures hold."""
+    """Store of what cameras saw, under the numbers in their pictures."""
 
     def __init__(self) -> None:
         self._kept: dict[int, TrueSight] = {}
@@ -64,7 +63,7 @@ class Sights:
         self._numbers: dict[Hashable, int] = {}
 
     def keep(self, sight: TrueSight) -> Image:
-        """The picture that stands for it."""
+        """Keep a sight and return its picture."""
         self._count += 1
         self._kept[self._count] = sight
         self._kept.pop(self._count - KEPT, None)
@@ -75,7 +74,7 @@ class Sights:
         return picture
 
     def of(self, picture: Image) -> TrueSight:
-        """What a picture stands for; ``ValueError`` where it is none of these."""
+        """Return the sight of a picture; ``ValueError`` if it has none."""
         cell = PICTURE_SHAPE[1] // BITS
         bits = picture[-1, cell // 2 :: cell] > 127
         number = int(np.packbits(bits).view(">u4")[0]) if picture.shape == PICTURE_SHAPE else 0
@@ -84,12 +83,12 @@ class Sights:
         return self._kept[number]
 
     def number_of(self, thing: Hashable) -> int:
-        """A number for a thing, always the same."""
+        """Number of a thing, always the same."""
         return self._numbers.setdefault(thing, len(self._numbers))
 
 
 class SightCamera(TimedCamera[Scene]):
-    """A camera above a simulated arena that tells what is to be seen and draws nothing.
+    """A camera above a simulated arena that reports what can be seen and draws nothing.
 
     ``scenes`` are the arena's, each from its moment of the clock on, the first at once.
     """
@@ -128,7 +127,6 @@ class SightCamera(TimedCamera[Scene]):
         self._flattest = _flattest(pinhole)
 
     def _prepare(self) -> Scene:
-        """The arena that will be exposed."""
         while len(self._scenes) > 1 and self._scenes[1][0] <= self._next_s:
             self._scenes.pop(0)
         return self._scenes[0][1]
@@ -142,7 +140,7 @@ class SightCamera(TimedCamera[Scene]):
         return self._sights.keep(TrueSight(prepared, bodies, markers))
 
     def _marker_corners(self, poses: FloatArray) -> FloatArray:
-        """The markers' corners (n, 4, 2) in metres, each at its marker's height."""
+        """Corners of the markers (n, 4, 2) in metres, each at its marker's height."""
         angle = poses[:, 2] + self._turns
         c, s = np.cos(angle), np.sin(angle)
         turned = np.empty((len(poses), 2, 2))
@@ -151,7 +149,7 @@ class SightCamera(TimedCamera[Scene]):
         return np.asarray(poses[:, None, :2] + self._upright @ turned.swapaxes(1, 2))
 
     def _seen(self, floor: FloatArray, poses: FloatArray) -> tuple[tuple[int, FloatArray], ...]:
-        """The markers that can be read, with their corners in the picture."""
+        """Readable markers with their corners in the picture."""
         count = len(self._bodies)
         points = np.empty((4 * count, 3))
         points[:, :2], points[:, 2] = floor.reshape(-1, 2), self._heights
@@ -164,7 +162,7 @@ class SightCamera(TimedCamera[Scene]):
         return tuple((self._bodies[i].marker_id, pixels[i]) for i in np.flatnonzero(shown))
 
     def _hidden(self, floor: FloatArray, poses: FloatArray) -> Any:
-        """(n,) whether a body nearer to the lens stands before a corner of a marker."""
+        """True (n,) if a body nearer to the lens hides a corner of a marker."""
         if len(poses) < 2:
             return np.zeros(len(poses), np.bool_)
         from_lens = np.hypot(*(poses[:, :2] - self._pinhole.position_m[:2]).T)
@@ -184,21 +182,21 @@ def make_sight_camera(
     scenes: Sequence[tuple[float, Scene]] = (),
     _knock: None = None,
 ) -> SightCamera:
-    """The camera of a configuration that draws nothing; the arguments as `make_camera`'s."""
+    """Make a configuration's camera that draws nothing; arguments as for `make_camera`."""
     bodies = bodies_of(config, driven, others)
     over_time = [(-math.inf, arena.scene), *sorted(scenes, key=lambda item: item[0])]
     return SightCamera(sights, pinhole_of(config), over_time, bodies, config, clock, wait)
 
 
 def _changed_px(noise_grey: float, size_px: tuple[int, int]) -> float:
-    """How many pixels of a picture its noise would change, on an average."""
+    """Average number of a picture's pixels that noise would change."""
     if noise_grey <= 0.0:
         return 0.0
     return size_px[0] * size_px[1] * math.erfc(0.5 / (noise_grey * math.sqrt(2.0)))
 
 
 def _flattest(pinhole: Pinhole) -> float:
-    """Across over along, of the flattest ray that the picture holds."""
+    """Distance across over distance along the view of the picture's flattest ray."""
     width, height = pinhole.size_px
     x, y = np.linspace(-0.5, width - 0.5, 9), np.linspace(-0.5, height - 0.5, 9)
     rim = [(a, b) for a in x for b in (y[0], y[-1])] + [(a, b) for a in (x[0], x[-1]) for b in y]

@@ -1,7 +1,7 @@
-"""Eyes that look at no picture and get the simulation's truth: for one camera, and for several.
+"""Eyes for one camera and for several that get the simulation's truth instead of pictures.
 
-All that decides is `Eye`'s and `JoinedEye`'s: when a scene is new, which camera is lost, what is
-held. People are shown a blank picture. Metres, radians, seconds.
+All decisions are those of `Eye` and `JoinedEye`: when a scene is new, which camera is lost, what is
+held. People see a blank picture. Metres, radians, seconds.
 """
 
 from __future__ import annotations
@@ -49,7 +49,7 @@ class TrueEye(Eye):
         return TrueWatcher(self._sights, self.calibration)
 
     def look(self, frame: Frame, tell: Callable[[Poses], None] = lambda _: None) -> Glimpse:
-        """As `Eye.look`, with a blank picture for people."""
+        """Return what `Eye.look` does, with a blank picture for people."""
         glimpse = super().look(frame, tell)
         return replace(glimpse, picture=replace(frame, image=self._blank))
 
@@ -93,7 +93,7 @@ class TrueJoinedEye(JoinedEye):
 
 
 def _scene_of(things: Things, settings: EyeSettings, calibration: Calibration) -> Scene:
-    """The scene of what is known, with the doubts that a picture of it would raise."""
+    """Scene of the known things, with the doubts that a picture of it would raise."""
     polarity: Literal["dark", "light"] = "light" if settings.polarity == "light" else "dark"
     how = Binarisation("truth", 128.0, polarity, "the simulation holds none")
     return with_doubts(

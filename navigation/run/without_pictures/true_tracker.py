@@ -1,7 +1,7 @@
-"""The tracker of markers whose corners are known: it believes and refuses as the real one does.
+"""Tracker of markers with known corners: it accepts and refuses like the real one.
 
-Where a robot is looked for, what is searched when, which of two markers is taken, what is a jump
-and what is there twice: all of that is `MarkerTracker`'s. Metres, radians, seconds, raw pixels.
+`MarkerTracker` decides where to look for a robot and when, which of two markers to take, and what
+is a jump or a duplicate. Metres, radians, seconds, raw pixels.
 """
 
 from __future__ import annotations
@@ -16,7 +16,7 @@ from vision.markers.sighting import Sighting
 
 
 class TrueTracker(MarkerTracker):
-    """`MarkerTracker` that is told where markers are seen."""
+    """`MarkerTracker` that gets the places of markers."""
 
     def __init__(
         self,
@@ -55,7 +55,7 @@ class TrueTracker(MarkerTracker):
         return {i: self._sightings(grey, robot, refusals) for i, robot in self._robots.items()}
 
     def _sightings(self, grey: Image, robot: MarkedRobot, refusals: list[str]) -> list[Sighting]:
-        """All that a picture shows of a robot's marker."""
+        """All sightings of a robot's marker in a picture."""
         marker, moves = self._markers[robot.id], self._tracks[robot.id].velocity
         told = [
             marker.at(corners, moves, refusals)

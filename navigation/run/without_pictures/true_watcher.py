@@ -1,11 +1,10 @@
-"""The watch over an arena whose things are known: what it shows, and what came and went.
+"""The watch over an arena of known things: what it shows, and what came and went.
 
 Rules and units
-- A thing is known once it shows: something of its outline is in the picture and not below a robot
-  where the eye believes one. A body that stands where the eye believes no robot is a thing as any
-  other.
-- What lies below a robot stays as it was last seen, as in `SceneWatcher`, and a change is reported
-  when two frames in a row show one.
+- A thing is known once part of its outline is in the picture and not below a believed robot. A body
+  is such a thing if the eye believes no robot there.
+- As in `SceneWatcher`, things below a robot stay as last seen, and a change is reported when two
+  frames in a row show one.
 Metres, raw pixels.
 """
 
@@ -33,7 +32,7 @@ STEP_M: Final = 0.01
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Thing:
-    """Something that is no floor; ``outline_px`` (n, 2) is what this camera shows of it."""
+    """Anything but floor; ``outline_px`` (n, 2) is the part that this camera shows."""
 
     seen: SceneObject
     outline_px: FloatArray
@@ -44,7 +43,7 @@ Things: TypeAlias = dict[int, Thing]
 
 
 class TrueWatcher(SceneWatcher):
-    """`SceneWatcher` that is told what there is to be seen by one camera."""
+    """`SceneWatcher` that gets what one camera can see."""
 
     def __init__(self, sights: Sights, calibration: Calibration) -> None:
         super().__init__()
@@ -57,16 +56,16 @@ class TrueWatcher(SceneWatcher):
 
     @property
     def things(self) -> Things:
-        """All that was reported."""
+        """All reported things."""
         return self._known or {}
 
     @property
     def background(self) -> Image:
-        """A picture of nothing: there is none of the arena."""
+        """A blank picture: there is none of the arena."""
         return np.zeros(PICTURE_SHAPE, np.uint8)
 
     def update(self, image: Image, bodies: ArrayLike | None) -> Change | None:
-        """What a frame shows beside what was reported; None where nothing is new."""
+        """Return the change that a frame shows; None if nothing is new."""
         if bodies is None:
             return None
         discs = np.asarray(bodies, dtype=np.float64).reshape(-1, 3)
@@ -92,7 +91,7 @@ class TrueWatcher(SceneWatcher):
         return Change((), 0)
 
     def _there(self, sight: TrueSight, discs: FloatArray) -> Things:
-        """What this camera shows now, whether a robot covers it or not."""
+        """Things that this camera shows now, covered by a robot or not."""
         if sight.scene is not self._scene:
             self._scene = sight.scene
             self._arena = {}
@@ -116,7 +115,7 @@ class TrueWatcher(SceneWatcher):
             things[number] = Thing(SceneObject(number, one.records, one.holes), shown)
 
     def _in_picture(self, pixels: FloatArray) -> NDArray[np.bool_]:
-        """(n,) whether pixels lie in the picture, and where it shows the floor."""
+        """True (n,) for pixels in the picture that show the floor."""
         with np.errstate(invalid="ignore"):
             within = (pixels >= 0.0) & (pixels <= np.array(self._calibration.size) - 1.0)
         inside: NDArray[np.bool_] = np.logical_and(within[:, 0], within[:, 1])
@@ -126,7 +125,7 @@ class TrueWatcher(SceneWatcher):
         return inside
 
     def _uncovered(self, bodies: FloatArray, discs: FloatArray) -> FloatArray:
-        """Those of the bodies (n, 3) that stand where the eye believes no robot."""
+        """Bodies (n, 3) at places where the eye believes no robot."""
         middles, rights = bodies[:, :2], bodies[:, :2] + bodies[:, 2:] * (1.0, 0.0)
         pixels = self._calibration.image_from_arena(np.concatenate([middles, rights]))
         at, right = pixels[: len(bodies)], pixels[len(bodies) :]
@@ -139,6 +138,6 @@ class TrueWatcher(SceneWatcher):
 
 
 def _is_covered(thing: Thing, discs: FloatArray) -> bool:
-    """Whether robots hide all that the camera would show of a thing."""
+    """True if robots hide all that the camera would show of a thing."""
     away = thing.outline_px[:, None] - discs[None, :, :2]
     return bool((np.hypot(away[..., 0], away[..., 1]) <= discs[:, 2]).any(axis=1).all())

@@ -1,7 +1,9 @@
-"""What the simulated camera sees: where it is, what it draws, and boards for calibrating it.
+"""The simulated camera: its place, its pictures, and boards for calibrating it.
 
-- `pinhole`: the camera's place and lens, and where points come to lie in its picture.
-- `drawing`: floor, obstacles and robots, painted as the lens shows them, with light and noise.
-- `camera`: frames of the arena at a rate, with the times of a real camera.
-- `boards`: pictures of a calibration board, for trying out a calibration without one.
+- `pinhole`: the camera's place and lens, and the places of points in its picture.
+- `drawing`: floor, obstacles and robots, painted as the lens shows them, with light and blur.
+- `timed_camera`: times of exposure and delivery; `camera`: frames of the arena at those times, with
+  noise; `knocked_camera`: several of these, one after each knock.
+- `boards`: pictures of a calibration board, for trying out a calibration without one;
+  `held_board`: a camera that sees such a board moved by hand.
 """

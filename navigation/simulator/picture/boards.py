@@ -1,12 +1,12 @@
-"""Pictures of a calibration board under the simulated camera, as a person would take them.
+r"""Pictures of a calibration board under the simulated camera, like a person's.
 
-The board is a ChArUco board on a stiff sheet, held over the arena at several heights and
-tilts, and at last laid on the floor at a known place. Then twelve discs lie on surveyed places
-of the floor, and their centres are measured in the picture. `clearway calibrate` estimates the
-camera from this, so that a simulated run need not be told the truth:
+A ChArUco board on a stiff sheet is held over the arena at several heights and tilts, then laid on
+the floor at a known place. Finally twelve discs lie on surveyed places, and their centres are
+measured. `clearway calibrate` estimates the camera from this, so a simulated run need not know the
+truth:
 
     python -m navigation.simulator.picture.boards configs/simulation.yaml FOLDER
-    clearway calibrate FOLDER/board_*.png --squares 8x6 --square-mm 100 --marker-mm 75 \\
+    clearway calibrate FOLDER/board_*.png --squares 8x6 --square-mm 100 --marker-mm 75 \
         --dictionary DICT_5X5_100 --points FOLDER/survey.csv -o configs/simulation_calibration.yaml
 """
 
@@ -44,7 +44,7 @@ PAPER_WHITE, PAPER_BLACK = 225.0, 30.0
 class Board:
     """A ChArUco board: squares across and down, their side and the markers', the family.
 
-    A chessboard of so many squares if ``dictionary`` is empty.
+    A chessboard of that many squares if ``dictionary`` is empty.
     """
 
     columns: int = 8
@@ -59,13 +59,13 @@ class Board:
         return self.columns * self.square_m, self.rows * self.square_m
 
     def opencv(self) -> cv2.aruco.CharucoBoard:
-        """The same for OpenCV, of a ChArUco board."""
+        """OpenCV's object for a ChArUco board."""
         dictionary = dictionary_by_name(self.dictionary)
         shape = (self.columns, self.rows)
         return cv2.aruco.CharucoBoard(shape, self.square_m, self.marker_m, dictionary)
 
     def sheet(self, size_px: tuple[int, int]) -> Image:
-        """The print (height, width), black on white; ``size_px`` is width and height."""
+        """Return the print (height, width), black on white; ``size_px`` is width and height."""
         if self.dictionary:
             return np.asarray(self.opencv().generateImage(size_px), dtype=np.uint8)
         dark = np.add.outer(np.arange(self.rows), np.arange(self.columns)) % 2 == 0
@@ -75,10 +75,10 @@ class Board:
 
 @dataclass(frozen=True, slots=True)
 class BoardPose:
-    """Where the sheet's lower left corner is, (3,) metres, and how the sheet is turned.
+    """Pose of the sheet: its lower left corner, (3,) metres, and its rotation.
 
-    ``arena_from_board`` (3, 3): its x axis along the printed rows, y up the print, z towards
-    the camera.
+    ``arena_from_board`` (3, 3): x axis along the printed rows, y up the print, z towards the
+    camera.
     """
 
     arena_from_board: FloatArray
@@ -86,7 +86,7 @@ class BoardPose:
 
 
 class BoardPainter:
-    """Draws a board anywhere over the arena."""
+    """Painter of a board anywhere over the arena."""
 
     def __init__(self, pinhole: Pinhole, look: Look, board: Board, scene: Scene) -> None:
         self._pinhole, self._look, self._board = pinhole, look, board
@@ -98,13 +98,13 @@ class BoardPainter:
         self._texture = np.dstack([grey, np.full_like(grey, 255)])
 
     def picture(self, pose: BoardPose, rng: np.random.Generator) -> Image:
-        """The picture (h, w) of the board at a pose, with noise."""
+        """Return the picture (h, w) of the board at a pose, with noise."""
         picture = self.clean(pose)
         noise = rng.normal(0.0, self._look.noise_grey, picture.shape)
         return np.asarray(np.clip(np.rint(picture + noise), 0, 255).astype(np.uint8))
 
     def clean(self, pose: BoardPose, samples: int = BOARD_SAMPLES) -> FloatImage:
-        """The same without noise, grey levels; ``samples`` a pixel and side."""
+        """Return it without noise, in grey levels; ``samples`` a pixel and side."""
         picture = self._background.astype(np.float32)
         box = box_around(self._corners_px(pose), picture.shape)
         if box is not None:
@@ -127,7 +127,7 @@ class BoardPainter:
         return picture
 
     def is_in_picture(self, pose: BoardPose) -> bool:
-        """Whether the whole board is seen."""
+        """True if the whole board is visible."""
         corners = self._corners_px(pose)
         return bool((corners > 0).all() and (corners < np.array(self._pinhole.size_px) - 1).all())
 
@@ -138,14 +138,14 @@ class BoardPainter:
 
 
 def flat_pose(x_m: float, y_m: float) -> BoardPose:
-    """On the floor, the print upright, its lower left corner at (x, y)."""
+    """Pose on the floor, the print upright, its lower left corner at (x, y)."""
     return BoardPose(np.eye(3), np.array([x_m, y_m, 0.0]))
 
 
 def held_poses(
     painter: BoardPainter, bounds: Bounds, board: Board, count: int
 ) -> Iterator[BoardPose]:
-    """Poses of a board held over the arena: everywhere in the picture, tilted every way."""
+    """Yield poses of a board held over the arena, throughout the picture and in all tilts."""
     width, height = board.size_m
     rng = np.random.default_rng(count)
     found = 0
@@ -163,7 +163,7 @@ def held_poses(
 
 
 def board_pictures(config: Config, board: Board, count: int = 24) -> Iterator[tuple[str, Image]]:
-    """Names and pictures: ``count`` of the board in the hand, and the one on the floor.
+    """Yield names and pictures: ``count`` of the held board, one with it on the floor.
 
     On the floor its lower left corner lies on ``FLOOR_AT_M``.
     """
@@ -174,9 +174,9 @@ def board_pictures(config: Config, board: Board, count: int = 24) -> Iterator[tu
 
 
 def survey_picture(config: Config, board: Board) -> tuple[Image, FloatArray]:
-    """A picture of discs on the floor, and the surveyed places (n, 2) of their centres.
+    """Return a picture of discs on the floor, and their centres' surveyed places (n, 2).
 
-    The places are row by row from the lower left; the picture is one without the board.
+    Places are row by row from the lower left; the board is not in the picture.
     """
     bounds = Bounds(*config.arena.bounds_m)
     columns = np.linspace(bounds.x_min, bounds.x_max, SURVEY_GRID[0] + 2)[1:-1]
@@ -193,10 +193,9 @@ def survey_picture(config: Config, board: Board) -> tuple[Image, FloatArray]:
 
 
 def measured_discs(picture: Image) -> FloatArray:
-    """The discs' centres (n, 2) in pixels, row by row from the lower left.
+    """Measure the discs' centres (n, 2) in pixels, row by row from the lower left.
 
-    The centre of a disc is its darkness's centroid: all of its grey values count, so it is
-    far finer than a pixel.
+    The centroid of a disc's darkness uses all grey values, so it is far finer than a pixel.
     """
     count, _, boxes, _ = cv2.connectedComponentsWithStats((picture < 125).astype(np.uint8))
     centres = []

@@ -1,13 +1,12 @@
 """The simulated overhead camera: pictures of the arena and its robots, 30 a second.
 
-It gives `vision.camera.camera.Frame` like any other camera, and nothing in them says that they are
-simulated: dark obstacles lie flat on a light, unevenly lit floor; a robot is an upright
-cylinder with its marker on top, seen in perspective through a distorting lens; then come the
-lens's blur and the sensor's noise.
+It gives `vision.camera.camera.Frame` like any camera; nothing shows that they are simulated. Dark
+obstacles lie flat on a light, unevenly lit floor. A robot is an upright cylinder with its marker on
+top, in perspective through a distorting lens. Lens blur and sensor noise follow.
 
-How it is fast enough: floor and obstacles are drawn once; a frame adds a window of ready-made
-noise while it waits for its time, and then the robots' patches. `captured_s` is the moment of
-the exposure, at which the robots' true poses are asked for.
+For speed, floor and obstacles are drawn once; a waiting frame gets a window of ready-made noise,
+then the robots' patches. `captured_s` is the moment of exposure, which the robots' true poses
+match.
 """
 
 from __future__ import annotations
@@ -49,7 +48,7 @@ a picture without any comes once in e^64."""
 
 @dataclass(frozen=True, slots=True)
 class SimulatedBody:
-    """A robot to draw: its marker and its body, and where it stands at any moment.
+    """A robot to draw: marker, body and pose at any moment.
 
     One that ``lies`` is a marker on the floor: it belongs to the arena and never moves.
     """
@@ -65,7 +64,7 @@ class SimulatedBody:
 
 
 class SimulatedCamera(TimedCamera["_Floor"]):
-    """A camera above a simulated arena, which it draws; ``seed`` makes the noise repeatable."""
+    """A camera that draws the simulated arena below; ``seed`` makes the noise repeatable."""
 
     def __init__(
         self,
@@ -94,7 +93,7 @@ class SimulatedCamera(TimedCamera["_Floor"]):
         self._look = look
         self._rng = np.random.default_rng(seed)
         self._noise = _noise_bank(pinhole.size_px, look.noise_grey, self._rng)
-        # Pictures without noise that eight bits show are equal while nothing moves.
+        # Unless eight bits show the noise, pictures are equal while nothing moves.
         may_repeat = _changed_px(self._noise, pinhole.size_px) < NOISY_PX
         super().__init__(clock, wait, rate_hz, latency_s, may_repeat=may_repeat)
         self._lock = threading.Lock()
@@ -114,25 +113,25 @@ class SimulatedCamera(TimedCamera["_Floor"]):
             self._background = background
 
     def follow(self, scenes: Sequence[tuple[float, Scene]]) -> None:
-        """Show other scenes, each from its moment of the clock on; they are drawn here."""
+        """Draw other scenes now, and show each from its moment of the clock on."""
         drawn = [(from_s, self._drawn(scene)) for from_s, scene in scenes]
         with self._lock:
             self._to_come = sorted(drawn, key=lambda item: item[0])
 
     def _drawn(self, scene: Scene) -> Image:
-        """The arena with what lies on its floor."""
+        """The arena with the markers on its floor."""
         picture = self._arena_painter.picture(scene)
         for painter, pose in self._lying:
             painter.paint(picture, pose)
         return picture
 
     def render(self, poses: Sequence[TruePose], rng: np.random.Generator | None) -> Image:
-        """The picture (h, w) with the robots at ``poses``; without noise where ``rng`` is None."""
+        """Draw the picture (h, w) with the robots at ``poses``; no noise if ``rng`` is None."""
         return self._with_robots(self._floor(rng), poses)
 
     def _floor(self, rng: np.random.Generator | None) -> _Floor:
-        """The arena without robots, as far as it can be drawn before the exposure."""
-        now_s = self._next_s  # when it will be exposed
+        """Draw the arena without robots ahead of the exposure."""
+        now_s = self._next_s  # time of exposure
         with self._lock:
             while self._to_come and self._to_come[0][0] <= now_s:
                 self._background = self._to_come.pop(0)[1]
@@ -146,7 +145,7 @@ class SimulatedCamera(TimedCamera["_Floor"]):
 
     def _with_robots(self, floor: _Floor, poses: Sequence[TruePose]) -> Image:
         picture, noise = floor.picture, floor.noise
-        painted = sorted(  # who is nearer to the lens stands before the others
+        painted = sorted(  # the robot nearest to the lens is painted last
             zip(self._robot_painters, poses, strict=True),
             key=lambda one: -one[0].from_lens_m(one[1]),
         )
@@ -180,7 +179,7 @@ def _noisy(picture: Image, noise: NDArray[np.uint8]) -> Image:
 def _noise_bank(
     size_px: tuple[int, int], sigma: float, rng: np.random.Generator
 ) -> NDArray[np.uint8]:
-    """What noise adds and what it takes away, (2, h + margin, w + margin)."""
+    """Amounts that noise adds and takes away, (2, h + margin, w + margin)."""
     width, height = size_px
     shape = (height + NOISE_MARGIN_PX, width + NOISE_MARGIN_PX)
     noise = np.rint(rng.normal(0.0, sigma, shape))
@@ -188,14 +187,14 @@ def _noise_bank(
 
 
 def _changed_px(noise: NDArray[np.uint8], size_px: tuple[int, int]) -> float:
-    """How many pixels of a picture the noise changes, on an average."""
+    """Average number of pixels of a picture that the noise changes."""
     width, height = size_px
     share = np.count_nonzero(noise) / noise[0].size  # no pixel gets brighter and darker
     return float(share * width * height)
 
 
 def _marker_picture(body: SimulatedBody) -> Image:
-    """The marker's cells, one pixel each, its black border included."""
+    """Cells of the marker, one pixel each, with its black border."""
     dictionary = dictionary_by_name(body.dictionary)
     cells = int(dictionary.markerSize) + 2
     return np.asarray(cv2.aruco.generateImageMarker(dictionary, body.marker_id, cells))
@@ -221,11 +220,11 @@ def make_camera(
     scenes: Sequence[tuple[float, Scene]] = (),
     knock: SimulatedKnockSection | None = None,
 ) -> SimulatedCamera:
-    """The simulated camera of a configuration, where a ``knock`` has left it.
+    """Make the simulated camera of a configuration, after a ``knock`` if given.
 
-    ``others`` say where each of ``config.other_robots`` is, None: not there; without them none
-    is drawn. ``scenes`` take the arena's place, each from its moment of the clock on.
-    Raises ``ValueError`` without a section ``simulation`` and for another number of robots.
+    ``others`` give the pose of each of ``config.other_robots``, None if absent; by default none is
+    drawn. ``scenes`` replace the arena's, each from its moment of the clock on. Raises
+    ``ValueError`` without a section ``simulation`` and for another number of robots.
     """
     pinhole = pinhole_of(config, knock)
     assert config.simulation is not None
@@ -243,9 +242,9 @@ def make_camera(
 def bodies_of(
     config: Config, driven: Driven, others: Sequence[PoseNow | None] = ()
 ) -> list[SimulatedBody]:
-    """All that stands or lies in the arena with a marker on it; the arguments as `make_camera`'s.
+    """All bodies in the arena with a marker; arguments as for `make_camera`.
 
-    Raises ``ValueError`` for another number of other robots than the configuration's.
+    Raises ``ValueError`` if the number of other robots differs from the configuration's.
     """
     robot = config.robot
     seen: list[tuple[MarkerSection, PoseNow, float]] = [

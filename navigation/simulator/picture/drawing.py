@@ -1,9 +1,8 @@
-"""What the simulated camera sees, drawn: the floor with its obstacles, and robots on it.
+"""Drawing of the simulated camera's view: the floor with its obstacles, and robots on it.
 
 Rules
-- Everything is sampled several times a pixel and side, and averaged over the pixel, so that
-  an edge's grey value tells where it lies, as on a sensor.
-- Geometry is exact: every sample's ray is met with the plane that it looks at.
+- A pixel averages several samples a side, so an edge's grey value shows its place, as on a sensor.
+- Geometry is exact: every sample's ray meets the plane that it looks at.
 - Pictures are grey; light and lens blur come with the drawing, noise comes with the camera.
 """
 
@@ -60,8 +59,8 @@ _NO_MAP = np.empty(0, dtype=np.float32)
 
 @dataclass(frozen=True, slots=True)
 class Look:
-    """The lens's blur (sigma, pixels), the noise (sigma, grey levels), how much darker the
-    darkest corner is lit (part of 1), and whether obstacles are dark or light.
+    """Blur of the lens (sigma, pixels), noise (sigma, grey levels), darkening of the darkest corner
+    (part of 1), and dark or light obstacles.
     """
 
     blur_px: float = 0.6
@@ -71,7 +70,7 @@ class Look:
 
 
 class ArenaPainter:
-    """Draws the floor and the obstacles that lie flat on it.
+    """Painter of the floor and the obstacles that lie flat on it.
 
     ``rays`` (h, w, 2) float32 are the pixels' normalised rays, ``light`` (h, w) the light.
     """
@@ -86,8 +85,10 @@ class ArenaPainter:
         self.rays[unlit] = FAR
 
     def picture(self, scene: Scene) -> Image:
-        """The arena without robots and without noise, (h, w); raises ``SceneError`` for
-        objects that have no area."""
+        """Draw the arena (h, w) without robots or noise.
+
+        Raises ``SceneError`` for objects without area.
+        """
         dark, light = DARK_GREY, LIGHT_GREY
         obstacle, floor = (dark, light) if self._look.polarity == "dark" else (light, dark)
         covered = np.zeros(self.light.shape, dtype=np.float32)
@@ -118,7 +119,7 @@ class ArenaPainter:
 
 
 class _Layers(NamedTuple):
-    """Where a robot is in the picture, what part of each pixel is seen past it, and its light."""
+    """Place of a robot in the picture, the part of each pixel seen past it, and its light."""
 
     here: tuple[slice, ...]
     uncovered: FloatImage
@@ -126,7 +127,7 @@ class _Layers(NamedTuple):
 
 
 class RobotPainter:
-    """Draws one robot: an upright cylinder with its marker on top."""
+    """Painter of one robot: an upright cylinder with its marker on top."""
 
     def __init__(
         self,
@@ -159,11 +160,11 @@ class RobotPainter:
     def box(
         self, pose: tuple[float, float, float], shape: tuple[int, ...]
     ) -> tuple[int, int, int, int] | None:
-        """The pixels that the robot may touch: x0, y0, x1, y1; None where it is out of sight."""
+        """Box of the pixels that the robot may touch: x0, y0, x1, y1; None if out of sight."""
         return box_around(self._rims_seen(pose), shape)
 
     def from_lens_m(self, pose: tuple[float, float, float]) -> float:
-        """How far the robot's foot is from the place below the lens."""
+        """Distance from the robot's foot to the place below the lens."""
         x, y, _ = self._pinhole.position_m.tolist()
         return math.dist(pose[:2], (x, y))
 
@@ -184,7 +185,7 @@ class RobotPainter:
         picture[here] = np.rint(np.clip(mixed, 0.0, 255.0)).astype(np.uint8)
 
     def _layers(self, shape: tuple[int, ...], pose: tuple[float, float, float]) -> _Layers | None:
-        """The robot in a picture of this shape; None where it is out of sight."""
+        """The robot in a picture of this shape; None if out of sight."""
         rims = self._rims_seen(pose)
         box = box_around(rims, shape)
         if box is None:
@@ -206,7 +207,7 @@ class RobotPainter:
         return _Layers(here, 1.0 - is_body, grey * self._painter.light[here])
 
     def _top_seen(self, rays: FloatImage, pose: tuple[float, float, float]) -> FloatImage:
-        """The top's grey value times its coverage, and its coverage, (h, w, 2)."""
+        """Grey value of the top times its coverage, and its coverage, (h, w, 2)."""
         x, y, heading_rad = pose
         c, s = math.cos(heading_rad + self._turn_rad), math.sin(heading_rad + self._turn_rad)
         marker_from_arena = np.array(
@@ -223,7 +224,7 @@ class RobotPainter:
 def looked_up(
     texture: Image, rays: FloatImage, texture_from_ray: FloatArray, samples: int
 ) -> FloatImage:
-    """A texture of (grey times coverage, 255 times coverage) as seen along rays (h, w, 2).
+    """Sample a texture of (grey times coverage, 255 times coverage) along rays (h, w, 2).
 
     Returns grey times coverage and coverage in 0..1, (h, w, 2).
     """
@@ -239,11 +240,11 @@ def looked_up(
 def _top_texture(
     marker: Image, radius_m: float, marker_size_m: float, sample_m: float
 ) -> tuple[Image, float]:
-    """The body's top with the marker on it, (t, t, 2) grey times coverage and 255 times
-    coverage, and the size of a texel in metres.
+    """Texture of the body's top with the marker, and the size of a texel in metres.
 
-    A texel is about a sample, so that the linear look-up gives edges the ramp they need, and a
-    whole number of texels makes a marker's cell, so that cells end where they should.
+    The texture (t, t, 2) is grey times coverage and 255 times coverage. A texel is about a sample,
+    so the linear look-up gives edges their ramp. A marker's cell is a whole number of texels, so
+    cells end in the right place.
     """
     cells = marker.shape[0]
     texels = max(4, math.ceil(marker_size_m / cells / sample_m))
@@ -273,7 +274,7 @@ def _outline(record: Record, thing: int, step_m: float) -> FloatArray:
 
 
 def _along(edge: Edge, step_m: float) -> FloatArray:
-    """Points along an edge, its end left out."""
+    """Points along an edge without its end."""
     if isinstance(edge, Arc):
         start_rad, sweep_rad = edge.sweep(y_down=False)
         count = max(8, math.ceil(abs(sweep_rad) * edge.radius / step_m))
@@ -286,7 +287,7 @@ def _along(edge: Edge, step_m: float) -> FloatArray:
 
 
 def box_around(points: FloatArray, shape: tuple[int, ...]) -> tuple[int, int, int, int] | None:
-    """The pixels (x0, y0, x1, y1) around points, inside the picture; None outside of it."""
+    """Box (x0, y0, x1, y1) around points, inside the picture; None if outside of it."""
     x0, y0 = np.floor(points.min(axis=0)).astype(int) - PATCH_MARGIN_PX
     x1, y1 = np.ceil(points.max(axis=0)).astype(int) + PATCH_MARGIN_PX + 1
     x0, y0, x1, y1 = max(0, x0), max(0, y0), min(shape[1], x1), min(shape[0], y1)
@@ -296,10 +297,10 @@ def box_around(points: FloatArray, shape: tuple[int, ...]) -> tuple[int, int, in
 def _coverage(
     outlines: list[FloatArray], size: tuple[int, int], samples: int, passes: int
 ) -> FloatImage:
-    """The part (h, w) of each pixel inside the outlines (even-odd), in 0..1.
+    """Part (h, w) of each pixel inside the outlines (even-odd), in 0..1.
 
-    OpenCV's fill includes the samples on the border, which makes shapes half a sample too
-    large; the same fill of the outside does so too, and the mean of both is right.
+    OpenCV's fill includes the samples on the border, which makes shapes half a sample too large. So
+    does filling the outside; the mean of both is right.
     """
     width, height = size
     fine = (height * samples, width * samples)
@@ -324,8 +325,9 @@ def _filled(rings: list[FloatArray], shape: tuple[int, int]) -> Image:
 
 
 def _rays(pinhole: Pinhole) -> FloatImage:
-    """Every pixel's ray (h, w, 2): exact every ``RAY_STEP_PX``, linear between; a fisheye's all
-    exact, NaN where there is none.
+    """Ray (h, w, 2) of every pixel: exact every ``RAY_STEP_PX``, linear between.
+
+    All exact for a fisheye, NaN outside its view.
     """
     width, height = pinhole.size_px
     if pinhole.lens_model == "fisheye":
@@ -349,7 +351,7 @@ def _light(width: int, height: int, fall: float) -> FloatImage:
 
 
 def blurred(image: FloatImage, sigma_px: float) -> FloatImage:
-    """The picture through the lens's blur; as it is for a sigma of 0."""
+    """Return the picture with the lens's blur; unchanged for a sigma of 0."""
     if sigma_px == 0.0:
         return image
     return np.asarray(cv2.GaussianBlur(image, (0, 0), sigma_px))

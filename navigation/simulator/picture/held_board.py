@@ -1,10 +1,10 @@
-"""A simulated camera before which somebody holds a calibration board, here and there.
+"""A simulated camera before which a person moves a calibration board by hand.
 
 Rules
-- The board moves to a place, rests, and moves on: to where it is asked for, or else to places,
-  tilts and distances in an order that the seed shuffles. While it rests only the noise changes.
-- The camera is that of the configuration's simulation: lens, blur, light and noise are its own, and
-  `clearway calibrate --live` finds the lens that `simulation.camera` has.
+- The board moves to a place, rests, and moves on: to the requested pose, or else through places,
+  tilts and distances in an order shuffled by the seed. At rest only the noise changes.
+- Lens, blur, light and noise are those of the simulation, so `clearway calibrate --live` finds the
+  lens of `simulation.camera`.
 """
 
 from __future__ import annotations
@@ -35,10 +35,10 @@ MOVING_SAMPLES: Final = 2
 
 
 class HeldBoardCamera:
-    """A board in the hand before a camera; `vision.camera.camera.Camera` says what members mean.
+    """Camera with a hand-held board; `vision.camera.camera.Camera` describes the members.
 
     ``clock`` gives monotonic seconds, ``wait`` lets them pass; ``seed`` makes it repeatable.
-    ``asked`` says how the board shall be held next, None where nothing is asked.
+    ``asked`` gives the requested pose of the board, None for no request.
     """
 
     name = "simulated camera and board"
@@ -83,7 +83,7 @@ class HeldBoardCamera:
 
     @property
     def rate_hz(self) -> float:
-        """Frames a second really got lately; 0.0 before the second frame."""
+        """Measured frames a second; 0.0 before the second frame."""
         return self._meter.rate_hz
 
     def open(self) -> None:
@@ -96,7 +96,7 @@ class HeldBoardCamera:
         self.state = "closed"
 
     def read(self, timeout_s: float) -> Frame | None:
-        """The next frame at its time; None where that is later than ``timeout_s`` from now."""
+        """Next frame at its time; None if that is over ``timeout_s`` away."""
         if self.state != "running":
             raise CameraError(f"{self.name}: is not open")
         delay_s = self._next_s - self._clock()
@@ -116,7 +116,7 @@ class HeldBoardCamera:
         return Frame(noisy, captured_s, self._sequence - 1, self.name)
 
     def _picture(self, passed_s: float) -> FloatImage:
-        """The board at a moment: it rests at a place first, then moves to the next."""
+        """The board at a moment: it rests at a place, then moves to the next."""
         number, within_s = divmod(passed_s, REST_S + MOVE_S)
         stage = 2 * int(number) + (within_s > REST_S)
         if stage != self._stage:
@@ -132,7 +132,7 @@ class HeldBoardCamera:
         return self._resting
 
     def _next(self) -> BoardPose:
-        """Where it is asked for; elsewhere if that was asked just now, as it brought no view."""
+        """The requested pose; another if the same request was just tried without a view."""
         asked = self._asked()
         if asked is None or asked is self._last_asked:
             return next(self._others)
@@ -140,7 +140,7 @@ class HeldBoardCamera:
         return self._board_pose(asked)
 
     def _board_pose(self, held: HeldPose) -> BoardPose:
-        """From the camera's view of the first inner corner to the sheet's lower left one."""
+        """Convert the camera's view of the first inner corner to the sheet's lower left one."""
         camera_from_board = np.asarray(cv2.Rodrigues(held.turn)[0], dtype=np.float64)
         arena_from_camera = self._pinhole.camera_from_arena.T
         arena_from_board = arena_from_camera @ camera_from_board
@@ -164,7 +164,7 @@ def _true_lens(pinhole: Pinhole) -> KnownLens:
 
 
 def _between(here: BoardPose, there: BoardPose, share: float) -> BoardPose:
-    """A hand's way: slow at both ends."""
+    """A hand's path: slow at both ends."""
     eased = share * share * (3.0 - 2.0 * share)
     turn = np.asarray(cv2.Rodrigues(here.arena_from_board.T @ there.arena_from_board)[0])
     step: FloatArray = np.asarray(cv2.Rodrigues(turn * eased)[0], dtype=np.float64)

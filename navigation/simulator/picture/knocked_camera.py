@@ -1,8 +1,7 @@
-"""A simulated camera that is knocked: one that hangs otherwise takes its place.
+"""A simulated camera that is knocked: another one with the new pose replaces it.
 
-Knocks are known beforehand from the configuration. Each place that the camera ever has is a
-camera of its own, drawn before the run; the clock says which of them gives the next picture.
-Seconds of the clock.
+The configuration lists the knocks. Each pose has a camera of its own, drawn before the run; the
+clock decides which one gives the next picture. Seconds of the clock.
 """
 
 from __future__ import annotations
@@ -17,7 +16,7 @@ from vision.camera.camera import Frame, SourceState
 
 @dataclass(frozen=True, slots=True)
 class Knock:
-    """From when until when, in the clock's seconds, which camera shows the arena."""
+    """Interval, in the clock's seconds, in which a camera shows the arena."""
 
     from_s: float
     until_s: float
@@ -25,7 +24,7 @@ class Knock:
 
 
 class KnockedCamera:
-    """Several cameras as one; `vision.camera.camera.Camera` says what its members mean."""
+    """Several cameras as one; `vision.camera.camera.Camera` describes the members."""
 
     name = TimedCamera.name
 
@@ -44,22 +43,22 @@ class KnockedCamera:
 
     @property
     def reason(self) -> str:
-        """Nothing to say."""
+        """Empty: it never fails."""
         return self._present.reason
 
     @property
     def rate_hz(self) -> float:
-        """Frames a second really got lately; 0.0 before the second frame, and after a knock."""
+        """Measured frames a second; 0.0 before the second frame and after a knock."""
         return self._present.rate_hz
 
     @property
     def may_repeat(self) -> bool:
-        """As of the unknocked camera."""
+        """True if the unknocked camera may repeat pictures."""
         return self._unknocked.may_repeat
 
     @property
     def late_since_s(self) -> float:
-        """As of the camera that shows the arena now."""
+        """Time since which the present camera is late."""
         return self._present.late_since_s
 
     def open(self) -> None:
@@ -72,7 +71,7 @@ class KnockedCamera:
         self._present.close()
 
     def read(self, timeout_s: float) -> Frame | None:
-        """The next frame at its time; None where that is later than ``timeout_s`` from now."""
+        """Next frame at its time; None if that is over ``timeout_s`` away."""
         wanted = self._now()
         if wanted is not self._present and self._present.state == "running":
             wanted.continue_after(self._present)
@@ -84,7 +83,7 @@ class KnockedCamera:
         return replace(frame, sequence=self._sequence - 1)
 
     def _now(self) -> TimedCamera[Any]:
-        """The last of the knocks that are in force."""
+        """Return the camera after the last knock in force."""
         now_s = self._clock()
         for knock in reversed(self._knocks):
             if knock.from_s <= now_s < knock.until_s:

@@ -1,10 +1,10 @@
-"""The simulated camera's geometry: a pinhole with lens distortion above the arena.
+"""Geometry of the simulated camera: a pinhole with lens distortion above the arena.
 
-Frames: arena (metres, x right, y up, z towards the camera), camera (x right, y down, z along
-the view) and image (pixels, centres at integers). Distortion follows OpenCV's model of five
-terms: k1, k2, p1, p2, k3 on normalised coordinates (Brown, 1966), or its fisheye model of four
-terms on the angle to the view (Kannala and Brandt, 2006). It is written here once more, and not
-taken from the vision that is to be judged by it.
+Frames: arena (metres, x right, y up, z towards the camera), camera (x right, y down, z along the
+view) and image (pixels, centres at integers). Distortion follows OpenCV's model of five terms: k1,
+k2, p1, p2, k3 on normalised coordinates (Brown, 1966), or its fisheye model of four terms on the
+angle to the view (Kannala and Brandt, 2006). It is a second implementation, since vision's own is
+judged by it.
 """
 
 from __future__ import annotations
@@ -33,9 +33,9 @@ FISHEYE_LEAST_GROWTH = 0.02
 
 @dataclass(frozen=True, slots=True)
 class Pinhole:
-    """Where pixels look.
+    """Rays and pixels of a camera.
 
-    ``size_px`` (w, h); ``matrix`` (3, 3); ``distortion`` (5,), or (4,) where ``lens_model`` is
+    ``size_px`` (w, h); ``matrix`` (3, 3); ``distortion`` (5,), or (4,) if ``lens_model`` is
     ``fisheye``; ``camera_from_arena`` (3, 3) rotation; ``position_m`` (3,) of the lens. Arrays are
     read-only.
     """
@@ -56,7 +56,7 @@ class Pinhole:
     def image_from_arena(self, points_m: FloatArray, height_m: float = 0.0) -> FloatArray:
         """Pixels (n, 2) of arena points (n, 2) at one height, or of points (n, 3).
 
-        What a fisheye does not show lies on the rim of what it shows.
+        Points out of a fisheye's view lie on its rim.
         """
         points = np.asarray(points_m, dtype=np.float64)
         points = points.reshape(-1, points.shape[-1])
@@ -77,9 +77,9 @@ class Pinhole:
         return np.asarray(distorted @ self.matrix[:2, :2].T + self.matrix[:2, 2])
 
     def rays(self, points_px: FloatArray) -> FloatArray:
-        """Normalised camera coordinates (n, 2), free of distortion, that pixels look along.
+        """Normalised camera coordinates (n, 2), free of distortion, of the pixels' rays.
 
-        NaN outside what a fisheye shows.
+        NaN outside a fisheye's view.
         """
         points = np.asarray(points_px, dtype=np.float64).reshape(-1, 2)
         distorted = (points - self.matrix[:2, 2]) @ np.linalg.inv(self.matrix[:2, :2]).T
@@ -94,14 +94,14 @@ class Pinhole:
         return np.asarray(mapped[:, :2] / mapped[:, 2:])
 
     def plane_from_ray(self, height_m: float) -> FloatArray:
-        """The homography (3, 3) from normalised rays to the arena's plane at a height."""
+        """Homography (3, 3) from normalised rays to the arena's plane at a height."""
         return self.sheet_from_ray(np.eye(3), np.array([0.0, 0.0, height_m]))
 
     def sheet_from_ray(self, arena_from_sheet: FloatArray, origin_m: FloatArray) -> FloatArray:
-        """The homography (3, 3) from normalised rays to coordinates on a sheet in space.
+        """Homography (3, 3) from normalised rays to coordinates on a sheet in space.
 
-        The sheet's x and y axes are the rotation's first two columns; its origin is at
-        ``origin_m`` (3,) in the arena.
+        The sheet's x and y axes are the rotation's first two columns; its origin is at ``origin_m``
+        (3,) in the arena.
         """
         x_axis, y_axis, _ = self.camera_from_arena @ arena_from_sheet.T[:, :, None]
         origin = self.camera_from_arena @ (origin_m - self.position_m)
@@ -109,7 +109,7 @@ class Pinhole:
         return np.asarray(np.linalg.inv(ray_from_sheet))
 
     def calibration(self) -> Calibration:
-        """What a perfect calibration of this camera would find."""
+        """Perfect calibration of this camera."""
         shift = -self.camera_from_arena @ self.position_m
         pose = np.column_stack([self.camera_from_arena, shift])
         return Calibration.from_camera(
@@ -118,7 +118,7 @@ class Pinhole:
 
 
 def distort(undistorted: FloatArray, terms: FloatArray) -> FloatArray:
-    """Where a lens with OpenCV's five terms puts normalised points (n, 2)."""
+    """Distort normalised points (n, 2) by OpenCV's five terms."""
     k1, k2, p1, p2, k3 = terms
     x, y = undistorted.T
     r2 = x * x + y * y
@@ -132,9 +132,9 @@ def distort(undistorted: FloatArray, terms: FloatArray) -> FloatArray:
 
 
 def undistort(distorted: FloatArray, terms: FloatArray) -> FloatArray:
-    """The inverse of `distort`, by Newton's method with numeric slopes.
+    """Invert `distort` by Newton's method with numeric slopes.
 
-    Raises ``ValueError`` where it does not converge: the lens folds the picture over.
+    Raises ``ValueError`` without convergence: the lens folds the picture over.
     """
     points = np.array(distorted, dtype=np.float64)
     right, down = np.array([SLOPE_STEP, 0.0]), np.array([0.0, SLOPE_STEP])
@@ -151,7 +151,7 @@ def undistort(distorted: FloatArray, terms: FloatArray) -> FloatArray:
 
 
 def fisheye_distort(in_camera: FloatArray, terms: FloatArray) -> FloatArray:
-    """Where a fisheye puts points (n, 3) of the camera's frame, normalised (n, 2)."""
+    """Project points (n, 3) of the camera's frame by a fisheye, normalised (n, 2)."""
     angles, _ = _fisheye_curve(terms)
     across = np.hypot(in_camera[:, 0], in_camera[:, 1])
     angle = np.minimum(np.arctan2(across, in_camera[:, 2]), angles[-1])
@@ -160,9 +160,9 @@ def fisheye_distort(in_camera: FloatArray, terms: FloatArray) -> FloatArray:
 
 
 def fisheye_undistort(distorted: FloatArray, terms: FloatArray) -> FloatArray:
-    """The inverse of `fisheye_distort` as rays (n, 2); NaN beyond its rim.
+    """Invert `fisheye_distort` to rays (n, 2); NaN beyond its rim.
 
-    By looking the angle up in a table of the curve, and two of Newton's steps from there.
+    Looks the angle up in a table of the curve, then makes three of Newton's steps.
     """
     angles, seen = _fisheye_curve(terms)
     radius = np.hypot(distorted[:, 0], distorted[:, 1])
@@ -183,7 +183,7 @@ def _angle_seen(angle: FloatArray, terms: FloatArray) -> FloatArray:
 
 
 def _fisheye_curve(terms: FloatArray) -> tuple[FloatArray, FloatArray]:
-    """Angles to the view and where they are seen, up to where the lens folds, or 90 degrees."""
+    """Angles to the view and their radii in the picture, up to the lens's fold or 90 degrees."""
     angles = np.linspace(0.0, FISHEYE_MOST_RAD, FISHEYE_TABLE)
     seen = _angle_seen(angles, terms)
     grows = np.diff(seen) > FISHEYE_LEAST_GROWTH * np.diff(angles)
@@ -192,9 +192,9 @@ def _fisheye_curve(terms: FloatArray) -> tuple[FloatArray, FloatArray]:
 
 
 def pinhole_of(config: Config, knock: SimulatedKnockSection | None = None) -> Pinhole:
-    """The simulated camera of a configuration that has a section ``simulation``.
+    """Make the simulated camera of a configuration with a section ``simulation``.
 
-    With a ``knock`` it is where that has left it.
+    With a ``knock``, it has the pose after it.
     """
     if config.simulation is None:
         raise ValueError("the configuration has no section 'simulation'")
@@ -233,7 +233,7 @@ def _pinhole(camera: SimulatedCameraSection, size_px: tuple[int, int]) -> Pinhol
 
 
 def _rotation(axis: int, angle_rad: float) -> FloatArray:
-    """About the camera's x (0), y (1) or z (2) axis."""
+    """Rotation about the camera's x (0), y (1) or z (2) axis."""
     i, j = (axis + 1) % 3, (axis + 2) % 3
     matrix = np.eye(3)
     matrix[i, i] = matrix[j, j] = math.cos(angle_rad)

@@ -1,6 +1,6 @@
-"""A simulated camera's time: when it exposes its pictures, and when they come.
+"""Times of a simulated camera: exposure and delivery of its pictures.
 
-What the picture is, its subclasses say. Seconds of the clock that is passed in.
+Subclasses draw the picture. Seconds of the clock that is passed in.
 """
 
 from __future__ import annotations
@@ -17,7 +17,7 @@ _Prepared = TypeVar("_Prepared")
 
 
 class TimedCamera(ABC, Generic[_Prepared]):
-    """Gives pictures at its rate; `vision.camera.camera.Camera` says what its members mean.
+    """Camera with a rate; `vision.camera.camera.Camera` describes the members.
 
     ``clock`` gives monotonic seconds and ``wait`` lets them pass: real ones in a run, the
     simulation's own in virtual time.
@@ -45,17 +45,17 @@ class TimedCamera(ABC, Generic[_Prepared]):
 
     @property
     def reason(self) -> str:
-        """Nothing to say."""
+        """Empty: it never fails."""
         return ""
 
     @property
     def rate_hz(self) -> float:
-        """Frames a second really got lately; 0.0 before the second frame."""
+        """Measured frames a second; 0.0 before the second frame."""
         return self._meter.rate_hz
 
     @property
     def may_repeat(self) -> bool:
-        """Pictures without noise that eight bits show are equal while nothing moves."""
+        """True if eight bits do not show the noise: pictures are equal while nothing moves."""
         return self._may_repeat
 
     def open(self) -> None:
@@ -64,7 +64,7 @@ class TimedCamera(ABC, Generic[_Prepared]):
         self._next_s = self._clock()
 
     def continue_after(self, other: TimedCamera[_Prepared]) -> None:
-        """Start giving frames when the other one would have given its next, which is closed."""
+        """Start giving frames at the time of the other, closed camera's next one."""
         self._state, self._next_s = "running", other._next_s
         other.close()
 
@@ -74,9 +74,9 @@ class TimedCamera(ABC, Generic[_Prepared]):
         self.late_since_s = math.inf
 
     def read(self, timeout_s: float) -> Frame | None:
-        """The next frame at its time; None where that is later than ``timeout_s`` from now.
+        """Next frame at its time; None if that is over ``timeout_s`` away.
 
-        A reader that comes too late misses frames, as with a real camera.
+        A late reader misses frames, as with a real camera.
         """
         if self._state != "running":
             raise CameraError(f"{self.name}: is not open")
@@ -101,8 +101,8 @@ class TimedCamera(ABC, Generic[_Prepared]):
 
     @abstractmethod
     def _prepare(self) -> _Prepared:
-        """Do what can be done before the exposure at ``_next_s``."""
+        """Do the work possible before the exposure at ``_next_s``."""
 
     @abstractmethod
     def _expose(self, prepared: _Prepared) -> Image:
-        """The picture of this moment."""
+        """Return the picture of this moment."""

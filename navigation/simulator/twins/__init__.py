@@ -1,10 +1,10 @@
-"""Twins: the robots that can stand behind a simulated line, without line and floor.
+"""Twins: robots for a simulated line, without the line and the floor.
 
+- `twin`: the common face; `kinds`: twins by name, and their wheels.
 - `clearway`: the robot with our own firmware; `emulated`: the same on an emulated processor.
 - `create2`, `turtlebot3`, `epuck2`, `waveshare`: one file a robot, sans-IO: the vendor's bytes in,
-  the vendor's bytes and wheel speeds out, with its watchdog, its quirks and its update rate.
-- `twin`: what all of them have in common; `kinds`: which there are, and what turns their wheels.
+  the vendor's bytes and wheel speeds out, with its watchdog, quirks and update rate.
 
-Those of vendors are robots that people own, written from the vendors' documents alone. They share
-no codec with `link.drivers`, so that two readings of each document have to agree.
+The vendors' twins are robots that people own, written from the vendors' documents alone. They share
+no codec with `link.drivers`, so two readings of each document must agree.
 """

@@ -1,6 +1,6 @@
 """The robot with our own firmware: the robot's end in Python, stepped a hundred times a second.
 
-It boots when it is made, and again whenever its processor is reset. Metres, seconds.
+It boots when made, and again at each processor reset. Metres, seconds.
 """
 
 from __future__ import annotations
@@ -21,7 +21,7 @@ BAUD: Final = 115_200
 
 
 class ClearwayTwin:
-    """``boot_ids`` gives each boot its number; ``model`` has the mechanics of its wheels."""
+    """Our own robot. ``boot_ids`` numbers its boots; ``model`` has its wheels' mechanics."""
 
     baud = BAUD
     has_frames = True
@@ -42,7 +42,7 @@ class ClearwayTwin:
         self._start(ResetCause.POWER_ON)
 
     def boot(self, now_s: float) -> None:
-        """Be found as it has booted the first time, and reset from then on."""
+        """Keep the constructor's boot at the first call; reset the processor at later ones."""
         if self._was_found:
             self._start(ResetCause.EXTERNAL)
         self._was_found = True
@@ -53,15 +53,15 @@ class ClearwayTwin:
         self._connection = RobotConnection(identity, self.controller)
 
     def bump(self, pressed: bool) -> None:
-        """A person presses the emergency stop on the robot."""
+        """Press or release the emergency stop on the robot."""
         if pressed:
             self.controller.emergency_stop(StopReason.ESTOP_LOCAL)
 
     def lift(self, lifted: bool) -> None:
-        """It does not feel that."""
+        """Do nothing: it has no sensor."""
 
     def receive(self, data: bytes, now_s: float) -> None:
-        """The host's frames, in any portions."""
+        """Take the host's frames, in any portions."""
         self._connection.receive_bytes(data, now_s)
 
     def step(self, now_s: float, left_ticks: int, right_ticks: int) -> WheelSpeeds:
@@ -74,8 +74,8 @@ class ClearwayTwin:
         return self.controller.step(now_s, left_ticks / per_m, right_ticks / per_m)
 
     def bytes_to_send(self, now_s: float) -> bytes:
-        """The most urgent frame that is due."""
+        """Return the most urgent due frame."""
         return self._connection.next_frame(now_s)
 
     def close(self) -> None:
-        """Nothing of it runs elsewhere."""
+        """Nothing to end."""

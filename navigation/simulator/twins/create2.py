@@ -1,20 +1,20 @@
-"""The twin of an iRobot Create 2, from its Open Interface specification.
+"""Twin of an iRobot Create 2, from its Open Interface specification.
 
-- Modes off, passive, safe and full. Off it hears nothing but Start; only safe and full drive. In
-  safe mode a wheel drop or a cliff stops the wheels and falls back to passive.
-- No watchdog: the wheels keep the last order. In passive mode it sleeps after five minutes, and
-  then no byte wakes it, only its CLEAN button (`press_clean`).
-- Its speed controller knows steps of about 28.5 mm/s only. Owners measured that orders from -10 to
-  10 mm/s do nothing, and that those from 11 up to the next step at 40 all drive at 39 mm/s.
-- Orders are opcodes with a fixed number of data bytes and without a check: after a lost byte the
-  next opcode is eaten as data. Streamed sensor frames, one every 15 ms, end with a sum.
-- After Start it is deaf for the 20 ms that a change of mode takes.
-- Encoder counts wrap at 16 bits. The sensors feel no direction: counts go down while the wheel is
-  ordered backwards, and up otherwise, so also where a wheel rolls that is ordered to stand.
-- It charges in passive mode only. On the home base (`dock`) safe and full mode end the charging;
-  with the charger's cable in its socket (`plug_in`) safe mode falls back to passive.
-- A battery that is put back, and a reset, cost three seconds of text in which it hears nothing;
-  afterwards it is off, and all begins again.
+- Modes are off, passive, safe and full. Off, it hears only Start; only safe and full drive. In safe
+  mode a wheel drop or a cliff stops the wheels and leads to passive.
+- No watchdog: the wheels keep the last order. In passive mode it sleeps after five minutes; then
+  only its CLEAN button (`press_clean`) wakes it, no byte.
+- Its speed controller has steps of about 28.5 mm/s. Owners measured that orders from -10 to 10 mm/s
+  do nothing, and that all from 11 up to the next step at 40 drive at 39 mm/s.
+- Orders are opcodes with a fixed number of data bytes and no check: after a lost byte the next
+  opcode is taken as data. Streamed sensor frames, one every 15 ms, end with a sum.
+- After Start it is deaf for the 20 ms of a mode change.
+- Encoder counts wrap at 16 bits. The sensors feel no direction: counts decrease while the wheel is
+  ordered backwards and increase otherwise, even if a wheel ordered to stop rolls.
+- It charges in passive mode only. On the home base (`dock`), safe and full mode end the charging;
+  with the charger's cable plugged in (`plug_in`), safe mode leads to passive.
+- A reinserted battery, or a reset, causes three seconds of text in which it hears nothing; then it
+  is off, and all begins again.
 
 Bytes are big-endian; speeds in mm/s; metres and seconds elsewhere.
 """
@@ -59,7 +59,7 @@ COUNTED: Final = {140: 2, 148: 1, 149: 1}
 
 
 class Mode(IntEnum):
-    """The Open Interface's modes, as packet 35 gives them."""
+    """Modes of the Open Interface, as in packet 35."""
 
     OFF = 0
     PASSIVE = 1
@@ -68,7 +68,7 @@ class Mode(IntEnum):
 
 
 class Create2Twin:
-    """Its serial port, its modes and its wheels' orders."""
+    """Serial port, modes and wheel orders of a Create 2."""
 
     body = Body(0.235, TICKS_A_TURN / (math.pi * WHEEL_M), LIMIT_MM_S / 1000)
     baud = 115_200
@@ -83,7 +83,7 @@ class Create2Twin:
         self.boot(-ON_FOR_S)
 
     def boot(self, now_s: float) -> None:
-        """Its battery is put in, or a reset: off, nothing streamed, the counts at zero."""
+        """Insert the battery, or reset: off, no stream, zero counts."""
         self.mode = Mode.OFF
         self._booted_s = now_s + BOOT_S
         self._texts = 3
@@ -100,33 +100,31 @@ class Create2Twin:
         self._out = bytearray()
 
     def press_clean(self, now_s: float) -> None:
-        """The button on top wakes it."""
+        """Press the button on top, which wakes it."""
         self.asleep = False
         self._heard_s = now_s
 
     def bump(self, pressed: bool) -> None:
-        """Both halves of the bumper."""
+        """Press or release both halves of the bumper."""
         self._bumped = pressed
 
     def lift(self, lifted: bool) -> None:
-        """Both wheels drop out of the body."""
+        """Drop both wheels out of the body, or back."""
         self._lifted = lifted
 
     def close(self) -> None:
-        """Nothing of it runs elsewhere."""
+        """Nothing to end."""
 
     def dock(self, docked: bool) -> None:
         """Put it on its home base, or take it off."""
         self._charger = HOME_BASE if docked else 0
 
     def plug_in(self, plugged: bool) -> None:
-        """The charger's cable in its socket, or pulled out."""
+        """Plug in the charger's cable, or pull it out."""
         self._charger = SOCKET if plugged else 0
 
-    # Bytes in.
-
     def receive(self, data: bytes, now_s: float) -> None:
-        """Orders, byte by byte."""
+        """Take orders byte by byte."""
         for value in data:
             if not self.asleep and now_s >= max(self._booted_s, self._deaf_until_s):
                 self._take(value, now_s)
@@ -134,7 +132,7 @@ class Create2Twin:
     def _take(self, value: int, now_s: float) -> None:
         order = self._order
         if not order and value not in DATA_BYTES and value not in COUNTED:
-            return  # no order begins like this
+            return  # no order begins with this byte
         order.append(value)
         length = self._length()
         if length is None or len(order) < length:
@@ -147,7 +145,7 @@ class Create2Twin:
             self._obey(opcode, data, now_s)
 
     def _length(self) -> int | None:
-        """Of the order that has begun; None while that is not yet known."""
+        """Length of the order that has begun; None if unknown yet."""
         order = self._order
         if order[0] in DATA_BYTES:
             return 1 + DATA_BYTES[order[0]]
@@ -188,7 +186,7 @@ class Create2Twin:
                 self._enter(Mode.PASSIVE)
 
     def _enter(self, mode: Mode) -> None:
-        """Every change of mode stops the wheels."""
+        """Enter a mode; every change stops the wheels."""
         self.mode = mode
         self._wanted = [0, 0]
 
@@ -204,8 +202,6 @@ class Create2Twin:
         else:
             half = self.body.track_m * 500
             self._turn(round(speed * (1 - half / radius)), round(speed * (1 + half / radius)))
-
-    # Wheels.
 
     def step(self, now_s: float, left_ticks: int, right_ticks: int) -> WheelSpeeds:
         """Count, feel, charge, and fall asleep."""
@@ -228,10 +224,8 @@ class Create2Twin:
         charges = self._charger and self.mode <= Mode.PASSIVE
         return FULL_CHARGING if charges else NOT_CHARGING
 
-    # Bytes out.
-
     def bytes_to_send(self, now_s: float) -> bytes:
-        """Answers first, then a frame of the stream when it is due."""
+        """Return the answers, then a due frame of the stream."""
         if self._booted_s > now_s >= self._booted_s - self._texts * BOOT_S / 3:
             self._texts -= 1
             self._out += BOOT_TEXT
@@ -248,7 +242,6 @@ class Create2Twin:
         return frame + bytes([-sum(frame) & 0xFF])
 
     def _packet(self, number: int) -> bytes:
-        """A sensor packet's data."""
         match number:
             case 7:
                 return bytes([(0b0011 if self._bumped else 0) | (0b1100 if self._lifted else 0)])
@@ -274,7 +267,7 @@ class Create2Twin:
 
 
 def _turned(ordered_mm_s: int) -> float:
-    """The speed that the wheel really gets: of the steps that there are."""
+    """Speed of the wheel, rounded to the controller's steps."""
     number = math.floor((abs(ordered_mm_s) - LEAST_MM_S) / STEP_MM_S) + 1
     if number <= 0:
         return 0.0

@@ -1,9 +1,9 @@
 """The robot with its real firmware: an emulated microcontroller, in lockstep with the robot's time.
 
-What arrives goes to the emulated UART, which takes it at its true baud rate; the motor outputs
-drive the wheels; their travel turns the emulated encoders. Which settings the robot has is compiled
-into its firmware. A reset pulls the processor's reset line; while the robot is frozen its clock
-stands still, and with it its watchdog: the motors keep what they were told.
+Bytes go to the emulated UART at its true baud rate; the motor outputs drive the wheels, whose
+travel turns the emulated encoders. The robot's settings are compiled into its firmware. A reset
+pulls the processor's reset line. While the robot is frozen its clock and watchdog stop, and the
+motors keep their last order.
 """
 
 from __future__ import annotations
@@ -19,9 +19,10 @@ from navigation.simulator.twins.twin import STEP_S, Body
 
 
 class EmulatedTwin:
-    """``command`` is an emulator that speaks as :mod:`emulated_processor` says.
+    """The robot on an emulator, started by ``command``, that speaks as :mod:`emulated_processor`
+    says.
 
-    EmulatorError where it cannot be started, and from :meth:`step` when it has ended.
+    EmulatorError if it cannot be started, and from :meth:`step` when it has ended.
     """
 
     baud = math.inf
@@ -38,24 +39,24 @@ class EmulatedTwin:
         self._processor = EmulatedProcessor(command)
 
     def boot(self, now_s: float) -> None:
-        """Be found as it has started, and reset from then on."""
+        """Keep the constructor's start at the first call; reset the processor at later ones."""
         self._is_reset = self._was_found
         self._was_found = True
         self._ticks = None
         self._waiting = b""
 
     def bump(self, pressed: bool) -> None:
-        """Its board has no button."""
+        """Do nothing: its board has no button."""
 
     def lift(self, lifted: bool) -> None:
-        """It does not feel that."""
+        """Do nothing: it has no sensor."""
 
     def receive(self, data: bytes, now_s: float) -> None:
-        """Bytes for the UART, in the next step."""
+        """Take bytes for the UART, for the next step."""
         self._waiting += data
 
     def step(self, now_s: float, left_ticks: int, right_ticks: int) -> WheelSpeeds:
-        """Let the processor run for STEP_S while its wheels travel as they did."""
+        """Run the processor for STEP_S while its wheels travel as before."""
         before = self._ticks or (left_ticks, right_ticks)
         self._ticks = left_ticks, right_ticks
         travel_m = ((left_ticks - before[0]) * TICK_M, (right_ticks - before[1]) * TICK_M)
@@ -66,7 +67,7 @@ class EmulatedTwin:
         return WheelSpeeds(self.motors.left_m_s, self.motors.right_m_s, self.motors.powered)
 
     def bytes_to_send(self, now_s: float) -> bytes:
-        """The bytes that the UART has sent."""
+        """Return the bytes that the UART has sent."""
         said, self._said = self._said, b""
         return said
 

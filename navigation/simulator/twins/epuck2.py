@@ -1,13 +1,13 @@
-"""The twin of an e-puck2, from the handler of its text commands (its selector at 3 or 8).
+"""Twin of an e-puck2, from the handler of its text commands (its selector at 3 or 8).
 
-- A command is a line that ends with CR or LF; its first letter counts, the answer begins with the
-  same letter in lower case and ends with CR LF. An unknown one is answered "z,Command not found".
-- Stepper motors: what is ordered is what they do, in whole steps a second; the counts are those of
-  the steps ordered, 1,000 a turn, of 32 bits. `D` is limited by the motors only.
-- A character with the highest bit at a line's beginning starts the binary mode, which eats all up
-  to the next zero. A zero in text is nothing.
+- A command is a line that ends with CR or LF; its first letter counts. The answer begins with that
+  letter in lower case and ends with CR LF; for an unknown command it is "z,Command not found".
+- Stepper motors obey exactly, in whole steps a second; the counts are the ordered steps, 1,000 a
+  turn, of 32 bits. Only the motors limit `D`.
+- A character with the highest bit at a line's beginning starts the binary mode, which consumes all
+  up to the next zero. A zero in text is ignored.
 - No watchdog: the wheels keep the last order.
-- A number that does not read leaves the one before, as C's sscanf does.
+- An unreadable number keeps its last value, as in C's sscanf.
 """
 
 from __future__ import annotations
@@ -32,7 +32,7 @@ LONGEST: Final = 80
 
 
 class Epuck2Twin:
-    """Its serial port and its two steppers."""
+    """Serial port and two steppers of an e-puck2."""
 
     body = Body(0.053, 1 / STEP_M, MOST_STEPS_S * STEP_M)
     baud = 115_200
@@ -42,7 +42,7 @@ class Epuck2Twin:
         self.boot(0.0)
 
     def boot(self, now_s: float) -> None:
-        """It greets whoever listens."""
+        """Start, with a greeting on the line."""
         self._line = bytearray()
         self._out = bytearray(WELCOME)
         self._wanted = [0, 0]
@@ -50,17 +50,17 @@ class Epuck2Twin:
         self._near = self._is_binary = False
 
     def bump(self, pressed: bool) -> None:
-        """Its distance sensors in front see something."""
+        """Put something before its front distance sensors, or take it away."""
         self._near = pressed
 
     def lift(self, lifted: bool) -> None:
-        """It does not feel that."""
+        """Do nothing: it has no sensor."""
 
     def close(self) -> None:
-        """Nothing of it runs elsewhere."""
+        """Nothing to end."""
 
     def receive(self, data: bytes, now_s: float) -> None:
-        """Characters, or what the binary mode eats."""
+        """Take characters; the binary mode consumes some."""
         for value in data:
             if self._is_binary or (value >= 0x80 and not self._line):
                 self._is_binary = value != 0
@@ -105,20 +105,20 @@ class Epuck2Twin:
         self._out += words.encode() + b"\r\n"
 
     def step(self, now_s: float, left_ticks: int, right_ticks: int) -> WheelSpeeds:
-        """The steppers turn as ordered."""
+        """Turn the steppers as ordered."""
         self._steps = [left_ticks, right_ticks]
         left, right = (max(-MOST_STEPS_S, min(MOST_STEPS_S, w)) * STEP_M for w in self._wanted)
         return WheelSpeeds(left, right, powered=True)
 
     def bytes_to_send(self, now_s: float) -> bytes:
-        """The answers, in the order of the commands."""
+        """Return the answers, in the order of the commands."""
         answer = bytes(self._out)
         self._out.clear()
         return answer
 
 
 def _numbers(line: str) -> list[int]:
-    """Up to two, from the second character on, as far as they read."""
+    """Up to two numbers from the second character on, up to the first unreadable one."""
     found: list[int] = []
     rest = line[1:]
     while len(found) < 2 and (match := re.match(r",\s*([+-]?\d+)", rest)):

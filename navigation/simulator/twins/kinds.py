@@ -1,4 +1,4 @@
-"""The twins of other makers' robots by name, and the simulated wheels under each."""
+"""Twins of other makers' robots by name, and their simulated wheels."""
 
 from __future__ import annotations
 
@@ -23,12 +23,12 @@ TWINS: Final[Mapping[str, Callable[[], Twin]]] = {
 
 
 def wheels_of(twin: Twin, model: DriveModel) -> DriveModel:
-    """The model's errors on the twin's own mechanics; its track error stays as it is."""
+    """Combine the model's errors with the twin's mechanics; its track error stays."""
     return replace(model, ticks_per_m=twin.body.ticks_per_m, max_wheel_m_s=twin.body.wheel_m_s)
 
 
 def refuse_frame_faults(faults: FaultSpec) -> None:
-    """``FaultSpecError`` for faults of whole frames, which only Clearway's own line has."""
+    """Raise ``FaultSpecError`` for faults of whole frames, which only Clearway's line has."""
     for name in ("dup", "swap", "span"):
         if getattr(faults, name) > 0.0:
             raise FaultSpecError(

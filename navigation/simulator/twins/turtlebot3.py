@@ -1,14 +1,14 @@
-"""The twin of a TurtleBot3: its OpenCR board, from ROBOTIS's protocol 2.0 and control table.
+"""Twin of a TurtleBot3: its OpenCR board, from ROBOTIS's protocol 2.0 and control table.
 
-- A slave of Dynamixel protocol 2.0 with id 200: PING, READ and WRITE of a table of bytes, little
-  endian. A packet with a wrong CRC is ignored; an address that may not be written is an error.
-- The table is brought up to date and the motors are driven every 20 ms. Speeds are ordered in steps
-  of 1 cm/s and 0.01 rad/s; a motor's own step is 0.229 turns a minute, rounded towards zero.
-- Watchdog: when the heartbeat at 19 has not changed for 500 ms the wheels stop.
+- A slave of Dynamixel protocol 2.0 with id 200: PING, READ and WRITE of a little-endian table of
+  bytes. A packet with a wrong CRC is ignored; writing a read-only address is an error.
+- Every 20 ms the table is updated and the motors are driven. Speeds are ordered in steps of 1 cm/s
+  and 0.01 rad/s; a motor's own step is 0.229 turns a minute, rounded towards zero.
+- Watchdog: the wheels stop if the heartbeat at 19 has not changed for 500 ms.
 - Encoder counts are 32 bits, 4,096 a turn. Without profile acceleration a wheel obeys at once.
-- The board looks for its motors when it starts, and never again: where it found none, register 18
-  stays 0xFF and nothing is driven until RESET (`boot`), whatever their power does (`power_motors`).
-- Motors that lose their power wake without torque; 149 reads it, and a 1 written there is obeyed.
+- The board looks for its motors only when it starts: if it finds none, register 18 stays 0xFF and
+  nothing is driven until RESET (`boot`), whatever the motors' power (`power_motors`).
+- Motors that lost power wake without torque; 149 reads it, and writing 1 there switches it on.
 """
 
 from __future__ import annotations
@@ -45,7 +45,7 @@ PREAMBLE: Final = b"\xff\xff\xfd\x00"
 
 
 class Turtlebot3Twin:
-    """Its USB port, its table and its motors."""
+    """USB port, table and motors of a TurtleBot3."""
 
     baud = 1_000_000
     has_frames = False
@@ -61,7 +61,7 @@ class Turtlebot3Twin:
         self.boot(0.0)
 
     def boot(self, now_s: float) -> None:
-        """The table as it is after a reset."""
+        """Set the table as after a reset."""
         self._table = bytearray(TABLE_BYTES)
         struct.pack_into("<HIBBB", self._table, 0, MODEL, self._build, FIRMWARE, DXL_ID, 3)
         struct.pack_into("<II", self._table, 42, round(BATTERY_V * 100), 6_666)
@@ -76,24 +76,22 @@ class Turtlebot3Twin:
         self._wheels = WheelSpeeds(0.0, 0.0, powered=True)
 
     def bump(self, pressed: bool) -> None:
-        """Both of the bumpers that can be plugged in."""
+        """Press or release both bumpers that can be plugged in."""
         self._table[28:30] = bytes([pressed, pressed])
 
     def power_motors(self, powered: bool) -> None:
-        """The battery's switch; the board itself has its power from USB."""
+        """Switch the battery; the board itself is powered over USB."""
         self._motors_have_power = powered
         self._has_torque = self._has_torque and powered
 
     def lift(self, lifted: bool) -> None:
-        """It does not feel that."""
+        """Do nothing: it has no sensor."""
 
     def close(self) -> None:
-        """Nothing of it runs elsewhere."""
-
-    # Bytes in.
+        """Nothing to end."""
 
     def receive(self, data: bytes, now_s: float) -> None:
-        """Whole packets are obeyed at once."""
+        """Obey whole packets at once."""
         self._received += data
         for packet in self._packets():
             self._obey(packet, now_s)
@@ -160,10 +158,8 @@ class Turtlebot3Twin:
         packet = PREAMBLE + bytes([DXL_ID]) + struct.pack("<H", len(body) + 2) + body
         self._out += packet + struct.pack("<H", _check(packet))
 
-    # Wheels.
-
     def step(self, now_s: float, left_ticks: int, right_ticks: int) -> WheelSpeeds:
-        """Every 20 ms the table and the motors; the heartbeat is looked at each time."""
+        """Update table and motors every 20 ms; check the heartbeat at every call."""
         if self._table[HEARTBEAT] != self._beat:
             self._beat, self._beat_s, self._is_connected = self._table[HEARTBEAT], now_s, True
         elif now_s - self._beat_s >= HEARTBEAT_S:
@@ -185,17 +181,15 @@ class Turtlebot3Twin:
         )
         return self._wheels
 
-    # Bytes out.
-
     def bytes_to_send(self, now_s: float) -> bytes:
-        """The answers."""
+        """Return the answers."""
         answer = bytes(self._out)
         self._out.clear()
         return answer
 
 
 def _motor(speed_m_s: float) -> float:
-    """What the motor makes of it: whole steps, towards zero."""
+    """Motor speed for an order: whole steps, towards zero."""
     return max(-337, min(337, math.trunc(speed_m_s / MOTOR_STEP_M_S))) * MOTOR_STEP_M_S
 
 

@@ -1,4 +1,4 @@
-"""The face of every twin: bytes and wheels, and what a person does to the robot.
+"""The face of every twin: bytes, wheels and a person's actions.
 
 Metres, seconds of the robot's own clock; a wheel's travel is positive forwards.
 """
@@ -16,7 +16,7 @@ STEP_S: Final = 0.002
 
 
 class Body(NamedTuple):
-    """The mechanics that the vendor states."""
+    """Mechanics stated by the vendor."""
 
     track_m: float
     ticks_per_m: float
@@ -34,31 +34,28 @@ class Twin(Protocol):
 
     @property
     def baud(self) -> float:
-        """Bits a second of its line; infinity where it paces its bytes itself."""
+        """Baud rate of its line; infinity if it paces its bytes itself."""
         ...
 
     def boot(self, now_s: float) -> None:
-        """Power on, or a reset of its processor."""
+        """Switch on, or reset its processor."""
 
     def receive(self, data: bytes, now_s: float) -> None:
-        """Bytes from the line."""
+        """Take bytes from the line."""
 
     def step(self, now_s: float, left_ticks: int, right_ticks: int) -> WheelSpeeds:
-        """A few milliseconds pass: its encoders stand so; what its motors are to do."""
+        """Let a few milliseconds pass with these encoder counts; return the motors' orders."""
         ...
 
     def bytes_to_send(self, now_s: float) -> bytes:
-        """The bytes that it puts on the line now; called whenever the line is free."""
+        """Return the bytes for the line now; called whenever the line is free."""
         ...
 
     def bump(self, pressed: bool) -> None:
-        """Something touches its bumper, or no longer does; nothing where it has none.
-
-        On a robot with an emergency stop a person presses that.
-        """
+        """Touch or release its bumper, or its emergency stop; nothing without either."""
 
     def lift(self, lifted: bool) -> None:
-        """Its wheels lose the floor, or find it again; nothing where it cannot feel that."""
+        """Take the wheels off the floor, or put them back; nothing if it has no sensor for it."""
 
     def close(self) -> None:
-        """End what it runs on outside this process, also in the midst of a step."""
+        """End its processes outside this one, even during a step."""

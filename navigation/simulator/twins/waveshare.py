@@ -1,20 +1,20 @@
-"""The twin of a Waveshare UGV with encoders (UGV01), from the list of its commands.
+"""Twin of a Waveshare UGV with encoders (UGV01), from the list of its commands.
 
-- One JSON object a line, both ways; a line that is no JSON, and a command without what it needs,
-  is ignored. Commands are echoed unless 143 switches that off.
-- 1 orders the wheels' speeds in m/s (a speed beyond 2 m/s is ignored as a whole order), 13 linear
-  and angular speed, 131 switches the reports on, 142 makes them rarer, 130 asks for one.
-- 900 sets which robot it is, in memory only: after each start it is another (`Kind`). The type
-  decides what a pulse is worth and which way the motors turn; without encoders in the type, in the
-  ordinary firmware, 1 is a share of the power. The firmware for ROS regulates every type and
-  reports its battery in hundredths of a volt.
-- Watchdog: without a speed order for the heartbeat's time, 3,000 ms unless 136 sets another, the
-  wheels stop.
-- A report is 1001 with the speeds of the wheels in the last turn of the program's loop: whole
-  encoder pulses over its 10 ms, so a slow wheel reports nothing in one turn and much in the next.
-- A robot without encoders (``has_encoders``) reports zeros, and where it is taken for one that has
-  them its regulator goes to full power.
-- It starts in two seconds of text; what comes meanwhile waits in its UART, 256 bytes of it.
+- One JSON object a line, both ways; invalid lines and incomplete commands are ignored. Commands are
+  echoed unless 143 switches that off.
+- 1 orders the wheels' speeds in m/s (the whole order is ignored if a speed exceeds 2 m/s), 13
+  linear and angular speed; 131 switches the reports on, 142 makes them rarer, 130 asks for one.
+- 900 sets the robot's type (`Kind`), in memory only: after each start it is another. The type sets
+  the value of a pulse and the motors' direction. In the ordinary firmware, for a type without
+  encoders, 1 is a share of the power. The firmware for ROS regulates every type and reports its
+  battery in hundredths of a volt.
+- Watchdog: the wheels stop without a speed order for the heartbeat's time, 3,000 ms unless 136 sets
+  another.
+- A report is 1001 with the wheels' speeds in the last turn of the program's loop: whole encoder
+  pulses over its 10 ms, so a slow wheel reports nothing in one turn and much in the next.
+- A robot without encoders (``has_encoders``) reports zeros; if it is taken for one with encoders,
+  its regulator runs at full power.
+- It starts with two seconds of text; its UART keeps 256 bytes of what arrives meanwhile.
 """
 
 from __future__ import annotations
@@ -69,7 +69,7 @@ BATTERY_V: Final = 11.9
 
 
 class WaveshareTwin:
-    """Its UART, its loop and its wheels."""
+    """UART, loop and wheels of a UGV01."""
 
     body = Body(TRACK_M, 1 / PULSE_M, FASTEST_M_S)
     baud = 115_200
@@ -81,7 +81,7 @@ class WaveshareTwin:
         self.boot(-ON_FOR_S)
 
     def boot(self, now_s: float) -> None:
-        """The lower computer starts with its defaults."""
+        """Start the lower computer with its defaults."""
         self.main_type = 2 if self._is_for_ros else 1
         self._started_s = now_s + BOOT_S
         self._has_said = False
@@ -98,16 +98,16 @@ class WaveshareTwin:
         self._measured = (0.0, 0.0)
 
     def bump(self, pressed: bool) -> None:
-        """It has no bumper."""
+        """Do nothing: it has no bumper."""
 
     def lift(self, lifted: bool) -> None:
-        """It does not feel that."""
+        """Do nothing: it has no sensor."""
 
     def close(self) -> None:
-        """Nothing of it runs elsewhere."""
+        """Nothing to end."""
 
     def receive(self, data: bytes, now_s: float) -> None:
-        """Lines."""
+        """Take lines."""
         if now_s < self._started_s:
             self._waiting = (self._waiting + data)[:UART_BYTES]
             return
@@ -157,7 +157,7 @@ class WaveshareTwin:
             self._wanted = (left, right)
 
     def step(self, now_s: float, left_ticks: int, right_ticks: int) -> WheelSpeeds:
-        """The program's loop: measure, report, watch the heartbeat."""
+        """Run the program's loop: measure, report, watch the heartbeat."""
         if now_s < self._started_s:
             return WheelSpeeds(0.0, 0.0, powered=False)
         if self._waiting:
@@ -184,7 +184,7 @@ class WaveshareTwin:
         return self._kinds[self.main_type]
 
     def _turned(self, ordered: float) -> float:
-        """A wheel's speed: regulated by what is taken for a pulse, or by the power."""
+        """Speed of a wheel, regulated by the supposed pulse value, or by the power."""
         kind = self._kind
         if not kind.is_regulated:
             speed = ordered / FULL_POWER * FASTEST_M_S
@@ -203,7 +203,7 @@ class WaveshareTwin:
         self._out += json.dumps(told, separators=(",", ":")).encode() + b"\r\n"
 
     def bytes_to_send(self, now_s: float) -> bytes:
-        """Echoes and reports."""
+        """Return echoes and reports."""
         if self._started_s > now_s and not self._has_said:
             self._has_said = True
             return BOOT_TEXT
@@ -217,5 +217,5 @@ def _is_number(value: object) -> bool:
 
 
 def _number(value: object) -> float:
-    """What the program's library makes of a value that is missing or no number: 0."""
+    """Number as the program's library reads it: 0 if missing or no number."""
     return float(value) if isinstance(value, int | float) else 0.0

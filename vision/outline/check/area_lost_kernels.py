@@ -1,8 +1,8 @@
-"""Finished edges, and whether they cover their border: what does not, falls to chords.
+"""Check that finished edges cover their border; chords replace the others.
 
 Rules and units
 - ``border``, ``outline``, ``limits``, ``review`` and ``finished``: see
-  ``vision.outline.outline_types``; ``circle`` (3,) is room to work in.
+  ``vision.outline.outline_types``; ``circle`` (3,) is scratch space.
 """
 
 # mypy: allow-untyped-defs
@@ -32,9 +32,9 @@ CRISP_RAGGED_SHARE = 0.03
 
 @njit(**LEAF)
 def pass_between_pixels(border, outline, edges, limits, review, finished, circle, push):
-    """Finish the edges of a picture without grey between its pixels: the area that they lose.
+    """Finish edges between the pixels of a picture without grey; returns the area that they lose.
 
-    HUGE where one strays too far. ``push`` (2 * edges, 6) is room to work in.
+    HUGE if one strays too far. ``push`` (2 * edges, 6) is scratch space.
     """
     total = HUGE
     for again in range(2):
@@ -47,7 +47,7 @@ def pass_between_pixels(border, outline, edges, limits, review, finished, circle
 
 @njit(**SUMS)
 def area_beside_circle(px, py, lo, hi, circle, free):
-    """The area that a circle would lose of points lo .. hi - 1, as ``area_lost`` of edges."""
+    """Area that a circle would lose of points lo .. hi - 1, as ``area_lost`` of edges."""
     xs, ys = px[lo:hi], py[lo:hi]
     cx, cy, r = circle[0], circle[1], circle[2]
     lost = 0.0
@@ -60,7 +60,7 @@ def area_beside_circle(px, py, lo, hi, circle, free):
 
 @njit(**LEAF)
 def area_lost(border, outline, edges, limits, review, finished, circle):
-    """Finish the edges: the area that they lose, HUGE where one strays too far."""
+    """Finish the edges; returns the area that they lose, HUGE if one strays too far."""
     for e in range(edges):
         review.ragged[e] = False
         review.stale[e] = True
@@ -71,7 +71,7 @@ def area_lost(border, outline, edges, limits, review, finished, circle):
 
 @njit(**LEAF)
 def _find_losses(border, outline, edges, limits, review, finished):
-    """Every edge's lost area, again where it is stale: ``(whether one strays, total)``."""
+    """Measure the area lost by every stale edge: ``(True if one strays, total)``."""
     ragged = review.ragged
     losses = review.losses
     stale = review.stale
@@ -102,10 +102,10 @@ def _find_losses(border, outline, edges, limits, review, finished):
 
 @njit(**LEAF, forceinline=False)
 def check_edges(border, outline, edges, limits, budget, review, finished, circle):
-    """Finish the edges, and mark as ragged what would not cover the border well enough.
+    """Finish the edges, and mark edges as ragged that would not cover the border well enough.
 
-    A ragged edge ends at border points; that moves its neighbours' ends, so the check is
-    repeated until nothing changes. ``budget``: the area that they may lose.
+    A ragged edge ends at border points. That moves its neighbours' ends, so the check repeats until
+    nothing changes. ``budget``: the area that the edges may lose.
     """
     ragged = review.ragged
     losses = review.losses
@@ -144,7 +144,7 @@ def check_edges(border, outline, edges, limits, budget, review, finished, circle
 
 @njit(**LEAF)
 def _end_at_points(border, outline, edges, review, e):
-    """Move both joints of a ragged edge to the border, on their neighbours where these fit."""
+    """Move both joints of a ragged edge to the border, on neighbours that fit there."""
     review.stale[e] = True
     for side in range(2):
         end = e if side == 0 else successor(e, edges)
@@ -153,7 +153,7 @@ def _end_at_points(border, outline, edges, review, e):
         other = predecessor(e, edges) if side == 0 else end
         review.stale[other] = True
         if not review.ragged[other]:
-            # the neighbour stays where its fit is
+            # the neighbour stays on its fit
             fx, fy = onto(outline.shape, other, outline.is_arc[other], x, y)
             if (fx - x) ** 2 + (fy - y) ** 2 < 1.0:
                 x = fx

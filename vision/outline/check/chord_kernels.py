@@ -24,7 +24,7 @@ from vision.shared.typed_numbers import NONE
 def finish_with_chords(border, outline, edges, trial, review, tolerance, room, finished):
     """Write the edges of ``trial``, and chords instead of the ragged ones; returns their number.
 
-    ``tolerance``: how far a chord may leave its points, in pixels.
+    ``tolerance``: largest distance of a chord from its points, in pixels.
     """
     px = border.x
     py = border.y

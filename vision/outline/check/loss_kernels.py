@@ -1,4 +1,4 @@
-"""What one finished edge loses of its border: how far off it runs, and the area between.
+"""Loss of one finished edge: its distance from the border, and the area between.
 
 Rules and units
 - ``border``, ``finished`` and ``limits``: see ``vision.outline.outline_types``; pixels, square
@@ -38,21 +38,21 @@ TIP_PX = 2.5
 
 @njit(**LEAF)
 def _narrow_reach(rows, before, at, after):
-    """Within which distance of a joint the border is too narrow to hold a pixel's centre."""
+    """Distance from a joint within which the border is too narrow for a pixel's centre."""
     ax = rows[before, 0] - rows[at, 0]
     ay = rows[before, 1] - rows[at, 1]
     bx = rows[after, 0] - rows[at, 0]
     by = rows[after, 1] - rows[at, 1]
     lengths = math.sqrt((ax * ax + ay * ay) * (bx * bx + by * by))
     cosine = (ax * bx + ay * by) / max(lengths, 1e-9)
-    # half the angle's cotangent
+    # cotangent of half the angle
     slender = math.sqrt((1.0 + cosine) / max(1.0 - cosine, 1e-3))
     return min(NARROW_PX * slender, LONGEST_TIP_PX)
 
 
 @njit(**LEAF)
 def _nothing_lost(border, lo, hi, finished, e, after, near_begin, near_end):
-    """Whether no pixel of a picture without grey is lost beside a finished edge."""
+    """True if no pixel of a picture without grey is lost beside a finished edge."""
     kinds, rows = finished.kind, finished.rows
     xs, ys = border.x[lo : hi + 1], border.y[lo : hi + 1]
     x0, y0 = rows[e, 0], rows[e, 1]
@@ -109,9 +109,9 @@ def _nothing_lost(border, lo, hi, finished, e, after, near_begin, near_end):
 
 @njit(**SUMS)
 def loss_beside(border, lo, hi, finished, e, after, free, near_begin, near_end):
-    """A stretch's farthest point from its finished edge, and the area lost beyond ``free``.
+    """Largest distance of a stretch from its finished edge, and the area lost beyond ``free``.
 
-    In a picture with grey; what lies near the ends, as squared distances, does not count as far as
+    For pictures with grey. Points near the ends, given as squared distances, do not count up to
     ``STRAY_PX``.
     """
     kinds, rows = finished.kind, finished.rows
@@ -165,12 +165,12 @@ def loss_beside(border, lo, hi, finished, e, after, free, near_begin, near_end):
 
 @njit(**LEAF)
 def edge_loss(border, lo, hi, finished, e, edges, limits):
-    """What a finished edge misses of its stretch: ``(worst deviation, area lost)``, 0 for little.
+    """Loss of a finished edge along its stretch: ``(worst deviation, area lost)``, 0 for little.
 
-    A point may lie at a neighbouring edge, which the joint may have lengthened; what blur
-    rounds within ``guard`` of a joint, or lies in a tip, does not count. In a picture without
-    grey a deviation below ``LOST_AXIS_PX`` along the axis loses nothing, beyond it a pixel;
-    otherwise what exceeds ``free`` is lost.
+    A point may lie at a neighbouring edge, which the joint may have lengthened. Points in a tip, or
+    that blur rounds within ``guard`` of a joint, do not count. Without grey a deviation up to
+    ``LOST_AXIS_PX`` along the axis loses nothing, a larger one a pixel; otherwise the excess over
+    ``free`` is lost.
     """
     px = border.x
     py = border.y
@@ -187,7 +187,7 @@ def edge_loss(border, lo, hi, finished, e, edges, limits):
         if _nothing_lost(border, lo, hi, finished, e, next_, near_begin, near_end):
             return 0.0, 0.0
     else:
-        # where it is narrow the light of both sides meets
+        # in narrow places the light of both sides meets
         near_begin = max(near_begin, guard * guard, TIP_PX * TIP_PX)
         near_end = max(near_end, guard * guard, TIP_PX * TIP_PX)
         far, area = loss_beside(border, lo, hi, finished, e, next_, free, near_begin, near_end)

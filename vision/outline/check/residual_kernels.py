@@ -1,10 +1,10 @@
-"""How far a border lies from the outline that is written for it.
+"""Distance of a border from the outline written for it.
 
 Rules and units
 - ``border`` and ``finished``, edges ``0 .. count - 1`` around it: see
   ``vision.outline.outline_types``.
-- What is measured is the finished outline, joints and chords and all: a fit that leaves out the
-  points near its ends says nothing of them. Only what blur does to a corner is not counted.
+- Measured on the finished outline with joints and chords, as a fit ignores points near its
+  ends. Only the effect of blur on a corner is not counted.
 """
 
 # mypy: allow-untyped-defs
@@ -30,9 +30,9 @@ the sine of half the angle: derived, the mean of |x| under a Gaussian, as in
 
 @njit(**LEAF)
 def measure_residual(border, finished, count, blur, reach):
-    """Write the rms distance of all n points from the whole outline to every edge.
+    """Write to every edge the rms distance of all n points from the whole outline.
 
-    ``blur``: its sigma in pixels; ``reach``: how far from a corner it tells.
+    ``blur``: its sigma in pixels; ``reach``: its range from a corner.
     """
     n = border.n
     at = finished.at
@@ -76,7 +76,7 @@ def measure_residual(border, finished, count, blur, reach):
 
 @njit(**SUMS)
 def _squares(xs, ys, kind, rows, i, after):
-    """The sum of squared distances of points amid edge i from it."""
+    """Sum of squared distances of the points within edge i from it."""
     total = 0.0
     if kind[i] == LINE:
         dx = rows[after, 0] - rows[i, 0]
@@ -99,7 +99,7 @@ def _squares(xs, ys, kind, rows, i, after):
 
 @njit(**LEAF)
 def _way(kind, rows, i, after, end):
-    """The direction of edge i at its end, or at its begin."""
+    """Direction of edge i at its end, or at its beginning."""
     if kind[i] == LINE:
         return rows[after, 0] - rows[i, 0], rows[after, 1] - rows[i, 1]
     dx = rows[end, 0] - rows[i, 2]
@@ -112,7 +112,7 @@ def _way(kind, rows, i, after, end):
 
 @njit(**LEAF)
 def _bend(kind, rows, before, i, after):
-    """The sine of half the angle by which an outline turns where edge i begins."""
+    """Sine of half the angle by which an outline turns at the beginning of edge i."""
     ax, ay = _way(kind, rows, before, i, i)
     bx, by = _way(kind, rows, i, after, i)
     lengths = math.sqrt((ax * ax + ay * ay) * (bx * bx + by * by))

@@ -3,12 +3,12 @@
 Rules and units
 - ``border`` and ``finished``, edges ``0 .. count - 1`` around it: see
   ``vision.outline.outline_types``.
-- Points of an edge that are ``STRAY_PX`` apart are looked for beside the border.
-- What is checked is the finished outline, joints and chords and all, however it came about: a
-  fit's residuals leave out what lies near its ends, and where along an edge its points lie.
-- Where blur rounded a pointed corner back, the outline has the corner that the sides make: a tip
-  may reach ``LONGEST_TIP_PX`` farther, from where its sides are no farther apart than ``STRAY_PX``:
-  no robot fits into that.
+- Points of an edge, ``STRAY_PX`` apart, must lie beside the border.
+- The check covers the finished outline with joints and chords, however it was made: a fit's
+  residuals ignore points near its ends, and their positions along an edge.
+- Where blur rounded off a pointed corner, the outline restores it: the tip may reach
+  ``LONGEST_TIP_PX`` beyond the place where its sides are ``STRAY_PX`` apart, as no robot fits
+  there.
 """
 
 # mypy: allow-untyped-defs
@@ -33,7 +33,7 @@ indifferent."""
 
 @njit(**LEAF)
 def outline_strays(border, finished, count):
-    """Whether an outline leaves its border by more than ``STRAY_PX``, or its border the outline."""
+    """True if an outline leaves its border by more than ``STRAY_PX``, or its border the outline."""
     n = border.n
     at = finished.at
     first_x = 0.0
@@ -67,13 +67,13 @@ def outline_strays(border, finished, count):
 
 @njit(**LEAF)
 def _is_wide(ax, ay, bx, by):
-    """Whether a corner whose sides leave the border at a and b is no pointed one."""
+    """True if a corner whose sides leave the border at a and b is not a pointed one."""
     return (ax - bx) ** 2 + (ay - by) ** 2 > STRAY_PX * STRAY_PX
 
 
 @njit(**LEAF)
 def _beside_any(border, lo, hi, finished, count):
-    """Whether points lo .. hi each lie beside some edge of the outline."""
+    """True if each of points lo .. hi lies beside some edge of the outline."""
     for k in range(lo, hi + 1):
         near = False
         for i in range(count):
@@ -91,17 +91,17 @@ def _beside_any(border, lo, hi, finished, count):
 
 @njit(**LEAF)
 def _ends(rows, i, after):
-    """Where edge i begins and ends."""
+    """Both ends of edge i."""
     return rows[i, 0], rows[i, 1], rows[after, 0], rows[after, 1]
 
 
 @njit(**LEAF)
 def _runs_along(border, lo, hi, finished, i, after, far):
-    """Whether points lo .. hi lead along all of a line, none farther from it than ``far``.
+    """True if points lo .. hi lead along all of a line, none farther from it than ``far``.
 
-    What leads from one end of a line to the other, and stays near it, has every point of the line
-    beside it, however far apart its own points are. That spares most lines the search for each of
-    their points. It does not hold for arcs: a link between two points far apart cuts across.
+    Points that lead near a line from end to end cover it, however far apart they are. That spares
+    most lines a search for each point. It fails for arcs: a link between distant points cuts
+    across.
     """
     if finished.kind[i] != LINE or far > STRAY_PX:
         return False
@@ -114,9 +114,9 @@ def _runs_along(border, lo, hi, finished, i, after, far):
 
 @njit(**LEAF)
 def _beside_border(border, lo, hi, finished, i, after):
-    """Whether edge i lies beside its border points lo .. hi, but for tips at its ends.
+    """True if edge i lies beside its border points lo .. hi, except tips at its ends.
 
-    Returns ``(whether, x, y, x, y)``: where it does so first, and last: its ends without tips.
+    Returns ``(True if so, x, y, x, y)``: its first and last places beside the border, without tips.
     """
     kind = finished.kind
     rows = finished.rows
@@ -151,7 +151,7 @@ def _beside_border(border, lo, hi, finished, i, after):
             y = rows[i, 3] + rows[i, 4] * math.sin(angle)
         near, here = _find_beside(border, lo, hi, here, x, y)
         if near and ahead > 0.0 and found:
-            # it left the border between two points that lie there
+            # it left the border between two points that lie on it
             return False, first_x, first_y, last_x, last_y
         if near and not found:
             found = True
@@ -170,10 +170,10 @@ def _beside_border(border, lo, hi, finished, i, after):
 
 @njit(**LEAF)
 def _find_beside(border, lo, hi, here, x, y):
-    """Whether the border lies beside (x, y), and which of points lo .. hi is nearest.
+    """True if the border lies beside (x, y), and the nearest of points lo .. hi.
 
-    The search goes on from point ``here``, the last one's: points and edge run side by side. Where
-    that leads nowhere all are looked at: a joint may lie some points away from its break.
+    The search continues from point ``here``, the previous result: points and edge run side by side.
+    If that fails, all points are searched: a joint may lie some points away from its break.
     """
     px = border.x
     py = border.y
@@ -199,7 +199,7 @@ def _find_beside(border, lo, hi, here, x, y):
 
 @njit(**LEAF)
 def _square_to_link(px, py, k, x, y):
-    """The squared distance from (x, y) to what joins point k and the next: noise leaves gaps."""
+    """Squared distance from (x, y) to the link of point k and the next: noise leaves gaps."""
     dx = px[k + 1] - px[k]
     dy = py[k + 1] - py[k]
     x -= px[k]

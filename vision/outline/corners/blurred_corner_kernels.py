@@ -1,10 +1,10 @@
-"""How blur rounds a border's corners, and what its points cost beside that.
+"""Rounding of a border's corners by blur, and the cost of its points beside that.
 
 Rules and units
 - ``border``, ``outline`` and ``costs``: see ``vision.outline.outline_types``.
-- ``corners`` (edges, 8), a row a joint: the unit vectors from which its border comes and along
-  which it goes on, the unit vector between both, twice the sine of half its turn, positive where
-  it turns clockwise on the screen, and the turn in radians, signed alike.
+- ``corners`` (edges, 8), a row a joint: unit vectors of the border before and after it, the
+  unit vector between both, twice the sine of half the turn, positive clockwise on the screen,
+  and the turn in radians with the same sign.
 """
 
 # mypy: allow-untyped-defs
@@ -47,7 +47,7 @@ EXCESS = np.array([_excess(k / PER_SIGMA) for k in range(int(REACH * PER_SIGMA) 
 
 @njit(**LEAF)
 def find_corners(border, outline, edges, corners):
-    """Fill ``corners``: where the border comes from and goes to at every joint."""
+    """Fill ``corners``: the border's directions before and after every joint."""
     px = border.x
     py = border.y
     breaks = outline.breaks
@@ -69,7 +69,7 @@ def find_corners(border, outline, edges, corners):
 
 @njit(**LEAF)
 def put_corner(ax, ay, bx, by, corner):
-    """The corner of a border that comes along (ax, ay) and goes on along (bx, by): a row."""
+    """Fill the row of a corner between the directions (ax, ay) and (bx, by)."""
     cross = ax * by - ay * bx
     dot = ax * bx + ay * by
     length = math.sqrt(max(2.0 + 2.0 * dot, 0.0))
@@ -87,7 +87,7 @@ def put_corner(ax, ay, bx, by, corner):
 
 @njit(**SUMS)
 def _measure(px, py, lo, hi, row, is_arc, side, deviations):
-    """The deviations of points lo .. hi - 1 from a line or a circle, positive to the right."""
+    """Deviations of points lo .. hi - 1 from a line or a circle, positive to the right."""
     xs = px[lo:hi]
     ys = py[lo:hi]
     x0 = row[0]
@@ -107,12 +107,10 @@ def _measure(px, py, lo, hi, row, is_arc, side, deviations):
 
 @njit(**LEAF)
 def _explain(border, lo, hi, from_, joint, corner, blur, deviations):
-    """Take off what a corner explains of points lo .. hi - 1; ``deviations`` begin at ``from_``.
+    """Subtract a corner's share from points lo .. hi - 1; ``deviations`` begin at ``from_``.
 
-    ``joint`` (2,): where the corner is.
-
-    Across the middle between a corner's sides the level that blur leaves half-way is, where it
-    turns little, the mean height of both sides under a Gaussian.
+    ``joint`` (2,): the corner's position. In a slight turn, the half level left by blur lies at the
+    mean height of both sides under a Gaussian.
     """
     reach = (REACH * blur) ** 2
     scale = PER_SIGMA / blur
@@ -134,7 +132,7 @@ def _explain(border, lo, hi, from_, joint, corner, blur, deviations):
 
 @njit(**SUMS)
 def _price(deviations, dead_zone, sigma, expected):
-    """Turn deviations into costs, less what noise explains."""
+    """Turn deviations into costs, less the share of noise."""
     inv = 1.0 / sigma
     for k in range(deviations.shape[0]):
         over = max(abs(deviations[k]) - dead_zone, 0.0) * inv
@@ -143,12 +141,12 @@ def _price(deviations, dead_zone, sigma, expected):
 
 @njit(**LEAF)
 def _measure_edge(border, outline, corners, e, after, lo, hi, blur, deviations):
-    """What is left of an edge's deviations beside what blur explains at both its ends."""
+    """Deviations of an edge, less what blur explains at both its ends."""
     row = outline.shape[e]
     joints = outline.joints
     side = 1.0
     if outline.is_arc[e]:
-        # positive to the right of the way, as of a line
+        # positive to the right of the path, as for a line
         x = joints[e, 0] - row[0]
         y = joints[e, 1] - row[1]
         side = -1.0 if x * corners[e, 3] - y * corners[e, 2] > 0.0 else 1.0
@@ -160,9 +158,9 @@ def _measure_edge(border, outline, corners, e, after, lo, hi, blur, deviations):
 
 @njit(**LEAF)
 def sum_costs(border, outline, edges, corners, blur, costs, sums):
-    """Cost of the points up to each one of the border, and once more of its second round.
+    """Cumulative cost of the border's points, over two rounds, less the share of noise.
 
-    Less what noise explains; ``sums`` (2 * n + 1,).
+    ``sums`` (2 * n + 1,).
     """
     n = border.n
     for e in range(edges):
@@ -185,8 +183,8 @@ def sum_costs(border, outline, edges, corners, blur, costs, sums):
 def change_cost(border, change, is_arc, inwards, blur, costs, worst):
     """The cost of an edge and its two neighbours, points ``lo`` .. ``hi`` - 1 of ``change``.
 
-    As ``sum_costs``; HUGE where a point lies farther off than ``worst``. ``inwards``: by how much
-    blur moves the arc between towards its centre.
+    As ``sum_costs``; HUGE if a point lies farther off than ``worst``. ``inwards``: the shift of the
+    arc between towards its centre, by blur.
     """
     rows, joints, corners = change.rows, change.joints, change.corners
     lo, first, behind, hi = change.points[0], change.points[1], change.points[2], change.points[3]

@@ -1,4 +1,4 @@
-"""Where two neighbouring fitted edges cross, or touch, and which way they run there.
+"""Crossing or point of contact of two neighbouring fitted edges, and their directions there.
 
 Rules and units
 - A fitted edge is a row x, y, ux, uy of a line or cx, cy, r of a circle (see ``Outline`` in
@@ -25,7 +25,7 @@ goes to: chosen, a wall's half width and what blur rounds."""
 
 @njit(**LEAF)
 def onto(shape, e, is_arc, x, y):
-    """The point of the fitted line or circle of edge e nearest to (x, y)."""
+    """Point nearest to (x, y) on the fitted line or circle of edge e."""
     if is_arc:
         dx = x - shape[e, 0]
         dy = y - shape[e, 1]
@@ -39,7 +39,7 @@ def onto(shape, e, is_arc, x, y):
 
 @njit(**LEAF)
 def tangent_at(row, is_arc, x, y, along_x, along_y):
-    """The unit vector along a fitted edge at (x, y), towards (along_x, along_y)."""
+    """Unit vector along a fitted edge at (x, y), towards (along_x, along_y)."""
     tx = row[2]
     ty = row[3]
     if is_arc:
@@ -52,9 +52,9 @@ def tangent_at(row, is_arc, x, y, along_x, along_y):
 
 @njit(**LEAF)
 def crossing(border, here, a, a_arc, b, b_arc, out):
-    """The crossing of two neighbouring edges nearest to point ``here``; False where there is none.
+    """The crossing of two neighbouring edges nearest to point ``here``; False if there is none.
 
-    out = x, y and half the sine of the angle between the edges, as a share of the rounding.
+    out = x, y and the sine of half the corner's inner angle, which scales the rounding.
     """
     if not a_arc and not b_arc:
         cross = a[2] * b[3] - a[3] * b[2]
@@ -96,7 +96,7 @@ def crossing(border, here, a, a_arc, b, b_arc, out):
         off = -off
     out[0] = base_x + off * off_x
     out[1] = base_y + off * off_y
-    # where the border comes from and goes to
+    # the border's directions before and after
     p = here - min(AROUND, border.n // 4)
     q = here + min(AROUND, border.n // 4)
     p = p + border.n if p < 0 else p
@@ -108,10 +108,11 @@ def crossing(border, here, a, a_arc, b, b_arc, out):
 
 @njit(**LEAF)
 def touch(a, a_arc, b, b_arc, out):
-    """Where an arc and its neighbour come nearest; out = x, y and the gap (crossing: negative).
+    """Place where an arc and its neighbour come nearest; out = x, y and the gap (crossing:
+    negative).
 
-    Two arcs touch from outside or from inside, whichever leaves the smaller gap. A crossing's
-    position is ill-defined where edges are nearly tangent; the point of contact is not.
+    Two arcs touch from outside or from inside, whichever leaves the smaller gap. The crossing of
+    nearly tangent edges is ill-defined; the point of contact is not.
     """
     if a_arc and b_arc:
         dx = b[0] - a[0]

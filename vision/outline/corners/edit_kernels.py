@@ -1,13 +1,13 @@
-"""The edits that an outline may be bettered by, and what each of them saves.
+"""Edits that may improve an outline, and the saving of each.
 
 Rules and units
 - ``border``, ``outline``, ``costs``, ``prices``, ``blur``, ``change`` and ``edits``: see
   ``vision.outline.outline_types``; pictures with grey only.
-- A search over partitions leaves out what lies near its breaks: it is blind there, and it breaks
-  at seeds only. An edit is judged with all points, beside the corners as blur rounds them
-  (``vision.outline.corners.blurred_corner_kernels``): it saves the cost and the prices of the edges
+- A search over partitions ignores points near its breaks, and breaks at seeds only. An edit is
+  judged by all points, beside the corners as blur rounds them
+  (``vision.outline.corners.blurred_corner_kernels``): it saves the cost and prices of the edges
   that it replaces, less its own.
-- An edit replaces a run of edges, which may be empty, between two that stay, ``i`` and ``j``.
+- An edit replaces a run of edges, possibly empty, between two that stay, ``i`` and ``j``.
 """
 
 # mypy: allow-untyped-defs
@@ -66,15 +66,15 @@ FLAT = 0.25
 
 @njit(**LEAF, inline="always")
 def find_edits(border, outline, edges, untouched, blur, costs, prices, edits, change, room):
-    """Find the best edit behind every edge: whether any saves something.
+    """Find the best edit behind every edge; True if any saves something.
 
-    ``untouched``: the outline is as the partition left it.
+    ``untouched``: the outline is as partitioned.
     """
     corners = room.table
     sums = edits.sums
     find_corners(border, outline, edges, corners)
     sum_costs(border, outline, edges, corners, blur.sigma, costs, sums)
-    # with an arc it is one less
+    # an outline with an arc needs one edge fewer
     spare = edges - FEWEST_LINES
     for e in range(edges):
         if outline.is_arc[e]:
@@ -118,7 +118,7 @@ def find_edits(border, outline, edges, untouched, blur, costs, prices, edits, ch
 
 @njit(**LEAF)
 def _cost_between_anchors(stays, sums):
-    """What the points between the anchors of two edges cost that stay."""
+    """Cost of the points between the anchors of the two edges that stay."""
     lo = stays[0] + int((stays[1] - stays[0]) * ANCHOR_FROM)
     hi = stays[2] + int((stays[3] - stays[2]) * ANCHOR_TO)
     return sums[hi] - sums[lo]
@@ -126,7 +126,7 @@ def _cost_between_anchors(stays, sums):
 
 @njit(**LEAF)
 def _price_of(outline, e, prices):
-    """What edge e has had to save."""
+    """Price of edge e."""
     if outline.is_fillet[e]:
         return SHARES[FILLET] * prices.line
     return prices.arc if outline.is_arc[e] else prices.line
@@ -134,10 +134,10 @@ def _price_of(outline, e, prices):
 
 @njit(**LEAF)
 def _is_wide(border, p, q, r, costs):
-    """Whether no line passes three points of the border, nor any more, as near as it has to.
+    """True if no line passes within the limit of three points of the border, or of more.
 
-    Of all lines the one along the longest side, half a height away, comes nearest to a triangle's
-    corners. Twice that is asked for: points near corners, which blur moves, take no part in a fit.
+    The line nearest to a triangle's corners runs along the longest side, half a height away. The
+    limit is doubled: points near corners, which blur moves, take no part in a fit.
     """
     px, py = border.x, border.y
     ax = px[q] - px[p]
@@ -150,7 +150,7 @@ def _is_wide(border, p, q, r, costs):
 
 @njit(**LEAF)
 def _may_be(border, outline, edges, run, kind, line_price, blur, stays):
-    """Whether an edit is worth a closer look, by the edges alone."""
+    """True if an edit is worth a closer look, by the edges alone."""
     if run.length - (kind != CORNER) > run.spare:
         return False
     if kind == LINE:
@@ -177,7 +177,7 @@ def _may_be(border, outline, edges, run, kind, line_price, blur, stays):
 
 @njit(**LEAF)
 def _may_be_line(outline, edges, run):
-    """Whether a run is more than one line, and no fillet: that touches both its lines already."""
+    """True if a run is more than one line without a fillet, which touches its lines already."""
     arcs = False
     for t in range(run.length):
         e = (run.before + 1 + t) % edges
@@ -189,7 +189,7 @@ def _may_be_line(outline, edges, run):
 
 @njit(**LEAF)
 def _is_flat(border, outline, lo, hi, e):
-    """Whether edge e, of points lo .. hi, may be one of the lines beside a fillet."""
+    """True if edge e, of points lo .. hi, may be one of the lines beside a fillet."""
     if not outline.is_arc[e]:
         return True
     px, py = border.x, border.y
@@ -198,7 +198,7 @@ def _is_flat(border, outline, lo, hi, e):
 
 @njit(**LEAF, inline="always")
 def _try_edit(border, outline, edges, run, kind, blur, costs, prices, edits, change):
-    """Note an edit that saves more than the best one known behind its edge: whether it does."""
+    """Note an edit if it saves more than the best one behind its edge; True if so."""
     points = change.points
     cost = _cost_of_edit(border, outline, edges, run, kind, blur, costs, change)
     if cost >= HUGE:
@@ -206,7 +206,7 @@ def _try_edit(border, outline, edges, run, kind, blur, costs, prices, edits, cha
     now = edits.sums[points[3]] - edits.sums[points[0]]
     saved = now + run.price - cost - SHARES[kind] * prices.line
     if kind == END:
-        # at so narrow an end the corners' model does not hold: its width and its place decide
+        # the corners' model fails at so narrow an end: its width and place decide
         saved = max(saved, BEATEN)
     i = run.before
     if saved <= edits.saved[i]:
@@ -221,7 +221,7 @@ def _try_edit(border, outline, edges, run, kind, blur, costs, prices, edits, cha
 
 @njit(**LEAF, inline="always")
 def _cost_of_edit(border, outline, edges, run, kind, blur, costs, change):
-    """What the points of an edit cost with it, HUGE where it cannot be; fills ``points``."""
+    """Cost of an edit's points with it, HUGE if it is impossible; fills ``points``."""
     if kind == LINE:
         return _try_line(border, outline, edges, run, blur, costs, change)
     if kind == FILLET:
@@ -235,7 +235,7 @@ def _cost_of_edit(border, outline, edges, run, kind, blur, costs, change):
 
 @njit(**LEAF)
 def _compare_from(border, outline, run, blur, change):
-    """Take over the lines beside a run, their points near by to compare: False where too many."""
+    """Copy the lines beside a run and choose points nearby to compare; False if too many."""
     for c in range(4):
         change.rows[0, c] = outline.shape[run.before, c]
         change.rows[2, c] = outline.shape[run.behind, c]
@@ -249,7 +249,7 @@ def _compare_from(border, outline, run, blur, change):
 
 @njit(**LEAF)
 def _are_lines(outline, edges, run):
-    """Whether a run and the two edges beside it are all lines, and these are two."""
+    """True if a run and the two distinct edges beside it are all lines."""
     if run.length > edges - 2:
         return False
     for t in range(run.length + 2):  # noqa: SIM110 (numba knows no generators)
@@ -260,16 +260,16 @@ def _are_lines(outline, edges, run):
 
 @njit(**LEAF)
 def _try_line(border, outline, edges, run, blur, costs, change):
-    """One line for a run of edges, through the points that take part in their fits.
+    """One line for a run of edges, through the points of their fits.
 
-    Where arcs are among them, whose ends move when they are fitted, only these are compared.
+    If the run has arcs, whose ends move when they are fitted, only those points are compared.
     """
     begin = (run.before + 1) % edges
     last = (run.before + run.length) % edges
     rows, stays, points = change.rows, change.stays, change.points
     lo = stays[1] + outline.ranges[begin, 0] - outline.breaks[begin]
     hi = stays[2] + outline.ranges[last, 1] - edge_end(outline.breaks, edges, border.n, last)
-    if lo < 0 or hi - lo < 2 or hi > 2 * border.n:  # no such points: an edge that was never fitted
+    if lo < 0 or hi - lo < 2 or hi > 2 * border.n:  # no such points: an edge never fitted
         return HUGE
     line = rows[1]
     fit_line(border.x, border.y, lo, hi, ONE, line)
@@ -294,7 +294,7 @@ def _try_line(border, outline, edges, run, blur, costs, change):
 
 @njit(**LEAF)
 def _try_corner(border, blur, costs, change):
-    """The corner of the two edges that stay, for a run that is no longer than what blur rounds."""
+    """The corner of the two edges that stay, for a run no longer than blur rounds."""
     px, py = border.x, border.y
     rows, points, meeting = change.rows, change.points, change.meeting
     if not set_corner(rows[0], rows[2], meeting):

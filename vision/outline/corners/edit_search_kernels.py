@@ -1,9 +1,9 @@
-"""The local search over edits of an outline: those that save most, until none saves anything.
+"""The local search over edits of an outline: the largest savings first, until none is left.
 
 Rules and units
 - ``border``, ``outline``, ``limits``, ``costs``, ``prices`` and ``edits``: see
   ``vision.outline.outline_types``; pictures with grey only.
-- What may be edited, and what it saves: ``vision.outline.corners.edit_kernels``.
+- The edits and their savings: ``vision.outline.corners.edit_kernels``.
 """
 
 # mypy: allow-untyped-defs
@@ -33,7 +33,7 @@ MOVED = 16
 
 @njit(**LEAF, inline="always")
 def edit_outline(border, outline, edges, limits, blur_px, costs, prices, room):
-    """Take the edits that save most and fit again, until none saves anything: the edges' number."""
+    """Apply the edits that save most and fit again, until none saves; returns the edges' number."""
     sigma = math.sqrt(blur_px * blur_px + PIXEL_BLUR_PX * PIXEL_BLUR_PX)
     blur = Blur(sigma, half_variance(blur_px), limits.guard)
     indices = room.indices
@@ -60,10 +60,10 @@ def edit_outline(border, outline, edges, limits, blur_px, costs, prices, room):
 
 @njit(**LEAF)
 def _take_edits(n, outline, edges, edits, room):
-    """Take the edits that save most first, none that another one touches: the new number of edges.
+    """Apply edits by falling saving, skipping any that touch another; returns the number of edges.
 
-    Edges that are ``gone``, those that stay beside an edit, an ``anchor``, and those that one
-    follows, ``used``; where an edge ``begins`` behind an edit, or -1.
+    ``gone``: edges removed; ``anchor``: edges that stay beside an edit; ``used``: edges that an
+    edit follows; ``begins``: first point of an edge behind an edit, or -1.
     """
     saved = edits.saved
     gone = room.flags[0]
@@ -107,14 +107,14 @@ def _take_edits(n, outline, edges, edits, room):
 
 @njit(**LEAF)
 def _is_left(n, outline, edges, e, begin, end):
-    """Whether something is left of edge e between two edits: their points may have passed."""
+    """True if edge e keeps points between two edits, which may have passed each other."""
     points = edge_end(outline.breaks, edges, n, e) - outline.breaks[e]
     return LEFT <= (end - begin) % n <= points + MOVED
 
 
 @njit(**LEAF)
 def _write_edits(n, outline, edges, edits, room):
-    """Write the edges that are not gone, and what is put behind those used: the new number."""
+    """Write the edges that are not gone, and the edits behind used ones; returns their number."""
     gone = room.flags[0]
     used = room.flags[2]
     begins = room.indices[4]

@@ -1,9 +1,9 @@
 """Rounded corners: an arc that touches both neighbouring lines, where sharp corners do not fit.
 
 Rules and units
-- ``border``, ``outline``, ``blur``, ``costs`` and ``change``: see ``vision.outline.outline_types``;
-  pictures with grey only.
-- A fillet has one free number, its radius: both lines are known.
+- ``border``, ``outline``, ``blur``, ``costs`` and ``change``: see
+  ``vision.outline.outline_types``; pictures with grey only.
+- Both lines are known, so a fillet has one free number, its radius.
 """
 
 # mypy: allow-untyped-defs
@@ -55,7 +55,7 @@ REFITS = 3
 
 @njit(**LEAF)
 def set_corner(a, b, corner):
-    """The corner of two lines, into ``corner`` (7,): False where they are too nearly parallel.
+    """Fill ``corner`` (7,) for two lines; False if they are too nearly parallel.
 
     x, y of the crossing, unit vector to the centres of all fillets, sine and tangent of half the
     inner angle, and the turn's sign.
@@ -81,7 +81,7 @@ def set_corner(a, b, corner):
 
 @njit(**LEAF)
 def half_variance(blur):
-    """Half the variance of the blur whose sigma reads ``blur``, in square pixels."""
+    """Half the variance of a blur of measured sigma ``blur``, in square pixels."""
     square = blur * blur
     return square * (INWARDS + MORE_INWARDS * square)
 
@@ -90,7 +90,7 @@ def half_variance(blur):
 def solve_radius(border, lo, hi, a, b, corner, radius, inwards):
     """The radius of the fillet nearest to points lo .. hi - 1: Gauss-Newton from ``radius``.
 
-    ``inwards``: by how much blur moves its border, times the radius.
+    ``inwards``: shift of its border by blur, times the radius.
     """
     px = border.x
     py = border.y
@@ -125,7 +125,7 @@ def solve_radius(border, lo, hi, a, b, corner, radius, inwards):
 
 @njit(**LEAF)
 def _cut(border, lo, hi, corner):
-    """How far the border cuts the corner: from the crossing to the border along the bisector."""
+    """Cut of the corner: distance from the crossing to the border along the bisector."""
     best = HUGE
     cut = 0.0
     for k in range(lo, hi):
@@ -140,7 +140,7 @@ def _cut(border, lo, hi, corner):
 
 @njit(**LEAF)
 def _is_round(border, lo, hi, corner, radius, worst):
-    """Whether some of the points lo .. hi lie near a fillet: most polygons are told by these."""
+    """True if a sample of points lo .. hi lies near a fillet: this excludes most polygons."""
     px = border.x
     py = border.y
     cx = corner[0] + radius / corner[4] * corner[2]
@@ -154,9 +154,9 @@ def _is_round(border, lo, hi, corner, radius, worst):
 
 @njit(**LEAF)
 def put_fillet(border, radius, blur, costs, change):
-    """Let the fillet of a radius be between the lines of ``change``: the cost, or HUGE.
+    """Put the fillet of a radius between the lines of ``change``: the cost, or HUGE.
 
-    Its points are those beyond both tangent points, of the ones compared.
+    Its points are the compared ones beyond both tangent points.
     """
     px, py = border.x, border.y
     rows, points, corner = change.rows, change.points, change.meeting
@@ -185,7 +185,7 @@ def put_fillet(border, radius, blur, costs, change):
     for c in range(2):
         change.joints[0, c] = corner[c] - reach * a[2 + c]
         change.joints[1, c] = corner[c] + reach * b[2 + c]
-        # it touches both: no corner, but the side to which it turns
+        # it touches both: no corner, only the side to which it turns
         change.corners[c, ALONG_X] = 0.0
         change.corners[c, ALONG_Y] = 0.0
         change.corners[c, STEEPNESS] = 0.0
@@ -196,7 +196,7 @@ def put_fillet(border, radius, blur, costs, change):
 
 @njit(**LEAF)
 def try_fillet(border, blur, costs, change):
-    """The fillet between the two lines that stay, as their middles run: the cost, or HUGE."""
+    """The fillet between the two lines that stay, fitted to their middles: the cost, or HUGE."""
     px, py = border.x, border.y
     rows, points, stays, corner = change.rows, change.points, change.stays, change.meeting
     lo = stays[0] + int((stays[1] - stays[0]) * ANCHOR_FROM)
@@ -235,7 +235,7 @@ def try_fillet(border, blur, costs, change):
 
 @njit(**LEAF)
 def touch_lines(border, outline, edges, blur, costs, change):
-    """Let fillets touch the lines beside them, as these have been fitted since."""
+    """Let fillets touch the lines beside them again, after these were fitted."""
     n = border.n
     breaks = outline.breaks
     is_arc = outline.is_arc

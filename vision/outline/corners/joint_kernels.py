@@ -2,8 +2,8 @@
 
 Rules and units
 - ``border``, ``outline`` and ``limits``: see ``vision.outline.outline_types``.
-- What lies within ``guard`` pixels of a corner, where blur rounds the border, takes no part in
-  a fit; short stretches keep their middle.
+- Points within ``guard`` pixels of a corner, where blur rounds the border, take no part in a
+  fit; short stretches keep their middle.
 """
 
 # mypy: allow-untyped-defs
@@ -45,9 +45,9 @@ that lie beyond by 2 px it gives up 50."""
 
 @njit(**LEAF)
 def fit_and_join(border, outline, edges, limits, room):
-    """Fit every edge, join neighbours, and so again with the joints found, until it settles.
+    """Fit every edge and join neighbours, repeatedly, until the joints settle.
 
-    The outline's ``breaks`` and ``is_arc`` are corrected, all but ``is_fillet`` filled.
+    Corrects the outline's ``breaks`` and ``is_arc``; fills all but ``is_fillet``.
     """
     near = room.numbers[0:2]
     found = room.numbers[2]
@@ -65,9 +65,9 @@ def fit_and_join(border, outline, edges, limits, room):
 
 @njit(**LEAF)
 def _away(shape, e, is_arc, known, x, y, joints, j):
-    """How far (x, y) lies from joint j, squared: along the edge where that has been fitted.
+    """Squared distance of (x, y) from joint j, measured along the edge if it has been fitted.
 
-    A point's deviation must not decide whether it takes part: those that lie far off would.
+    A point's deviation must not decide if it takes part: points far off would.
     """
     if known:
         x, y = onto(shape, e, is_arc, x, y)
@@ -105,10 +105,9 @@ def _clear_of_joints(border, outline, edges, e, guard):
 
 @njit(**LEAF)
 def _fit_edges(border, outline, edges, limits, near):
-    """Fit the edges whose points are not those of the time before: whether there were any.
+    """Fit the edges whose points have changed; True if there were any.
 
-    ``fresh[e, 0]`` says so of each edge; where only a break moved, ``fresh[e, 1]``, the
-    joints are looked at again.
+    ``fresh[e, 0]`` marks each; if only a break moved, ``fresh[e, 1]``, the joints are found again.
     """
     px = border.x
     py = border.y
@@ -147,7 +146,9 @@ def _fit_edges(border, outline, edges, limits, near):
 
 @njit(**LEAF)
 def nearest_point(border, middle, before, after, x, y):
-    """The border point nearest to (x, y) from ``before`` points ahead of ``middle`` to after."""
+    """Border point nearest to (x, y), from ``before`` points ahead of ``middle`` to ``after``
+    behind.
+    """
     px = border.x
     py = border.y
     n = border.n
@@ -164,7 +165,7 @@ def nearest_point(border, middle, before, after, x, y):
 
 @njit(**LEAF)
 def _shorter_side(border, a, corner, b):
-    """The shorter distance from a corner's border point to the breaks ahead of it and behind."""
+    """Shorter distance from a corner's border point to the breaks on either side."""
     px = border.x
     py = border.y
     to_a = (px[a] - px[corner]) ** 2 + (py[a] - py[corner]) ** 2
@@ -183,7 +184,7 @@ def _deviation(row, is_arc, x, y):
 
 @njit(**LEAF)
 def _best_split(border, a, a_arc, b, b_arc, middle, before, after):
-    """Where a border changes from edge a to edge b: the split with the least squares."""
+    """The split between edges a and b with the least squares."""
     px = border.x
     py = border.y
     n = border.n
@@ -203,9 +204,9 @@ def _best_split(border, a, a_arc, b, b_arc, middle, before, after):
 
 @njit(**LEAF)
 def _join(border, outline, edges, limits, found):
-    """Where neighbouring edges meet; breaks move to the border points nearest to that.
+    """Join neighbouring edges; breaks move to the border points nearest to the joints.
 
-    On return ``fresh[e, 1]`` says whether break e moved.
+    On return ``fresh[e, 1]`` is True if break e moved.
     """
     fresh = outline.fresh
     breaks = outline.breaks
@@ -223,11 +224,11 @@ def _join(border, outline, edges, limits, found):
 
 @njit(**LEAF)
 def _join_at(border, outline, edges, limits, e, found):
-    """Where edge e meets the one before it, into ``joints``; returns the break nearest to that.
+    """Join edge e to the one before it, in ``joints``; returns the break nearest to the joint.
 
-    A crossing is believed where the border comes as near to it as blur and the corner's
-    angle let it, and beyond ``STRAY_PX`` only where its sides are long enough to foresee it; edges
-    that do not cross, or hardly, meet half-way between them. ``found`` (3,) is room to work in.
+    A crossing is accepted if the border comes as near to it as blur and the corner's angle allow,
+    and beyond ``STRAY_PX`` only if its sides are long enough to foresee it. Edges that hardly
+    cross, or do not, meet half-way between them. ``found`` (3,) is scratch space.
     """
     n = border.n
     breaks = outline.breaks
@@ -247,7 +248,7 @@ def _join_at(border, outline, edges, limits, e, found):
             border, a, a_arc, b, b_arc, here,
             min(SMOOTH_SLIDE, room_before), min(SMOOTH_SLIDE, room_after),
         )  # fmt: skip
-        # no farther than half-way to the next break, or two might change places
+        # at most half-way to the next break, or two might change places
         slid = (here - breaks[e] + n // 2) % n - n // 2
         room_before += slid
         room_after -= slid

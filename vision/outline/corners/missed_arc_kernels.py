@@ -1,4 +1,4 @@
-"""Lines that are bent: what a search lets pass as straight because a little deviation is free.
+"""Bent lines, which a search accepts as straight because a small deviation is free.
 
 Rules and units
 - ``border`` and ``outline``: see ``vision.outline.outline_types``.
@@ -35,9 +35,9 @@ that edge points are believed to)."""
 
 @njit(**LEAF)
 def any_bent_line(border, outline, edges, spread, circle):
-    """Whether an arc fits a line's points far better, or those of two lines as well.
+    """True if an arc fits a line's points far better, or those of two lines as well.
 
-    ``spread``: the noise of a point; ``circle`` (3,) is room to work in.
+    ``spread``: the noise of a point; ``circle`` (3,) is scratch space.
     """
     px = border.x
     py = border.y

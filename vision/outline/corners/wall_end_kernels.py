@@ -1,10 +1,10 @@
-"""The ends of walls: the short side at the end of a narrow wall, between two lines that turn back.
+"""Ends of narrow walls: the short side between two lines where the border turns back.
 
 Rules and units
-- ``border``, ``outline``, ``blur``, ``costs`` and ``change``: see ``vision.outline.outline_types``;
-  pictures with grey only.
-- A search that leaves out what lies near its breaks sees nothing of a side that is no longer than
-  what blur rounds at its corners.
+- ``border``, ``outline``, ``blur``, ``costs`` and ``change``: see
+  ``vision.outline.outline_types``; pictures with grey only.
+- A search that ignores points near its breaks misses a side no longer than blur rounds at its
+  corners.
 """
 
 # mypy: allow-untyped-defs
@@ -46,7 +46,7 @@ the few points amid its corners cannot tell."""
 
 @njit(**LEAF)
 def turns_back(a, b, stays):
-    """Whether the border turns back between two lines that are long enough, by their points."""
+    """True if the border turns back between two lines with enough points."""
     if stays[1] - stays[0] < LEAST or stays[3] - stays[2] < LEAST:
         return False
     return a[2] * b[2] + a[3] * b[3] < BACK
@@ -78,7 +78,7 @@ def try_end(border, blur, costs, change):
         here = successor(here, n)
         from_a = (x - a[0]) * a[3] - (y - a[1]) * a[2]
         from_b = (x - b[0]) * b[3] - (y - b[1]) * b[2]
-        # amid the two lines, and far out
+        # between the two lines, and far out
         far = x * ux + y * uy - abs(from_a - from_b)
         if far > best:
             best = far
@@ -90,7 +90,7 @@ def try_end(border, blur, costs, change):
     y = py[tip % n]
     rows[1, 0] = x
     rows[1, 1] = y
-    # across the wall, the way that the border runs
+    # across the wall, in the border's direction
     rows[1, 2] = -uy
     rows[1, 3] = ux
     if (b[0] - a[0]) * rows[1, 2] + (b[1] - a[1]) * rows[1, 3] < 0.0:
@@ -118,7 +118,7 @@ def try_end(border, blur, costs, change):
 
 @njit(**LEAF, forceinline=False)
 def square_ends(outline, edges, blur):
-    """Turn the sides at walls' ends square to their walls where they nearly are."""
+    """Turn nearly square sides at walls' ends square to their walls."""
     is_arc = outline.is_arc
     shape = outline.shape
     joints = outline.joints
@@ -144,7 +144,7 @@ def square_ends(outline, edges, blur):
         width = (b[0] - a[0]) * a[3] - (b[1] - a[1]) * a[2]
         if abs(askew * width) > SQUARE_PX:
             continue
-        # square to the wall, the way that the side runs
+        # square to the wall, in the side's direction
         vx = shape[e, 2] - askew * ux
         vy = shape[e, 3] - askew * uy
         length = math.sqrt(vx * vx + vy * vy)

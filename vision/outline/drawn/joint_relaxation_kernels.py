@@ -2,13 +2,13 @@
 
 Rules and units
 - ``border``, ``outline`` and ``finished``: see ``vision.outline.outline_types``. Every point is
-  the middle between an obstacle pixel and a free one: an edge that leaves it by less than half a
-  pixel along the axis keeps both on their sides.
-- Joints move, and arcs rise or sink. A point moves with both joints of its edge, in the shares
-  of a lever, and with the arc's rise as a parabola: damped least squares on what exceeds the
-  limit, less of it the farther, every joint and every rise by itself, a sweep at a time.
-- ``push`` (2 * edges, 6): for each edge the normal equations of the joint that it begins at, xx,
-  xy, yy and x, y, and its rise; then its rise's, and where that joint was at first.
+  the middle between an obstacle pixel and a free one: an edge less than half a pixel from it
+  along the axis separates them.
+- Joints move, and arcs rise or sink. A point follows both joints of its edge as on a lever, and
+  the arc's rise as a parabola. Each sweep solves every joint and every rise by damped least
+  squares on the excess over the limit, weighted less the farther.
+- ``push`` (2 * edges, 6): for each edge the normal equations of its first joint, xx, xy, yy and
+  x, y, and its rise; then the rise's equations, and the joint's first position.
 """
 
 # mypy: allow-untyped-defs
@@ -40,8 +40,8 @@ wrong."""
 def relax_joints(border, outline, edges, finished, push):
     """Move the joints and the arcs of finished edges between the pixels.
 
-    ``joints``, and ``shape`` and ``is_arc`` to match, are changed; the edges have to be finished
-    again. ``push`` is room to work in.
+    Changes ``joints``, and ``shape`` and ``is_arc`` to match; the edges must be finished again.
+    ``push`` is scratch space.
     """
     joints = outline.joints
     kinds = finished.kind
@@ -73,7 +73,7 @@ def relax_joints(border, outline, edges, finished, push):
 
 @njit(**LEAF)
 def _step(outline, edges, kinds, push):
-    """Let every joint and every rise give way to what pushes it."""
+    """Move every joint and every rise as it is pushed."""
     joints = outline.joints
     for e in range(edges):
         xx = push[e, 0] + DAMPING
@@ -92,7 +92,7 @@ def _step(outline, edges, kinds, push):
 
 @njit(**LEAF)
 def _rise(rows, e, after, kind):
-    """How far an arc's middle lies to the left of its chord, signed; y down."""
+    """Distance of an arc's middle to the left of its chord, signed; y down."""
     x0 = rows[e, 0]
     y0 = rows[e, 1]
     dx = rows[after, 0] - x0
@@ -107,7 +107,7 @@ def _rise(rows, e, after, kind):
 
 @njit(**LEAF)
 def circle_through(x0, y0, x1, y1, rise):
-    """Centre and radius of the arc that rises so far to the left of its chord."""
+    """Centre and radius of the arc that rises by ``rise`` to the left of its chord."""
     dx = x1 - x0
     dy = y1 - y0
     chord = math.sqrt(dx * dx + dy * dy)
@@ -120,7 +120,7 @@ def circle_through(x0, y0, x1, y1, rise):
 
 @njit(**LEAF)
 def _pushes(border, outline, edges, kinds, push, e):
-    """Add up what edge e's points demand of its joints and its rise; how many demand."""
+    """Add the pushes of edge e's points on its joints and its rise; returns their total weight."""
     joints = outline.joints
     after = successor(e, edges)
     dx = joints[after, 0] - joints[e, 0]
@@ -138,7 +138,7 @@ def _pushes(border, outline, edges, kinds, push, e):
 
 @njit(**SUMS)
 def _line_pushes(xs, ys, joints, edges, e, push):
-    """What points ``xs``, ``ys`` demand of line e; how many demand."""
+    """Add the pushes of points ``xs``, ``ys`` on line e; returns their total weight."""
     after = successor(e, edges)
     x0 = joints[e, 0]
     y0 = joints[e, 1]
@@ -150,7 +150,7 @@ def _line_pushes(xs, ys, joints, edges, e, push):
     beyond = 0.0
     rise_ww = 0.0
     rise_w = 0.0
-    # the normal to the left of the way, and how far left a point lies
+    # the normal to the left of the path, and a point's distance to the left
     nx = dy / length
     ny = -dx / length
     limit = (HALF - SEPARATION_MARGIN) * max(abs(nx), abs(ny))
@@ -192,7 +192,7 @@ def _line_pushes(xs, ys, joints, edges, e, push):
 
 @njit(**SUMS)
 def _arc_pushes(xs, ys, joints, edges, e, push):  # noqa: PLR0915 - sums of one loop, side by side
-    """What points ``xs``, ``ys`` demand of arc e; how many demand."""
+    """Add the pushes of points ``xs``, ``ys`` on arc e; returns their total weight."""
     after = successor(e, edges)
     x0 = joints[e, 0]
     y0 = joints[e, 1]
@@ -261,7 +261,7 @@ def _arc_pushes(xs, ys, joints, edges, e, push):  # noqa: PLR0915 - sums of one 
 
 @njit(**LEAF)
 def _shape_of(outline, e, after, rise):
-    """The line or circle that an edge between its joints now lies on."""
+    """Set the line or circle of an edge from its moved joints."""
     joints = outline.joints
     shape = outline.shape
     x0 = joints[e, 0]

@@ -1,8 +1,8 @@
-"""Runs of lost cracks, one after the other, and which of them have to go.
+"""Runs of consecutive lost cracks, and the choice of those to replace.
 
 Rules and units
-- ``cracks``: see ``vision.outline.outline_types``; what becomes of each, OK, LOST or GRAVE, is in
-  ``state`` (``vision.outline.drawn.separation_kernels``).
+- ``cracks``: see ``vision.outline.outline_types``; ``state`` is each crack's verdict, OK, LOST
+  or GRAVE (``vision.outline.drawn.separation_kernels``).
 """
 
 # mypy: allow-untyped-defs
@@ -24,13 +24,13 @@ where both are lost, nothing drawn lies beside the last."""
 
 @njit(**LEAF)
 def weigh_runs(cracks, state, weights):
-    """Per run of lost cracks how many pixels, where it ends: negative where one is grave.
+    """Write each run's number of lost pixels at its end, negative if the run is grave.
 
-    A tip lost is grave too: all cracks of a pixel that hangs on by a corner, or so many as ``TIP``
-    around one that hangs on by a side.
+    A lost tip is grave too: all cracks of a pixel attached by a corner, or a run of at least
+    ``TIP`` around a pixel attached by a side.
 
-    A pixel may be lost at several cracks, which follow one another. Returns the pixels of all runs,
-    and of the heaviest one that is not grave.
+    A pixel may be lost at several consecutive cracks. Returns the pixels of all runs, and of the
+    heaviest one that is not grave.
     """
     n = cracks.n
     start = 0
@@ -81,9 +81,9 @@ def weigh_runs(cracks, state, weights):
 
 @njit(**LEAF)
 def mark_runs(state, n, budget, total, heaviest, weights, inside):
-    """Mark in ``inside`` the runs of lost cracks that have to go, and one crack beyond each.
+    """Mark in ``inside`` the runs of lost cracks to replace, and one crack beyond each.
 
-    Those with a grave one, then the heaviest until the border loses no more than it may.
+    Grave runs first, then the heaviest, until the border loses no more than ``budget``.
     """
     for k in range(n):
         inside[k] = False

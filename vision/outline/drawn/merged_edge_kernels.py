@@ -1,11 +1,11 @@
-"""The line or the arc that may stand for a run of edges without grey.
+"""A line or an arc that may replace a run of edges without grey.
 
 Rules and units
-- ``cracks``, and ``trial``, edges ``0 .. count - 1`` with their first cracks, of which edge ``at``
-  stands for cracks lo .. hi - 1: see ``vision.outline.outline_types``.
-- A chord begins in the middle of a crack's way, so that two or three of them, with a jog between,
-  stand for a line that begins elsewhere in it. Here the line is found that runs as far as can be
-  from the pixels on both of its sides, and ends where it meets what is before and behind it.
+- ``cracks``, and ``trial``, edges ``0 .. count - 1`` with their first cracks, of which edge
+  ``at`` replaces cracks lo .. hi - 1: see ``vision.outline.outline_types``.
+- A chord begins in the middle between a crack's pixels, so two or three chords with a jog may
+  approximate a line that begins elsewhere. The line found here runs as far as possible from the
+  pixels on both sides, and ends at the edges before and behind.
 """
 
 # mypy: allow-untyped-defs
@@ -42,7 +42,7 @@ LOOKS = 8
 
 @njit(**LEAF)
 def put_line(cracks, trial, count, at, lo, hi):
-    """Let edge ``at`` be the line farthest from the pixels of cracks lo .. hi - 1, if it can be."""
+    """Make edge ``at`` the line farthest from the pixels of cracks lo .. hi - 1, if possible."""
     gap, x, y, vx, vy = line_between(cracks, lo, hi)
     if gap < 0.0:
         return False
@@ -68,10 +68,10 @@ def put_line(cracks, trial, count, at, lo, hi):
 
 @njit(**LEAF)
 def _goes_on(kind, stays, moves, x, y):
-    """Whether an edge between a joint that stays and one that moves still runs the same way.
+    """True if an edge between a joint that stays and one that moves keeps its direction.
 
-    ``stays``, ``moves``: their rows; (x, y): where the latter moves to. An arc that is no longer
-    than its end may move could become nearly a whole circle.
+    ``stays``, ``moves``: their rows; (x, y): the latter's new position. An arc no longer than its
+    end may move could become nearly a whole circle.
     """
     dx = moves[0] - stays[0]
     dy = moves[1] - stays[1]
@@ -84,8 +84,8 @@ def _goes_on(kind, stays, moves, x, y):
 def _gap_at(cracks, lo, hi, x0, y0, ux, uy, tilt):
     """The least height of a free pixel and the greatest of an obstacle, and where both are.
 
-    Heights are over a line through (x0, y0) whose slope against (ux, uy) is ``tilt``, towards the
-    free pixels.
+    Heights are above a line through (x0, y0) of slope ``tilt`` against (ux, uy), towards the free
+    pixels.
     """
     free = HUGE
     dark = -HUGE
@@ -113,9 +113,9 @@ def _gap_at(cracks, lo, hi, x0, y0, ux, uy, tilt):
 def line_between(cracks, lo, hi):
     """The line farthest from the pixels on both sides of cracks lo .. hi - 1.
 
-    Returns how wide the gap between them is, negative where no line separates them, a point and the
-    unit vector. The gap is a concave function of the slope: it is at most as wide as where its
-    tangents at two slopes meet, and there it is looked at next.
+    Returns the width of the gap, negative if no line separates the sides, a point and the unit
+    vector. The gap is a concave function of the slope: its tangents at two slopes meet at an upper
+    bound, where the next slope is tried.
     """
     x0 = cracks.x[lo]
     y0 = cracks.y[lo]
@@ -126,7 +126,7 @@ def line_between(cracks, lo, hi):
         return -HUGE, x0, y0, 1.0, 0.0
     ux /= length
     uy /= length
-    # no line is steeper that passes between the pixels of the first crack and of the last
+    # no steeper line passes between the pixels of both the first crack and the last
     steepest = 2.0 * HALF / max(length - 2.0 * HALF, HALF)
     low, low_gap, low_slope = -steepest, HUGE, 0.0
     high, high_gap, high_slope = steepest, HUGE, 0.0
@@ -166,9 +166,9 @@ def line_between(cracks, lo, hi):
 
 @njit(**LEAF)
 def _meet(cracks, edges, i, after, k, x, y, vx, vy):
-    """Where a line meets edge i, which ends or begins at crack k: x, y, and whether it does there.
+    """Point where a line meets edge i, which ends or begins at crack k: x, y, and True if it does.
 
-    An arc on its circle; another line where both cross, or else on the crack's own way.
+    An arc is met on its circle; another line at the crossing, or else between the crack's pixels.
     """
     kx = cracks.x[k]
     ky = cracks.y[k]
@@ -196,7 +196,7 @@ def _meet(cracks, edges, i, after, k, x, y, vx, vy):
 
 @njit(**LEAF)
 def _on_circle(circle, x, y, vx, vy, near_x, near_y):
-    """Where a line meets a circle, or comes nearest to it: x, y, and whether near to a place."""
+    """Point where a line meets or nearly meets a circle: x, y, and True if near a given place."""
     cx = circle[0] - x
     cy = circle[1] - y
     along = cx * vx + cy * vy
@@ -212,7 +212,7 @@ def _on_circle(circle, x, y, vx, vy, near_x, near_y):
 
 @njit(**LEAF)
 def put_arc(cracks, trial, count, at, lo, hi, circle, room):
-    """Let edge ``at`` be the arc that fits cracks lo .. hi - 1 best, if there is one.
+    """Make edge ``at`` the arc that fits cracks lo .. hi - 1 best, if there is one.
 
     Between two lines it begins and ends where its circle meets or touches them, else at its joints.
     """
@@ -244,9 +244,9 @@ def put_arc(cracks, trial, count, at, lo, hi, circle, room):
 
 @njit(**SUMS)
 def _keeps_off(cracks, lo, hi, cx, cy, r):
-    """Whether a circle passes between the pixels of cracks lo .. hi - 1, and not by a hair.
+    """True if a circle passes between the pixels of cracks lo .. hi - 1 with a margin.
 
-    One whose centre is just inside an arc lies outside by the larger part.
+    A pixel whose centre is just inside an arc lies outside by the larger part.
     """
     beyond = 0
     for k in range(lo, hi):
@@ -260,7 +260,7 @@ def _keeps_off(cracks, lo, hi, cx, cy, r):
 
 @njit(**LEAF)
 def _end_on(circle, ax, ay, x, y):
-    """Where the line from (ax, ay) to (x, y) ends on a circle: x, y, and whether near to that."""
+    """End of the line from (ax, ay) to (x, y) on a circle: x, y, and True if near (x, y)."""
     vx = x - ax
     vy = y - ay
     length = math.sqrt(vx * vx + vy * vy)
@@ -271,7 +271,7 @@ def _end_on(circle, ax, ay, x, y):
 
 @njit(**LEAF)
 def _rise_of(circle, x0, y0, x1, y1, x, y):
-    """How far a circle's arc beside (x, y) rises to the left of the chord between two places."""
+    """Rise of a circle's arc beside (x, y) to the left of the chord between two places."""
     dx = x1 - x0
     dy = y1 - y0
     chord = math.sqrt(dx * dx + dy * dy)
@@ -288,7 +288,7 @@ def _rise_of(circle, x0, y0, x1, y1, x, y):
 
 @njit(**LEAF)
 def may_be_arc(cracks, lo, hi):
-    """Whether none of cracks lo .. hi - 1 is far from the circle through three of them."""
+    """True if a sample of cracks lo .. hi - 1 lies near the circle through three of them."""
     if hi - lo < LEAST_ARC:
         return False
     last = hi - 1

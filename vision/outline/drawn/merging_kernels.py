@@ -1,13 +1,13 @@
-"""Fewer edges without grey: a run of edges becomes one line or one arc that loses no more pixels.
+"""Merging of edges without grey: one line or arc replaces a run if no more pixels are lost.
 
 Rules and units
 - ``cracks``, and ``finished``, edges ``0 .. count - 1`` with their first cracks: see
   ``vision.outline.outline_types``.
-- A local search: from every edge on the longest run is sought that one arc may stand for where
-  that costs less, or one line for a run of lines (``vision.outline.drawn.merged_edge_kernels``);
-  what is beside an edge that was put in is looked at again.
-- An edge is judged by the pixels that the outline then loses around it, drawn again
-  (``vision.outline.drawn.separation_kernels``): none that it did not lose before.
+- A local search: from every edge, find the longest run that one arc may replace if that costs
+  less, or one line for a run of lines (``vision.outline.drawn.merged_edge_kernels``). Edges
+  beside a new one are tried again.
+- An edge is judged by the pixels that the outline, drawn again, loses around it
+  (``vision.outline.drawn.separation_kernels``): none that were not lost before.
 """
 
 # mypy: allow-untyped-defs
@@ -45,14 +45,14 @@ ARC_LINES = 2
 
 @njit(**LEAF, inline="always")
 def merge_edges(cracks, finished, count, one_circle, trial, circle, room):
-    """Merge runs of edges where no pixel is lost by it; returns the new ``count``.
+    """Merge runs of edges that lose no further pixel; returns the new ``count``.
 
     ``one_circle``: its arcs all belong to the circle that the border nearly is; they stay.
-    ``trial``, as long as ``finished``, ``circle`` (3,) and ``room`` are memory to work in.
+    ``trial``, with the size of ``finished``, ``circle`` (3,) and ``room`` are scratch space.
     """
     state = room.indices[1]
     find_lost(cracks, finished, count, state)
-    # by their first cracks: edges to begin at now, and in the next round
+    # by first crack: edges to begin at in this round and in the next
     now = room.flags[0]
     then = room.flags[1]
     for k in range(cracks.n):
@@ -85,7 +85,7 @@ def merge_edges(cracks, finished, count, one_circle, trial, circle, room):
 
 @njit(**LEAF, inline="always")
 def _best_run(cracks, finished, count, e, arc, trial, circle, room):
-    """The most edges from e on that one line or arc may stand for; 0 where there are none."""
+    """The most edges from e on that one line or arc may replace; 0 if none."""
     if not arc:
         return _longest_line(cracks, finished, count, e, trial, circle, room)
     best = 0
@@ -105,9 +105,9 @@ def _best_run(cracks, finished, count, e, arc, trial, circle, room):
 
 @njit(**LEAF)
 def _longest_line(cracks, finished, count, e, trial, circle, room):
-    """The most lines from e on that one line may stand for; 0 where there are none.
+    """The most lines from e on that one line may replace; 0 if none.
 
-    Where no line separates a run's pixels none separates those of a longer one.
+    If no line separates a run's pixels, none separates those of a longer run.
     """
     if finished.kind[e] != LINE:
         return 0
@@ -140,9 +140,9 @@ def _stretch(cracks, finished, count, e, run):
 
 @njit(**LEAF)
 def _is_as_near(cracks, finished, count, e, run, trial, number, at):
-    """Whether the line for a run is as near to its cracks as the edges were, but for rounding.
+    """True if a run's line is as near to its cracks as the edges were, within rounding.
 
-    That of all but the longest edge: a side must not turn for a corner's pixel.
+    Rounding counts for all but the longest edge: a side must not turn for a corner's pixel.
     """
     before = 0.0
     total = 0
@@ -158,7 +158,7 @@ def _is_as_near(cracks, finished, count, e, run, trial, number, at):
 
 @njit(**LEAF)
 def _squares(cracks, edges, count, i):
-    """How many cracks an edge has, and the sum of their squared distances to its line."""
+    """Number of an edge's cracks, and the sum of their squared distances to its line."""
     after = successor(i, count)
     lo = edges.at[i]
     hi = edges.at[after]
@@ -177,7 +177,7 @@ def _squares(cracks, edges, count, i):
 
 @njit(**LEAF)
 def _is_dearer(finished, count, e, run):
-    """Whether a run of edges costs more than an arc."""
+    """True if a run of edges costs more than an arc."""
     lines = 0
     for t in range(run):
         lines += 1 if finished.kind[(e + t) % count] == LINE else ARC_LINES
@@ -186,7 +186,7 @@ def _is_dearer(finished, count, e, run):
 
 @njit(**LEAF)
 def _window(count, run):
-    """How many edges a trial has: one for a run, and those on either side that matter."""
+    """Number of edges in a trial: one for a run, and those on either side that matter."""
     return min(count - run + 1, 2 * BESIDE + 1)
 
 
@@ -200,7 +200,7 @@ def _around(count, at):
 
 @njit(**LEAF)
 def _judge_around(cracks, finished, count, at, state):
-    """``state`` of the cracks around edge ``at``: those lost, and how many of them gravely."""
+    """Fill ``state`` of the cracks around edge ``at``; returns those lost, and those grave."""
     first, number = _around(count, at)
     lost = 0
     grave = 0
@@ -213,7 +213,7 @@ def _judge_around(cracks, finished, count, at, state):
 
 @njit(**LEAF)
 def _loses_no_more(cracks, trial, count, at, room):
-    """Whether around edge ``at`` of a trial nothing is lost, or gravely, that was not before."""
+    """True if no crack around edge ``at`` of a trial is newly lost, or newly grave."""
     state = room.indices[1]
     fresh = room.indices[2]
     lost, _ = _judge_around(cracks, trial, count, at, fresh)
@@ -258,9 +258,9 @@ def _put(cracks, finished, count, e, run, arc, trial, circle, room):
 
 @njit(**LEAF)
 def _take_over(trial, number, at, finished, count, e, run):
-    """Put edge ``at`` of a trial in the place of a run from edge e on: the new number of edges.
+    """Replace a run from edge e on by edge ``at`` of a trial; returns the number of edges.
 
-    Where the run passes the last edge it comes last.
+    If the run passes the last edge, the new one comes last.
     """
     fewer = count - run + 1
     passed = max(e + run - count, 0)

@@ -3,12 +3,12 @@
 Rules and units
 - ``cracks``, and ``finished``, edges ``0 .. count - 1`` with their first cracks: see
   ``vision.outline.outline_types``.
-- Chords that cross every crack's way replace the stretch of lost cracks alone; the edges on both
-  sides stay what they are. Where little would be left of them the whole border
-  becomes such chords, which take no pixel for what it is not.
-- A chord is as long as it can be: from its first point the ways ahead are looked through like
-  windows, until nothing is left of the cone of sight (J. Sklansky and V. Gonzalez, Fast
-  Polygonal Approximation of Digitized Curves, 1980).
+- A crack's way is the line between its two pixels. Chords that cross all ways replace only the
+  stretch of lost cracks; the edges on both sides stay. If little would be left of them, the
+  whole border becomes such chords, which misclassify no pixel.
+- A chord extends until the cone of sight from its first point, through the ways ahead as
+  windows, is empty (J. Sklansky and V. Gonzalez, Fast Polygonal Approximation of Digitized
+  Curves, 1980).
 """
 
 # mypy: allow-untyped-defs
@@ -40,9 +40,10 @@ bound on the work."""
 
 @njit(**LEAF)
 def chords_between(cracks, lo, hi, x0, y0, x1, y1, found):
-    """Chords from (x0, y0) on crack lo's way to (x1, y1) on crack hi's: their number.
+    """Chords from (x0, y0) on crack lo's way to (x1, y1) on crack hi's; returns their number.
 
-    ``found``: the crack at whose middle every chord begins; the first one begins at (x0, y0).
+    ``found``: the crack at whose middle each chord begins, except the first, which begins at (x0,
+    y0).
     """
     m = 0
     here = lo
@@ -52,7 +53,7 @@ def chords_between(cracks, lo, hi, x0, y0, x1, y1, found):
         found[m] = here
         m += 1
         best = here + 1
-        # towards the cone's sides: the free pixels' and the obstacle's
+        # to the sides of the cone: the free pixels' and the obstacle's
         free_x = 0.0
         free_y = 0.0
         dark_x = 0.0
@@ -87,9 +88,9 @@ def chords_between(cracks, lo, hi, x0, y0, x1, y1, found):
 
 @njit(**LEAF)
 def _on_way(cracks, k, finished, i, count, out):
-    """Where edge i crosses the way of crack k, or else its point nearest to the crack's middle.
+    """Point where edge i crosses the way of crack k, or else comes nearest to the crack's middle.
 
-    Returns whether it crosses.
+    Returns True if it crosses.
     """
     after = successor(i, count)
     x = cracks.x[k]
@@ -127,10 +128,10 @@ def _on_way(cracks, k, finished, i, count, out):
 
 @njit(**LEAF, inline="always")
 def separate_by_chords(cracks, finished, count, budget, state, inside, found, old, ends):
-    """Replace what loses more pixels than ``budget`` by chords; returns the new ``count``.
+    """Replace edges that lose more pixels than ``budget`` by chords; returns the new ``count``.
 
-    ``state``, ``inside``, ``found`` (n + 1,), ``old``, as long as ``finished``, and ``ends`` (2, 2)
-    are room to work in. There are never more edges than cracks.
+    ``state``, ``inside``, ``found`` (n + 1,), ``old``, with the size of ``finished``, and ``ends``
+    (2, 2) are scratch space. There are never more edges than cracks.
     """
     n = cracks.n
     for again in range(ROUNDS + 1):
@@ -154,7 +155,7 @@ def separate_by_chords(cracks, finished, count, budget, state, inside, found, ol
 
 @njit(**LEAF)
 def _any_grave(weights, n):
-    """Whether a run of lost cracks has to go whatever the border may lose."""
+    """True if a run of lost cracks must be replaced whatever the budget."""
     for k in range(n):  # noqa: SIM110 (numba knows no generators)
         if weights[k] < 0:
             return True
@@ -163,7 +164,7 @@ def _any_grave(weights, n):
 
 @njit(**LEAF)
 def all_chords(cracks, finished, found):
-    """Chords all around, from the crack farthest from the middle on; returns their number."""
+    """Write chords all around, from the crack farthest from the middle on; returns their number."""
     n = cracks.n
     mx = 0.0
     my = 0.0
@@ -202,7 +203,7 @@ def _write(finished, i, x, y, k):
 
 @njit(**LEAF)
 def _replace(cracks, finished, count, first, inside, found, old, ends):
-    """Chords instead of the cracks that are ``inside``; returns the new count.
+    """Replace the cracks that are ``inside`` by chords; returns the new count.
 
     Edge ``first`` begins outside.
     """
@@ -253,17 +254,17 @@ def _replace(cracks, finished, count, first, inside, found, old, ends):
 
 @njit(**LEAF)
 def _begin_stretch(cracks, old, count, e, k, start):
-    """Where chords begin on the way of crack k of edge e; False: where the edge does."""
+    """Beginning of chords on the way of crack k of edge e; False if the edge's own beginning."""
     if k > old.at[e]:
         _on_way(cracks, k, old, e, count, start)
         return True
-    # the crack at a joint may be crossed by the edge before
+    # the edge before may cross the crack at a joint
     return _on_way(cracks, k, old, predecessor(e, count), count, start)
 
 
 @njit(**LEAF)
 def _end_stretch(cracks, old, count, e, k, end):
-    """Where chords end on the way of crack k of edge e: whether the next edge begins there."""
+    """End of chords on the way of crack k of edge e; True if the next edge begins there."""
     if _on_way(cracks, k, old, e, count, end):
         return False
     after = successor(e, count)
@@ -272,7 +273,7 @@ def _end_stretch(cracks, old, count, e, k, end):
     hi = hi + cracks.n if hi <= lo else hi
     if k < hi - 1:
         return False
-    # or by the edge after, which then begins here
+    # or the edge after, which then begins here
     x = end[0]
     y = end[1]
     if _on_way(cracks, k, old, after, count, end):
@@ -300,7 +301,7 @@ def _write_stretch(cracks, finished, i, begun, ended, start, end, found):
 
 @njit(**LEAF)
 def _keep(finished, i, old, e, x, y, k):
-    """Write edge i: what edge e of the old ones was, from (x, y) at crack k on."""
+    """Write edge i: old edge e, but from (x, y) at crack k on."""
     finished.kind[i] = old.kind[e]
     finished.rows[i, 0] = x
     finished.rows[i, 1] = y
@@ -311,7 +312,7 @@ def _keep(finished, i, old, e, x, y, k):
 
 @njit(**LEAF)
 def _straighten(finished, n, count, j):
-    """Make a line of what is left of an arc where it is flat, or would turn the long way round."""
+    """Make the rest of an arc a line if it is flat, or would turn the long way round."""
     after = successor(j, count)
     hi = finished.at[after]
     hi = hi + n if hi <= finished.at[j] else hi

@@ -1,10 +1,10 @@
-"""Whether finished edges separate the pixels of a border without grey.
+"""The test that finished edges separate the pixels of a border without grey.
 
 Rules and units
-- A crack lies between the centres of an obstacle pixel and a free one, half a pixel away each.
-  Edges drawn again give both back exactly where they cross the way from one centre to the other
-  an odd number of times: no estimate. An outline that crosses the ways of a border's cracks one
-  after the other takes no pixel's centre for what it is not.
+- A crack lies between the centres of an obstacle pixel and a free one, half a pixel from each.
+  If edges cross this line, its way, an odd number of times, drawing them again reproduces both
+  pixels exactly. An outline that crosses a border's ways in order misclassifies no pixel's
+  centre.
 - ``cracks``, and ``finished``, edges ``0 .. count - 1`` whose first cracks ascend around the
   border: see ``vision.outline.outline_types``.
 """
@@ -48,7 +48,7 @@ one."""
 
 @njit(**LEAF)
 def runs_between_two_greys(grey, xs, ys, directions):
-    """Whether all obstacle pixels at cracks have one value, and all free ones beside them one."""
+    """True if all obstacle pixels at cracks have one value, and all free ones beside them one."""
     height, width = grey.shape
     dark = grey[0, 0]
     light = grey[0, 0]
@@ -97,7 +97,7 @@ def fill_cracks(xs, ys, directions, cracks):
 
 @njit(**LEAF)
 def find_cracks(border, cracks, crack_of):
-    """``crack_of`` (points,): which crack every edge point was measured across, ascending."""
+    """Fill ``crack_of`` (points,), ascending: the crack that each point was measured across."""
     c = -1
     for k in range(border.n):
         x = border.x[k]
@@ -118,7 +118,7 @@ def find_cracks(border, cracks, crack_of):
 
 @njit(**LEAF)
 def _crossings(kind, rows, i, after, x, y, upright):
-    """How often edge i crosses the way between the two pixels of the crack at (x, y)."""
+    """Number of times edge i crosses the way between the pixels of the crack at (x, y)."""
     x0 = rows[i, 0]
     y0 = rows[i, 1]
     x1 = rows[after, 0]
@@ -138,10 +138,10 @@ def _crossings(kind, rows, i, after, x, y, upright):
 
 @njit(**LEAF)
 def _round_crossings(kind, rows, i, after, x, y, upright):
-    """The same for an arc.
+    """Number of crossings for an arc, as ``_crossings``.
 
-    Where an end lies on the line through both pixels, it counts as a line's end does: an arc whose
-    ends lie on different sides crosses that line once, or else not or twice.
+    An end on the line through both pixels counts as a line's end does: an arc whose ends lie on
+    different sides crosses that line once, otherwise never or twice.
     """
     cx = rows[i, 2]
     cy = rows[i, 3]
@@ -180,7 +180,7 @@ def _round_crossings(kind, rows, i, after, x, y, upright):
 
 @njit(**LEAF)
 def _judge(kind, rows, count, i, x, y, free_x, free_y):
-    """What becomes of the crack at (x, y), whose stretch edge i is: OK, LOST or GRAVE."""
+    """Verdict on the crack at (x, y), in the stretch of edge i: OK, LOST or GRAVE."""
     upright = free_x != 0.0
     after = successor(i, count)
     own = _crossings(kind, rows, i, after, x, y, upright)
@@ -212,7 +212,7 @@ def _judge(kind, rows, count, i, x, y, free_x, free_y):
 
 @njit(**LEAF)
 def find_lost(cracks, finished, count, state):
-    """``state`` (n,) of every crack; cracks lost, and how many of them gravely."""
+    """Fill ``state`` (n,) of every crack; returns the cracks lost, and how many of them gravely."""
     lost = 0
     grave = 0
     for i in range(count):
@@ -224,7 +224,7 @@ def find_lost(cracks, finished, count, state):
 
 @njit(**LEAF)
 def find_lost_beside(cracks, finished, count, i, state):
-    """The same of the cracks whose stretch edge i is."""
+    """The same for the cracks in the stretch of edge i."""
     n = cracks.n
     lost = 0
     grave = 0
@@ -236,7 +236,7 @@ def find_lost_beside(cracks, finished, count, i, state):
     y0 = finished.rows[i, 1]
     dx = finished.rows[after, 0] - x0
     dy = finished.rows[after, 1] - y0
-    # a crack well within a line is told by the line alone
+    # a line alone decides on a crack well within it
     square = dx * dx + dy * dy if finished.kind[i] == LINE else 0.0
     margin = NEAR_JOINT_PX * math.sqrt(square)
     across_upright = HALF * abs(dy)
@@ -272,10 +272,10 @@ def find_lost_beside(cracks, finished, count, i, state):
 
 @njit(**LEAF)
 def _is_beside(cracks, k, x, y):
-    """Whether a joint at (x, y) lies beside the border at crack k, as all of an outline has to.
+    """True if a joint at (x, y) lies beside the border at crack k, as all of an outline must.
 
-    A pointed corner that reaches beyond its last pixel may hold other pixels there, which have no
-    crack; without blur nothing was rounded back.
+    A pointed corner beyond its last pixel may hold others, which have no crack there; without blur
+    none was rounded back.
     """
     n = cracks.n
     for step in range(REACH + 1):

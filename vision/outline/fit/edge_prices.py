@@ -1,14 +1,14 @@
-"""What one more line, arc or circle has to save before it is believed.
+"""Prices: the saving that one more line, arc or circle must bring.
 
 Rules and units
 - A stretch's cost is the sum over its points of ((|deviation| - dead zone) / sigma)^2 beyond
   the dead zone (see ``vision.outline.fit.shape_kernels``); a price is in the same units.
-- Noise alone saves a little with every free number that a fit is given. With white noise and
-  no dead zone that is a chi-square of one degree of freedom a number, of mean 1; a break in a
-  line brings two, so that at any one place it saves more than t with probability exp(-t / 2).
-  A dead zone, or a sigma above the spread, lessens all of that by a common factor.
-- Were the price made for the chance alone, it would vanish with the noise. Lenses and prints
-  are no lines: below ``LEAST_LINE`` it does not fall.
+- Noise alone saves a little with every free number of a fit. For white noise without a dead
+  zone it is a chi-square of one degree of freedom, of mean 1. A break in a line brings two
+  numbers, and at any one place saves more than t with probability exp(-t / 2). A dead zone, or
+  a sigma above the spread, lessens both by a common factor.
+- A price for chance alone would vanish with the noise. But lenses and prints bend lines, so it
+  does not fall below ``LEAST_LINE``.
 """
 
 from __future__ import annotations
@@ -36,8 +36,8 @@ def edge_prices(
 ) -> Prices:
     """The prices of a line, an arc and a circle.
 
-    ``spread_px`` is what noise does to a point, ``crisp`` says that the picture has no grey;
-    the other two are those of the costs.
+    ``spread_px``: the noise of a point; ``crisp``: the picture has no grey; the other two are those
+    of the costs.
     """
     line = max(LEAST_LINE, LINE_CHANCE * saving_of_noise(dead_zone_px, sigma_px, spread_px))
     shares = CRISP_SHARES if crisp else SHARES
@@ -45,7 +45,7 @@ def edge_prices(
 
 
 def saving_of_noise(dead_zone_px: float, sigma_px: float, spread_px: float) -> float:
-    """What noise saves, in the mean, with one more free number of a fit.
+    """Mean saving of noise with one more free number of a fit.
 
     The mean square of the slope of a point's cost over its mean curvature (the theory of
     M-estimators; P. J. Huber, Robust Statistics, 1981): 1 without a dead zone.

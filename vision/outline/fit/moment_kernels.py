@@ -1,11 +1,11 @@
-"""Lines and circles from sums over a stretch of a border: the sums grow with the stretch.
+"""Lines and circles from sums over a stretch of a border, which grow with the stretch.
 
 Rules and units
-- ``px``, ``py`` as in ``vision.outline.fit.shape_kernels``. A search that makes a stretch longer
-  and longer adds each point once, and fits through all of them at any moment; a fit through a
-  sample of them would be farther off the more points are left out.
+- ``px``, ``py`` as in ``vision.outline.fit.shape_kernels``. A search that lengthens a stretch
+  adds each point once, and can fit all of them at any moment; a fit through a sample would be
+  less exact the more points are left out.
 - ``sums`` (13,): the stretch's first point and the one behind its last, for a line and for a
-  circle; x and y of the first, the origin; and about that, with z = xx + yy, the sums of x, y,
+  circle; x and y of the first, the origin; and about it, with z = xx + yy, the sums of x, y,
   xx, xy, yy, xz, yz, zz.
 - Fits as in ``vision.outline.fit.shape_kernels``: total least squares, and Taubin's circle.
 """
@@ -29,7 +29,7 @@ ROOM = 13
 
 @njit(**SUMS)
 def grow(px, py, a, b, sums):
-    """Let ``sums`` be those of points a .. b - 1 as far as a line needs them."""
+    """Extend ``sums`` to points a .. b - 1, for a line only."""
     begin = int(sums[BEHIND])
     if int(sums[FIRST]) != a or begin > b:
         begin = a
@@ -60,7 +60,7 @@ def grow(px, py, a, b, sums):
 
 @njit(**SUMS)
 def grow_round(px, py, sums):
-    """Let ``sums`` be complete, as a circle needs them: most stretches are lines."""
+    """Complete ``sums`` for a circle: a separate step, since most stretches are lines."""
     begin = int(sums[ROUND_BEHIND])
     b = int(sums[BEHIND])
     ox, oy = sums[ORIGIN_X], sums[ORIGIN_Y]

@@ -1,8 +1,8 @@
-"""Finished edges of a closed outline: how they are written, how far off they are, how long.
+"""Finished edges of a closed outline: their format, distances and lengths.
 
 Rules and units
 - ``rows`` (k, 6): the first point x, y of an edge, the centre and radius of an arc, and the rms
-  deviation; an edge ends where the next one begins, the last one where the first does.
+  deviation; an edge ends where the next begins, the last where the first does.
 - Pixels, y down; an arc's kind is its turn as seen on the screen.
 """
 
@@ -34,7 +34,7 @@ TURNS = 8
 
 @njit(**LEAF)
 def edge_end(breaks, edges, n, e):
-    """The last point of edge e, behind its first one: it may run past the border's end."""
+    """The last point of edge e, behind its first; it may run past the border's end."""
     hi = breaks[successor(e, edges)]
     return hi + n if hi <= breaks[e] else hi
 
@@ -58,8 +58,7 @@ def _through_ends(shape, e, x0, y0, x1, y1, ccw, circle):
         circle[1] = cy
         circle[2] = math.sqrt((x0 - cx) ** 2 + (y0 - cy) ** 2)
         return
-    # clockwise on the screen (y down): the arc bulges to the left of its chord, which is
-    # the direction (dy, -dx)
+    # clockwise on the screen (y down), the arc bulges to the left of its chord: direction (dy, -dx)
     side = -1.0 if ccw else 1.0
     nx = side * dy / chord
     ny = -side * dx / chord
@@ -77,7 +76,7 @@ def _through_ends(shape, e, x0, y0, x1, y1, ccw, circle):
 
 @njit(**LEAF)
 def _is_ccw(px, py, lo, hi, cx, cy):
-    """Whether the border runs counter-clockwise as seen on the screen about (cx, cy)."""
+    """True if the border runs counter-clockwise on the screen about (cx, cy)."""
     total = 0.0
     p = lo
     for t in range(1, TURNS + 1):
@@ -89,9 +88,9 @@ def _is_ccw(px, py, lo, hi, cx, cy):
 
 @njit(**LEAF)
 def finish_edge(border, outline, edges, e, rows, circle):
-    """Write edge e between its joints into ``rows``, all but what it is off; returns its kind.
+    """Write edge e between its joints into ``rows``, except the deviation; returns its kind.
 
-    ``circle`` (3,) is room to work in.
+    ``circle`` (3,) is scratch space.
     """
     joints = outline.joints
     shape = outline.shape
@@ -122,9 +121,9 @@ def finish_edge(border, outline, edges, e, rows, circle):
 
 @njit(**LEAF)
 def arc_ends(kinds, rows, e, after):
-    """From an arc's centre to its ends, in the sense in which the angle grows.
+    """Vectors from an arc's centre to its ends, by growing angle.
 
-    y down: that is along an arc that is clockwise on the screen.
+    With y down, that is along an arc that is clockwise on the screen.
     """
     ax = rows[e, 0] - rows[e, 2]
     ay = rows[e, 1] - rows[e, 3]
@@ -137,7 +136,7 @@ def arc_ends(kinds, rows, e, after):
 
 @njit(**LEAF)
 def in_sweep(kinds, rows, e, after, x, y):
-    """Whether (x, y) lies in the sector of arc e."""
+    """True if (x, y) lies in the sector of arc e."""
     ax, ay, bx, by = arc_ends(kinds, rows, e, after)
     dx = x - rows[e, 2]
     dy = y - rows[e, 3]
@@ -181,7 +180,7 @@ def distance_to_edge(kinds, rows, e, after, x, y):
 
 @njit(**LEAF)
 def arc_sweep(kinds, rows, e, after):
-    """Where arc e begins and by how much it turns, in radians as y grows down."""
+    """Angle where arc e begins, and its turn, in radians with y down."""
     begin = math.atan2(rows[e, 1] - rows[e, 3], rows[e, 0] - rows[e, 2])
     end = math.atan2(rows[after, 1] - rows[e, 3], rows[after, 0] - rows[e, 2])
     if kinds[e] == ARC_CCW:

@@ -1,8 +1,9 @@
-"""Lines and circles turned and moved until they pass between the pixels of a picture without grey.
+"""Lines and circles fitted between the pixels of a picture without grey.
 
 Rules and units
-- Points as in ``vision.outline.fit.shape_kernels``; each is the middle between an obstacle pixel
-  and a free one. What leaves it by less than half a pixel along the axis keeps both on their sides.
+- Points as in ``vision.outline.fit.shape_kernels``, each the middle between an obstacle pixel
+  and a free one. An edge less than half a pixel from it along the axis keeps both on their
+  sides.
 """
 
 # mypy: allow-untyped-defs
@@ -41,7 +42,7 @@ than these do."""
 
 @njit(**SUMS)
 def weight_of(excess):
-    """How much a point counts that lies so far beyond its limit, in pixels.
+    """Weight of a point that lies ``excess`` pixels beyond its limit.
 
     A pixel is lost or not: one that juts out at a corner must not outweigh a whole side's.
     """
@@ -50,7 +51,7 @@ def weight_of(excess):
 
 @njit(**SUMS)
 def lost_to_circle(px, py, n, circle):
-    """How many pixels beside n points a circle takes for what they are not, without grey."""
+    """Number of pixels beside n points that a circle misclassifies, without grey."""
     cx, cy, r = circle[0], circle[1], circle[2]
     lost = 0
     for k in range(n):
@@ -63,11 +64,12 @@ def lost_to_circle(px, py, n, circle):
 
 @njit(**LEAF)
 def lose_fewest(cracks, circle, losses, away):
-    """Give a circle the radius about its centre that loses the fewest pixels; returns how many.
+    """Give a circle the radius about its centre that loses the fewest pixels; returns their number.
 
-    Those beside a border's cracks that it takes for what they are not; a pixel's cracks follow one
-    another. Its own radius where none loses fewer, or else the nearest that does: half-way between
-    two pixels. ``losses`` (2 * RADII + 2,) and ``away`` (2 n,) are room to work in.
+    Pixels beside a border's cracks that it misclassifies are lost; a pixel's cracks follow one
+    another. The circle keeps its radius if none loses fewer, else takes the nearest that loses
+    fewest, half-way between two pixels. ``losses`` (2 * RADII + 2,) and ``away`` (2 n,) are scratch
+    space.
     """
     cx = circle[0]
     cy = circle[1]
@@ -95,7 +97,7 @@ def lose_fewest(cracks, circle, losses, away):
             here = math.sqrt((x - cx) * (x - cx) + (y - cy) * (y - cy))
             away[pixels] = here
             pixels += 1
-            # the first radius that takes the pixel in
+            # the first radius that includes the pixel
             i = min(max(math.ceil((here - least) / step), 0), 2 * RADII + 1)
             losses[i] += 1.0 if outside else -1.0
             losses[0] += 0.0 if outside else 1.0
@@ -122,11 +124,9 @@ def lose_fewest(cracks, circle, losses, away):
 def separate_line(px, py, lo, hi, line, near):
     """Turn and shift a line until it passes between the pixels on its two sides.
 
-    In a picture without grey every point is the middle between an obstacle pixel and a free
-    one: a line that leaves it by less than half a pixel along the axis keeps both on their
-    sides. Least squares on what exceeds that, less of it the farther (``weight_of``), a few
-    steps from the total-least-squares line; ``near`` (2, hi - lo + 1) is room for the points
-    that may matter.
+    Least squares on each point's excess over half a pixel along the axis, weighted less the farther
+    (``weight_of``), a few steps from the total-least-squares line. ``near`` (2, hi - lo + 1) is
+    scratch space for the points that may matter.
     """
     xs, ys = px[lo:hi], py[lo:hi]
     near_x, near_y = near[0], near[1]
@@ -184,7 +184,8 @@ def separate_line(px, py, lo, hi, line, near):
 def separate_circle(px, py, lo, hi, circle, near):
     """Move and grow a circle until it passes between the pixels, by plain least squares.
 
-    A disc that is no exact circle leaves every one somewhere, and the nearest one is wanted.
+    Unweighted, because an inexact disc leaves every circle somewhere, and the nearest one is
+    sought.
     """
     xs, ys = px[lo:hi], py[lo:hi]
     near_x, near_y = near[0], near[1]

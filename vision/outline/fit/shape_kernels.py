@@ -1,15 +1,15 @@
-"""Lines and circles through stretches of a border: the fits, and what they cost.
+"""Lines and circles through stretches of a border: the fits, and their costs.
 
 Rules and units
-- ``px``, ``py``: one border's points in pixels, about the border's own origin, twice over, so
-  that a stretch lo .. hi may run past the border's end once; y down.
-- A cost is the sum of ((|deviation| - dead_zone) / sigma)^2 over a stretch's points; in a
-  picture without grey the deviation is taken along the pixels' axis (see
+- ``px``, ``py``: one border's points in pixels about its own origin, twice over, so that a
+  stretch lo .. hi may run past its end once; y down.
+- A cost is the sum of ((|deviation| - dead_zone) / sigma)^2 over a stretch's points; without
+  grey the deviation is along the pixels' axis (see
   ``vision.outline.fit.separating_fit_kernels``).
-- Lines: total least squares. Circles: Taubin's fit, then Gauss-Newton on the distances
-  (N. Chernov, Circular and Linear Regression, 2010).
-- Loops run over a stretch's own slice and without branches, so that they work on several points
-  at a time (``planner.scene.compile_options``).
+- Lines: total least squares. Circles: Taubin's fit, then Gauss-Newton on the distances (N.
+  Chernov, Circular and Linear Regression, 2010).
+- Loops run over a stretch's slice without branches, several points at a time
+  (``planner.scene.compile_options``).
 """
 
 # mypy: allow-untyped-defs
@@ -105,7 +105,7 @@ def put_line(ox, oy, means, last_x, last_y, out):
 def fit_circle(px, py, lo, hi, step, out):
     """Taubin's circle through points lo, lo + step, .. < hi: out = cx, cy, r.
 
-    False where the points lie on a line.
+    False if the points lie on a line.
     """
     count = (hi - lo + step - 1) // step
     mx = my = xx = xy = yy = xz = yz = zz = 0.0
@@ -156,7 +156,7 @@ def fit_circle(px, py, lo, hi, step, out):
 def taubin(xx, xy, yy, xz, yz, zz, mx, my, out):
     """Taubin's circle from mean products about the points' mean (mx, my): out = cx, cy, r.
 
-    z is xx + yy of a point. False where the points lie on a line.
+    z is xx + yy of a point. False if the points lie on a line.
     """
     mz = xx + yy
     cov = xx * yy - xy * xy
@@ -196,9 +196,9 @@ def taubin(xx, xy, yy, xz, yz, zz, mx, my, out):
 
 @njit(**LEAF)
 def circle_of_three(ax, ay, bx, by):
-    """The circle through (0, 0), (ax, ay) and (bx, by): its centre x, y and its radius.
+    """Centre x, y and radius of the circle through (0, 0), (ax, ay) and (bx, by).
 
-    The radius is HUGE where all three lie on a line.
+    The radius is HUGE if all three lie on a line.
     """
     det = 2.0 * (ax * by - ay * bx)
     if abs(det) < 1e-9:
@@ -284,7 +284,7 @@ def line_cost(px, py, lo, hi, line, crisp, dead_zone, sigma, worst, bound):
 
 @njit(**SUMS)
 def circle_cost(px, py, lo, hi, circle, crisp, dead_zone, sigma, worst, bound):
-    """The same for a circle."""
+    """The cost of a circle, as ``line_cost``."""
     cx, cy, r = circle[0], circle[1], circle[2]
     bound *= sigma * sigma
     cost = 0.0
@@ -318,9 +318,9 @@ def circle_cost(px, py, lo, hi, circle, crisp, dead_zone, sigma, worst, bound):
 
 @njit(**LEAF)
 def goes_round(px, py, n, x, y):
-    """Whether a whole border of n points, a closed polyline, winds once round (x, y).
+    """True if a whole border of n points, a closed polyline, winds once round (x, y).
 
-    A circle's residuals do not tell: both sides of a slit lie beside a short stretch of many
+    A circle's residuals do not show it: both sides of a slit lie beside a short stretch of many
     circles. D. Sunday, Inclusion of a Point in a Polygon, 2001.
     """
     turns = 0

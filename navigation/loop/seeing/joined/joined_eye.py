@@ -1,16 +1,16 @@
 """The eye of several cameras: frames of each in, one set of poses and one scene out.
 
 Rules
-- Each camera has its own tracker of markers and its own watch over what changed, on its own
-  pictures. Only where something changed its picture is laid onto the floor plan, and the plan's
-  picture is extracted as a single camera's would be.
-- A camera that gives no new picture for ``stale_s`` while the others do is lost: unplugged, frozen
-  or hung, it is the same. What only it saw is an obstacle at once, as all ground is that no camera
-  sees; a robot in there holds. The camera's picture counts again from the first one in which the
-  robots' places are known, and its ground is open again.
-- Whether a camera was knocked is watched on its own pictures: one that has moved holds every robot,
-  for nobody knows what is where it looks. While it is lost nothing is driven by its word.
-- Before every camera has given a picture, or had ``START_S`` for it, there is no scene.
+- Each camera has its own marker tracker and its own watch for changes, on its own pictures. Its
+  background is laid onto the floor plan only after a change, and the plan's picture is extracted
+  like a single camera's.
+- A camera is lost (unplugged, frozen or hung) if it gives no new picture for ``stale_s`` while the
+  others do. What only it saw is an obstacle at once, like all ground that no camera sees; a robot
+  in there holds. Its ground is open again from its first picture in which the robots' places are
+  known.
+- Each camera's own pictures show whether it was knocked. A camera that has moved holds every
+  robot, because what it looks at is unknown. While it is lost, nothing relies on its word.
+- There is no scene until every camera has given a picture, or had ``START_S`` for it.
 Units: metres and radians in the arena, seconds.
 """
 
@@ -47,10 +47,10 @@ WITHIN_M: Final = 1e-3
 
 @dataclass(frozen=True, slots=True)
 class JoinedSettings:
-    """What several cameras need beside the eye's settings.
+    """Requirements of several cameras beside the eye's settings.
 
-    ``stale_s``: a camera without a new picture for so long is lost. ``apart_m``: how far their
-    outlines may differ.
+    ``stale_s``: a camera without a new picture for this time is lost. ``apart_m``: the most that
+    their outlines may differ.
     """
 
     names: tuple[str, ...]
@@ -76,7 +76,7 @@ class _View:
 
 
 class JoinedEye:
-    """Keeps each camera's view, the fused poses and the picture of the whole arena."""
+    """Views of each camera, fused poses, and the picture of the whole arena."""
 
     def __init__(
         self,
@@ -114,10 +114,10 @@ class JoinedEye:
         return SceneWatcher()
 
     def look(self, frame: Frame, tell: Callable[[Poses], None] = lambda _: None) -> Glimpse:
-        """What one camera's frame adds; ``tell`` gets its poses before anything else is looked at.
+        """Take one camera's frame; ``tell`` gets its poses before anything else is looked at.
 
-        The frame's ``source`` is the camera's name. The glimpse's poses are all that are known of
-        the present, its picture that of the whole arena.
+        The frame's ``source`` is the camera's name. The glimpse has every present pose and the
+        picture of the whole arena.
         """
         frame = replace(frame, image=grey_of(frame.image))
         index = self._index[frame.source]
@@ -157,10 +157,10 @@ class JoinedEye:
             troubles=self._troubles(),
         )
 
-    # Which cameras there are.
+    # Available cameras.
 
     def _note_arrival(self, index: int, captured_s: float) -> None:
-        """Which cameras are lost, now that this one has given a picture."""
+        """Update which cameras are lost, after a picture of this one."""
         self._first_s = captured_s if self._first_s is None else self._first_s
         for other, view in enumerate(self._views):
             view.missed = 0 if other == index else view.missed + 1
@@ -181,7 +181,7 @@ class JoinedEye:
                 self._apart = {pair: v for pair, v in self._apart.items() if i not in pair}
 
     def _is_ready(self, now_s: float) -> bool:
-        """Whether what is not seen now is not only what was not seen yet."""
+        """True if unseen ground is not merely ground not seen yet."""
         started = self._first_s is not None and now_s - self._first_s > START_S
         waits = any(
             one.background is None and not (started and i in self._lost)
@@ -197,15 +197,15 @@ class JoinedEye:
     def _live_now(self) -> tuple[bool, ...]:
         return tuple(one.background is not None for one in self._views)
 
-    # What changed.
+    # Changes.
 
     def _present(self, now_s: float) -> dict[int, RobotPose]:
-        """The poses that are still those of the present."""
+        """Poses that are still current."""
         stale_s = self._joined.stale_s
         return {i: p for i, p in self._last_seen.items() if abs(now_s - p.captured_s) <= stale_s}
 
     def _watch(self, index: int, frame: Frame, now: Poses, discs: FloatArray) -> Change | None:
-        """What this camera sees change, while it is known where the robots are."""
+        """Return this camera's change, while the robots' places are known."""
         driven = self.settings.driven_ids
         if not all(i in self._last_seen for i in driven) or not any(i in now for i in driven):
             return None
@@ -217,7 +217,7 @@ class JoinedEye:
         return change
 
     def _body_discs(self, index: int, now_s: float, now: Poses) -> FloatArray:
-        """The pixels of every robot's body in this camera's picture, where it is by now."""
+        """Pixels of every robot's present body in this camera's picture."""
         calibration = self.plan.cameras[index]
         discs = [np.empty((0, 3))]
         for robot_id, pose in self._last_seen.items():
@@ -232,7 +232,7 @@ class JoinedEye:
         return np.concatenate(discs)
 
     def _may_show(self, index: int, pose: RobotPose) -> bool:
-        """Whether the camera's model holds at a place: far outside it shows what is elsewhere."""
+        """True if the camera's model holds at a place: far outside, it maps elsewhere."""
         calibration = self.plan.cameras[index]
         place = np.array([(pose.x, pose.y)])
         with np.errstate(all="ignore"):
@@ -246,7 +246,7 @@ class JoinedEye:
     # The scene.
 
     def _brought_up_to_date(self, index: int, change: Change | None) -> KnownScene:
-        """The scene now: only what changed is fitted again, where that can be trusted."""
+        """The present scene; only changes are fitted again, if that can be trusted."""
         anew = self._note_live()
         if anew:
             self._parts = [Part.of(self._owners, i) for i in range(len(self._live))]
@@ -271,7 +271,7 @@ class JoinedEye:
         return KnownScene.of(seen, self.plan.calibration, self._unseen)
 
     def _note_live(self) -> bool:
-        """Which cameras show the arena now, and what none of them does; whether that is new."""
+        """Update the cameras that show the arena and the unseen ground; True if they changed."""
         live = self._live_now()
         if live == self._live:
             return False
@@ -281,7 +281,7 @@ class JoinedEye:
         return True
 
     def _not_seen(self) -> Unseen:
-        """The ground that no camera sees now, and why."""
+        """Ground that no camera sees now, and why."""
         if self._unknown is None:
             return Unseen()
         ground = unseen_ground(
@@ -298,7 +298,7 @@ class JoinedEye:
         return [one for one in found if one is not None]
 
     def _compare_outlines(self) -> None:
-        """How far the outlines of each two cameras lie apart, where one of them is new."""
+        """Measure the distance between the outlines of each two cameras if one is new."""
         fresh = set()
         for index, view in enumerate(self._views):
             if view.background is None or view.edges is not None:
@@ -320,7 +320,7 @@ class JoinedEye:
             if apart_m is not None:
                 self._apart[one, other] = apart_m
 
-    # What is said.
+    # Reports.
 
     def _picture(self, captured_s: float) -> Frame:
         self._count += 1
@@ -330,7 +330,7 @@ class JoinedEye:
         return Frame(canvas, captured_s, self._count - 1, " + ".join(self._joined.names))
 
     def _on_plan(self, index: int, pose: RobotPose) -> RobotPose:
-        """The pose with its marker's corners where the plan's picture shows them."""
+        """The pose with its marker's corners in the plan's picture."""
         floor = self.plan.cameras[index].arena_from_image(pose.corners_px)
         corners = self.plan.calibration.image_from_arena(floor)
         corners.setflags(write=False)
@@ -344,7 +344,7 @@ class JoinedEye:
         return found | {i: said[i] for i in self.settings.driven_ids if i in said}
 
     def _hold(self) -> str | None:
-        """Why no robot may drive: one is where nothing is seen, or the cameras contradict."""
+        """Reason why no robot may drive: one is on unseen ground, or cameras disagree."""
         names = self._joined.names
         for (one, other), apart_m in self._apart.items():
             if apart_m > self._joined.apart_m:
@@ -370,7 +370,7 @@ class JoinedEye:
         return f": {' and '.join(lost)} {'is' if len(lost) == 1 else 'are'} lost" if lost else ""
 
     def _troubles(self) -> Mapping[str, str]:
-        """A sentence for each camera that is lost; empty for the others."""
+        """A sentence for each lost camera; empty for the others."""
         said = {}
         for index, name in enumerate(self._joined.names):
             sentence = ""

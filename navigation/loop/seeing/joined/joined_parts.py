@@ -1,4 +1,4 @@
-"""From a configuration of several cameras to the eye that looks through all of them."""
+"""The eye of several cameras, made from a configuration."""
 
 from __future__ import annotations
 
@@ -23,10 +23,10 @@ def joined_eye(
     tracker: Callable[..., MarkerTracker] = MarkerTracker,
     eye: Callable[..., JoinedEye] = JoinedEye,
 ) -> JoinedEye:
-    """The eye of a configuration's several cameras, whose floor is laid out in ``plan``.
+    """The eye of a configuration's cameras, whose common floor is ``plan``.
 
-    ``places`` watch whether each camera stays where it is; ``tracker`` and ``eye`` make the parts
-    that look at pictures, or others in their place.
+    ``places`` watch whether each camera stays in place; ``tracker`` and ``eye`` make the parts that
+    look at pictures, or their substitutes.
     """
     robots = marked_robots(config, driven)
     cameras = each_camera(config)
