@@ -1,13 +1,13 @@
-"""Black and white: which pixels are obstacle, by which method and why.
+"""Black and white: the pixels that are obstacle, with the method and the reason.
 
 Rules and units
-- Grey values are 0 .. 255, obstacles dark, once ``as_grey`` has looked at the picture: a
-  16-bit picture is scaled by its brightest pixel, light obstacles are turned into dark ones.
+- Grey values are 0 .. 255, obstacles dark, after ``as_grey``: 16 bits are scaled by the brightest
+  pixel, and light obstacles are turned into dark ones.
 - A pixel is obstacle where its grey value lies below the level.
 - Methods: ``otsu`` (one level, from the histogram), ``fixed`` (the caller's), ``adaptive``
   (the mean of the neighbourhood), ``background`` (division by a fitted surface of the light).
-- ``auto`` takes one level where the light is even, and divides by the light where it is not.
-- ``Binary.grey`` is what the mask was made from, with one level for the whole picture: the
+- ``auto`` takes one level in even light and divides by the light otherwise.
+- ``Binary.grey`` is what the mask was made from, with one level for the whole picture;
   sub-pixel edges are measured in it.
 """
 
@@ -80,13 +80,12 @@ def binarise(
     ignore: NDArray[np.bool_] | None = None,
     room: Room | None = None,
 ) -> Binary:
-    """Decide for every pixel whether it is obstacle.
+    """Decide for every pixel if it is obstacle.
 
-    ``threshold`` (0 .. 255, or 0 .. 65535 for 16 bits) is the level of method ``fixed``: a
-    dark obstacle's pixels lie below it, a light one's at it or above. Pixels of ``ignore``
-    (h, w) are free whatever they look like. ``room`` is where the mask is made, which then
-    stays only until the room is used again. Raises ``PictureError`` where there is no free
-    pixel, or an option is wrong. O(pixels).
+    ``threshold`` (0 .. 255, or 0 .. 65535 for 16 bits) is the level of method ``fixed``: pixels of
+    dark obstacles lie below it, of light ones at it or above. Pixels of ``ignore`` (h, w) are
+    always free. ``room`` holds the mask, which is valid until ``room`` is used again. Raises
+    ``PictureError`` if no pixel is free or an option is wrong. O(pixels).
     """
     if method not in METHODS:
         raise PictureError(f"method {method!r}: must be one of {', '.join(METHODS)}")
@@ -114,7 +113,7 @@ def binarise(
         width = grey.shape[1]
         binary.mask[1:-1, 1 : width + 1][ignore] = 0
         binary = replace(binary, by_level=False)
-    # where the first pixel is free, or one of its row, the others need not be looked at
+    # a free pixel in the first row saves looking at the others
     first_row = binary.inside[0]
     if first_row[0] and first_row.all() and cv2.countNonZero(binary.mask) == grey.size:
         raise PictureError(
@@ -126,7 +125,7 @@ def binarise(
 
 
 def warm_up(polarity: Polarity = "dark") -> None:
-    """Compile, or load, the kernels that only uneven light, noise and thin walls ask for.
+    """Compile, or load, the kernels for uneven light, noise and thin walls.
 
     A run's first shadow must not wait for seconds.
     """
@@ -150,7 +149,7 @@ def warm_up(polarity: Polarity = "dark") -> None:
 
 
 def _side(grey: NDArray[Any], polarity: Polarity) -> tuple[Literal["dark", "light"], str]:
-    """Which side of the level obstacles lie on: the rarer, where it is ours to find out."""
+    """Side of the level that obstacles lie on: the rarer one if ``polarity`` is ``auto``."""
     if polarity != "auto":
         return polarity, ""
     look = Look(grey)
@@ -198,9 +197,9 @@ def _by_otsu(look: Look, classes: Classes | None, side: Literal["dark", "light"]
 
 
 def _auto(look: Look, classes: Classes | None, side: Literal["dark", "light"]) -> Binary:
-    """One level where the light is even; else the level or the division that edges speak for."""
+    """One level in even light, otherwise the level or division that edges support best."""
     if classes is not None and look.fine is not None:
-        # no edge has its plateaus, by which edges are judged
+        # such structure has no plateaus, by which edges are judged
         return _fine(look, classes, side)
     too_fine = unresolved_structure(look, classes, side)
     if too_fine is not None:
@@ -212,7 +211,7 @@ def _auto(look: Look, classes: Classes | None, side: Literal["dark", "light"]) -
     uneven = math.inf if classes is None else unevenness(look, classes, side)
     if uneven > MOST_UNEVEN:
         even = None
-    # noise hides the edges that a level leaves out, and so does the glow around light obstacles
+    # noise, and the glow around light obstacles, hide edges that a level leaves out
     sure = uneven <= SURELY_EVEN
     surely = sure or (side == "dark" and look.noise < CALM_NOISE)
     if (
@@ -225,13 +224,13 @@ def _auto(look: Look, classes: Classes | None, side: Literal["dark", "light"]) -
     support = Support(look, side, even=even is not None)
     best, across = support.best_level(look.counts, even)
     if across < FEWEST:
-        # what is so rare the sample may have missed
+        # a sample may miss pixels this rare
         support = Support(look, side, 2 * look.grey.size, even is not None)
         best, _ = support.best_level(look.counts, even)
     why = f"uneven light: free pixels spread by {spread:.0f} grey levels"
     judged = [(support.judge.real(one), 1.0) for one in _divided(look, side, why)]
-    # a division need not have as much: edges are measured nearer to half-way there; nor need the
-    # level of even light, which is half-way too, and the picture need not be changed
+    # a division wins with slightly less, as it measures edges nearer to half-way; so does the level
+    # of even light, which is half-way too and leaves the picture unchanged
     for each in dict.fromkeys(one for one in (even, best) if one is not None):
         level = (_even if each is even else _level)(look.apart(), each, side)
         as_good = 1.0 / NEARLY_ALL if each is even and sure else NEARLY_ALL
@@ -255,7 +254,7 @@ def _even(look: Look, classes: Classes, side: Literal["dark", "light"]) -> Binar
 
 
 def _fine(look: Look, classes: Classes, side: Literal["dark", "light"]) -> Binary:
-    """Walls of a few pixels, at a level that noise seldom takes their pixels over."""
+    """Binarise walls of a few pixels, at a level that noise rarely pushes their pixels across."""
     if SIGMAS * look.noise <= 0.5 * classes.contrast:
         return _even(look, classes, side)
     level = classes.level + look.noise
@@ -274,33 +273,33 @@ def _level(look: Look, classes: Classes, side: Literal["dark", "light"]) -> Bina
         f"free at {classes.light:.0f}, noise {look.noise:.1f} grey levels"
     )
     how = Binarisation("otsu", _shown(classes.level, side), side, reason)
-    # where there is least light there is least between the classes
+    # contrast is lowest where light is weakest
     margin = MOST_UNEVEN * classes.contrast
     return black_and_white(look, classes.level, classes.contrast, how, margin=margin)
 
 
 def _uniform(look: Look, side: Literal["dark", "light"]) -> Binary:
-    """A picture without contrast is all free or all obstacle."""
+    """Make a picture without contrast all free or all obstacle."""
     mean = float(cv2.mean(look.grey)[0])
     why = f"no contrast: every pixel is within noise of {mean:.0f}"
     return _all_alike(look, side, mean, why)
 
 
 def _edgeless(look: Look, side: Literal["dark", "light"]) -> Binary:
-    """So is one whose grey changes, but nowhere suddenly: it is what its best lit part is."""
+    """Make a picture without sudden changes all free or all obstacle, by its best-lit part."""
     running = np.cumsum(look.counts)
     lit = float(np.searchsorted(running, LIT_SHARE * running[-1]))
     return _all_alike(look, side, lit, f"no edges: the light runs up to {lit:.0f} and is uneven")
 
 
 def _unresolved(look: Look, side: Literal["dark", "light"], found: Unresolved) -> Binary:
-    """Ground whose walls and ways run together is no floor: it is obstacle, all of it."""
+    """Make ground whose walls and ways run together all obstacle."""
     why = (
         "walls and ways may be too fine for the picture: the ground's grey varies by "
         f"{found.spread:.0f} levels from pixel to pixel, more than noise does, so that all of it "
         "counts as obstacle; focus the camera, bring it closer, use more pixels, or more light"
     )
-    # no level of a method that a part of a later picture could be seen by
+    # not a method whose level may be applied to part of a later picture
     how = Binarisation("unresolved", _shown(found.level, side), side, why)
     margin = found.level - found.middle
     binary = black_and_white(
@@ -321,7 +320,7 @@ def _adaptive(look: Look, classes: Classes | None, side: Literal["dark", "light"
     block = (min(grey.shape) // 4) | 1
     mean = cv2.blur(grey.astype(np.float32), (block, block), borderType=cv2.BORDER_REPLICATE)
     contrast = 2.0 * LEAST_CONTRAST if classes is None else classes.contrast
-    # as far below the mean as noise never is, once it is smoothed as far as it may be
+    # farther below the mean than noise gets after the widest smoothing
     at_least = SIGMAS * CALMINGS[-1].left * look.noise
     offset = max(LEAST_CONTRAST, 0.1 * contrast, at_least)
     centred = np.clip(grey - mean + np.float32(offset + 127.5), 0.0, 255.0)
@@ -338,7 +337,7 @@ def _adaptive(look: Look, classes: Classes | None, side: Literal["dark", "light"
 
 
 def _best_divided(look: Look, side: Literal["dark", "light"]) -> Binary:
-    """The picture divided by the light, as it was asked for, at the level of the better edges."""
+    """Picture divided by the light, as requested, at the level with the better edges."""
     found = _divided(look, side, "asked for")
     if len(found) == 1:
         return found[0]
@@ -349,13 +348,14 @@ def _best_divided(look: Look, side: Literal["dark", "light"]) -> Binary:
 
 
 def _divided(look: Look, side: Literal["dark", "light"], why: str) -> list[Binary]:
-    """The picture divided by the light, at the level between its classes.
+    """Picture divided by the light, at the level between its classes.
 
-    And, in noise, at the one half-way to what stands out of it: masks in rooms of their own.
+    In noise there is a second mask, at the level half-way to pixels that stand out of it. Each mask
+    has its own memory.
     """
     light, top = light_surface(look.grey, side), 0.0
     if side == "light":
-        # light multiplies what the camera saw, not its negative
+        # light multiplies the camera's values, not their negative
         ratio = (np.float32(255.0) - look.grey) / light
         top = max(float(cv2.blur(ratio, (3, 3)).max()), 1.0 + LEAST_CONTRAST / FREE_LEVEL)
         flat = np.clip((top - ratio) * np.float32(FREE_LEVEL / (top - 1.0)), 0.0, 255.0)
@@ -366,7 +366,7 @@ def _divided(look: Look, side: Literal["dark", "light"], why: str) -> list[Binar
     divided = Look(flat)
     if divided.fine is None:
         divided.noise = float(noise_sigma(divided.grey))
-    # where there is little light, division makes the noise stronger
+    # division amplifies noise where there is little light
     noise = np.float32(noise_sigma(look.grey) * scale) / light
     strongest = max(divided.noise, float(noise.max()))
     why = (
@@ -396,5 +396,5 @@ def _otsu(grey: NDArray[Any]) -> float:
 
 
 def _shown(level: float, side: Literal["dark", "light"]) -> float:
-    """The level in the values of the picture as it came, where light may be obstacle."""
+    """Level in the original picture's values, where obstacles may be light."""
     return round(level if side == "dark" else 255.0 - level, 3)

@@ -1,7 +1,7 @@
-"""What a picture's grey values look like: their histogram and their noise, from a sample.
+"""Histogram and noise of a picture's grey values, from a sample.
 
-Grey values are 0 .. 255, integer or floating point. They look at no more than about
-``SAMPLE`` pixels, spread evenly over the picture; the noise at ``SAMPLED`` rows and columns.
+Grey values are 0 .. 255, integer or floating point. At most about ``SAMPLE`` pixels, spread evenly
+over the picture, are read; for the noise, ``SAMPLED`` rows and columns.
 """
 
 # mypy: allow-untyped-defs
@@ -47,9 +47,9 @@ FIRST, LAST = np.int64(0), np.int64(256)
 
 @njit(**OWNING)
 def sampled_histogram(grey):
-    """How many of the sampled pixels have each grey value: (256,) int64."""
+    """Histogram of the sampled pixels, (256,) int64."""
     height, width = grey.shape
-    # four counters for a value: runs of the same grey need not wait for each other
+    # four counters a value, so that runs of equal grey do not wait for each other
     counters = np.zeros((4, 256), np.uint32)
     rows, columns = sample_steps(height, width)
     for y in range(0, height, rows):
@@ -59,7 +59,7 @@ def sampled_histogram(grey):
 
 @njit(**LEAF)
 def sample_steps(height, width):
-    """Every how many rows and columns a pixel is looked at."""
+    """Step in rows and in columns between sampled pixels."""
     step = max(1, height * width // SAMPLE)
     rows = 1
     while rows * rows < step:
@@ -70,10 +70,10 @@ def sample_steps(height, width):
 @njit(**LEAF)
 def count_greys(line, columns, counters):
     """Add every ``columns``-th pixel of a line to the counters (4, 256)."""
-    # nothing for whole numbers, which need no rounding
+    # zero for integers, which need no rounding
     half = line.dtype.type(0.5)
     first, second, third, fourth = counters
-    # unsigned: no index counts from the end
+    # unsigned, so that no index counts from the end
     step = np.uint64(columns)
     end = np.uint64(line.shape[0])
     together = np.uint64(max(0, line.shape[0] - 3 * columns))
@@ -91,7 +91,7 @@ def count_greys(line, columns, counters):
 
 @njit(**OWNING)
 def summed(counters):
-    """The histogram (256,) int64 of what was counted."""
+    """Sum the counters into a histogram (256,) int64."""
     histogram = np.empty(256, np.int64)
     for v in range(256):
         histogram[v] = np.int64(counters[0, v]) + counters[1, v] + counters[2, v] + counters[3, v]
@@ -100,7 +100,7 @@ def summed(counters):
 
 @njit(**LEAF)
 def clear_margin(mask, width):
-    """Mark nothing around ``width`` pixels of a padded mask's rows, nor in its first and last."""
+    """Clear a padded mask's first and last row, and the others around their ``width`` pixels."""
     last = mask.shape[0] - 1
     mask[0] = 0
     mask[last] = 0
@@ -114,7 +114,7 @@ def clear_margin(mask, width):
 def mark_below(grey, bound, mask):
     """Mark in a padded mask (h + 2, w') where a picture (h, w) is ``bound`` or darker.
 
-    By one thread: OpenCV's would wait for each other longer than this takes.
+    Single-threaded: OpenCV's threads would wait for each other longer than this takes.
     """
     least_light = np.uint8(min(bound + 1, 255))
     all_dark = bound >= 255
@@ -127,11 +127,11 @@ def mark_below(grey, bound, mask):
 
 @njit(**OWNING)
 def noise_sigma(grey):
-    """The noise's standard deviation, from the median absolute second difference.
+    """Standard deviation of the noise, from the median absolute second difference.
 
-    The median makes it blind to edges; a ramp has no second difference at all. Those along rows
-    and along columns are counted alike, and the pixels looked at lie alike from all sides: the
-    same picture mirrored, turned or transposed has the same noise, to the last bit.
+    The median ignores edges, and a ramp has no second difference. Rows and columns count alike, and
+    the sample is symmetric, so the picture mirrored, turned or transposed has the same noise, to
+    the last bit.
     """
     height, width = grey.shape
     counters = np.zeros((2, BINS), np.uint32)
@@ -143,7 +143,7 @@ def noise_sigma(grey):
         total += _count_row(grey, first, columns, counters)
         if last != first:
             total += _count_row(grey, last, columns, counters)
-    # whole grey values have whole differences, others are counted by quarters
+    # integer grey values have integer differences, others are counted in quarters
     parts = np.int64(1) if grey.dtype.type(0.5) == 0 else PARTS
     seen = 0
     for i in range(BINS):
@@ -159,7 +159,7 @@ def noise_sigma(grey):
 
 @njit(**LEAF)
 def _count_row(grey, y, columns, counters):
-    """Count the second differences at every ``columns``-th pixel of a row, and its mirror's."""
+    """Count second differences at every ``columns``-th pixel of a row, and mirrored."""
     height, width = grey.shape
     here = grey[y]
     total = 0
@@ -174,9 +174,9 @@ def _count_row(grey, y, columns, counters):
 
 @njit(**LEAF)
 def count_bends(before, here, behind, first, step, length, counters):
-    """Count second differences from ``first`` to the middle and their mirrors' into (2, BINS).
+    """Count second differences from ``first`` to the middle, and mirrored, into (2, BINS).
 
-    Of whole grey values as they are, of others by quarters; how many.
+    Those of integers count as they are, others in quarters. Return their number.
     """
     half = here.dtype.type(0.5)
     parts = np.int64(1) if half == 0 else PARTS
@@ -197,10 +197,10 @@ def count_bends(before, here, behind, first, step, length, counters):
 
 @njit(**LEAF)
 def steepest_level(grey, least):
-    """The mean grey value where it changes most, or -1 where no step is ``least`` grey levels.
+    """Mean grey value at the steepest steps, or -1 if no step reaches ``least`` grey levels.
 
-    A symmetric edge is steepest half-way. A step weighs by its third power, so that what is
-    not quite steep hardly counts.
+    A symmetric edge is steepest half-way. Steps weigh by their third power, so that gentler ones
+    hardly count.
     """
     height, width = grey.shape
     rows, _ = sample_steps(height, width)
@@ -220,10 +220,10 @@ def steepest_level(grey, least):
 
 @njit(**OWNING)
 def flat_histogram(grey, most):
-    """How many of the sampled pixels that are no edge have each grey value: (256,) int64.
+    """Histogram of the sampled pixels that are not edges, (256,) int64.
 
-    Across none of them, in either direction, does the grey value change by more than ``most``:
-    plateaus, and the ridges of what is too thin to have one.
+    Across each, in either direction, the grey value changes by at most ``most``: plateaus, and the
+    ridges of structure too thin for one.
     """
     height, width = grey.shape
     histogram = np.zeros(256, np.int64)
@@ -240,9 +240,9 @@ def flat_histogram(grey, most):
 
 @njit(**LEAF)
 def plateau_share(histogram, level, dark, middle, reach):
-    """The share of a class's pixels within ``reach`` of its ``middle``; 1 where it has none.
+    """Share of a class's pixels within ``reach`` of its ``middle``; 1 for an empty class.
 
-    ``dark``: of the class below ``level``, or else of the other one. ``histogram`` (256,).
+    The class lies below ``level`` if ``dark``, otherwise above. ``histogram`` is (256,).
     """
     every = 0.0
     near = 0.0
@@ -257,10 +257,10 @@ def plateau_share(histogram, level, dark, middle, reach):
 
 @njit(**LEAF)
 def halve_histogram(histogram):
-    """The two halves of a histogram (256,) that have the least variance in themselves.
+    """Halves of a histogram (256,) with the least variance within them (Otsu, 1979).
 
-    Otsu, 1979. Returns ``(dark, light, dark_share, between, variance)``: the halves' means, the
-    dark one's share, the variance between the means, and that of all.
+    Return ``(dark, light, dark_share, between, variance)``: the halves' means, the dark one's
+    share, the variance between the means, and the whole variance.
     """
     total, whole, squares = 0.0, 0.0, 0.0
     for v in range(256):
@@ -288,13 +288,13 @@ def halve_histogram(histogram):
 
 @njit(**OWNING)
 def split_histogram(histogram, noise, least):
-    """The two classes of a histogram (256,) by minimum error, ``least`` grey levels apart.
+    """Two classes of a histogram (256,) by minimum error, at least ``least`` grey levels apart.
 
-    Kittler and Illingworth, 1986. No class is narrower than ``noise`` and a grey level.
-    Returns ``(found, dark, light, light_spread, dark_share)``: the classes' medians, the light
-    one's quartile distance as a normal distribution's sigma, and the dark one's share.
+    Kittler and Illingworth, 1986. No class is narrower than ``noise`` and a grey level. Return
+    ``(found, dark, light, light_spread, dark_share)``: the classes' medians, the light one's
+    quartile distance as a normal distribution's sigma, and the dark one's share.
     """
-    # how many pixels are darker, and the sums of their values and of these squared
+    # number of darker pixels, and the sums of their values and squared values
     sums = np.zeros((257, 3))
     for v in range(256):
         n = np.float64(histogram[v])
@@ -331,7 +331,7 @@ def split_histogram(histogram, noise, least):
     for _ in range(256):
         if above == before:
             break
-        # half-way between the middles, whatever tail the split has cut off
+        # half-way between the medians, whatever tail the split cut off
         before = above
         dark = _quantile(histogram, FIRST, above, 0.5)
         light = _quantile(histogram, above, LAST, 0.5)
@@ -350,7 +350,7 @@ def split_histogram(histogram, noise, least):
 
 @njit(**OWNING)
 def _quantile(histogram, first, last, share):
-    """The grey value in first .. last - 1 below which ``share`` of their pixels lie."""
+    """Grey value in first .. last - 1 below which ``share`` of the pixels lie."""
     total = 0.0
     for v in range(first, last):
         total += histogram[v]

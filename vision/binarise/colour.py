@@ -1,12 +1,12 @@
-"""Obstacles that their colour tells from the floor, though their grey does not.
+"""Obstacles that differ from the floor in colour, though not in grey.
 
 Rules and units
-- Red on green of the same grey, yellow on white: a grey picture shows nothing of them. What
-  differs from the floor in any channel, to the obstacles' side, is obstacle.
-- The floor's colour is the most frequent one. Light multiplies all channels alike, so that a
-  shadow is a multiple of the floor's colour and no colour of its own.
-- Each pixel then counts by the channel in which it is farthest from the floor, as a picture
-  whose floor is one grey everywhere; edges are measured in that picture.
+- A grey picture hides red on green of the same grey, or yellow on white. A pixel is obstacle if
+  any channel differs from the floor to the obstacles' side.
+- The floor's colour is the most frequent one. Light multiplies all channels alike, so a shadow is
+  a multiple of the floor's colour, not a colour of its own.
+- Each pixel counts by its channel farthest from the floor, as in a picture whose floor is one grey
+  everywhere; edges are measured in that picture.
 """
 
 from __future__ import annotations
@@ -43,10 +43,10 @@ def binarise_by_colour(
     ignore: NDArray[np.bool_] | None,
     room: Room,
 ) -> Binary:
-    """``vision.binarise.binarise.binarise``; method ``auto`` sees obstacles by their colours, too.
+    """Binarise as ``vision.binarise.binarise.binarise`` does; method ``auto`` sees colours too.
 
-    Where colours tell more the method is ``colour`` and the level one of the distance to the
-    floor. Raises ``PictureError`` as ``binarise`` does. O(pixels).
+    If colours show more, the method is ``colour`` and the level is a distance from the floor's
+    colour. Raises ``PictureError`` as ``binarise`` does. O(pixels).
     """
     found = None
     if method == "auto" and threshold is None and image.ndim == 3 and image.shape[2] in (3, 4):
@@ -61,7 +61,7 @@ def binarise_by_colour(
         grey = binarise(image, polarity=polarity, ignore=ignore, room=room)
         side = grey.how.polarity
     except PictureError as of_one_grey:
-        # only colours can tell
+        # colours may still show obstacles
         error = of_one_grey
     unseen = found.unseen_in(grey, side)
     if unseen > 0:
@@ -84,7 +84,7 @@ def _how(how: Binarisation, floor: NDArray[np.float64]) -> Binarisation:
 
 
 class _Colours:
-    """A colour picture (h, w, 3) uint8, its floor's colour, and what light does not explain."""
+    """Colour picture (h, w, 3) uint8, its floor's colour, and pixels not explained by light."""
 
     def __init__(self, picture: NDArray[np.uint8], ignore: NDArray[np.bool_] | None) -> None:
         self.picture = picture
@@ -100,7 +100,7 @@ class _Colours:
 
     @classmethod
     def of(cls, image: NDArray[Any], ignore: NDArray[np.bool_] | None) -> _Colours | None:
-        """None for what is no colour picture that can be used."""
+        """Colours of a picture, or None if it is not a usable colour picture."""
         if image.dtype not in (np.uint8, np.uint16) or image.size == 0:
             return None
         picture = image[:, :, :3]
@@ -112,7 +112,7 @@ class _Colours:
         return cls(np.ascontiguousarray(picture), ignore)
 
     def unseen_in(self, binary: Binary | None, side: Literal["dark", "light"]) -> int:
-        """How many pixels have colours of their own and are no obstacle there, nor beside one."""
+        """Number of sampled pixels with colours of their own, neither obstacle nor beside one."""
         pixels = self.darker if side == "dark" else self.lighter
         if binary is None:
             return int(np.count_nonzero(pixels))
@@ -122,7 +122,7 @@ class _Colours:
         return int(np.count_nonzero(_without_specks(pixels & (around == 0))))
 
     def beside_the_floor(self, side: Literal["dark", "light"]) -> NDArray[np.uint8]:
-        """The picture (h, w), by the channel that is farthest from the floor to that side."""
+        """Picture (h, w) of the channel farthest from the floor to that side."""
         values = np.arange(256.0)[:, None]
         scale = FREE_LEVEL / 255.0
         base = FREE_LEVEL if side == "dark" else 255.0 - FREE_LEVEL
@@ -134,7 +134,7 @@ class _Colours:
 
 
 def _most_frequent(sample: NDArray[np.uint8]) -> NDArray[np.float64]:
-    """The colour (3,) of the fullest bin: the median of what is near its middle."""
+    """Median colour (3,) of pixels near the middle of the fullest bin."""
     channels = [np.ascontiguousarray(sample[:, :, c]).ravel() for c in range(3)]
     parts = [channel // BIN for channel in channels]
     bins = parts[0] + np.int32(16) * parts[1] + np.int32(256) * parts[2]
@@ -153,8 +153,8 @@ def _most_frequent(sample: NDArray[np.uint8]) -> NDArray[np.float64]:
 def _unexplained(
     sample: NDArray[np.uint8], floor: NDArray[np.float64]
 ) -> tuple[NDArray[np.bool_], NDArray[np.bool_]]:
-    """What no light makes of the floor, darker in some channel, and lighter (h, w) each."""
-    # a channel at a time: sums over an axis of three are slow
+    """Masks (h, w) of pixels that light on the floor does not explain: too dark, and too light."""
+    # one channel at a time: sums over an axis of three are slow
     values = [sample[:, :, c].astype(np.float32) for c in range(3)]
     light = [np.float32(value) for value in floor]
     ratios = [(v + 1.0) * (1.0 / (f + 1.0)) for v, f in zip(values, light, strict=True)]
@@ -169,6 +169,6 @@ def _unexplained(
 
 
 def _without_specks(pixels: NDArray[np.bool_]) -> NDArray[np.bool_]:
-    """Only what is three pixels wide: noise and the fringes of a compressed picture are not."""
+    """Keep only what is three pixels wide, unlike noise and fringes of compression."""
     opened = cv2.morphologyEx(pixels.astype(np.uint8), cv2.MORPH_OPEN, np.ones((3, 3), np.uint8))
     return np.asarray(opened, dtype=np.bool_)

@@ -1,4 +1,4 @@
-"""A picture looked at with the level that an earlier picture of the same scene had."""
+"""Check of an earlier picture's level on a later picture of the same scene."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Light and dark: the two classes of a picture's grey values, and how safely they stand apart.
+"""Light and dark: the two classes of a picture's grey values, and how well separated they are.
 
 Grey values are 0 .. 255, free pixels light and obstacles dark.
 """
@@ -43,9 +43,9 @@ by ``tests/vision/binarise``."""
 
 @dataclass(frozen=True, slots=True)
 class Classes:
-    """Two classes of grey values: their middles, how wide each is, and how many are dark.
+    """Two classes of grey values: their middles and spreads, and the share of dark pixels.
 
-    ``dark_spread`` is known only where it is not simply that of all dark pixels.
+    ``dark_spread`` is set only where it is not that of all dark pixels.
     """
 
     dark: float
@@ -56,7 +56,7 @@ class Classes:
 
     @property
     def level(self) -> float:
-        """Half-way between the classes."""
+        """Level half-way between the classes."""
         return 0.5 * (self.dark + self.light)
 
     @property
@@ -66,7 +66,7 @@ class Classes:
 
 
 def classes_of(look: Look, strongest: float | None = None) -> Classes | None:
-    """The two classes of a picture, seen through a little smoothing where it is noisy."""
+    """Two classes of a picture, seen through a little smoothing if it is noisy."""
     strongest = look.noise if strongest is None else strongest
     if look.fine is not None:
         humps = look.fine
@@ -80,18 +80,18 @@ def classes_of(look: Look, strongest: float | None = None) -> Classes | None:
         found = _sharpened(found, look, counts, look.noise * calming.left)
     if found is None or calming is NO_CALMING:
         return found
-    # the spread that noise explains, as the unsmoothed picture would have it
+    # the noise's own spread is added, as the unsmoothed picture would have it
     explained = math.hypot(look.noise, found.light_spread)
     return replace(found, light_spread=explained)
 
 
 def _sharpened(found: Classes, look: Look, counts: NDArray[np.int64], noise: float) -> Classes:
-    """The classes, the rarer one set right where most of its pixels are edge.
+    """The classes, with the rarer one corrected if most of its pixels are edge.
 
-    Walls a few pixels wide have hardly a pixel that blur has left as dark as it is: the middle
-    of those there are lies too near the other class, and they spread as if the light were
-    uneven. The level is where edges are steepest then, and the spread that of what is no edge.
-    ``counts`` are the classes' own, ``noise`` is what is left in them.
+    Blur leaves hardly a pixel of a narrow wall as dark as the wall is: the class's middle lies too
+    near the other class, and its spread looks like uneven light. The level is then where edges are
+    steepest, and the spread that of pixels off edges. ``counts`` is the classes' histogram,
+    ``noise`` the noise left in it.
     """
     dark_is_rare = found.dark_share < 0.5
     middle = found.dark if dark_is_rare else found.light
@@ -100,7 +100,7 @@ def _sharpened(found: Classes, look: Look, counts: NDArray[np.int64], noise: flo
         return found
     dark_side = np.arange(256) < found.level
     rare = dark_side if dark_is_rare else ~dark_side
-    # two pixels of a plateau differ by no more than it is wide
+    # two pixels of a plateau differ by at most its width
     wide = 2.0 * max(PLATEAU * found.contrast, PLATEAU_SIGMAS * look.noise)
     flat = flat_histogram(look.grey, wide)
     if not flat[rare].any():
@@ -120,10 +120,10 @@ def _sharpened(found: Classes, look: Look, counts: NDArray[np.int64], noise: flo
 
 
 def split_classes(histogram: NDArray[np.int64], noise: float) -> Classes | None:
-    """The two classes of a histogram (256,), or None where it has one class only.
+    """Two classes of a histogram (256,), or None if there is only one.
 
-    Minimum error thresholding (Kittler and Illingworth, 1986), which does not mind a class
-    of one pixel in a thousand; no class is narrower than the noise and a grey level.
+    Minimum error thresholding (Kittler and Illingworth, 1986) copes with a class of one pixel in a
+    thousand; no class is narrower than the noise and a grey level.
     """
     least = max(LEAST_CONTRAST, LEAST_CONTRAST_SIGMAS * noise)
     found, dark, light, spread, dark_share = split_histogram(histogram, noise, least)
@@ -131,9 +131,9 @@ def split_classes(histogram: NDArray[np.int64], noise: float) -> Classes | None:
 
 
 def unevenness(look: Look, classes: Classes, side: Literal["dark", "light"]) -> float:
-    """How much the free pixels spread beyond the noise, as a share of the contrast.
+    """Spread of the free pixels beyond the noise, as a share of the contrast.
 
-    And light obstacles too, which uneven light spreads more than it does the ground.
+    Light obstacles count too: uneven light spreads them more than the ground.
     """
     spread = classes.light_spread
     if side == "light":
@@ -145,12 +145,12 @@ def unevenness(look: Look, classes: Classes, side: Literal["dark", "light"]) -> 
 
 
 def significant_dark(look: Look, noise: NDArray[np.float32], light: float) -> float | None:
-    """The middle of what is darker than free pixels of one grey value, whatever the noise there.
+    """Middle of pixels significantly darker than free ones of one grey value, or None.
 
-    ``noise`` (h, w) is its standard deviation from place to place, which a histogram of all does
-    not know: where there is little light the noise alone has two classes. What counts is each
-    pixel of the smoothed picture that stands out by ``SIGMAS``, and then what is
-    nearer to those than to free pixels. None where hardly a pixel does.
+    ``noise`` (h, w) is the local standard deviation, which a histogram of the whole picture lacks:
+    in little light, noise alone has two classes. Pixels of the smoothed picture count if they
+    exceed the noise by ``SIGMAS``, then if they are nearer to those than to free pixels. None if
+    hardly a pixel does.
     """
     calming = look.calming(float(noise.max()))
     calmed = look.grey_after(calming)
@@ -164,7 +164,7 @@ def significant_dark(look: Look, noise: NDArray[np.float32], light: float) -> fl
 
 
 def _rare_pixels(grey: NDArray[Any], noise: float) -> Classes | None:
-    """Dark pixels so rare that no sample shows them: look at the extremes of all pixels."""
+    """Classes with one too rare for a sample, from the extremes of all pixels."""
     lowest, highest, _, _ = cv2.minMaxLoc(grey)
     middle = float(np.median(grey[:: max(1, grey.shape[0] // 64)]))
     least = max(LEAST_CONTRAST, 2.0 * SIGMAS * noise)
@@ -176,7 +176,7 @@ def _rare_pixels(grey: NDArray[Any], noise: float) -> Classes | None:
 
 
 def grey_spread(counts: NDArray[np.int64]) -> float:
-    """The grey values' spread: the quartiles' distance, as a normal distribution's sigma."""
+    """Spread of grey values: the quartiles' distance, as a normal distribution's sigma."""
     running = np.cumsum(counts)
     low, high = np.searchsorted(running, running[-1] * np.array([0.25, 0.75]))
     return float(high - low) / 1.349

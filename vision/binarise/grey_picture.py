@@ -1,12 +1,12 @@
-"""A grey picture, its noise and histogram, and itself in black and white once the level is known.
+"""A grey picture, its noise and histogram, and its mask once the level is known.
 
 Rules and units
-- Grey values are 0 .. 255: 8 bits as they are, a 16-bit picture scaled by its brightest pixel; what
-  is transparent counts as white. Noise is its standard deviation in grey levels.
+- Grey values are 0 .. 255: 8 bits as they are, 16 bits scaled by the brightest pixel; transparent
+  counts as white. Noise is its standard deviation in grey levels.
 - A pixel is obstacle where its grey value lies below the level.
-- Where noise alone could cross the level it is compared in a smoothed picture; dots that are too
-  small for that are added by their depth. Where smoothing would delete walls or ways of a few
-  pixels (``vision.binarise.humps``) it is not done.
+- Where noise alone could cross the level, a smoothed picture is compared, and dots too small for
+  it are added by their depth. It is not smoothed where that would delete walls or ways of a few
+  pixels (``vision.binarise.humps``).
 """
 
 from __future__ import annotations
@@ -52,7 +52,7 @@ least contrast."""
 
 @dataclass(frozen=True, slots=True)
 class Calming:
-    """A smoothing: its ``sigma_px``, and the share of white noise that it leaves."""
+    """Smoothing: its ``sigma_px``, and the share of white noise that it leaves."""
 
     sigma_px: float
     left: float
@@ -71,9 +71,9 @@ CALMINGS = (NO_CALMING, BINOMIAL, WIDE)
 
 
 def calming_of(noise: float) -> Calming:
-    """The smoothing after which noise that strong hardly crosses a level.
+    """Smoothing after which such noise hardly crosses a level.
 
-    The wide one only where the binomial would leave noise of the least contrast.
+    The wide one only if the binomial would leave noise of the least contrast.
     """
     if noise < CALM_NOISE:
         return NO_CALMING
@@ -81,14 +81,14 @@ def calming_of(noise: float) -> Calming:
 
 
 class Look:
-    """A grey picture, its noise and its histogram; smoothed as far as it is asked for."""
+    """A grey picture, its noise and its histogram, smoothed on demand."""
 
     def __init__(self, grey: NDArray[Any], room: Room | None = None) -> None:
         self.grey = grey = read_only(grey)
         self.room = Room() if room is None else room
         self.counts: NDArray[np.int64] = sampled_histogram(grey)
         self._counts_after: dict[Calming, NDArray[np.int64]] = {NO_CALMING: self.counts}
-        # two values only: drawn, not taken; what looks like noise is texture
+        # two values only: drawn, not photographed; what looks like noise is texture
         drawn = np.count_nonzero(self.counts) <= 2
         self.noise = 0.0 if drawn else float(noise_sigma(grey))
         self.fine = self._fine_structure()
@@ -96,7 +96,7 @@ class Look:
             self.noise = min(self.noise, self.fine.within)
 
     def _fine_structure(self) -> Humps | None:
-        """The histogram's humps where smoothing would delete what they are made of."""
+        """Humps of the histogram, if smoothing would delete the structure behind them."""
         if self.noise < CALM_NOISE:
             return None
         humps = Humps.of(self.counts)
@@ -105,28 +105,28 @@ class Look:
         return humps if deletes(humps, self.counts_after(BINOMIAL)) else None
 
     def calming(self, noise: float | None = None) -> Calming:
-        """The smoothing after which ``noise``, or its own, hardly crosses a level.
+        """Smoothing after which ``noise``, or the picture's own, hardly crosses a level.
 
-        None where it would delete fine structure.
+        ``NO_CALMING`` if it would delete fine structure.
         """
         if self.fine is not None:
             return NO_CALMING
         return calming_of(self.noise if noise is None else noise)
 
     def apart(self) -> Look:
-        """The same picture with a room of its own, for a mask that is compared with others."""
+        """The same picture with memory of its own, for a mask to be compared with others."""
         other = copy(self)
         other.room = Room()
         return other
 
     def halved(self) -> Look:
-        """The picture of half the size: of every two rows and columns the mean."""
+        """Picture of half the size: means of 2 x 2 pixels."""
         height, width = (side // 2 for side in self.grey.shape)
         whole = self.grey[: 2 * height, : 2 * width]
         return Look(cv2.resize(whole, (width, height), interpolation=cv2.INTER_AREA))
 
     def counts_after(self, calming: Calming) -> NDArray[np.int64]:
-        """The smoothed picture's histogram (256,), from a sample."""
+        """Histogram (256,) of the smoothed picture, from a sample."""
         known = self._counts_after.get(calming)
         if known is None:
             whole = calming is BINOMIAL and self.grey.dtype == np.uint8
@@ -144,11 +144,11 @@ class Look:
         return read_only(cv2.GaussianBlur(self.grey, (0, 0), calming.sigma_px))
 
     def mask_below(self, level: float, calming: Calming, noise: float) -> NDArray[np.uint8]:
-        """Where the smoothed picture lies below the level: 1 in a padded mask (h + 2, w').
+        """Padded mask (h + 2, w'), 1 where the smoothed picture lies below the level.
 
-        With dots that are too small for the smoothed picture and stand out of such ``noise``.
-        The mask has a margin of zeros and rows of a multiple of eight bytes; it stays until
-        the room is used again.
+        Dots too small for the smoothed picture are added if they stand out of ``noise``. The mask
+        has a margin of zeros and rows of a multiple of eight bytes, and is valid until the room is
+        used again.
         """
         height, width = self.grey.shape
         stride = (width + 2 + 7) // 8 * 8
@@ -176,12 +176,12 @@ class Look:
 class Binary:
     """A picture in black and white.
 
-    ``mask`` (h + 2, w') uint8: 1 is obstacle, with a margin of free pixels and rows of a
-    multiple of eight bytes; ``grey`` (h, w), obstacles dark, ``level`` in its values;
-    ``noise`` its standard deviation and ``contrast`` the step between free and obstacle.
-    ``by_level``: the mask is what lies below the level in ``grey``, no more and no less.
-    ``doubtful``: even smoothed as far as may be, the noise alone could have made single pixels.
-    ``fine``: it has walls or ways of a few pixels, which smoothing would delete.
+    ``mask`` (h + 2, w') uint8: 1 is obstacle, with a margin of free pixels and rows of a multiple
+    of eight bytes. ``grey`` (h, w): obstacles dark, with ``level`` in its values; ``noise``: its
+    standard deviation; ``contrast``: the step between free and obstacle. ``by_level``: the mask is
+    exactly what lies below the level in ``grey``. ``doubtful``: noise alone could have made single
+    pixels despite the most smoothing. ``fine``: it has walls or ways of a few pixels, which
+    smoothing would delete.
     """
 
     mask: NDArray[np.uint8]
@@ -197,7 +197,7 @@ class Binary:
 
     @property
     def size(self) -> tuple[int, int]:
-        """The picture's (width, height)."""
+        """Width and height of the picture."""
         return self.grey.shape[1], self.grey.shape[0]
 
     @property
@@ -216,7 +216,7 @@ def black_and_white(
     strongest_noise: float | None = None,
     margin: float | None = None,
 ) -> Binary:
-    """Compare with the level, in a smoothed picture where noise alone could cross it."""
+    """Compare a picture with the level, smoothed if noise alone could cross it."""
     remarks: tuple[str, ...] = ()
     noise = look.noise if noise is None else noise
     strongest = noise if strongest_noise is None else strongest_noise
@@ -224,7 +224,7 @@ def black_and_white(
     safe = [one for one in CALMINGS if SIGMAS * strongest * one.left <= margin]
     calming = safe[0] if safe else CALMINGS[-1]
     if look.fine is not None and calming is not NO_CALMING:
-        # where noise crosses the level its pixels stay obstacles: none of them is a speck
+        # pixels of noise across the level stay obstacles: none is taken for a speck
         remarks = (
             f"walls or ways of a few pixels at a contrast of {contrast:.0f}: the picture was not "
             "smoothed, which would delete them, and single pixels of noise may be obstacles",
@@ -242,7 +242,7 @@ def black_and_white(
 
 
 def as_array(image: NDArray[Any] | Sequence[Any]) -> NDArray[Any]:
-    """A picture from an array, as it is, or from sequences of whole numbers, row by row.
+    """Picture from an array, unchanged, or from rows of whole numbers.
 
     Numbers up to 255 make 8 bits, up to 65535 16. Raises ``PictureError`` for anything else.
     """
@@ -267,10 +267,10 @@ def as_array(image: NDArray[Any] | Sequence[Any]) -> NDArray[Any]:
 
 
 def as_grey(image: NDArray[Any] | Sequence[Any]) -> NDArray[Any]:
-    """The picture's grey values as (h, w) uint8, or float32 in 0 .. 255 from 16 bits.
+    """Grey values of a picture as (h, w) uint8, or float32 in 0 .. 255 from 16 bits.
 
     Takes uint8 or uint16 of shape (h, w), (h, w, 1), (h, w, 3) BGR or (h, w, 4) BGRA, where
-    what is transparent counts as white. Raises ``PictureError`` for anything else. O(pixels).
+    transparent counts as white. Raises ``PictureError`` for anything else. O(pixels).
     """
     image = as_array(image)
     if image.dtype not in (np.uint8, np.uint16):
@@ -295,9 +295,9 @@ def as_grey(image: NDArray[Any] | Sequence[Any]) -> NDArray[Any]:
 
 
 def read_only(grey: NDArray[Any]) -> NDArray[Any]:
-    """The same picture, rows side by side, that nobody may change.
+    """The same picture, contiguous and read-only.
 
-    A camera's frame is no other: kernels are compiled once more for what may be changed.
+    Camera frames are read-only too, and kernels would be compiled again for writable arrays.
     """
     shown = np.ascontiguousarray(grey).view()
     shown.setflags(write=False)
@@ -305,9 +305,9 @@ def read_only(grey: NDArray[Any]) -> NDArray[Any]:
 
 
 def scaled_threshold(threshold: float, image: NDArray[Any]) -> float:
-    """A threshold in the values of ``image`` on the scale of ``as_grey``, 0 .. 255.
+    """Scale a threshold in the values of ``image`` to ``as_grey``'s 0 .. 255.
 
-    Raises ``PictureError`` where it is no number, or outside the values the picture can have.
+    Raises ``PictureError`` if it is not a number or not a value that the picture can have.
     """
     top = np.iinfo(image.dtype).max
     is_number = isinstance(threshold, (int, float, np.integer, np.floating))

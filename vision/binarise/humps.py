@@ -1,8 +1,7 @@
-"""The two humps of a picture's own histogram, which distinguish fine structure from noise.
+"""The two humps of a picture's histogram, which distinguish fine structure from noise.
 
-Noise has one hump, and what smoothing leaves of it has one. Walls and ways of a few pixels have
-two as they came, however much their grey changes from pixel to pixel; smoothing brings these
-together, and deletes the walls.
+Noise has one hump, smoothed or not. Walls and ways of a few pixels have two, however much their
+grey changes from pixel to pixel; smoothing merges these and deletes the walls.
 """
 
 from __future__ import annotations
@@ -25,7 +24,7 @@ ways of 3 px keep 0.69 at most, and those of 4 px, which no smoothing deletes, u
 
 @dataclass(frozen=True, slots=True)
 class Humps:
-    """The dark and the light half of a histogram: their means, and how far they stand apart.
+    """Dark and light half of a histogram: their means, and how far apart they are.
 
     ``within``: the standard deviation in the halves, which noise does not exceed; ``apart``: the
     share of the variance that is between them.
@@ -44,12 +43,12 @@ class Humps:
 
     @classmethod
     def of(cls, counts: NDArray[np.int64]) -> Humps:
-        """The halves of a histogram (256,) that have the least variance (Otsu, 1979)."""
+        """Halves of a histogram (256,) with the least variance (Otsu, 1979)."""
         dark, light, share, between, variance = halve_histogram(counts)
         within = math.sqrt(max(variance - between, 0.0))
         return cls(dark, light, share, within, between / variance if variance > 0.0 else 0.0)
 
 
 def deletes(as_it_came: Humps, smoothed: NDArray[np.int64]) -> bool:
-    """True if smoothing, with that histogram (256,) after it, takes fine structure for noise."""
+    """True if smoothing, with the histogram ``smoothed`` (256,), deletes fine structure."""
     return Humps.of(smoothed).contrast < KEPT * as_it_came.contrast

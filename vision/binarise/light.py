@@ -1,7 +1,7 @@
-"""The light on the ground, as a surface over the picture.
+"""Light on the ground, as a surface over the picture.
 
-Grey values are 0 .. 255. The thumbnail that local light is seen in has a pixel for ``REACH`` of the
-picture's, for light has no sharper edges.
+Grey values are 0 .. 255. Local light is measured in a thumbnail with one pixel for ``REACH`` of the
+picture's, as light has no sharper edges.
 """
 
 from __future__ import annotations
@@ -25,12 +25,11 @@ chosen, a third."""
 def light_surface(
     grey: NDArray[Any], side: Literal["dark", "light"] = "dark"
 ) -> NDArray[np.float32]:
-    """The light on the free ground as a quadratic surface, (h, w) float32 >= 1.
+    """Light on the free ground as a quadratic surface, (h, w) float32 >= 1.
 
-    Asymmetric least squares on a thumbnail: what lies below the surface is likely obstacle
-    and weighs little, then what lies far below it weighs nothing. With ``side`` light ``grey``
-    is the picture's negative, and the surface that of the picture itself, whose obstacles lie
-    above it.
+    Asymmetric least squares on a thumbnail: pixels below the surface are probably obstacle and
+    weigh little; later, those far below it weigh nothing. With ``side`` light, ``grey`` is the
+    negative, and the surface is that of the picture itself, whose obstacles lie above it.
     """
     height, width = grey.shape
     size = (min(48, width), min(36, height))
@@ -42,7 +41,7 @@ def light_surface(
     surface = values
     far = 0.75 if side == "dark" else 1.0 / 0.75
     for round_ in range(16):
-        # six equations instead of one for each pixel; a picture one pixel wide leaves some unknown
+        # six equations instead of one per pixel; a picture one pixel wide leaves some unknown
         weighted = terms.T * weights
         surface = terms @ np.linalg.lstsq(weighted @ terms, weighted @ values, rcond=None)[0]
         weights = np.where(values > surface, 1.0, 0.03)
@@ -60,13 +59,13 @@ def light_surface(
 def without_light(
     grey: NDArray[Any], side: Literal["dark", "light"]
 ) -> tuple[NDArray[np.uint8], float]:
-    """The picture (h, w) with the same grey, ``FREE_LEVEL``, wherever the ground is free.
+    """Picture (h, w) with the same grey, ``FREE_LEVEL``, on all free ground.
 
-    And how many times stronger its noise is where there is least light.
+    Also return the factor by which its noise grows where light is weakest.
 
-    Divided by a closing: light that rises or falls evenly stays what it is, however steeply, and
-    only what is dark and narrower than a share ``WIDEST`` of the picture is filled. With ``side``
-    light ``grey`` is the picture's negative, and it is an opening that takes light obstacles away.
+    The picture is divided by a closing: evenly rising or falling light stays as it is, however
+    steep, and only dark structure narrower than a share ``WIDEST`` of the picture is filled. With
+    ``side`` light, ``grey`` is the negative, and an opening removes light obstacles.
     """
     height, width = grey.shape
     camera = grey if side == "dark" else 255 - grey

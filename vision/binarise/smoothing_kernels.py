@@ -1,17 +1,17 @@
-"""A picture with less noise, only as far as it is looked at, and the dots that are lost in it.
+"""A picture smoothed only as far as it is read, and the dots lost in that.
 
 Rules and units
-- Grey values are whole, 0 .. 255. They are smoothed by the binomial of 5 x 5 pixels, whose weights
-  add up to 256 and their sums stay within 16 bits.
-- Beyond the picture's edge it is mirrored, the pixels of the edge themselves not repeated.
-- Everything is worked out row by row in two rows of room, whole rows at a time.
-- A pixel that lies below the level as it came is a dot's where it stands out of what is around
-  it by ``SIGMAS`` standard deviations of the noise, by itself or smoothed by the binomial of
-  5 x 5 pixels: two matched filters, of a pixel and of a dot of some four. White noise does so
-  at two pixels in 10^9, and is below the level there more seldom still: less than one in a
-  thousand pictures of 640 x 480 pixels has a false dot.
-- What is next to something large is its edge, and is left to the smoothed picture; so is what
-  is as dark on two opposite sides: a piece of a line that is no obstacle where it is long.
+- Grey values are integers, 0 .. 255, smoothed by the binomial of 5 x 5 pixels; its weights add up
+  to 256, and the sums fit in 16 bits.
+- Beyond its edge the picture is mirrored without repeating the edge pixels.
+- Everything is computed a whole row at a time, in two rows of memory.
+- A pixel below the level before smoothing belongs to a dot if it is darker than its surroundings by
+  ``SIGMAS`` standard deviations of the noise, alone or smoothed by the binomial of 5 x 5 pixels:
+  two matched filters, for one pixel and for a dot of about four. White noise does so at two pixels
+  in 10^9, and is below the level there more rarely still: less than one in a thousand pictures of
+  640 x 480 pixels has a false dot.
+- Pixels next to something large are its edge and are left to the smoothed picture; so are pixels
+  as dark on two opposite sides: pieces of a line, which is no obstacle where it is long.
 """
 
 # mypy: allow-untyped-defs
@@ -35,10 +35,10 @@ from vision.binarise.binarise_kernels import (
 )
 from vision.shared.typed_numbers import NONE
 
-# defined: the binomial's weights in either direction, of the centre, of what is next to it and of
-# what is next but one, typed so that sums stay as narrow as they are
+# defined: binomial weights in either direction, of the centre, its neighbours and the next but one,
+# typed so that sums stay narrow
 CENTRE, NEXT, NEXT_BUT_ONE = np.uint16(6), np.uint16(4), np.uint16(1)
-# defined: what all weights add up to is 2 to this power
+# defined: the weights add up to 2 to this power
 WHOLE_BITS = np.uint16(8)
 # defined: half of it, for rounding
 HALF = np.uint16(128)
@@ -59,7 +59,7 @@ room for."""
 
 @njit(**OWNING)
 def calmed_histogram(grey):
-    """How many of the sampled pixels have each smoothed grey value, rounded: (256,) int64."""
+    """Histogram of the sampled pixels' smoothed grey values, rounded: (256,) int64."""
     height, width = grey.shape
     counters = np.zeros((4, 256), np.uint32)
     sums = np.empty(width + 2 * MARGIN, np.uint16)
@@ -74,13 +74,13 @@ def calmed_histogram(grey):
 
 @njit(**LEAF)
 def sum_limit(bound):
-    """The sum from which on a smoothed grey value is rounded to more than ``bound``."""
+    """Least sum whose smoothed grey value is rounded to more than ``bound``."""
     return np.uint16(min(max(((bound + 1) << WHOLE_BITS) - HALF, 0), 65535))
 
 
 @njit(**LEAF)
 def _mirrored(i, count):
-    """Where in 0 .. count - 1 a row or column up to two beyond the edge is looked for."""
+    """Mirror an index up to two beyond the edge into 0 .. count - 1."""
     if count == 1:
         return 0
     i = abs(i)
@@ -90,7 +90,7 @@ def _mirrored(i, count):
 
 @njit(**LEAF)
 def sum_rows(grey, y, sums):
-    """The weighted sums over five rows around row ``y``, with the margin at both ends."""
+    """Sum five weighted rows around row ``y``, with the margin at both ends."""
     height, width = grey.shape
     _weigh(
         grey[_mirrored(y - 2, height)],
@@ -108,7 +108,7 @@ def sum_rows(grey, y, sums):
 
 @njit(**LEAF)
 def _weigh(a, b, c, d, e, sums):
-    """The weighted sums of five rows, or of five places of one."""
+    """Sum five rows, or five places of one, by the binomial's weights."""
     for x in range(sums.shape[0]):
         sums[x] = np.uint16(
             NEXT_BUT_ONE * (np.uint16(a[x]) + np.uint16(e[x]))
@@ -119,7 +119,7 @@ def _weigh(a, b, c, d, e, sums):
 
 @njit(**LEAF)
 def _divide(sums, line):
-    """The smoothed grey values of a row, rounded."""
+    """Round a row's sums to smoothed grey values."""
     width = line.shape[0]
     a, b, c = sums[:width], sums[1 : width + 1], sums[2 : width + 2]
     d, e = sums[3 : width + 3], sums[4 : width + 4]
@@ -132,7 +132,7 @@ def _divide(sums, line):
 
 @njit(**LEAF)
 def compare(sums, limit, out):
-    """Whether the smoothed grey values of a row lie below the limit, see ``sum_limit``."""
+    """Mark a row's smoothed grey values below the limit of ``sum_limit``."""
     width = out.shape[0]
     a, b, c = sums[:width], sums[1 : width + 1], sums[2 : width + 2]
     d, e = sums[3 : width + 3], sums[4 : width + 4]
@@ -143,10 +143,9 @@ def compare(sums, limit, out):
 
 @njit(**OWNING)
 def mark_below_but_dots(grey, bound, mask):
-    """Mark where the smoothed picture is ``bound`` or darker, and list what is by itself only.
+    """Mark where the smoothed picture is ``bound`` or darker; list pixels dark only unsmoothed.
 
-    ``mask`` (h + 2, w') is padded. Returns the rows and columns of what is left out: what
-    ``dots_left_out`` finds, in one pass.
+    ``mask`` (h + 2, w') is padded. Return the places that ``dots_left_out`` finds, in one pass.
     """
     height, width = grey.shape
     sums = np.empty(width + 2 * MARGIN, np.uint16)
@@ -168,7 +167,7 @@ def mark_below_but_dots(grey, bound, mask):
 
 @njit(**OWNING)
 def dots_left_out(grey, level, mask):
-    """Where the picture lies below the level, of its own kind, but is not marked: places.
+    """Places below the level, given in the picture's own type, that are not marked.
 
     A place is row * width + column.
     """
@@ -186,7 +185,7 @@ def dots_left_out(grey, level, mask):
 
 @njit(**LEAF)
 def _list(left_out, first, places, count):
-    """Add a row's pixels that are left out to the places; how many there are then."""
+    """Add a row's left-out pixels to the places; return the new number of places."""
     words = left_out.view(np.uint64)
     for block in range(0, words.shape[0], AT_A_TIME // 8):
         if not _any(words[block : block + AT_A_TIME // 8]):
@@ -202,14 +201,14 @@ def _list(left_out, first, places, count):
 
 @njit(**OWNING)
 def mark_dots(grey, noise, places, mask):
-    """Mark with 1 in a padded mask of what is larger which of these places are dots; how many."""
+    """Mark dots among the places with 1 in a padded mask of larger things; return their number."""
     width = grey.shape[1]
     dots = 0
     for place in places:
         if _is_dot(grey, mask, place // width, place % width, noise):
             places[dots] = place
             dots += 1
-    # only now: a dot's own pixels must not take each other for something large
+    # only now: a dot's own pixels must not be taken for something large
     for i in range(dots):
         mask[places[i] // width + 1, places[i] % width + 1] = 1
     return dots
@@ -217,7 +216,7 @@ def mark_dots(grey, noise, places, mask):
 
 @njit(**LEAF)
 def _find_left_out(line, level, marks, out):
-    """Which pixels of a row lie below the level and are not marked."""
+    """Find the pixels of a row that lie below the level and are not marked."""
     one = np.uint8(1)
     for x in range(line.shape[0]):
         out[x] = np.uint8(line[x] < level) & (marks[x] ^ one)
@@ -259,7 +258,7 @@ def _is_dot(grey, mask, y, x, noise):
 
 @njit(**LEAF)
 def _is_on_a_line(grey, y, x, ground, depth):
-    """Whether the picture is about as dark on both sides, as along a joint of the floor."""
+    """True if the picture is about as dark on both sides, as along a joint of the floor."""
     height, width = grey.shape
     # sixteen places around a dot, outside its rim
     for i, j in ((0, 4), (2, 4), (3, 3), (4, 2), (4, 0), (4, -2), (3, -3), (2, -4)):
@@ -274,7 +273,7 @@ def _is_on_a_line(grey, y, x, ground, depth):
 
 @njit(**LEAF)
 def _is_next_to_large(mask, y, x, height, width):
-    """Whether more is marked around a pixel than a dot could be."""
+    """True if more is marked around a pixel than a dot could have."""
     # most candidates lie on the edge of something: look across it first
     middle = NEAR // 2
     if y >= NEAR and mask[y + 1 - middle, x + 1] & mask[y + 1 - NEAR, x + 1]:
@@ -294,7 +293,7 @@ def _is_next_to_large(mask, y, x, height, width):
 
 @njit(**LEAF)
 def _smoothed(grey, y, x):
-    """The grey value there, smoothed; beyond the picture's edge its last pixel is repeated."""
+    """Smoothed grey value at a pixel; beyond the picture's edge its last pixel is repeated."""
     height, width = grey.shape
     total = 0.0
     for i in range(-2, 3):
@@ -308,7 +307,7 @@ def _smoothed(grey, y, x):
 
 @njit(**LEAF)
 def _weight(away):
-    """The binomial's weights, 1 4 6 4 1 by 16."""
+    """Binomial weight at a distance: 1 4 6 4 1 by 16."""
     away = abs(away)
     if away == 0:
         return 0.375

@@ -1,12 +1,12 @@
-"""Structure of the ground that is too fine for the picture: walls that no level can find.
+"""Structure of the ground too fine for the picture: walls that no level can find.
 
 Rules and units
-- Grey values are 0 .. 255, obstacles dark. Walls and ways narrower than a lens's blur run together
-  to a grey in between, which looks like a floor; a twentieth of their contrast remains.
-- White noise is as strong between neighbouring pixels as between distant ones. What a lens has
-  blurred differs little from its neighbour (``BEYOND_NOISE``), and differs from the pixel next but
-  one as much as from those farther away (``FULL_APART``): it is fine. Light, blots and the edges of
-  what is larger keep on growing with the distance.
+- Grey values are 0 .. 255, obstacles dark. Walls and ways narrower than a lens's blur merge into a
+  grey that looks like a floor; a twentieth of their contrast remains.
+- White noise is as strong between neighbours as between distant pixels. Blurred structure differs
+  little between neighbours (``BEYOND_NOISE``), but as much from the next pixel but one as from
+  farther ones (``FULL_APART``): it is fine. Light, blots and edges of larger things differ more
+  with the distance.
 - A floor's own texture is fine too, but has less of the light (``LEAST_SHARE``).
 """
 
@@ -53,7 +53,7 @@ FINE = 2
 
 @dataclass(frozen=True, slots=True)
 class Unresolved:
-    """Structure around a grey of ``middle``, of which ``spread`` is the standard deviation.
+    """Unresolved structure around a grey of ``middle``, with standard deviation ``spread``.
 
     It lies below the ``level``.
     """
@@ -66,10 +66,10 @@ class Unresolved:
 def unresolved_structure(
     look: Look, classes: Classes | None, side: Literal["dark", "light"]
 ) -> Unresolved | None:
-    """What of the picture is too fine for it, in the class that most of its pixels have.
+    """Structure too fine for the picture, in the class of most of its pixels.
 
-    None where that has no such structure nearly everywhere, or no more than a floor's texture.
-    O(pixels) where its grey spreads more than noise does, else O(1).
+    None if the class does not have it nearly everywhere, or has no more than a floor's texture.
+    O(pixels) if its grey spreads more than noise does, else O(1).
     """
     ground = _Ground.of(look, classes)
     light = ground.middle if side == "dark" else 255.0 - ground.middle
@@ -91,9 +91,9 @@ def unresolved_structure(
 
 
 class _Ground(NamedTuple):
-    """The grey values that most pixels have, first .. end, their middle and spread.
+    """Grey values that most pixels have, first .. end, their middle and spread.
 
-    ``contrast``: how far those of the others are away, 0 where there are none.
+    ``contrast``: distance to the others' grey, 0 where there are none.
     """
 
     first: float
@@ -113,22 +113,22 @@ class _Ground(NamedTuple):
             else:
                 spread = classes.light_spread
                 left = look.noise * look.calming().left
-                # seen through smoothing, which leaves little of what is fine
+                # measured through smoothing, which leaves little fine structure
                 if spread**2 > look.noise**2 + (HINT * left) ** 2 and left < look.noise:
                     spread = grey_spread(counts[math.ceil(level) :])
                 ground = cls(level, ALL, classes.light, spread, contrast)
             if contrast >= APART * spread:
                 return ground
-        # neither rare pixels nor parts of one hump are classes
+        # rare pixels and parts of one hump are not classes
         middle = float(np.searchsorted(np.cumsum(counts), 0.5 * counts.sum()))
         return cls(0.0, ALL, middle, grey_spread(counts), 0.0)
 
 
 def change_over(grey: NDArray[Any], seen: NDArray[np.bool_], apart: int) -> float:
-    """How much pixels so far ``apart`` change, as white noise of that standard deviation does.
+    """Change over ``apart`` pixels, as the standard deviation of white noise that changes as much.
 
-    By the median second difference, in both directions, around pixels (h, w) that are ``seen``; 0
-    for too few of them. Of a sample.
+    From a sample: the median second difference, in both directions, around ``seen`` pixels (h, w);
+    0 if there are too few.
     """
     every = max(1, math.isqrt(2 * grey.size // SAMPLE))
     along = _bends(grey[::every], seen[::every], apart)
@@ -136,13 +136,13 @@ def change_over(grey: NDArray[Any], seen: NDArray[np.bool_], apart: int) -> floa
     bends = np.sort(np.concatenate([along, across]))
     if len(bends) < FEWEST:
         return 0.0
-    # the mean of the middle fifth: whole grey values have few medians
+    # mean of the middle fifth: integer grey values have few medians
     middle = bends[2 * len(bends) // 5 : 3 * len(bends) // 5 + 1].mean()
     return float(middle) / (0.6744898 * math.sqrt(6.0))
 
 
 def _bends(lines: NDArray[Any], seen: NDArray[np.bool_], apart: int) -> NDArray[np.float32]:
-    """The second differences along each line, of three pixels ``apart`` around one that is seen."""
+    """Absolute second differences along each line, over ``apart`` pixels around each seen one."""
     if lines.shape[1] <= 2 * apart:
         return np.empty(0, np.float32)
     shown = lines.astype(np.float32)

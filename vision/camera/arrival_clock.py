@@ -1,9 +1,9 @@
-"""Another device's clock on ours, from when its messages arrive.
+"""Another device's clock converted to ours, from the arrivals of its messages.
 
-A message cannot arrive before it was sent, and some arrive almost at once: of all differences
-between arrival and stamp, the least is the offset between the clocks plus the shortest delay.
-Later arrivals are late by what they exceed it. The least is let go slowly, as the clocks drift.
-Seconds on both clocks. Source: the minimum filter of one-way delays (Moon, Skelly, Towsley 1999).
+A message cannot arrive before it was sent, and some arrive almost at once: the least difference
+between arrival and stamp is the clocks' offset plus the shortest delay. Later arrivals are late by
+the excess. The least is relaxed slowly, as clocks drift. Seconds on both clocks. Source: the
+minimum filter of one-way delays (Moon, Skelly, Towsley 1999).
 """
 
 from __future__ import annotations
@@ -16,20 +16,20 @@ DRIFT: Final = 2e-3
 
 
 class ArrivalClock:
-    """Turns a sender's stamps into times of our clock; never later than the arrival."""
+    """Conversion of a sender's stamps into times of our clock, never later than the arrival."""
 
     def __init__(self) -> None:
         self._offset_s = math.inf
         self._stamp_s = -math.inf
 
     def time_of(self, stamp_s: float, arrived_s: float) -> float:
-        """When the message stamped ``stamp_s`` was sent, but for the shortest delay."""
+        """Return when the message stamped ``stamp_s`` was sent, up to the shortest delay."""
         passed_s = max(0.0, stamp_s - self._stamp_s) if math.isfinite(self._stamp_s) else 0.0
         self._stamp_s = max(stamp_s, self._stamp_s)
         self._offset_s = min(self._offset_s + DRIFT * passed_s, arrived_s - stamp_s)
-        return min(stamp_s + self._offset_s, arrived_s)  # rounding may put it behind
+        return min(stamp_s + self._offset_s, arrived_s)  # rounding may exceed the arrival
 
     @property
     def offset_s(self) -> float:
-        """Our clock less the sender's, the shortest delay included; infinite before the first."""
+        """Our clock minus the sender's, plus the shortest delay; infinite before a message."""
         return self._offset_s

@@ -1,11 +1,11 @@
-"""Frames and where they come from: the camera as the rest of Clearway sees it.
+"""Frames and cameras as the rest of Clearway sees them.
 
 Rules and units
-- A ``Frame`` is one picture, uint8, grey (h, w) or BGR (h, w, 3), read-only, with the
-  monotonic time at which it was captured (seconds) and a growing sequence number. Where rows are
-  exposed one after another (a rolling shutter), the time is the last row's.
-- A ``Camera`` is anything that gives frames: a device, a stream, a file (``vision.camera.sources``)
-  or the simulator. It says what it is doing in ``state`` and why in ``reason``.
+- A ``Frame`` is one picture, uint8, grey (h, w) or BGR (h, w, 3), read-only, with its monotonic
+  time of capture (seconds) and a growing sequence number. With a rolling shutter, the time is that
+  of the last row.
+- A ``Camera`` gives frames: a device, a stream, a file (``vision.camera.sources``) or the
+  simulator. ``state`` says what it does and ``reason`` why.
 - ``vision.camera.latest_frame`` reads a camera in a thread of its own and opens it again.
 """
 
@@ -27,21 +27,21 @@ SourceState: TypeAlias = Literal["closed", "running", "ended"]
 
 
 class CameraError(ValueError):
-    """A camera cannot be opened or gives no more pictures; the message says which and why."""
+    """Error for a camera that cannot be opened or gives no more pictures, with the reason."""
 
     def __init__(self, message: str) -> None:
         super().__init__(printable(message))
 
 
 class CameraAbsentError(CameraError):
-    """A camera is not there: unplugged, or not yet plugged in. Looking again costs nothing."""
+    """Error for a camera that is unplugged, or not yet plugged in. Looking again costs nothing."""
 
 
 class CameraHeldError(CameraError):
-    """A camera cannot be opened although it may be there: somebody may hold it.
+    """Error for a camera that may be there but cannot be opened: another program may hold it.
 
-    ``seen`` is what the source saw; the message adds ``guess``, who it may be. A program that
-    knows better, as its own earlier reading hangs, says ``seen`` and that.
+    ``seen`` is the source's observation; the message adds ``guess``, the likely holder. A program
+    that knows better, because its own earlier reading hangs, reports ``seen`` and that.
     """
 
     def __init__(self, seen: str, guess: str = "") -> None:
@@ -53,8 +53,8 @@ class CameraHeldError(CameraError):
 class Frame:
     """One picture: ``image`` (h, w) or (h, w, 3) BGR uint8, read-only.
 
-    ``captured_s`` is monotonic seconds, ``sequence`` grows by one a frame of its source and
-    ``source`` is the camera's name. Raises ``CameraError`` for anything that is no picture.
+    ``captured_s`` is monotonic seconds, ``sequence`` grows by one per frame of the source and
+    ``source`` is the camera's name. Raises ``CameraError`` for anything that is not a picture.
     """
 
     image: Image
@@ -80,43 +80,43 @@ class Frame:
 
     @property
     def size(self) -> tuple[int, int]:
-        """(width, height) in pixels."""
+        """Width and height in pixels."""
         return int(self.image.shape[1]), int(self.image.shape[0])
 
 
 class Camera(Protocol):
-    """What gives frames; see ``vision.camera.sources`` and the simulator for implementations."""
+    """Source of frames; ``vision.camera.sources`` and the simulator implement it."""
 
     @property
     def name(self) -> str:
-        """What messages call it: ``camera 0``, ``rtsp://...``, a file name."""
+        """Name in messages: ``camera 0``, ``rtsp://...``, a file name."""
 
     @property
     def state(self) -> SourceState:
-        """``closed``, ``running`` or ``ended`` (a file that has no more pictures)."""
+        """``closed``, ``running`` or ``ended`` (a file without more pictures)."""
 
     @property
     def reason(self) -> str:
-        """A plain sentence on the state, or on what was asked for and not got; may be empty."""
+        """Sentence on the state, or on a request that was not met; may be empty."""
 
     @property
     def rate_hz(self) -> float:
-        """Frames a second really got lately; 0.0 before the second frame."""
+        """Frames a second measured lately; 0.0 before the second frame."""
 
     @property
     def may_repeat(self) -> bool:
-        """Whether identical pictures in a row are normal, not a sign of a frozen sensor.
+        """True if identical pictures in a row are normal, not a sign of a frozen sensor.
 
-        So they are for a file, and for any source whose pictures have no noise to distinguish them.
+        This holds for files, and for any source without noise to distinguish its pictures.
         """
 
     def open(self) -> None:
-        """Start giving frames; raises ``CameraError`` where it cannot."""
+        """Start giving frames; raises ``CameraError`` if it cannot."""
 
     def read(self, timeout_s: float) -> Frame | None:
-        """The next frame; None where none came in time or the source ended (see ``state``).
+        """Return the next frame; None if none came in time or the source ended (see ``state``).
 
-        Raises ``CameraError`` where the source is lost.
+        Raises ``CameraError`` if the source is lost.
         """
 
     def close(self) -> None:
@@ -124,7 +124,7 @@ class Camera(Protocol):
 
 
 class RateMeter:
-    """Frames a second over the last ``window`` frames, from their times of capture."""
+    """Frames a second over the last ``window`` frames, by their times of capture."""
 
     def __init__(self, window: int = 30) -> None:
         self._times: deque[float] = deque(maxlen=window + 1)
@@ -137,14 +137,14 @@ class RateMeter:
 
     @property
     def rate_hz(self) -> float:
-        """The mean rate; 0.0 before the second frame."""
+        """Mean rate; 0.0 before the second frame."""
         if len(self._times) < 2 or self._times[-1] <= self._times[0]:
             return 0.0
         return (len(self._times) - 1) / (self._times[-1] - self._times[0])
 
 
 def identical(a: Image, b: Image) -> bool:
-    """Whether two pictures are the same to the bit; a sparse look first, as that is quick."""
+    """True if two pictures are the same to the bit; a quick sparse comparison comes first."""
     if a.shape != b.shape:
         return False
     return np.array_equal(a[::16, ::16], b[::16, ::16]) and np.array_equal(a, b)

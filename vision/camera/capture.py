@@ -1,7 +1,7 @@
-"""Cameras behind OpenCV's capture: network streams, and what they share with video files.
+"""Cameras behind OpenCV's capture: network streams, and the base of video files.
 
 Rules and units
-- No wait for a picture is longer than five seconds: then a stream has failed.
+- A stream that gives no picture for five seconds has failed.
 - Times are seconds on the clock passed in; sizes are (width, height) in pixels.
 """
 
@@ -34,7 +34,7 @@ kept comes all at once."""
 
 
 class Capture:
-    """What streams and video files share: an OpenCV capture and its frames."""
+    """Base of streams and video files: an OpenCV capture and its frames."""
 
     may_repeat = False
 
@@ -49,7 +49,7 @@ class Capture:
 
     @property
     def rate_hz(self) -> float:
-        """Frames a second really got."""
+        """Measured frames a second."""
         return self._rate.rate_hz
 
     def close(self) -> None:
@@ -69,7 +69,7 @@ class Capture:
         if not opened:
             capture.release()
             raise self._refused()
-        # The sensor's own pixels, as of pictures: a film's turn says how its camera was held.
+        # The sensor's own pixels, as for pictures: a film's turn only says how its camera was held.
         capture.set(cv2.CAP_PROP_ORIENTATION_AUTO, 0)
         self._capture = capture
         self._rate = RateMeter()
@@ -80,7 +80,7 @@ class Capture:
         return CameraError(f"{self.name}: cannot be opened")
 
     def _grab(self) -> tuple[Image, float] | None:
-        """The next picture and when it was captured; None where the capture gave none."""
+        """Return the next picture and its time of capture; None if the capture gave none."""
         capture = self._capture
         if capture is None:
             raise CameraError(f"{self.name}: read while closed")
@@ -104,11 +104,11 @@ class Capture:
 
 
 class StreamCamera(Capture):
-    """An RTSP or HTTP stream, through FFmpeg, with bounded waits.
+    """RTSP or HTTP stream, through FFmpeg, with bounded waits.
 
-    Its rate is known a second after it was opened. The pictures of an RTSP stream carry the
-    sender's times (RTP): what the network holds up is dated by them. No stream reports what
-    every picture takes at least.
+    Its rate is known a second after opening. Pictures of an RTSP stream carry the sender's times
+    (RTP), which date pictures that the network delays. No stream reports the least delay that every
+    picture has.
     """
 
     def __init__(self, url: str, clock: Clock) -> None:
@@ -119,7 +119,7 @@ class StreamCamera(Capture):
         self._stamp_s = -math.inf
 
     def open(self) -> None:
-        """Connect; ``CameraError`` where nobody answers within five seconds."""
+        """Connect; ``CameraError`` if there is no answer within five seconds."""
         timeouts = [
             cv2.CAP_PROP_OPEN_TIMEOUT_MSEC,
             1000 * _LONGEST_WAIT_S,
@@ -133,7 +133,7 @@ class StreamCamera(Capture):
         self._stamp_s = -math.inf
 
     def read(self, timeout_s: float) -> Frame | None:
-        """The next frame; FFmpeg bounds the wait by five seconds."""
+        """Return the next frame; FFmpeg limits the wait to five seconds."""
         grabbed = self._grab()
         if grabbed is None:
             raise CameraError(f"{self.name}: the stream ended or its peer is gone")
@@ -142,27 +142,27 @@ class StreamCamera(Capture):
         return self._frame(image, self._sent_s(arrived_s), count=count)
 
     def _sent_s(self, arrived_s: float) -> float:
-        """When the picture was sent, by its own stamp; the arrival where it has none."""
+        """Return when the picture was sent, by its own stamp, or its arrival without one."""
         if self._sender is None or self._capture is None:
             return arrived_s
         stamp_s = self._capture.get(cv2.CAP_PROP_POS_MSEC) / 1000.0
         if not math.isfinite(stamp_s) or stamp_s <= self._stamp_s:
-            self._sender, self._stamp_s = ArrivalClock(), -math.inf  # it counts from elsewhere now
+            self._sender, self._stamp_s = ArrivalClock(), -math.inf  # its stamps have a new origin
             return arrived_s
         self._stamp_s = stamp_s
         return max(self._sender.time_of(stamp_s, arrived_s), arrived_s - _LONGEST_HOLD_UP_S)
 
     def _refused(self) -> CameraError:
-        # many network cameras serve few clients: one that hangs may be the last they allow
+        # many network cameras serve few clients: one that hangs may be the last allowed
         return CameraHeldError(
             f"{self.name}: no stream there, or nobody answered within {_LONGEST_WAIT_S} s"
         )
 
 
 def without_password(url: str) -> str:
-    """The URL as messages may show it: only names are left of its query, nothing of its fragment.
+    """URL for messages: its query keeps only names, its fragment nothing.
 
-    User and password are left out too; texts that are no URL are as they are.
+    User and password are left out too; a text that is not a URL is unchanged.
     """
     if "://" not in url:
         return url
@@ -171,7 +171,7 @@ def without_password(url: str) -> str:
 
 
 def _only_name(part: str) -> str:
-    """One part of a query without its value; one that has no name may be a key itself."""
+    """One part of a query without its value; a part without a name may itself be a key."""
     if not part:
         return ""
     name, mark, _ = part.partition("=")
@@ -179,13 +179,13 @@ def _only_name(part: str) -> str:
 
 
 def without_user(url: str) -> str:
-    """The URL without user and password; texts that are no URL are as they are."""
+    """URL without user and password; a text that is not a URL is unchanged."""
     scheme, mark, rest = url.partition("://")
     if not mark:
         return url
     host, slash, path = rest.partition("/")
     port = host.partition(":")[2]
     if "@" not in host and port and not port.isdecimal() and "@" in path:
-        # A password with a slash that should have been written %2F: nothing of it is shown.
+        # A password with a slash that should have been written %2F: show nothing of it.
         host, slash, path = path.rpartition("@")[2].partition("/")
     return f"{scheme}://{host.rpartition('@')[2]}{slash}{path}"

@@ -1,7 +1,7 @@
 """Files as cameras: a picture's pixels, the pace of files, and videos.
 
 Rules and units
-- Files are paced at their rate where ``paced``: a late reader gets no burst of missed frames.
+- With ``paced``, files run at their rate: a late reader gets no burst of missed frames.
 - Times are seconds on the clock passed in.
 """
 
@@ -33,12 +33,12 @@ Wait = Callable[[float], object]
 
 
 def read_picture(path: Path) -> Image:
-    """A picture file as uint8, grey (h, w) or BGR (h, w, 3); ``CameraError`` where it is none.
+    """Read a picture file as uint8, grey (h, w) or BGR (h, w, 3), or raise ``CameraError``.
 
-    Pixels are those of the sensor, as the file has them: an EXIF orientation is left aside
-    (``vision.camera.picture_turn`` says why), but a TIFF's, which its decoder heeds. libpng and
-    libjpeg may write a line of their own to stderr: to catch it would take the descriptor away from
-    every other thread.
+    Pixels are the sensor's, as stored: an EXIF orientation is ignored
+    (``vision.camera.picture_turn`` says why), except a TIFF's, which its decoder applies. libpng
+    and libjpeg may write a line to stderr: catching it would take the descriptor away from every
+    other thread.
     """
     try:
         with path.open("rb") as file:
@@ -63,7 +63,7 @@ def read_picture(path: Path) -> Image:
 
 
 class Pace:
-    """Gives a file's frames their time."""
+    """Timing of a file's frames."""
 
     def __init__(self, clock: Clock, wait: Wait, paced: bool) -> None:
         self.clock = clock
@@ -72,15 +72,15 @@ class Pace:
         self._due_s: float | None = None
 
     def restart(self) -> None:
-        """The next frame is due at once."""
+        """Make the next frame due at once."""
         self._due_s = None
 
     def pause(self, pause_s: float) -> None:
-        """Wait, whether paced or not: what was asked for is not there yet."""
+        """Wait, paced or not, for something that is not there yet."""
         self._wait(pause_s)
 
     def wait_for_turn(self, rate_hz: float, timeout_s: float) -> float | None:
-        """The present time when the next frame is due; None where that is after the timeout."""
+        """Wait for the next frame and return the time; None if it is due after the timeout."""
         now_s = self.clock()
         if not self._paced:
             return now_s
@@ -92,13 +92,13 @@ class Pace:
         if self._due_s > now_s:
             self._wait(self._due_s - now_s)
             now_s = self.clock()
-        # A reader that is late does not get the missed frames in a burst.
+        # A late reader does not get the missed frames in a burst.
         self._due_s = max(self._due_s + 1.0 / rate_hz, now_s)
         return now_s
 
 
 class VideoCamera(Capture):
-    """A video file, at its own rate or the one asked for."""
+    """Video file, at its own rate or the requested one."""
 
     may_repeat = True
 
@@ -112,7 +112,7 @@ class VideoCamera(Capture):
         self._first = True
 
     def open(self) -> None:
-        """Open the file; ``CameraError`` where it is no video."""
+        """Open the file; ``CameraError`` if it is not a video."""
         capture = self._start(str(self._path), cv2.CAP_ANY, [])
         rate_hz = capture.get(cv2.CAP_PROP_FPS)
         self._file_rate_hz = rate_hz if 0.0 < rate_hz <= 1000.0 else 30.0
@@ -120,7 +120,7 @@ class VideoCamera(Capture):
         self._first = True
 
     def read(self, timeout_s: float) -> Frame | None:
-        """The next frame when it is due; None before that, and after the last (``ended``)."""
+        """Return the next frame when due; None before that, and after the last (``ended``)."""
         if self.state == "ended":
             return None
         due = self._pace.wait_for_turn(self._rate_wanted_hz or self._file_rate_hz, timeout_s)

@@ -1,12 +1,12 @@
-"""Pictures as cameras: a folder of them, one after another, or a single one shown for ever.
+"""Pictures as cameras: a folder shown one by one, or a single picture shown for ever.
 
 Rules
-- A folder's pictures come in the order of their names; at its end those are read, too, that came
-  meanwhile and are named after the last.
+- A folder's pictures come in the order of their names; at its end, new pictures named after the
+  last are read too.
 - A picture that cannot be read may still be being written: it is tried again for ``PATIENCE_S``,
-  then left out and named in ``reason``. A folder of which no picture can be read is an error.
-- A single picture is decoded again where its file has changed. While the new one cannot be read,
-  or is gone, the last good one is shown, and ``reason`` says so.
+  then left out and named in ``reason``. A folder without a readable picture is an error.
+- A single picture is decoded again if its file has changed. While the new one is unreadable or
+  gone, the last good one is shown, and ``reason`` says so.
 """
 
 from __future__ import annotations
@@ -23,7 +23,7 @@ _PICTURES_HZ = 10.0
 
 
 class FolderCamera:
-    """The pictures of a folder in the order of their names."""
+    """Pictures of a folder in the order of their names."""
 
     may_repeat = True
 
@@ -44,11 +44,11 @@ class FolderCamera:
 
     @property
     def rate_hz(self) -> float:
-        """Frames a second really got."""
+        """Measured frames a second."""
         return self._rate.rate_hz
 
     def open(self) -> None:
-        """List the pictures; ``CameraError`` where there are none."""
+        """List the pictures; ``CameraError`` if there are none."""
         self._files = self._list()
         self._next = 0
         self._read_any = False
@@ -58,7 +58,7 @@ class FolderCamera:
         self.state, self.reason = "running", ""
 
     def read(self, timeout_s: float) -> Frame | None:
-        """The next picture when it is due; None before that, and after the last (``ended``)."""
+        """Return the next picture when due; None before that, and after the last (``ended``)."""
         if self.state == "closed":
             raise CameraError(f"{self.name}: read while closed")
         if self.state == "ended" or (self._next >= len(self._files) and not self._find_more()):
@@ -95,7 +95,7 @@ class FolderCamera:
         return files
 
     def _find_more(self) -> bool:
-        """Whether the list goes on: with pictures that came meanwhile, or from its beginning."""
+        """True if the list continues, with new pictures or from its beginning."""
         listed = self._list()
         later = [path for path in listed if path > self._files[-1]]
         if later:
@@ -124,7 +124,7 @@ class FolderCamera:
 
 
 class PictureCamera(FolderCamera):
-    """One picture, shown for ever; decoded again only where its file has changed."""
+    """One picture, shown for ever; decoded again only if its file has changed."""
 
     def __init__(self, path: Path, pace: Pace, rate_hz: float | None) -> None:
         super().__init__(path, pace, rate_hz, loop=True)
@@ -152,7 +152,7 @@ class PictureCamera(FolderCamera):
 
 
 def _version(path: Path) -> tuple[int, ...]:
-    """What changes with a file's content; ``CameraError`` where there is no file."""
+    """Values that change with a file's content; ``CameraError`` if there is no file."""
     try:
         told = path.stat()
     except OSError as error:

@@ -1,15 +1,15 @@
 """The newest frame of a camera, read in a thread of its own.
 
 Rules
-- The latest frame wins; what nobody took in time is counted as dropped.
-- A source that fails, stalls or freezes is closed and opened again with growing pauses, and
-  says so in a plain sentence.
-- A live sensor's noise hardly ever gives the same picture twice: a repeated one is no news, so it
-  is not passed on, and its repetition for a while means that the camera is frozen, whatever times
-  it gives. A source without such noise says `may_repeat`.
-- A read, an opening or a closing that hangs inside a driver cannot be stopped: its thread and its
-  camera are left behind and new ones are made, up to `MOST_LEFT_BEHIND`. What is left behind may
-  hold the camera: then that is said, and no other program blamed.
+- The latest frame wins; frames not taken in time are counted as dropped.
+- A source that fails, stalls or freezes is closed and opened again with growing pauses, and says so
+  in a plain sentence.
+- A live sensor's noise hardly ever gives the same picture twice. A repeated picture is not passed
+  on, and repetition for a while means that the camera is frozen, whatever times it gives. A source
+  without such noise says `may_repeat`.
+- A read, an opening or a closing that hangs inside a driver cannot be stopped: its thread and
+  camera are left behind and new ones made, up to `MOST_LEFT_BEHIND`. They may hold the camera: then
+  that is reported, and no other program is blamed.
 - The clock is passed in; only waiting for a frame takes real time.
 """
 
@@ -40,13 +40,13 @@ MOST_LEFT_BEHIND: Final = 3
 
 @dataclass(frozen=True, slots=True)
 class WatchLimits:
-    """When a source counts as stalled or frozen, and how often it is opened again (seconds).
+    """Limits from which a source counts as stalled or frozen, and pauses between openings (s).
 
-    A picture that repeats is frozen after ``frozen_s`` and ``frozen_frames`` repetitions: where
-    little is sent, a network camera sends a still arena's noise as no change, nine frames in a
-    row of H.264 at 100 kbit/s. ``hung_s`` lies beyond the five seconds that a device or stream may
-    take to say that nothing comes. A camera that is not there is looked for each
-    ``absent_pause_s``: that opens nothing, and a robot may be waiting for the plug.
+    A repeating picture is frozen after ``frozen_s`` and ``frozen_frames`` repetitions: at low bit
+    rates a network camera sends a still arena's noise as no change, nine frames in a row of H.264
+    at 100 kbit/s. ``hung_s`` exceeds the five seconds in which a device or stream may report that
+    nothing comes. An absent camera is looked for every ``absent_pause_s``: that opens nothing, and
+    a robot may be waiting for the plug.
     """
 
     read_timeout_s: float = 0.5
@@ -61,10 +61,10 @@ class WatchLimits:
 
 @dataclass(frozen=True, slots=True)
 class CameraStatus:
-    """What a camera is doing: ``reason`` is a plain sentence, empty while all is well.
+    """State of a camera; ``reason`` is a plain sentence, empty while all is well.
 
-    ``age_s`` is the age of the newest frame, None before the first; ``reopened`` counts
-    how often the source was opened again. ``each``: of several cameras, by name.
+    ``age_s`` is the age of the newest frame, None before the first; ``reopened`` counts further
+    openings of the source. ``each``: the status of each of several cameras, by name.
     """
 
     state: CameraState
@@ -78,12 +78,12 @@ class CameraStatus:
 
 
 class LatestFrame:
-    """Keeps the newest frame of a camera and opens the camera again when it fails.
+    """Newest frame of a camera, which is opened again when it fails.
 
-    ``open_camera`` makes a new, closed camera each time one is needed: a read that hangs
-    inside a driver cannot be stopped, so its camera is left behind and another is made.
-    Use as a context manager, or ``start()`` and ``stop()``; without a thread ``step()`` does
-    one turn of its loop. ``news`` may be shared: it is notified of every new frame.
+    ``open_camera`` makes a new, closed camera each time: a read that hangs inside a driver cannot
+    be stopped, so its camera is left behind. Use it as a context manager, or ``start()`` and
+    ``stop()``; without a thread, ``step()`` does one turn of its loop. ``news`` may be shared and
+    is notified of every new frame.
     """
 
     def __init__(
@@ -117,7 +117,7 @@ class LatestFrame:
         self.stop()
 
     def start(self) -> None:
-        """Start the thread that reads the camera; harmless when it runs."""
+        """Start the thread that reads the camera; harmless while it runs."""
         if self._thread is None:
             self._stopping.clear()
             self._start_thread()
@@ -136,14 +136,14 @@ class LatestFrame:
             self._news.notify_all()
 
     def has_died(self) -> bool:
-        """Whether the thread has ended by an error of the program; `start` after `stop` helps."""
+        """True if the thread ended by a program error; `start` after `stop` helps."""
         thread = self._thread
         return thread is not None and thread.ident is not None and not thread.is_alive()
 
     def take(self, timeout_s: float = 0.0) -> Frame | None:
-        """The newest frame that was not yet taken, waiting up to ``timeout_s`` (real) seconds.
+        """Return the newest frame not yet taken, waiting up to ``timeout_s`` (real) seconds.
 
-        None where none came in time, or where `wake` was called.
+        None if none came in time, or if `wake` was called.
         """
         self._leave_hung_reader()
         with self._news:
@@ -156,13 +156,13 @@ class LatestFrame:
             return self._frame
 
     def wake(self) -> None:
-        """End the wait of `take`, the present one or the next: there is other news."""
+        """End the wait of `take`, the present or the next one: there is other news."""
         with self._news:
             self._woken = True
             self._news.notify_all()
 
     def status(self) -> CameraStatus:
-        """What the camera is doing now."""
+        """Present state of the camera."""
         self._leave_hung_reader()
         now_s = self._clock()
         with self._news:
@@ -174,7 +174,7 @@ class LatestFrame:
         return replace(status, age_s=age_s)
 
     def step(self) -> float:
-        """One turn without a thread: open when due, read, publish; the pause to make (s)."""
+        """Do one turn without a thread: open when due, read, publish. Return the pause (s)."""
         return self._reader.step()
 
     def _start_thread(self) -> None:
@@ -200,7 +200,7 @@ class LatestFrame:
             reader.close()
 
     def _leave_hung_reader(self) -> None:
-        """Start afresh where a read, an open or a close has not come back for ``hung_s``."""
+        """Replace a reader whose read, open or close has not returned for ``hung_s``."""
         with self._news:  # any thread may ask for the status: one of them does it
             busy_s = self._reader.busy_s(self._clock())
             if busy_s <= self._limits.hung_s:
@@ -212,7 +212,7 @@ class LatestFrame:
                 self._status = replace(self._status, state="lost", reason=reason)
                 return
             self._next_reader()
-            self._reader.failures = 1  # so that what has just happened stays said
+            self._reader.failures = 1  # keeps the present report
             self._status = replace(
                 self._status,
                 state="lost",
@@ -228,14 +228,14 @@ class LatestFrame:
         self._reader = _Reader(self, self._generation)
 
     def _hanging(self) -> list[_Reader]:
-        """The readers left behind that have not come back."""
+        """Readers left behind that have not returned."""
         now_s = self._clock()
         return [reader for reader in self._left_behind if reader.busy_s(now_s) > 0.0]
 
     # Called by the reader, from its thread.
 
     def _why_held(self, error: CameraHeldError) -> str:
-        """Who holds the camera: this program, where an earlier reading of its own hangs."""
+        """Holder of the camera: this program, if an earlier reading of its own hangs."""
         now_s = self._clock()
         with self._news:
             hung_s = max((reader.busy_s(now_s) for reader in self._hanging()), default=0.0)
@@ -278,7 +278,7 @@ class LatestFrame:
 
 
 class _Reader:
-    """One camera from its opening to its failure, and the pauses between the attempts."""
+    """One camera from opening to failure, and the pauses between attempts."""
 
     def __init__(self, owner: LatestFrame, generation: int) -> None:
         self.generation = generation
@@ -298,7 +298,7 @@ class _Reader:
         self._ended = False
 
     def busy_s(self, now_s: float) -> float:
-        """How long the present read, open or close has not come back; 0.0 where none runs."""
+        """Seconds that the present read, open or close has taken; 0.0 if none runs."""
         since_s = self._busy_since_s
         return 0.0 if since_s is None else now_s - since_s
 
@@ -369,7 +369,7 @@ class _Reader:
             return self._count_repeat(camera, now_s)
         self._same_since_s = None
         if last is not None:
-            self.failures = 0  # it really lives: the next failure starts with a short pause
+            self.failures = 0  # it is really alive: the next failure starts with a short pause
         self._owner._publish(self, frame, camera.rate_hz, camera.reason)
         return 0.0
 
@@ -389,7 +389,7 @@ class _Reader:
         # The exponent is bounded: 2.0 ** failures overflows after a night without a camera.
         longest_s = limits.absent_pause_s if absent else limits.longest_pause_s
         pause_s = min(limits.first_pause_s * 2.0 ** min(self.failures, 30), longest_s)
-        # While it is away nothing can have failed: plugged in, it starts with a short pause.
+        # An absent camera cannot fail: plugged in, it starts with a short pause.
         self.failures = 1 if absent else self.failures + 1
         self._due_s = self._owner._clock() + pause_s
         again = f"{reason.rstrip('.')}; trying again in {pause_s:.2g} s"

@@ -1,9 +1,8 @@
-"""How large a picture says it is, from the first bytes of its file.
+"""The size that a picture claims, from the first bytes of its file.
 
-A file of a hundred bytes can claim a picture of gigabytes: decoding it takes many seconds and
-all memory, for nothing. So the size is read, and refused, before a picture is decoded.
-Sources: the PNG, JPEG (T.81), JPEG 2000 (T.800), GIF89a, BMP, TIFF 6, WebP, AVIF (HEIF), Radiance,
-Sun raster and Netpbm specifications.
+A file of a hundred bytes can claim gigabytes, and decoding it takes many seconds and all memory for
+nothing. So the size is read, and refused, before decoding. Sources: the PNG, JPEG (T.81), JPEG 2000
+(T.800), GIF89a, BMP, TIFF 6, WebP, AVIF (HEIF), Radiance, Sun raster and Netpbm specifications.
 """
 
 from __future__ import annotations
@@ -18,7 +17,7 @@ MOST_PIXELS = 1 << 28
 
 
 def oversize(data: bytes) -> str:
-    """Why a picture file claims too much to be decoded; empty where it does not, or is unknown."""
+    """Reason why a picture file claims too much to be decoded; empty if not, or unknown."""
     width, height = picture_size(data) or (0, 0)
     if width * height > MOST_PIXELS:
         return f"a picture of {width} x {height} pixels: must be at most {MOST_PIXELS}"
@@ -30,7 +29,7 @@ def oversize(data: bytes) -> str:
 
 
 def picture_size(data: bytes) -> tuple[int, int] | None:
-    """(width, height) in pixels as the header has them; None for a file of another kind."""
+    """Width and height in pixels, by the header; None for another kind of file."""
     try:
         if data.startswith(_PNG):
             return _pair(">II", data, 16) if data[12:16] == b"IHDR" else None
@@ -56,7 +55,7 @@ def picture_size(data: bytes) -> tuple[int, int] | None:
 
 
 def _longest_chunk(data: bytes) -> int:
-    """The greatest length that a chunk of a PNG claims: the decoder makes room for it unseen."""
+    """Greatest length that a PNG's chunk claims: the decoder allocates it unchecked."""
     longest, at = 0, len(_PNG)
     while at + 8 <= len(data):
         size = int(struct.unpack_from(">I", data, at)[0])
@@ -71,7 +70,7 @@ def _pair(form: str, data: bytes, at: int) -> tuple[int, int]:
 
 
 def _bmp(data: bytes) -> tuple[int, int]:
-    """OS/2's header of twelve bytes has sides of two; elsewhere a negative height runs down."""
+    """OS/2's header of twelve bytes has two-byte sides; elsewhere a negative height runs down."""
     if struct.unpack_from("<I", data, 14)[0] == 12:
         return _pair("<HH", data, 18)
     width, height = _pair("<ii", data, 18)
@@ -79,7 +78,7 @@ def _bmp(data: bytes) -> tuple[int, int]:
 
 
 def _jpeg(data: bytes) -> tuple[int, int] | None:
-    """The frame header is the first of the markers SOF0 to SOF15 but DHT, JPG and DAC."""
+    """Find the frame header: the first of the markers SOF0 to SOF15, except DHT, JPG and DAC."""
     at = 2
     while at + 4 <= len(data):
         if data[at] != 0xFF:
@@ -96,7 +95,7 @@ def _jpeg(data: bytes) -> tuple[int, int] | None:
 
 
 def _tiff(data: bytes) -> tuple[int, int] | None:
-    """The tags 256 and 257 of the first directory."""
+    """Tags 256 and 257 of the first directory."""
     order = "<" if data[:2] == b"II" else ">"
     directory = int(struct.unpack_from(order + "I", data, 4)[0])
     sides = {256: 0, 257: 0}
@@ -110,7 +109,7 @@ def _tiff(data: bytes) -> tuple[int, int] | None:
 
 
 def _webp(data: bytes) -> tuple[int, int] | None:
-    """The canvas of an extended file, or the frame of a plain one, lossy or lossless."""
+    """Canvas of an extended file, or frame of a plain one, lossy or lossless."""
     kind = data[12:16]
     if kind == b"VP8X":
         width, height = (int.from_bytes(data[at : at + 3], "little") for at in (24, 27))
@@ -125,9 +124,9 @@ def _webp(data: bytes) -> tuple[int, int] | None:
 
 
 def _jpeg_2000(data: bytes) -> tuple[int, int] | None:
-    """The segment SIZ that begins the codestream, whether a file's boxes stand round it or not.
+    """Segment SIZ at the beginning of the codestream, with or without a file's boxes around it.
 
-    The decoder makes room for what the codestream says, not for what the box `ihdr` says.
+    The decoder allocates what the codestream says, not what the box `ihdr` says.
     """
     at = data.find(b"\xff\x4f\xff\x51")
     if at < 0:
@@ -137,14 +136,14 @@ def _jpeg_2000(data: bytes) -> tuple[int, int] | None:
 
 
 def _avif(data: bytes) -> tuple[int, int] | None:
-    """The largest of the boxes `ispe`: a picture, its alpha and its parts have one each."""
+    """Largest of the boxes `ispe`: a picture, its alpha and its parts have one each."""
     sizes = [_pair(">II", data, found.end() + 4) for found in re.finditer(rb"ispe", data[:65536])]
     return max(sizes, key=lambda size: size[0] * size[1]) if sizes else None
 
 
 def _in_words(head: bytes) -> tuple[int, int] | None:
-    """Netpbm with PFM and PAM, and Radiance: headers that are text."""
-    # A comment may stand between the words of a Netpbm header.
+    """Netpbm with PFM and PAM, and Radiance, whose headers are text."""
+    # A comment may separate the words of a Netpbm header.
     words = re.sub(rb"#[^\n]*\n", b" ", head).split(None, 3)
     if len(words) >= 3 and re.fullmatch(rb"P[1-6Ff]", words[0]):
         sides = words[1:3]

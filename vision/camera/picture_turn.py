@@ -1,13 +1,14 @@
 """The turn that a picture's EXIF orientation asks for: how the camera was held.
 
-- Viewers and ``cv2.imread`` turn a picture so; who reads coordinates off a screen means those.
-- A lens, and the place of a camera above an arena, belong to the sensor's own pixels. A camera
-  that looks straight down cannot tell how it is held, and writes an orientation at random:
-  cameras and calibrations (``vision.camera.files.read_picture``) leave pictures as they are stored.
+- Viewers and ``cv2.imread`` turn a picture accordingly, and coordinates read off a screen are of
+  the turned one.
+- A lens, and a camera's place above an arena, belong to the sensor's own pixels. A camera that
+  looks straight down cannot know how it is held, and writes an orientation at random: cameras and
+  calibrations (``vision.camera.files.read_picture``) leave pictures as stored.
 
 Orientations are those of EXIF 2.32, 4.6.4: 1 as stored, 2 mirrored, 3 upside down, 4 mirrored
-upside down, 5 transposed, 6 to be turned by 90 degrees clockwise, 7 transposed the other way,
-8 to be turned by 90 degrees counter-clockwise.
+upside down, 5 transposed, 6 to be turned by 90 degrees clockwise, 7 transposed the other way, 8 to
+be turned by 90 degrees counter-clockwise.
 """
 
 from __future__ import annotations
@@ -23,9 +24,9 @@ _SHORT = 3
 
 
 def orientation(data: bytes) -> int:
-    """1 .. 8 as a JPEG, PNG or WebP file says; 1 where it says nothing, or nothing that is one.
+    """Orientation 1 .. 8 of a JPEG, PNG or WebP file; 1 if it has none, or an invalid one.
 
-    A TIFF's tag is not asked for: its decoder has turned the picture already.
+    A TIFF's tag is not read: its decoder has already turned the picture.
     """
     try:
         told = _of_exif(_exif(data))
@@ -35,7 +36,7 @@ def orientation(data: bytes) -> int:
 
 
 def turned(image: NDArray[Any], orientation: int) -> NDArray[Any]:
-    """The picture (h, w) or (h, w, c) as it is to be shown; sides change places from 5 on."""
+    """Turn a picture (h, w) or (h, w, c) for display; its sides swap from 5 on."""
     if orientation >= 5:
         image = image.swapaxes(0, 1)
     if orientation in (2, 3, 6, 7):
@@ -46,7 +47,7 @@ def turned(image: NDArray[Any], orientation: int) -> NDArray[Any]:
 
 
 def _exif(data: bytes) -> bytes:
-    """The EXIF of a file, from its byte order on; empty where there is none."""
+    """EXIF of a file, from its byte order on; empty if there is none."""
     if data.startswith(b"\xff\xd8"):
         return _in_jpeg(data)
     if data.startswith(b"\x89PNG"):
@@ -57,7 +58,7 @@ def _exif(data: bytes) -> bytes:
 
 
 def _in_jpeg(data: bytes) -> bytes:
-    """The first segment APP1 that begins with "Exif", before the scan."""
+    """First segment APP1 that begins with "Exif", before the scan."""
     at = 2
     while at + 4 <= len(data) and data[at] == 0xFF and data[at + 1] != 0xDA:
         if data[at + 1] == 0xFF:
@@ -71,7 +72,7 @@ def _in_jpeg(data: bytes) -> bytes:
 
 
 def _in_chunks(data: bytes, at: int, wanted: bytes, order: str) -> bytes:
-    """A chunk of a PNG (length, kind, body, sum) or of a WebP (kind, length, body, even)."""
+    """Chunk of a PNG (length, kind, body, sum) or of a WebP (kind, length, body, even)."""
     png = order == ">"
     while at + 8 <= len(data):
         kind, length = (data[at + 4 : at + 8], at) if png else (data[at : at + 4], at + 4)
@@ -83,7 +84,7 @@ def _in_chunks(data: bytes, at: int, wanted: bytes, order: str) -> bytes:
 
 
 def _of_exif(exif: bytes) -> int:
-    """The tag's value in the first directory; 1 where it is not there."""
+    """Value of the tag in the first directory; 1 if absent."""
     if exif[:4] not in (b"II*\0", b"MM\0*"):
         return 1
     order = "<" if exif[:2] == b"II" else ">"

@@ -1,8 +1,8 @@
-"""What to say of a rate that is not the one asked for, without a new sentence a picture.
+"""Remark on a rate other than the requested one, without a new sentence for each picture.
 
 Rules
-- Too slow, or too fast, is a rate that is off by more than a tenth; it is as asked again when it is
-  off by less than a twentieth.
+- A rate is too slow or too fast if it is off by more than a tenth, and right again if it is off by
+  at most a twentieth.
 - While it is off, the sentence keeps its number for a minute, unless the rate becomes right.
 """
 
@@ -16,7 +16,7 @@ EVERY_S: Final = 60.0
 
 
 class RateRemark:
-    """The sentence on a measured rate; empty while it is as asked, or nothing was asked."""
+    """Remark on a measured rate; empty if it is as requested, or nothing was requested."""
 
     def __init__(self, wanted_hz: float | None) -> None:
         self._wanted_hz = wanted_hz
@@ -24,7 +24,7 @@ class RateRemark:
         self._said_s = 0.0
 
     def of(self, rate_hz: float, now_s: float) -> str:
-        """The sentence at ``now_s``, for the rate measured lately (0.0: not yet known)."""
+        """Return the remark at ``now_s``, for the rate measured lately (0.0: not yet known)."""
         wanted_hz = self._wanted_hz
         if wanted_hz is None or rate_hz <= 0.0:
             return self._said

@@ -1,10 +1,10 @@
 """The newest frames of several cameras, as if they were one.
 
 Rules
-- Each camera is read by a `LatestFrame` of its own: one that hangs, freezes or is unplugged keeps
-  no other one waiting. A frame's ``source`` is the name of its camera here.
-- Who waits is woken by whichever camera gives a picture; they take turns where several have one.
-- As a whole they run while any of them does; what is not well with one is said with its name.
+- Each camera has its own `LatestFrame`: one that hangs, freezes or is unplugged delays no other.
+  A frame's ``source`` is the camera's name here.
+- Any camera's picture wakes the waiting caller; if several have one, they take turns.
+- They run as a whole while any of them does; a camera's trouble is reported with its name.
 """
 
 from __future__ import annotations
@@ -18,7 +18,7 @@ from vision.camera.latest_frame import CameraStatus, LatestFrame, WatchLimits
 
 
 class SeveralFrames:
-    """`LatestFrame` of several cameras: ``open_cameras`` by name, each makes a new, closed one."""
+    """`LatestFrame` of several cameras: each of ``open_cameras``, by name, makes a closed one."""
 
     def __init__(
         self,
@@ -37,7 +37,7 @@ class SeveralFrames:
 
     @property
     def turns(self) -> int:
-        """Grows while any of their threads works: one camera that hangs is said by its status."""
+        """Count that grows while any thread works; one camera that hangs shows in its status."""
         return sum(one.turns for one in self._each.values())
 
     def start(self) -> None:
@@ -51,11 +51,11 @@ class SeveralFrames:
             one.stop()
 
     def has_died(self) -> bool:
-        """Whether a thread has ended by an error of the program; `start` after `stop` helps."""
+        """True if a thread ended by a program error; `start` after `stop` helps."""
         return any(one.has_died() for one in self._each.values())
 
     def take(self, timeout_s: float = 0.0) -> Frame | None:
-        """The newest frame of one of them that was not yet taken; None where none came in time.
+        """Return the newest frame of any camera not yet taken; None if none came in time.
 
         Waits up to ``timeout_s`` (real) seconds, or until `wake`.
         """
@@ -76,17 +76,17 @@ class SeveralFrames:
         return False
 
     def wake(self) -> None:
-        """End the wait of `take`, the present one or the next: there is other news."""
+        """End the wait of `take`, the present or the next one: there is other news."""
         with self._news:
             self._woken = True
             self._news.notify_all()
 
     def step(self) -> float:
-        """One turn of each without threads; the pause to make (s)."""
+        """Do one turn of each without threads. Return the pause (s)."""
         return min(one.step() for one in self._each.values())
 
     def status(self) -> CameraStatus:
-        """What they do together, and each of them by name."""
+        """State of all together, and of each by name."""
         each = [(name, one.status()) for name, one in self._each.items()]
         ages_s = [one.age_s for _, one in each if one.age_s is not None]
         running = [one for _, one in each if one.state == "running"]

@@ -1,8 +1,7 @@
 """From the name of a source to its camera.
 
-- A number or ``/dev/...`` is a V4L2 device (a stable path such as ``/dev/v4l/by-id/...``
-  survives replugging), ``rtsp://`` and ``http(s)://`` are streams, anything else is a file
-  or a folder.
+- A number or ``/dev/...`` is a V4L2 device (a stable path such as ``/dev/v4l/by-id/...`` survives
+  replugging), ``rtsp://`` and ``http(s)://`` are streams, anything else is a file or a folder.
 - Rates are frames a second; sizes are (width, height) in pixels.
 """
 
@@ -46,14 +45,14 @@ def camera_for(
     device: DeviceSettings | None = None,
     known: KnownCamera | None = None,
 ) -> Camera:
-    """The camera that a source names, closed.
+    """Return the camera that a source names, closed.
 
-    ``rate_hz`` and ``size`` are asked of a device, and pace a file (default: the video's own,
-    10 Hz for pictures). ``loop`` begins a file again at its end; a single picture is shown
-    for ever. ``paced=False`` gives a file's frames as fast as they are read. ``wait`` pauses
-    for so many seconds. ``device`` sets a device's format and controls, and ``known``, one object
-    for all cameras of a run, finds it again under another name after a replug. Raises
-    ``CameraError`` where the source is nothing that can be opened.
+    ``rate_hz`` and ``size`` are requested of a device; the rate paces a file (default: the video's
+    own, 10 Hz for pictures). ``loop`` begins a file again at its end; a single picture is shown for
+    ever. ``paced=False`` gives a file's frames as fast as they are read. ``wait`` pauses for a
+    number of seconds. ``device`` sets a device's format and controls, and ``known``, one object for
+    all cameras of a run, finds it again under another name after a replug. Raises ``CameraError``
+    if the source cannot be opened.
     """
     text = str(source).strip()
     shown = without_password(text)

@@ -1,14 +1,13 @@
 """Distance between two cameras' outlines on the floor that both see.
 
 Rules and units
-- Each camera's picture is made black and white and its sub-pixel edge points are put on the floor
-  by its own calibration, in metres. Every point of the one, well inside what both see, is measured
-  against the line through the other's two nearest points.
-- The median counts: a few edges that only one camera sees (a shadow, the side of something high)
-  do not. Something high beside the middle leans away from each camera, so that its upper edges
-  differ although both calibrations are right; the limit has to leave room for that.
-- Where fewer than ``LEAST_POINTS`` edge points lie in what both see nothing is known, and that is
-  the answer.
+- Each camera's picture is binarised, and its own calibration puts the sub-pixel edge points on the
+  floor, in metres. Every point of the one, well inside the common view, is measured from the line
+  through the other's two nearest points.
+- The median counts, so a few edges that only one camera sees (a shadow, the side of something high)
+  do not. Something high near the middle leans away from each camera, so its upper edges differ
+  although both calibrations are right; the limit must allow for that.
+- With fewer than ``LEAST_POINTS`` edge points in the common view, the answer is unknown.
 """
 
 from __future__ import annotations
@@ -44,7 +43,7 @@ def edge_points_m(
     method: Method = "auto",
     threshold: float | None = None,
 ) -> FloatArray:
-    """The edge points (k, 2) of one camera's grey picture, on the floor in metres."""
+    """Edge points (k, 2) of one camera's grey picture, on the floor in metres."""
     try:
         binary = binarise(picture, polarity=polarity, method=method, threshold=threshold)
     except PictureError:
@@ -56,10 +55,11 @@ def edge_points_m(
 def outlines_apart_m(
     plan: FloorPlan, one: int, other: int, points: FloatArray, others: FloatArray
 ) -> float | None:
-    """The median distance of two cameras' edge points where both see the floor, in metres.
+    """Median distance of two cameras' edge points where both see the floor, in metres.
 
-    ``points`` (k, 2) and ``others`` (n, 2) as `edge_points_m` gives them; None where too few lie
-    in what both cameras see. The larger of both directions. O(k n) for ``MOST_POINTS`` at most.
+    ``points`` (k, 2) and ``others`` (n, 2) come from `edge_points_m`. The larger of both
+    directions; if one has too few points in the common view, ``FARTHEST_M`` if the other has twice
+    enough, else None. O(k n) for ``MOST_POINTS`` at most.
     """
     here, there = (_in_both(plan, one, other, each) for each in (points, others))
     if min(len(here), len(there)) < LEAST_POINTS:
@@ -69,7 +69,7 @@ def outlines_apart_m(
 
 
 def _in_both(plan: FloorPlan, one: int, other: int, points: FloatArray) -> FloatArray:
-    """Those of the points that lie well inside what both cameras see, and inside the bounds."""
+    """Points well inside what both cameras see, at most about ``MOST_POINTS``."""
     if not len(points):
         return points
     at = np.rint(plan.calibration.image_from_arena(points)).astype(int)
@@ -82,7 +82,7 @@ def _in_both(plan: FloorPlan, one: int, other: int, points: FloatArray) -> Float
 
 
 def _off_m(points: FloatArray, others: FloatArray) -> float:
-    """The median distance of points (k, 2) from the lines through the others' nearest two."""
+    """Median distance of points (k, 2) from the lines through the others' nearest two."""
     low, high = points.min(axis=0) - FARTHEST_M, points.max(axis=0) + FARTHEST_M
     near = others[((others >= low) & (others <= high)).all(axis=1)]
     near = near[:: 1 + len(near) // (2 * MOST_POINTS)]
@@ -97,6 +97,6 @@ def _off_m(points: FloatArray, others: FloatArray) -> float:
     across = np.abs(along[:, 0] * offset[:, 1] - along[:, 1] * offset[:, 0])
     nearest = away.min(axis=1)
     off = np.where(length > 0.0, across / np.maximum(length, 1e-12), nearest)
-    # the line counts only between its points and a little beyond
+    # the line counts only between its points and slightly beyond
     off = np.where(nearest > 3.0 * length, nearest, np.minimum(off, nearest))
     return float(np.median(np.minimum(off, FARTHEST_M)))

@@ -1,18 +1,17 @@
-"""The floor as several cameras see it: one picture to scale, and which camera shows which part.
+"""The floor as several cameras see it: one picture to scale, and the camera for each part.
 
 Rules and units
-- The plan is a picture of the floor seen straight from above: square pixels of the finest
-  camera's scale, y down, the arena's bounds and a rim of ``MARGIN_PX`` around them. Its own
-  calibration turns its pixels into metres.
-- Every pixel is shown by one camera: the one of those that see it whose error there is least. The
-  error is that of an edge in its pixels, and of what has a height: seen from the side that leans
-  away from the camera, by the height times distance over height of the camera. Between equal
-  cameras the seam is the bisector of their feet; a camera that looks closer keeps its own part.
+- The plan shows the floor from straight above: square pixels of the finest camera's scale, y down,
+  the arena's bounds and a rim of ``MARGIN_PX``. Its own calibration turns its pixels into metres.
+- Each pixel is shown by the camera with the least error there, if any sees it. The error is that of
+  an edge in the camera's pixels, and that of height: seen from the side, things lean away from the
+  camera, by the height times distance over height of the camera. Between equal cameras the seam is
+  the bisector of their feet; a camera that looks closer keeps its own part.
 - So the pixel over an obstacle's foot shows that obstacle, or one in front of it, and never the
   floor behind it. An obstacle on the seam is one region of one picture, and its edges are fitted
-  through the points of both cameras: nothing has to be matched, cut or joined afterwards.
-- A pixel that no camera sees, or only where its lens is blind, is unknown. How far it is unknown is
-  a share, so that the border of what is unknown is straight to a fraction of a pixel.
+  through both cameras' points: nothing is matched, cut or joined afterwards.
+- A pixel that no camera sees, or only where its lens is blind, is unknown. This is a share, so that
+  the border of unknown ground is straight to a fraction of a pixel.
 """
 
 from __future__ import annotations
@@ -58,14 +57,14 @@ Rectangle: TypeAlias = tuple[int, int, int, int]
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Part:
-    """One camera's share: the pixels within ``box`` (x, y, width, height) where ``mask`` is set."""
+    """One camera's part: the pixels within ``box`` (x, y, width, height) where ``mask`` is set."""
 
     box: Rectangle
     mask: NDArray[np.uint8]
 
     @classmethod
     def of(cls, owners: Owners, index: int) -> Part | None:
-        """The part of one camera; None where it shows nothing."""
+        """Part of one camera; None if it shows nothing."""
         own = (owners == index).view(np.uint8)
         x, y, width, height = cv2.boundingRect(own)
         if width == 0:
@@ -75,13 +74,12 @@ class Part:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class FloorPlan:
-    """The floor of an arena under several cameras; `FloorPlan.of` makes it.
+    """The floor of an arena under several cameras, made by `FloorPlan.of`.
 
-    ``calibration`` is the plan's own, ``cameras`` are the cameras' in their order. ``depth_px``
-    (n, h, w): how far inside each camera's picture a pixel lies, in pixels of the plan, below 0
-    outside; ``error_m`` (n, h, w): what the camera is off by there, infinite where it sees
-    nothing. ``maps``: for each camera where the plan's pixels lie in its picture, as
-    ``cv2.remap`` takes them.
+    ``calibration`` is the plan's own, ``cameras`` are the cameras' in their order. ``depth_px`` (n,
+    h, w): how far inside each camera's picture a pixel lies, in pixels of the plan, below 0
+    outside; ``error_m`` (n, h, w): the camera's error there, infinite where it sees nothing.
+    ``maps``: places of the plan's pixels in each camera's picture, for ``cv2.remap``.
     """
 
     calibration: Calibration
@@ -98,13 +96,13 @@ class FloorPlan:
         names: Sequence[str] = (),
         least_m: float = 0.0,
     ) -> FloorPlan:
-        """The plan of the floor within ``bounds`` (metres) under these cameras.
+        """Plan of the floor within ``bounds`` (metres) under these cameras.
 
-        ``names`` are theirs in what is said; pixels are no smaller than ``least_m``, for who
-        only wants to know what is seen.
+        ``names`` are the cameras' in messages; pixels are at least ``least_m``, for callers that
+        only need to know what is seen.
 
-        Raises ``CalibrationError`` where there is no camera, or where one sees nothing of the
-        bounds. O(pixels x cameras).
+        Raises ``CalibrationError`` without a camera, or if one sees nothing of the bounds. O(pixels
+        x cameras).
         """
         if not cameras:
             raise CalibrationError("a floor plan needs a camera")
@@ -128,7 +126,7 @@ class FloorPlan:
         return cls(calibration, tuple(cameras), np.stack(depth), np.stack(error), tuple(maps))
 
     def owners(self, live: Sequence[bool]) -> Owners:
-        """For each pixel (h, w) which of the live cameras shows it; -1 where none sees it."""
+        """Live camera that shows each pixel (h, w); -1 if none sees it."""
         error = self.error_m[np.flatnonzero(live)] if any(live) else None
         if error is None:
             return np.full(self.depth_px.shape[1:], -1, np.int8)
@@ -137,9 +135,9 @@ class FloorPlan:
         return best
 
     def unknown(self, live: Sequence[bool]) -> Shares | None:
-        """For each pixel (h, w) the share of it that no live camera sees; None where all is seen.
+        """Share of each pixel (h, w) that no live camera sees; None if all is seen.
 
-        Around the bounds it goes on as it is at them: what is not seen beyond them does not count.
+        The rim repeats the shares at the bounds: unseen ground beyond them does not count.
         """
         rim = MARGIN_PX
         depth = np.full(self.depth_px.shape[1:], -1.0, np.float32)
@@ -151,19 +149,19 @@ class FloorPlan:
         return np.asarray(np.pad(inner, rim, mode="edge"), dtype=np.float32)
 
     def overlap(self, one: int, other: int, inside_px: float = 0.0) -> NDArray[np.bool_]:
-        """The pixels (h, w) that both cameras see, so far inside both their pictures."""
+        """Mask (h, w) of pixels more than ``inside_px`` inside both cameras' pictures."""
         a, b = self.depth_px[one], self.depth_px[other]
         return np.asarray((a > inside_px) & (b > inside_px))
 
     def seen_by(self, index: int, picture: Image) -> Image:
-        """One camera's grey picture (h, w) laid onto the plan; black where it sees nothing."""
+        """One camera's grey picture (h, w) mapped onto the plan; black where it sees nothing."""
         return np.asarray(cv2.remap(picture, *self.maps[index], cv2.INTER_LINEAR), dtype=np.uint8)
 
     def gains(self, pictures: Sequence[Image | None]) -> FloatArray:
-        """Factor of each camera's greys that makes the same floor equally light.
+        """Factor for each camera's greys that makes the same floor equally light.
 
-        ``pictures``: grey, None where there is none. From the pixels that two cameras both see,
-        for all pairs at once (least squares of the logarithms); 1 for cameras without overlap.
+        ``pictures``: grey, None if missing. From the pixels that two cameras both see, for all
+        pairs at once (least squares of the logarithms); 1 for cameras without overlap.
         """
         there = [i for i, picture in enumerate(pictures) if picture is not None]
         thin = np.s_[::GAIN_STEP, ::GAIN_STEP]
@@ -185,7 +183,7 @@ class FloorPlan:
         return np.asarray(np.exp(np.linalg.lstsq(np.array(rows), np.array(ratios), rcond=None)[0]))
 
     def picture(self, pictures: Sequence[Image | None], owners: Owners, gains: FloatArray) -> Image:
-        """The plan's picture (h, w): every pixel from its owner, the others as what is beside them.
+        """Picture of the plan (h, w): each pixel from its owner, others mirrored from beside them.
 
         ``pictures``: the cameras' grey pictures; the owners of pixels must have one.
         """
@@ -200,7 +198,7 @@ class FloorPlan:
     def draw(
         self, canvas: Image, index: int, picture: Image, part: Part, gain: float = 1.0
     ) -> None:
-        """Draw one camera's part into a picture of the plan (h, w), which is changed."""
+        """Draw one camera's part into a picture of the plan (h, w), in place."""
         x, y, width, height = part.box
         box = np.s_[y : y + height, x : x + width]
         whole, fine = self.maps[index]
@@ -210,7 +208,7 @@ class FloorPlan:
         cv2.copyTo(shown, part.mask, canvas[box])
 
     def rectangle(self, index: int, rectangle: Rectangle) -> Rectangle | None:
-        """The plan's rectangle that holds a camera's (x, y, width, height), None: outside it."""
+        """Rectangle of the plan that holds a camera's (x, y, width, height); None outside it."""
         x, y, w, h = rectangle
         along = np.linspace(0.0, 1.0, 9)
         xs, ys = x - 0.5 + w * along, y - 0.5 + h * along
@@ -239,9 +237,9 @@ class FloorPlan:
 
 
 def _mirror_into(canvas: Image, nobody: NDArray[np.bool_]) -> None:
-    """Fill pixels that nobody sees with the mirror image of what is seen beside them.
+    """Fill unseen pixels with the mirror image of seen ones beside them.
 
-    So the light, and the noise that a level is judged by, go on there as they are.
+    This continues the light, and the noise that a level is judged by.
     """
     if not nobody.any() or nobody.all():
         return
@@ -264,7 +262,7 @@ def _mirror_into(canvas: Image, nobody: NDArray[np.bool_]) -> None:
 
 
 def _plan_of(bounds: Bounds, metres_per_pixel: float) -> Calibration:
-    """The calibration of a picture of the floor within bounds and the margin."""
+    """Calibration of a picture of the floor within bounds and margin."""
     coarsest = (bounds.width * bounds.height / MOST_PX) ** 0.5
     s = max(metres_per_pixel, coarsest)
     width = int(np.ceil(bounds.width / s)) + 2 * MARGIN_PX
@@ -279,10 +277,10 @@ def _plan_of(bounds: Bounds, metres_per_pixel: float) -> Calibration:
 def _view(
     camera: Calibration, floor: FloatArray, plan: Calibration
 ) -> tuple[Shares, Shares, tuple[NDArray[np.int16], NDArray[np.uint16]]]:
-    """Depth of the floor's points inside the camera's picture, its error there, and the map."""
+    """Depth of floor points inside the camera's picture, its error there, and the map."""
     width, height = plan.size
     shape = (height, width)
-    with np.errstate(all="ignore"):  # places behind the camera or its lens's fold have none
+    with np.errstate(all="ignore"):  # places behind the camera or its lens's fold have no pixel
         seen = camera.image_from_arena(floor)
     right, low = camera.size[0] - 0.5, camera.size[1] - 0.5
     x, y = seen.T
@@ -301,7 +299,7 @@ def _view(
     x_grid, y_grid = x.reshape(shape), y.reshape(shape)
     (xv, xu), (yv, yu) = np.gradient(x_grid), np.gradient(y_grid)
     with np.errstate(all="ignore"):
-        zoom = np.sqrt(np.abs(xu * yv - xv * yu)).reshape(-1)  # its pixels in one of the plan's
+        zoom = np.sqrt(np.abs(xu * yv - xv * yu)).reshape(-1)  # camera pixels in one of the plan's
         depth = (rim - RIM_PX) / zoom
         pixel_m = plan.metres_per_pixel / zoom
     depth = np.where(np.isfinite(depth), depth, -1e6)
@@ -324,7 +322,7 @@ def _view(
 
 
 def _place(camera: Calibration) -> tuple[FloatArray, float]:
-    """The point below the camera and its height; where unknown, as if it looked straight down."""
+    """Point below the camera and its height; if unknown, as if it looked straight down."""
     center = camera.camera_center_m
     if center is not None:
         return np.array(center[:2]), center[2]

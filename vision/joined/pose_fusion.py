@@ -1,16 +1,15 @@
-"""One pose of what several cameras see of a robot's marker, each picture at its own time.
+"""One pose from several cameras' views of a robot's marker, each picture at its own time.
 
 Rules and units
-- Metres, radians, seconds. A pose is made whenever a camera has seen the marker, for the time of
-  that sighting; what the other cameras saw lately is brought to that time by its velocity.
+- Metres, radians, seconds. Each sighting of the marker makes a pose for its own time; other
+  cameras' recent sightings are brought to that time by velocity.
 - Poses are weighted by the inverse of their covariance (Bar-Shalom, Estimation with applications
-  to tracking and navigation, 2001, 8.3.3): what an edge in the picture, the camera's own
-  calibration and the marker's height are off by, and how far the robot may have left its velocity
-  since. A camera that looks from the side is sure across its line of sight and not along it.
-- Where two cameras see the marker farther apart than the limit, twice in a row, that is said, and
-  nobody knows which of them is right.
-- A pose that is older than the last one is not given: pictures of two cameras may overtake each
-  other.
+  to tracking and navigation, 2001, 8.3.3): errors of an edge in the picture, of the camera's
+  calibration and of the marker's height, and how far the robot may have left its velocity since. A
+  camera that looks from the side is sure across its line of sight and not along it.
+- If two cameras see the marker farther apart than the limit, twice in a row, that is reported;
+  which of them is right is unknown.
+- A pose older than the last one is not given: two cameras' pictures may overtake each other.
 """
 
 from __future__ import annotations
@@ -46,8 +45,8 @@ TURN_RAD_S: Final = 0.05
 class _Seen:
     """A sighting, its position's covariance (2, 2) in m^2, and its heading's variance.
 
-    ``pose`` has the velocity of whichever camera has followed the marker for longest: that of a
-    track that has only just begun is still far off.
+    ``pose`` has the velocity of the camera that has followed the marker for longest: a new track's
+    is still far off.
     """
 
     pose: RobotPose
@@ -58,10 +57,10 @@ class _Seen:
 
 
 class PoseFusion:
-    """Takes what each camera sees of the robots, and gives one pose for each of them.
+    """Fusion of the cameras' sightings into one pose for each robot.
 
-    ``cameras`` in their order with their ``names``; ``robots`` whose markers are looked for;
-    ``apart_m``: how far two cameras' poses of one marker may lie from each other.
+    ``cameras`` in their order with their ``names``; ``robots`` whose markers are searched;
+    ``apart_m``: greatest distance allowed between two cameras' poses of one marker.
     """
 
     def __init__(
@@ -81,7 +80,7 @@ class PoseFusion:
         """By marker id: a sentence where two cameras see the marker in different places."""
 
     def take(self, camera: int, poses: Sequence[RobotPose]) -> tuple[RobotPose, ...]:
-        """Take one picture's sightings; return the robots' poses at the times of these."""
+        """Take one picture's sightings; return the robots' poses at their times."""
         fused = []
         for pose in poses:
             newest = self._note(camera, pose)
@@ -113,19 +112,19 @@ class PoseFusion:
         return seen[camera]
 
     def forget(self, camera: int) -> None:
-        """A camera was lost: what it saw last says nothing any more."""
+        """Forget a lost camera's sightings, which say nothing any more."""
         for seen in self._seen.values():
             seen.pop(camera, None)
         self.contradictions, self._suspects = {}, {}
 
     def uncertainty(self, camera: int, pose: RobotPose) -> tuple[FloatArray, float]:
-        """A sighting's covariance (2, 2) in m^2 and its heading's variance in rad^2."""
+        """Covariance (2, 2) of a sighting in m^2 and its heading's variance in rad^2."""
         calibration, robot = self._cameras[camera], self._robots[pose.id]
         place = np.array([pose.x, pose.y])
         height_m = robot.marker_height_m
         (pixel,) = calibration.image_from_arena([place], height_m)
         beside = calibration.arena_from_image(pixel + np.array([(1.0, 0.0), (0.0, 1.0)]), height_m)
-        metres = (beside - place).T  # a pixel to the right, and one down
+        metres = (beside - place).T  # one pixel to the right, and one down
         corner_px = max(CORNER_PX, pose.corner_error_px)
         covariance = corner_px**2 * metres @ metres.T
         floor_m = calibration.arena_rms_m
@@ -141,7 +140,7 @@ class PoseFusion:
         return np.asarray(covariance), heading
 
     def _compare(self, camera: int, pose: RobotPose) -> None:
-        """Compare with the same marker as another camera sees it at the same time."""
+        """Compare with other cameras' sightings of the same marker at the same time."""
         together = False
         for other, seen in self._seen[pose.id].items():
             away_s = pose.captured_s - seen.pose.captured_s
@@ -177,7 +176,7 @@ def _spread_m(away_s: float) -> float:
 
 
 def _fused(newest: _Seen, others: Sequence[_Seen]) -> RobotPose:
-    """The newest sighting with what other cameras saw lately, at the newest one's time."""
+    """Newest sighting merged with other cameras' recent ones, at its time."""
     pose = newest.pose
     weight = np.linalg.inv(newest.covariance)
     total, place = weight, weight @ np.array([pose.x, pose.y])
@@ -210,7 +209,7 @@ def _fused(newest: _Seen, others: Sequence[_Seen]) -> RobotPose:
 
 
 def carried(pose: RobotPose, time_s: float, most_s: float = TOGETHER_S) -> RobotPose:
-    """The pose at another time with its velocity kept, for ``most_s`` at most."""
+    """Pose at another time with its velocity kept, for ``most_s`` at most."""
     away_s = min(max(time_s - pose.captured_s, -most_s), most_s)
     x, y, heading = pose.at(pose.captured_s + away_s)
     return replace(pose, x=x, y=y, heading_rad=heading)

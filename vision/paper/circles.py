@@ -1,10 +1,10 @@
 """Digital circles: Sauer's test of the paper's section 3.2 (equation 14).
 
 Rules and units
-- A contour's pixels in whole pixels; the centre is their centroid and the radius their mean
-  distance from it, so the circle runs through the pixels' centres.
-- The test is the paper's. Noise breaks it, and it takes a small octagon for a circle; the
-  exact mode fits circles to sub-pixel points and compares residuals: ``vision.outline.fitting``.
+- Contours are in whole pixels; the centre is their centroid and the radius their mean distance from
+  it, so the circle runs through the pixels' centres.
+- The test is the paper's. Noise breaks it, and it accepts a small octagon; the exact mode fits
+  circles to sub-pixel points and compares residuals: ``vision.outline.fitting``.
 """
 
 from __future__ import annotations
@@ -25,14 +25,14 @@ FEWEST = 8
 
 @dataclass(frozen=True, slots=True)
 class DigitalCircle:
-    """A circle that a contour's pixels are the digital image of; pixels."""
+    """Circle in pixels, of which a contour is the digital image."""
 
     center: tuple[float, float]
     radius: float
 
 
 def digital_circle(contour: NDArray[np.int32], slack_px: float = SLACK_PX) -> DigitalCircle | None:
-    """The circle that the closed contour (n, 2) is the digital image of, or None. O(n).
+    """Circle of which the closed contour (n, 2) is the digital image, or None. O(n).
 
     ``slack_px`` widens the half pixel of equation 14.
     """

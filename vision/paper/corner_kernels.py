@@ -1,7 +1,7 @@
 """Corners of a contour by the small eigenvalue of its covariance matrix, in O(n).
 
-The method is that of Tsai, Hou and Su (1999) as the paper's section 3.1 uses it; the letters
-k and lambda_S are the paper's. Contours are closed: indices wrap.
+The method is Tsai, Hou and Su's (1999), as in the paper's section 3.1; the letters k and lambda_S
+are the paper's. Contours are closed: indices wrap.
 """
 
 # mypy: allow-untyped-defs
@@ -20,8 +20,8 @@ from planner.scene.compile_options import LEAF, OWNING
 def small_eigenvalues(xs, ys, starts, k):
     """lambda_S, equation 13, around every pixel of every contour: (n,) float64.
 
-    The sums of equations 7 to 11 slide along the contour; a contour of fewer than 2 k + 1
-    pixels has a support region of all it has.
+    The sums of equations 7 to 11 slide along the contour; one of fewer than 2 k + 1 pixels is its
+    own region of support.
     """
     values = np.zeros(xs.shape[0], np.float64)
     sums = np.empty(5)
@@ -49,7 +49,7 @@ def small_eigenvalues(xs, ys, starts, k):
 
 @njit(**LEAF)
 def _add(xs, ys, first, p, sign, sums):
-    """Add pixel p, or take it away, from the contour's pixel ``first`` on: x, y, xx, yy, xy."""
+    """Add pixel p, or remove it, relative to pixel ``first``: x, y, xx, yy, xy."""
     x = np.float64(xs[p] - xs[first])
     y = np.float64(ys[p] - ys[first])
     sums[0] += sign * x
@@ -61,7 +61,7 @@ def _add(xs, ys, first, p, sign, sums):
 
 @njit(**OWNING)
 def strongest_apart(values, starts, k, threshold):
-    """Which pixels are corners: above the threshold, the strongest first, k pixels apart."""
+    """Mask of corners: above the threshold, strongest first, k pixels apart."""
     chosen = np.zeros(values.shape[0], np.bool_)
     for b in range(starts.shape[0] - 1):
         first = starts[b]
@@ -81,11 +81,11 @@ def strongest_apart(values, starts, k, threshold):
 
 @njit(**OWNING)
 def is_digital_circle(xs, ys, first, last, slack):
-    """Sauer's condition, equation 14, for the contour pixels first .. last.
+    """Sauer's condition, equation 14, for the contour pixels first .. last - 1.
 
-    Returns ``(accepted, x_m, y_m, r)`` with the centroid and the mean radius. The condition
-    bounds the circle within half a pixel in y; where the circle runs steeper than 45 degrees
-    x and y change places, as they do in Sauer's octants. ``slack`` widens the half pixel.
+    Return ``(accepted, x_m, y_m, r)`` with the centroid and the mean radius. The condition bounds
+    the circle within half a pixel in y; where the circle is steeper than 45 degrees x and y change
+    places, as in Sauer's octants. ``slack`` widens the half pixel.
     """
     n = last - first
     x_m = 0.0

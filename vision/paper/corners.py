@@ -1,10 +1,9 @@
-"""The paper's corner detector: where the small eigenvalue of the covariance matrix is large.
+"""The paper's corner detector, by large small eigenvalues of the covariance matrix.
 
 Rules and units
 - Contours are the ordered border pixels of ``vision.borders.contours``, whole pixels, closed.
-- The default values are the paper's. They lie on the digital line's own floor (a perfect
-  digital line reaches 0.105), which is why ``extract`` uses residuals instead where it is
-  free to: see ``vision.outline.fitting``.
+- The defaults are the paper's. They lie on the digital line's own floor (a perfect digital line
+  reaches 0.105), so ``extract`` uses residuals where it may: see ``vision.outline.fitting``.
 """
 
 from __future__ import annotations
@@ -35,7 +34,7 @@ def find_corners(
     support: int = SUPPORT,
     threshold: float = THRESHOLD,
 ) -> NDArray[np.bool_]:
-    """Which pixels of closed contours (n, 2) are corners, at least ``support`` apart: (n,)."""
+    """Mask (n,) of corners of closed contours (n, 2), at least ``support`` apart."""
     values = small_eigenvalues(contours, starts, support)
     corners: NDArray[np.bool_] = kernels.strongest_apart(values, starts, support, threshold)
     return corners

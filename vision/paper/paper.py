@@ -1,14 +1,14 @@
 """The paper's recipe to the letter, sections 3.1 to 3.3, as a documented reference.
 
 Rules and units
-- Pixels, centres at integers, y down; vertices are border pixels, as in the paper, so that a
-  record runs half a pixel inside the obstacle's edge.
-- Border pixels by the Laplacian, contours followed clockwise, 8-connected; corners where
-  lambda_S exceeds 0.1 with k = 7, at least k apart; arcs are approximated by the same
-  vertices; a circle is what passes Sauer's test.
-- Where the recipe is silent: a contour in which it finds fewer than three corners keeps
-  pixels about k apart as its vertices, so that no obstacle is lost; what is smaller than the
-  region of support is a point, a segment, or its own pixels.
+- Pixels, centres at integers, y down; vertices are border pixels, as in the paper, so a record runs
+  half a pixel inside the obstacle's edge.
+- Border pixels come from the Laplacian; contours run clockwise, 8-connected. Corners are where
+  lambda_S exceeds 0.1 with k = 7, at least k apart; the same vertices approximate arcs; a circle
+  passes Sauer's test.
+- The recipe leaves two cases open. A contour with fewer than three corners keeps pixels about k
+  apart as vertices, so that no obstacle is lost. Anything smaller than the region of support is a
+  point, a segment, or its own pixels.
 """
 
 from __future__ import annotations
@@ -34,7 +34,7 @@ from vision.records.records import straight_line
 
 
 def paper_objects(borders: Borders) -> tuple[SceneObject, ...]:
-    """The objects of all borders by the paper's recipe. O(border pixels)."""
+    """Objects of all borders by the paper's recipe. O(border pixels)."""
     contours, starts = borders.contours()
     corners = find_corners(contours, starts)
     owners = borders.owner.tolist()
@@ -60,7 +60,7 @@ def _record(contour: NDArray[np.int32], corner: NDArray[np.bool_], *, clockwise:
     reach = int(np.ptp(contour, axis=0).max())
     if reach == 0:
         return PointRecord((float(contour[0, 0]), float(contour[0, 1])))
-    if len(contour) <= 2 * reach + 2:  # as short as the way along a line and back
+    if len(contour) <= 2 * reach + 2:  # no longer than a line there and back
         straight = straight_line(list(dict.fromkeys(map(tuple, contour.tolist()))))
         if straight is not None:
             return straight
@@ -73,7 +73,7 @@ def _record(contour: NDArray[np.int32], corner: NDArray[np.bool_], *, clockwise:
         chosen = np.unique(np.arange(count) * len(contour) // count)
     vertices = contour[chosen].astype(np.float64)
     points = [(float(x), float(y)) for x, y in vertices]
-    # where it is one pixel wide the walk comes by a pixel twice, on its way and back
+    # where it is one pixel wide the contour passes a pixel twice, there and back
     points = [here for i, here in enumerate(points) if here != points[i - 1]]
     if len(points) < 2:
         return PointRecord((float(vertices[0, 0]), float(vertices[0, 1])))
@@ -84,14 +84,14 @@ def _record(contour: NDArray[np.int32], corner: NDArray[np.bool_], *, clockwise:
         for i in range(len(points))
     )
     if turn < 0.0 if clockwise else turn > 0.0:
-        # so few vertices of a ragged speck may run the other way round
+        # a ragged speck's few vertices may run the other way round
         points.reverse()
     edges = tuple(Segment(points[i], points[(i + 1) % len(points)]) for i in range(len(points)))
     return PolygonRecord(edges, _rms_distance(contour, chosen))
 
 
 def _rms_distance(contour: NDArray[np.int32], chosen: NDArray[np.int64]) -> float:
-    """Distance of the contour's pixels from the sides between its chosen pixels, rms."""
+    """Rms distance of the contour's pixels from the sides between its chosen pixels."""
     n = len(contour)
     points = contour.astype(np.float64)
     side = np.searchsorted(chosen, np.arange(n), side="right") - 1

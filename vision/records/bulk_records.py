@@ -1,9 +1,9 @@
-"""Frozen records in bulk, each the same as its constructor makes.
+"""Frozen records in bulk, each the same as from its constructor.
 
 Rules and units
-- A frozen dataclass sets its fields by name, one call each; a picture has thousands of edges.
-  The slots' own setters take a third of the time, and for many at once no line of Python runs
-  for each.
+- A frozen dataclass sets each field by name, in a call of its own; a picture has thousands of
+  edges. The slots' own setters take a third of the time, and in bulk no line of Python runs for
+  each.
 - Only records without ``__post_init__``: nothing is checked here.
 """
 
@@ -30,7 +30,7 @@ _SET_ID, _SET_RECORDS, _SET_HOLES = _setters(SceneObject, "id", "records", "hole
 
 
 def new_segments(starts: Sequence[Vec], ends: Sequence[Vec]) -> list[Segment]:
-    """``Segment(start, end)`` for every two."""
+    """``Segment(start, end)`` for each pair."""
     segments: list[Segment] = list(map(_NEW, repeat(Segment, len(starts))))
     _set_all(_SET_START, segments, starts)
     _set_all(_SET_END, segments, ends)
@@ -44,7 +44,7 @@ def new_arcs(
     radii: Sequence[float],
     ccws: Sequence[bool],
 ) -> list[Arc]:
-    """``Arc(start, end, center, radius, ccw)`` for every five."""
+    """``Arc(start, end, center, radius, ccw)`` for each set of five."""
     arcs: list[Arc] = list(map(_NEW, repeat(Arc, len(starts))))
     for setter, values in zip(_ARC_SETTERS, (starts, ends, centers, radii, ccws), strict=True):
         _set_all(setter, arcs, values)
@@ -52,7 +52,7 @@ def new_arcs(
 
 
 def _set_all(setter: Any, records: Sequence[Any], values: Sequence[Any]) -> None:
-    # nothing is kept: only to have the setter called
+    # keeps nothing: only calls the setter
     deque(map(setter, records, values), maxlen=0)
 
 

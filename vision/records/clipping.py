@@ -1,10 +1,10 @@
-"""Records cut off at the picture's edge: nothing is seen beyond it.
+"""Records cut off at the picture's edge, beyond which nothing is seen.
 
 Rules and units
 - The scene's own units; the bounds are ``(x0, y0, x1, y1)``, parallel to the axes.
-- An outline is cut at one side of the bounds after the other, and goes on along that side (I. E.
-  Sutherland and G. W. Hodgman, Reentrant Polygon Clipping, 1974); what is left of an arc keeps
-  its circle. A record that leaves the bounds by no more than ``STRAY_PX`` stays what it is.
+- An outline is cut at one side of the bounds after the other, and continues along that side (I. E.
+  Sutherland and G. W. Hodgman, Reentrant Polygon Clipping, 1974); the rest of an arc keeps its
+  circle. A record that leaves the bounds by at most ``STRAY_PX`` stays as it is.
 """
 
 from __future__ import annotations
@@ -24,7 +24,7 @@ SAME = 1e-9
 def clip_circle(
     record: CircleRecord, bounds: tuple[float, float, float, float]
 ) -> CircleRecord | PolygonRecord:
-    """The circle, or what lies within the bounds as an outline of arcs and segments."""
+    """The circle, or its part within the bounds as an outline of arcs and segments."""
     (x, y), r = record.center, record.radius
     out = max(bounds[0] - x + r, bounds[1] - y + r, x + r - bounds[2], y + r - bounds[3])
     if out <= CIRCLE_STRAY_PX:
@@ -36,7 +36,7 @@ def clip_circle(
 
 
 def clip_polygon(record: PolygonRecord, bounds: tuple[float, float, float, float]) -> PolygonRecord:
-    """The outline within the bounds; itself where it hardly leaves them."""
+    """Part of the outline within the bounds; all of it if it hardly leaves them."""
     if _farthest_out(record.edges, bounds) <= STRAY_PX:
         return record
     edges = _clip(record.edges, bounds)
@@ -65,7 +65,7 @@ def _clip(edges: tuple[Edge, ...], bounds: tuple[float, float, float, float]) ->
 
 
 def _clip_at(edges: tuple[Edge, ...], axis: int, limit: float, sign: float) -> tuple[Edge, ...]:
-    """The outline where ``sign * (coordinate - limit) <= 0``."""
+    """Part of the outline where ``sign * (coordinate - limit) <= 0``."""
     kept: list[Edge] = []
     for edge in edges:
         places = [edge.start, *_crossings(edge, axis, limit), edge.end]
@@ -85,12 +85,12 @@ def _clip_at(edges: tuple[Edge, ...], axis: int, limit: float, sign: float) -> t
 
 
 def _between(end: Vec, start: Vec) -> list[Edge]:
-    """Edges that join two pieces: none where they meet but for rounding."""
+    """Edges that join two pieces: none if they meet up to rounding."""
     return [Segment(end, start)] if math.dist(end, start) > SAME else []
 
 
 def _crossings(edge: Edge, axis: int, limit: float) -> list[Vec]:
-    """Points where an edge meets a side of the bounds, in its order; exactly on that side."""
+    """Points where an edge meets a side of the bounds, in its order, exactly on that side."""
     if isinstance(edge, Segment):
         a, b = edge.start[axis] - limit, edge.end[axis] - limit
         if a * b >= 0.0:
@@ -118,7 +118,7 @@ def _piece(edge: Edge, start: Vec, end: Vec) -> Edge:
 
 
 def _turn_to(arc: Arc, place: Vec) -> float:
-    """The angle from an arc's start to a place, the way the arc turns: 0 .. 2 pi.
+    """Angle from an arc's start to a place, in the arc's direction: 0 .. 2 pi.
 
     Pixels, y down: the angle falls along an arc that is counter-clockwise on the screen.
     """

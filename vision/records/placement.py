@@ -1,8 +1,8 @@
 """Coordinates of a picture's records: its own pixels, or metres on the floor.
 
 Rules and units
-- Rectified pixels are metres divided by the nominal pixel, with y down as in the picture, so
-  that fits see the same orientation and tolerances either way.
+- Rectified pixels are metres divided by the nominal pixel, y down as in the picture, so fits see
+  the same orientation and tolerances either way.
 """
 
 from __future__ import annotations
@@ -33,21 +33,21 @@ _MILD = 0.2
 
 
 class Calibration(Protocol):
-    """The part of a calibration that turns pixels into metres."""
+    """Part of a calibration that turns pixels into metres."""
 
     @property
     def metres_per_pixel(self) -> float:
-        """The nominal size of a pixel on the floor."""
+        """Nominal size of a pixel on the floor."""
         ...
 
     def arena_from_image(self, points_px: NDArray[np.float64]) -> NDArray[np.float64]:
-        """Points of the picture (n, 2) in pixels to the arena's metres (n, 2), y up."""
+        """Convert points of the picture (n, 2) in pixels to arena metres (n, 2), y up."""
         ...
 
 
 @dataclass(frozen=True, slots=True)
 class Placement:
-    """Scales from rectified pixels to the scene's coordinates: x * scale_x, y * scale_y."""
+    """Scaling from rectified pixels to the scene's coordinates: x * scale, y * y_scale."""
 
     units: Units
     bounds: Bounds
@@ -62,9 +62,9 @@ class Placement:
         bounds: Bounds | Sequence[float] | NDArray[np.float64] | None,
         size: tuple[int, int],
     ) -> Placement:
-        """Pixels without a calibration; metres with one, inside the bounds or what is seen.
+        """Pixels without a calibration; otherwise metres inside the bounds or the seen ground.
 
-        Raises ``PictureError`` where the calibration is none, or for pictures of another size.
+        Raises ``PictureError`` if the calibration is not one, or is for pictures of another size.
         """
         width, height = size
         if calibration is not None and not hasattr(calibration, "arena_from_image"):
@@ -72,7 +72,7 @@ class Placement:
                 f"calibration: a {type(calibration).__name__}, must be a Calibration, as "
                 f"load_calibration gives it"
             )
-        # one of the caller's own need not know its pictures' size
+        # a caller's own calibration need not know its pictures' size
         fits: tuple[int, int] = getattr(calibration, "size", size)
         if tuple(fits) != (width, height):
             raise PictureError(
@@ -100,7 +100,7 @@ class Placement:
         return self.scale if self.calibration is None else -self.scale
 
     def rectified(self, points: NDArray[np.float64]) -> NDArray[np.float64]:
-        """Points of the picture (n, 2) in rectified pixels."""
+        """Convert points of the picture (n, 2) to rectified pixels."""
         if self.calibration is None or len(points) == 0:
             return points
         metres = self.calibration.arena_from_image(points)
@@ -112,17 +112,17 @@ class Placement:
         rectified: NDArray[np.float64],
         starts: NDArray[np.int64],
     ) -> NDArray[np.float64]:
-        """For each border (b,) how much longer it is in rectified pixels than in the picture.
+        """Ratio (b,) of each border's length in rectified pixels to its length in the picture.
 
-        A lens shows the same length of floor smaller towards its rim: what a fit may miss there is
-        still a matter of the picture's own pixels.
+        A lens shows a length of floor smaller towards its rim, but a fit's tolerance there is still
+        that of the picture's own pixels.
         """
         if self.calibration is None:
             return np.ones(len(starts) - 1)
         lengths = []
         for line in (rectified, points):
             steps = np.hypot(*(np.roll(line, -1, axis=0) - line).T)
-            # a border's last step would lead to the next one's first point
+            # a border's last step would lead to the next border's first point
             steps[starts[1:][starts[1:] > starts[:-1]] - 1] = 0.0
             total = np.concatenate([[0.0], np.cumsum(steps)])
             lengths.append(total[starts[1:]] - total[starts[:-1]])
@@ -135,7 +135,7 @@ class Placement:
 def ignored_pixels(
     ignore: NDArray[np.bool_] | Sequence[tuple[float, float, float]] | None, image: NDArray[Any]
 ) -> NDArray[np.bool_] | None:
-    """The mask (h, w) of pixels that are no obstacle, from a mask or discs (x, y, radius)."""
+    """Mask (h, w) of pixels that are not obstacle, from a mask or discs (x, y, radius)."""
     if ignore is None:
         return None
     if isinstance(ignore, np.ndarray) and ignore.dtype == np.bool_:
@@ -159,7 +159,7 @@ def ignored_pixels(
 
 
 def _as_bounds(bounds: Bounds | Sequence[float] | NDArray[np.float64]) -> Bounds:
-    """The bounds as such, from themselves or from x_min, y_min, x_max, y_max."""
+    """Bounds from themselves, or from x_min, y_min, x_max, y_max."""
     if isinstance(bounds, Bounds):
         return bounds
     try:
@@ -180,7 +180,7 @@ def _as_bounds(bounds: Bounds | Sequence[float] | NDArray[np.float64]) -> Bounds
 def drop_outside(
     objects: tuple[SceneObject, ...], placement: Placement
 ) -> tuple[tuple[SceneObject, ...], tuple[str, ...]]:
-    """Leave out objects whose box does not meet the bounds, and say how many."""
+    """Leave out objects whose box does not meet the bounds, and report their number."""
     if placement.calibration is None:
         return objects, ()
     kept = tuple(o for o in objects if _meets(o, placement.bounds))

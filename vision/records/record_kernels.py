@@ -1,10 +1,9 @@
-"""Contents of records, looked up for all borders in one pass.
+"""Facts for records, found for all borders in one pass.
 
 Rules and units
 - Edges are those of ``vision.outline.fitted_borders.FittedBorders``, in the scene's coordinates or
   in pixels; areas are in pixels, and cracks are counted.
-- For some dozen edges the same with whole arrays takes ten times as long: it is the number of calls
-  that counts.
+- For some dozen edges whole arrays take ten times as long: the number of calls counts.
 """
 
 # mypy: allow-untyped-defs
@@ -21,12 +20,12 @@ from vision.shared.typed_numbers import NONE
 
 @njit(**OWNING)
 def look_at_borders(kind, data, edge_starts, limits, areas, crack_starts):
-    """``(ends, bent, stray, thin)`` of edges (k,) and borders (b,).
+    """Return ``(ends, bent, stray, thin)`` of edges (k,) and borders (b,).
 
     ``ends`` (k,) int64: the edge of the same border that begins where each one ends. ``bent`` (m,)
-    int64: the edges that are no line. ``stray`` (b,) bool: whether a border has a corner, or an
-    arc's whole circle, beyond ``limits``: x, y of the least and of the greatest. ``thin`` (b,)
-    bool: whether it is an object's and has two cracks for every pixel that it encloses, or more.
+    int64: edges that are not lines. ``stray`` (b,) bool: a corner, or an arc's whole circle, lies
+    beyond ``limits`` (least x, y, greatest x, y). ``thin`` (b,) bool: an object's border with at
+    least two cracks for every pixel that it encloses.
     """
     left, top, right, bottom = limits
     borders = edge_starts.shape[0] - 1

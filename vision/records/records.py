@@ -1,12 +1,12 @@
 """From fitted borders to the paper's records P, S, C, A and L.
 
 Rules and units
-- Coordinates are pixels, y down, or metres, y up, where a ``place`` function turns rectified
-  pixels into metres; an arc's turn is as seen on the screen and so needs no change.
+- Coordinates are pixels, y down, or metres, y up, from rectified pixels by a ``Placement``; an
+  arc's turn is as seen on the screen and needs no change.
 - An outline comes first, then the borders of its holes in their order.
 - P: a single pixel. S: pixels in one straight line, one pixel wide. A: pixels in one curved
-  line, one pixel wide. C: a circle. L: anything else; the border of a tiny object is its
-  pixels' outline, exactly.
+  line, one pixel wide. C: a circle. L: anything else; a tiny object's border is exactly its
+  pixels' outline.
 """
 
 from __future__ import annotations
@@ -46,16 +46,16 @@ SPECK_AREA = 4
 
 @dataclass(frozen=True, slots=True)
 class Specks:
-    """Borders that noise alone may have made, and the sentence that says so."""
+    """Borders that noise alone may have made, and the remark on them."""
 
     borders: frozenset[int]
     remarks: tuple[str, ...]
 
 
 def find_specks(borders: Borders, noise: float, contrast: float) -> Specks:
-    """Borders of at most ``SPECK_AREA`` pixels, where the noise could have made them.
+    """Borders of at most ``SPECK_AREA`` pixels that noise could have made.
 
-    Where noise cannot cross the level a single pixel is an obstacle (P), and stays.
+    If noise cannot cross the level, a single pixel is an obstacle (P), and stays.
     """
     if noise <= 0.0 or 0.5 * contrast >= SIGMAS * noise:
         return Specks(frozenset(), ())
@@ -75,7 +75,7 @@ def build_objects(
     placement: Placement,
     skip: frozenset[int] = frozenset(),
 ) -> tuple[SceneObject, ...]:
-    """The scene's objects in the order of their first pixel. O(records)."""
+    """Objects of the scene in the order of their first pixel. O(records)."""
     bounds = placement.bounds
     limits = (bounds.x_min, bounds.y_min, bounds.x_max, bounds.y_max)
     ends, bent, stray, thin = look_at_borders(
@@ -85,7 +85,7 @@ def build_objects(
     outlines = _Outlines.of(fitted, ends, bent, placement)
     border_kind = fitted.border_kind.tolist()
     starts = fitted.edge_starts.tolist()
-    # in metres the picture's edge is not the bounds'
+    # in metres the picture's edge is not the bounds' edge
     in_pixels = placement.calibration is None
     outline: dict[int, Record] = {}
     holes: dict[int, list[tuple[Record, ...]]] = {}
@@ -156,12 +156,12 @@ class _Outlines:
         return cls(edges, data, data[:, 5].tolist())
 
     def circle(self, edge: int) -> CircleRecord:
-        """The record of a circle's one edge."""
+        """Record of a circle's only edge."""
         cx, cy, r, rms = self.data[edge, 2:].tolist()
         return CircleRecord((cx, cy), r, rms)
 
     def polygon(self, first: int, last: int) -> PolygonRecord:
-        """The record of edges first .. last - 1."""
+        """Record of edges first .. last - 1."""
         return new_polygon(tuple(self.edges[first:last]), self.rms[first])
 
 
@@ -178,7 +178,7 @@ def tiny_record(borders: Borders, border: int, placement: Placement) -> Record:
 def thin_record(
     borders: Borders, border: int, placement: Placement
 ) -> PointRecord | SegmentRecord | ArcRecord | None:
-    """P, S or A where an object's pixels are one, or one line one pixel wide."""
+    """P, S or A if an object is one pixel, or one line one pixel wide."""
     xs, ys, _ = borders.cracks_of(border)
     pixels = list(dict.fromkeys(zip(xs.tolist(), ys.tolist(), strict=True)))
     if borders.owner[border] != border or borders.area[border] != len(pixels):
@@ -208,14 +208,14 @@ def _curved_line(chain: list[tuple[int, int]], placement: Placement) -> ArcRecor
 
 
 def _placed(points: Sequence[tuple[float, float]], placement: Placement) -> list[Vec]:
-    """Points of the picture in the scene's coordinates."""
+    """Convert points of the picture to the scene's coordinates."""
     there = placement.rectified(np.array(points, dtype=np.float64))
     there = there * np.array([placement.scale, placement.y_scale])
     return [(x, y) for x, y in there.tolist()]
 
 
 def straight_line(pixels: list[tuple[int, int]]) -> SegmentRecord | None:
-    """The segment along pixels that form one straight digital line, one pixel wide, or None."""
+    """Segment along pixels that form one straight digital line, one pixel wide, or None."""
     points = np.array(pixels, dtype=np.float64)
     low, high = points.min(axis=0), points.max(axis=0)
     if len(pixels) != int((high - low).max()) + 1:
@@ -235,7 +235,7 @@ def straight_line(pixels: list[tuple[int, int]]) -> SegmentRecord | None:
 def pixel_outline(
     xs: NDArray[Any], ys: NDArray[Any], directions: NDArray[Any]
 ) -> list[tuple[float, float]]:
-    """The corners of a sequence of cracks: where it turns."""
+    """Corners of a sequence of cracks."""
     corners = []
     for i in range(len(xs)):
         if directions[i] != directions[i - 1]:

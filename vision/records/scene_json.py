@@ -26,7 +26,7 @@ SCHEMA = "clearway.scene/1"
 
 
 def scene_to_json(scene: Scene) -> dict[str, Any]:
-    """The scene as a dictionary of plain values; every number keeps all its digits."""
+    """Convert a scene to a dictionary of plain values; every number keeps all its digits."""
     b = scene.bounds
     how = scene.binarisation
     return {

@@ -2,9 +2,9 @@
 
 Rules and units
 - The chain's points are its pixels' centres, in order, in rectified pixels, y down.
-- Pixels side by side are neighbours; across a corner they are where no pixel joins them. An
-  open chain has two ends and no branches.
-- One arc where every pixel's centre lies within ``NEAR_PX`` of it, or else a polyline.
+- Pixels side by side are neighbours; diagonal ones only if no pixel joins them. An open chain has
+  two ends and no branches.
+- One arc if every pixel's centre lies within ``NEAR_PX`` of it, otherwise a polyline.
 """
 
 from __future__ import annotations
@@ -28,7 +28,7 @@ ACROSS = ((1, 1), (-1, 1), (-1, -1), (1, -1))
 
 
 def open_chain(pixels: list[Pixel]) -> list[Pixel] | None:
-    """The pixels in order from one end to the other, or None where they are no open chain."""
+    """Pixels in order from one end to the other, or None if they are not an open chain."""
     if len(pixels) < FEWEST:
         return None
     links = _links(set(pixels))
@@ -52,7 +52,7 @@ def open_chain(pixels: list[Pixel]) -> list[Pixel] | None:
 
 
 def _links(there: set[Pixel]) -> dict[Pixel, list[Pixel]]:
-    """Every pixel's neighbours: beside it, or across a corner that no pixel joins."""
+    """Neighbours of every pixel: beside it, or diagonal if no pixel joins them."""
     links: dict[Pixel, list[Pixel]] = {}
     for x, y in there:
         links[x, y] = [(x + dx, y + dy) for dx, dy in BESIDE if (x + dx, y + dy) in there]
@@ -65,7 +65,7 @@ def _links(there: set[Pixel]) -> dict[Pixel, list[Pixel]]:
 
 
 def chain_edges(points: NDArray[np.float64]) -> tuple[list[Edge], float]:
-    """One arc along the points (n, 2), or the segments of a polyline; and the rms residual."""
+    """One arc along the points (n, 2), or a polyline's segments; and the rms residual."""
     px, py = np.ascontiguousarray(points[:, 0]), np.ascontiguousarray(points[:, 1])
     circle = np.empty(3)
     if fit_circle(px, py, 0, len(px), 1, circle):
@@ -73,7 +73,7 @@ def chain_edges(points: NDArray[np.float64]) -> tuple[list[Edge], float]:
         cx, cy, radius = circle.tolist()
         away = np.hypot(px - cx, py - cy) - radius
         if float(np.abs(away).max()) <= NEAR_PX:
-            # y down: clockwise on the screen is where the angle grows
+            # y down: the angle grows clockwise on the screen
             turn = float(np.sum((px[:-1] - cx) * np.diff(py) - (py[:-1] - cy) * np.diff(px)))
             start, end = (_onto(px[i], py[i], cx, cy, radius) for i in (0, -1))
             arc = Arc(start, end, (cx, cy), radius, ccw=turn < 0.0)

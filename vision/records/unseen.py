@@ -1,12 +1,12 @@
-"""Ground that no camera sees now: unknown, which a scene holds as an obstacle, whatever the reason.
+"""Ground that no camera sees now: unknown, so a scene holds it as an obstacle.
 
 Rules
-- A plan of the ground says for each of its pixels which share of it nobody sees: because a lens
-  folds or looks sideways (``vision.calibration.blind``), because no camera looks there, or because
-  the one that did is lost (``vision.joined.floor_plan``). It is outlined as any picture is, and
-  added to the scene's objects with a sentence that says why: nobody drives on what nobody has seen.
-- What a picture shows where it shows no ground is neither an edge nor an obstacle: a lens's blind
-  pixels are given the picture's middle grey before a level is sought.
+- A plan of the ground gives the unseen share of each pixel: a lens folds or looks sideways there
+  (``vision.calibration.blind``), no camera looks there, or the one that did is lost
+  (``vision.joined.floor_plan``). It is outlined like any picture and added to the scene's objects
+  with a sentence that gives the reason: robots do not drive on unseen ground.
+- A picture has neither edges nor obstacles where it shows no ground: a lens's blind pixels get the
+  picture's middle grey before a level is sought.
 """
 
 from __future__ import annotations
@@ -30,7 +30,7 @@ _MOST_KNOWN = 16
 
 @dataclass(frozen=True, slots=True)
 class Unseen:
-    """The ground that nobody sees, in metres, and the sentence that says so."""
+    """Unseen ground in metres, and the sentence on it."""
 
     objects: tuple[SceneObject, ...] = ()
     said: str = ""
@@ -40,20 +40,18 @@ _KNOWN: dict[tuple[object, Bounds], Unseen] = {}
 
 
 def blind_of(calibration: object) -> NDArray[np.bool_] | None:
-    """The blind pixels (h, w) of a calibration; a caller's own need not know any."""
+    """Blind pixels (h, w) of a calibration; a caller's own need not know any."""
     told: NDArray[np.bool_] | None = getattr(calibration, "blind", None)
     return told if told is not None and told.any() else None
 
 
 def without_blind(image: NDArray[Any], blind: NDArray[np.bool_]) -> NDArray[Any]:
-    """A copy of a picture (h, w) or (h, w, c) whose blind pixels have the others' median.
+    """Copy of a picture (h, w) or (h, w, c) whose blind pixels have the others' median.
 
-    One of another size stays as it is.
-
-    Raises ``PictureError`` where no pixel is seen.
+    A picture of another size is returned as it is. Raises ``PictureError`` if no pixel is seen.
     """
     if image.shape[:2] != blind.shape:
-        return image  # of another size than the calibration's, which its placement says
+        return image  # not the calibration's size, which its placement reports
     if blind.all():
         raise PictureError("the picture shows no ground: the lens folds all over it")
     filled = image.copy()
@@ -64,7 +62,7 @@ def without_blind(image: NDArray[Any], blind: NDArray[np.bool_]) -> NDArray[Any]
 def unseen_ground(
     shares: NDArray[Any], plan: object, bounds: Bounds, outline: Callable[..., Scene]
 ) -> tuple[SceneObject, ...]:
-    """Ground that no camera sees, by a plan (h, w) of shares from 0 to 1, as objects in metres.
+    """Ground that no camera sees, from a plan (h, w) of shares 0 .. 1, as objects in metres.
 
     ``plan`` is the calibration of the plan's pixels, ``outline`` is ``vision.extract``.
     """
@@ -75,7 +73,7 @@ def unseen_ground(
 def hidden_by_lens(calibration: object, bounds: Bounds, outline: Callable[..., Scene]) -> Unseen:
     """Ground in the bounds that a camera's lens hides; ``outline`` is ``vision.extract``.
 
-    Raises ``PictureError`` where nothing within the bounds is seen. Made once, then remembered.
+    Raises ``PictureError`` if nothing within the bounds is seen. Made once, then remembered.
     """
     blind = blind_of(calibration)
     if blind is None or not hasattr(calibration, "blind_plan"):
@@ -107,7 +105,7 @@ def _hidden(
 
 
 def with_unseen(scene: Scene, unseen: Unseen) -> Scene:
-    """The scene with the ground that nobody sees among its objects, and its sentence."""
+    """Add unseen ground to a scene's objects, and its sentence to the remarks."""
     if not unseen.said:
         return scene
     first = 1 + max((o.id for o in scene.objects), default=-1)

@@ -1,9 +1,9 @@
-"""Memory that one picture after the other is worked on in.
+"""Memory reused from one picture to the next.
 
 Rules and units
-- Fresh pages cost more than many a pass over them, so that what is large and gone when a
-  picture's scene is made comes from a room. What was taken from it stays as it is until the
-  same name is taken again; nothing of it may be handed out.
+- Fresh pages cost more than many a pass over them, so large arrays that a picture's scene does not
+  keep come from a room. An array keeps its contents until the same name is taken again; no part of
+  it may be handed out.
 - Every thread has its own.
 """
 
@@ -17,13 +17,13 @@ from numpy.typing import NDArray
 
 
 class Room(threading.local):
-    """Named arrays that grow with what is asked of them."""
+    """Named arrays that grow as needed."""
 
     def __init__(self) -> None:
         self._bytes: dict[str, NDArray[np.uint8]] = {}
 
     def take(self, name: str, count: int, dtype: Any) -> NDArray[Any]:
-        """An array (count,) under a name; what is in it is undefined."""
+        """Array (count,) under a name, with undefined contents."""
         size = count * np.dtype(dtype).itemsize
         held = self._bytes.get(name)
         if held is None or len(held) < size:

@@ -1,8 +1,8 @@
-"""Numbers and answers that kernels are handed as they are, typed.
+"""Typed numbers and answers that kernels take.
 
 Rules
-- Numba compiles a kernel once more for every literal that it is handed (see
-  ``planner.scene.compile_options``), with all that is below it. These are numbers as any other.
+- Numba compiles a kernel, with everything below it, again for every literal that it is passed (see
+  ``planner.scene.compile_options``). These are ordinary numbers to it.
 """
 
 from __future__ import annotations

@@ -1,15 +1,15 @@
 """The watch on the camera's place: the common movement of the picture's fixed points.
 
 Rules and units
-- Fixed points are the configured floor markers; where fewer than ``LEAST_POINTS`` of them are
-  seen, the corners of ``vision.watch.fixed_points`` too. They are learned from one picture and
-  watched from the next on; one that trembles is left out.
-- The camera has moved when more than half of the points that are seen have moved. A single one
-  that was kicked away or covered is said as such.
-- Where markers have configured places, they must be seen there when they are learned: else the
-  camera was moved while nobody watched, or nobody can tell, which holds the robot as well.
-- A sentence changes only when what it says does: it is shown, logged and recorded. Raw pixels,
-  metres, seconds of the frames.
+- Fixed points are the configured floor markers; if fewer than ``LEAST_POINTS`` are seen, the
+  corners of ``vision.watch.fixed_points`` too. They are learned from one picture and watched from
+  the next on; a point that trembles is left out.
+- The camera has moved when more than half of the visible points have moved. A single point kicked
+  away or covered is reported as such.
+- Markers with configured places must be seen there when they are learned: otherwise the camera was
+  moved unwatched, or its place is unclear, which holds the robot as well.
+- A sentence changes only with its content: it is shown, logged and recorded. Raw pixels, metres,
+  seconds of the frames.
 """
 
 from __future__ import annotations
@@ -49,7 +49,7 @@ _NO_DISCS = np.empty((0, 3))
 
 @dataclass(frozen=True, slots=True)
 class FloorMarker:
-    """A marker that lies on the floor; ``place_m`` is its centre's, None where nobody measured."""
+    """A marker on the floor; ``place_m`` is its centre's, None if not measured."""
 
     id: int
     place_m: tuple[float, float] | None = None
@@ -57,7 +57,7 @@ class FloorMarker:
 
 @dataclass(frozen=True, slots=True)
 class PlaceSettings:
-    """Settings of the watch: ``limit_px`` is how far the camera may move; 0 watches nothing."""
+    """Settings of the watch: the camera may move by ``limit_px``; 0 watches nothing."""
 
     bounds_m: Bounds
     markers: tuple[FloorMarker, ...]
@@ -67,7 +67,7 @@ class PlaceSettings:
 
 @dataclass(frozen=True, slots=True)
 class PlaceReport:
-    """A frame's findings on the camera's place; a sentence is empty if it has no cause."""
+    """A frame's findings on the camera's place; sentences without a cause are empty."""
 
     moved: str = ""
     """The camera has moved."""
@@ -83,7 +83,7 @@ NOTHING_KNOWN = PlaceReport()
 
 
 def said_together(reports: Iterable[PlaceReport]) -> PlaceReport:
-    """Join several cameras' reports: every one that has moved or is lost counts."""
+    """Join several cameras' reports: each one that has moved or is lost counts."""
     reports = tuple(reports)
     return PlaceReport(
         "; ".join(one.moved for one in reports if one.moved),
@@ -94,9 +94,9 @@ def said_together(reports: Iterable[PlaceReport]) -> PlaceReport:
 
 
 class CameraPlace:
-    """Learns the fixed points of one picture and watches them in all that follow.
+    """Watch that learns the fixed points of one picture and follows them in all later ones.
 
-    ``began_s`` is the moment that its sentences count from; ``name`` is one of several cameras.
+    ``began_s`` is the moment its sentences count from; ``name`` is set for one of several cameras.
     """
 
     def __init__(
@@ -123,15 +123,15 @@ class CameraPlace:
 
     @property
     def points(self) -> tuple[FixedPoint, ...]:
-        """Points that are watched; empty before they are learned."""
+        """Watched points; empty before they are learned."""
         return () if self._meter is None else self._meter.points
 
     def look(
         self, grey: Image, discs: FloatArray | None, captured_s: float, *, may_learn: bool
     ) -> PlaceReport:
-        """Measure a frame (h, w); ``discs`` (k, 3) is what robots cover, as far as that is known.
+        """Measure a frame (h, w); robots cover ``discs`` (k, 3), as far as known.
 
-        With ``may_learn`` the first frame's points are learned: the robots' places are known.
+        With ``may_learn`` the robots' places are known, and the first frame's points are learned.
         """
         settings = self._settings
         if settings.limit_px <= 0.0:
@@ -169,7 +169,7 @@ class CameraPlace:
         self._each = DriftTest(count, limit_px, noise_px)
 
     def _learn(self, grey: Image, discs: FloatArray, now_s: float) -> None:
-        """Take the points of this picture; again only where markers' places judge them."""
+        """Learn this picture's points; again only if markers' places judge them."""
         self._last_s = self._tried_s = now_s
         points, offsets = self._floor_markers(grey)
         placed = np.isfinite(offsets[:, 0])
@@ -198,7 +198,7 @@ class CameraPlace:
             self._each.begin_moved(now_s)
 
     def _why_unclear(self, away_px: FloatArray, is_clear: bool) -> str:
-        """Why too few surveyed markers are seen to tell where the camera is; empty where it is."""
+        """Reason why too few surveyed markers are seen to locate the camera; empty if clear."""
         surveyed = sum(one.place_m is not None for one in self._settings.markers)
         if is_clear or (not len(away_px) and surveyed < LEAST_POINTS):
             return ""
@@ -210,13 +210,13 @@ class CameraPlace:
         )
 
     def _floor_markers(self, grey: Image) -> tuple[list[FixedPoint], FloatArray]:
-        """Those in the picture, and how far (n, 2) each is seen from its configured place."""
+        """Markers in the picture, and the offset (n, 2) of each from its configured place."""
         wanted = {one.id: one.place_m for one in self._settings.markers}
         if not wanted:
             return [], np.empty((0, 2))
         found = find_markers(grey, self._settings.dictionary, calibration=self._calibration)
         ids = [marker.id for marker in found]
-        # of two with one number nobody knows which one is meant
+        # of two with one number, it is unclear which is meant
         markers = [m for m in found if m.id in wanted and ids.count(m.id) == 1]
         points = [point for m in markers if (point := _marker_point(grey, m)) is not None]
         return points, self._offsets(points, [wanted[i] for i in _marker_ids(points)])
@@ -224,7 +224,7 @@ class CameraPlace:
     def _offsets(
         self, points: Sequence[FixedPoint], expected: Sequence[tuple[float, float] | None]
     ) -> FloatArray:
-        """Offsets (n, 2) of markers from their configured places; NaN for markers without one."""
+        """Offsets (n, 2) of markers from their configured places, NaN without one."""
         offsets = np.full((len(points), 2), np.nan)
         for i, (point, place) in enumerate(zip(points, expected, strict=True)):
             if place is not None:
@@ -232,7 +232,7 @@ class CameraPlace:
         return offsets
 
     def _measure_noise(self, readings: Readings) -> None:
-        """After the first second: points that tremble, or come and go, are left out."""
+        """After the first second, leave out points that tremble or come and go."""
         if self._learned is None or self._meter is None:
             return
         if self._camera.sums[0] > 0.0 or self._lost.sums[0] > 0.0:
@@ -259,7 +259,7 @@ class CameraPlace:
         self._meter, self._zero = PointMeter(kept), self._zero[steady]
         self._reset(len(kept))
 
-    # Saying.
+    # Reporting.
 
     def _report(self, most_px: float | None, away_px: FloatArray | None = None) -> PlaceReport:
         remarks = []
@@ -306,7 +306,7 @@ class CameraPlace:
         if before is not None:
             change_px = abs(size_px - before[0])
             if size_px < limit_px or change_px <= max(0.5, _SAID_AGAIN * before[0]):
-                return  # on its way back, or as far away as was said
+                return  # on its way back, or as far away as reported
         which = [p for p, px in zip(self.points, away_px, strict=True) if px > limit_px]
         size_mm = 1000.0 * size_px * self._calibration.metres_per_pixel
         when = self._into_the_run(self._camera.since_s[0])
@@ -330,7 +330,7 @@ class CameraPlace:
         )
 
     def _say_single(self, away_px: FloatArray) -> set[str]:
-        """Floor markers that moved by themselves or are hidden; corners may be anything's."""
+        """Report floor markers moved by themselves or hidden; corners may be anything's."""
         said = set()
         for i, point in enumerate(self.points):
             if point.marker_id is None:
@@ -355,7 +355,7 @@ class CameraPlace:
 
 
 def _marker_point(grey: Image, marker: Marker) -> FixedPoint | None:
-    """A floor marker as a fixed point; None at the picture's edge."""
+    """Floor marker as a fixed point; None at the picture's edge."""
     from_diagonals = crossing(marker.corners_px)
     side_px = float(np.linalg.norm(marker.corners_px[1] - marker.corners_px[0]))
     half_px = max(4, min(MARKER_HALF_PX, round(0.5 * side_px)))
@@ -367,7 +367,7 @@ def _marker_ids(points: Sequence[FixedPoint]) -> list[int]:
 
 
 def _listed(points: Sequence[FixedPoint]) -> str:
-    """Floor markers by their numbers, corners by their places; many are cut short."""
+    """List floor markers by number and corners by place; long lists are cut short."""
     markers = ", ".join(map(str, _marker_ids(points)[:_NAMED]))
     corners = [p.name.removeprefix(CORNER) for p in points if p.marker_id is None]
     said = f"floor marker{'s' * (len(_marker_ids(points)) > 1)} {markers}" if markers else ""

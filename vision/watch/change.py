@@ -1,15 +1,15 @@
-"""Has the arena changed? A static one costs a millisecond a frame and no new fitting.
+"""Changes in the arena; a static one costs a millisecond a frame and no new fitting.
 
 Rules and units
 - Pixels are raw, centres at integers; rectangles are (x, y, width, height).
-- The picture is compared in cells of a few pixels with a reference: the mean of what was seen
-  there before. The threshold follows the noise that the frame itself shows, edges are allowed
-  a little tremor, and a change of the light as a whole is divided out.
-- The reference never creeps towards what it sees: else something moved slowly enough would be
-  absorbed unreported. It changes where a change was reported, and nowhere else.
-- What lies under a robot is unknown. ``background`` keeps what was last seen there, so that an
-  obstacle beside or below a robot is not lost; what was never seen is filled from around it
-  until the robot drives off, and reported then if it is something else.
+- Cells of a few pixels are compared with a reference: the mean of what was seen there before. The
+  threshold follows the frame's own noise, edges may tremble a little, and a change of the light as
+  a whole is divided out.
+- The reference never creeps towards the picture, or something slow enough would be absorbed
+  unreported. After its first frames it changes only where a change was reported.
+- Ground under a robot is unknown. ``background`` keeps what was last seen there, so that an
+  obstacle beside or below a robot is not lost. Ground never seen is filled from around it until the
+  robot drives off, and reported then if it differs.
 - A change is reported when it was seen in two frames in a row.
 """
 
@@ -44,8 +44,8 @@ _SPARSE = 23
 class ChangeLimits:
     """Limits of a change: ``least_contrast`` grey levels, ``least_cells`` connected cells.
 
-    ``tremor`` is the share of the local contrast that an edge may differ by: 0.15 forgives a
-    shake of about half a pixel.
+    ``tremor`` is the share of the local contrast that an edge may differ by: 0.15 allows a shake of
+    about half a pixel.
     """
 
     least_contrast: float = 6.0
@@ -55,10 +55,10 @@ class ChangeLimits:
 
 @dataclass(frozen=True, slots=True)
 class Change:
-    """Something was added, removed or moved within these rectangles.
+    """Rectangles in which something was added, removed or moved.
 
     ``first``: the first frame. ``relit``: the background was taken over at another exposure, so
-    that its grey values are others everywhere.
+    that all its grey values differ.
     """
 
     rectangles: tuple[Rectangle, ...]
@@ -68,7 +68,7 @@ class Change:
 
 
 class SceneWatcher:
-    """Compares frame after frame with the arena as it was last reported."""
+    """Comparison of each frame with the arena as last reported."""
 
     def __init__(self, limits: ChangeLimits | None = None) -> None:
         self._limits = limits or ChangeLimits()
@@ -84,7 +84,7 @@ class SceneWatcher:
 
     @property
     def background(self) -> Image:
-        """The arena without the robots, a read-only copy; raises ``ValueError`` before a frame."""
+        """Read-only copy of the arena without robots; raises ``ValueError`` before a frame."""
         if self._background is None:
             raise ValueError("there is no background before the first frame")
         copy = self._background.copy()
@@ -92,12 +92,12 @@ class SceneWatcher:
         return copy
 
     def update(self, image: Image, bodies: ArrayLike | None) -> Change | None:
-        """Compare a frame; the change, or None where nothing is new.
+        """Compare a frame; return the change, or None.
 
-        ``image`` (h, w) or (h, w, 3) uint8; ``bodies`` (k, 3) x, y, radius of the discs that
-        the robots cover, ``markers.body_discs_px``. None means that a robot's place is unknown:
-        the frame is not judged, as the robot itself would be taken for an obstacle.
-        The first frame, and one of another size, is a change of everything.
+        ``image`` (h, w) or (h, w, 3) uint8; ``bodies`` (k, 3): x, y, radius of the discs that
+        robots cover, ``markers.body_discs_px``. None means that a robot's place is unknown: the
+        frame is not judged, as the robot itself would look like an obstacle. The first frame, and
+        one of another size, is a change of everything.
         """
         if bodies is None:
             return None
@@ -138,7 +138,7 @@ class SceneWatcher:
         height, width = image.shape[0] // n, image.shape[1] // n
         part = image[: height * n, : width * n]
         small = np.asarray(part)
-        # Halving again and again is vectorised and seven times as fast as one step.
+        # Repeated halving is vectorised and seven times as fast as one step.
         while n > 1:
             n //= 2
             size = (width * n, height * n)
@@ -150,7 +150,7 @@ class SceneWatcher:
         return self._covered_in(self._reference.shape, discs)
 
     def _covered_in(self, shape: tuple[int, ...], discs: NDArray[np.float64]) -> _Mask:
-        """255 in every cell that a disc touches."""
+        """Mask of cells, 255 where a disc touches one."""
         mask = np.zeros(shape, np.uint8)
         n = self._cell_px
         for x, y, radius in discs:
@@ -166,10 +166,7 @@ class SceneWatcher:
         return mask
 
     def _gain(self, cells: _Cells, covered: _Mask) -> float:
-        """Gain of the whole picture's light: the median of the cells' ratios.
-
-        A few thousand cells are enough for a median.
-        """
+        """Gain of the whole picture's light: the median of a few thousand cells' ratios."""
         now, before = cells.ravel()[::_SPARSE], self._reference.ravel()[::_SPARSE]
         usable = (before > _DARKEST_FOR_GAIN) & (covered.ravel()[::_SPARSE] == 0)
         if np.count_nonzero(usable) < 16:
@@ -186,7 +183,7 @@ class SceneWatcher:
         return changed
 
     def _confirm(self, changed: _Mask) -> _Mask | None:
-        """The connected cells that differ now and did in the last frame; None where none do."""
+        """Connected cells that differ now and in the last frame, or None."""
         before, self._pending = self._pending, changed
         if cv2.countNonZero(changed) < self._limits.least_cells:
             self._pending_frames = 0
@@ -198,7 +195,7 @@ class SceneWatcher:
             self._pending_frames = 0
             return None
         self._pending_frames += 1
-        # What moves fast overlaps with nothing of the last frame, but it is there all the same.
+        # Something fast overlaps nothing of the last frame, but is there all the same.
         if self._pending_frames < 3:
             near = cv2.dilate(before, np.ones((5, 5), np.uint8))
             met = np.zeros(count, dtype=np.bool_)
@@ -211,7 +208,7 @@ class SceneWatcher:
     def _average(self, cells: _Cells, covered: _Mask, changed: _Mask, gain: float) -> None:
         """Take unchanged cells into the reference's mean, while it is young.
 
-        Later only what a robot uncovered is young, and every fourth frame does for it.
+        Later only ground that a robot uncovered is young, and every fourth frame is enough.
         """
         self._frames += 1
         if self._frames > _AVERAGED_FRAMES and self._frames % 4 != 0:
@@ -225,9 +222,9 @@ class SceneWatcher:
         self._measure_tolerance()
 
     def _reveal(self, image: Image, covered: _Mask, changed: _Mask) -> None:
-        """Replace filled pixels by the true ones where the floor is seen for the first time.
+        """Replace filled pixels by real ones where the floor is seen for the first time.
 
-        Where they differ from what was filled in, the change is reported as any other.
+        A difference from the filling is reported like any other change.
         """
         if not self._unseen.any():
             return
@@ -240,14 +237,14 @@ class SceneWatcher:
     def _adopt(
         self, image: Image, cells: _Cells, covered: _Mask, confirmed: _Mask, gain: float
     ) -> Change:
-        """Take the changed parts over and report them."""
+        """Take over the changed parts and report them."""
         size = 2 * _RIM_CELLS + 1
         region = cv2.dilate(confirmed, np.ones((size, size), np.uint8)).astype(np.uint8)
         rectangles = self._rectangles(region, image)
         region[covered > 0] = 0
         relit = abs(gain - 1.0) > _REFRESH_GAIN
         if relit:
-            # The light is another one by now: one picture must not be of two exposures.
+            # The light has changed since: one picture must not mix two exposures.
             region[covered == 0] = 255
             self._reference *= np.float32(gain)
             if self._background is not None:
@@ -273,14 +270,14 @@ class SceneWatcher:
         found = []
         for x, y, w, h, _ in stats[1:count].tolist():
             x0, y0 = x * n, y * n
-            # The last whole cell answers for the pixels behind it.
+            # The last whole cell covers the pixels behind it too.
             x1 = width if x + w == region.shape[1] else (x + w) * n
             y1 = height if y + h == region.shape[0] else (y + h) * n
             found.append((x0, y0, x1 - x0, y1 - y0))
         return tuple(found)
 
     def _copy(self, image: Image, mask: _Mask, gain: float) -> None:
-        """Copy the cells of a mask into the background, at the reference's exposure."""
+        """Copy a mask's cells into the background, at the reference's exposure."""
         x, y, w, h = cv2.boundingRect(mask)
         if self._background is None or w == 0:
             return
@@ -294,29 +291,29 @@ class SceneWatcher:
         self._background[rows, columns][chosen] = source[chosen]
 
     def _pixels_of(self, mask: _Mask, shape: tuple[int, ...]) -> _Mask:
-        """A mask of cells as one of pixels; the last cells reach to the end of the shape."""
+        """Turn a mask of cells into one of pixels; the last cells reach the end of the shape."""
         rows = np.minimum(np.arange(shape[0]) // self._cell_px, mask.shape[0] - 1)
         columns = np.minimum(np.arange(shape[1]) // self._cell_px, mask.shape[1] - 1)
         return mask[np.ix_(rows, columns)]
 
     def _measure_tolerance(self) -> None:
-        """Set the change that an edge's tremor may cause: a share of the contrast at each cell."""
+        """Set the change that an edge's tremor may cause: a share of each cell's contrast."""
         box = np.ones((3, 3), np.uint8)
         contrast = cv2.morphologyEx(self._reference, cv2.MORPH_GRADIENT, box)
         self._tolerance = (contrast * np.float32(self._limits.tremor)).astype(np.float32)
 
 
 def _median(values: _Cells) -> float:
-    """The middle value, the upper one of two: a third of the time of numpy's median."""
+    """Upper median, in a third of the time of numpy's."""
     middle = len(values) // 2
     return float(np.partition(values, middle)[middle])
 
 
 def _fill(image: Image, hidden: _Mask) -> Image:
-    """A copy of the picture with the hidden pixels filled from around them.
+    """Copy of the picture with hidden pixels filled from around them.
 
-    Each connected hidden part gets the median of a ring around it: the floor, as an obstacle
-    that ends at the ring would otherwise be drawn on below the robot.
+    Each connected part gets the median of a ring around it, which is floor: an obstacle that ends
+    at the ring would otherwise be continued below the robot.
     """
     filled = image.copy()
     count, labels, stats, _ = cv2.connectedComponentsWithStats(hidden, connectivity=8)

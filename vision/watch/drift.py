@@ -1,15 +1,15 @@
-"""Has something moved? A sequential test on how far it is seen from where it was.
+"""Sequential test of movement, by how far something is seen from its former place.
 
 Rules and units
-- Pixels and seconds. What is up to half the limit away has not moved; what is the limit away has.
-- Page's test (Continuous inspection schemes, 1954): the logarithms of the likelihood ratios of
-  the two are summed up, never below 0; at ``THRESHOLD`` it has moved, back at 0 it has not. The
-  sum left 0 when it began to move.
+- Pixels and seconds. Up to half the limit away it has not moved; at the limit it has.
+- Page's test (Continuous inspection schemes, 1954) sums the logarithms of the two cases' likelihood
+  ratios, never below 0. At ``THRESHOLD`` it has moved, back at 0 it has not. Movement began when
+  the sum left 0.
 - One frame counts so little that ``REACTION_S`` of them must agree, however far off they are: a
   flash or a hand in a few pictures moves nothing.
 - By Lorden's bound (Procedures for reacting to a change in distribution, 1971) the mean number of
-  frames between two false alarms is at least exp(``THRESHOLD``): with 30 a second, ten years, as
-  long as the noise of one frame is independent of the next one's and no more than ``noise_px``.
+  frames between false alarms is at least exp(``THRESHOLD``): with 30 a second, ten years, if the
+  noise of frames is independent and at most ``noise_px``.
 """
 
 from __future__ import annotations
@@ -30,12 +30,12 @@ _LONGEST_STEP_S = 0.1
 
 
 def step_limit(passed_s: float) -> float:
-    """The most that one frame adds to the sum, or takes off it."""
+    """Most that one frame adds to the sum, or takes off it."""
     return THRESHOLD * min(max(passed_s, 0.0), _LONGEST_STEP_S) / REACTION_S
 
 
 class DriftTest:
-    """Tests ``count`` quantities side by side; ``limit_px`` > 0."""
+    """Tests of ``count`` quantities side by side; ``limit_px`` > 0."""
 
     def __init__(self, count: int, limit_px: float, noise_px: float = LEAST_NOISE_PX) -> None:
         self.limit_px = limit_px
@@ -46,12 +46,14 @@ class DriftTest:
         """When each began to move; NaN for one that has not."""
 
     def begin_moved(self, since_s: float) -> None:
-        """All have moved already."""
+        """Mark all as moved already."""
         self.sums[:], self.moved[:], self.since_s[:] = THRESHOLD, True, since_s
 
     def update(self, away_px: FloatArray, passed_s: float, now_s: float) -> None:
-        """Take the distances (n) of a frame ``passed_s`` after the last: NaN says nothing, inf
-        that it is farther away than can be measured."""
+        """Take a frame's distances (n), ``passed_s`` after the last frame.
+
+        NaN is unknown, inf farther away than can be measured.
+        """
         slope = 0.5 * self.limit_px / self.noise_px**2
         steps = slope * (away_px - 0.75 * self.limit_px)
         most = step_limit(passed_s)
@@ -64,8 +66,8 @@ class DriftTest:
 
 
 def of_most(away_px: FloatArray) -> float:
-    """Least distance that more than half of the things are away; (n) distances, n > 0.
+    """Greatest distance that more than half of the distances (n) reach, n > 0.
 
-    A camera moves them all; what happens to fewer than half of them moves this by nothing.
+    A camera moves all points; movement of fewer than half of them does not count here.
     """
     return float(np.sort(away_px)[(len(away_px) + 1) // 2 - 1])

@@ -1,12 +1,11 @@
-"""Fixed points of a picture, and how far each of them is seen from where it was at first.
+"""Fixed points of a picture, and how far each is seen from its first place.
 
 Rules and units
 - Raw pixels, centres at integers. A point is a small patch of the picture: a floor marker, or a
-  corner of what stands at the arena's border or beyond it; corners farther inside are taken only
-  where there are too few at the border.
-- A patch is found again where its normalised correlation is highest, to a fraction of a pixel by
-  a parabola; light that changes changes nothing. One that is nowhere is not seen, which is not
-  the same as moved.
+  corner of something at the arena's border or beyond; corners farther inside are taken only if
+  there are too few at the border.
+- A patch is found where its normalised correlation is highest, to a fraction of a pixel by a
+  parabola, whatever the light. A patch found nowhere is not seen, which is not the same as moved.
 - A patch that looks like another place nearby is no fixed point: it would be found there.
 """
 
@@ -49,7 +48,7 @@ _Flags = NDArray[np.bool_]
 
 @dataclass(frozen=True, slots=True, eq=False)
 class FixedPoint:
-    """A patch of a picture: its middle, and ``marker_id`` where it is a floor marker's."""
+    """A patch of a picture: its middle, and ``marker_id`` if it is a floor marker's."""
 
     name: str
     place_px: tuple[float, float]
@@ -61,9 +60,9 @@ class FixedPoint:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Readings:
-    """One frame: ``moved_px`` (n, 2) from where each point was at first, NaN where not seen.
+    """One frame: ``moved_px`` (n, 2) from each point's first place, NaN if not seen.
 
-    ``covered`` (n): a robot is over the point, so that nothing is known of it.
+    ``covered`` (n): a robot is over the point, so nothing is known of it.
     """
 
     moved_px: FloatArray
@@ -71,14 +70,14 @@ class Readings:
 
     @property
     def seen(self) -> _Flags:
-        """Which points were found (n)."""
+        """Mask (n) of the points found."""
         return np.asarray(np.isfinite(self.moved_px[:, 0]))
 
 
 def point_at(
     grey: Image, place_px: tuple[float, float], name: str, half_px: int, marker_id: int | None
 ) -> FixedPoint | None:
-    """The point with the patch around ``place_px``; None where that is plain or not whole."""
+    """Fixed point with the patch around ``place_px``; None if it is plain or not whole."""
     column, row = round(place_px[0]), round(place_px[1])
     x0, y0 = column - half_px, row - half_px
     side = 2 * half_px + 1
@@ -93,9 +92,9 @@ def point_at(
 def corners_of(
     grey: Image, discs: FloatArray, calibration: Calibration, bounds: Bounds
 ) -> list[FixedPoint]:
-    """The corners that are fixed points, at most ``MOST_CORNERS``: those at the border first.
+    """Corners that are fixed points, at most ``MOST_CORNERS``, first those at the border.
 
-    ``discs`` (k, 3) x, y, radius is what robots cover. O(pixels).
+    Robots cover ``discs`` (k, 3) x, y, radius. O(pixels).
     """
     smooth = cv2.GaussianBlur(grey, (0, 0), _SMOOTHING_PX)
     apart_px = max(grey.shape) / _APART
@@ -122,7 +121,7 @@ def corners_of(
 
 
 def _far_inside(floor_m: FloatArray, bounds: Bounds) -> _Flags:
-    """Which places (n, 2) are not at the arena's border nor beyond it."""
+    """Mask of places (n, 2) neither at the arena's border nor beyond it."""
     low, high = np.array([bounds.x_min, bounds.y_min]), np.array([bounds.x_max, bounds.y_max])
     rim = _BORDER_SHARE * float((high - low).min())
     return np.asarray(((floor_m > low + rim) & (floor_m < high - rim)).all(axis=1))
@@ -138,7 +137,7 @@ def _is_unlike_its_neighbours(grey: Image, point: FixedPoint) -> bool:
 
 
 def _covered(places: FloatArray, half_px: float, discs: FloatArray) -> _Flags:
-    """Which patches around places (n, 2) a disc touches."""
+    """Mask of places (n, 2) whose patches a disc touches."""
     if not len(discs):
         return np.zeros(len(places), dtype=np.bool_)
     apart = np.hypot(*(places[:, None, :] - discs[None, :, :2]).transpose(2, 0, 1))
@@ -148,7 +147,7 @@ def _covered(places: FloatArray, half_px: float, discs: FloatArray) -> _Flags:
 def _likeness(
     grey: Image, point: FixedPoint, moved: tuple[int, int], reach_px: int
 ) -> tuple[NDArray[np.float32], tuple[int, int]]:
-    """The correlation at every place within reach, and the first of these places."""
+    """Correlation at every place within reach, and the first of these places."""
     side = len(point.patch)
     x0, y0 = point.corner_px[0] + moved[0] - reach_px, point.corner_px[1] + moved[1] - reach_px
     left, up = max(0, x0), max(0, y0)
@@ -162,7 +161,7 @@ def _likeness(
 def _find(
     grey: Image, point: FixedPoint, moved: tuple[int, int], reach_px: int
 ) -> tuple[float, float] | None:
-    """Movement of the patch, looked for around ``moved``; None if it is not there."""
+    """Movement of the patch, searched around ``moved``; None if it is not there."""
     likeness, (left, up) = _likeness(grey, point, moved, reach_px)
     _, best, _, (column, row) = cv2.minMaxLoc(likeness)
     height, width = likeness.shape
@@ -182,7 +181,7 @@ def _top_of_parabola(three: NDArray[np.float32]) -> float:
 
 
 class PointMeter:
-    """Finds the points of one picture again in frame after frame; O(points) patches a frame."""
+    """Measurement of one picture's points in later frames; O(points) patches a frame."""
 
     def __init__(self, points: Sequence[FixedPoint]) -> None:
         self.points = tuple(points)
@@ -193,7 +192,7 @@ class PointMeter:
     def measure(self, grey: Image, discs: FloatArray) -> Readings:
         """Measure each point's movement since it was learned; robots cover ``discs`` (k, 3).
 
-        One of the points that are lost is looked for farther away in each frame.
+        Each frame searches farther away for one of the lost points.
         """
         moved = np.full((len(self.points), 2), np.nan)
         covered = _covered(self._places, HALF_PX, discs)

@@ -1,13 +1,13 @@
 """A scene brought up to date: only what changed is fitted again.
 
 Rules and units
-- Rectangles are (x, y, width, height) in raw pixels, as ``vision.watch.change`` reports them; the
-  scene is in metres.
-- Each changed rectangle grows until it cuts no known object; what lies in it is extracted again
-  at the scene's own level, everything else keeps its very records, to the bit, and its id.
-- Where that cannot be trusted (uneven light, half of the picture changed, an object that runs
-  out of its part, edges that the scene's level does not separate, as a faint obstacle has), there
-  is no answer, and the caller extracts the whole picture.
+- Rectangles are (x, y, width, height) in raw pixels, from ``vision.watch.change``; the scene is in
+  metres.
+- Each changed rectangle grows until it cuts no known object. Its content is extracted again at the
+  scene's own level; everything else keeps its records, to the bit, and its id.
+- There is no answer where that cannot be trusted (uneven light, half of the picture changed, an
+  object that leaves its part, edges that the scene's level does not separate, as a faint
+  obstacle's), and the caller extracts the whole picture.
 """
 
 from __future__ import annotations
@@ -48,7 +48,7 @@ _NOWHERE: _Box = (0, 0, 0, 0)
 
 @dataclass(frozen=True, slots=True)
 class _Part:
-    """The calibration of a part of the picture that begins at (``x``, ``y``)."""
+    """Calibration of a part of the picture that begins at (``x``, ``y``)."""
 
     whole: Calibration
     x: int
@@ -57,19 +57,19 @@ class _Part:
 
     @property
     def metres_per_pixel(self) -> float:
-        """That of the whole picture: tolerances must be the same."""
+        """Scale of the whole picture: tolerances must be the same."""
         return self.whole.metres_per_pixel
 
     def arena_from_image(self, points_px: NDArray[np.float64]) -> NDArray[np.float64]:
-        """Points of the part (n, 2) to metres."""
+        """Convert points of the part (n, 2) to metres."""
         return self.whole.arena_from_image(np.asarray(points_px) + np.array([self.x, self.y]))
 
 
 @dataclass(frozen=True, slots=True)
 class KnownScene:
-    """A scene in metres and, for each of its objects, the pixels that hold it.
+    """A scene in metres, and the pixels that hold each of its objects.
 
-    The boxes of objects that stay are never computed again.
+    Boxes of objects that stay are never computed again.
     """
 
     scene: Scene
@@ -83,22 +83,20 @@ class KnownScene:
         calibration: Calibration,
         unseen: Unseen | None = None,
     ) -> KnownScene:
-        """A scene as ``vision.extract`` gives it, ``unseen`` if not by the lens. O(records)."""
+        """Known scene of an extracted ``scene``; ``unseen`` defaults to the lens's. O(records)."""
         unseen = unseen or hidden_by_lens(calibration, scene.bounds, extract)
         hidden = {o.records for o in unseen.objects}
         boxes = _boxes_of(scene.objects, calibration)
-        # unseen ground is no part of any picture, and stays whatever changes there
+        # unseen ground belongs to no picture, and stays whatever changes there
         found = zip(scene.objects, boxes, strict=True)
         kept = tuple(_NOWHERE if o.records in hidden else b for o, b in found)
         return cls(scene, calibration, kept)
 
     def refitted(self, image: Image, rectangles: Sequence[Rectangle]) -> KnownScene | None:
-        """The scene of ``image``, where that differs in ``rectangles`` only.
+        """Scene of ``image``, which differs in ``rectangles`` only; None if all must be extracted.
 
-        ``border_pixels``, ``timings_ms`` and ``remarks`` of its scene are those of the parts
-        fitted again: what was said before would pile up over a long run.
-        None where the whole picture has to be extracted. O(pixels and border pixels of the
-        parts).
+        ``border_pixels``, ``timings_ms`` and ``remarks`` are those of the parts fitted again:
+        earlier ones would pile up over a long run. O(pixels and border pixels of the parts).
         """
         scene, size = self.scene, (image.shape[1], image.shape[0])
         how = scene.binarisation
@@ -144,14 +142,14 @@ class KnownScene:
 
 
 def _joined(scene: Scene, kept: Sequence[SceneObject], found: Sequence[Scene]) -> Scene:
-    """The objects that stay and those of the parts, with ids that nobody had."""
+    """Join the objects that stay with those of the parts, under unused ids."""
     free_id = 1 + max((o.id for o in scene.objects), default=-1)
     new = [o for anew in found for o in anew.objects]
     laps: dict[str, float] = {}
     for anew in found:
         for name, ms in anew.timings_ms.items():
             laps[name] = laps.get(name, 0.0) + ms
-    # that a part is empty is no remark on the arena
+    # an empty part is no remark on the arena
     said = [r for anew in found for r in anew.remarks if r not in doubts_about(anew)]
     joined = replace(
         scene,
@@ -164,7 +162,7 @@ def _joined(scene: Scene, kept: Sequence[SceneObject], found: Sequence[Scene]) -
 
 
 def _boxes_of(objects: Sequence[SceneObject], calibration: Calibration) -> tuple[_Box, ...]:
-    """For each object the pixels x0, y0, x1, y1 (ends excluded) that hold it."""
+    """Pixels x0, y0, x1, y1 (ends excluded) that hold each object."""
     if not objects:
         return ()
     outlines = [outline_points(obj) for obj in objects]

@@ -1,17 +1,17 @@
-"""Which level a picture's edges speak for, and the obstacles that the level taken has left out.
+"""The level that a picture's edges support, and the obstacles that the chosen level leaves out.
 
 Rules and units
-- Grey values are 0 .. 255, obstacles dark. Light multiplies what the camera sees, so that a step
-  in the dark is worth more: steps are compared by the square root of the picture's own values,
-  whichever side obstacles are on. The logarithm would be right for the light alone, and puts the
-  level of a blurred edge too near its dark side.
-- Light that changes over many pixels makes no edge, however strong it is; a shadow's rim and a
-  lamp's fall-off are borders that nothing speaks for.
-- No level is right for obstacles of 40 and of 180 on a floor of 215, nor for what lies in full
-  light and in a shadow of 70 %.
-- The edges that are neither in nor near the mask are asked once more for their best levels, and
-  what lies below one of them is an obstacle too where it touches nothing of the mask, and where
-  its border is sharp and stands out of the noise: a shadow's rim is soft.
+- Grey values are 0 .. 255, obstacles dark. Light multiplies what the camera sees, so a step in the
+  dark is worth more: steps are compared by the square root of the picture's own values, whichever
+  side obstacles are on. The logarithm would suit light alone, and puts the level of a blurred edge
+  too near its dark side.
+- Light that changes over many pixels makes no edge, however strong: nothing supports a shadow's
+  rim or a lamp's fall-off as a border.
+- No level suits both obstacles of 40 and of 180 on a floor of 215, or objects in full light and in
+  a shadow of 70 %.
+- Edges neither in nor near the mask are searched again for their best levels. A region below one
+  of these is an obstacle too if it touches nothing of the mask, and its border is sharp and exceeds
+  the noise: a shadow's rim is soft.
 - In uneven light and on a floor with a pattern of its own it needs a share of the light too
   (``judge.py``).
 """
@@ -87,7 +87,7 @@ SAID = 0.5 * LEAST_SHARE
 
 
 def follows_edges(look: Look, classes: Classes) -> bool:
-    """Whether edges as strong as the classes' contrast lie where their level is crossed."""
+    """True if edges at the level are as strong as the classes' contrast."""
     height, width = look.grey.shape
     if min(height, width) <= REACH:
         return True
@@ -103,7 +103,7 @@ def follows_edges(look: Look, classes: Classes) -> bool:
 
 
 def leaves_out(look: Look, level: float, side: Literal["dark", "light"]) -> bool:
-    """True if clear edges, fainter than those across a level, lie off it."""
+    """True if clear edges lie off a level, fainter than the edges across it."""
     height, width = look.grey.shape
     if min(height, width) <= 4 * REACH:
         return False
@@ -117,7 +117,7 @@ def leaves_out(look: Look, level: float, side: Literal["dark", "light"]) -> bool
 
     if not clear_steps(0.0):
         return False
-    # what compression leaves around edges, and a floor's own pattern, are told from obstacles by
+    # artefacts of compression around edges, and a floor's own pattern, differ from obstacles by
     # their share of the light
     calming = look.calming()
     grey, noise = look.grey_after(calming), look.noise * calming.left
@@ -126,11 +126,11 @@ def leaves_out(look: Look, level: float, side: Literal["dark", "light"]) -> bool
 
 
 class Support:
-    """What a picture's edges say for one level or another: sums, larger is better.
+    """Support of a picture's edges for each level: sums, larger is better.
 
-    Sums are comparable for one picture only; nothing speaks for what has none or less.
-    ``pairs``: how many are looked at, about. ``even``: the light is known to be.
-    ``grey`` is the picture, smoothed where it is noisy, ``noise`` what is left of it there.
+    Sums are comparable for one picture only; zero or less is no support. ``pairs``: about the
+    number read. ``even``: the light is known to be even. ``grey``: the picture, smoothed if noisy;
+    ``noise``: the noise left in it.
     """
 
     def __init__(
@@ -149,10 +149,10 @@ class Support:
     def best_level(
         self, counts: NDArray[np.int64], even: Classes | None
     ) -> tuple[Classes | None, int]:
-        """The classes whose level most speaks for, and the pairs across it; None: nothing speaks.
+        """Classes of the best supported level, and the pairs across it; None without support.
 
-        ``counts`` is the picture's histogram (256,); ``even`` its classes where the light is,
-        whose own level is taken where it has not much less.
+        ``counts`` is the picture's histogram (256,); ``even`` are its classes in even light, whose
+        own level is taken unless it has much less support.
         """
         believed, pairs = self._believed(NOWHERE, self._cost, self._pairs)
         most = float(believed.max())
@@ -165,9 +165,9 @@ class Support:
         return best, int(pairs[math.ceil(best.level)])
 
     def level_outside(self, shut: NDArray[np.uint8]) -> float | None:
-        """The level that most edges speak for where ``shut`` (h, w) is 0, None without any.
+        """Level best supported where ``shut`` (h, w) is 0, None without any.
 
-        However faint those edges are beside the others, as far as noise has none like them.
+        Its edges may be fainter than the others, but not as faint as noise.
         """
         believed, _ = self._believed(shut, FAINT * self.judge.faintest, LEFT_PAIRS)
         most = float(believed.max())
@@ -178,10 +178,10 @@ class Support:
     def _believed(
         self, shut: NDArray[np.uint8], cost: float, sample: int
     ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-        """What speaks for each level (257,) outside ``shut``, 0 for too little, and the pairs."""
+        """Support for each level (257,) outside ``shut``, 0 if too little, and the pairs."""
         judge = self.judge
         support, pairs = support_by_level(judge.grey, judge.seen(shut), judge.values, cost, sample)
-        # where no pair lies across a level the sum is but rounding
+        # where no pair lies across a level, the sum is only rounding
         enough = FAINT * cost * np.maximum(pairs, 1.0)
         return np.where(support >= enough, support, 0.0), pairs
 
@@ -193,23 +193,23 @@ def _classes_at(believed: NDArray[np.float64], counts: NDArray[np.int64]) -> Cla
     below = np.arange(256) < level
     dark, light = _middle(np.where(below, counts, 0)), _middle(np.where(below, 0, counts))
     if believed[math.ceil(0.5 * (dark + light))] < nearly:
-        # one class is two: what is next to the level counts
+        # one class is really two: only greys next to the level count
         reach = min(level - dark, light - level)
         dark, light = level - reach, level + reach
     return Classes(dark, light, 0.0, float(counts[below].sum() / counts.sum()))
 
 
 def _middle(counts: NDArray[np.int64]) -> float:
-    """The median of the grey values that a histogram (256,) counts."""
+    """Median grey value of a histogram (256,)."""
     running = np.cumsum(counts)
     return float(np.searchsorted(running, 0.5 * running[-1]))
 
 
 def with_left_out(judged: Judged, others: Iterable[Judged], support: Support) -> Binary:
-    """The mask with the obstacles that other masks and levels show, and remarks on them.
+    """The mask, changed in place, with obstacles that other masks and levels show, and remarks.
 
-    The levels are asked of the picture without its light, and then as it is. A remark on the rest,
-    too: what is no noise, but is left out of the mask, which is changed. O(pixels) a level.
+    Levels are searched in the picture without its light, then as it is. A remark also names other
+    regions above the noise that the mask leaves out. O(pixels) a level.
     """
     binary = judged.binary
     inside = binary.inside
@@ -220,14 +220,14 @@ def with_left_out(judged: Judged, others: Iterable[Judged], support: Support) ->
     look.noise = max(look.noise, stronger * support.noise)
     found = 0
     for asked in (Support(look, support.judge.side, even=support.judge.even), support):
-        # each level is asked for what the others have not found
+        # each level is searched for in what the others have not found
         while (level := asked.level_outside(shut)) is not None:
             below = (asked.grey < level).astype(np.uint8)
             more = _add_obstacles(below, inside, shut, left, support.judge)
             if more == 0:
                 break
             found += more
-    # last: an obstacle and the shadow beside it may be one region there
+    # last: there an obstacle and the shadow beside it may be one region
     for other in others:
         found += _add_obstacles(other.binary.inside, inside, shut, left, support.judge)
     remarks = binary.remarks
@@ -240,7 +240,6 @@ def with_left_out(judged: Judged, others: Iterable[Judged], support: Support) ->
 
 
 def _around(inside: NDArray[Any]) -> NDArray[np.uint8]:
-    """A mask (h, w) and what is near it."""
     near = np.ones((2 * REACH + 1, 2 * REACH + 1), np.uint8)
     return np.asarray(cv2.dilate(inside, near), dtype=np.uint8)
 
@@ -252,17 +251,17 @@ def _add_obstacles(
     left: NDArray[np.bool_],
     judge: Judge,
 ) -> int:
-    """Mark the obstacles of ``below`` (h, w), a level's, that ``inside`` has not yet; how many.
+    """Add obstacles of a level's mask ``below`` (h, w) to ``inside``; return their number.
 
-    They touch nothing of ``shut``, which is the mask and what is near, but specks of themselves.
-    What else is no noise is marked in ``left``.
+    They touch nothing of ``shut``, the mask and its surroundings, except specks of themselves.
+    Other regions above the noise are marked in ``left``.
     """
     regions = judge.regions(below)
     labels = regions.labels
     size = regions.stand_out.size
     touching = np.zeros(size, dtype=np.bool_)
     touching[labels[shut != 0]] = True
-    # a level that an obstacle's own noise crosses leaves specks of it
+    # a level that an obstacle's own noise crosses leaves specks of it in the mask
     area = np.bincount(labels.ravel(), minlength=size)
     known = np.bincount(labels[inside != 0], minlength=size)
     specks = (known > 0) & (known < SPECKS * area)
@@ -282,7 +281,7 @@ def _said(
     inside: NDArray[np.uint8],
     judge: Judge,
 ) -> tuple[str, ...]:
-    """A sentence on the regions that are in the mask (h, w) in no part; none without any."""
+    """Remark on regions of which the mask (h, w) has no part; empty if there are none."""
     if not left.any():
         return ()
     regions = judge.regions(left.astype(np.uint8))

@@ -1,12 +1,11 @@
-"""How well the border between black and white follows edges: steps across it.
+"""Steps across the border between black and white, which show if it follows edges.
 
 Rules and units
-- A step is how much lighter a pixel is than another that lies ``REACH`` rows or columns away,
-  counted by ``worth`` (256,), which grows with the grey value. Pairs of pixels are taken from a
-  sample of rows.
-- A pair speaks for a border between its two pixels with its step less ``cost``, and so
-  against it where it has hardly any. It does so too where the step is soft: where it is hardly
-  more than its share of the step from ``OUTER`` before it to ``OUTER`` behind it.
+- A step is how much lighter a pixel is than one ``REACH`` rows or columns away, measured by
+  ``worth`` (256,), which grows with the grey value. Pairs of pixels come from a sample of rows.
+- A pair supports a border between its pixels by its step less ``cost``, so a small step opposes
+  it. A soft step also opposes it: one hardly more than its share of the step from ``OUTER`` before
+  it to ``OUTER`` behind it.
 """
 
 # mypy: allow-untyped-defs
@@ -36,16 +35,16 @@ of a sample begins two, to the right and down."""
 
 @njit(**LEAF)
 def _row_step(height, width, pairs):
-    """Every how many rows pairs are looked at."""
+    """Step in rows between pairs."""
     return max(1, 2 * height * width // pairs)
 
 
 @njit(**LEAF)
 def steps_across_level(grey, level, weak, strong, pairs):
-    """How many pairs lie across a level, with a weak step and with a strong one.
+    """Count the pairs across a level, and their weak and strong steps.
 
-    Returns ``(all, weak, strong)``: the pairs across the level, and those of them whose step is
-    less than ``weak`` and more than ``strong`` grey levels.
+    Return ``(all, weak, strong)``: the pairs across the level, with steps less than ``weak``, and
+    with steps more than ``strong`` grey levels.
     """
     height, width = grey.shape
     length = min(width - REACH, AT_A_TIME)
@@ -53,7 +52,7 @@ def steps_across_level(grey, level, weak, strong, pairs):
     step = max(1, 2 * height * segments * length // pairs)
     every, weaks, strongs = 0.0, 0.0, 0.0
     for i in range(0, (height - REACH) * segments, step):
-        # the next segment each time, so that no column is left out
+        # another segment each time, so that no column is left out
         y = i // segments
         x = AT_A_TIME * ((i + y) % segments)
         here = grey[y, x : x + length]
@@ -68,7 +67,7 @@ def steps_across_level(grey, level, weak, strong, pairs):
 
 @njit(**SUMS)
 def _steps(here, there, level, weak, strong):
-    """The same of one stretch of pairs."""
+    """Count the same in one stretch of pairs."""
     nothing, one = np.float32(0.0), np.float32(1.0)
     every, weaks, strongs = nothing, nothing, nothing
     for x in range(here.shape[0]):
@@ -84,15 +83,15 @@ def _steps(here, there, level, weak, strong):
 
 @njit(**LEAF)
 def steps_off_level(grey, level, clear, enough):
-    """How many pixels begin a clear step on the light side of a level, nothing across it near by.
+    """Count pixels that begin a clear step on a level's light side, with nothing across it nearby.
 
-    Every second row is looked at, until there are ``enough``: an obstacle of few pixels is seen by
-    no chance, as blur spreads the thinnest over more rows than that.
+    Every second row is read, until there are ``enough``: blur spreads even the thinnest obstacle
+    over more rows than that.
 
-    ``clear`` is ``(share, least, end, sign)``: the step is at least ``least`` and ``share`` of how
-    far the pixel that is farther from ``end``, where ``sign`` times grey values begin, lies from
-    it. The pixels ``REACH`` away from the step, on all sides, lie on that side of the level too:
-    the foot of an edge across the level is no edge of its own.
+    ``clear`` is ``(share, least, end, sign)``: the step is at least ``least``, and at least
+    ``share`` of the light. The light is the distance from ``end``, where ``sign`` times grey values
+    begin, to the pixel farther from it. Pixels ``REACH`` away on all sides lie on the light side
+    too: the foot of an edge across the level is not an edge of its own.
     """
     height, width = grey.shape
     found = 0.0
@@ -109,7 +108,7 @@ def steps_off_level(grey, level, clear, enough):
 
 @njit(**SUMS)
 def _any_step(rows, first, length, level, least):
-    """Whether a stretch has a step on the light side: most have none, and are left at that."""
+    """True if a stretch has a step on the light side; most have none and need no more work."""
     nothing, one = np.float32(0.0), np.float32(1.0)
     here, below = rows[REACH, first:], rows[2 * REACH, first:]
     found = nothing
@@ -125,7 +124,7 @@ def _any_step(rows, first, length, level, least):
 
 @njit(**SUMS)
 def _clear_steps(rows, first, length, level, clear):
-    """The same of one stretch of pixels, to the right and down."""
+    """Count the same in one stretch of pixels, to the right and down."""
     nothing, one = np.float32(0.0), np.float32(1.0)
     share, least, end, sign = clear
     above, here = rows[0, first:], rows[REACH, first:]
@@ -137,7 +136,7 @@ def _clear_steps(rows, first, length, level, clear):
         right = np.float32(here[x + REACH])
         down = np.float32(below[x])
         side = value < level
-        # around the pixel, and around the square that both pairs have in common
+        # around the pixel, and around the square that both pairs share
         across = (right < level) != side
         across |= (down < level) != side
         across |= (np.float32(above[x]) < level) != side
@@ -147,7 +146,7 @@ def _clear_steps(rows, first, length, level, clear):
         across |= (np.float32(before[2 * REACH, x]) < level) != side
         across |= (np.float32(here[x + 2 * REACH]) < level) != side
         across |= (np.float32(beyond[x]) < level) != side
-        # and across the corners: an edge may run aslant
+        # and across the corners: an edge may be oblique
         across |= (np.float32(before[0, x]) < level) != side
         across |= (np.float32(above[x + 2 * REACH]) < level) != side
         across |= (np.float32(before[3 * REACH, x]) < level) != side
@@ -162,7 +161,7 @@ def _clear_steps(rows, first, length, level, clear):
 
 @njit(**LEAF)
 def _pair(grey, y, x, down):
-    """The four grey values of a pair: its two pixels, and those OUTER before and behind it."""
+    """Four grey values of a pair: its two pixels, and those OUTER before and behind it."""
     height, width = grey.shape
     if down:
         before = grey[max(y - OUTER, 0), x]
@@ -175,7 +174,7 @@ def _pair(grey, y, x, down):
 
 @njit(**LEAF)
 def _sharp_step(worth, before, a, b, behind):
-    """The step from ``a`` to ``b``, and how much of it is sharp: both signed alike."""
+    """Step from ``a`` to ``b`` and its sharp part, signed alike."""
     step = worth[int(b + 0.5)] - worth[int(a + 0.5)]
     outer = worth[int(behind + 0.5)] - worth[int(before + 0.5)]
     if step >= 0.0:
@@ -185,7 +184,7 @@ def _sharp_step(worth, before, a, b, behind):
 
 @njit(**LEAF)
 def typical_step(grey, worth, pairs):
-    """The step of the strongest sharp edges: the mean of all, weighed by their squares."""
+    """Step of the strongest sharp edges: the mean of all, weighted by their squares."""
     height, width = grey.shape
     squares = 0.0
     cubes = 0.0
@@ -204,7 +203,7 @@ def typical_step(grey, worth, pairs):
 
 @njit(**LEAF)
 def _support(worth, before, a, b, behind, cost):
-    """What a pair says for a border between its pixels, whichever is the darker."""
+    """Support of a pair for a border between its pixels, whichever is darker."""
     step, sharp = _sharp_step(worth, before, a, b, behind)
     if step < 0.0:
         step = -step
@@ -214,10 +213,10 @@ def _support(worth, before, a, b, behind, cost):
 
 @njit(**OWNING)
 def support_by_level(grey, shut, worth, cost, pairs):
-    """What speaks for a border at each level, and how many pairs lie across it: 2 x (257,).
+    """Support for a border at each level, and the number of pairs across it: 2 x (257,).
 
-    Pixels below the level are obstacle. Pairs with a pixel where ``shut`` (h, w) is not 0 are
-    left out; it may have no pixels at all: nothing is.
+    Pixels below the level are obstacle. Pairs with a pixel where ``shut`` (h, w) is not 0 are left
+    out; an empty ``shut`` leaves out none.
     """
     height, width = grey.shape
     whole = shut.size == 0
@@ -245,12 +244,13 @@ def support_by_level(grey, shut, worth, cost, pairs):
 
 @njit(**OWNING)
 def steps_of_regions(grey, labels, count, end, sign):
-    """The steps across the border of each region: ``(steps, light, sharp, pairs)``.
+    """Steps across the border of each region: ``(steps, light, sharp, pairs)``.
 
-    ``labels`` (h, w) int32 are 1 .. count - 1 in the regions and 0 elsewhere. Sums over all pairs
-    with one pixel in a region, on each of its four sides (count, 4): of how much lighter the other
-    one is; of the light, which is how far the pixel that is farther from ``end``, where ``sign``
-    times grey values begin, lies from it; of how much of the step is sharp (count,).
+    ``labels`` (h, w) int32 are 1 .. count - 1 in the regions and 0 elsewhere. All are sums over the
+    pairs with one pixel in a region. On each of its four sides (count, 4): how much lighter the
+    other pixel is; the light, which is the distance from ``end``, where ``sign`` times grey values
+    begin, to the pixel farther from it; and the number of pairs. In all (count,): the sharp part of
+    the steps.
     """
     height, width = grey.shape
     steps = np.zeros((count, 4))
@@ -282,9 +282,9 @@ def steps_of_regions(grey, labels, count, end, sign):
 
 @njit(**OWNING)
 def mark_sharp_steps(grey, least, strong, end, sign):
-    """1 where a faint, sharp step begins, 2 at the dark end of a strong one (h, w).
+    """Mark 1 where a faint, sharp step begins, 2 at the dark end of a strong one (h, w).
 
-    A step is at least ``least`` grey levels, strong where it has a share ``strong`` of the light.
+    A step is at least ``least`` grey levels, and strong with a share ``strong`` of the light.
     """
     height, width = grey.shape
     marks = np.zeros((height, width), np.uint8)

@@ -1,11 +1,10 @@
-"""Whether the floor has a pattern of its own: faint, sharp edges nearly everywhere on it.
+"""Detection of a floor's own pattern: faint, sharp edges nearly everywhere on it.
 
 Rules and units
-- Joints, a weave or grain are spread over the floor; an obstacle as faint as they are lies in one
-  place. The picture is divided into ``TILES`` x ``TILES`` tiles, and those with faint edges are
-  counted.
-- An edge is faint where its step has less than ``STRONG_SHARE`` of the light. Within two
-  ``REACH`` of a stronger one, which blur leaves a faint foot, nothing is counted.
+- Joints, a weave or grain are spread over the floor; an obstacle as faint lies in one place. The
+  picture is divided into ``TILES`` x ``TILES`` tiles, and tiles with faint edges are counted.
+- An edge is faint if its step has less than ``STRONG_SHARE`` of the light. Nothing counts within
+  two ``REACH`` of a stronger edge, which blur gives a faint foot.
 """
 
 from __future__ import annotations
@@ -41,14 +40,14 @@ FAINT_STEP, STRONG = 1, 2
 
 
 def least_step(noise: float) -> float:
-    """The step, in grey levels, that a border has at least: as two classes of grey values have."""
+    """Least step of a border in grey levels, as between two classes of grey values."""
     return max(LEAST_CONTRAST, LEAST_CONTRAST_SIGMAS * noise)
 
 
 def faint_edges_apart(
     grey: NDArray[Any], noise: float, side: Literal["dark", "light"], reach: int
 ) -> int:
-    """How many faint, sharp steps lie more than ``reach`` pixels from every strong one."""
+    """Number of faint, sharp steps more than ``reach`` pixels from every strong one."""
     marks = _marks(grey, noise, side)
     return int(np.count_nonzero((marks == FAINT_STEP) & ~_near(marks, reach)))
 
@@ -60,9 +59,9 @@ def near_strong_edges(
     reach: int,
     own: NDArray[np.bool_],
 ) -> NDArray[np.bool_]:
-    """What lies within ``reach`` pixels of a step that no pattern of a floor has (h, w).
+    """Mask (h, w) of pixels within ``reach`` of a step too strong for a floor's pattern.
 
-    Steps whose dark end lies in ``own`` (h, w) do not count: it is asked what lies beside it.
+    Steps whose dark end lies in ``own`` (h, w) do not count: only those beside it matter.
     """
     marks = _marks(grey, noise, side)
     marks[own] = 0
@@ -70,7 +69,7 @@ def near_strong_edges(
 
 
 def has_pattern(grey: NDArray[Any], noise: float, side: Literal["dark", "light"]) -> bool:
-    """Whether most of the floor in a grey picture (h, w) has faint, sharp edges. O(pixels)."""
+    """True if most of the floor in a grey picture (h, w) has faint, sharp edges. O(pixels)."""
     height, width = grey.shape
     if min(height, width) < TILES:
         return False
@@ -97,7 +96,7 @@ def _near(marks: NDArray[np.uint8], reach: int) -> NDArray[np.bool_]:
 
 
 def _by_tile(marks: NDArray[np.bool_]) -> NDArray[np.int64]:
-    """How many pixels of each tile are marked (TILES, TILES)."""
+    """Number of marked pixels in each tile (TILES, TILES)."""
     counts = marks.astype(np.int64)
     for axis, length in enumerate(marks.shape):
         counts = np.add.reduceat(counts, np.arange(TILES) * length // TILES, axis=axis)

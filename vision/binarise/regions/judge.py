@@ -1,21 +1,19 @@
-"""Whether the regions of a mask are real: the one judge, by the steps across their borders.
+"""The one judge of which regions of a mask are real, by the steps across their borders.
 
 Rules and units
-- Grey values are 0 .. 255, obstacles dark. Light multiplies what the camera sees, so that what is
-  made of the same stuff has the same share of the light wherever it lies: the step across its
-  border, divided by the light there. A shadow's rim, and noise where there is little light, have
-  a fraction of that.
-- The step is the mean over the whole border, of pixels ``REACH`` apart across it: it grows with the
-  depth alone, and its error falls with the border's length, so that no count of pixels is asked
-  for.
+- Grey values are 0 .. 255, obstacles dark. Light multiplies what the camera sees, so one material
+  has the same share of the light everywhere: the step across its border, divided by the light
+  there. A shadow's rim, and noise in little light, have a fraction of that.
+- The step is the mean over the whole border, of pixels ``REACH`` apart across it. It grows with
+  depth alone, and its error falls with the border's length, so no number of pixels is required.
 - A lens blurs all borders alike. In a picture out of focus no edge is sharp over ``REACH`` pixels,
-  and steps are looked at in a picture half as large, whose blur is half as wide.
-- A region is real where its border stands out of the noise (``SIGMAS``) on all sides but short
-  ones, is sharp (``LEAST_SHARP``), and is of the stuff that the others are (``FAINT``), or has the
-  contrast that two classes need (``least_step``), however little of the light that is.
+  so steps are measured in a picture half as large, whose blur is half as wide.
+- A region is real if its border exceeds the noise (``SIGMAS``) on all sides but short ones, is
+  sharp (``LEAST_SHARP``), and either is of the others' material (``FAINT``) or has the contrast
+  that two classes need (``least_step``), whatever its share of the light.
 - In uneven light, and on a floor with a pattern of its own (``floor_pattern.py``), contrast is not
-  enough: the border of what is fainter than the others needs ``THIN_SHARE`` of the light, or
-  ``LEAST_SHARE`` where it is thick. The joints of a floor look like faint cables.
+  enough: a border fainter than the others needs ``THIN_SHARE`` of the light, or ``LEAST_SHARE``
+  where it is thick. A floor's joints look like faint cables.
 """
 
 from __future__ import annotations
@@ -80,11 +78,11 @@ the contrast have 0.12 to 0.3, joints of a floor 0.1 (``benchmarks.vision.region
 
 @dataclass(frozen=True, slots=True)
 class Regions:
-    """A mask's regions, (n,) each, the first of them what is in none; ``labels`` (h, w).
+    """Regions of a mask, (n,) each, the first being everything outside them; ``labels`` (h, w).
 
-    ``shares`` are the steps across their borders as shares of the light, ``pairs`` the pairs of
-    pixels. Whether the sum of the steps stands out of the noise (``stand_out``), by how much their
-    mean is worth more than the least (``beyond``), and whether they are ``sharp``.
+    ``shares`` are the steps across their borders as shares of the light, ``pairs`` the numbers of
+    pixel pairs. ``stand_out``: the sum of the steps exceeds the noise. ``beyond``: worth of their
+    mean beyond the least. ``sharp``: the border is sharp.
     """
 
     steps: NDArray[np.float64]
@@ -98,12 +96,11 @@ class Regions:
 
 @dataclass(frozen=True, slots=True)
 class Judged:
-    """A picture in black and white without what is not real, and what its borders have in all.
+    """A picture in black and white with real regions only, and totals over its borders.
 
-    ``pairs`` of pixels across its borders, ``shares`` the sum of their steps as shares of the
-    light, ``typical`` the share that most of them have. ``speaks``: what their steps are worth
-    beyond the least; where that is nothing there are no edges. ``left_out`` (h, w): what is not
-    real but no noise.
+    ``pairs``: pixel pairs across its borders; ``shares``: sum of their steps as shares of the
+    light; ``typical``: the share that most have. ``speaks``: worth of their steps beyond the least;
+    without any there are no edges. ``left_out`` (h, w): neither real nor noise.
     """
 
     binary: Binary
@@ -114,19 +111,19 @@ class Judged:
     left_out: NDArray[np.bool_]
 
     def worth(self, typical: float) -> float:
-        """What speaks for it beside others of which the largest ``typical`` share is given.
+        """Support compared with other masks, given the largest ``typical`` share among them.
 
-        A border counts as much as it has more than is faint.
+        A border counts by what it has beyond faint.
         """
         return self.shares - FAINT * typical * self.pairs
 
 
 @dataclass(frozen=True)
 class Judge:
-    """Judges borders in ``grey`` (h', w'), of which ``noise`` is the standard deviation.
+    """Judge of borders in ``grey`` (h', w') with noise of standard deviation ``noise``.
 
-    ``every``: how many rows and columns of a mask one of it stands for. ``smoothed``: it is not
-    the picture as it came. ``even``: the light is known to be even.
+    ``every``: rows and columns of a mask for each of its own. ``smoothed``: it is not the original
+    picture. ``even``: the light is known to be even.
     """
 
     grey: NDArray[Any]
@@ -140,9 +137,9 @@ class Judge:
     def of(
         cls, look: Look, side: Literal["dark", "light"], pairs: int, even: bool = False
     ) -> Judge:
-        """The judge of a picture, smoothed where it is noisy and halved where it is out of focus.
+        """Judge of a picture, smoothed if noisy and halved if out of focus.
 
-        About so many ``pairs`` of pixels are looked at for that. O(pixels).
+        About ``pairs`` pairs of pixels are read for that. O(pixels).
         """
         judge = cls._seeing(look, side, 1, even)
         if min(look.grey.shape) < 2 * LEAST_HALF_PX:
@@ -157,12 +154,12 @@ class Judge:
         return cls(grey, noise, side, every, calming is not NO_CALMING, even)
 
     def worth(self, light: NDArray[np.float64]) -> NDArray[np.float64]:
-        """What grey values are worth, whose differences are compared.
+        """Worth of grey values, whose differences are compared.
 
-        The root, because light multiplies what the camera sees and its noise grows with the root
-        of it. The logarithm would be right for the light alone, and puts the level of a blurred
-        edge too near its dark side. Before the root the least contrast is added, of the
-        classes and in noise, which is nothing in the dark either.
+        It is the root, because light multiplies what the camera sees and its noise grows with the
+        root of it. The logarithm would suit light alone, and puts the level of a blurred edge too
+        near its dark side. The least contrast, of the classes and in noise, is added before the
+        root: it means nothing in the dark either.
         """
         root: NDArray[np.float64] = np.sqrt(
             light + LEAST_CONTRAST + LEAST_CONTRAST_SIGMAS * self.noise
@@ -171,20 +168,20 @@ class Judge:
 
     @property
     def values(self) -> NDArray[np.float64]:
-        """What each grey value (256,) is worth, whichever side obstacles are on."""
+        """Worth of each grey value (256,), whichever side obstacles are on."""
         worth = self.worth(np.arange(256.0))
         return worth if self.side == "dark" else -worth[::-1].copy()
 
     @property
     def least(self) -> float:
-        """What the step of a border is worth at least: the least contrast, and noise, in light."""
+        """Least worth of a border's step: the least contrast, and noise, in light."""
         return self._worth_in_light(LEAST_CONTRAST + 2.0 * LEAST_CONTRAST_SIGMAS * self.noise)
 
     @property
     def faintest(self) -> float:
-        """The same of what is fainter than the others, where contrast alone is enough.
+        """The same for regions fainter than the others, where contrast alone is enough.
 
-        Of a picture as it is: what is left of noise by smoothing has edges as wide as a lens makes.
+        For unsmoothed pictures only: noise left by smoothing has edges as wide as a lens makes.
         """
         if self.smoothed or self.needs_share:
             return self.least
@@ -200,11 +197,11 @@ class Judge:
         return not self.even or has_pattern(self.grey, self.noise, self.side)
 
     def typical(self, pairs: int) -> float:
-        """What the step of the strongest sharp edges is worth; about so many pairs are seen."""
+        """Worth of the step of the strongest sharp edges, from about ``pairs`` pairs."""
         return float(typical_step(self.grey, self.values, pairs))
 
     def seen(self, mask: NDArray[Any]) -> NDArray[Any]:
-        """What of a mask (h, w), or of labels, the judge's own pixels (h', w') show."""
+        """Part of a mask (h, w), or of labels, at the judge's own pixels (h', w')."""
         if self.every == 1:
             return mask
         height, width = self.grey.shape
@@ -212,32 +209,32 @@ class Judge:
         return np.ascontiguousarray(mask[: height * step : step, : width * step : step])
 
     def regions(self, inside: NDArray[Any]) -> Regions:
-        """The connected regions of a mask (h, w), and the steps across their borders. O(pixels)."""
+        """Connected regions of a mask (h, w), and the steps across their borders. O(pixels)."""
         count, found = cv2.connectedComponents(inside, connectivity=8)
         labels = np.asarray(found, dtype=np.int32)
-        # without light a pixel is black, which is white where obstacles are light
+        # a pixel without light is black, which is white where obstacles are light
         end, sign = (0.0, 1.0) if self.side == "dark" else (255.0, -1.0)
         sides = steps_of_regions(self.grey, self.seen(labels), count, end, sign)
         steps, light, pairs = (sides[k].sum(axis=1) for k in (0, 1, 3))
         step, lit = steps / np.maximum(pairs, 1), light / np.maximum(pairs, 1)
         beyond = self.worth(lit) - self.worth(np.maximum(lit - step, 0.0)) - self.faintest
-        # a standard deviation of a sum of so many steps
+        # standard deviation of the sum of the steps
         error = self.noise * np.sqrt(2.0 * ALIKE * sides[3])
         chance = SELECTED * pairs + SIGMAS * np.sqrt(2.0 * ALIKE * pairs)
         stand_out = steps >= self.noise * chance
         stand_out &= pairs > 0
         shares = steps / np.maximum(light, 1.0)
         weak = sides[0] + 3.0 * error < FAINT * shares[:, None] * sides[1]
-        # a wall's end is no longer than what blur rounds
+        # a wall's end is no longer than the part that blur rounds
         around = ~(weak & (sides[3] >= SHORT_SIDE * pairs[:, None])).any(axis=1)
         sharp = sides[2] >= LEAST_SHARP * steps
         return Regions(step, shares, pairs, stand_out & around, beyond, sharp, labels)
 
     def faint_obstacles(self, regions: Regions, inside: NDArray[Any]) -> NDArray[np.bool_]:
-        """Which regions (n,) are real though those of other stuff have far more of the light.
+        """Mask (n,) of regions that are real although others have far more of the light.
 
-        ``inside`` (h, w) is not 0 where they are looked for. Contrast over noise is enough, but a
-        floor's own pattern has that too: there they need a share of the light.
+        ``inside`` (h, w) is not 0 where they are searched. Contrast over noise is enough, except
+        where a floor's own pattern has that too: there they need a share of the light.
         """
         found = regions.stand_out & regions.sharp
         few = found & (regions.shares < THIN_SHARE)
@@ -252,10 +249,10 @@ class Judge:
         return found & (~few | (thick & (regions.shares >= LEAST_SHARE)))
 
     def _is_no_speck(self, regions: Regions, few: NDArray[np.bool_]) -> NDArray[np.bool_]:
-        """Which regions (n,), of the ``few`` asked, are not what noise or compression makes.
+        """Mask (n,) of regions not made by noise or compression; it matters for the ``few`` only.
 
-        Noise is not everywhere as strong as it is on the whole: it has specks of a few pixels. What
-        compression leaves of an edge lies for the most part beside it.
+        Noise is stronger in places than on the whole and makes specks of a few pixels there.
+        Artefacts of compression lie mostly beside an edge.
         """
         count = regions.steps.size
         labels = self.seen(regions.labels)
@@ -267,7 +264,7 @@ class Judge:
         return large & apart
 
     def real(self, binary: Binary) -> Judged:
-        """The mask without the objects whose borders do not count. O(pixels)."""
+        """Remove regions whose borders do not count from the mask. O(pixels)."""
         inside = binary.inside
         objects = self.regions(inside)
         shares, pairs = objects.shares, objects.pairs
@@ -283,6 +280,6 @@ class Judge:
 
 
 def _typical(shares: NDArray[np.float64], pairs: NDArray[np.int64]) -> float:
-    """The mean share, weighed by itself and the pairs: what is faint hardly counts."""
+    """Mean share weighted by itself and the pairs, so that faint ones hardly count."""
     weights = np.maximum(shares, 0.0) * pairs
     return float((weights * shares).sum() / max(weights.sum(), 1e-9))

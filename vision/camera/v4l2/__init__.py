@@ -1,8 +1,13 @@
-"""Cameras of Linux (V4L2), asked and read by the kernel's own requests.
+"""Cameras of Linux (V4L2), by the kernel's own requests.
 
-`node` opens a device; `modes` lists what it can deliver and chooses; `controls` sets exposure,
-gain, focus, white balance and mains frequency; `stream` reads its buffers; `pixels` makes pictures
-of them; `identity` finds a camera again after a replug; `users` names who else has it open;
-`device` puts these together as a camera. OpenCV's capture hides formats, controls, damage and
-sequence numbers, and linuxpy, the library with all of this, is under the GPL; Clearway is not.
+- `structs` has the kernel's structures; `node` opens a device and asks it.
+- `devices` lists cameras; `identity` finds one again after a replug; `users` names other programs
+  that have it open.
+- `modes` lists what it can deliver and chooses.
+- `controls` sets exposure, gain, focus, white balance and mains frequency.
+- `stream` reads its buffers, and `pixels` makes pictures of them.
+- `device` joins these into a camera.
+
+OpenCV's capture hides formats, controls, damage and sequence numbers; linuxpy, the library with all
+of this, is under the GPL, and Clearway is not.
 """

@@ -1,11 +1,11 @@
-"""A camera's controls: exposure, gain, focus, white balance and mains frequency, set and read back.
+"""A camera's exposure, gain, focus, white balance and mains frequency, set and read back.
 
 Rules and units
 - ``auto`` or a number: exposure in milliseconds, white balance in kelvin, gain and focus in the
   driver's own units, mains 50 or 60 Hz.
-- The automatic function is switched before its value is set: a driver refuses the value while the
-  automatic function works. Automatic exposure is never allowed to lower the rate of pictures.
-- What a driver does not have, refuses or rounds is a sentence; it does not end the run.
+- The automatic function is switched before its value is set, as a driver refuses the value while it
+  works. Automatic exposure may never lower the rate of pictures.
+- A setting that a driver lacks, refuses or rounds becomes a sentence; it does not end the run.
 
 Source: linux/v4l2-controls.h.
 """
@@ -41,7 +41,7 @@ _MAINS_MENU: Final = {50: 1, 60: 2}
 
 @dataclass(frozen=True, slots=True)
 class CameraControls:
-    """What the configuration asks of a camera, as it is asked for; units in the module's text."""
+    """Settings that the configuration requests of a camera; units in the module's text."""
 
     exposure_ms: Auto = "auto"
     gain: Auto = "auto"
@@ -52,7 +52,7 @@ class CameraControls:
 
 @dataclass(frozen=True, slots=True)
 class Listed:
-    """A control that the camera has, in the driver's units; ``menu`` has the choices' texts."""
+    """A control of the camera, in the driver's units; ``menu`` has the choices' texts."""
 
     id: int
     name: str
@@ -65,7 +65,7 @@ class Listed:
 
 
 def list_controls(node: Node) -> list[Listed]:
-    """Every control that can be set."""
+    """List every control that can be set."""
     return list(_listed(node))
 
 
@@ -78,7 +78,7 @@ def _listed(node: Node) -> Iterator[Listed]:
         after = int(told.id)
         if told.flags & _DISABLED or told.flags & _READ_ONLY:
             continue
-        if told.type not in (1, 2, _MENU):  # numbers, switches, menus; the others are titles
+        if told.type not in (1, 2, _MENU):  # numbers, switches, menus; others are titles
             continue
         menu = tuple(_menu(node, told)) if told.type == _MENU else ()
         name = told.name.decode("utf-8", "replace")
@@ -99,17 +99,17 @@ def _read(node: Node, control: int) -> int | None:
     try:
         told = node.ask(structs.G_CTRL, structs.Control(id=control))
     except OSError:
-        return None  # write only, or asleep
+        return None  # write only, or inactive
     return int(told.value)
 
 
 def set_controls(node: Node, wanted: CameraControls) -> list[str]:
-    """Set and read back; a sentence for each that is not as asked."""
+    """Set and read back; return a sentence for each setting not as requested."""
     return _Setting(node).all(wanted)
 
 
 def readings(controls: list[Listed]) -> CameraControls:
-    """What a camera does now, in the configuration's words; absent ones are ``auto``."""
+    """Present settings of a camera, in the configuration's words; absent ones are ``auto``."""
     by_id = {one.id: one for one in controls}
 
     def number(value: int, switch: int, hand: tuple[int, ...], scale: float = 1.0) -> Auto:
@@ -132,7 +132,7 @@ def readings(controls: list[Listed]) -> CameraControls:
 
 
 class _Setting:
-    """One round of setting a node's controls; ``said`` gathers what is not as asked."""
+    """One round of setting a node's controls; ``said`` gathers the differences."""
 
     def __init__(self, node: Node) -> None:
         self._node = node
@@ -148,7 +148,7 @@ class _Setting:
         return self.said
 
     def _mains(self, mains_hz: int) -> None:
-        """Cameras without it are not complained about: 50 is nobody's wish in particular."""
+        """Set the mains frequency; without the control no complaint: 50 may be just the default."""
         if MAINS in self._has:
             self._set("mains_hz", mains_hz, MAINS, _MAINS_MENU[mains_hz], lambda _: "another")
 

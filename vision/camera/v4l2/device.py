@@ -1,12 +1,12 @@
-"""A V4L2 device as a camera: found, set, started, read, and restored when it is opened again.
+"""A V4L2 device as a camera: found, set, started, read, and restored when opened again.
 
 Rules and units
-- Format, size and rate are chosen among what the device lists (`modes`) and asked for in that
-  order; then its controls are set (`controls`). What was got instead is said in ``reason``, and
-  the rate is measured, not taken on trust.
+- Format, size and rate are chosen from the device's list (`modes`) and requested in that order;
+  then its controls are set (`controls`). Differences are reported in ``reason``, and the rate is
+  measured, not trusted.
 - Damaged pictures are dropped and counted.
-- A picture's time is that of its last row: a stamp of the exposure's begin is put later by what the
-  rows take.
+- A picture's time is that of its last row: a stamp of the exposure's begin is put later by the time
+  that the rows take.
 - Times are seconds on the clock passed in; sizes are (width, height) in pixels.
 """
 
@@ -54,7 +54,7 @@ _GONE: Final = (errno.ENODEV, errno.ENXIO, errno.ENOENT, errno.EBADF)
 
 @dataclass(frozen=True, slots=True)
 class DeviceSettings:
-    """What a device is asked for beside size and rate; ``controls`` None leaves them as they are.
+    """Requests to a device beside size and rate; ``controls`` None leaves them as they are.
 
     ``rolling_shutter_s`` is the time from the first row's exposure to the last row's.
     """
@@ -67,7 +67,7 @@ class DeviceSettings:
 
 @dataclass(slots=True)
 class _Damage:
-    """Damaged pictures: all of them, those in a row, and those of a window of pictures."""
+    """Counts of damaged pictures: in all, in a row, and in a window of pictures."""
 
     total: int = 0
     in_a_row: int = 0
@@ -82,13 +82,13 @@ class _Damage:
         self._damaged += is_damaged
         if self._seen >= _DAMAGED_WINDOW:
             much = self._damaged > _DAMAGED_SHARE * self._seen
-            # Without its number, which differs from window to window: each would be a new line.
+            # Without its number, which would make a new line for each window.
             self.said = "more than 1 % of its pictures are damaged and dropped" if much else ""
             self._seen = self._damaged = 0
 
 
 class DeviceCamera:
-    """A V4L2 camera by its index (``0``) or path (``/dev/video0``, ``/dev/v4l/by-id/...``).
+    """V4L2 camera by its index (``0``) or path (``/dev/video0``, ``/dev/v4l/by-id/...``).
 
     ``known`` remembers which camera it was, from one object to the next.
     """
@@ -130,21 +130,21 @@ class DeviceCamera:
 
     @property
     def rate_hz(self) -> float:
-        """Frames a second really got."""
+        """Measured frames a second."""
         return self._rate.rate_hz
 
     @property
     def damaged(self) -> int:
-        """Damaged pictures, which were dropped, since it was opened."""
+        """Number of damaged pictures dropped since opening."""
         return self._damage.total
 
     @property
     def node(self) -> Node | None:
-        """The open device, for questions on its controls; None where closed."""
+        """Open device, for questions on its controls; None while closed."""
         return self._node
 
     def open(self) -> None:
-        """Open the device; ``CameraError`` where it is missing, busy or no camera."""
+        """Open the device; ``CameraError`` if it is missing, busy or not a camera."""
         self.close()
         self._reset()
         path, found = self._known.find(self._path)
@@ -217,7 +217,7 @@ class DeviceCamera:
         return choices
 
     def read(self, timeout_s: float) -> Frame | None:
-        """The next frame; None where none came within ``timeout_s``, five seconds for the first."""
+        """Return the next frame; None if none came in ``timeout_s``, five seconds for the first."""
         stream, agreed = self._stream, self.mode
         if stream is None or agreed is None:
             raise CameraError(f"{self.name}: read while closed")
@@ -248,7 +248,7 @@ class DeviceCamera:
         return CameraError(f"{self.name}: the driver gives no picture: {error.strerror or error}")
 
     def _frame_of(self, filled: Filled, agreed: Agreed) -> Frame | None:
-        """The frame in a buffer; None where it is damaged."""
+        """Return the frame in a buffer; None if it is damaged."""
         grabbed_s = self._clock()
         self.missing += filled.missing
         image = None
@@ -273,7 +273,7 @@ class DeviceCamera:
         self._sequence += 1
         rate_hz = self.rate_hz if self._sequence >= _FRAMES_FOR_RATE else 0.0
         rate = self._remark.of(rate_hz, grabbed_s)
-        # What is measured counts more than what was promised; a promise that is kept is no news.
+        # A measured rate counts more than a promised one; a promise that is kept is no news.
         self.reason = self._said(rate if rate_hz > 0.0 else self._promised_rate)
         return frame
 
@@ -281,7 +281,7 @@ class DeviceCamera:
         return "; ".join(text for text in (*self._promise, rate, self._damage.said) if text)
 
     def _time_s(self, stamp_s: float, filled: Filled, grabbed_s: float) -> float:
-        """When the last row was exposed: the driver's stamp where it is on our clock."""
+        """Time of the last row's exposure, by the driver's stamp if it is on our clock."""
         captured_s = driver_time_s(1000.0 * stamp_s, grabbed_s)
         if filled.stamped_at_start and captured_s < grabbed_s:
             return min(captured_s + self._settings.rolling_shutter_s, grabbed_s)
@@ -332,16 +332,16 @@ class DeviceCamera:
 
 
 def driver_time_s(position_ms: float, grabbed_s: float) -> float:
-    """A V4L2 time stamp (ms) in seconds if it is on the clock of ``grabbed_s``, else that time.
+    """Convert a V4L2 stamp (ms) to seconds, or return ``grabbed_s`` if it is on another clock.
 
-    Drivers stamp with the monotonic clock or with one of their own; a stamp that lies in the
-    future or more than half a second back is on another clock.
+    Drivers stamp with the monotonic clock or their own; a stamp in the future, or more than half a
+    second back, is on another clock.
     """
     stamp_s = position_ms / 1000.0
     return stamp_s if 0.0 <= grabbed_s - stamp_s <= _DRIVER_CLOCK_LIMIT_S else grabbed_s
 
 
 def current_size(node: Node) -> Size:
-    """The size that the device is set to."""
+    """Size that the device is set to."""
     pixels = node.ask(structs.G_FMT, structs.Format(type=structs.CAPTURE)).fmt.pix
     return int(pixels.width), int(pixels.height)

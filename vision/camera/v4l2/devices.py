@@ -1,4 +1,4 @@
-"""The cameras that are plugged in, by names that survive replugging."""
+"""Cameras that are plugged in, by names that survive replugging."""
 
 from __future__ import annotations
 
@@ -15,11 +15,11 @@ UDEV: Final = Path("/run/udev/data")
 
 
 def list_devices() -> list[tuple[str, str]]:
-    """The V4L2 capture devices of this machine: (path, what it is called).
+    """List the V4L2 capture devices of this machine: (path, name).
 
-    A device is listed by its stable path under /dev/v4l/by-id where it has one. A camera's other
-    nodes, which give no pictures, are left out; where a node cannot be asked, for want of
-    permission, udev's word counts.
+    A device is listed by its stable path under /dev/v4l/by-id if it has one. A camera's other
+    nodes, without pictures, are left out; udev's word counts for a node that cannot be asked
+    without permission.
     """
     stable = {os.path.realpath(p): p for p in sorted(glob.glob("/dev/v4l/by-id/*"))}
     found = []
@@ -34,9 +34,9 @@ def list_devices() -> list[tuple[str, str]]:
 
 
 def _udev_denies_pictures(device: str) -> bool:
-    """Whether udev has looked at a node and found no pictures; False where it says nothing.
+    """True if udev examined a node and found no pictures; False if it says nothing.
 
-    Source: v4l_id.c of systemd, which lists what a node can do as ``:capture:video_output:``.
+    Source: v4l_id.c of systemd, which lists a node's abilities as ``:capture:video_output:``.
     """
     try:
         number = (SYSTEM / Path(device).name / "dev").read_text().strip()

@@ -1,11 +1,11 @@
-"""Which camera a device node is, so that it is found again after a replug under another name.
+"""A device node's camera, so that it is found again after a replug under another name.
 
 Rules
-- A camera is known by its maker's numbers and its serial number (USB), else by its name; where
-  several are alike, by where they are plugged in.
-- The node that the configuration names is taken if it is the same camera. Else the same camera is
-  looked for among all nodes, and where another one has taken its name, that one is refused: its
-  pictures would be read with the wrong calibration.
+- A camera is known by its maker's numbers and its serial number (USB), otherwise by its name, and
+  among several alike by its port.
+- The configured node is taken if it is the same camera. Otherwise that camera is looked for among
+  all nodes. Another camera that has taken its name is refused: its pictures would be read with the
+  wrong calibration.
 """
 
 from __future__ import annotations
@@ -24,7 +24,7 @@ SYSTEM = Path("/sys/class/video4linux")
 
 @dataclass(frozen=True, slots=True)
 class Identity:
-    """Who a camera is, and where: ``bus`` changes with the port, the rest does not."""
+    """Identity of a camera; ``bus`` changes with the port, the rest does not."""
 
     card: str
     maker: str
@@ -32,37 +32,37 @@ class Identity:
     bus: str
 
     def same_kind(self, other: Identity) -> bool:
-        """Whether both may be one camera, wherever plugged in."""
+        """True if both may be one camera, whatever the port."""
         return (self.card, self.maker) == (other.card, other.maker)
 
 
 def identity_of(path: str) -> Identity | None:
-    """Who a node that gives pictures is; None where it gives none or cannot be asked."""
+    """Identity of a node that gives pictures; None if it gives none or cannot be asked."""
     told = about(path)
     if told is None or not told.gives_pictures:
         return None
-    # The node's device is the USB interface; the numbers belong to what holds it.
+    # The node's device is the USB interface; the numbers belong to its parent.
     usb = SYSTEM / Path(path).name / "device" / ".."
     numbers = [_line(usb / name) for name in ("idVendor", "idProduct", "serial")]
     return Identity(told.card, ":".join(numbers) if any(numbers) else "", told.bus)
 
 
 def nodes() -> list[str]:
-    """Every video device node here."""
+    """List every video device node."""
     return sorted(glob.glob("/dev/video*"))
 
 
 class KnownCamera:
-    """What is remembered of a camera from one opening to the next: share it among them."""
+    """Memory of a camera from one opening to the next, to be shared among them."""
 
     def __init__(self, list_nodes: Callable[[], list[str]] = nodes) -> None:
         self._nodes = list_nodes
         self._identity: Identity | None = None
 
     def find(self, path: str) -> tuple[str, str]:
-        """The node to open for a configured path, and a sentence where it is another; or raises.
+        """Node to open for a configured path, and a sentence if it is another; or an error.
 
-        ``path`` itself comes back while no camera is remembered, whether it exists or not.
+        ``path`` itself is returned while no camera is remembered, whether it exists or not.
         """
         before = self._identity
         named = os.path.realpath(path)
@@ -95,7 +95,7 @@ class KnownCamera:
         return named, ""
 
     def remember(self, path: str) -> None:
-        """This is the camera."""
+        """Remember the camera at a path."""
         self._identity = identity_of(os.path.realpath(path)) or self._identity
 
 

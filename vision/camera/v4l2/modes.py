@@ -1,11 +1,11 @@
-"""What a camera can deliver, and which of it serves best: pixel format, size, rate.
+"""Modes that a camera can deliver, ranked: pixel format, size, rate.
 
 Rules and units
-- A mode is a pixel format, a size in pixels and the rates that it has, frames a second.
-- Of the modes with the size asked for, those that reach the rate; of these raw pictures before
-  packed ones, as nothing is lost and nothing has to be decoded; of these grey before colour.
-- Where none reaches the rate the fastest is taken, where none has the size the nearest.
-- A driver that lists no sizes or rates is asked and then measured: it is preferred to nothing.
+- A mode is a pixel format, a size in pixels and its rates, frames a second.
+- Among the modes of the requested size, modes that reach the rate come first; then raw pictures
+  before packed ones, as nothing is lost or decoded; then grey before colour.
+- If none reaches the rate the fastest is taken, if none has the size the nearest.
+- A driver that lists no sizes or rates is asked and then measured: it is better than nothing.
 """
 
 from __future__ import annotations
@@ -36,7 +36,7 @@ PACKED: Final = frozenset(("MJPG", "JPEG"))
 
 @dataclass(frozen=True, slots=True)
 class Mode:
-    """A pixel format by its four letters, a size, and its rates, fastest first (may be empty)."""
+    """Pixel format by its four letters, size, and rates, fastest first (may be empty)."""
 
     fourcc: str
     size: Size
@@ -45,7 +45,7 @@ class Mode:
 
 @dataclass(frozen=True, slots=True)
 class Choice:
-    """What to ask of the driver; ``rate_hz`` None where it names none and none was asked for."""
+    """Request to the driver; ``rate_hz`` is None if it lists none and none was requested."""
 
     fourcc: str
     size: Size
@@ -55,7 +55,7 @@ class Choice:
 def rank_modes(
     modes: Sequence[Mode], size: Size, rate_hz: float | None, wanted: Wanted = "auto"
 ) -> list[Choice]:
-    """What to try, the best first; empty where no mode has a format that is wanted and known."""
+    """Rank the modes to try, best first; empty if none has a known and requested format."""
     allowed = ORDER if wanted == "auto" else _NAMED[wanted]
     known = [mode for mode in modes if mode.fourcc in allowed]
 
@@ -69,12 +69,12 @@ def rank_modes(
 
 
 def rate_text(rate_hz: float) -> str:
-    """A rate as people read it: 30, 7.5, 29.97."""
+    """Rate for people: 30, 7.5, 29.97."""
     return f"{rate_hz:.2f}".rstrip("0").rstrip(".")
 
 
 def _rate_of(mode: Mode, rate_hz: float | None) -> float | None:
-    """The slowest rate of a mode that is enough, else its fastest."""
+    """Slowest sufficient rate of a mode, otherwise its fastest."""
     if rate_hz is None or not mode.rates_hz:
         return mode.rates_hz[0] if mode.rates_hz else rate_hz
     enough = [rate for rate in mode.rates_hz if rate >= REACHES * rate_hz]
@@ -82,17 +82,17 @@ def _rate_of(mode: Mode, rate_hz: float | None) -> float | None:
 
 
 def _distance(a: Size, b: Size) -> float:
-    """How unlike two sizes are; a smaller one than asked for counts twice."""
+    """Difference between two sizes; too small counts twice."""
     sides = zip(a, b, strict=True)
     return float(sum((2 if have < want else 1) * abs(have - want) for have, want in sides))
 
 
 def list_modes(node: Node, size: Size | None = None) -> list[Mode]:
-    """Every mode of a camera; of a range of sizes its ends and, if it holds it, ``size``."""
+    """List a camera's modes; of a range of sizes its ends and, if inside, ``size``."""
     found = []
     for fourcc in _formats(node):
         sizes = list(dict.fromkeys(_sizes(node, fourcc, size)))
-        # A driver that lists no sizes has one at least: the asked one is tried.
+        # A driver that lists no sizes has at least one: try the requested one.
         for each in sizes or ([size] if size else []):
             found.append(Mode(fourcc, each, _rates(node, fourcc, each)))
     return found
@@ -104,7 +104,7 @@ def fourcc_text(code: int) -> str:
 
 
 def fourcc_code(text: str) -> int:
-    """The number of a pixel format's four letters."""
+    """Number of a pixel format's four letters."""
     return int.from_bytes(text.ljust(4).encode("latin-1"), "little")
 
 
@@ -123,7 +123,7 @@ def _sizes(node: Node, fourcc: str, wanted: Size | None) -> Iterator[Size]:
         told = node.try_ask(structs.ENUM_FRAMESIZES, question)
         if told is None:
             return
-        if told.type == 1:  # one size; the others are a range
+        if told.type == 1:  # one size; other types are ranges
             yield int(told.sides[0]), int(told.sides[1])
             continue
         left, right, across, low, high, down = (int(side) for side in told.sides)

@@ -1,8 +1,8 @@
-"""A V4L2 device node: opened, asked, and what it says of itself.
+"""A V4L2 device node: opened, asked, and its own description.
 
-A camera may have several nodes: one gives pictures, another what belongs to them (metadata). All
-report what the whole camera can do, and each what this node of it can. Asking does not disturb a
-program that streams from it.
+A camera may have several nodes: one gives pictures, another their metadata. All report the
+abilities of the whole camera, and each its own. Asking does not disturb a program that streams from
+it.
 """
 
 from __future__ import annotations
@@ -26,7 +26,7 @@ _NOT_SUPPORTED = (errno.ENOTTY, errno.EINVAL, errno.ENODATA)
 
 @dataclass(frozen=True, slots=True)
 class About:
-    """Who a node says it is; ``bus`` is where it is plugged in."""
+    """Description of a node by itself; ``bus`` is its port."""
 
     driver: str
     card: str
@@ -36,12 +36,12 @@ class About:
 
     @property
     def gives_pictures(self) -> bool:
-        """Whether pictures can be had from it."""
+        """True if the node gives pictures."""
         return bool(self.can & (structs.CAN_CAPTURE | structs.CAN_CAPTURE_PLANES))
 
 
 class Node:
-    """An open device node. Raises ``OSError`` as the kernel does."""
+    """Open device node. Raises ``OSError`` as the kernel does."""
 
     def __init__(self, path: str) -> None:
         self.path = path
@@ -59,7 +59,7 @@ class Node:
         return about
 
     def try_ask(self, request: int, about: Kind) -> Kind | None:
-        """The same; None where the driver does not know it or a list has ended."""
+        """Ask; None if the driver does not know the request or a list has ended."""
         try:
             return self.ask(request, about)
         except OSError as error:
@@ -68,7 +68,7 @@ class Node:
             raise
 
     def about(self) -> About:
-        """Who it is."""
+        """Ask for the node's description."""
         told = self.ask(structs.QUERYCAP, structs.Capability())
         whole = int(told.capabilities)
         can = int(told.device_caps) if whole & structs.HAS_NODE_CAPABILITIES else whole
@@ -77,7 +77,7 @@ class Node:
 
 @contextmanager
 def opened(path: str) -> Iterator[Node]:
-    """A node for as long as it is needed."""
+    """Open a node for the length of a context."""
     node = Node(path)
     try:
         yield node
@@ -86,7 +86,7 @@ def opened(path: str) -> Iterator[Node]:
 
 
 def about(path: str) -> About | None:
-    """Who a device node is; None where it cannot be asked, for want of permission or a driver."""
+    """Description of a device node; None without permission or a driver."""
     try:
         with opened(path) as node:
             return node.about()
@@ -95,7 +95,7 @@ def about(path: str) -> About | None:
 
 
 def gives_pictures(path: str) -> bool | None:
-    """Whether a device node is one that pictures can be had from; None where it cannot be asked.
+    """True if a device node gives pictures; None if it cannot be asked.
 
     A camera that another program uses answers too.
     """

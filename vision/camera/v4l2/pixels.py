@@ -1,10 +1,10 @@
-"""A camera's buffers as pictures: raw formats, and JPEG with damaged ones found out.
+"""Pictures from a camera's buffers: raw formats and JPEG, with damage detected.
 
 Rules
-- Pictures are grey (h, w) where only grey is wanted, else BGR (h, w, 3); a grey one of raw YUV is
-  its Y, of a JPEG its Y too: libjpeg then leaves the colours undecoded.
-- A damaged picture gives None: a JPEG without its end, or of another size than was agreed on, a raw
-  one with too few bytes. Some cameras fill a JPEG's buffer up with zeros: these are no damage.
+- Pictures are grey (h, w) if only grey is needed, otherwise BGR (h, w, 3). Grey is the Y of raw YUV
+  and of a JPEG, whose colours libjpeg then leaves undecoded.
+- A damaged picture gives None: a JPEG without its end or of another size than agreed, or a raw one
+  with too few bytes. Zeros at the end of a JPEG's buffer, which some cameras add, are not damage.
 """
 
 from __future__ import annotations
@@ -30,7 +30,7 @@ _PLANAR_YUV: Final = {
     "YU12": cv2.COLOR_YUV2BGR_I420,
     "YV12": cv2.COLOR_YUV2BGR_YV12,
 }
-# Named by V4L2 after the first row's first pixels, by OpenCV after the second row's second ones.
+# V4L2 names the first row's first pixels, OpenCV the second row's second ones.
 _MOSAICS: Final = {
     "RGGB": (cv2.COLOR_BayerBG2GRAY, cv2.COLOR_BayerBG2BGR),
     "BA81": (cv2.COLOR_BayerRG2GRAY, cv2.COLOR_BayerRG2BGR),
@@ -42,7 +42,7 @@ _MOSAICS: Final = {
 def picture_of(
     data: Image, fourcc: str, size: Size, bytes_per_line: int, *, colour: bool
 ) -> Image | None:
-    """The picture in a buffer's bytes (n,), a copy; None where it is damaged."""
+    """Copy the picture in a buffer's bytes (n,); None if it is damaged."""
     if fourcc in PACKED:
         return _of_jpeg(data, size, colour=colour)
     return _of_raw(data, fourcc, size, bytes_per_line, colour=colour)
@@ -71,7 +71,7 @@ def _of_raw(
     line = max(bytes_per_line, width * bytes_per_pixel)
     rows = height * 3 // 2 if fourcc in _PLANAR_YUV else height
     if fourcc in ("YU12", "YV12") and line != width:
-        return None  # its chroma lines are half as long: OpenCV takes them without gaps only
+        return None  # OpenCV needs the shorter chroma lines without gaps
     if len(data) < line * (rows - 1) + width * bytes_per_pixel:
         return None
     whole = data[: line * rows]

@@ -1,10 +1,10 @@
 """A camera's stream of buffers: started, waited for, handed back.
 
 Rules and units
-- Formats are set before sizes are agreed on, then the rate, as drivers need it; a new format begins
-  at the driver's own rate.
+- Formats are set before sizes, then the rate, as drivers need it; a new format begins at the
+  driver's own rate.
 - The newest filled buffer is taken; older ones go back to the driver unread and are counted.
-- A wait ends at its time, also where the driver would hang: the node is opened without blocking.
+- A wait ends in time even if the driver would hang: the node is opened without blocking.
 - Seconds of the kernel's monotonic clock; sequence numbers are the driver's own.
 """
 
@@ -33,7 +33,7 @@ _MOST_FALSE_ALARMS: Final = 1000
 
 @dataclass(frozen=True, slots=True)
 class Agreed:
-    """What the driver made of what was asked; ``rate_hz`` None where it says nothing."""
+    """The driver's answer to a request; ``rate_hz`` None if it gives none."""
 
     fourcc: str
     size: Size
@@ -57,7 +57,7 @@ class Filled:
 
 
 class Stream:
-    """The buffers of an open node. Raises ``OSError`` as the kernel does."""
+    """Buffers of an open node. Raises ``OSError`` as the kernel does."""
 
     def __init__(self, node: Node, clock: Clock) -> None:
         self._node, self._clock = node, clock
@@ -66,7 +66,7 @@ class Stream:
         self._sequence: int | None = None
 
     def agree(self, choice: Choice) -> Agreed:
-        """Ask for format, size and rate; what the driver gives instead is in the answer."""
+        """Request format, size and rate; return what the driver gives."""
         form = structs.Format(type=structs.CAPTURE)
         pixels = form.fmt.pix
         pixels.width, pixels.height = choice.size
@@ -77,7 +77,7 @@ class Stream:
         return Agreed(fourcc_text(pixels.pixelformat), size, int(pixels.bytesperline), rate_hz)
 
     def _set_rate(self, rate_hz: float | None) -> float | None:
-        """The rate that the driver promises."""
+        """Set the rate if possible; return the rate that the driver promises."""
         told = self._node.try_ask(structs.G_PARM, structs.StreamParameters(type=structs.CAPTURE))
         if told is None:
             return None
@@ -101,10 +101,10 @@ class Stream:
         self._node.ask(structs.STREAMON, c_int32(structs.CAPTURE))
 
     def stop(self) -> None:
-        """Stop and free the buffers; harmless when stopped, and where the camera is gone."""
+        """Stop and free the buffers; harmless when stopped or the camera is gone."""
         self._held, self._sequence = None, None
         maps, self._maps = self._maps, []
-        with contextlib.suppress(OSError):  # it has gone, or never ran: its buffers go with it
+        with contextlib.suppress(OSError):  # gone, or never ran: its buffers go with it
             if maps:
                 self._node.ask(structs.STREAMOFF, c_int32(structs.CAPTURE))
         for memory in maps:
@@ -115,7 +115,7 @@ class Stream:
             self._node.ask(structs.REQBUFS, request)
 
     def take(self, timeout_s: float) -> Filled | None:
-        """The newest picture; None where none comes within ``timeout_s``."""
+        """Return the newest picture; None if none comes within ``timeout_s``."""
         self._hand_back()
         waiting = select.poll()
         waiting.register(self._node.fd, select.POLLIN | select.POLLPRI)
@@ -145,7 +145,7 @@ class Stream:
         )
 
     def _wait(self, waiting: select.poll, timeout_s: float) -> structs.Buffer | None:
-        """The next filled buffer; a driver may say that one is there, and then have none."""
+        """Return the next filled buffer; a driver may announce one and then have none."""
         end_s = self._clock() + timeout_s
         for _ in range(_MOST_FALSE_ALARMS):
             left_s = end_s - self._clock()
@@ -173,7 +173,7 @@ class Stream:
         return buffer
 
     def _missing(self, buffer: structs.Buffer) -> int:
-        """Pictures that the driver left out before this one; its numbers wrap at 2^32."""
+        """Number of pictures that the driver skipped before this one; its numbers wrap at 2^32."""
         last, self._sequence = self._sequence, int(buffer.sequence)
         if last is None:
             return 0

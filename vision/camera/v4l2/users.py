@@ -1,6 +1,6 @@
-"""Who else has a device open, by the process's list of open files.
+"""Other programs that have a device open, by their lists of open files.
 
-Without root, only one's own processes can be looked at: of others' nothing is known.
+Without root, only the user's own processes can be examined.
 """
 
 from __future__ import annotations
@@ -10,7 +10,7 @@ from pathlib import Path
 
 
 def users_of(path: str, proc: Path = Path("/proc"), own: int | None = None) -> list[str]:
-    """The other programs that have a device open: ``firefox (process 1234)``."""
+    """Other programs that have a device open: ``firefox (process 1234)``."""
     own = os.getpid() if own is None else own
     device = os.path.realpath(path)
     found = []
@@ -32,7 +32,7 @@ def _has_open(folder: Path, device: str) -> bool:
     try:
         return any(os.readlink(each) == device for each in (folder / "fd").iterdir())
     except OSError:
-        return False  # it has ended, or is somebody else's
+        return False  # it has ended, or belongs to another user
 
 
 def _name(folder: Path) -> str:
