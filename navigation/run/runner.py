@@ -75,11 +75,11 @@ class Runner:
     Setting ``interrupt``, from anywhere, ends the run in order: the robot stops first. While
     ``is_warming_up`` there is no robot yet, and a KeyboardInterrupt may be raised in it.
     ``dashboard`` False serves none, whatever the configuration says. With ``show_token`` the
-    printed address includes the configured token; it includes the program's own except in the
-    journal. ``log`` gets every event. ``notifier`` reports to systemd: ready, stopping and, at
-    least every ``watchdog_s``, healthy. ``file`` is the configuration's source, the owner of
-    missions in the journal. ``stops`` is the folder of stops that outlive a run; without it none
-    do.
+    printed address includes its token; the program's own token is printed without it too, but not
+    into the system's journal. ``log`` gets every event. ``notifier`` reports to systemd: ready,
+    stopping and, at least every ``watchdog_s``, healthy. ``file`` is the configuration's source,
+    the owner of missions in the journal. ``stops`` is the folder of stops that outlive a run;
+    without it none do.
     """
 
     def __init__(  # noqa: PLR0913 (what a command gives a run, each with a default)

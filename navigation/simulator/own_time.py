@@ -64,7 +64,10 @@ class OwnTime:
             self._changed.notify_all()
 
     def wait_for(self, now_s: float) -> None:
-        """Return when the robot's time has stopped or is less than a step behind ``now_s``."""
+        """Wait until the robot's time has stopped or is less than a step behind ``now_s``.
+
+        A wait ends after ``BEHIND_MAX_S`` in any case.
+        """
         with self._changed:
             # same sum as in next_step_s: with other rounding, each would wait for the other
             self._changed.wait_for(

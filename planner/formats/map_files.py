@@ -3,9 +3,9 @@
 ROS (Nav2 map_server, "map_io"): a cell's occupancy is p = 1 - shade, or the shade if ``negate`` is
 set; in ``raw`` mode the picture's byte in percent. It is occupied if p >= occupied_thresh, else
 free if p <= free_thresh. All other cells, occupied, unknown or in between, are obstacles. map_saver
-writes the byte 205 for unknown, where p = 0.196: it remains unknown in trinary mode, even below
-``free_thresh``. ``origin`` is the pose of the lower left corner of the lower left cell, in metres
-and radians.
+writes the byte 205 for unknown, where p = 0.196: in trinary mode without ``negate`` it
+remains unknown, even below ``free_thresh``. ``origin`` is the pose of the lower left corner of the
+lower left cell, in metres and radians.
 
 MovingAI (Sturtevant 2012): ``.``, ``G`` and ``S`` are passable; ``@``, ``O``, ``T`` and ``W`` are
 not.

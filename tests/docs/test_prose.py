@@ -26,12 +26,18 @@ def _sources(package: str) -> list[tuple[Path, ast.Module]]:
 
 
 def _docstrings(tree: ast.Module) -> Iterator[tuple[str, str]]:
-    """Each docstring of a file, with its owner's name."""
-    for node in ast.walk(tree):
+    """Each docstring of a file, with its owner's name; statements are searched, not expressions."""
+    open_ends: list[ast.AST] = [tree]
+    while open_ends:
+        node = open_ends.pop()
         if isinstance(node, ast.Module | ast.ClassDef | ast.FunctionDef | ast.AsyncFunctionDef):
             text = ast.get_docstring(node)
             if text:
                 yield getattr(node, "name", THE_FILE), text
+        for block in ("body", "orelse", "finalbody", "handlers", "cases"):
+            inner = getattr(node, block, None)
+            if isinstance(inner, list):
+                open_ends += inner
 
 
 def _wrong(package: str) -> list[str]:

@@ -7,7 +7,8 @@ Rules and units
 - The median counts, so a few edges that only one camera sees (a shadow, the side of something high)
   do not. Something high near the middle leans away from each camera, so its upper edges differ
   although both calibrations are right; the limit must allow for that.
-- With fewer than ``LEAST_POINTS`` edge points in the common view, the answer is unknown.
+- If both cameras have fewer than ``LEAST_POINTS`` edge points in the common view, the answer is
+  unknown; if only one has, they contradict each other once the other has twice as many.
 """
 
 from __future__ import annotations

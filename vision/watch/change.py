@@ -6,7 +6,8 @@ Rules and units
   threshold follows the frame's own noise, edges may tremble a little, and a change of the light as
   a whole is divided out.
 - The reference never creeps towards the picture, or something slow enough would be absorbed
-  unreported. After its first frames it changes only where a change was reported.
+  unreported. After the first frames of a place it changes only where a change was
+  reported.
 - Ground under a robot is unknown. ``background`` keeps what was last seen there, so that an
   obstacle beside or below a robot is not lost. Ground never seen is filled from around it until the
   robot drives off, and reported then if it differs.

@@ -163,7 +163,7 @@ class _Loop:
         until_s = time.monotonic() + FAREWELL_S
         while time.monotonic() < until_s:
             self.turn()
-            time.sleep(LONGEST_WAIT_S)
+            time.sleep(LONGEST_WAIT_S)  # a port has no event for "all sent"
 
     def close(self) -> None:
         """Close both ports; remove the link if it is still ours."""

@@ -189,7 +189,7 @@ class _Ways:
 
 
 def _polylines_apart(one: FloatArray, other: FloatArray) -> float:
-    """Distance of two polylines, underestimated by at most half their longest pieces."""
+    """Distance of two polylines, underestimated by at most their longest piece."""
     a, b = 0.5 * (one[1:] + one[:-1]), 0.5 * (other[1:] + other[:-1])
     half = 0.5 * max(np.hypot(*np.diff(line, axis=0).T).max() for line in (one, other))
     away = a[:, None] - b[None]

@@ -70,8 +70,8 @@ def put_line(cracks, trial, count, at, lo, hi):
 def _goes_on(kind, stays, moves, x, y):
     """True if an edge between a joint that stays and one that moves keeps its direction.
 
-    ``stays``, ``moves``: their rows; (x, y): the latter's new position. An arc no longer than its
-    end may move could become nearly a whole circle.
+    ``stays``, ``moves``: their rows; (x, y): the latter's new position. An arc
+    shorter than two ``MOST_PX`` is refused: it could become nearly a whole circle.
     """
     dx = moves[0] - stays[0]
     dy = moves[1] - stays[1]
