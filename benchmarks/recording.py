@@ -28,7 +28,7 @@ import cv2
 import numpy as np
 from mcap.writer import CompressionType, Writer
 
-from navigation.recording.compare import Tolerances
+from navigation.recording.compare import ComparisonTolerances
 from navigation.recording.reader import read_recording
 from navigation.run.replay import replay
 from tests.support.runs.recordings import RecordedBench, recording_config
@@ -201,7 +201,7 @@ def replay_rows() -> list[str]:
                 bench.plan()
             recording = read_recording(bench.recorder.path)
             begin_s = time.process_time()
-            result = replay(recording, Tolerances())
+            result = replay(recording, ComparisonTolerances())
             took_s = time.process_time() - begin_s
         far = result.largest
         rows.append(

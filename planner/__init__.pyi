@@ -16,8 +16,8 @@ from .path import Bottleneck as Bottleneck
 from .path import Limits as Limits
 from .path import NoPath as NoPath
 from .path import Path as Path
+from .path import TimedWaypoint as TimedWaypoint
 from .path import Trajectory as Trajectory
-from .path import Waypoint as Waypoint
 from .roadmap.roadmap import Roadmap as Roadmap
 from .roadmap.roadmap import build_roadmap as build_roadmap
 from .samples.sample import sample as sample

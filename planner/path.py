@@ -10,7 +10,7 @@ from dataclasses import dataclass, field
 from typing import TYPE_CHECKING
 
 from planner.scene import FloatArray, Scene, Vec
-from planner.scene.drawing import PATH, Layer, plot, to_svg
+from planner.scene.drawing import PATH, StyledLines, plot, to_svg
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -50,11 +50,11 @@ class Path:
         length, least = (f"{v:.6g} {units}".rstrip() for v in (self.length, self.min_clearance))
         return f"<Path of {len(self.points)} points, length {length}, least clearance {least}>"
 
-    def layers(self) -> list[Layer]:
+    def layers(self) -> list[StyledLines]:
         """Layers to draw: the scene, if there is one, the alternatives, and the path itself."""
         below = self.scene.layers() if self.scene is not None else []
         others = [other.points for other in self.alternatives]
-        return [*below, Layer(others, PATH, 0.8), Layer([self.points], PATH, 2.2)]
+        return [*below, StyledLines(others, PATH, 0.8), StyledLines([self.points], PATH, 2.2)]
 
     def plot(self, axes: Axes | None = None) -> Axes:
         """Draw the path on Matplotlib axes, by default the current ones, without its scene."""
@@ -121,7 +121,7 @@ class Limits:
 
 
 @dataclass(frozen=True, slots=True)
-class Waypoint:
+class TimedWaypoint:
     """Place on a trajectory with heading, speed and time; ``dwell_s`` is the length of the stay."""
 
     x: float
@@ -137,5 +137,5 @@ class Waypoint:
 class Trajectory:
     """Timed waypoints along a path; the robot is at rest at the first and at the last."""
 
-    waypoints: tuple[Waypoint, ...]
+    waypoints: tuple[TimedWaypoint, ...]
     duration_s: float

@@ -21,14 +21,14 @@ from planner.scene import Bounds, Scene, SceneObject
 from vision.binarise import Method, Polarity
 from vision.binarise.colour import binarise_by_colour
 from vision.binarise.grey_picture import CALM_NOISE, Binary, as_array
-from vision.borders.contours import Borders, follow_borders, laplacian_border, locate_edges
+from vision.borders.contours import Contours, follow_borders, laplacian_border, locate_edges
 from vision.doubts import with_doubts
 from vision.errors import PictureError
 from vision.outline.fitting import fit_edges, is_drawing, tolerance_of
 from vision.outline.thin_walls import keep_thin_walls
 from vision.paper.paper import paper_objects
 from vision.records.placement import (
-    Calibration,
+    PixelsToFloor,
     Placement,
     drop_outside,
     ignored_pixels,
@@ -48,7 +48,7 @@ def extract(
     polarity: Polarity = "dark",
     method: Method = "auto",
     threshold: float | None = None,
-    calibration: Calibration | None = None,
+    calibration: PixelsToFloor | None = None,
     bounds: Bounds | Sequence[float] | NDArray[np.float64] | None = None,
     ignore: NDArray[np.bool_] | Sequence[tuple[float, float, float]] | None = None,
 ) -> Scene:
@@ -108,7 +108,7 @@ def extract(
 
 def _refuse(
     mode: str,
-    calibration: Calibration | None,
+    calibration: PixelsToFloor | None,
     bounds: Bounds | Sequence[float] | NDArray[np.float64] | None,
 ) -> None:
     """Raise ``PictureError`` for options that are unknown or contradict each other."""
@@ -120,7 +120,7 @@ def _refuse(
         raise PictureError("mode paper: works in pixels, without a calibration")
 
 
-def _by_the_paper(binary: Binary, borders: Borders, clock: _StopWatch) -> Scene:
+def _by_the_paper(binary: Binary, borders: Contours, clock: _StopWatch) -> Scene:
     border_pixels = int(np.count_nonzero(laplacian_border(binary.inside)))
     clock.lap("contours")
     objects = paper_objects(borders)

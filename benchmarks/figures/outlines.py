@@ -14,7 +14,7 @@ from navigation.draw.shapes import FAINT_INK, Strokes
 from planner.scene import Bounds
 from tests.support.drawn.render import coverage, draw, polygon
 from vision.binarise.binarise import binarise
-from vision.borders.contours import Borders, EdgePoints, follow_borders, locate_edges
+from vision.borders.contours import Contours, EdgePoints, follow_borders, locate_edges
 from vision.outline.fitted_borders import ARC_CCW, LINE, FittedBorders
 from vision.outline.fitting import Tolerance, fit_edges, tolerance_of
 from vision.outline.outline_types import BorderPoints
@@ -37,7 +37,7 @@ class Fitted:
     """A picture and everything that is made of it on the way to its edges."""
 
     picture: NDArray[np.uint8]
-    borders: Borders
+    borders: Contours
     edges: EdgePoints
     tolerance: Tolerance
     fitted: FittedBorders

@@ -21,7 +21,7 @@ from pathlib import Path
 from benchmarks.link import mavlink_upload
 from firmware_protocol.host.line.send_window import RttEstimate
 from firmware_protocol.host.upload import BATCH
-from firmware_protocol.wire.framing import Frame, FrameParser, Sender, encode_frame, wire_bytes
+from firmware_protocol.wire.framing import FrameParser, Sender, WireFrame, encode_frame, wire_bytes
 from firmware_protocol.wire.messages import MessageType, RobotState, Status, Waypoint
 from firmware_protocol.wire.mission import Mission
 from navigation.simulator.emulated_processor import EmulatedProcessor
@@ -173,7 +173,7 @@ def peer_rows(count: int, clean: float, lossy: float) -> list[str]:
 
 def parser_speed() -> float:
     """Bytes a second that the Python parser takes from full frames."""
-    frame = encode_frame(Frame(MessageType.WAYPOINTS, 1, bytes(range(106))), Sender.ROBOT)
+    frame = encode_frame(WireFrame(MessageType.WAYPOINTS, 1, bytes(range(106))), Sender.ROBOT)
     stream = frame * 2000
     took = []
     for _ in range(5):

@@ -36,7 +36,7 @@ from firmware_protocol.host.state import LinkEvent, LinkState, state_after
 from firmware_protocol.host.upload import Upload
 from firmware_protocol.host.wanted_mission import WantedMission
 from firmware_protocol.wire.errors import LocalError, RemoteError
-from firmware_protocol.wire.framing import Frame, FrameParser, Sender
+from firmware_protocol.wire.framing import FrameParser, Sender, WireFrame
 from firmware_protocol.wire.messages import (
     SCHEMA_HASH,
     Ack,
@@ -234,7 +234,7 @@ class HostConnection:
         for frame in self.parser.feed(data):
             self._receive(frame, now_s)
 
-    def _receive(self, frame: Frame, now_s: float) -> None:
+    def _receive(self, frame: WireFrame, now_s: float) -> None:
         if self.state is LinkState.CLOSED:
             return
         if frame.session != self._sessions.present:
@@ -272,7 +272,7 @@ class HostConnection:
             case _:
                 self.counters.nonsense += 1
 
-    def _meet_a_stranger(self, frame: Frame, now_s: float) -> None:
+    def _meet_a_stranger(self, frame: WireFrame, now_s: float) -> None:
         self.counters.foreign_session += 1
         self.counters.stray_hellos = self._sessions.stray_hellos
         if self._sessions.stray_is_news(now_s):
@@ -298,7 +298,7 @@ class HostConnection:
         self._change(LinkEvent.GREETED, back if self._taken else "a robot has answered")
         self._taken = False
 
-    def _take_status(self, status: Status, frame: Frame, now_s: float) -> None:
+    def _take_status(self, status: Status, frame: WireFrame, now_s: float) -> None:
         self.status, self.status_s = status, now_s
         self._hearing.report(status.counters, now_s)
         if self.state is LinkState.VERIFY:
@@ -328,7 +328,7 @@ class HostConnection:
         if self.upload_state is not None:
             self._void("the robot has rebooted")
 
-    def _follow_mission(self, upload: Upload, status: Status, frame: Frame) -> None:
+    def _follow_mission(self, upload: Upload, status: Status, frame: WireFrame) -> None:
         if status.state is RobotState.ESTOP:
             self._void("the robot is in its emergency stop")
             return

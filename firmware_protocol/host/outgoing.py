@@ -20,7 +20,7 @@ from firmware_protocol.host.robot_clock import RobotClock
 from firmware_protocol.host.sessions import HostSessions
 from firmware_protocol.host.state import LinkState
 from firmware_protocol.host.upload import Upload
-from firmware_protocol.wire.framing import Frame, Sender, encode_frame
+from firmware_protocol.wire.framing import Sender, WireFrame, encode_frame
 from firmware_protocol.wire.messages import (
     ESTOP_FRAME,
     SCHEMA_HASH,
@@ -89,7 +89,7 @@ class Outgoing:
 
     def _next_frame(
         self, state: LinkState, status: Status | None, upload: Upload | None, now_s: float
-    ) -> Frame | None:
+    ) -> WireFrame | None:
         if state.is_asking:
             return self._next_hello(state, now_s)
         if state is LinkState.VERIFY:
@@ -104,7 +104,7 @@ class Outgoing:
         pending = self.window.next_frame(now_s)
         if pending is not None:
             self._counters.retransmits += pending.sent_again
-            return Frame(
+            return WireFrame(
                 kind=pending.kind,
                 session=self._sessions.present,
                 payload=pending.payload,
@@ -127,20 +127,20 @@ class Outgoing:
             self.window.add(batch.TYPE, payload)
             upload.sent(batch)
 
-    def _next_hello(self, state: LinkState, now_s: float) -> Frame | None:
+    def _next_hello(self, state: LinkState, now_s: float) -> WireFrame | None:
         if state is LinkState.LINK_LOST and self._sessions.foreigner_speaks(now_s):
             return None
         return self._frame(Hello(SCHEMA_HASH)) if self._sessions.hello_due(now_s) else None
 
-    def _next_confirm(self, state: LinkState, now_s: float) -> Frame | None:
+    def _next_confirm(self, state: LinkState, now_s: float) -> WireFrame | None:
         """The challenge returned; HELLO again if it, or the robot's report, was lost."""
         if self.nonce is None:
             return self._next_hello(state, now_s)
         nonce, self.nonce = self.nonce, None
         return self._frame(Confirm(nonce))
 
-    def _frame(self, message: Hello | Confirm | Lease | PoseFix | TimeSync) -> Frame:
-        return Frame(kind=message.TYPE, session=self._sessions.present, payload=message.pack())
+    def _frame(self, message: Hello | Confirm | Lease | PoseFix | TimeSync) -> WireFrame:
+        return WireFrame(kind=message.TYPE, session=self._sessions.present, payload=message.pack())
 
     def _account(self, data: bytes, now_s: float) -> bytes:
         self._counters.frames_sent += 1

@@ -19,7 +19,7 @@ from collections import deque
 from typing import Final
 
 from firmware_protocol.wire.errors import RemoteError
-from firmware_protocol.wire.framing import Frame
+from firmware_protocol.wire.framing import WireFrame
 from firmware_protocol.wire.messages import MessageType, Status
 
 HELLO_FIRST_S: Final = 0.05
@@ -61,7 +61,7 @@ class HostSessions:
         self._hello_s = now_s
         self._wait_s = HELLO_FIRST_S
 
-    def is_late(self, frame: Frame, now_s: float) -> bool:
+    def is_late(self, frame: WireFrame, now_s: float) -> bool:
         """True if a frame of another session is one of ours; a stranger's is examined."""
         if frame.session in self._own:
             return True
@@ -71,7 +71,7 @@ class HostSessions:
             self._look_at(frame, now_s)
         return False
 
-    def _look_at(self, frame: Frame, now_s: float) -> None:
+    def _look_at(self, frame: WireFrame, now_s: float) -> None:
         if frame.session != self._foreign:
             self._foreign, self._frames, self._foreign_s = frame.session, None, now_s
         if frame.kind != MessageType.STATUS:

@@ -44,7 +44,7 @@ class WheelSpeeds(NamedTuple):
     powered: bool
 
 
-class Pose(NamedTuple):
+class ReportedPose(NamedTuple):
     """Position and heading, to the wire's resolution."""
 
     x_m: float
@@ -123,11 +123,11 @@ class RobotController:
         return WheelSpeeds(robot.left / EIGHTHS_PER_M, robot.right / EIGHTHS_PER_M, robot.powered)
 
     @property
-    def pose(self) -> Pose:
+    def pose(self) -> ReportedPose:
         """Estimated pose."""
         x_um, y_um, angle, _ = self.robot.estimate.pose
         heading_rad = max(-math.pi, min(math.pi, heading_of(angle) / 1e4))
-        return Pose(x_um / UM_PER_M, y_um / UM_PER_M, heading_rad)
+        return ReportedPose(x_um / UM_PER_M, y_um / UM_PER_M, heading_rad)
 
     @property
     def mission(self) -> int:

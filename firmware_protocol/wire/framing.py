@@ -52,7 +52,7 @@ class Sender(IntEnum):
 
 
 @dataclass(frozen=True, slots=True)
-class Frame:
+class WireFrame:
     """One frame: ``kind`` is the message type; all numbers are bytes but ``session`` (u16)."""
 
     kind: int
@@ -94,7 +94,7 @@ class ParserCounters:
         )
 
 
-def encode_frame(frame: Frame, sender: Sender) -> bytes:
+def encode_frame(frame: WireFrame, sender: Sender) -> bytes:
     """Encode a frame with both delimiters.
 
     Raises LocalError if a field does not fit.
@@ -134,10 +134,10 @@ class FrameParser:
         self._partial = bytearray()
         self._too_long = False
 
-    def feed(self, data: bytes) -> list[Frame]:
+    def feed(self, data: bytes) -> list[WireFrame]:
         """Take the next bytes, in any portion; return the frames completed, in order."""
         self.counters.bytes += len(data)
-        frames: list[Frame] = []
+        frames: list[WireFrame] = []
         pieces = data.split(b"\0")
         for piece in pieces[:-1]:
             self._collect(piece)
@@ -155,7 +155,7 @@ class FrameParser:
                 self._too_long = True
                 self._partial.clear()
 
-    def _finish(self) -> Frame | None:
+    def _finish(self) -> WireFrame | None:
         too_long, self._too_long = self._too_long, False
         encoded = bytes(self._partial)
         self._partial.clear()
@@ -163,7 +163,7 @@ class FrameParser:
             return None
         return self._decode(encoded)
 
-    def _decode(self, encoded: bytes) -> Frame | None:
+    def _decode(self, encoded: bytes) -> WireFrame | None:
         count = self.counters
         try:
             raw: bytes = cobs.decode(encoded)
@@ -188,7 +188,7 @@ class FrameParser:
             count.version_errors += 1
             return None
         count.frames += 1
-        return Frame(
+        return WireFrame(
             kind=kind,
             session=session,
             payload=body[HEADER_BYTES:],

@@ -12,7 +12,7 @@ from typing import Final, TypeAlias
 
 from firmware_protocol.wire.crc import crc32c
 from firmware_protocol.wire.errors import RemoteError
-from firmware_protocol.wire.framing import Frame, Sender, encode_frame
+from firmware_protocol.wire.framing import Sender, WireFrame, encode_frame
 from firmware_protocol.wire.host_messages import (
     MINOR_VERSION,
     WAYPOINT_BYTES,
@@ -100,7 +100,7 @@ RELIABLE: Final = frozenset(
 """The types that are numbered, acknowledged and sent again until they arrive."""
 
 
-def read_message(frame: Frame) -> Message:
+def read_message(frame: WireFrame) -> Message:
     """The message in a frame; RemoteError for an unknown type or content."""
     message = MESSAGES.get(known(MessageType, frame.kind))
     if message is None:
@@ -117,7 +117,7 @@ def schema_text() -> str:
 SCHEMA_HASH: Final = crc32c(schema_text().encode())
 """Both ends must have the same; a robot with another is refused with a sentence."""
 
-ESTOP_FRAME: Final = encode_frame(Frame(MessageType.ESTOP, 0), Sender.HOST)
+ESTOP_FRAME: Final = encode_frame(WireFrame(MessageType.ESTOP, 0), Sender.HOST)
 """Constant and without a session: 15 bytes that a robot can match in its interrupt."""
 
 __all__ = [

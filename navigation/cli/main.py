@@ -52,7 +52,7 @@ Clearway: one camera above an arena, a roadmap with the largest clearance, robot
 OUR_PACKAGES = ("vision", "planner", "navigation", "firmware_protocol")
 
 
-class Listed(NamedTuple):
+class ListedCommand(NamedTuple):
     """A command's place and summary, so that listing it imports nothing.
 
     The place holds the command, or a mapping that has it by its name.
@@ -62,37 +62,47 @@ class Listed(NamedTuple):
     help: str
 
 
-COMMANDS: dict[str, Listed] = {
-    "demo": Listed(".running.demo:command", "A simulated arena and its dashboard, no file needed."),
-    "sample": Listed(".setup.sample:command", "A picture or a map to try things with."),
-    "run": Listed(".running.run:command", "Drive the robot: camera, planning, serial link."),
-    "extract": Listed(".pictures.extract:command", "The geometric structure of a picture."),
-    "plan": Listed(".pictures.plan:command", "One plan through a picture, scene or map."),
-    "fleet": Listed(".pictures.fleet:command", "Ways for several robots, none of which touch."),
-    "roadmap": Listed(".pictures.roadmap:command", "The AGVD roadmap as a file."),
-    "markers": Listed(".pictures.markers:command", "The markers in a picture."),
-    "robot": Listed(".running.robot:command", "A simulated robot on a serial port."),
+COMMANDS: dict[str, ListedCommand] = {
+    "demo": ListedCommand(
+        ".running.demo:command", "A simulated arena and its dashboard, no file needed."
+    ),
+    "sample": ListedCommand(".setup.sample:command", "A picture or a map to try things with."),
+    "run": ListedCommand(".running.run:command", "Drive the robot: camera, planning, serial link."),
+    "extract": ListedCommand(".pictures.extract:command", "The geometric structure of a picture."),
+    "plan": ListedCommand(".pictures.plan:command", "One plan through a picture, scene or map."),
+    "fleet": ListedCommand(
+        ".pictures.fleet:command", "Ways for several robots, none of which touch."
+    ),
+    "roadmap": ListedCommand(".pictures.roadmap:command", "The AGVD roadmap as a file."),
+    "markers": ListedCommand(".pictures.markers:command", "The markers in a picture."),
+    "robot": ListedCommand(".running.robot:command", "A simulated robot on a serial port."),
     **{
-        name: Listed(".running.orders:commands", order.summary)
+        name: ListedCommand(".running.orders:commands", order.summary)
         for name, order in ORDERS.items()
         if name != "reanchor"
     },
-    "check": Listed(".setup.check:command", "Check a configuration; report every error."),
-    "calibrate": Listed(".setup.calibrate:command", "Calibrate a camera from pictures."),
-    "reanchor": Listed(".setup.reanchor:command", ORDERS["reanchor"].summary),
-    "marker": Listed(".setup.marker:command", "A robot marker or a board to print."),
-    "devices": Listed(".setup.devices:command", "The serial ports and cameras here."),
-    "camera": Listed(".setup.camera:command", "What a camera can do, and what it delivers."),
-    "doctor": Listed(".setup.doctor:command", "Whether this machine is fit for a run."),
-    "dashboard": Listed(".running.dashboard:command", "A recording on the page, to look at."),
-    "replay": Listed(".running.replay:command", "Re-run vision and planning on a recording."),
-    "sweep": Listed(".running.sweep:command", "Repeat a simulated run with varied errors."),
-    "install-service": Listed(
+    "check": ListedCommand(".setup.check:command", "Check a configuration; report every error."),
+    "calibrate": ListedCommand(".setup.calibrate:command", "Calibrate a camera from pictures."),
+    "reanchor": ListedCommand(".setup.reanchor:command", ORDERS["reanchor"].summary),
+    "marker": ListedCommand(".setup.marker:command", "A robot marker or a board to print."),
+    "devices": ListedCommand(".setup.devices:command", "The serial ports and cameras here."),
+    "camera": ListedCommand(".setup.camera:command", "What a camera can do, and what it delivers."),
+    "doctor": ListedCommand(".setup.doctor:command", "Whether this machine is fit for a run."),
+    "dashboard": ListedCommand(
+        ".running.dashboard:command", "A recording on the page, to look at."
+    ),
+    "replay": ListedCommand(
+        ".running.replay:command", "Re-run vision and planning on a recording."
+    ),
+    "sweep": ListedCommand(".running.sweep:command", "Repeat a simulated run with varied errors."),
+    "install-service": ListedCommand(
         ".setup.install_service:command", "A systemd unit and a udev rule for a run."
     ),
-    "init": Listed(".setup.init_config:command", "Write a commented configuration."),
-    "schema": Listed(".setup.schema:command", "The configuration's JSON Schema."),
-    "completion": Listed(".setup.completion:command", "Shell completion for bash, zsh or fish."),
+    "init": ListedCommand(".setup.init_config:command", "Write a commented configuration."),
+    "schema": ListedCommand(".setup.schema:command", "The configuration's JSON Schema."),
+    "completion": ListedCommand(
+        ".setup.completion:command", "Shell completion for bash, zsh or fish."
+    ),
 }
 
 

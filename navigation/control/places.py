@@ -51,7 +51,7 @@ class _Bound:
         return (found.st_dev, found.st_ino) == self.file
 
 
-class Places:
+class OrderSocket:
     """Listens at ``path`` and without a file, from `open` on.
 
     ``watch`` is called with each socket that `look` makes, ``unwatch`` before one is closed, and

@@ -29,7 +29,7 @@ from typing import TYPE_CHECKING, Any, Final
 from navigation.control.clients import MOST_CLIENTS, Client, TooLongError, who_makes_room
 from navigation.control.order_thread import Job, OrderThread
 from navigation.control.peers import may_order, peer_of
-from navigation.control.places import Places
+from navigation.control.places import OrderSocket
 from navigation.machine.descriptors import NONE_LEFT, SpareDescriptors
 from navigation.mission.mission import STOPPING
 from navigation.shared.outside import OutsideError, read_object
@@ -65,7 +65,7 @@ class ControlServer:
         self.turns = 0
         """Grows while the thread works, and the orders' threads do not hang."""
         self._people, self._clock = people, clock
-        self._places = Places(path, self._watch, self._unwatch, lambda: self._spare.release())
+        self._places = OrderSocket(path, self._watch, self._unwatch, lambda: self._spare.release())
         self._clients: list[Client] = []
         self._crash: BaseException | None = None
         self._stopping = threading.Event()

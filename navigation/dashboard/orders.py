@@ -15,7 +15,7 @@ from collections.abc import Mapping
 from typing import TYPE_CHECKING, Any, Final
 
 from navigation.dashboard.admission.access import TOKEN_TO_STOP
-from navigation.mission.mission import Mission, State
+from navigation.mission.mission import MissionProgress, State
 from navigation.orders.carry_out import carry_out
 from navigation.orders.table import ORDERS, Who
 from navigation.shared.outside import in_short
@@ -88,7 +88,7 @@ def _give_each(order: str, robots: Mapping[str, Any], people: People) -> dict[st
     return next((answer for answer in answers if not answer["ok"]), answers[0])
 
 
-def cannot(mission: Mission) -> dict[str, str]:
+def cannot(mission: MissionProgress) -> dict[str, str]:
     """Buttons that would do nothing for a mission, with the reason."""
     if mission.state is State.STOPPED:
         return dict.fromkeys(BUTTONS, "the robot is stopped; re-arm it first")

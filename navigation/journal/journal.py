@@ -23,7 +23,7 @@ from navigation.journal.journal_file import (
     JournalWriteError,
 )
 from navigation.journal.journal_records import Contents, Owner, SentPlan, owner_of
-from navigation.mission.mission import Mission, State, Station
+from navigation.mission.mission import MissionProgress, State, Station
 
 __all__ = ["Journal", "JournalError", "Owner", "SentPlan", "owner_of"]
 
@@ -66,7 +66,7 @@ class Journal:
         if self._file is not None:
             self._file.close()
 
-    def mission(self) -> Mission | None:
+    def mission(self) -> MissionProgress | None:
         """Last mission stored; None if there is none."""
         return None if self._kept is None else self._kept.mission
 
@@ -74,18 +74,18 @@ class Journal:
         """Last plan stored; None if there is none of this mission."""
         return None if self._kept is None else self._kept.plan
 
-    def unfinished(self) -> Mission | None:
+    def unfinished(self) -> MissionProgress | None:
         """Mission that a restart must continue; None if nothing is left to do."""
         mission = self.mission()
         return mission if mission is not None and _has_work(mission) else None
 
-    def rearmed(self) -> Mission | None:
+    def rearmed(self) -> MissionProgress | None:
         """Mission that was stopped and re-armed, and not resumed since."""
         mission = self.mission()
         waits = mission is not None and mission.state is State.IDLE and bool(mission.remaining)
         return mission if waits else None
 
-    def keep(self, mission: Mission, sent: SentPlan | None, now_s: float) -> None:
+    def keep(self, mission: MissionProgress, sent: SentPlan | None, now_s: float) -> None:
         """Store the mission with its progress, and ``sent``, the plan about to be given.
 
         A plan is kept until the next plan, another mission or another errand is. Nothing is written
@@ -123,7 +123,7 @@ class Journal:
         assert self._file is not None
         self._file.save(wanted)
 
-    def _drop_what_misleads(self, mission: Mission) -> None:
+    def _drop_what_misleads(self, mission: MissionProgress) -> None:
         kept = self._kept
         if self._file is None or kept is None or not _has_work(kept.mission):
             return
@@ -132,11 +132,11 @@ class Journal:
             self._file.discard()
 
 
-def _has_work(mission: Mission) -> bool:
+def _has_work(mission: MissionProgress) -> bool:
     return mission.state in _GOES_ON and bool(mission.remaining)
 
 
-def _is_for(one: Mission, other: Mission) -> bool:
+def _is_for(one: MissionProgress, other: MissionProgress) -> bool:
     """True if a plan of the one leads through the places of the other."""
     return one.stations is other.stations and one.errand is other.errand
 
@@ -146,7 +146,7 @@ def _is_same(one: Contents, other: Contents) -> bool:
     return one.plan is other.plan and _progress(one.mission) == _progress(other.mission)
 
 
-def _progress(m: Mission) -> tuple[tuple[Station, ...], int, bool, State, bool]:
+def _progress(m: MissionProgress) -> tuple[tuple[Station, ...], int, bool, State, bool]:
     return m.places, m.visited, m.any_order, m.state, m.paused
 
 

@@ -24,7 +24,7 @@ from navigation.config import Config
 from navigation.config.errors import key_name
 from navigation.config.several.each_camera import each_camera
 from navigation.config.values import LONGEST_DWELL_S, MOST_STATIONS
-from navigation.mission.mission import Mission, State, Station
+from navigation.mission.mission import MissionProgress, State, Station
 from navigation.mission.targets import Target
 from planner.scene import Bounds, printable
 from vision.camera.sources import without_password, without_user
@@ -165,7 +165,7 @@ class Contents:
     """Everything in a journal."""
 
     owner: Owner
-    mission: Mission
+    mission: MissionProgress
     plan: SentPlan | None
 
 
@@ -191,7 +191,7 @@ def from_text(text: str) -> Contents:
     return Contents(owner, mission, plan)
 
 
-def _mission_of(read: _Mission, owner: Owner) -> Mission:
+def _mission_of(read: _Mission, owner: Owner) -> MissionProgress:
     if read.state not in State.__members__:
         raise RecordError(printable(f"mission.state {read.state[:40]!r}: is no state"))
     if read.visited > len(read.stations):
@@ -204,14 +204,14 @@ def _mission_of(read: _Mission, owner: Owner) -> Mission:
     state = State[read.state]
     if not stations and state is not State.DONE:
         raise RecordError("mission.stations: must not be empty of a mission that is not done")
-    mission = Mission(
+    mission = MissionProgress(
         stations, read.visited, read.any_order, state, read.reason, read.paused, errand
     )
     _are_inside(mission.places, owner)
     return mission
 
 
-def _plan_of(read: _Plan, mission: Mission) -> SentPlan:
+def _plan_of(read: _Plan, mission: MissionProgress) -> SentPlan:
     targets = tuple(Target(**one.model_dump()) for one in read.targets)
     plan = SentPlan(read.mission_id, read.visited_before, targets)
     if plan.visited_after(len(targets)) > len(mission.places):

@@ -25,7 +25,7 @@ from navigation.loop.people import People
 from navigation.loop.planner_news import PlannerNews
 from navigation.loop.punctuality import Punctuality
 from navigation.loop.reports import camera_openings
-from navigation.loop.robot import Robot, Witnesses
+from navigation.loop.robot import ControlledRobot, Witnesses
 from navigation.loop.run_state import RunState, StageTimes
 from navigation.loop.seeing.arena_view import ArenaView
 from navigation.loop.seeing.other_robots import OtherRobots
@@ -34,7 +34,7 @@ from navigation.loop.traffic.alone import Alone
 from navigation.loop.traffic.coordinated import Coordinated
 from navigation.loop.traffic.traffic import Decided, Traffic, TrafficPlanner
 from navigation.mission.mission import MissionError, State
-from navigation.shared.supervisor import Part, Supervisor
+from navigation.shared.supervisor import SupervisedPart, Supervisor
 from planner.roadmap.roadmap import Roadmap
 from planner.scene import Scene
 from vision.calibration.calibration import Calibration
@@ -72,7 +72,7 @@ class Daemon:
         self._recorder = recorder
         configs = robots_of(config)
         self.robots = {
-            name: Robot(name, one, world.make_link(name), first_mission_id)
+            name: ControlledRobot(name, one, world.make_link(name), first_mission_id)
             for name, one in configs.items()
         }
         for name, journal in (journals or {}).items():
@@ -93,13 +93,13 @@ class Daemon:
         self._planner = world.make_planner(planner, self._news.on_scene, self._news.on_answer)
         self._supervisor = Supervisor(
             {
-                "vision": Part(vision.failure, vision.restart),
+                "vision": SupervisedPart(vision.failure, vision.restart),
                 "camera's thread": camera_part(self.camera),
                 **{
-                    f"{_of(name)}serial link": Part(one.link.failure, one.link.restart)
+                    f"{_of(name)}serial link": SupervisedPart(one.link.failure, one.link.restart)
                     for name, one in self.robots.items()
                 },
-                "planner": Part(self._planner.failure, self._restart_planner),
+                "planner": SupervisedPart(self._planner.failure, self._restart_planner),
             }
         )
         self.lock = threading.Lock()
@@ -165,7 +165,7 @@ class Daemon:
         if self.scene is not None:
             self._planner.see(self.scene, self.view.revision, None)
 
-    def look_after(self, name: str, part: Part, turns: Callable[[], int]) -> None:
+    def look_after(self, name: str, part: SupervisedPart, turns: Callable[[], int]) -> None:
         """Watch another stage like the loop's: its failures and its turns."""
         self._supervisor.add(name, part)
         self._further_turns[name] = turns
@@ -233,7 +233,7 @@ class Daemon:
         return self.traffic.planner.roadmap
 
     @property
-    def robot(self) -> Robot:
+    def robot(self) -> ControlledRobot:
         """Robot of a run of one."""
         (robot,) = self.robots.values()
         return robot
@@ -309,7 +309,7 @@ class Daemon:
         return state
 
     def _decide_one(
-        self, robot: Robot, now_s: float, failed: str | None, camera: CameraStatus
+        self, robot: ControlledRobot, now_s: float, failed: str | None, camera: CameraStatus
     ) -> Decided:
         """Run one pilot's cycle."""
         snapshot = robot.link.snapshot()

@@ -19,7 +19,7 @@ from navigation.config.sections import RobotSection
 from navigation.link.link_snapshot import LinkSnapshot
 from navigation.loop.planning import Answering, SceneCheck
 from navigation.loop.seeing.vision_stage import KnowsLatency, VisionStage
-from navigation.shared.supervisor import Part
+from navigation.shared.supervisor import SupervisedPart
 from planner.scene import FloatArray, Scene
 from vision.calibration.calibration import Calibration
 from vision.camera.camera import Frame
@@ -34,7 +34,7 @@ _A = TypeVar("_A")
 _Q_contra = TypeVar("_Q_contra", contravariant=True)
 
 
-class Frames(Protocol):
+class FrameSource(Protocol):
     """Newest frame of a camera that is reopened when it fails."""
 
     @property
@@ -63,17 +63,17 @@ class Frames(Protocol):
         ...
 
 
-def camera_part(frames: Frames) -> Part:
+def camera_part(frames: FrameSource) -> SupervisedPart:
     """The camera's thread as a part for the supervisor."""
 
     def restart() -> None:
         frames.stop()
         frames.start()
 
-    return Part(lambda: frames.status().reason if frames.has_died() else None, restart)
+    return SupervisedPart(lambda: frames.status().reason if frames.has_died() else None, restart)
 
 
-class Link(Protocol):
+class RobotLink(Protocol):
     """Link to the robot; `SerialLink` explains its members."""
 
     @property
@@ -197,7 +197,7 @@ class Surroundings(Protocol):
         """Longest delay in waking a thread of this program since the last call."""
         ...
 
-    def make_frames(self) -> Frames:
+    def make_frames(self) -> FrameSource:
         """Make the camera."""
         ...
 
@@ -211,7 +211,7 @@ class Surroundings(Protocol):
         """Seconds that limit a search for plans."""
         ...
 
-    def make_link(self, name: str) -> Link:
+    def make_link(self, name: str) -> RobotLink:
         """Make the link to a robot; the name is empty for a lone robot."""
         ...
 

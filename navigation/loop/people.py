@@ -9,14 +9,14 @@ from collections.abc import Callable
 from threading import Lock
 from typing import Any, Protocol
 
-from navigation.loop.parts import Frames, Surroundings
+from navigation.loop.parts import FrameSource, Surroundings
 from navigation.loop.reports import describe, to_go_m
-from navigation.loop.robot import Robot
+from navigation.loop.robot import ControlledRobot
 from navigation.loop.run_state import RunState
 from navigation.loop.stopping import Stopping
 from navigation.loop.traffic.traffic import Traffic
 from navigation.mission.cycle import PlanAnswer, PlanRequest
-from navigation.mission.mission import STOPPING, Mission, MissionError, State, Station
+from navigation.mission.mission import STOPPING, MissionError, MissionProgress, State, Station
 from navigation.shared.outside import in_short
 from planner.path import NoPath
 
@@ -24,11 +24,11 @@ from planner.path import NoPath
 class OrderedRun(Protocol):
     """The run that orders act on: the daemon."""
 
-    robots: dict[str, Robot]
+    robots: dict[str, ControlledRobot]
     traffic: Traffic
     stopping: Stopping
     world: Surroundings
-    camera: Frames
+    camera: FrameSource
     lock: Lock
     lent: str | None
     state: RunState | None
@@ -50,7 +50,7 @@ class People:
         self._daemon = daemon
         self.reanchor: Callable[[str | None], list[str]] = _cannot_reanchor
 
-    def _chosen(self, robot: str | None) -> list[Robot]:
+    def _chosen(self, robot: str | None) -> list[ControlledRobot]:
         robots = self._daemon.robots
         if robot is None:
             return list(robots.values())
@@ -61,7 +61,7 @@ class People:
             raise MissionError(f"robot {name}: this run has one robot, which has no name")
         raise MissionError(f"robot '{robot}': there are {', '.join(robots)}")
 
-    def _one(self, robot: str | None) -> Robot:
+    def _one(self, robot: str | None) -> ControlledRobot:
         """The one robot meant; ``MissionError`` if it could be any of several."""
         chosen = self._chosen(robot)
         if len(chosen) > 1:
@@ -97,7 +97,7 @@ class People:
         with self._daemon.lock:
             one.pilot.give(stations, any_order=any_order)
 
-    def appoint(self, mission: Mission, robot: str) -> None:
+    def appoint(self, mission: MissionProgress, robot: str) -> None:
         """Give the configured mission, or queue it behind the stop of a stopped robot."""
         pilot = self._daemon.robots[robot].pilot
         with self._daemon.lock:
@@ -106,7 +106,7 @@ class People:
             else:
                 pilot.give(mission.stations, any_order=mission.any_order)
 
-    def restore(self, mission: Mission, robot: str) -> None:
+    def restore(self, mission: MissionProgress, robot: str) -> None:
         """Continue a robot's mission from its journal."""
         with self._daemon.lock:
             self._daemon.robots[robot].pilot.restore(mission)
@@ -173,7 +173,7 @@ class People:
             "robots": told,
         }
 
-    def _describe_one(self, robot: Robot) -> dict[str, Any]:
+    def _describe_one(self, robot: ControlledRobot) -> dict[str, Any]:
         with self._daemon.lock:
             mission, pose = robot.pilot.mission, robot.pose
         snapshot = robot.link.snapshot()

@@ -12,7 +12,7 @@ from typing import Any
 from firmware_protocol.wire.messages import StatusFlag
 from navigation.link.link_snapshot import LinkSnapshot, doubt_of_stop
 from navigation.mission.cycle import RobotReport
-from navigation.mission.mission import STOPPING, Mission, State
+from navigation.mission.mission import STOPPING, MissionProgress, State
 from navigation.mission.targets import Target
 from vision.camera.latest_frame import CameraStatus
 from vision.markers.markers import RobotPose
@@ -61,7 +61,7 @@ def to_go_m(pose: RobotPose | None, targets: Sequence[Target], executed: int) ->
 
 
 def describe(
-    mission: Mission,
+    mission: MissionProgress,
     seen: tuple[RobotPose, float] | None,
     left_m: float | None,
     snapshot: LinkSnapshot,

@@ -15,7 +15,7 @@ from firmware_protocol.host.events import StatusReceived
 from navigation.config import Config
 from navigation.journal.journal import Journal, SentPlan
 from navigation.link.link_snapshot import LinkSnapshot
-from navigation.loop.parts import Link
+from navigation.loop.parts import RobotLink
 from navigation.loop.punctuality import Punctuality
 from navigation.loop.reports import camera_reason, robot_report, to_go_m
 from navigation.loop.robot_orders import RobotOrders
@@ -37,13 +37,13 @@ from vision.markers.markers import RobotPose
 PLANS_KEPT: Final = 200
 
 
-class Robot:
+class ControlledRobot:
     """Parts, pose and answers of one robot; ``name`` is empty for a lone robot.
 
     ``first_mission_id``: ids on the wire count up from the next one.
     """
 
-    def __init__(self, name: str, config: Config, link: Link, first_mission_id: int) -> None:
+    def __init__(self, name: str, config: Config, link: RobotLink, first_mission_id: int) -> None:
         self.name, self.config, self.link = name, config, link
         self.pilot = Pilot(pilot_settings(config), first_mission_id)
         self.orders = RobotOrders(link, config)
@@ -235,7 +235,7 @@ class Robot:
 class Witnesses:
     """Latency of the shared eye: the largest that any robot's witness measured."""
 
-    def __init__(self, robots: Mapping[str, Robot]) -> None:
+    def __init__(self, robots: Mapping[str, ControlledRobot]) -> None:
         self._robots = robots
 
     def latency_s(self) -> float:

@@ -9,7 +9,7 @@ import math
 from typing import Final
 
 from navigation.config import Config
-from navigation.loop.parts import Link
+from navigation.loop.parts import RobotLink
 from navigation.mission.cycle import Orders
 
 LEASE_EVERY_S: Final = 0.08
@@ -20,7 +20,7 @@ STOP_GRACE_S: Final = 0.35
 class RobotOrders:
     """The robot's present lease, and the time by which it is at rest after the last one."""
 
-    def __init__(self, link: Link, config: Config) -> None:
+    def __init__(self, link: RobotLink, config: Config) -> None:
         self._link, self._config = link, config
         self._permitted = False
         self._leased_s = -math.inf

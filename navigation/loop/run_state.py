@@ -10,7 +10,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 
 from navigation.link.link_snapshot import LinkSnapshot, doubt_of_stop
-from navigation.mission.mission import Mission, State
+from navigation.mission.mission import MissionProgress, State
 from navigation.mission.trust import Level
 from navigation.mission.watch import Verdict
 from navigation.witness import NO_EVIDENCE, Evidence
@@ -39,7 +39,7 @@ class RobotSnapshot:
     """Everything known about one robot after a cycle."""
 
     time_s: float
-    mission: Mission
+    mission: MissionProgress
     sentence: str
     pose: RobotPose | None
     link: LinkSnapshot
@@ -94,7 +94,7 @@ class RunState:
         paused = all(one.mission.paused for one in each)
         return replace(
             each[0],
-            mission=Mission(state=self.state, reason=self.sentence, paused=paused),
+            mission=MissionProgress(state=self.state, reason=self.sentence, paused=paused),
             sentence=self.sentence,
             pose=None,
             link=max((one.link for one in each), key=_unknown),

@@ -9,7 +9,7 @@ from collections.abc import Sequence
 from threading import Lock
 
 from navigation.journal.kept_stops import KeptStops
-from navigation.loop.robot import Robot
+from navigation.loop.robot import ControlledRobot
 from navigation.mission.mission import MissionError, State
 
 
@@ -31,7 +31,9 @@ class Stopping:
         trouble = "" if self.kept is None else self.kept.trouble
         return f"a restart would not know whether robots are stopped: {trouble}" if trouble else ""
 
-    def hold_from_before(self, robots: Sequence[Robot], kept: KeptStops) -> dict[str, str]:
+    def hold_from_before(
+        self, robots: Sequence[ControlledRobot], kept: KeptStops
+    ) -> dict[str, str]:
         """Stop the robots held by earlier stops; return the sentences by name."""
         self.kept = kept
         said = dict(kept.held)
@@ -47,7 +49,7 @@ class Stopping:
                     robot.pilot.begin_stopped(said[robot.name])
         return said
 
-    def stop(self, robots: Sequence[Robot], reason: str) -> str | None:
+    def stop(self, robots: Sequence[ControlledRobot], reason: str) -> str | None:
         """Send an emergency stop to the links past every queue, then latch and store it.
 
         Returns a sentence if the stop is not on disk.
@@ -63,12 +65,12 @@ class Stopping:
         trouble = self.kept.settled()
         return f"a restart would not know of this stop: {trouble}" if trouble else None
 
-    def stopped_itself(self, robot: Robot) -> None:
+    def stopped_itself(self, robot: ControlledRobot) -> None:
         """Store a stop that the pilot entered; the control loop does not wait."""
         if self.kept is not None:
             self.kept.stop([robot.name], robot.pilot.stopped_by)
 
-    def resume(self, robots: Sequence[Robot]) -> None:
+    def resume(self, robots: Sequence[ControlledRobot]) -> None:
         """End a pause; lift a stop and re-arm; continue at the next call.
 
         ``MissionError`` if a stop came meanwhile.

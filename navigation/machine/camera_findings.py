@@ -15,9 +15,9 @@ from vision.camera.v4l2.controls import (
     DYNAMIC_RATE,
     EXPOSURE,
     EXPOSURE_UNIT_MS,
-    Listed,
+    CameraControl,
 )
-from vision.camera.v4l2.modes import REACHES, Mode, rank_modes
+from vision.camera.v4l2.modes import REACHES, CameraMode, rank_modes
 from vision.quality import Quality
 from vision.quality.focus import SHARP_PX
 
@@ -35,14 +35,14 @@ SMEARED_PX: Final = 2.0
 
 
 @dataclass(frozen=True, slots=True)
-class Judged:
+class CameraMeasurements:
     """Measurements of a camera, empty or None if its source lacks them."""
 
     asked: CameraSection
     kind: str
     """``device``, ``stream``, ``file`` or ``simulated``."""
-    modes: tuple[Mode, ...]
-    controls: tuple[Listed, ...]
+    modes: tuple[CameraMode, ...]
+    controls: tuple[CameraControl, ...]
     taken: str
     """Format, size and rate agreed on with a device: ``MJPG 1280x960 at 30 frames/s``."""
     reason: str
@@ -65,7 +65,7 @@ class Judged:
         return None
 
 
-def camera_findings(judged: Judged) -> list[Finding]:
+def camera_findings(judged: CameraMeasurements) -> list[Finding]:
     """One sentence on each measurement, or on why it is impossible."""
     return [
         *_size(judged), *_rate(judged), *_regularity(judged), *_delay(judged), *_damage(judged),
@@ -74,7 +74,7 @@ def camera_findings(judged: Judged) -> list[Finding]:
     ]  # fmt: skip
 
 
-def _size(judged: Judged) -> Iterator[Finding]:
+def _size(judged: CameraMeasurements) -> Iterator[Finding]:
     (width, height), (w, h) = judged.quality.size, judged.asked.size_px
     told = f"{width}x{height}"
     if judged.any_size or judged.quality.size == judged.asked.size_px:
@@ -84,7 +84,7 @@ def _size(judged: Judged) -> Iterator[Finding]:
     yield Finding("fail", "size", f"{told}, camera.size_px asks for {w}x{h}", cure)
 
 
-def _rate(judged: Judged) -> Iterator[Finding]:
+def _rate(judged: CameraMeasurements) -> Iterator[Finding]:
     timing = judged.quality.timing
     if timing is None:
         yield Finding("warn", "rate", "too few pictures to measure it", "watch for longer")
@@ -100,7 +100,7 @@ def _rate(judged: Judged) -> Iterator[Finding]:
     yield Finding("warn", "rate", f"{told}, camera.rate_hz asks for {wanted_hz:g}", _faster(judged))
 
 
-def _faster(judged: Judged) -> str:
+def _faster(judged: CameraMeasurements) -> str:
     """Advice for a faster camera: another format, a shorter exposure, a smaller picture."""
     asked = judged.asked
     best = rank_modes(judged.modes, asked.size_px, asked.rate_hz)
@@ -122,7 +122,7 @@ def _faster(judged: Judged) -> str:
     return "more light; a USB port of its own; close other programs"
 
 
-def _regularity(judged: Judged) -> Iterator[Finding]:
+def _regularity(judged: CameraMeasurements) -> Iterator[Finding]:
     timing = judged.quality.timing
     if timing is None or judged.kind == "file":
         return
@@ -138,7 +138,7 @@ def _regularity(judged: Judged) -> Iterator[Finding]:
         yield Finding("ok", "jitter", told + lost)
 
 
-def _delay(judged: Judged) -> Iterator[Finding]:
+def _delay(judged: CameraMeasurements) -> Iterator[Finding]:
     timing = judged.quality.timing
     if timing is None or judged.kind == "file":
         return
@@ -153,7 +153,7 @@ def _delay(judged: Judged) -> Iterator[Finding]:
         yield Finding("ok", "delay", told)
 
 
-def _damage(judged: Judged) -> Iterator[Finding]:
+def _damage(judged: CameraMeasurements) -> Iterator[Finding]:
     if judged.kind != "device":
         return
     count = judged.quality.timing.pictures if judged.quality.timing else 0
@@ -166,7 +166,7 @@ def _damage(judged: Judged) -> Iterator[Finding]:
         yield Finding("ok", "damage", "no damaged picture")
 
 
-def _noise(judged: Judged) -> Iterator[Finding]:
+def _noise(judged: CameraMeasurements) -> Iterator[Finding]:
     noise = judged.quality.noise_grey
     if noise is None:
         yield Finding("ok", "noise", "cannot be measured: the pictures do not change")
@@ -177,7 +177,7 @@ def _noise(judged: Judged) -> Iterator[Finding]:
         yield Finding("ok", "noise", f"{noise:.1f} grey levels")
 
 
-def _flicker(judged: Judged) -> Iterator[Finding]:
+def _flicker(judged: CameraMeasurements) -> Iterator[Finding]:
     flicker = judged.quality.flicker
     if judged.kind == "file":
         yield Finding("ok", "flicker", "a file's pace is not its camera's: cannot be measured")
@@ -202,7 +202,7 @@ def _flicker(judged: Judged) -> Iterator[Finding]:
         yield Finding("ok", "flicker", f"none seen; {unseen}" if unseen else "none seen")
 
 
-def _light(judged: Judged) -> Iterator[Finding]:
+def _light(judged: CameraMeasurements) -> Iterator[Finding]:
     quality = judged.quality
     if quality.white > CLIPS:
         told = f"{100.0 * quality.white:.1f} % of the pixels are white beyond measure"
@@ -224,7 +224,7 @@ def _light(judged: Judged) -> Iterator[Finding]:
         yield Finding("warn", "brightness", told, "a shorter camera.exposure_ms or less light")
 
 
-def _focus(judged: Judged) -> Iterator[Finding]:
+def _focus(judged: CameraMeasurements) -> Iterator[Finding]:
     focus = judged.quality.focus
     sharp, blur_px = focus.sharp, focus.median_px
     if sharp is None or blur_px is None:
@@ -244,7 +244,7 @@ def _focus(judged: Judged) -> Iterator[Finding]:
     yield Finding("warn", "focus", told, cure)
 
 
-def _markers(judged: Judged) -> Iterator[Finding]:
+def _markers(judged: CameraMeasurements) -> Iterator[Finding]:
     markers = judged.quality.markers
     if not markers:
         yield Finding("ok", "marker", "none is in view: put the robot there to judge it")
@@ -260,7 +260,7 @@ def _markers(judged: Judged) -> Iterator[Finding]:
             yield Finding("ok", name, f"blurred by {marker.blur_px:.1f} px")
 
 
-def _smear(judged: Judged) -> Iterator[Finding]:
+def _smear(judged: CameraMeasurements) -> Iterator[Finding]:
     """Smear of a marker at the robot's full speed, if all of its causes are known."""
     exposure_ms, speed_m_s = judged.exposure_ms, judged.speed_m_s
     if exposure_ms is None or speed_m_s is None or judged.metres_per_pixel is None:
@@ -277,7 +277,7 @@ def _smear(judged: Judged) -> Iterator[Finding]:
         )
 
 
-def _said(judged: Judged) -> Iterator[Finding]:
+def _said(judged: CameraMeasurements) -> Iterator[Finding]:
     if judged.kind == "device" and judged.reason:
         cure = "choose what the camera has: the table above lists it"
         yield Finding("warn", "settings", judged.reason, cure)

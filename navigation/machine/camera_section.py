@@ -16,7 +16,7 @@ from typing import Any
 from navigation.config.editing.in_text import EditError, value_text, with_values
 from navigation.config.load import parse_config, read_source
 from navigation.config.sections import Config
-from navigation.machine.camera_findings import FLICKERS, SHARP_SHARE, SMEARED_PX, Judged
+from navigation.machine.camera_findings import FLICKERS, SHARP_SHARE, SMEARED_PX, CameraMeasurements
 from navigation.shared.whole_file import write_whole
 from vision.camera.v4l2.controls import (
     AUTO_FOCUS,
@@ -24,7 +24,7 @@ from vision.camera.v4l2.controls import (
     EXPOSURE_UNIT_MS,
     FOCUS,
     MAINS,
-    Listed,
+    CameraControl,
 )
 from vision.camera.v4l2.modes import rank_modes
 
@@ -33,7 +33,7 @@ class SectionError(ValueError):
     """A section cannot be put into a file; the message says why, with advice."""
 
 
-def best_section(judged: Judged, source: str | int) -> dict[str, Any]:
+def best_section(judged: CameraMeasurements, source: str | int) -> dict[str, Any]:
     """Return the keys of ``camera`` and their values, as plain data."""
     asked, quality = judged.asked, judged.quality
     section: dict[str, Any] = {
@@ -65,14 +65,14 @@ def best_section(judged: Judged, source: str | int) -> dict[str, Any]:
     return section
 
 
-def _mains_hz(judged: Judged) -> int:
+def _mains_hz(judged: CameraMeasurements) -> int:
     flicker = judged.quality.flicker
     if flicker is None or flicker.share <= 0.0:
         return judged.asked.mains_hz
     return round(flicker.frequency_hz / 2.0)
 
 
-def _exposure_ms(judged: Judged, has: Listed) -> float | str:
+def _exposure_ms(judged: CameraMeasurements, has: CameraControl) -> float | str:
     """Requested exposure, or one that avoids flicker and smear."""
     asked, flicker = judged.asked.exposure_ms, judged.quality.flicker
     now_ms = judged.exposure_ms or 1000.0 / judged.asked.rate_hz

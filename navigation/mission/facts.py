@@ -9,10 +9,10 @@ from __future__ import annotations
 from typing import NamedTuple
 
 from navigation.mission.cycle import PilotSettings, RobotReport, Sight
-from navigation.mission.mission import Mission, State
+from navigation.mission.mission import MissionProgress, State
 from navigation.mission.running_plan import RunningPlan
 from navigation.mission.slowing import LateCamera
-from navigation.mission.stillness import MOTIONLESS, Stillness, is_to_move
+from navigation.mission.stillness import MOTIONLESS, RobotStillness, is_to_move
 from navigation.mission.targets import Target
 from navigation.mission.traffic import Encounter
 from navigation.mission.trust import Trust
@@ -22,7 +22,7 @@ from navigation.mission.watch import Facts
 class PilotSituation(NamedTuple):
     """The pilot's mission, its plan, and their mission on the wire."""
 
-    mission: Mission
+    mission: MissionProgress
     plan: RunningPlan
     wire_id: int
     rearms: bool
@@ -36,7 +36,7 @@ class FactFinder:
 
     def __init__(self, settings: PilotSettings, trust: Trust) -> None:
         self.late_camera = LateCamera()
-        self.stillness = Stillness()
+        self.stillness = RobotStillness()
         self._settings, self._trust = settings, trust
         self._idle_since_s: float | None = None
 

@@ -96,7 +96,7 @@ class Station:
 
 
 @dataclass(frozen=True, slots=True)
-class Mission:
+class MissionProgress:
     """Stations, number visited, state, and the sentence that explains it.
 
     ``any_order``: all stations but the last may be visited in the shortest order, which the first
@@ -128,7 +128,7 @@ class Mission:
         """True if nothing more will happen without a new order."""
         return self.state in (State.DONE, State.FAILED, State.STOPPED)
 
-    def after(self, event: Event, reason: str) -> Mission:
+    def after(self, event: Event, reason: str) -> MissionProgress:
         """Mission after an event; ``MissionError`` if the table has no such move."""
         try:
             state = TRANSITIONS[self.state, event]
@@ -144,7 +144,7 @@ class Mission:
 
     def given(
         self, stations: tuple[Station, ...], reason: str, *, any_order: bool = False
-    ) -> Mission:
+    ) -> MissionProgress:
         """New mission in place of this one."""
         if not stations:
             raise MissionError("a mission needs at least one station")
@@ -156,13 +156,13 @@ class Mission:
             errand=None,
         )
 
-    def stepping_aside(self, place: Station, reason: str) -> Mission:
+    def stepping_aside(self, place: Station, reason: str) -> MissionProgress:
         """This finished mission with an errand: aside for another robot, and back."""
         if self.remaining:
             raise MissionError("a robot that has stations to visit steps aside for no other")
         return replace(self.after(Event.GIVEN, reason), errand=place)
 
-    def arrived(self, reason: str) -> Mission:
+    def arrived(self, reason: str) -> MissionProgress:
         """Mission at its end; an errand is over too."""
         return replace(self.after(Event.ARRIVED, reason), visited=len(self.stations), errand=None)
 
@@ -177,7 +177,7 @@ class Mission:
             return "nothing to skip yet: the first plan decides which station is next"
         return ""
 
-    def without_next(self) -> Mission:
+    def without_next(self) -> MissionProgress:
         """Mission without the next station; done if that was the last one.
 
         A robot under way plans for the rest. One that waits for an order keeps waiting: only
@@ -197,7 +197,7 @@ class Mission:
             return replace(left, reason=f"{sentence}: resume to continue with {count}")
         return left
 
-    def settled(self, order: tuple[int, ...]) -> Mission:
+    def settled(self, order: tuple[int, ...]) -> MissionProgress:
         """Mission with all stations but the last in this order, which then stays."""
         if not self.any_order or self.visited:
             return self
@@ -206,7 +206,7 @@ class Mission:
             raise MissionError(f"order {order}: must name each of {len(vias)} stations once")
         return replace(self, stations=(*(vias[i] for i in order), goal), any_order=False)
 
-    def with_visited(self, visited: int) -> Mission:
+    def with_visited(self, visited: int) -> MissionProgress:
         """Mission with more stations visited; the count never falls."""
         if not self.visited <= visited <= len(self.stations):
             raise MissionError(

@@ -23,7 +23,7 @@ from navigation.mission.cycle import (
     Sight,
 )
 from navigation.mission.facts import FactFinder, PilotSituation
-from navigation.mission.mission import Event, Mission, MissionError, State, Station
+from navigation.mission.mission import Event, MissionError, MissionProgress, State, Station
 from navigation.mission.progress import Progress
 from navigation.mission.proving import Proving
 from navigation.mission.running_plan import RunningPlan, what_is_driven, why_no_plan
@@ -43,7 +43,7 @@ class Pilot:
 
     def __init__(self, settings: PilotSettings, first_mission_id: int) -> None:
         self.settings = settings
-        self.mission = Mission()
+        self.mission = MissionProgress()
         self.verdict = Verdict(Action.HOLD, ("nothing was seen yet",))
         self.plan = NO_PLAN
         self.replans = 0
@@ -85,7 +85,7 @@ class Pilot:
         self._stop_reason = self.stopped_by = reason
         self.mission = self.mission.after(Event.STOP, reason)
 
-    def appoint(self, mission: Mission) -> None:
+    def appoint(self, mission: MissionProgress) -> None:
         """Put a mission, with its progress, behind a stop until re-arm and resume."""
         self.mission = replace(
             self.mission,
@@ -120,7 +120,7 @@ class Pilot:
         self._arrival.begin()
         self._progress.begin()
 
-    def restore(self, mission: Mission) -> None:
+    def restore(self, mission: MissionProgress) -> None:
         """Continue an earlier program's unfinished mission with a new plan."""
         self.trust.doubt("the program was started again")
         if self.mission.state is State.STOPPED:

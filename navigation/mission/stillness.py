@@ -28,7 +28,7 @@ FIRST_PAUSE_S: Final = 1.0
 LONGEST_PAUSE_S: Final = 16.0
 
 
-class Stillness:
+class RobotStillness:
     """Time since when the robot has shown no motion, and number of such findings in a row."""
 
     def __init__(self) -> None:

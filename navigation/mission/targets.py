@@ -15,9 +15,8 @@ from typing import Final
 
 import numpy as np
 
-from firmware_protocol.wire.messages import Waypoint as WireWaypoint
-from firmware_protocol.wire.messages import WaypointFlag
-from planner.path import Path, Trajectory, Waypoint
+from firmware_protocol.wire.messages import Waypoint, WaypointFlag
+from planner.path import Path, TimedWaypoint, Trajectory
 
 LONGEST_DWELL_S = 25.0
 """What one waypoint can say on the wire (25.5 s); a longer stay is several at one place."""
@@ -65,7 +64,7 @@ def targets_of(path: Path, trajectory: Trajectory) -> tuple[Target, ...]:
     return tuple(_targets(path, groups[1:] or groups[-1:]))
 
 
-def _targets(path: Path, groups: list[list[Waypoint]]) -> Iterator[Target]:
+def _targets(path: Path, groups: list[list[TimedWaypoint]]) -> Iterator[Target]:
     for group in groups:
         here = group[-1]
         station = next((w.station for w in group if w.station is not None), None)
@@ -79,10 +78,10 @@ def _targets(path: Path, groups: list[list[Waypoint]]) -> Iterator[Target]:
         yield replace(target, dwell_s=left_s, station=station)
 
 
-def to_wire(targets: tuple[Target, ...]) -> list[WireWaypoint]:
+def to_wire(targets: tuple[Target, ...]) -> list[Waypoint]:
     """Targets as the protocol's waypoints; the robot brakes for a stop by itself."""
     return [
-        WireWaypoint(
+        Waypoint(
             t.x_m,
             t.y_m,
             t.speed_m_s,

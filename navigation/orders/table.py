@@ -11,7 +11,7 @@ from dataclasses import dataclass
 from enum import Enum
 from typing import TYPE_CHECKING, Any, Final, TypeAlias
 
-from navigation.mission.mission import Mission, State
+from navigation.mission.mission import MissionProgress, State
 
 if TYPE_CHECKING:
     from navigation.loop.people import People
@@ -39,7 +39,7 @@ class Button:
     """
 
     label: str
-    why_not: Callable[[Mission], str]
+    why_not: Callable[[MissionProgress], str]
     is_quiet: bool = True
 
 
@@ -73,20 +73,20 @@ def _stop(people: People, robot: str | None, given: Mapping[str, Any]) -> Mappin
     return {"trouble": trouble} if trouble else {}
 
 
-def _no_pause(mission: Mission) -> str:
+def _no_pause(mission: MissionProgress) -> str:
     if mission.paused:
         return "the mission is paused already"
     return "" if mission.state in UNDER_WAY else "nothing to pause: there is no mission under way"
 
 
-def _no_resume(mission: Mission) -> str:
+def _no_resume(mission: MissionProgress) -> str:
     waits = mission.state in (State.IDLE, State.FAILED) and mission.visited < len(mission.stations)
     if mission.paused or waits:
         return ""
     return "nothing to resume: the mission is neither paused nor broken off"
 
 
-def _no_replan(mission: Mission) -> str:
+def _no_replan(mission: MissionProgress) -> str:
     drives = mission.state is State.DRIVING
     return "" if drives else "nothing to plan again: the robot does not drive"
 

@@ -24,7 +24,7 @@ ROWS_AT_ONCE: Final = 512
 
 
 @dataclass(frozen=True, slots=True)
-class Tolerances:
+class ComparisonTolerances:
     """Largest differences that count as equal. The defaults allow for JPEG and skipped pictures."""
 
     position_m: float = 0.003
@@ -100,7 +100,7 @@ def pose_offset(
     return math.dist(recorded[:2], seen[:2]), off_rad
 
 
-def pose_problem(off_m: float, off_rad: float, limits: Tolerances) -> str | None:
+def pose_problem(off_m: float, off_rad: float, limits: ComparisonTolerances) -> str | None:
     """Difference of two poses in words; None if they agree."""
     if off_m <= limits.position_m and off_rad <= limits.heading_rad:
         return None
@@ -127,7 +127,7 @@ def gates_problem(recorded: Sequence[Mapping[str, Any]], others: Sequence[str]) 
 
 
 def plan_problem(
-    recorded: dict[str, Any], found: Path | NoPath, off_m: float, limits: Tolerances
+    recorded: dict[str, Any], found: Path | NoPath, off_m: float, limits: ComparisonTolerances
 ) -> str | None:
     """Difference of a plan from the recorded answer, in words; None if they agree."""
     if recorded["status"] != "ok":

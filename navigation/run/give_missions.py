@@ -15,7 +15,7 @@ from navigation.config import limits_of
 from navigation.config.values import StationSection as ConfiguredStation
 from navigation.loop.daemon import Daemon
 from navigation.loop.stages import stations_of
-from navigation.mission.mission import Mission, Station
+from navigation.mission.mission import MissionProgress, Station
 from planner.fleet.assignment import assign_tasks
 
 ROBOT_PATIENCE_S: Final = 3.0
@@ -34,8 +34,8 @@ class GiveMissions:
         self._daemon, self._say = daemon, say
         self._people = daemon.people
         self._until_s = daemon.world.clock() + ROBOT_PATIENCE_S
-        self._left: dict[str, Mission] = {}
-        self._kept: dict[str, Mission] = {}
+        self._left: dict[str, MissionProgress] = {}
+        self._kept: dict[str, MissionProgress] = {}
         """Of a run that continues: what each journal holds, finished or not."""
         self._given: dict[str, tuple[Station, ...]] = {}
         for name, robot in daemon.robots.items():
@@ -104,7 +104,7 @@ class GiveMissions:
             self._continue(name)
         for name, stations in self._given.items():
             any_order = self._daemon.robots[name].config.mission.order == "best"
-            self._people.appoint(Mission(stations, any_order=any_order), name)
+            self._people.appoint(MissionProgress(stations, any_order=any_order), name)
         self._given = {}
 
     def _assign(self) -> None:

@@ -28,8 +28,8 @@ from navigation.loop.stages import plan_settings
 from navigation.loop.traffic.fleet_planner import FleetPlanner
 from navigation.mission.cycle import PlanAnswer, PlanRequest
 from navigation.recording.compare import (
+    ComparisonTolerances,
     Difference,
-    Tolerances,
     gates_problem,
     plan_offset_m,
     plan_problem,
@@ -97,7 +97,7 @@ class _Plans(Protocol):
     def see(self, scene: Scene, revision: int) -> None:
         """Take over a scene."""
 
-    def compare(self, planned: Planned, limits: Tolerances) -> tuple[float, str | None]:
+    def compare(self, planned: Planned, limits: ComparisonTolerances) -> tuple[float, str | None]:
         """Return the plan's distance from the recorded one, and the difference or None."""
         ...
 
@@ -105,7 +105,7 @@ class _Plans(Protocol):
 class _PlansOfOne(ArenaPlanner):
     """The planner of one robot."""
 
-    def compare(self, planned: Planned, limits: Tolerances) -> tuple[float, str | None]:
+    def compare(self, planned: Planned, limits: ComparisonTolerances) -> tuple[float, str | None]:
         assert isinstance(planned.request, PlanRequest)
         answer: PlanAnswer = self.answer(planned.request)
         off_m = plan_offset_m(planned.answer, answer.path)
@@ -115,7 +115,7 @@ class _PlansOfOne(ArenaPlanner):
 class _PlansOfSeveral(FleetPlanner):
     """The planner of several robots."""
 
-    def compare(self, planned: Planned, limits: Tolerances) -> tuple[float, str | None]:
+    def compare(self, planned: Planned, limits: ComparisonTolerances) -> tuple[float, str | None]:
         """Return the largest distance of all paths, and the first difference in path or right of
         way.
         """
@@ -142,7 +142,7 @@ class Replay:
     Raises ``RecordingError`` for a recording of several cameras.
     """
 
-    def __init__(self, recording: Recording, tolerances: Tolerances) -> None:
+    def __init__(self, recording: Recording, tolerances: ComparisonTolerances) -> None:
         self.recording, self.tolerances = recording, tolerances
         self.result = ReplayResult()
         config = recording.config
@@ -302,6 +302,6 @@ class Replay:
         return planner.compare(planned, self.tolerances)
 
 
-def replay(recording: Recording, tolerances: Tolerances | None = None) -> ReplayResult:
+def replay(recording: Recording, tolerances: ComparisonTolerances | None = None) -> ReplayResult:
     """Replay a recording and compare; see `Replay`."""
-    return Replay(recording, tolerances or Tolerances()).run()
+    return Replay(recording, tolerances or ComparisonTolerances()).run()

@@ -15,7 +15,7 @@ import numpy as np
 
 from navigation.draw import DrawError, DrawnRobot, OtherRobot, save_picture
 from navigation.loop.daemon import Daemon
-from navigation.loop.robot import Robot
+from navigation.loop.robot import ControlledRobot
 from navigation.loop.run_state import DrivenPlan
 from navigation.loop.stages import stations_of
 from navigation.run.run_report import RunReport
@@ -115,7 +115,7 @@ def write_picture(file: Path, daemon: Daemon, report: RunReport) -> None:
     )
 
 
-def _driven(name: str, robot: Robot, daemon: Daemon) -> DrawnRobot:
+def _driven(name: str, robot: ControlledRobot, daemon: Daemon) -> DrawnRobot:
     """One of several robots, with its track, last plan and stations."""
     body = robot.config.robot
     pieces = driven_pieces(driven_track(daemon, robot), body.speed_m_s)

@@ -12,7 +12,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from navigation.loop.daemon import Daemon
-from navigation.loop.robot import Robot
+from navigation.loop.robot import ControlledRobot
 from navigation.mission.mission import State
 from navigation.run.report import (
     FrameCounts,
@@ -29,7 +29,9 @@ from planner.roadmap.roadmap import Roadmap
 from planner.scene import FloatArray
 
 
-def summarise(daemon: Daemon, robot: Robot, state: State, reason: str, duration_s: float) -> Report:
+def summarise(
+    daemon: Daemon, robot: ControlledRobot, state: State, reason: str, duration_s: float
+) -> Report:
     """Make one robot's report from everything that the daemon kept."""
     track = driven_track(daemon, robot)
     pieces = driven_pieces(track, robot.config.robot.speed_m_s)
@@ -64,7 +66,7 @@ def summarise(daemon: Daemon, robot: Robot, state: State, reason: str, duration_
     )
 
 
-def driven_track(daemon: Daemon, robot: Robot) -> FloatArray:
+def driven_track(daemon: Daemon, robot: ControlledRobot) -> FloatArray:
     """Track (n, 4) of seconds, x_m, y_m, heading_rad: the truth if simulated, else sightings."""
     truth = daemon.world.truths.get(robot.name)
     return robot.sightings.rows() if truth is None else truth.track()
@@ -81,7 +83,7 @@ def _least_clearance_m(
     return min((way.distance for way in ways), default=None)
 
 
-def _tracking(robot: Robot, track: FloatArray) -> FloatArray:
+def _tracking(robot: ControlledRobot, track: FloatArray) -> FloatArray:
     """Distance of each position from the plan driven at its time."""
     errors = []
     plans = list(robot.plans)
@@ -92,7 +94,7 @@ def _tracking(robot: Robot, track: FloatArray) -> FloatArray:
     return np.concatenate(errors) if errors else np.empty(0)
 
 
-def _goal_error(robot: Robot, track: FloatArray) -> tuple[float | None, float | None]:
+def _goal_error(robot: ControlledRobot, track: FloatArray) -> tuple[float | None, float | None]:
     stations = robot.pilot.mission.stations
     if not stations or not len(track):
         return None, None

@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from navigation.control import ControlServer
-from navigation.shared.supervisor import Part
+from navigation.shared.supervisor import SupervisedPart
 
 if TYPE_CHECKING:
     from navigation.loop.daemon import Daemon
@@ -31,7 +31,7 @@ class TakingOrders:
     ) -> None:
         self._daemon, self._log, self._say = daemon, log, say
         self._control = open_things.enter_context(ControlServer(socket, daemon.people))
-        part = Part(self._control.failure, self._control.restart)
+        part = SupervisedPart(self._control.failure, self._control.restart)
         daemon.look_after("control socket", part, lambda: self._control.turns)
 
     def cycle(self) -> None:

@@ -50,7 +50,7 @@ class TroubledCamera:
         self,
         camera: Camera,
         troubles: CameraTroubles,
-        memory: Memory,
+        memory: SeenPictures,
         now: Callable[[], float],
         wait: Callable[[float], None],
     ) -> None:
@@ -123,7 +123,7 @@ class TroubledCamera:
         return replace(frame, image=image)
 
 
-class Memory:
+class SeenPictures:
     """Pictures seen before: opening a frozen camera again does not thaw it."""
 
     def __init__(self, rng: np.random.Generator) -> None:

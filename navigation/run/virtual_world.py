@@ -24,7 +24,7 @@ from navigation.loop.planning import Answering, SceneCheck
 from navigation.loop.seeing.vision_stage import KnowsLatency, VisionStage
 from navigation.run.calibrations import floor_plan_of, shown_calibration
 from navigation.run.simulated_camera import camera_over, others_of
-from navigation.run.troubled_camera import CameraTroubles, Memory, TroubledCamera
+from navigation.run.troubled_camera import CameraTroubles, SeenPictures, TroubledCamera
 from navigation.run.troubled_robot import TroubledRobot
 from navigation.run.virtual_link import VirtualLink
 from navigation.run.without_pictures.looking import looking_of
@@ -89,7 +89,7 @@ class VirtualWorld:
         self.ports = dict.fromkeys(self.bodies, "virtual")
         self._configs_of_cameras = each_camera(config)
         self._memories = {
-            name: Memory(np.random.default_rng(config.simulation.seed + i))
+            name: SeenPictures(np.random.default_rng(config.simulation.seed + i))
             for i, name in enumerate(self._configs_of_cameras or [None])
         }
         self._arenas = arenas_over_time(config, load_arena(config))

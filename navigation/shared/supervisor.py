@@ -17,7 +17,7 @@ WELL_S: Final = 30.0
 
 
 @dataclass(frozen=True, slots=True)
-class Part:
+class SupervisedPart:
     """A part of the program: its failure in words, None while it is well, and its restart."""
 
     failure: Callable[[], str | None]
@@ -35,11 +35,11 @@ class _Record:
 class Supervisor:
     """Supervisor of named parts; call `look` once a control cycle."""
 
-    def __init__(self, parts: Mapping[str, Part]) -> None:
+    def __init__(self, parts: Mapping[str, SupervisedPart]) -> None:
         self._parts = dict(parts)
         self._records = {name: _Record() for name in parts}
 
-    def add(self, name: str, part: Part) -> None:
+    def add(self, name: str, part: SupervisedPart) -> None:
         """Add a part to supervise."""
         self._parts[name] = part
         self._records[name] = _Record()
@@ -59,7 +59,7 @@ class Supervisor:
             if record.reason is not None
         ) or None  # fmt: skip
 
-    def _look_at(self, part: Part, record: _Record, now_s: float) -> None:
+    def _look_at(self, part: SupervisedPart, record: _Record, now_s: float) -> None:
         failure = part.failure()
         if failure is None:
             record.reason = None

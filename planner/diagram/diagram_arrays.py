@@ -69,7 +69,7 @@ class Triangles(NamedTuple):
     stale: NDArray[np.bool_]
 
 
-class Tolerances(NamedTuple):
+class DiagramTolerances(NamedTuple):
     """Half a spacing, the least relevant clearance of chains, and the difference of equal
     distances.
     """

@@ -26,10 +26,10 @@ from planner.diagram.chains import chain_kernels, trace_kernels
 from planner.diagram.chains.bisector_trace import bend_chains
 from planner.diagram.diagram_arrays import (
     Bent,
+    DiagramTolerances,
     FlatMesh,
     KnownRuns,
     MeshSites,
-    Tolerances,
     Traced,
     Triangles,
 )
@@ -165,7 +165,7 @@ def solve(mesh: Mesh, borders: Borders, spacing: float) -> None:
     Changes the mesh, including ``traced`` and ``bent``.
     """
     half = 0.5 * spacing
-    pieces, tolerances = borders.corners, Tolerances(half, half, borders.equal)
+    pieces, tolerances = borders.corners, DiagramTolerances(half, half, borders.equal)
     sag = mesh_kernels.largest_sag(borders.kind, borders.data, half)
     flat, triangles = _flat(mesh, sag), mesh.triangles
     for turn in range(ROUNDS + 1):

@@ -28,7 +28,7 @@ class Wait:
 
 
 @dataclass(frozen=True, slots=True)
-class Release:
+class TrackRelease:
     """Last row of its track that a robot may be given now, and its waits there.
 
     ``waits`` is empty if the row is the track's last.
@@ -38,7 +38,7 @@ class Release:
     waits: tuple[Wait, ...] = ()
 
 
-def releases(plan: FleetPlan, passed: Sequence[int]) -> tuple[Release, ...]:
+def releases(plan: FleetPlan, passed: Sequence[int]) -> tuple[TrackRelease, ...]:
     """Release of each robot now; ``passed`` is the row that each has reached last.
 
     ``ValueError`` if there is not one row each, or a row is not in the track. O(robots +
@@ -59,7 +59,7 @@ def releases(plan: FleetPlan, passed: Sequence[int]) -> tuple[Release, ...]:
             unmet[waiting] = []
         if passed[robot] < needed and row == limits[waiting] < len(plan.tracks[waiting]) - 1:
             unmet[waiting].append(Wait(row, robot, needed))
-    return tuple(Release(row, tuple(waits)) for row, waits in zip(limits, unmet, strict=True))
+    return tuple(TrackRelease(row, tuple(waits)) for row, waits in zip(limits, unmet, strict=True))
 
 
 def deadlocked(plan: FleetPlan) -> tuple[int, ...]:

@@ -10,11 +10,11 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from planner.fleet.fleet_plan import FleetPlan, NoFleetPlan
-from planner.fleet.ground.places import OutOfTime, Places, lay_places
-from planner.fleet.motions.interval_search_kernels import Graph
+from planner.fleet.ground.places import GroundPlaces, OutOfTime, lay_places
+from planner.fleet.motions.interval_search_kernels import MotionGraph
 from planner.fleet.on_graph import check_effort
 from planner.fleet.search.fleet_search import ROUNDS, search, touching
-from planner.fleet.search.team import Robot, edges_of, make_graph, make_robot
+from planner.fleet.search.team import TeamRobot, edges_of, make_graph, make_robot
 from planner.motion.trajectory import default_limits
 from planner.path import Limits, NoPath
 from planner.roadmap.roadmap import Roadmap, build_roadmap
@@ -81,7 +81,7 @@ def plan_fleet(
         shared = lay_places(roadmaps[min(sizes)], paths, sizes, check)
     except OutOfTime:
         return effort.out_of_time(range(len(sizes)))
-    robots: list[Robot] = []
+    robots: list[TeamRobot] = []
     for robot in team_on(shared, sizes, speeds):
         if effort.expired():
             return effort.out_of_time(range(len(robots), len(sizes)))
@@ -92,9 +92,11 @@ def plan_fleet(
     return plan
 
 
-def team_on(shared: Places, sizes: Sequence[float], speeds: Sequence[float]) -> Iterator[Robot]:
+def team_on(
+    shared: GroundPlaces, sizes: Sequence[float], speeds: Sequence[float]
+) -> Iterator[TeamRobot]:
     """The robots one by one, robots of equal radius and speed on one graph."""
-    graphs: dict[tuple[float, float], tuple[Graph, NDArray[np.int64]]] = {}
+    graphs: dict[tuple[float, float], tuple[MotionGraph, NDArray[np.int64]]] = {}
     largest = float(np.abs(shared.places).max())
     for size, speed, a, b in zip(sizes, speeds, shared.starts, shared.goals, strict=True):
         if (size, speed) not in graphs:

@@ -43,7 +43,7 @@ _LEAST_WAYPOINTS = 4
 
 
 @dataclass(frozen=True, slots=True)
-class Leg:
+class Stretch:
     """A stretch between two stops: dense points, the heading's corners, stations passed."""
 
     points: FloatArray
@@ -98,7 +98,7 @@ class Stop:
     dwell_s: float
 
 
-class Track:
+class CutPath:
     """The path without repeated points, cut into legs at its stops."""
 
     def __init__(
@@ -172,7 +172,7 @@ class Track:
     def _tightest(self) -> float:
         return (1.0 + ROUNDING) / self.limits.turning_radius
 
-    def too_tight(self, leg: Leg) -> tuple[float, float, float] | None:
+    def too_tight(self, leg: Stretch) -> tuple[float, float, float] | None:
         """Place where the leg is tighter than the turning radius, and the radius there; or None."""
         if self.limits.turning_radius == 0.0 or not len(leg.lengths):
             return None
@@ -224,14 +224,16 @@ class Track:
         least = np.sqrt(1.5 * self.limits.chord_tolerance / curvature)
         return float(min(least.min(initial=math.inf), 0.5 * length))
 
-    def legs(self) -> list[Leg]:
+    def legs(self) -> list[Stretch]:
         """Stretches between consecutive stops, one fewer than stops."""
         return [self._leg(before.vertex, after.vertex) for before, after in pairwise(self.stops)]
 
-    def _leg(self, first: int, last: int) -> Leg:
+    def _leg(self, first: int, last: int) -> Stretch:
         if first == last:
             empty = np.empty(0)
-            return Leg(self.points[first : last + 1], empty, empty, empty, empty, 0.0, empty, {})
+            return Stretch(
+                self.points[first : last + 1], empty, empty, empty, empty, 0.0, empty, {}
+            )
         span = slice(first, last + 1)
         base = float(self.lengths[first])
         vertices, turns, before, after = self._corners(first, last)
@@ -244,7 +246,7 @@ class Track:
         stations = {
             float(self.lengths[v]) - base: n for v, n in self.passed.items() if first < v < last
         }
-        return Leg(
+        return Stretch(
             points=self.points[span],
             lengths=self.lengths[span] - base,
             clearances=self.clearances[span],
@@ -266,7 +268,7 @@ class Track:
         rounding = 1e-9 * self.path.robot_radius
         return max(min(self.limits.chord_tolerance, self.slack), rounding)
 
-    def speed_limits(self, leg: Leg, nodes: FloatArray) -> tuple[FloatArray, FloatArray]:
+    def speed_limits(self, leg: Stretch, nodes: FloatArray) -> tuple[FloatArray, FloatArray]:
         """Speed and acceleration allowed in each cell between ``nodes`` along the leg.
 
         The turning rate is curvature times speed. It changes by growth of curvature times speed
@@ -297,7 +299,7 @@ class Track:
         speed = np.minimum.reduce([speed, by_rate, by_grip, by_spin])
         return speed, np.minimum(gentle, limits.acceleration)
 
-    def waypoint_lengths(self, leg: Leg) -> FloatArray:
+    def waypoint_lengths(self, leg: Stretch) -> FloatArray:
         """Lengths along the leg of its waypoints, including both ends."""
         spacing = min(self.limits.spacing, float(leg.lengths[-1]) / _LEAST_WAYPOINTS)
         marks = np.concatenate([leg.lengths, leg.forced])
@@ -330,7 +332,7 @@ def _integral(
     return total
 
 
-def speed_cells(leg: Leg, spacing: float) -> FloatArray:
+def speed_cells(leg: Stretch, spacing: float) -> FloatArray:
     """(n,) ends of the cells of constant speed limit, from 0 to the leg's length."""
     length = float(leg.lengths[-1])
     wanted = math.ceil(min(length / spacing, _MOST_CELLS) * _CELLS_PER_SPACING - 1e-6)

@@ -19,8 +19,8 @@ from dataclasses import fields, replace
 
 from planner.borders.polyline import points_at
 from planner.motion.speed_profile import plan_speed
-from planner.motion.stops_and_bends import Clearance, Leg, Stop, Track, speed_cells
-from planner.path import Limits, Path, Trajectory, Waypoint
+from planner.motion.stops_and_bends import Clearance, CutPath, Stop, Stretch, speed_cells
+from planner.path import Limits, Path, TimedWaypoint, Trajectory
 from planner.scene import FloatArray
 from planner.shared.numbers import wrap_angle
 
@@ -71,7 +71,7 @@ def time_path(
     """
     _check(path, limits, dwell_s)
     dwells = tuple(dwell_s) or (0.0,) * len(path.stations)
-    track = Track(path, limits, clearance, dwells)
+    track = CutPath(path, limits, clearance, dwells)
     clock = _Clock(limits)
     legs = track.legs()
     for leg in legs:
@@ -122,11 +122,11 @@ class _Clock:
     def __init__(self, limits: Limits) -> None:
         self.limits = limits
         self.now_s = 0.0
-        self.waypoints: list[Waypoint] = []
+        self.waypoints: list[TimedWaypoint] = []
 
     def begin(self, point: FloatArray, heading_rad: float) -> None:
         x, y = float(point[0]), float(point[1])
-        self.waypoints.append(Waypoint(x, y, wrap_angle(heading_rad), 0.0, 0.0))
+        self.waypoints.append(TimedWaypoint(x, y, wrap_angle(heading_rad), 0.0, 0.0))
 
     def stand(self, stop: Stop) -> None:
         """Turn to the stop's heading, if it has one, and dwell."""
@@ -142,7 +142,7 @@ class _Clock:
             self.waypoints.append(marked)
         self.now_s += stop.dwell_s
 
-    def drive(self, leg: Leg, track: Track) -> None:
+    def drive(self, leg: Stretch, track: CutPath) -> None:
         """Turn into the leg's direction, then drive it from rest to rest."""
         if len(leg.lengths) == 0:
             return
@@ -159,7 +159,7 @@ class _Clock:
         rows = zip(at, points.tolist(), headings.tolist(), speeds.tolist(), times, strict=True)
         for length, (x, y), heading, speed, time in list(rows)[1:]:
             self.waypoints.append(
-                Waypoint(
+                TimedWaypoint(
                     x,
                     y,
                     wrap_angle(heading),
@@ -185,7 +185,7 @@ class _Clock:
             turn, self.limits.angular_rate_rad_s, self.limits.angular_acceleration_rad_s2
         )
         heading = wrap_angle(heading_rad)
-        self.waypoints.append(Waypoint(here.x, here.y, heading, 0.0, self.now_s))
+        self.waypoints.append(TimedWaypoint(here.x, here.y, heading, 0.0, self.now_s))
 
     def finish(self) -> Trajectory:
         return Trajectory(tuple(self.waypoints), self.now_s)

@@ -43,7 +43,7 @@ def clip_chains(borders: Borders, chains: Chains, radius: float) -> Clipped:
     # in the paper's mode no chain is on its bisectors
     astray = ASTRAY * borders.equal if chains.proved.any() else math.inf
     solids = clip_kernels.Solids(borders.closed, borders.box)
-    limits = clip_kernels.Limits(
+    limits = clip_kernels.PartLimits(
         radius, radius - EQUAL * borders.equal, rounding, borders.equal, astray
     )
     parts, wide = clip_kernels.wide_parts(

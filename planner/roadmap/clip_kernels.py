@@ -42,7 +42,7 @@ class Solids(NamedTuple):
     box: NDArray[np.float64]
 
 
-class Limits(NamedTuple):
+class PartLimits(NamedTuple):
     """Definition of a part: as wide as ``radius``, or ``floor`` by rounding, and longer than
     ``least``.
 

@@ -61,7 +61,7 @@ class Strand:
 
 
 @dataclass(frozen=True, slots=True)
-class Run:
+class StrandPoints:
     """A strand's points (n, 2) and clearances (n,), with the links to the next points.
 
     ``pairs`` (n, 2), ``gap``, ``step`` and ``proved`` (n,) as in
@@ -75,10 +75,10 @@ class Run:
     step: FloatArray
     proved: BoolArray
 
-    def part(self, first: int, last: int) -> Run:
+    def part(self, first: int, last: int) -> StrandPoints:
         """Part from one point to another, both included."""
         s = slice(first, last + 1)
-        return Run(
+        return StrandPoints(
             self.points[s], self.rho[s], self.pairs[s], self.gap[s], self.step[s], self.proved[s]
         )
 
@@ -215,7 +215,7 @@ def without_spurs(clipped: Clipped, radius: float) -> list[int]:
     return sorted(kept)
 
 
-def _run(chains: Chains, strand: Strand) -> Run:
+def _run(chains: Chains, strand: Strand) -> StrandPoints:
     """Join the strand's chains to one line."""
     runs = []
     for c, forwards in strand.chains:
@@ -227,7 +227,7 @@ def _run(chains: Chains, strand: Strand) -> Run:
             gap, step, proved = _turned(gap), _turned(step), _turned(proved)
         runs.append((points, rho, pairs, gap, step, proved))
     columns = [[*(a[:-1] for a in arrays[:-1]), arrays[-1]] for arrays in zip(*runs, strict=True)]
-    return Run(*(np.concatenate(column) for column in columns))
+    return StrandPoints(*(np.concatenate(column) for column in columns))
 
 
 def _turned(of_links: NDArray[Any]) -> NDArray[Any]:
@@ -235,7 +235,7 @@ def _turned(of_links: NDArray[Any]) -> NDArray[Any]:
     return np.concatenate([of_links[:-1][::-1], of_links[-1:]])
 
 
-def _followed(borders: Borders, run: Run, radius: float, bulge: float) -> Run:
+def _followed(borders: Borders, run: StrandPoints, radius: float, bulge: float) -> StrandPoints:
     """Halve the run's proved links on their bisectors if chords leave them too far."""
     keep = max(radius * (1.0 - TIGHT), float(run.gap[:-1].min()) * (1.0 - NARROWER))
     pairs = np.where(run.proved[:, None], run.pairs, -1)
@@ -256,7 +256,7 @@ def _followed(borders: Borders, run: Run, radius: float, bulge: float) -> Run:
     return _with_points(borders, run, points, link)
 
 
-def _divisible(borders: Borders, run: Run, parts: int) -> Run:
+def _divisible(borders: Borders, run: StrandPoints, parts: int) -> StrandPoints:
     """Return the run with at least ``parts`` links, dividing each evenly if there are fewer."""
     links = len(run.points) - 1
     if links >= parts:
@@ -280,7 +280,9 @@ def _divisible(borders: Borders, run: Run, parts: int) -> Run:
     )
 
 
-def _with_points(borders: Borders, run: Run, points: FloatArray, link: IntArray) -> Run:
+def _with_points(
+    borders: Borders, run: StrandPoints, points: FloatArray, link: IntArray
+) -> StrandPoints:
     """Return the run through more points, each in or at the start of a ``link`` (m,).
 
     A part of a proved link is as wide as its narrower end; others are measured.
@@ -293,7 +295,7 @@ def _with_points(borders: Borders, run: Run, points: FloatArray, link: IntArray)
         gap[i] = min(rho[i], rho[i + 1])
         if not proved[i]:
             gap[i] = polyline_clearance(borders.tree, points[i : i + 2])[0]
-    return Run(points, rho, run.pairs[link], gap, step, proved)
+    return StrandPoints(points, rho, run.pairs[link], gap, step, proved)
 
 
 def _owners(borders: Borders, pairs: IntArray) -> set[int]:
@@ -307,7 +309,7 @@ def _add_node(graph: nx.Graph[int], n: int, xy: FloatArray, clearance: float) ->
 
 
 def _add_edge(
-    graph: nx.Graph[int], borders: Borders, u: int, v: int, run: Run, radius: float
+    graph: nx.Graph[int], borders: Borders, u: int, v: int, run: StrandPoints, radius: float
 ) -> None:
     """Add a wide run; anything narrower than ``radius`` is so by rounding."""
     polyline = np.array(run.points)

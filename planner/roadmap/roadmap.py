@@ -46,7 +46,7 @@ from planner.route.no_way import Blocked, explain, walled_in
 from planner.route.plan_request import Request
 from planner.route.route import plan_request
 from planner.scene import FloatArray, Scene, Vec
-from planner.scene.drawing import ROAD, Layer, plot, to_svg
+from planner.scene.drawing import ROAD, StyledLines, plot, to_svg
 
 if TYPE_CHECKING:
     import networkx as nx
@@ -169,11 +169,11 @@ class Roadmap:
         except OSError as error:
             raise ExchangeError(f"{file}: {error.strerror or error}") from None
 
-    def layers(self) -> list[Layer]:
+    def layers(self) -> list[StyledLines]:
         """Layers to draw: the scene, if it can be drawn, and the edges."""
         below = self.scene.layers() if isinstance(self.scene, Scene) else []
         lines = [data["polyline"] for _, _, data in self.graph.edges(data=True)]
-        return [*below, Layer(lines, ROAD, 1.2)]
+        return [*below, StyledLines(lines, ROAD, 1.2)]
 
     def plot(self, axes: Axes | None = None) -> Axes:
         """Draw scene and roadmap on Matplotlib axes, by default the current ones; return them."""

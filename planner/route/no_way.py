@@ -105,7 +105,7 @@ def widest_way(
 
 
 @dataclass(frozen=True, slots=True)
-class Place:
+class NamedStation:
     """A named station, its nearest primitive, the distance to it, and if an object is there."""
 
     name: str
@@ -115,14 +115,14 @@ class Place:
     is_solid: bool
 
     @classmethod
-    def of(cls, borders: Borders, name: str, at: Vec) -> Place:
+    def of(cls, borders: Borders, name: str, at: Vec) -> NamedStation:
         """Measure the place against the borders."""
         return cls(name, at, *inside_kernels.standing(borders.tree, borders.closed, *at))
 
 
 def why_not(
     borders: Borders,
-    place: Place,
+    place: NamedStation,
     need: float,
     units: str = "",
     what: str = "the radius",

@@ -21,7 +21,7 @@ from planner.diagram.agvd import Chains
 from planner.path import NoPath, Path
 from planner.route.hysteresis import continued, is_kept, last_legs, preferred
 from planner.route.margin import REACH, way_out
-from planner.route.no_way import Blocked, Place, why_not
+from planner.route.no_way import Blocked, NamedStation, why_not
 from planner.route.plan_request import Request
 from planner.route.taut import as_wide, best_cut, finish, is_clear, judge
 from planner.route.whole_path import as_path, length_of
@@ -153,7 +153,9 @@ def _stand(
     what = "the radius and margin" if request.margin > 0.0 else "the radius"
     least = [(0.0, ""), (radius, "the radius")] if request.relaxed else [(0.0, ""), (need, what)]
     ends = request.stations[0], request.stations[-1]
-    places = [Place.of(borders, *named) for named in zip(names, request.stations, strict=True)]
+    places = [
+        NamedStation.of(borders, *named) for named in zip(names, request.stations, strict=True)
+    ]
     for keep, of_what in least:
         for place in places:
             if reason := why_not(borders, place, keep, units, of_what, unknown):

@@ -37,7 +37,7 @@ POINT_SIZE = 0.006
 View = tuple[float, float, float, float]
 
 
-class Layer(NamedTuple):
+class StyledLines(NamedTuple):
     """Lines of one style: (k, 2) arrays; closed ones are filled, holes by the even-odd rule."""
 
     lines: Sequence[FloatArray]
@@ -46,7 +46,7 @@ class Layer(NamedTuple):
     filled: bool = False
 
 
-def obstacle_layers(objects: Iterable[SceneObject], view: View, y_down: bool) -> list[Layer]:
+def obstacle_layers(objects: Iterable[SceneObject], view: View, y_down: bool) -> list[StyledLines]:
     """One layer for the solid of each object, and one for open chains and segments."""
     size = POINT_SIZE * max(view[2] - view[0], view[3] - view[1])
     solids, open_lines = [], []
@@ -55,18 +55,18 @@ def obstacle_layers(objects: Iterable[SceneObject], view: View, y_down: bool) ->
         closed = [_line_of(r, y_down, size) for r in records if _is_closed(r)]
         open_lines += [_line_of(r, y_down, size) for r in records if not _is_closed(r)]
         if closed:
-            solids.append(Layer(closed, OBSTACLE, 0.8, filled=True))
-    return [*solids, Layer(open_lines, OBSTACLE, 2.0)]
+            solids.append(StyledLines(closed, OBSTACLE, 0.8, filled=True))
+    return [*solids, StyledLines(open_lines, OBSTACLE, 2.0)]
 
 
-def wall_layer(view: View) -> Layer:
+def wall_layer(view: View) -> StyledLines:
     """Layer of the bounds."""
     x0, y0, x1, y1 = view
     ring = np.array([(x0, y0), (x1, y0), (x1, y1), (x0, y1), (x0, y0)])
-    return Layer([ring], WALL, 1.0)
+    return StyledLines([ring], WALL, 1.0)
 
 
-def to_svg(title: str, layers: Iterable[Layer], view: View, y_down: bool) -> str:
+def to_svg(title: str, layers: Iterable[StyledLines], view: View, y_down: bool) -> str:
     """SVG picture of the layers; y grows upwards unless ``y_down``."""
     x0, y0, x1, y1 = view
     scale = WIDTH_PX * (1.0 - 2.0 * MARGIN) / max(x1 - x0, y1 - y0)
@@ -97,7 +97,7 @@ def to_svg(title: str, layers: Iterable[Layer], view: View, y_down: bool) -> str
     )
 
 
-def plot(layers: Iterable[Layer], y_down: bool, axes: Axes | None = None) -> Axes:
+def plot(layers: Iterable[StyledLines], y_down: bool, axes: Axes | None = None) -> Axes:
     """Draw the layers on Matplotlib axes, new ones by default; return the axes.
 
     Raises ImportError if Matplotlib is not installed.

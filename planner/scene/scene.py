@@ -18,7 +18,7 @@ from typing import TYPE_CHECKING, Any, Literal, TypeAlias, get_args
 
 from numpy.typing import ArrayLike
 
-from planner.scene.drawing import Layer, View, obstacle_layers, plot, to_svg, wall_layer
+from planner.scene.drawing import StyledLines, View, obstacle_layers, plot, to_svg, wall_layer
 from planner.scene.flat_arcs import flatten
 from planner.scene.polygons import geo_of, objects_from_geo, objects_from_polygons
 from planner.scene.primitives import Primitives
@@ -230,7 +230,7 @@ class Scene:
         objects = (*self.objects[:number], *others, *self.objects[number + 1 :])
         return replace(self, objects=objects)
 
-    def layers(self) -> list[Layer]:
+    def layers(self) -> list[StyledLines]:
         """Layers to draw: each object's solid, open lines, and the bounds."""
         return [*obstacle_layers(self.objects, self.view, self.y_down), wall_layer(self.view)]
 

@@ -33,7 +33,7 @@ from planner.search.route_kernels import (
     put_behind,
     search,
 )
-from planner.search.search_kernels import GateCosts, Graph, pop, pushed
+from planner.search.search_kernels import ChainGraph, GateCosts, pop, pushed
 
 BEYOND = 1.0 + 1e-9
 """Costs are known but for rounding: so many times the limit is surely beyond it."""
@@ -52,7 +52,7 @@ class Query(NamedTuple):
     gates, steps over a station's ``own`` chain (2 c,), and the chains of the stations' entries.
     """
 
-    graph: Graph
+    graph: ChainGraph
     ahead: NDArray[np.float64]
     floor: float
     start: GateCosts

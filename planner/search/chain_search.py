@@ -16,7 +16,7 @@ from planner.borders.generators import Borders
 from planner.diagram.agvd import Chains
 from planner.scene import FloatArray, IntArray, Vec
 from planner.search import alternative_kernels, attach_kernels, route_kernels, search_kernels
-from planner.search.search_kernels import Gates, Graph
+from planner.search.search_kernels import ChainGraph, Gates
 
 DETOUR = 4.0
 """How much longer a step at a clearance of one radius may be, at the preference just below 1."""
@@ -35,14 +35,14 @@ class Network:
     """The chains, and as ``graph`` the costs of links and chains and the chains at each node."""
 
     chains: Chains
-    graph: Graph
+    graph: ChainGraph
 
     @classmethod
     def of(cls, chains: Chains, need: float, preference: float) -> Network:
         """Compute costs for a disc of radius ``need``. O(points)."""
         arrays, weight = chains.arrays, DETOUR * preference
         priced = search_kernels.price_chains(arrays, len(chains.node_xy), need, weight)
-        return cls(chains, Graph(arrays, *priced))
+        return cls(chains, ChainGraph(arrays, *priced))
 
 
 @dataclass(frozen=True, slots=True)

@@ -26,7 +26,7 @@ NEAREST = 1e-12
 """A link costs no more than one of this clearance does."""
 
 
-class Graph(NamedTuple):
+class ChainGraph(NamedTuple):
     """The chains as a graph with costs.
 
     ``cost`` (p,) of the link from each point, ``total`` (c,) of every chain; node n has the chains
@@ -65,7 +65,7 @@ class GateCosts(NamedTuple):
 
 @njit(**OWNING)
 def price_chains(chains, nodes, radius, weight):
-    """Compute the :class:`Graph` fields of chains that meet in this number of ``nodes``.
+    """Compute the :class:`ChainGraph` fields of chains that meet in this number of ``nodes``.
 
     A link costs its length times 1 + weight * radius / clearance.
     """

@@ -196,7 +196,7 @@ def _reach(tree, discs, i, side, a, most, floor):
     return gone
 
 
-class Queue(NamedTuple):
+class TangentQueue(NamedTuple):
     """Tangents, the cheapest first.
 
     ``item`` (i, 8), ``made`` of them set: cost at the tangent's end; disc, side and angle met;
@@ -260,7 +260,7 @@ def _queued(queue, discs, t, reach, longest):
             push(keys, items, size, key, np.int32(made))
             made += 1
             size += 1
-    return Queue(item, keys, items, made, size)
+    return TangentQueue(item, keys, items, made, size)
 
 
 @njit(**OWNING)
@@ -301,7 +301,7 @@ def shortest(tree, discs, floor, longest, budget):
     done.
     """
     n, room = len(discs), 1024
-    queue = Queue(np.empty((room, 8)), np.empty(room), np.empty(room, np.int32), 1, 1)
+    queue = TangentQueue(np.empty((room, 8)), np.empty(room), np.empty(room, np.int32), 1, 1)
     queue.item[0] = 0.0
     queue.item[0, 1], queue.item[0, 2], queue.item[0, 7] = START, 1.0, -1.0
     gx, gy = discs[GOAL, 0], discs[GOAL, 1]
@@ -315,7 +315,7 @@ def shortest(tree, discs, floor, longest, budget):
             outcome = OUT_OF_BUDGET
             break
         key, t = pop(queue.keys, queue.items, queue.size)
-        queue = Queue(queue.item, queue.keys, queue.items, queue.made, queue.size - 1)
+        queue = TangentQueue(queue.item, queue.keys, queue.items, queue.made, queue.size - 1)
         if key >= longest:
             break
         item = queue.item

@@ -9,7 +9,7 @@ pytest.importorskip("playwright.sync_api", reason="playwright is not installed")
 from playwright.sync_api import Page, expect
 
 from navigation.dashboard.orders import cannot
-from navigation.mission.mission import Mission
+from navigation.mission.mission import MissionProgress
 from tests.browser.acting import click_at, send_to, wait_for_picture
 from tests.browser.programs.served import ShownProgram, until
 
@@ -41,7 +41,7 @@ HEAR_OF_NO_MISSION = """() => new Promise((resolve) => {
     emit(kind, message);
     if (kind === "state") resolve();
   };
-})""".replace("CANNOT", json.dumps(cannot(Mission())))
+})""".replace("CANNOT", json.dumps(cannot(MissionProgress())))
 
 
 def have_goal(page: Page) -> None:

@@ -1,4 +1,4 @@
-"""Docstrings open with what a thing is or does, and a folder's says what happens in it.
+"""Docstrings say what a thing is or does; a folder's says what happens in it; class names are unique.
 
 The rules are those of ``docs/style.md``; the four packages are read as text, nothing is imported.
 """
@@ -16,6 +16,8 @@ PACKAGES = ["clearway", "firmware_protocol", "navigation", "planner", "vision"]
 OPENING = re.compile(r"(What|Who|Whether|How|Where|As|Of)\b")
 
 FOLDER_LINES_MIN = 2
+BOARDS = ROOT / "firmware_protocol" / "robot" / "boards"
+"""Each of its files defines ``Board``: one of them is copied to the robot as ``board.py``."""
 THE_FILE = "the file"
 
 
@@ -55,3 +57,14 @@ def _wrong(package: str) -> list[str]:
 def test_docstrings_open_with_a_noun_phrase_or_an_imperative(package: str) -> None:
     wrong = _wrong(package)
     assert not wrong, "\n".join(wrong)
+
+
+def test_a_public_class_name_stands_for_one_class() -> None:
+    places: dict[str, list[str]] = {}
+    for package in PACKAGES:
+        for file, tree in _sources(package):
+            for node in tree.body:
+                if isinstance(node, ast.ClassDef) and file.parent != BOARDS:
+                    places.setdefault(node.name, []).append(str(file.relative_to(ROOT)))
+    twice = {name: files for name, files in places.items() if len(files) > 1 and name[0] != "_"}
+    assert not twice

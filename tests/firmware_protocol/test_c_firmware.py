@@ -13,7 +13,7 @@ from hypothesis import strategies as st
 
 from firmware_protocol.wire.crc import crc32c
 from firmware_protocol.wire.drive_settings import DriveSettings
-from firmware_protocol.wire.framing import Frame, Sender, encode_frame
+from firmware_protocol.wire.framing import Sender, WireFrame, encode_frame
 from firmware_protocol.wire.messages import (
     ESTOP_FRAME,
     SCHEMA_HASH,
@@ -81,7 +81,7 @@ def random_deed(pair: Pair, rng: random.Random) -> None:
         case 10:
             pair.send(TimeSync(rng.getrandbits(32)))
         case 11:
-            wire = bytearray(encode_frame(Frame(rng.randrange(256), pair.session), Sender.HOST))
+            wire = bytearray(encode_frame(WireFrame(rng.randrange(256), pair.session), Sender.HOST))
             wire[rng.randrange(len(wire))] ^= 1 << rng.randrange(8)
             pair.feed(bytes(wire))
         case 12:
@@ -90,7 +90,7 @@ def random_deed(pair: Pair, rng: random.Random) -> None:
             number = rng.choice([expected_of(pair.python), rng.randrange(256)])
             reliable = rng.random() < 0.5
             if kind != MessageType.ESTOP:
-                frame = Frame(kind, pair.session, payload, number, reliable=reliable)
+                frame = WireFrame(kind, pair.session, payload, number, reliable=reliable)
                 pair.feed(encode_frame(frame, Sender.HOST))
         case 13:
             session = rng.choice([pair.session, pair.session, rng.randrange(1, 12)])
@@ -101,7 +101,7 @@ def random_deed(pair: Pair, rng: random.Random) -> None:
                     (MessageType.CONFIRM, Confirm(nonce_of(pair.python)).pack()),
                 ]
             )
-            pair.feed(encode_frame(Frame(kind, session, payload), Sender.HOST))
+            pair.feed(encode_frame(WireFrame(kind, session, payload), Sender.HOST))
         case 14:
             pair.feed(rng.randbytes(rng.randrange(400)))
         case _:
@@ -196,7 +196,9 @@ def test_the_interrupts_matcher_finds_the_emergency_stop_and_nothing_else() -> N
     assert found(ESTOP_FRAME * 3) == 3
     rng = random.Random(1)
     for _ in range(200):
-        frame = Frame(rng.randrange(256), rng.getrandbits(16), rng.randbytes(rng.randrange(113)))
+        frame = WireFrame(
+            rng.randrange(256), rng.getrandbits(16), rng.randbytes(rng.randrange(113))
+        )
         assert found(encode_frame(frame, Sender.HOST)) == 0
 
 

@@ -13,7 +13,7 @@ from firmware_protocol.host.line.clock_sync import WRAP_US, ClockEstimate
 from firmware_protocol.host.state import LinkState
 from firmware_protocol.robot.clearway.link import REJECTED
 from firmware_protocol.robot.clearway.robot import NO_POSE_MS
-from firmware_protocol.wire.framing import Frame, Sender, encode_frame
+from firmware_protocol.wire.framing import Sender, WireFrame, encode_frame
 from firmware_protocol.wire.messages import (
     ESTOP_FRAME,
     SCHEMA_HASH,
@@ -41,7 +41,7 @@ DRIVE = LeaseFlag.PERMIT | LeaseFlag.ODOMETRY
 
 def say(table: Table, session: int) -> None:
     """Somebody's HELLO, to the robot."""
-    frame = Frame(MessageType.HELLO, session, Hello(SCHEMA_HASH).pack())
+    frame = WireFrame(MessageType.HELLO, session, Hello(SCHEMA_HASH).pack())
     table.robot.receive_bytes(encode_frame(frame, Sender.HOST), table.now_s)
 
 

@@ -39,7 +39,7 @@ from vision.binarise.grey_picture import (
     FEWEST,
     LEAST_CONTRAST,
     Binary,
-    Look,
+    GreyPicture,
     as_array,
     as_grey,
     black_and_white,
@@ -104,7 +104,7 @@ def binarise(
     if side == "light":
         grey = cv2.bitwise_not(grey) if grey.dtype == np.uint8 else 255 - grey
         threshold = None if threshold is None else 255.0 - threshold + 1e-6
-    binary = _by_method(Look(grey, room), side, method, threshold)
+    binary = _by_method(GreyPicture(grey, room), side, method, threshold)
     if why_side:
         how = binary.how
         how = Binarisation(how.method, how.threshold, side, f"{how.reason}; {why_side}")
@@ -152,7 +152,7 @@ def _side(grey: NDArray[Any], polarity: Polarity) -> tuple[Literal["dark", "ligh
     """Side of the level that obstacles lie on: the rarer one if ``polarity`` is ``auto``."""
     if polarity != "auto":
         return polarity, ""
-    look = Look(grey)
+    look = GreyPicture(grey)
     classes = split_classes(look.counts, noise_sigma(grey))
     if look.fine is not None:
         classes = classes_of(look)
@@ -164,7 +164,7 @@ def _side(grey: NDArray[Any], polarity: Polarity) -> tuple[Literal["dark", "ligh
 
 
 def _by_method(
-    look: Look, side: Literal["dark", "light"], method: Method, threshold: float | None
+    look: GreyPicture, side: Literal["dark", "light"], method: Method, threshold: float | None
 ) -> Binary:
     classes = classes_of(look)
     match method:
@@ -181,14 +181,14 @@ def _by_method(
 
 
 def _fixed(
-    look: Look, classes: Classes | None, side: Literal["dark", "light"], level: float
+    look: GreyPicture, classes: Classes | None, side: Literal["dark", "light"], level: float
 ) -> Binary:
     contrast = 2.0 * min(level, 255.0 - level) if classes is None else classes.contrast
     how = Binarisation("fixed", _shown(level, side), side, "the level was given")
     return black_and_white(look, level, contrast, how)
 
 
-def _by_otsu(look: Look, classes: Classes | None, side: Literal["dark", "light"]) -> Binary:
+def _by_otsu(look: GreyPicture, classes: Classes | None, side: Literal["dark", "light"]) -> Binary:
     if classes is None:
         return _uniform(look, side)
     level = _otsu(look.grey) + 0.5
@@ -196,7 +196,7 @@ def _by_otsu(look: Look, classes: Classes | None, side: Literal["dark", "light"]
     return black_and_white(look, level, classes.contrast, how)
 
 
-def _auto(look: Look, classes: Classes | None, side: Literal["dark", "light"]) -> Binary:
+def _auto(look: GreyPicture, classes: Classes | None, side: Literal["dark", "light"]) -> Binary:
     """One level in even light, otherwise the level or division that edges support best."""
     if classes is not None and look.fine is not None:
         # such structure has no plateaus, by which edges are judged
@@ -244,7 +244,7 @@ def _auto(look: Look, classes: Classes | None, side: Literal["dark", "light"]) -
     return with_left_out(best_of_all, others, support)
 
 
-def _even(look: Look, classes: Classes, side: Literal["dark", "light"]) -> Binary:
+def _even(look: GreyPicture, classes: Classes, side: Literal["dark", "light"]) -> Binary:
     reason = (
         f"even light: obstacles at {classes.dark:.0f}, free at {classes.light:.0f}, "
         f"noise {look.noise:.1f} grey levels; the level lies half-way"
@@ -253,7 +253,7 @@ def _even(look: Look, classes: Classes, side: Literal["dark", "light"]) -> Binar
     return black_and_white(look, classes.level, classes.contrast, how)
 
 
-def _fine(look: Look, classes: Classes, side: Literal["dark", "light"]) -> Binary:
+def _fine(look: GreyPicture, classes: Classes, side: Literal["dark", "light"]) -> Binary:
     """Binarise walls of a few pixels, at a level that noise rarely pushes their pixels across."""
     if SIGMAS * look.noise <= 0.5 * classes.contrast:
         return _even(look, classes, side)
@@ -267,7 +267,7 @@ def _fine(look: Look, classes: Classes, side: Literal["dark", "light"]) -> Binar
     return black_and_white(look, level, classes.contrast, how)
 
 
-def _level(look: Look, classes: Classes, side: Literal["dark", "light"]) -> Binary:
+def _level(look: GreyPicture, classes: Classes, side: Literal["dark", "light"]) -> Binary:
     reason = (
         f"uneven light, but edges are sharpest at one level: obstacles at {classes.dark:.0f}, "
         f"free at {classes.light:.0f}, noise {look.noise:.1f} grey levels"
@@ -278,21 +278,21 @@ def _level(look: Look, classes: Classes, side: Literal["dark", "light"]) -> Bina
     return black_and_white(look, classes.level, classes.contrast, how, margin=margin)
 
 
-def _uniform(look: Look, side: Literal["dark", "light"]) -> Binary:
+def _uniform(look: GreyPicture, side: Literal["dark", "light"]) -> Binary:
     """Make a picture without contrast all free or all obstacle."""
     mean = float(cv2.mean(look.grey)[0])
     why = f"no contrast: every pixel is within noise of {mean:.0f}"
     return _all_alike(look, side, mean, why)
 
 
-def _edgeless(look: Look, side: Literal["dark", "light"]) -> Binary:
+def _edgeless(look: GreyPicture, side: Literal["dark", "light"]) -> Binary:
     """Make a picture without sudden changes all free or all obstacle, by its best-lit part."""
     running = np.cumsum(look.counts)
     lit = float(np.searchsorted(running, LIT_SHARE * running[-1]))
     return _all_alike(look, side, lit, f"no edges: the light runs up to {lit:.0f} and is uneven")
 
 
-def _unresolved(look: Look, side: Literal["dark", "light"], found: Unresolved) -> Binary:
+def _unresolved(look: GreyPicture, side: Literal["dark", "light"], found: Unresolved) -> Binary:
     """Make ground whose walls and ways run together all obstacle."""
     why = (
         "walls and ways may be too fine for the picture: the ground's grey varies by "
@@ -308,14 +308,14 @@ def _unresolved(look: Look, side: Literal["dark", "light"], found: Unresolved) -
     return replace(binary, remarks=(*binary.remarks, why))
 
 
-def _all_alike(look: Look, side: Literal["dark", "light"], grey: float, why: str) -> Binary:
+def _all_alike(look: GreyPicture, side: Literal["dark", "light"], grey: float, why: str) -> Binary:
     dark = grey < 127.5
     reason = f"{why}, {'darker' if dark else 'lighter'} than half"
     how = Binarisation("fixed", 127.5, side, reason)
     return black_and_white(look, 256.0 if dark else -1.0, 255.0, how)
 
 
-def _adaptive(look: Look, classes: Classes | None, side: Literal["dark", "light"]) -> Binary:
+def _adaptive(look: GreyPicture, classes: Classes | None, side: Literal["dark", "light"]) -> Binary:
     grey = look.grey
     block = (min(grey.shape) // 4) | 1
     mean = cv2.blur(grey.astype(np.float32), (block, block), borderType=cv2.BORDER_REPLICATE)
@@ -332,11 +332,11 @@ def _adaptive(look: Look, classes: Classes | None, side: Literal["dark", "light"
     )
     centred = centred.astype(np.float32, copy=False)
     return black_and_white(
-        Look(centred, look.room), 127.5, contrast, how, noise=look.noise, margin=offset
+        GreyPicture(centred, look.room), 127.5, contrast, how, noise=look.noise, margin=offset
     )
 
 
-def _best_divided(look: Look, side: Literal["dark", "light"]) -> Binary:
+def _best_divided(look: GreyPicture, side: Literal["dark", "light"]) -> Binary:
     """Picture divided by the light, as requested, at the level with the better edges."""
     found = _divided(look, side, "asked for")
     if len(found) == 1:
@@ -347,7 +347,7 @@ def _best_divided(look: Look, side: Literal["dark", "light"]) -> Binary:
     return max(zip(found, judged, strict=True), key=lambda one: one[1].worth(typical))[0]
 
 
-def _divided(look: Look, side: Literal["dark", "light"], why: str) -> list[Binary]:
+def _divided(look: GreyPicture, side: Literal["dark", "light"], why: str) -> list[Binary]:
     """Picture divided by the light, at the level between its classes.
 
     In noise there is a second mask, at the level half-way to pixels that stand out of it. Each mask
@@ -363,7 +363,7 @@ def _divided(look: Look, side: Literal["dark", "light"], why: str) -> list[Binar
         flat = np.clip(look.grey / light * np.float32(FREE_LEVEL), 0.0, 255.0)
     scale = FREE_LEVEL / (top - 1.0) if side == "light" else FREE_LEVEL
     flat = flat.astype(np.float32, copy=False)
-    divided = Look(flat)
+    divided = GreyPicture(flat)
     if divided.fine is None:
         divided.noise = float(noise_sigma(divided.grey))
     # division amplifies noise where there is little light

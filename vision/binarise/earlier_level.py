@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from planner.scene import Binarisation
-from vision.binarise.grey_picture import Look, as_array, as_grey, scaled_threshold
+from vision.binarise.grey_picture import GreyPicture, as_array, as_grey, scaled_threshold
 from vision.binarise.regions.edge_evidence import leaves_out
 
 
@@ -23,5 +23,5 @@ def level_leaves_out(image: NDArray[Any], how: Binarisation) -> bool:
     if how.polarity == "light":
         grey = cv2.bitwise_not(grey) if grey.dtype == np.uint8 else 255 - grey
         level = 255.0 - level
-        return leaves_out(Look(grey), level, "light")
-    return leaves_out(Look(grey), level, "dark")
+        return leaves_out(GreyPicture(grey), level, "light")
+    return leaves_out(GreyPicture(grey), level, "dark")

@@ -24,7 +24,7 @@ from vision.binarise.grey_picture import (
     FEWEST,
     LEAST_CONTRAST,
     NO_CALMING,
-    Look,
+    GreyPicture,
 )
 
 LEAST_CONTRAST_SIGMAS = 5.0
@@ -65,7 +65,7 @@ class Classes:
         return self.light - self.dark
 
 
-def classes_of(look: Look, strongest: float | None = None) -> Classes | None:
+def classes_of(look: GreyPicture, strongest: float | None = None) -> Classes | None:
     """Two classes of a picture, seen through a little smoothing if it is noisy."""
     strongest = look.noise if strongest is None else strongest
     if look.fine is not None:
@@ -85,7 +85,9 @@ def classes_of(look: Look, strongest: float | None = None) -> Classes | None:
     return replace(found, light_spread=explained)
 
 
-def _sharpened(found: Classes, look: Look, counts: NDArray[np.int64], noise: float) -> Classes:
+def _sharpened(
+    found: Classes, look: GreyPicture, counts: NDArray[np.int64], noise: float
+) -> Classes:
     """The classes, with the rarer one corrected if most of its pixels are edge.
 
     Blur leaves hardly a pixel of a narrow wall as dark as the wall is: the class's middle lies too
@@ -130,7 +132,7 @@ def split_classes(histogram: NDArray[np.int64], noise: float) -> Classes | None:
     return Classes(dark, light, spread, dark_share) if found else None
 
 
-def unevenness(look: Look, classes: Classes, side: Literal["dark", "light"]) -> float:
+def unevenness(look: GreyPicture, classes: Classes, side: Literal["dark", "light"]) -> float:
     """Spread of the free pixels beyond the noise, as a share of the contrast.
 
     Light obstacles count too: uneven light spreads them more than the ground.
@@ -144,7 +146,7 @@ def unevenness(look: Look, classes: Classes, side: Literal["dark", "light"]) -> 
     return math.sqrt(max(spread**2 - look.noise**2, 0.0)) / classes.contrast
 
 
-def significant_dark(look: Look, noise: NDArray[np.float32], light: float) -> float | None:
+def significant_dark(look: GreyPicture, noise: NDArray[np.float32], light: float) -> float | None:
     """Middle of pixels significantly darker than free ones of one grey value, or None.
 
     ``noise`` (h, w) is the local standard deviation, which a histogram of the whole picture lacks:

@@ -80,7 +80,7 @@ def calming_of(noise: float) -> Calming:
     return BINOMIAL if BINOMIAL.left * noise < LEAST_CONTRAST else WIDE
 
 
-class Look:
+class GreyPicture:
     """A grey picture, its noise and its histogram, smoothed on demand."""
 
     def __init__(self, grey: NDArray[Any], room: Room | None = None) -> None:
@@ -113,17 +113,17 @@ class Look:
             return NO_CALMING
         return calming_of(self.noise if noise is None else noise)
 
-    def apart(self) -> Look:
+    def apart(self) -> GreyPicture:
         """The same picture with memory of its own, for a mask to be compared with others."""
         other = copy(self)
         other.room = Room()
         return other
 
-    def halved(self) -> Look:
+    def halved(self) -> GreyPicture:
         """Picture of half the size: means of 2 x 2 pixels."""
         height, width = (side // 2 for side in self.grey.shape)
         whole = self.grey[: 2 * height, : 2 * width]
-        return Look(cv2.resize(whole, (width, height), interpolation=cv2.INTER_AREA))
+        return GreyPicture(cv2.resize(whole, (width, height), interpolation=cv2.INTER_AREA))
 
     def counts_after(self, calming: Calming) -> NDArray[np.int64]:
         """Histogram (256,) of the smoothed picture, from a sample."""
@@ -207,7 +207,7 @@ class Binary:
 
 
 def black_and_white(
-    look: Look,
+    look: GreyPicture,
     level: float,
     contrast: float,
     how: Binarisation,

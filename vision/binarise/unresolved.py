@@ -22,7 +22,7 @@ from numpy.typing import NDArray
 
 from vision.binarise.binarise_kernels import REACH, SAMPLE
 from vision.binarise.grey_classes import Classes, grey_spread
-from vision.binarise.grey_picture import BINOMIAL, FEWEST, LEAST_CONTRAST, Look
+from vision.binarise.grey_picture import BINOMIAL, FEWEST, LEAST_CONTRAST, GreyPicture
 
 LEAST_SHARE = 0.045
 """How much of the light, and of the contrast of plain obstacles, the structure's standard deviation
@@ -64,7 +64,7 @@ class Unresolved:
 
 
 def unresolved_structure(
-    look: Look, classes: Classes | None, side: Literal["dark", "light"]
+    look: GreyPicture, classes: Classes | None, side: Literal["dark", "light"]
 ) -> Unresolved | None:
     """Structure too fine for the picture, in the class of most of its pixels.
 
@@ -103,7 +103,7 @@ class _Ground(NamedTuple):
     contrast: float
 
     @classmethod
-    def of(cls, look: Look, classes: Classes | None) -> _Ground:
+    def of(cls, look: GreyPicture, classes: Classes | None) -> _Ground:
         counts = look.counts
         if classes is not None and 0.0 < classes.dark_share < 1.0:
             level, contrast = classes.level, classes.contrast

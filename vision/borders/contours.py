@@ -34,7 +34,7 @@ LEAST_VARIANCE = 0.08
 
 
 @dataclass(frozen=True, slots=True)
-class Borders:
+class Contours:
     """Every border as a closed sequence of cracks.
 
     ``x``, ``y`` (c,) int32: the obstacle pixel of each crack; ``direction`` (c,) int8: the
@@ -112,7 +112,7 @@ def laplacian_border(mask: NDArray[np.uint8]) -> NDArray[np.bool_]:
     return border
 
 
-def follow_borders(mask: NDArray[np.uint8], room: Room | None = None) -> Borders:
+def follow_borders(mask: NDArray[np.uint8], room: Room | None = None) -> Contours:
     """Follow every border of a padded mask (see ``vision.binarise.grey_picture.Binary``).
 
     The mask is marked meanwhile and restored afterwards. With a ``room`` the borders are valid only
@@ -129,10 +129,10 @@ def follow_borders(mask: NDArray[np.uint8], room: Room | None = None) -> Borders
         room.take("direction", likely, np.int8),
     )
     owner = kernels.hole_owners(mask, x, y, direction, starts, area)
-    return Borders(x, y, direction, starts, area, owner)
+    return Contours(x, y, direction, starts, area, owner)
 
 
-def locate_edges(binary: Binary, borders: Borders, room: Room | None = None) -> EdgePoints:
+def locate_edges(binary: Binary, borders: Contours, room: Room | None = None) -> EdgePoints:
     """Sub-pixel edge points of every border. O(border).
 
     With a ``room`` they are valid only until its next use.

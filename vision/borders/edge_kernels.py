@@ -58,7 +58,7 @@ SAME_GREY = 1e-9
 """A rounding of grey values."""
 
 
-class Kind(NamedTuple):
+class PlateauRows(NamedTuple):
     """The rows of one kind of plateau, dark or light; sums run up to every crack."""
 
     own: FloatArray
@@ -256,8 +256,8 @@ def find_plateaus(n, work, sums):
     (4, n + 1) is scratch space.
     """
     reach = min(STRETCH, (n - 1) // 2)
-    dark = Kind(work.dark, work.dark_level, sums[0], sums[1], sums[3])
-    light = Kind(work.light, work.light_level, sums[2], sums[3], sums[1])
+    dark = PlateauRows(work.dark, work.dark_level, sums[0], sums[1], sums[3])
+    light = PlateauRows(work.light, work.light_level, sums[2], sums[3], sums[1])
     # at first no plateau is too light or too dark
     dark.level[:n] = np.inf
     light.level[:n] = -np.inf

@@ -56,14 +56,14 @@ Rectangle: TypeAlias = tuple[int, int, int, int]
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Part:
+class CameraPart:
     """One camera's part: the pixels within ``box`` (x, y, width, height) where ``mask`` is set."""
 
     box: Rectangle
     mask: NDArray[np.uint8]
 
     @classmethod
-    def of(cls, owners: Owners, index: int) -> Part | None:
+    def of(cls, owners: Owners, index: int) -> CameraPart | None:
         """Part of one camera; None if it shows nothing."""
         own = (owners == index).view(np.uint8)
         x, y, width, height = cv2.boundingRect(own)
@@ -189,14 +189,14 @@ class FloorPlan:
         """
         canvas = np.zeros(owners.shape, np.uint8)
         for index, picture in enumerate(pictures):
-            part = None if picture is None else Part.of(owners, index)
+            part = None if picture is None else CameraPart.of(owners, index)
             if picture is not None and part is not None:
                 self.draw(canvas, index, picture, part, float(gains[index]))
         _mirror_into(canvas, owners < 0)
         return canvas
 
     def draw(
-        self, canvas: Image, index: int, picture: Image, part: Part, gain: float = 1.0
+        self, canvas: Image, index: int, picture: Image, part: CameraPart, gain: float = 1.0
     ) -> None:
         """Draw one camera's part into a picture of the plan (h, w), in place."""
         x, y, width, height = part.box

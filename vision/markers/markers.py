@@ -40,7 +40,7 @@ from vision.markers.marker_search import (
     grey_of,
 )
 from vision.markers.sighting import RobotMarker, Sighting, warm_up
-from vision.markers.tracking import Pose, Track
+from vision.markers.tracking import MarkerTrack, Pose
 
 __all__ = [
     "MarkedRobot",
@@ -103,7 +103,7 @@ class MarkerTracker:
         recipes = ((23, 15.0), (11, 7.0), (45, 10.0))
         self._finders = [finder_of(book, window, constant) for window, constant in recipes]
         self._near = self._finders[:2]
-        self._tracks = {robot.id: Track(robot.limits) for robot in robots}
+        self._tracks = {robot.id: MarkerTrack(robot.limits) for robot in robots}
         self._first_s: float | None = None
         self._frames = 0
         self.refusals: tuple[str, ...] = ()

@@ -82,7 +82,7 @@ class VelocityFilter:
         self._prr = prr - gain_rate * pvr
 
 
-class Track:
+class MarkerTrack:
     """One robot's track. ``offer`` each sighting; report only what it returns."""
 
     def __init__(self, limits: TrackLimits) -> None:

@@ -19,7 +19,7 @@ from numba import njit
 
 from planner.scene.compile_options import LEAF, SUMS
 from vision.outline.fit.shape_kernels import HUGE
-from vision.outline.outline_types import Place
+from vision.outline.outline_types import CanonicalPlace
 from vision.shared.typed_numbers import NONE
 
 APART = 7
@@ -95,7 +95,7 @@ def bring_into_place(points, away, border):
             px[to + k] = math.floor((xx * u + xy * v) * STEPS + 0.5) * share
             py[to + k] = math.floor((yx * u + yy * v) * STEPS + 0.5) * share
     _repeat(px, py, n)
-    return Place(transposed, turns, xx * x + xy * y, yx * x + yy * y)
+    return CanonicalPlace(transposed, turns, xx * x + xy * y, yx * x + yy * y)
 
 
 @njit(**SUMS)
@@ -153,7 +153,7 @@ def bring_cracks_along(border, cracks, place):
     right = _rounded(dx - x)
     down = _rounded(dy - y)
     _shift(border.x, border.y, border.n, right, down)
-    return Place(place.transposed, place.turns, dx, dy)
+    return CanonicalPlace(place.transposed, place.turns, dx, dy)
 
 
 @njit(**LEAF)

@@ -12,7 +12,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from vision.borders.contours import Borders, EdgePoints
+from vision.borders.contours import Contours, EdgePoints
 from vision.outline.drawn.separation_kernels import runs_between_two_greys
 from vision.outline.fit.edge_prices import LEAST_LINE, edge_prices
 from vision.outline.fit.outline_kernels import KNOWN_PX
@@ -87,7 +87,7 @@ def staircase_share(edges: EdgePoints, sigma_px: float) -> float:
     return min(common / whole, 1.0) if saved > LEAST_LINE else 0.0
 
 
-def is_drawing(grey: NDArray[Any], borders: Borders) -> bool:
+def is_drawing(grey: NDArray[Any], borders: Contours) -> bool:
     """True if every border runs between the same two values of grey. O(1) for most others."""
     return bool(runs_between_two_greys(grey, borders.x, borders.y, borders.direction))
 
@@ -95,7 +95,7 @@ def is_drawing(grey: NDArray[Any], borders: Borders) -> bool:
 def fit_edges(
     points: NDArray[np.float64],
     starts: NDArray[np.int64],
-    borders: Borders,
+    borders: Contours,
     tolerance: Tolerance,
     *,
     separate: bool = False,

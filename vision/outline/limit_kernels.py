@@ -1,7 +1,7 @@
 """Limits on what edges may miss, from a picture's noise, blur and greys.
 
 Rules and units
-- Pixels, but ``Limits.skip`` in points and budgets in square pixels.
+- Pixels, but ``OutlineLimits.skip`` in points and budgets in square pixels.
 - ``tolerance``: see ``vision.outline.fitting.Tolerance``.
 """
 
@@ -16,7 +16,7 @@ from numba import njit
 
 from planner.scene.compile_options import LEAF, OWNING
 from vision.outline.fit.outline_kernels import KNOWN_PX, STRAY_PX
-from vision.outline.outline_types import Limits
+from vision.outline.outline_types import OutlineLimits
 
 QUIET_PX, NOISY_PX = 0.1, 0.2
 """From where to where in the noise of a point a picture counts as noisy: chosen."""
@@ -49,7 +49,7 @@ def limits_of(tolerance, exact):
     sigma = tolerance.sigma_px
     spread = tolerance.spread_px
     worst = dead_zone + 0.12 if crisp else 0.35 + dead_zone + 4.5 * sigma
-    return Limits(
+    return OutlineLimits(
         crisp,
         worst,
         min(worst, STRAY_PX),

@@ -56,7 +56,7 @@ class CrackPixels(NamedTuple):
     starts: NDArray[np.int64]
 
 
-class Place(NamedTuple):
+class CanonicalPlace(NamedTuple):
     """Original position of a border that was moved into its canonical frame.
 
     ``transposed``: x and y were exchanged, after ``turns`` quarter turns; ``x``, ``y``: its origin
@@ -138,7 +138,7 @@ class Prices(NamedTuple):
     circle: float
 
 
-class Limits(NamedTuple):
+class OutlineLimits(NamedTuple):
     """Limits on what a picture's edges may miss, in pixels (``vision.outline.limit_kernels``).
 
     ``crisp``: without grey. ``worst``: largest distance of a point from its edge, ``round_worst``:
@@ -203,7 +203,7 @@ class Blur(NamedTuple):
     guard: float
 
 
-class Change(NamedTuple):
+class EdgeChange(NamedTuple):
     """A possible change between two edges that stay: just their corner, or one edge.
 
     ``rows`` (3, 8) float64: the edge before, between and behind, as in ``Outline.shape``;
@@ -224,7 +224,7 @@ class Change(NamedTuple):
     deviations: NDArray[np.float64]
 
 
-class Run(NamedTuple):
+class EdgeRun(NamedTuple):
     """Edges that an edit might replace: ``length`` of them between ``before`` and ``behind``.
 
     ``spare``: edges that the outline can do without; ``untouched``: it is as partitioned;
@@ -275,7 +275,7 @@ class Scratch(NamedTuple):
     table: NDArray[np.float64]
 
 
-class Memory(NamedTuple):
+class BorderMemory(NamedTuple):
     """All memory for one border, shared out by ``vision.outline.fitting_kernels.share_out``.
 
     Few arrays, as a call from Python unpacks each. ``most``: the largest number of points, plus

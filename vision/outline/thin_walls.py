@@ -19,7 +19,7 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
-from vision.borders.contours import Borders
+from vision.borders.contours import Contours
 from vision.outline.fitted_borders import ARC_CCW, CIRCLE, LINE, TINY, FittedBorders
 
 Place: TypeAlias = Callable[[NDArray[np.float64]], NDArray[np.float64]]
@@ -40,7 +40,7 @@ SAG_PX = 0.02
 
 
 def keep_thin_walls(
-    fitted: FittedBorders, borders: Borders, place: Place, *, fine: bool
+    fitted: FittedBorders, borders: Contours, place: Place, *, fine: bool
 ) -> FittedBorders:
     """``fitted``, with the pixels' outline for thin walls that it cuts short.
 
@@ -75,7 +75,7 @@ def keep_thin_walls(
 
 
 def _cuts_short(
-    fitted: FittedBorders, borders: Borders, b: int, place: Place, least: float
+    fitted: FittedBorders, borders: Contours, b: int, place: Place, least: float
 ) -> bool:
     """True if border b's outline leaves a pixel less than ``least`` inside, or is too long."""
     rim = _polyline(fitted, b).astype(np.float32)

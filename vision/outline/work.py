@@ -11,7 +11,7 @@ import threading
 import numpy as np
 
 from vision.outline.fit.separating_fit_kernels import RADII
-from vision.outline.outline_types import Fitted, Memory
+from vision.outline.outline_types import BorderMemory, Fitted
 
 LEAST = RADII + 1
 """The shortest border that there is memory for: defined, whole circles are given their radius in
@@ -21,13 +21,13 @@ it."""
 class _Kept(threading.local):
     """Memory of this thread's last picture, reused: fresh pages cost as much as a small fit."""
 
-    memory: Memory | None = None
+    memory: BorderMemory | None = None
 
 
 _KEPT = _Kept()
 
 
-def memory_for(longest: int) -> Memory:
+def memory_for(longest: int) -> BorderMemory:
     """Memory to fit borders of up to ``longest`` points or cracks; the next call reuses it."""
     memory = _KEPT.memory
     if memory is None or memory.most <= longest:
@@ -35,10 +35,10 @@ def memory_for(longest: int) -> Memory:
     return memory
 
 
-def make_memory(most: int) -> Memory:
+def make_memory(most: int) -> BorderMemory:
     """Memory to fit borders of fewer than ``most`` points or cracks."""
     row = 2 * most + 1
-    return Memory(
+    return BorderMemory(
         most,
         np.empty((15, row)),
         np.empty((11, row), np.int64),

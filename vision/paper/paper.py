@@ -27,13 +27,13 @@ from planner.scene import (
     Segment,
     SegmentRecord,
 )
-from vision.borders.contours import Borders
+from vision.borders.contours import Contours
 from vision.paper.circles import digital_circle
 from vision.paper.corners import SUPPORT, find_corners
 from vision.records.records import straight_line
 
 
-def paper_objects(borders: Borders) -> tuple[SceneObject, ...]:
+def paper_objects(borders: Contours) -> tuple[SceneObject, ...]:
     """Objects of all borders by the paper's recipe. O(border pixels)."""
     contours, starts = borders.contours()
     corners = find_corners(contours, starts)

@@ -32,7 +32,7 @@ _MILD = 0.2
 """A fifth more or less than nominal is no matter for tolerances, which are chosen no finer."""
 
 
-class Calibration(Protocol):
+class PixelsToFloor(Protocol):
     """Part of a calibration that turns pixels into metres."""
 
     @property
@@ -53,12 +53,12 @@ class Placement:
     bounds: Bounds
     bounds_given: bool
     scale: float
-    calibration: Calibration | None
+    calibration: PixelsToFloor | None
 
     @classmethod
     def of(
         cls,
-        calibration: Calibration | None,
+        calibration: PixelsToFloor | None,
         bounds: Bounds | Sequence[float] | NDArray[np.float64] | None,
         size: tuple[int, int],
     ) -> Placement:

@@ -32,7 +32,7 @@ from planner.scene import (
     Vec,
 )
 from vision.binarise.binarise_kernels import SIGMAS
-from vision.borders.contours import Borders
+from vision.borders.contours import Contours
 from vision.outline.fitted_borders import ARC_CCW, CIRCLE, TINY, FittedBorders
 from vision.records.bulk_records import new_arcs, new_object, new_polygon, new_segments
 from vision.records.clipping import clip_circle, clip_polygon
@@ -52,7 +52,7 @@ class Specks:
     remarks: tuple[str, ...]
 
 
-def find_specks(borders: Borders, noise: float, contrast: float) -> Specks:
+def find_specks(borders: Contours, noise: float, contrast: float) -> Specks:
     """Borders of at most ``SPECK_AREA`` pixels that noise could have made.
 
     If noise cannot cross the level, a single pixel is an obstacle (P), and stays.
@@ -70,7 +70,7 @@ def find_specks(borders: Borders, noise: float, contrast: float) -> Specks:
 
 
 def build_objects(
-    borders: Borders,
+    borders: Contours,
     fitted: FittedBorders,
     placement: Placement,
     skip: frozenset[int] = frozenset(),
@@ -165,7 +165,7 @@ class _Outlines:
         return new_polygon(tuple(self.edges[first:last]), self.rms[first])
 
 
-def tiny_record(borders: Borders, border: int, placement: Placement) -> Record:
+def tiny_record(borders: Contours, border: int, placement: Placement) -> Record:
     """P, S, or the pixels' own outline as L, for an object too small for a fit."""
     thin = thin_record(borders, border, placement)
     if thin is not None:
@@ -176,7 +176,7 @@ def tiny_record(borders: Borders, border: int, placement: Placement) -> Record:
 
 
 def thin_record(
-    borders: Borders, border: int, placement: Placement
+    borders: Contours, border: int, placement: Placement
 ) -> PointRecord | SegmentRecord | ArcRecord | None:
     """P, S or A if an object is one pixel, or one line one pixel wide."""
     xs, ys, _ = borders.cracks_of(border)

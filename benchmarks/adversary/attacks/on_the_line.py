@@ -10,7 +10,7 @@ from benchmarks.adversary.attacks.attack import Act, Attack
 from benchmarks.adversary.rig import Rig
 from benchmarks.adversary.stage.line import Frames, is_permit
 from firmware_protocol.host.connection import HostConnection
-from firmware_protocol.wire.framing import Frame, Sender
+from firmware_protocol.wire.framing import Sender, WireFrame
 from firmware_protocol.wire.messages import MessageType
 
 WATCH_S = 6.0
@@ -209,7 +209,7 @@ def _echo(rig: Rig) -> None:
     rig.watch_mission(WATCH_S)
 
 
-def _keep_no(kind: MessageType) -> Callable[[Frame], bool]:
+def _keep_no(kind: MessageType) -> Callable[[WireFrame], bool]:
     return lambda frame: frame.kind != kind
 
 

@@ -15,7 +15,7 @@ import numpy as np
 from navigation.config import Config
 from navigation.simulator.arena import SimulatedArena, load_arena
 from navigation.simulator.picture.camera import SimulatedBody, SimulatedCamera, TruePose
-from navigation.simulator.picture.drawing import Look
+from navigation.simulator.picture.drawing import Appearance
 from navigation.simulator.picture.pinhole import Pinhole, pinhole_of
 from planner.scene import FloatArray
 from vision.camera.camera import Image
@@ -158,5 +158,7 @@ def _camera_of(config: Config, pinhole: Pinhole, arena: SimulatedArena) -> Simul
         )
         for turn_rad in (0.0, 0.0, math.pi)
     ]  # fmt: skip
-    look = Look(settings.blur_px, settings.noise_grey, settings.light_fall, config.vision.polarity)
+    look = Appearance(
+        settings.blur_px, settings.noise_grey, settings.light_fall, config.vision.polarity
+    )
     return SimulatedCamera(pinhole, arena.scene, bodies, look, lambda: 0.0)

@@ -22,12 +22,12 @@ from pathlib import Path
 import numpy as np
 
 from firmware_protocol.wire.errors import RemoteError
-from firmware_protocol.wire.framing import Frame, FrameParser, Sender
+from firmware_protocol.wire.framing import FrameParser, Sender, WireFrame
 from firmware_protocol.wire.messages import Lease, LeaseFlag, Message, PoseFix, read_message
 from navigation.simulator.line_faults import FaultSpec, FaultyLine
 
 TURN_S = 0.002
-Keep = Callable[[Frame], bool]
+Keep = Callable[[WireFrame], bool]
 
 
 class Frames:
@@ -37,11 +37,11 @@ class Frames:
         self._parser = FrameParser(sender)
         self._partial = bytearray()
 
-    def feed(self, data: bytes) -> list[tuple[bytes, Frame | None]]:
+    def feed(self, data: bytes) -> list[tuple[bytes, WireFrame | None]]:
         self._partial += data
         pieces = bytes(self._partial).split(b"\0")
         self._partial = bytearray(pieces.pop())
-        found: list[tuple[bytes, Frame | None]] = []
+        found: list[tuple[bytes, WireFrame | None]] = []
         for piece in filter(None, pieces):
             raw = b"\0" + piece + b"\0"
             frames = self._parser.feed(raw)
@@ -49,7 +49,7 @@ class Frames:
         return found
 
 
-def message_of(frame: Frame | None) -> Message | None:
+def message_of(frame: WireFrame | None) -> Message | None:
     """What a frame says; None where it is none or says nothing that is known."""
     if frame is None:
         return None
@@ -59,7 +59,7 @@ def message_of(frame: Frame | None) -> Message | None:
         return None
 
 
-def is_permit(frame: Frame | None) -> bool:
+def is_permit(frame: WireFrame | None) -> bool:
     """Whether a frame of the host's lets the robot drive."""
     message = message_of(frame)
     return isinstance(message, Lease) and bool(message.flags & LeaseFlag.PERMIT)

@@ -19,7 +19,7 @@ from .estimate import TOP
 from .fixed import VECTOR, angle_of, aside, clip, measure, part, root, scale, sine, turn
 from .native import micropython
 from .settings import Settings
-from .waypoints import FAR, Queue, begin_leg, leg_length
+from .waypoints import FAR, WaypointQueue, begin_leg, leg_length
 from .wire import HEADING_FREE, WAYPOINT_BYTES, get_i16, get_place, get_u16
 
 TRACK, TURN, SETTLE, DOCK, ALIGN, DWELL = 0, 1, 2, 3, 4, 5
@@ -75,7 +75,7 @@ ANY_DISTANCE = 0xFFFF
 class Follower:
     """Phase, line and commanded speeds; queue and pose are the robot's."""
 
-    def __init__(self, settings: Settings, queue: Queue, pose: "array[int]") -> None:
+    def __init__(self, settings: Settings, queue: WaypointQueue, pose: "array[int]") -> None:
         self._set = settings
         self._queue = queue
         self._pose = pose

@@ -35,7 +35,7 @@ from .states import (
     TRANSITIONS,
     state_after,
 )
-from .waypoints import QUEUE_SIZE, Queue
+from .waypoints import QUEUE_SIZE, WaypointQueue
 from .wire import WAYPOINT_BYTES, check_bytes, get_time, get_u16
 
 # reason for not being in RUN
@@ -74,7 +74,7 @@ class Robot:
     """One robot; ``left``, ``right`` (eighths of mm/s) and ``powered`` are its motors' orders."""
 
     def __init__(self, settings: Settings) -> None:
-        self.queue = Queue()
+        self.queue = WaypointQueue()
         self.estimate = Estimate(settings.track_um)
         self.follower = Follower(settings, self.queue, self.estimate.pose)
         self.state = BOOT

@@ -15,7 +15,7 @@ FAR = 32000
 """Lengths are counts of 64 um and end here, at 2 m: further than any brake or look ahead."""
 
 
-class Queue:
+class WaypointQueue:
     """A ring of the line's 16-byte records, ``count`` of them waiting."""
 
     def __init__(self) -> None:

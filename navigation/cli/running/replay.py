@@ -57,11 +57,11 @@ def command(
     Poses, scenes and plans are compared with the recorded ones; the options set the tolerances.
     Exits 0 when all are equal, 1 when something differs.
     """
-    from navigation.recording.compare import Tolerances
+    from navigation.recording.compare import ComparisonTolerances
     from navigation.recording.reader import read_recording
     from navigation.run.replay import replay
 
-    limits = Tolerances(
+    limits = ComparisonTolerances(
         position_m=pose_mm / 1e3,
         heading_rad=math.radians(pose_deg),
         scene_m=scene_mm / 1e3,

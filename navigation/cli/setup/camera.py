@@ -17,7 +17,7 @@ from navigation.cli.outputs import keep_apart
 if TYPE_CHECKING:
     from navigation.config import Config
     from navigation.config.sections import CameraSection
-    from navigation.machine.camera_findings import Judged
+    from navigation.machine.camera_findings import CameraMeasurements
     from navigation.machine.doctor import Finding
 
 WELL, ILL = 0, 1
@@ -157,7 +157,7 @@ def _stable(source: str | int) -> str | int:
     return stable.get(path, source)
 
 
-def _show(judged: Judged, findings: list[Finding], section: dict[str, Any]) -> None:
+def _show(judged: CameraMeasurements, findings: list[Finding], section: dict[str, Any]) -> None:
     from navigation.cli.setup.doctor import show_finding
     from navigation.machine.camera_section import section_text
 
@@ -169,7 +169,7 @@ def _show(judged: Judged, findings: list[Finding], section: dict[str, Any]) -> N
     click.echo(section_text(section), nl=False)
 
 
-def _table(judged: Judged) -> list[str]:
+def _table(judged: CameraMeasurements) -> list[str]:
     """Modes, controls and chosen mode of a device; empty for other sources."""
     from vision.camera.v4l2.modes import rate_text
 
@@ -196,7 +196,9 @@ def _without_password(source: str | int) -> str | int:
     return source if isinstance(source, int) else without_password(source)
 
 
-def _as_json(judged: Judged, findings: list[Finding], section: dict[str, Any]) -> dict[str, Any]:
+def _as_json(
+    judged: CameraMeasurements, findings: list[Finding], section: dict[str, Any]
+) -> dict[str, Any]:
     quality = judged.quality
     timing, flicker, focus = quality.timing, quality.flicker, quality.focus
     tiles = [
@@ -232,7 +234,7 @@ def _as_json(judged: Judged, findings: list[Finding], section: dict[str, Any]) -
     }
 
 
-def _render(file: Path, judged: Judged, config: Config | None) -> None:
+def _render(file: Path, judged: CameraMeasurements, config: Config | None) -> None:
     import cv2
 
     from navigation.cli.setup.camera_watch import arena_px

@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 from navigation.config import Config
 from navigation.config.sections import SIMULATED, CameraSection
-from navigation.machine.camera_findings import Judged
+from navigation.machine.camera_findings import CameraMeasurements
 from navigation.run.calibrations import calibration_of
 from navigation.run.devices.device_settings import device_settings
 from navigation.run.world import World
@@ -21,9 +21,9 @@ from vision.calibration.calibration import Calibration
 from vision.camera.camera import Camera, CameraError, Image
 from vision.camera.capture import StreamCamera
 from vision.camera.sources import camera_for
-from vision.camera.v4l2.controls import Listed, list_controls
+from vision.camera.v4l2.controls import CameraControl, list_controls
 from vision.camera.v4l2.device import DeviceCamera
-from vision.camera.v4l2.modes import Mode, list_modes, rate_text
+from vision.camera.v4l2.modes import CameraMode, list_modes, rate_text
 from vision.quality import Watching
 
 SETTLES_S: Final = 1.0
@@ -63,7 +63,7 @@ def watch(
     config: Config | None,
     seconds: float,
     tell: Callable[[str], None] = lambda _: None,
-) -> Judged:
+) -> CameraMeasurements:
     """Judge a camera over ``seconds``; raises ``CameraError`` if it fails."""
     calibration = None if config is None else calibration_of(config)
     watching = Watching(None if config is None else arena_mask(config))
@@ -75,7 +75,7 @@ def watch(
         quality = watching.judge(None if config is None else config.robot.dictionary)
         if quality is None:
             raise CameraError(f"{camera.name}: gave no picture within {SILENT_S:g} s")
-        return Judged(
+        return CameraMeasurements(
             asked=wanted,
             kind=kind,
             modes=modes,
@@ -130,7 +130,7 @@ def _kind(camera: Camera) -> str:
 SIMULATED_NAME: Final = "simulated camera"
 
 
-def _abilities(camera: Camera) -> tuple[tuple[Mode, ...], tuple[Listed, ...], str]:
+def _abilities(camera: Camera) -> tuple[tuple[CameraMode, ...], tuple[CameraControl, ...], str]:
     """A device's modes and controls, and the agreed mode; nothing for other sources."""
     if not isinstance(camera, DeviceCamera) or camera.node is None or camera.mode is None:
         return (), (), ""

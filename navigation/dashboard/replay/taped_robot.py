@@ -18,7 +18,7 @@ from firmware_protocol.wire.framing import ParserCounters
 from navigation.config import Config
 from navigation.link.link_snapshot import LinkSnapshot
 from navigation.loop.run_state import RobotSnapshot, StageTimes
-from navigation.mission.mission import Mission, State
+from navigation.mission.mission import MissionProgress, State
 from navigation.mission.watch import Action, Verdict
 from navigation.recording.tape import Tape, TapedPlan
 from planner.borders.polyline import arc_lengths
@@ -77,18 +77,18 @@ class TapedRobot:
             times=StageTimes(),
         )
 
-    def mission_at(self, time_s: float) -> Mission:
+    def mission_at(self, time_s: float) -> MissionProgress:
         """Recorded mission, with the last planned stations."""
         said = self.tape.said_at(time_s, self.name)
         planned = self.tape.plan_at(time_s, self.name)
         stations = () if planned is None else planned.stations
         if said is None:
-            return Mission(stations, reason="nothing was said of the mission yet")
+            return MissionProgress(stations, reason="nothing was said of the mission yet")
         name, _, sentence = said.partition(": ")
         try:
-            return Mission(stations, state=State(name), reason=sentence)
+            return MissionProgress(stations, state=State(name), reason=sentence)
         except ValueError:  # from a program with other states
-            return Mission(stations, reason=said)
+            return MissionProgress(stations, reason=said)
 
     def _link_at(self, time_s: float, state: State) -> LinkSnapshot:
         known = self.tape.link_at(time_s, self.name)

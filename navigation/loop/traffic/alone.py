@@ -7,7 +7,7 @@ from typing import Final
 
 from navigation.fleet.request import Answer
 from navigation.loop.planning import ArenaPlanner, SceneCheck
-from navigation.loop.robot import Robot
+from navigation.loop.robot import ControlledRobot
 from navigation.loop.stages import plan_settings
 from navigation.loop.traffic.traffic import Decided, TrafficOrders
 from navigation.mission.cycle import PlanAnswer, PlanRequest
@@ -21,7 +21,7 @@ class Alone:
     waits: Final[Mapping[str, str]] = {}
     waits_for: Final[Mapping[str, str]] = {}
 
-    def __init__(self, robot: Robot) -> None:
+    def __init__(self, robot: ControlledRobot) -> None:
         self._robot = robot
         self.planner = ArenaPlanner(plan_settings(robot.config))
 

@@ -16,7 +16,7 @@ from navigation.fleet.places_kept import SEEN_S, Member
 from navigation.fleet.request import Answer, FleetAnswer
 from navigation.link.link_snapshot import LinkSnapshot
 from navigation.loop.planning import SceneCheck
-from navigation.loop.robot import Robot
+from navigation.loop.robot import ControlledRobot
 from navigation.loop.seeing.eye_settings import reach_m, stop_s
 from navigation.loop.traffic.fleet_planner import FleetPlanner
 from navigation.loop.traffic.traffic import Decided, TrafficOrders
@@ -37,7 +37,7 @@ class Coordinated:
     ``search_clock`` gives the seconds that limit a search for plans.
     """
 
-    def __init__(self, robots: Mapping[str, Robot], search_clock: Clock) -> None:
+    def __init__(self, robots: Mapping[str, ControlledRobot], search_clock: Clock) -> None:
         self._robots = robots
         configs = {name: one.config for name, one in robots.items()}
         self.planner = FleetPlanner(configs, search_clock)
@@ -94,7 +94,7 @@ class Coordinated:
         return self.planner.preview(name, request)
 
 
-def member(robot: Robot, now_s: float, orders: Orders, snapshot: LinkSnapshot) -> Member:
+def member(robot: ControlledRobot, now_s: float, orders: Orders, snapshot: LinkSnapshot) -> Member:
     """The coordinator's input about a robot."""
     pose, pilot = robot.pose, robot.pilot
     body, safety = robot.config.robot, robot.config.safety
@@ -120,14 +120,14 @@ def member(robot: Robot, now_s: float, orders: Orders, snapshot: LinkSnapshot) -
     )
 
 
-def _is_obliging(robot: Robot, age_s: float, snapshot: LinkSnapshot) -> bool:
+def _is_obliging(robot: ControlledRobot, age_s: float, snapshot: LinkSnapshot) -> bool:
     mission = robot.pilot.mission
     at_rest = mission.state in (State.IDLE, State.DONE) and not mission.remaining
     well = snapshot.down_reason is None and not snapshot.estopped and not mission.paused
     return at_rest and well and age_s <= robot.config.safety.pose_stale_s
 
 
-def _obeys(robot: Robot, now_s: float) -> bool:
+def _obeys(robot: ControlledRobot, now_s: float) -> bool:
     """True if it is no faster than braking since its lease ran out allows."""
     if robot.pose is None:
         return True
@@ -137,7 +137,7 @@ def _obeys(robot: Robot, now_s: float) -> bool:
     return math.hypot(robot.pose.vx, robot.pose.vy) <= max(fastest, 0.0) + STANDING_M_S
 
 
-def _drives_on_s(robot: Robot, snapshot: LinkSnapshot) -> float:
+def _drives_on_s(robot: ControlledRobot, snapshot: LinkSnapshot) -> float:
     """Time that it drives on beyond its lease.
 
     Our firmware ends a lease on the robot itself. A driver's lease ends with its cable, which
@@ -150,7 +150,7 @@ def _drives_on_s(robot: Robot, snapshot: LinkSnapshot) -> float:
     return math.inf if watchdog_s is None else watchdog_s
 
 
-def _is_at_large(robot: Robot, age_s: float, snapshot: LinkSnapshot) -> bool:
+def _is_at_large(robot: ControlledRobot, age_s: float, snapshot: LinkSnapshot) -> bool:
     """True if it is not seen and only its cable, which is out, could stop it.
 
     A robot seen at rest when it had nothing to drive by is still at rest.
@@ -162,7 +162,7 @@ def _is_at_large(robot: Robot, age_s: float, snapshot: LinkSnapshot) -> bool:
     return seen_s < max(permitted_s, robot.moved_s + STOOD_S)
 
 
-def _stands(robot: Robot, now_s: float, age_s: float, snapshot: LinkSnapshot) -> bool:
+def _stands(robot: ControlledRobot, now_s: float, age_s: float, snapshot: LinkSnapshot) -> bool:
     if robot.pose is None:
         return True  # unknown: the coordinator refuses to plan
     safety = robot.config.safety

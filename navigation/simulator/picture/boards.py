@@ -23,9 +23,9 @@ import numpy as np
 
 from navigation.config import Config, load_config
 from navigation.simulator.picture.drawing import (
+    Appearance,
     ArenaPainter,
     FloatImage,
-    Look,
     blurred,
     box_around,
     looked_up,
@@ -41,7 +41,7 @@ PAPER_WHITE, PAPER_BLACK = 225.0, 30.0
 
 
 @dataclass(frozen=True, slots=True)
-class Board:
+class PrintedBoard:
     """A ChArUco board: squares across and down, their side and the markers', the family.
 
     A chessboard of that many squares if ``dictionary`` is empty.
@@ -88,7 +88,9 @@ class BoardPose:
 class BoardPainter:
     """Painter of a board anywhere over the arena."""
 
-    def __init__(self, pinhole: Pinhole, look: Look, board: Board, scene: Scene) -> None:
+    def __init__(
+        self, pinhole: Pinhole, look: Appearance, board: PrintedBoard, scene: Scene
+    ) -> None:
         self._pinhole, self._look, self._board = pinhole, look, board
         self._painter = ArenaPainter(pinhole, look)
         self._background = self._painter.picture(scene)
@@ -143,7 +145,7 @@ def flat_pose(x_m: float, y_m: float) -> BoardPose:
 
 
 def held_poses(
-    painter: BoardPainter, bounds: Bounds, board: Board, count: int
+    painter: BoardPainter, bounds: Bounds, board: PrintedBoard, count: int
 ) -> Iterator[BoardPose]:
     """Yield poses of a board held over the arena, throughout the picture and in all tilts."""
     width, height = board.size_m
@@ -162,7 +164,9 @@ def held_poses(
             yield pose
 
 
-def board_pictures(config: Config, board: Board, count: int = 24) -> Iterator[tuple[str, Image]]:
+def board_pictures(
+    config: Config, board: PrintedBoard, count: int = 24
+) -> Iterator[tuple[str, Image]]:
     """Yield names and pictures: ``count`` of the held board, one with it on the floor.
 
     On the floor its lower left corner lies on ``FLOOR_AT_M``.
@@ -173,7 +177,7 @@ def board_pictures(config: Config, board: Board, count: int = 24) -> Iterator[tu
     yield "floor.png", painter.picture(flat_pose(*FLOOR_AT_M), rng)
 
 
-def survey_picture(config: Config, board: Board) -> tuple[Image, FloatArray]:
+def survey_picture(config: Config, board: PrintedBoard) -> tuple[Image, FloatArray]:
     """Return a picture of discs on the floor, and their centres' surveyed places (n, 2).
 
     Places are row by row from the lower left; the board is not in the picture.
@@ -216,11 +220,11 @@ def measured_discs(picture: Image) -> FloatArray:
 
 
 def _painter(
-    config: Config, board: Board, scene: Scene
+    config: Config, board: PrintedBoard, scene: Scene
 ) -> tuple[BoardPainter, Bounds, np.random.Generator]:
     assert config.simulation is not None
     lens = config.simulation.camera
-    look = Look(lens.blur_px, lens.noise_grey, lens.light_fall)
+    look = Appearance(lens.blur_px, lens.noise_grey, lens.light_fall)
     painter = BoardPainter(pinhole_of(config), look, board, scene)
     return painter, scene.bounds, np.random.default_rng(config.simulation.seed)
 
@@ -238,9 +242,9 @@ def main() -> None:
     """Write the pictures and the survey; see the module's text."""
     config, folder = load_config(sys.argv[1]), Path(sys.argv[2])
     folder.mkdir(parents=True, exist_ok=True)
-    for name, picture in board_pictures(config, Board()):
+    for name, picture in board_pictures(config, PrintedBoard()):
         cv2.imwrite(str(folder / name), picture)
-    picture, places = survey_picture(config, Board())
+    picture, places = survey_picture(config, PrintedBoard())
     cv2.imwrite(str(folder / "survey.png"), picture)
     lines = [
         f"{px:.3f},{py:.3f},{x:.4f},{y:.4f}"

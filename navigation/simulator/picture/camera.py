@@ -26,7 +26,7 @@ from navigation.config.sections import MarkerSection, RobotSection
 from navigation.config.simulation import SimulatedKnockSection
 from navigation.config.values import FloorMarkerSection
 from navigation.simulator.arena import SimulatedArena
-from navigation.simulator.picture.drawing import ArenaPainter, Look, RobotPainter
+from navigation.simulator.picture.drawing import Appearance, ArenaPainter, RobotPainter
 from navigation.simulator.picture.pinhole import Pinhole, pinhole_of
 from navigation.simulator.picture.timed_camera import TimedCamera, Wait
 from planner.scene import Scene
@@ -71,7 +71,7 @@ class SimulatedCamera(TimedCamera["_Floor"]):
         pinhole: Pinhole,
         scene: Scene,
         bodies: Sequence[SimulatedBody],
-        look: Look,
+        look: Appearance,
         clock: Clock,
         wait: Wait = time.sleep,
         rate_hz: float = 30.0,
@@ -230,7 +230,9 @@ def make_camera(
     assert config.simulation is not None
     settings = config.simulation.camera
     bodies = bodies_of(config, driven, others)
-    look = Look(settings.blur_px, settings.noise_grey, settings.light_fall, config.vision.polarity)
+    look = Appearance(
+        settings.blur_px, settings.noise_grey, settings.light_fall, config.vision.polarity
+    )
     camera = SimulatedCamera(
         pinhole, arena.scene, bodies, look, clock, wait,
         config.camera.rate_hz, settings.latency_s, config.simulation.seed,

@@ -58,7 +58,7 @@ _NO_MAP = np.empty(0, dtype=np.float32)
 
 
 @dataclass(frozen=True, slots=True)
-class Look:
+class Appearance:
     """Blur of the lens (sigma, pixels), noise (sigma, grey levels), darkening of the darkest corner
     (part of 1), and dark or light obstacles.
     """
@@ -75,7 +75,7 @@ class ArenaPainter:
     ``rays`` (h, w, 2) float32 are the pixels' normalised rays, ``light`` (h, w) the light.
     """
 
-    def __init__(self, pinhole: Pinhole, look: Look) -> None:
+    def __init__(self, pinhole: Pinhole, look: Appearance) -> None:
         self._pinhole, self._look = pinhole, look
         width, height = pinhole.size_px
         self.rays = _rays(pinhole)
@@ -132,7 +132,7 @@ class RobotPainter:
     def __init__(
         self,
         pinhole: Pinhole,
-        look: Look,
+        look: Appearance,
         painter: ArenaPainter,
         marker: Image,
         radius_m: float,

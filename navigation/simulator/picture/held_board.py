@@ -18,8 +18,8 @@ import cv2
 import numpy as np
 
 from navigation.config import Config
-from navigation.simulator.picture.boards import Board, BoardPainter, BoardPose
-from navigation.simulator.picture.drawing import FloatImage, Look
+from navigation.simulator.picture.boards import BoardPainter, BoardPose, PrintedBoard
+from navigation.simulator.picture.drawing import Appearance, FloatImage
 from navigation.simulator.picture.pinhole import Pinhole, pinhole_of
 from navigation.simulator.picture.timed_camera import Wait
 from planner.scene import Bounds, FloatArray, Scene
@@ -58,7 +58,7 @@ class HeldBoardCamera:
             raise CameraError("the configuration has no section 'simulation'")
         camera = config.simulation.camera
         self._pinhole = pinhole_of(config)
-        look = Look(camera.blur_px, camera.noise_grey, camera.light_fall)
+        look = Appearance(camera.blur_px, camera.noise_grey, camera.light_fall)
         empty = Scene("m", Bounds(*config.arena.bounds_m), ())
         board = _board(spec)
         self._painter = BoardPainter(self._pinhole, look, board, empty)
@@ -150,11 +150,11 @@ class HeldBoardCamera:
         return BoardPose(arena_from_board, first + arena_from_board @ corner)
 
 
-def _board(spec: BoardSpec) -> Board:
+def _board(spec: BoardSpec) -> PrintedBoard:
     columns, rows = spec.inner
     marker_m = spec.marker_m if spec.marker_m is not None else spec.square_m / 2.0
     family = spec.dictionary if spec.kind == "charuco" else ""
-    return Board(columns + 1, rows + 1, spec.square_m, marker_m, family)
+    return PrintedBoard(columns + 1, rows + 1, spec.square_m, marker_m, family)
 
 
 def _true_lens(pinhole: Pinhole) -> KnownLens:

@@ -58,7 +58,7 @@ COUNTED: Final = {140: 2, 148: 1, 149: 1}
 """By opcode: how many bytes there are up to the count, the count with them."""
 
 
-class Mode(IntEnum):
+class OpenInterfaceMode(IntEnum):
     """Modes of the Open Interface, as in packet 35."""
 
     OFF = 0
@@ -84,7 +84,7 @@ class Create2Twin:
 
     def boot(self, now_s: float) -> None:
         """Insert the battery, or reset: off, no stream, zero counts."""
-        self.mode = Mode.OFF
+        self.mode = OpenInterfaceMode.OFF
         self._booted_s = now_s + BOOT_S
         self._texts = 3
         self._deaf_until_s = -math.inf
@@ -139,8 +139,8 @@ class Create2Twin:
             return
         opcode, data = order[0], bytes(order[1:])
         order.clear()
-        if self.mode is not Mode.OFF or opcode in (7, 128):
-            if self.mode is not Mode.PASSIVE or opcode not in ACTUATORS:
+        if self.mode is not OpenInterfaceMode.OFF or opcode in (7, 128):
+            if self.mode is not OpenInterfaceMode.PASSIVE or opcode not in ACTUATORS:
                 self._heard_s = now_s
             self._obey(opcode, data, now_s)
 
@@ -159,19 +159,19 @@ class Create2Twin:
             case 7:
                 self.boot(now_s)
             case 128:
-                self._enter(Mode.PASSIVE)
+                self._enter(OpenInterfaceMode.PASSIVE)
                 self._deaf_until_s = now_s + DEAF_S
             case 173:
-                self._enter(Mode.OFF)
+                self._enter(OpenInterfaceMode.OFF)
                 self._streaming = False
             case 131:
-                self._enter(Mode.SAFE)
+                self._enter(OpenInterfaceMode.SAFE)
             case 132:
-                self._enter(Mode.FULL)
-            case 145 if self.mode >= Mode.SAFE:
+                self._enter(OpenInterfaceMode.FULL)
+            case 145 if self.mode >= OpenInterfaceMode.SAFE:
                 right, left = struct.unpack(">hh", data)
                 self._turn(left, right)
-            case 137 if self.mode >= Mode.SAFE:
+            case 137 if self.mode >= OpenInterfaceMode.SAFE:
                 self._drive(*struct.unpack(">hh", data))
             case 142:
                 self._out += self._packet(data[0])
@@ -183,9 +183,9 @@ class Create2Twin:
             case 150:
                 self._streaming = bool(data[0]) and bool(self._stream)
             case 134 | 135 | 136 | 143:
-                self._enter(Mode.PASSIVE)
+                self._enter(OpenInterfaceMode.PASSIVE)
 
-    def _enter(self, mode: Mode) -> None:
+    def _enter(self, mode: OpenInterfaceMode) -> None:
         """Enter a mode; every change stops the wheels."""
         self.mode = mode
         self._wanted = [0, 0]
@@ -209,19 +209,19 @@ class Create2Twin:
         self._ticks = (left_ticks, right_ticks)
         for side, moved in enumerate((left_ticks - before[0], right_ticks - before[1])):
             self._counts[side] += -abs(moved) if self._wanted[side] < 0 else abs(moved)
-        if self.mode is Mode.SAFE and (self._lifted or self._charger == SOCKET):
-            self._enter(Mode.PASSIVE)
+        if self.mode is OpenInterfaceMode.SAFE and (self._lifted or self._charger == SOCKET):
+            self._enter(OpenInterfaceMode.PASSIVE)
         if self._charging_state() == FULL_CHARGING:
             hours = max(0.0, now_s - self._stepped_s) / 3600
             self.charge_mah = min(BATTERY_MAH[1], self.charge_mah + CHARGE_MA * hours)
         self._stepped_s = now_s
-        if self.mode <= Mode.PASSIVE and now_s - self._heard_s >= self._sleep_s:
-            self.asleep, self.mode, self._streaming = True, Mode.OFF, False
+        if self.mode <= OpenInterfaceMode.PASSIVE and now_s - self._heard_s >= self._sleep_s:
+            self.asleep, self.mode, self._streaming = True, OpenInterfaceMode.OFF, False
         left, right = map(_turned, self._wanted)
-        return WheelSpeeds(left / 1000, right / 1000, powered=self.mode >= Mode.SAFE)
+        return WheelSpeeds(left / 1000, right / 1000, powered=self.mode >= OpenInterfaceMode.SAFE)
 
     def _charging_state(self) -> int:
-        charges = self._charger and self.mode <= Mode.PASSIVE
+        charges = self._charger and self.mode <= OpenInterfaceMode.PASSIVE
         return FULL_CHARGING if charges else NOT_CHARGING
 
     def bytes_to_send(self, now_s: float) -> bytes:

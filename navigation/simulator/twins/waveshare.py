@@ -4,10 +4,10 @@
   echoed unless 143 switches that off.
 - 1 orders the wheels' speeds in m/s (the whole order is ignored if a speed exceeds 2 m/s), 13
   linear and angular speed; 131 switches the reports on, 142 makes them rarer, 130 asks for one.
-- 900 sets the robot's type (`Kind`), in memory only: after each start it is another. The type sets
-  the value of a pulse and the motors' direction. In the ordinary firmware, for a type without
-  encoders, 1 is a share of the power. The firmware for ROS regulates every type and reports its
-  battery in hundredths of a volt.
+- 900 sets the robot's type (`WaveshareKind`), in memory only: after each start it is another. The
+  type sets the value of a pulse and the motors' direction. In the ordinary firmware, for a type
+  without encoders, 1 is a share of the power. The firmware for ROS regulates every type and reports
+  its battery in hundredths of a volt.
 - Watchdog: the wheels stop without a speed order for the heartbeat's time, 3,000 ms unless 136 sets
   another.
 - A report is 1001 with the wheels' speeds in the last turn of the program's loop: whole encoder
@@ -32,7 +32,7 @@ PULSE_M: Final = math.pi * WHEEL_M / PULSES_A_TURN
 TRACK_M: Final = 0.141
 
 
-class Kind(NamedTuple):
+class WaveshareKind(NamedTuple):
     """The robot's own belief about its type."""
 
     pulse_m: float
@@ -42,9 +42,9 @@ class Kind(NamedTuple):
     is_regulated: bool
 
 
-_RASP = Kind(math.pi * 0.08 / 2_100, 0.125, is_turned=True, is_regulated=True)
-_ROVER = Kind(math.pi * 0.08 / 1_650, 0.172, is_turned=True, is_regulated=True)
-_UGV01 = Kind(PULSE_M, TRACK_M, is_turned=False, is_regulated=True)
+_RASP = WaveshareKind(math.pi * 0.08 / 2_100, 0.125, is_turned=True, is_regulated=True)
+_ROVER = WaveshareKind(math.pi * 0.08 / 1_650, 0.172, is_turned=True, is_regulated=True)
+_UGV01 = WaveshareKind(PULSE_M, TRACK_M, is_turned=False, is_regulated=True)
 ORDINARY: Final = {
     1: _RASP._replace(is_regulated=False),
     2: _ROVER._replace(is_turned=False, is_regulated=False),
@@ -180,7 +180,7 @@ class WaveshareTwin:
         return WheelSpeeds(left, right, powered=True)
 
     @property
-    def _kind(self) -> Kind:
+    def _kind(self) -> WaveshareKind:
         return self._kinds[self.main_type]
 
     def _turned(self, ordered: float) -> float:

@@ -37,7 +37,7 @@ HALF_AT_MOST = 0.75
 """A half of a line's part of it, at most: what slides elsewhere is another branch's."""
 
 
-class Places(NamedTuple):
+class ChainPoints(NamedTuple):
     """The chains' points, as in :class:`planner.diagram.diagram_arrays.Bent`, with flags.
 
     ``sure`` (p,): the point's circle is empty; ``ahead`` (p,): the link to the next point follows
@@ -63,7 +63,7 @@ class MissingSites(NamedTuple):
     where: NDArray[np.int64]
 
 
-class Stations(NamedTuple):
+class ChainStations(NamedTuple):
     """Stations of a chain.
 
     ``place`` (s, 4): x, y, clearance and state; ``bits``: the same as integers; ``sides`` (s, 2):
@@ -93,13 +93,13 @@ class Stack(NamedTuple):
 class BendRoom(NamedTuple):
     """Arrays that chains are bent into, and the working space for it."""
 
-    out: Places
+    out: ChainPoints
     missing: MissingSites
-    stations: Stations
+    stations: ChainStations
     stack: Stack
 
 
-class Run(NamedTuple):
+class RunPieces(NamedTuple):
     """The pieces beside a run; straight if their bisector is a line."""
 
     left: np.int64
@@ -107,7 +107,7 @@ class Run(NamedTuple):
     is_straight: bool
 
 
-class Link(NamedTuple):
+class BendLink(NamedTuple):
     """Straight line from place a to place b of a run, u the bisector's direction at a.
 
     ``first`` and ``last`` are the sampled links at a and b, ``span`` is the line's length. Flags
@@ -318,7 +318,7 @@ def bend_run(mesh, pieces, triangles, link, end, tolerances, room, s, counts):
     sides = room.stations.sides
     left, right = np.int64(sides[s, 0]), np.int64(sides[s, 1])
     straight = kind[left] == kind[right] and (kind[left] == SEGMENT or kind[left] == POINT)
-    run = Run(left, right, straight)
+    run = RunPieces(left, right, straight)
     # halve the run where the line bulges or is long
     q_a, begin = room.stations.run[s, 0], n - 1
     stack.place[0, 0], stack.place[0, 1] = place[s + 1, 0], place[s + 1, 1]
@@ -334,7 +334,7 @@ def bend_run(mesh, pieces, triangles, link, end, tolerances, room, s, counts):
         wide = out.points[n - 1, 2]
         is_long = span > max(2.0 * half, LONG * wide)
         is_wide = min(wide, distance(kind, data, left, bx, by)) >= relevant
-        line = Link(ax, ay, ux, uy, bx, by, q_a, q_b, span, is_long, is_wide)
+        line = BendLink(ax, ay, ux, uy, bx, by, q_a, q_b, span, is_long, is_wide)
         split, astray, as_sampled, mx, my, q_m = _halve(
             pieces, triangles.at, link, tolerances, run, line, stack, top
         )

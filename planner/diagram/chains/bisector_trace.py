@@ -14,12 +14,12 @@ from planner.diagram.chains import chain_kernels
 from planner.diagram.chains.bend_kernels import (
     HALVINGS,
     BendRoom,
+    ChainPoints,
+    ChainStations,
     MissingSites,
-    Places,
     Stack,
-    Stations,
 )
-from planner.diagram.diagram_arrays import Bent, FlatMesh, KnownRuns, Tolerances, Triangles
+from planner.diagram.diagram_arrays import Bent, DiagramTolerances, FlatMesh, KnownRuns, Triangles
 from planner.scene import FloatArray, IntArray
 
 LEAST, MISSING = 64, 64
@@ -32,7 +32,7 @@ def bend_chains(
     mesh: FlatMesh,
     pieces: Corners,
     triangles: Triangles,
-    tolerances: Tolerances,
+    tolerances: DiagramTolerances,
     known: KnownRuns,
     longest: int,
 ) -> tuple[Bent, tuple[FloatArray, IntArray, NDArray[np.int64]]]:
@@ -46,7 +46,7 @@ def bend_chains(
     """
     chains, most = len(first) - 1, longest + 1
     place = np.empty((most, 4))
-    stations = Stations(
+    stations = ChainStations(
         place, place.view(np.int64), np.empty((most, 2), np.int32), np.empty((most, 2), np.int64)
     )
     depth = HALVINGS + 2
@@ -56,7 +56,7 @@ def bend_chains(
     )  # fmt: skip
     room, more = 2 * int(first[-1] - first[0] + chains) + LEAST, MISSING
     while True:
-        out = Places(
+        out = ChainPoints(
             np.empty((room, 3)), np.empty((room, 2), np.int32), np.zeros(room, np.bool_),
             np.zeros(chains + 1, np.int32), np.empty(room, np.bool_), np.empty(room, np.bool_),
         )  # fmt: skip

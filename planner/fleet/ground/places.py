@@ -39,7 +39,7 @@ SAME = 1e-6
 
 
 @dataclass(frozen=True, slots=True)
-class Places:
+class GroundPlaces:
     """Places (n, 2), edges (m, 2) in both directions, the clearance of each (m,).
 
     ``starts``, ``goals`` and ``junctions`` of the roadmap's chains are node numbers.
@@ -62,7 +62,7 @@ def lay_places(
     paths: Sequence[FloatArray],
     radii: Sequence[float],
     check: Callable[[], None] = lambda: None,
-) -> Places:
+) -> GroundPlaces:
     """Build the shared graph; ``paths`` are polylines from each robot's start to its goal.
 
     ``check`` is called before each piece of work, and may raise :class:`OutOfTime`.
@@ -91,15 +91,15 @@ def lay_places(
     pairs, clearance = _wide(roadmap, places, pairs, smallest)
     check()
     edges = np.concatenate([pairs, pairs[:, ::-1]])
-    return Places(
+    return GroundPlaces(
         places, np.ascontiguousarray(edges), np.concatenate([clearance, clearance]),
         [a for a, _ in ends], [b for _, b in ends], junctions,
     )  # fmt: skip
 
 
 def with_paths(
-    roadmap: Roadmap, base: Places, paths: Sequence[FloatArray], radii: Sequence[float]
-) -> Places:
+    roadmap: Roadmap, base: GroundPlaces, paths: Sequence[FloatArray], radii: Sequence[float]
+) -> GroundPlaces:
     """Add a few more polylines, cut and joined to near places: far faster than a new graph.
 
     ``starts`` and ``goals`` are the ends of these polylines. ``base`` does not change.
@@ -115,7 +115,7 @@ def with_paths(
         near = np.flatnonzero(away <= REACH * spacing)
         pairs.append(np.column_stack([near, np.full(len(near), first + i)]))
     joined, clearance = _wide(roadmap, places, np.unique(np.concatenate(pairs), axis=0), smallest)
-    return Places(
+    return GroundPlaces(
         places, np.concatenate([base.edges, joined, joined[:, ::-1]]),
         np.concatenate([base.clearance, clearance, clearance]),
         [first + a for a, _ in ends], [first + b for _, b in ends], base.junctions,

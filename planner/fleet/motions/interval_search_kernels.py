@@ -31,7 +31,7 @@ X, Y, VX, VY, BEGIN, LASTS, GAP = range(7)
 KERNEL: dict[str, Any] = {**OWNING, "error_model": "numpy"}
 
 
-class Graph(NamedTuple):
+class MotionGraph(NamedTuple):
     """A robot's graph: places, edges in compressed rows, and times to the goal."""
 
     places: np.ndarray

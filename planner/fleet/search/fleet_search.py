@@ -25,7 +25,7 @@ from planner.fleet.search.joint_search import JointSearch
 from planner.fleet.search.one_by_one import plan_one_by_one
 from planner.fleet.search.pair_proof import PAIRS_FEW, PAIRS_MOST, can_never_pass
 from planner.fleet.search.solver import Solver
-from planner.fleet.search.team import Robot, Route, cut_off
+from planner.fleet.search.team import Route, TeamRobot, cut_off
 from planner.scene import FloatArray
 from planner.shared.search_clock import Clock
 
@@ -78,7 +78,7 @@ class Effort:
 
 
 def search(
-    robots: Sequence[Robot], junctions: Sequence[int], effort: Effort
+    robots: Sequence[TeamRobot], junctions: Sequence[int], effort: Effort
 ) -> FleetPlan | NoFleetPlan:
     """A checked plan for robots whose starts and goals do not touch, or a reason for none.
 
@@ -214,7 +214,7 @@ def _listed(who: Sequence[int]) -> str:
     return f"robots {', '.join(map(str, who[:-1]))} and {who[-1]}"
 
 
-def checked_plan(robots: Sequence[Robot], routes: Sequence[Route]) -> FleetPlan:
+def checked_plan(robots: Sequence[TeamRobot], routes: Sequence[Route]) -> FleetPlan:
     """Plan of the routes, checked by :func:`checked_tracks`."""
     tracks = [track_of(robot, route) for robot, route in zip(robots, routes, strict=True)]
     return checked_tracks(tracks, [robot.radius for robot in robots])
@@ -239,7 +239,7 @@ def checked_tracks(tracks: Sequence[FloatArray], sizes: Sequence[float]) -> Flee
     )
 
 
-def track_of(robot: Robot, route: Route) -> FloatArray:
+def track_of(robot: TeamRobot, route: Route) -> FloatArray:
     """Rows t, x, y of a route: each node's arrival and, after a wait, its departure."""
     places = robot.graph.places[route.way]
     rows = []

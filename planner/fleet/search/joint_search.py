@@ -23,7 +23,7 @@ import numpy as np
 
 from planner.fleet.motions.interval_search_kernels import HORIZON, moves_along
 from planner.fleet.motions.motion_kernels import do_steps_touch
-from planner.fleet.search.team import Robot, Route
+from planner.fleet.search.team import Route, TeamRobot
 
 ASKED_MOST = 400
 """Choices that are tried to fill in one step, ten a robot for 40; the constraints do the rest."""
@@ -47,7 +47,7 @@ class Visit:
 class JointSearch:
     """A resumable search; ``steps`` holds the plan's configurations once found."""
 
-    def __init__(self, robots: Sequence[Robot], rng: np.random.Generator) -> None:
+    def __init__(self, robots: Sequence[TeamRobot], rng: np.random.Generator) -> None:
         self.robots = list(robots)
         self.rng = rng
         self.goal = tuple(robot.goal for robot in robots)

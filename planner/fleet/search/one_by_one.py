@@ -21,8 +21,8 @@ from planner.fleet.search.joint_search import JointSearch
 from planner.fleet.search.matching import match_for_sum
 from planner.fleet.search.pebbles import Move, rearrange
 from planner.fleet.search.solver import Solver
-from planner.fleet.search.stations import Stations, choose_stations
-from planner.fleet.search.team import Robot, Route, edges_of, make_robot
+from planner.fleet.search.stations import StationGraph, choose_stations
+from planner.fleet.search.team import Route, TeamRobot, edges_of, make_robot
 from planner.scene import FloatArray
 
 CHANCES = 4
@@ -56,7 +56,7 @@ def plan_one_by_one(
     return None
 
 
-def _shared_edges(robots: Sequence[Robot]) -> NDArray[np.int64]:
+def _shared_edges(robots: Sequence[TeamRobot]) -> NDArray[np.int64]:
     count = len(robots[0].graph.places)
     graphs = {id(robot.graph.to): robot.graph for robot in robots}
     codes = []
@@ -69,7 +69,7 @@ def _shared_edges(robots: Sequence[Robot]) -> NDArray[np.int64]:
 
 
 def _seeds(
-    robots: Sequence[Robot],
+    robots: Sequence[TeamRobot],
     junctions: list[int],
     on_way: NDArray[np.int64],
     rng: np.random.Generator,
@@ -96,7 +96,7 @@ def _by_traffic(
 
 
 def _by_stations(
-    robots: Sequence[Robot], stations: Stations, rng: np.random.Generator, expired: Expired
+    robots: Sequence[TeamRobot], stations: StationGraph, rng: np.random.Generator, expired: Expired
 ) -> dict[int, Route] | None:
     part = _largest_part(stations)
     number = {station: k for k, station in enumerate(part)}
@@ -120,7 +120,7 @@ def _by_stations(
     return _joined(robots, done) if len(done) == len(phases) else None
 
 
-def _largest_part(stations: Stations) -> list[int]:
+def _largest_part(stations: StationGraph) -> list[int]:
     left = set(range(len(stations.nodes)))
     best: list[int] = []
     while left:
@@ -137,7 +137,7 @@ def _largest_part(stations: Stations) -> list[int]:
 
 
 def _nearest_stations(
-    robots: Sequence[Robot], at: Sequence[int], nodes: Sequence[int]
+    robots: Sequence[TeamRobot], at: Sequence[int], nodes: Sequence[int]
 ) -> list[int] | None:
     """A station for each robot at least total distance; a robot on one keeps it."""
     places = robots[0].graph.places
@@ -147,7 +147,7 @@ def _nearest_stations(
 
 
 def _drive(
-    robots: Sequence[Robot],
+    robots: Sequence[TeamRobot],
     starts: Sequence[int],
     goals: Sequence[int],
     rng: np.random.Generator,
@@ -169,7 +169,9 @@ def _drive(
 class _Ways:
     """Ways between stations, and which of them come near to each other."""
 
-    def __init__(self, stations: Stations, part: Sequence[int], robots: Sequence[Robot]) -> None:
+    def __init__(
+        self, stations: StationGraph, part: Sequence[int], robots: Sequence[TeamRobot]
+    ) -> None:
         self.stations, self.part = stations, part
         self.places = robots[0].graph.places
         self.gap = 2.0 * max(robot.radius for robot in robots)
@@ -197,7 +199,7 @@ def _polylines_apart(one: FloatArray, other: FloatArray) -> float:
 
 
 def _timed(
-    robots: Sequence[Robot], nodes: Sequence[int], moves: Sequence[Move], ways: _Ways
+    robots: Sequence[TeamRobot], nodes: Sequence[int], moves: Sequence[Move], ways: _Ways
 ) -> dict[int, Route]:
     """The moves as routes: each begins when all earlier ones near it have ended."""
     rows: dict[int, tuple[list[int], list[float], list[float]]] = {
@@ -219,14 +221,14 @@ def _timed(
     return {i: _route(robots[i], *row) for i, row in rows.items()}
 
 
-def _lasts(robot: Robot, u: int, v: int) -> float:
+def _lasts(robot: TeamRobot, u: int, v: int) -> float:
     graph = robot.graph
     row = slice(graph.starts[u], graph.starts[u + 1])
     return float(graph.lasts[row][graph.to[row] == v].min())
 
 
 def _route(
-    robot: Robot, way: Sequence[int], arrivals: Sequence[float], departures: Sequence[float]
+    robot: TeamRobot, way: Sequence[int], arrivals: Sequence[float], departures: Sequence[float]
 ) -> Route:
     nodes, at_s = np.array(way, np.int64), np.array(arrivals)
     left_s = np.array(departures, np.float64)
@@ -234,7 +236,7 @@ def _route(
     return Route(nodes, at_s, left_s, moves)
 
 
-def _joined(robots: Sequence[Robot], phases: Sequence[dict[int, Route]]) -> dict[int, Route]:
+def _joined(robots: Sequence[TeamRobot], phases: Sequence[dict[int, Route]]) -> dict[int, Route]:
     joined = {}
     begins = np.cumsum([0.0, *(max(r.arrival_s for r in phase.values()) for phase in phases)])
     for i, robot in enumerate(robots):

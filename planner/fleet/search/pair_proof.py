@@ -13,7 +13,7 @@ from collections.abc import Callable, Iterator
 
 from planner.fleet.motions.interval_search_kernels import HORIZON
 from planner.fleet.search.joint_search import JointSearch
-from planner.fleet.search.team import Robot
+from planner.fleet.search.team import TeamRobot
 
 PAIRS_MOST = 20_000
 """Pairs of places that are looked at from one side: some seconds, where steps are new."""
@@ -24,8 +24,8 @@ Pair = tuple[int, int]
 
 
 def can_never_pass(
-    one: Robot,
-    other: Robot,
+    one: TeamRobot,
+    other: TeamRobot,
     search: JointSearch,
     expired: Callable[[], bool],
     most: int = PAIRS_MOST,
@@ -63,7 +63,7 @@ def _is_enclosed(
     return end not in seen
 
 
-def _into(robot: Robot) -> dict[int, list[int]]:
+def _into(robot: TeamRobot) -> dict[int, list[int]]:
     """Nodes that reach each node in one step, itself included."""
     graph = robot.graph
     into = {n: [n] for n in range(len(graph.places))}

@@ -19,7 +19,7 @@ from collections.abc import Callable, Sequence
 import numpy as np
 
 from planner.fleet.motions.interval_search_kernels import HORIZON, do_touch, find_way, moves_along
-from planner.fleet.search.team import Robot, Route
+from planner.fleet.search.team import Route, TeamRobot
 from planner.scene import FloatArray
 
 SIZES = (2, 8)
@@ -34,7 +34,7 @@ Expired = Callable[[], bool]
 class Solver:
     """Routes of a fleet during the search."""
 
-    def __init__(self, robots: Sequence[Robot], rng: np.random.Generator) -> None:
+    def __init__(self, robots: Sequence[TeamRobot], rng: np.random.Generator) -> None:
         self.robots = list(robots)
         self.rng = rng
         self.routes: dict[int, Route] = {}

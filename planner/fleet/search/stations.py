@@ -27,7 +27,7 @@ Pair = tuple[int, int]
 
 
 @dataclass(frozen=True, slots=True)
-class Stations:
+class StationGraph:
     """Nodes of the shared graph (k,), ways between two as nodes, and each one's neighbours."""
 
     nodes: list[int]
@@ -41,7 +41,7 @@ def choose_stations(
     seeds: Iterable[int],
     routes: Sequence[int],
     gap: float,
-) -> Stations:
+) -> StationGraph:
     """Choose stations on a graph (m, 2) of two-way edges, including the seeds if possible.
 
     After the seeds come nodes of ``routes``, then any with an edge.
@@ -51,7 +51,7 @@ def choose_stations(
     near: list[list[int]] = [[] for _ in chosen]
     for a, b in sorted(ways):
         near[a].append(b)
-    return Stations(chosen, ways, near)
+    return StationGraph(chosen, ways, near)
 
 
 def _pack(

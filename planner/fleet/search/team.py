@@ -14,15 +14,15 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from planner.fleet.motions.interval_search_kernels import HORIZON, Graph, times_to
+from planner.fleet.motions.interval_search_kernels import HORIZON, MotionGraph, times_to
 from planner.scene import FloatArray
 
 
 @dataclass(frozen=True, slots=True)
-class Robot:
+class TeamRobot:
     """A robot: its graph with driving times, and the times to its goal alone."""
 
-    graph: Graph
+    graph: MotionGraph
     radius: float
     start: int
     goal: int
@@ -53,31 +53,31 @@ class Route:
         return float(self.arrivals[-1])
 
 
-def make_graph(places: FloatArray, edges: NDArray[np.int64], speed: float = 1.0) -> Graph:
+def make_graph(places: FloatArray, edges: NDArray[np.int64], speed: float = 1.0) -> MotionGraph:
     """The graph of a robot of one speed; ``edges`` (m, 2) from and to, directed."""
     order = np.lexsort((edges[:, 1], edges[:, 0]))
     row = edges[order]
     step = places[row[:, 1]] - places[row[:, 0]]
     starts = np.searchsorted(row[:, 0], np.arange(len(places) + 1)).astype(np.int64)
-    return Graph(
+    return MotionGraph(
         places, starts, np.ascontiguousarray(row[:, 1]), np.hypot(step[:, 0], step[:, 1]) / speed
     )
 
 
-def edges_of(graph: Graph) -> NDArray[np.int64]:
+def edges_of(graph: MotionGraph) -> NDArray[np.int64]:
     """The graph's edges (m, 2), from and to."""
     row = np.repeat(np.arange(len(graph.places)), np.diff(graph.starts))
     return np.column_stack([row, graph.to]).astype(np.int64)
 
 
 def make_robot(
-    graph: Graph, edges: NDArray[np.int64], radius: float, start: int, goal: int
-) -> Robot:
+    graph: MotionGraph, edges: NDArray[np.int64], radius: float, start: int, goal: int
+) -> TeamRobot:
     """A robot with its times to the goal; ``edges`` from :func:`edges_of`."""
     to_goal = times_to(goal, len(graph.places), edges, graph.lasts)
-    return Robot(graph, radius, start, goal, to_goal)
+    return TeamRobot(graph, radius, start, goal, to_goal)
 
 
-def cut_off(robots: Sequence[Robot]) -> list[int]:
+def cut_off(robots: Sequence[TeamRobot]) -> list[int]:
     """Robots that have no way to their goal even alone."""
     return [i for i, robot in enumerate(robots) if robot.alone_s >= HORIZON]

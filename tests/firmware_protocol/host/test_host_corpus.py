@@ -6,7 +6,7 @@ import pytest
 
 from firmware_protocol.host.connection import HostConnection
 from firmware_protocol.host.state import LinkState
-from firmware_protocol.wire.framing import Frame, FrameParser, Sender, encode_frame
+from firmware_protocol.wire.framing import FrameParser, Sender, WireFrame, encode_frame
 from tests.support.wire.corpus import inputs
 
 
@@ -16,7 +16,9 @@ def test_the_host_survives_the_corpus_raw_and_in_whole_frames(name: str) -> None
     host.open(now_s)
     for stream in inputs(name):
         kind = stream[0] if stream else 0
-        frame = Frame(kind, host._sessions.present, stream[:112], acknowledged=len(stream) % 256)
+        frame = WireFrame(
+            kind, host._sessions.present, stream[:112], acknowledged=len(stream) % 256
+        )
         for data in (stream, encode_frame(frame, Sender.ROBOT)):
             now_s += 0.01
             host.receive_bytes(data, now_s)

@@ -9,7 +9,7 @@ from hypothesis.stateful import RuleBasedStateMachine, initialize, invariant, ru
 from firmware_protocol.host.events import (
     MissionDone,
 )
-from firmware_protocol.wire.framing import Frame, Sender, encode_frame
+from firmware_protocol.wire.framing import Sender, WireFrame, encode_frame
 from firmware_protocol.wire.messages import (
     RobotState,
 )
@@ -46,7 +46,7 @@ def test_any_whole_frame_of_the_session_is_survived(
     table.run(0.05)
     session = table.robot.session
     assert session is not None
-    frame = Frame(kind, session, payload, 0, acknowledged, credit, nak=nak)
+    frame = WireFrame(kind, session, payload, 0, acknowledged, credit, nak=nak)
     table.host.receive_bytes(encode_frame(frame, Sender.ROBOT), table.now_s)
     table.run(0.3)
     assert table.control.exec_crc == line().prefix_crc(table.control.exec_next)

@@ -10,7 +10,7 @@ import pytest
 from firmware_protocol.host.connection import HostConnection
 from firmware_protocol.host.state import LinkState
 from firmware_protocol.wire.errors import LocalError
-from firmware_protocol.wire.framing import Frame, FrameParser, Sender, encode_frame
+from firmware_protocol.wire.framing import FrameParser, Sender, WireFrame, encode_frame
 from firmware_protocol.wire.messages import Ack, Challenge, HelloAck, Status, TimeSyncReply
 from tests.firmware_protocol.host.table import Table, line
 
@@ -20,7 +20,7 @@ class Overheard(Table):
 
     def __init__(self, seed: int) -> None:
         super().__init__(seed)
-        self.frames: list[Frame] = []
+        self.frames: list[WireFrame] = []
         self._parser = FrameParser(Sender.ROBOT)
 
     def to_host(self, data: bytes) -> list[bytes]:
@@ -28,7 +28,7 @@ class Overheard(Table):
         return [data]
 
 
-def true_frames() -> list[Frame]:
+def true_frames() -> list[WireFrame]:
     """What an honest robot sends: greeted, driving, stopped, rebooted, of another version."""
     table = Overheard(1)
     table.run(0.4)
@@ -46,7 +46,7 @@ def true_frames() -> list[Frame]:
 
 
 @cache
-def true_by_kind() -> dict[int, list[Frame]]:
+def true_by_kind() -> dict[int, list[WireFrame]]:
     """By kind, so that a greeting comes as often as one of a thousand reports."""
     frames = true_frames()
     return {
@@ -55,14 +55,14 @@ def true_by_kind() -> dict[int, list[Frame]]:
     }
 
 
-def a_lie(rng: random.Random, host: HostConnection) -> Frame:
+def a_lie(rng: random.Random, host: HostConnection) -> WireFrame:
     """One of those in the host's own session, now and then with other bytes in it."""
     frames = true_by_kind()
     true = rng.choice(frames[rng.choice(list(frames))])
     payload = bytearray(true.payload)
     if payload and rng.random() < 0.4:
         payload[rng.randrange(len(payload))] = rng.randrange(256)
-    return Frame(
+    return WireFrame(
         true.kind, host._sessions.present, bytes(payload), true.sequence,
         rng.choice((true.acknowledged, rng.randrange(256))), rng.randrange(256),
         true.reliable, rng.random() < 0.1,

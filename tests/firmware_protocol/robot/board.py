@@ -5,7 +5,7 @@ from firmware_protocol.robot.connection import (
     RobotConnection,
 )
 from firmware_protocol.robot.controller import RobotController
-from firmware_protocol.wire.framing import Frame, FrameParser, Sender, encode_frame
+from firmware_protocol.wire.framing import FrameParser, Sender, WireFrame, encode_frame
 from firmware_protocol.wire.messages import (
     RELIABLE,
     SCHEMA_HASH,
@@ -44,7 +44,7 @@ class Board:
         self, message: Message, sequence: int | None = None, session: int | None = None
     ) -> None:
         reliable = message.TYPE in RELIABLE
-        frame = Frame(
+        frame = WireFrame(
             message.TYPE,
             self.session if session is None else session,
             message.pack(),

@@ -10,7 +10,7 @@ import pytest
 from firmware_protocol.robot.clearway.follower import Follower
 from firmware_protocol.robot.clearway.link import REJECTED
 from firmware_protocol.robot.clearway.settings import Settings
-from firmware_protocol.robot.clearway.waypoints import Queue
+from firmware_protocol.robot.clearway.waypoints import WaypointQueue
 from firmware_protocol.robot.controller import WheelSpeeds
 from firmware_protocol.wire.messages import (
     Clear,
@@ -241,7 +241,7 @@ def test_a_dwell_lasts_as_long_as_asked() -> None:
 
 def cycles_to_settle(travel_um: Sequence[int]) -> int | None:
     """Until the stop underfoot counts as reached while the wheels do this in each cycle."""
-    queue, pose = Queue(), array("i", (0, 0, 0, 0))
+    queue, pose = WaypointQueue(), array("i", (0, 0, 0, 0))
     queue.add(bytearray(Mission(1, [Waypoint(0.0, 0.0, 0.3)]).records[0]), 0)
     follower = Follower(Settings(), queue, pose)
     follower.begin()

@@ -9,7 +9,7 @@ import pytest
 from firmware_protocol.robot.clearway.estimate import TIME
 from firmware_protocol.robot.clearway.program import Program
 from firmware_protocol.robot.clearway.settings import Settings
-from firmware_protocol.wire.framing import Frame, FrameParser, Sender, encode_frame
+from firmware_protocol.wire.framing import FrameParser, Sender, WireFrame, encode_frame
 from firmware_protocol.wire.messages import (
     SCHEMA_HASH,
     Challenge,
@@ -54,13 +54,13 @@ class Bench:
         return False
 
     def ask(self, kind: MessageType, payload: bytes) -> None:
-        self.waiting = encode_frame(Frame(kind, 3, payload), Sender.HOST)
+        self.waiting = encode_frame(WireFrame(kind, 3, payload), Sender.HOST)
         self.program.round()
         for _ in range(4):
             self.whole_us += 100
             self.program.round()
 
-    def answer(self, kind: MessageType) -> Frame:
+    def answer(self, kind: MessageType) -> WireFrame:
         parser = FrameParser(Sender.ROBOT)
         frames = [frame for data in self.said for frame in parser.feed(data)]
         self.said.clear()

@@ -12,7 +12,7 @@ from pathlib import Path
 
 import pytest
 
-from firmware_protocol.wire.framing import Frame, Sender, encode_frame
+from firmware_protocol.wire.framing import Sender, WireFrame, encode_frame
 from firmware_protocol.wire.messages import (
     ESTOP_FRAME,
     Clear,
@@ -89,13 +89,13 @@ def do(pair: Pair, deed: int, length: int, rest: bytes) -> None:
             pair.feed(rest)
         case 1:
             kind = rest[0] if rest else 0
-            frame = Frame(kind, SESSION, rest, pair.sequence, reliable=bool(deed & 0x10))
+            frame = WireFrame(kind, SESSION, rest, pair.sequence, reliable=bool(deed & 0x10))
             pair.feed(encode_frame(frame, Sender.HOST))
         case 2:
             count = min(len(rest) // 16 % 7, 6)
             head = struct.pack("<IIBB", control.mission, control.accept_next, count, 0)
             payload = head + rest[: 16 * count]
-            frame = Frame(MessageType.WAYPOINTS, SESSION, payload, pair.sequence, reliable=True)
+            frame = WireFrame(MessageType.WAYPOINTS, SESSION, payload, pair.sequence, reliable=True)
             pair.feed(encode_frame(frame, Sender.HOST))
         case 3:
             lease(pair, LeaseFlag.PERMIT | LeaseFlag.ODOMETRY)

@@ -8,15 +8,15 @@ from firmware_protocol.wire.framing import (
     MAX_PAYLOAD,
     MAX_WIRE,
     OVERHEAD,
-    Frame,
     FrameParser,
     Sender,
+    WireFrame,
     encode_frame,
 )
 
 BYTE = st.integers(0, 255)
 FRAMES = st.builds(
-    Frame,
+    WireFrame,
     kind=BYTE,
     session=st.integers(0, 0xFFFF),
     payload=st.binary(max_size=MAX_PAYLOAD),
@@ -30,14 +30,14 @@ SENDERS = st.sampled_from(Sender)
 
 
 @given(st.lists(FRAMES, max_size=5), SENDERS)
-def test_frames_survive_the_wire_whole(frames: list[Frame], sender: Sender) -> None:
+def test_frames_survive_the_wire_whole(frames: list[WireFrame], sender: Sender) -> None:
     parser = FrameParser(sender)
     assert parser.feed(b"".join(encode_frame(f, sender) for f in frames)) == frames
     assert parser.counters.faults == 0
 
 
 @given(st.lists(FRAMES, max_size=3), SENDERS)
-def test_frames_survive_the_wire_byte_by_byte(frames: list[Frame], sender: Sender) -> None:
+def test_frames_survive_the_wire_byte_by_byte(frames: list[WireFrame], sender: Sender) -> None:
     parser, read = FrameParser(sender), []
     for value in b"".join(encode_frame(f, sender) for f in frames):
         read += parser.feed(bytes([value]))
@@ -45,7 +45,7 @@ def test_frames_survive_the_wire_byte_by_byte(frames: list[Frame], sender: Sende
 
 
 @given(FRAMES, st.binary(max_size=300), st.binary(max_size=300))
-def test_frame_is_found_among_garbage(frame: Frame, before: bytes, after: bytes) -> None:
+def test_frame_is_found_among_garbage(frame: WireFrame, before: bytes, after: bytes) -> None:
     parser = FrameParser(Sender.HOST)
     stream = before + encode_frame(frame, Sender.HOST) + after
     assert frame in parser.feed(stream)
@@ -55,7 +55,7 @@ def test_frame_is_found_among_garbage(frame: Frame, before: bytes, after: bytes)
 def test_portions_do_not_matter(stream: bytes, cuts: list[int]) -> None:
     whole, cut = FrameParser(Sender.ROBOT), FrameParser(Sender.ROBOT)
     at = 0
-    read: list[Frame] = []
+    read: list[WireFrame] = []
     for end in [*sorted(cuts), len(stream)]:
         read += cut.feed(stream[at:end])
         at = max(at, end)
@@ -64,7 +64,7 @@ def test_portions_do_not_matter(stream: bytes, cuts: list[int]) -> None:
 
 
 @given(FRAMES)
-def test_frame_has_no_zero_inside_and_the_stated_size(frame: Frame) -> None:
+def test_frame_has_no_zero_inside_and_the_stated_size(frame: WireFrame) -> None:
     wire = encode_frame(frame, Sender.HOST)
     assert wire[0] == wire[-1] == 0
     assert 0 not in wire[1:-1]
@@ -72,7 +72,7 @@ def test_frame_has_no_zero_inside_and_the_stated_size(frame: Frame) -> None:
 
 
 @given(FRAMES, st.data())
-def test_a_damaged_frame_is_never_taken(frame: Frame, draw: st.DataObject) -> None:
+def test_a_damaged_frame_is_never_taken(frame: WireFrame, draw: st.DataObject) -> None:
     wire = bytearray(encode_frame(frame, Sender.HOST))
     at = draw.draw(st.integers(1, len(wire) - 2))
     match draw.draw(st.sampled_from(["flip", "drop", "double"])):
@@ -93,18 +93,18 @@ def test_a_damaged_frame_is_never_taken(frame: Frame, draw: st.DataObject) -> No
 
 def test_an_echo_is_counted_and_not_taken() -> None:
     parser = FrameParser(Sender.ROBOT)
-    assert parser.feed(encode_frame(Frame(1, 2, b"x"), Sender.HOST)) == []
+    assert parser.feed(encode_frame(WireFrame(1, 2, b"x"), Sender.HOST)) == []
     assert parser.counters.echoes == 1
 
 
 def test_every_kind_of_fault_has_its_own_count() -> None:
     parser = FrameParser(Sender.HOST)
-    good = encode_frame(Frame(0x20, 1, b"abc"), Sender.HOST)
+    good = encode_frame(WireFrame(0x20, 1, b"abc"), Sender.HOST)
     parser.feed(b"\0\x05ab\0")  # COBS points beyond the end
     parser.feed(b"\0\x03ab\0")  # too short for a header
     parser.feed(good[:-2] + bytes([good[-2] ^ 1 or 2]) + b"\0")
     parser.feed(b"\0" + b"\x01" * 400 + b"\0")
-    parser.feed(encode_frame(Frame(0x20, 1, version=2), Sender.HOST))
+    parser.feed(encode_frame(WireFrame(0x20, 1, version=2), Sender.HOST))
     count = parser.counters
     assert (count.cobs_errors, count.short_frames, count.crc_errors) == (1, 1, 1)
     assert (count.oversize, count.version_errors, count.frames) == (1, 1, 0)
@@ -125,20 +125,20 @@ def test_a_wrong_length_byte_is_refused() -> None:
 
 
 def test_hello_is_read_from_any_version() -> None:
-    frame = Frame(0x01, 9, b"??", version=7)
+    frame = WireFrame(0x01, 9, b"??", version=7)
     assert FrameParser(Sender.HOST).feed(encode_frame(frame, Sender.HOST)) == [frame]
 
 
 @pytest.mark.parametrize(
     "frame",
     [
-        Frame(1, 0, bytes(MAX_PAYLOAD + 1)),
-        Frame(256, 0),
-        Frame(1, 0x10000),
-        Frame(1, 0, sequence=-1),
+        WireFrame(1, 0, bytes(MAX_PAYLOAD + 1)),
+        WireFrame(256, 0),
+        WireFrame(1, 0x10000),
+        WireFrame(1, 0, sequence=-1),
     ],
 )
-def test_what_does_not_fit_is_refused(frame: Frame) -> None:
+def test_what_does_not_fit_is_refused(frame: WireFrame) -> None:
     with pytest.raises(LocalError):
         encode_frame(frame, Sender.HOST)
 
@@ -146,6 +146,6 @@ def test_what_does_not_fit_is_refused(frame: Frame) -> None:
 def test_the_header_has_the_documented_layout() -> None:
     from cobs import cobs
 
-    frame = Frame(0x10, 0xABCD, b"\x07", 3, 4, 5, reliable=True, nak=True)
+    frame = WireFrame(0x10, 0xABCD, b"\x07", 3, 4, 5, reliable=True, nak=True)
     raw = cobs.decode(encode_frame(frame, Sender.HOST)[1:-1])
     assert raw[:HEADER_BYTES] == bytes([0x13, 0x10, 0xCD, 0xAB, 3, 4, 5, 1])

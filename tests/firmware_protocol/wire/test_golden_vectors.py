@@ -3,7 +3,7 @@ import json
 import pytest
 
 from firmware_protocol.wire.crc import crc32c
-from firmware_protocol.wire.framing import Frame, FrameParser, Sender, encode_frame
+from firmware_protocol.wire.framing import FrameParser, Sender, WireFrame, encode_frame
 from firmware_protocol.wire.messages import read_message
 from tests.support.wire import protocol_vectors
 
@@ -25,7 +25,7 @@ def test_golden_frame_is_read_and_written(vector: dict[str, object]) -> None:
     assert frame.payload.hex() == vector["payload"]
     message = read_message(frame)
     assert message.pack() == frame.payload
-    again = Frame(
+    again = WireFrame(
         frame.kind,
         frame.session,
         message.pack(),

@@ -6,7 +6,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from firmware_protocol.wire.errors import LocalError, RemoteError
-from firmware_protocol.wire.framing import MAX_PAYLOAD, Frame, FrameParser, Sender
+from firmware_protocol.wire.framing import MAX_PAYLOAD, FrameParser, Sender, WireFrame
 from firmware_protocol.wire.messages import (
     ESTOP_FRAME,
     MESSAGES,
@@ -64,7 +64,7 @@ def test_waypoint_is_exact_to_half_a_unit_of_the_wire(waypoint: Waypoint) -> Non
 @given(st.binary(max_size=MAX_PAYLOAD), st.integers(0, 255))
 def test_any_payload_is_read_or_refused(payload: bytes, kind: int) -> None:
     try:
-        message = read_message(Frame(kind, 0, payload))
+        message = read_message(WireFrame(kind, 0, payload))
     except RemoteError:
         return
     assert message.pack() == payload or isinstance(message, Waypoints)
@@ -143,7 +143,7 @@ def test_wrapped_angles_are_the_same_angle(angle: float) -> None:
 def test_the_emergency_stop_is_one_constant_frame() -> None:
     assert len(ESTOP_FRAME) == 15
     (frame,) = FrameParser(Sender.HOST).feed(ESTOP_FRAME)
-    assert frame == Frame(MessageType.ESTOP, 0)
+    assert frame == WireFrame(MessageType.ESTOP, 0)
 
 
 def test_prefix_crcs_tell_order_and_mission_apart() -> None:

@@ -9,7 +9,7 @@ from navigation.loop.daemon import Daemon
 from navigation.loop.stages import stations_of
 from navigation.mission.mission import State
 from navigation.run.virtual_world import VirtualWorld
-from navigation.shared.supervisor import Part
+from navigation.shared.supervisor import SupervisedPart
 from tests.support.runs.virtual import cycle_until, is_driving, short_config
 from tests.support.waiting import wait_until
 
@@ -23,7 +23,9 @@ def test_a_robot_that_nobody_could_stop_holds_until_the_socket_is_read_again(
         ControlServer(tmp_path / "run" / "c.sock", daemon.people) as control,
     ):
         daemon.look_after(
-            "control socket", Part(control.failure, control.restart), lambda: control.turns
+            "control socket",
+            SupervisedPart(control.failure, control.restart),
+            lambda: control.turns,
         )
         daemon.people.give(stations_of(config))
         cycle_until(daemon, is_driving)

@@ -7,7 +7,7 @@ from navigation.config.dashboard import DashboardSection
 from navigation.dashboard.admission.access import AccessGate, Refusal, Role, bearer_of, token_of
 from navigation.dashboard.admission.seat import AWAY_S, LEFT_S, Seat, public_half
 from navigation.dashboard.orders import give, refusal_of
-from navigation.mission.mission import Mission, State, Station
+from navigation.mission.mission import MissionProgress, State, Station
 from tests.support.runs.shown import FakeDaemon, shown_config
 
 TOKEN, OTHER = "a-token-of-some-length", "another-token-to-look"
@@ -211,7 +211,7 @@ def test_rearm_pressed_twice_does_not_set_the_robot_going() -> None:
 @pytest.mark.parametrize("state", [s for s in State if s is not State.STOPPED])
 def test_there_is_nothing_to_rearm_without_a_stop(state: State) -> None:
     daemon = FakeDaemon()
-    daemon.show(mission=Mission(state=state))
+    daemon.show(mission=MissionProgress(state=state))
     assert not give({"order": "rearm"}, daemon.people, "Ada")["ok"]
     assert daemon.orders == []
 

@@ -26,7 +26,7 @@ from navigation.draw.shapes import CLEARANCE_RAMP, OBSTACLE, PAGE, PATH
 from navigation.link.link_snapshot import LinkSnapshot
 from navigation.loop.run_state import StageTimes
 from navigation.mission.cycle import PlanAnswer
-from navigation.mission.mission import Mission, State, Station
+from navigation.mission.mission import MissionProgress, State, Station
 from navigation.mission.trust import Level
 from planner.path import Bottleneck, NoPath, Path
 from planner.roadmap.roadmap import Roadmap
@@ -216,7 +216,7 @@ def told_state(daemon: FakeDaemon, *others: RobotPose) -> dict[str, object]:
 def stop_doubt(state: State, link: LinkSnapshot) -> object:
     daemon = FakeDaemon()
     assert daemon.robot is not None
-    daemon.robot = replace(daemon.robot, mission=Mission(state=state), link=link)
+    daemon.robot = replace(daemon.robot, mission=MissionProgress(state=state), link=link)
     told = told_state(daemon)["link"]
     assert isinstance(told, dict)
     return told["stop_doubt"]
@@ -245,7 +245,7 @@ def test_the_state_says_where_the_robots_are_and_why_nothing_moves() -> None:
     assert daemon.robot is not None
     assert daemon.robot.pose is not None
     other = replace(daemon.robot.pose, id=3, x=1.0)
-    mission = Mission((Station(1.0, 1.0),), 0, state=State.HOLDING, reason="because")
+    mission = MissionProgress((Station(1.0, 1.0),), 0, state=State.HOLDING, reason="because")
     daemon.show(mission=mission)
     told = told_state(daemon, other)
     assert [one["id"] for one in told["others"]] == [3]  # type: ignore[attr-defined]
@@ -263,7 +263,7 @@ def seen(*sentences: str) -> Iterator[str]:
     daemon, chronicle = FakeDaemon(), Chronicle(0.3)
     assert daemon.robot is not None
     for sentence in sentences:
-        mission = Mission(state=State.HOLDING, reason=sentence)
+        mission = MissionProgress(state=State.HOLDING, reason=sentence)
         now = replace(daemon.robot, mission=mission, sentence=sentence)
         chronicle.see_robot(now, 0.0)
     return (line.text for line in chronicle.log.since(0, 99)[1])

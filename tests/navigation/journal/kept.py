@@ -4,16 +4,16 @@ from pathlib import Path
 
 from navigation.journal.journal import Journal, SentPlan
 from navigation.journal.journal_records import Owner
-from navigation.mission.mission import Event, Mission, Station
+from navigation.mission.mission import Event, MissionProgress, Station
 from navigation.mission.targets import Target
 
 OWNER = Owner(robot="7 of DICT_4X4_50", port="simulated", camera="a", configuration="/etc/a.yaml")
 TWO = (Station(1.0, 1.0), Station(2.0, 1.0))
-DRIVING = Mission().given(TWO, "go").after(Event.PLANNED, "driving").with_visited(1)
+DRIVING = MissionProgress().given(TWO, "go").after(Event.PLANNED, "driving").with_visited(1)
 PLAN = SentPlan(9, 0, (Target(1.0, 1.0, 0.3, True, station=1), Target(2.0, 1.0, 0.0, True)))
 
 
-def keep(path: Path, mission: Mission = DRIVING, plan: SentPlan | None = PLAN) -> None:
+def keep(path: Path, mission: MissionProgress = DRIVING, plan: SentPlan | None = PLAN) -> None:
     with Journal(path, OWNER) as journal:
         journal.keep(mission, plan, 0.0)
         assert journal.trouble == ""

@@ -8,7 +8,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from navigation.journal.journal import Journal, SentPlan
-from navigation.mission.mission import Event, Mission, State, Station
+from navigation.mission.mission import Event, MissionProgress, State, Station
 from navigation.mission.targets import Target
 from tests.navigation.journal.kept import DRIVING, OWNER, PLAN, TWO, keep
 
@@ -21,7 +21,7 @@ targets = st.builds(
 )
 under_way = st.lists(stations, min_size=1, max_size=5).flatmap(
     lambda s: st.builds(
-        Mission,
+        MissionProgress,
         st.just(tuple(s)),
         st.integers(0, len(s)),
         st.booleans(),
@@ -34,13 +34,16 @@ on_errands = st.builds(
     under_way,
     stations,
 )
-done = st.just(Mission(state=State.DONE, reason="its only station was taken from it"))
+done = st.just(MissionProgress(state=State.DONE, reason="its only station was taken from it"))
 missions = under_way | on_errands | done
 
 
 @given(missions, st.lists(targets, max_size=5), st.integers(1, 2**32 - 1))
 def test_what_is_saved_is_read_back_exactly(
-    tmp_path_factory: pytest.TempPathFactory, mission: Mission, some: list[Target], number: int
+    tmp_path_factory: pytest.TempPathFactory,
+    mission: MissionProgress,
+    some: list[Target],
+    number: int,
 ) -> None:
     path = tmp_path_factory.mktemp("journal") / "journal"
     plan = SentPlan(number, 0, tuple(some))

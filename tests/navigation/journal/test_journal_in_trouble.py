@@ -14,7 +14,7 @@ from navigation.journal import journal_file
 from navigation.journal.journal import RETRY_S, Journal
 from navigation.journal.journal_file import JournalFile
 from navigation.journal.journal_records import Owner
-from navigation.mission.mission import Event, Mission, State
+from navigation.mission.mission import Event, MissionProgress, State
 from navigation.shared.whole_file import UnwrittenFileError, write_whole
 from tests.navigation.journal.kept import DRIVING, OWNER, PLAN, TWO
 
@@ -78,7 +78,7 @@ def test_a_full_disk_is_said_and_tried_again_now_and_then(path: Path, full_disk:
     ids=["progress", "stopped", "paused", "done", "replaced"],
 )
 def test_what_cannot_be_saved_never_leaves_a_record_that_drives_what_is_over(
-    path: Path, full_disk: FullDisk, now: Mission, stays: bool
+    path: Path, full_disk: FullDisk, now: MissionProgress, stays: bool
 ) -> None:
     with Journal(path, OWNER) as journal:
         full_disk.full = False

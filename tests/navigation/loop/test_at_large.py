@@ -14,8 +14,8 @@ from navigation.config import load_config
 from navigation.config.known_robots import KNOWN_ROBOTS
 from navigation.fleet.places_kept import Member
 from navigation.link.link_snapshot import LinkSnapshot
-from navigation.loop.parts import Link
-from navigation.loop.robot import Robot
+from navigation.loop.parts import RobotLink
+from navigation.loop.robot import ControlledRobot
 from navigation.loop.seeing.eye_settings import reach_m, stop_s
 from navigation.loop.traffic.coordinated import BRAKES_S, STOOD_S, member
 from navigation.mission.cycle import Orders
@@ -34,17 +34,19 @@ class Wire:
         pass
 
 
-def seen_at(driver: str, times_s: list[float], speed_m_s: float = 0.0) -> Robot:
+def seen_at(driver: str, times_s: list[float], speed_m_s: float = 0.0) -> ControlledRobot:
     """A robot of a kind, seen at these times."""
     own = CONFIG.robot.model_copy(update={"driver": driver})
-    robot = Robot("ada", CONFIG.model_copy(update={"robot": own}), cast("Link", Wire()), 1)
+    robot = ControlledRobot(
+        "ada", CONFIG.model_copy(update={"robot": own}), cast("RobotLink", Wire()), 1
+    )
     for now_s in times_s:
         pose = RobotPose(own.marker_id, 0.5, 0.3, 0.0, now_s, np.zeros((4, 2)), vx=speed_m_s)
         robot.sees({own.marker_id: pose}, now_s)
     return robot
 
 
-def at(robot: Robot, now_s: float, snapshot: LinkSnapshot) -> Member:
+def at(robot: ControlledRobot, now_s: float, snapshot: LinkSnapshot) -> Member:
     return member(robot, now_s, Orders(permit=False), snapshot)
 
 

@@ -11,8 +11,8 @@ import pytest
 from firmware_protocol.host.state import LinkState
 from navigation.config import load_config
 from navigation.link.link_snapshot import LinkSnapshot
-from navigation.loop.parts import Link
-from navigation.loop.robot import Robot
+from navigation.loop.parts import RobotLink
+from navigation.loop.robot import ControlledRobot
 from navigation.loop.run_state import StageTimes
 from navigation.loop.seeing.arena_view import ArenaView
 from navigation.loop.seeing.eye import Glimpse
@@ -40,8 +40,8 @@ class Look:
 
 
 @pytest.fixture
-def robot() -> Robot:
-    return Robot("anna", CONFIG, cast("Link", Wire()), 1)
+def robot() -> ControlledRobot:
+    return ControlledRobot("anna", CONFIG, cast("RobotLink", Wire()), 1)
 
 
 def pose(captured_s: float, before_frame_s: float = 0.0) -> RobotPose:
@@ -50,7 +50,7 @@ def pose(captured_s: float, before_frame_s: float = 0.0) -> RobotPose:
 
 
 def test_the_witness_dates_a_marker_by_the_rows_that_show_it(
-    robot: Robot, monkeypatch: pytest.MonkeyPatch
+    robot: ControlledRobot, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """A rolling shutter exposes a marker's rows before the frame's own time."""
     dated_s = list[float]()
@@ -62,13 +62,13 @@ def test_the_witness_dates_a_marker_by_the_rows_that_show_it(
     assert cast("Wire", robot.link).captured_s == [10.0 - 0.02]
 
 
-def test_of_other_robots_it_is_told_nothing(robot: Robot) -> None:
+def test_of_other_robots_it_is_told_nothing(robot: ControlledRobot) -> None:
     robot.sees({CONFIG.robot.marker_id + 1: pose(10.0)}, 10.0)
     assert robot.pose is None
     assert cast("Wire", robot.link).captured_s == []
 
 
-def test_people_are_told_what_its_driver_remarks(robot: Robot) -> None:
+def test_people_are_told_what_its_driver_remarks(robot: ControlledRobot) -> None:
     snapshot = LinkSnapshot(LinkState.STREAM, None, 0.0, remark="its battery is nearly empty")
     view = cast("ArenaView", Look())
     state = robot.state(1.0, view, snapshot, None, StageTimes(), ("the disk is full", ""), None)

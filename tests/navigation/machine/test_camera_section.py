@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from navigation.config.sections import CameraSection
-from navigation.machine.camera_findings import Judged, camera_findings
+from navigation.machine.camera_findings import CameraMeasurements, camera_findings
 from navigation.machine.camera_section import (
     SectionError,
     best_section,
@@ -19,8 +19,8 @@ from navigation.machine.camera_section import (
 from navigation.machine.doctor import Finding
 from tests.support.processes.v4l2_preloaded import ROOT
 from vision.camera.v4l2 import controls
-from vision.camera.v4l2.controls import Listed
-from vision.camera.v4l2.modes import Mode
+from vision.camera.v4l2.controls import CameraControl
+from vision.camera.v4l2.modes import CameraMode
 from vision.quality import Quality
 from vision.quality.focus import Focus
 from vision.quality.light import Flicker
@@ -29,7 +29,9 @@ from vision.quality.timing import Timing
 SIMULATION = (ROOT / "configs" / "simulation.yaml").read_text()
 
 
-def judged(exposure_ms: float = 25.0, flicker: Flicker | None = None, sharp: bool = True) -> Judged:
+def judged(
+    exposure_ms: float = 25.0, flicker: Flicker | None = None, sharp: bool = True
+) -> CameraMeasurements:
     quality = Quality(
         picture=np.full((960, 1280), 120, np.uint8),
         size=(1280, 960),
@@ -43,17 +45,17 @@ def judged(exposure_ms: float = 25.0, flicker: Flicker | None = None, sharp: boo
         markers=(),
     )
     listed = (
-        Listed(controls.MAINS, "Power Line Frequency", 0, 2, 1, 1, 1),
-        Listed(controls.EXPOSURE, "Exposure", 3, 2047, 1, 250, round(10 * exposure_ms)),
-        Listed(controls.FOCUS, "Focus, Absolute", 0, 250, 5, 0, 35),
-        Listed(controls.AUTO_FOCUS, "Focus, Automatic", 0, 1, 1, 1, 1),
+        CameraControl(controls.MAINS, "Power Line Frequency", 0, 2, 1, 1, 1),
+        CameraControl(controls.EXPOSURE, "Exposure", 3, 2047, 1, 250, round(10 * exposure_ms)),
+        CameraControl(controls.FOCUS, "Focus, Absolute", 0, 250, 5, 0, 35),
+        CameraControl(controls.AUTO_FOCUS, "Focus, Automatic", 0, 1, 1, 1, 1),
     )
     asked = CameraSection(source=0)
-    modes = (Mode("YUYV", (1280, 960), (10.0,)), Mode("MJPG", (1280, 960), (30.0,)))
-    return Judged(asked, "device", modes, listed, "MJPG", "", 0, 0, quality, 0.002, 0.3)
+    modes = (CameraMode("YUYV", (1280, 960), (10.0,)), CameraMode("MJPG", (1280, 960), (30.0,)))
+    return CameraMeasurements(asked, "device", modes, listed, "MJPG", "", 0, 0, quality, 0.002, 0.3)
 
 
-def by_name(of: Judged) -> dict[str, Finding]:
+def by_name(of: CameraMeasurements) -> dict[str, Finding]:
     return {finding.name: finding for finding in camera_findings(of)}
 
 

@@ -18,7 +18,7 @@ from navigation.loop.run_state import RunState
 from navigation.machine import logs
 from navigation.machine.logs import EventLog, RunLog
 from navigation.machine.sd_notify import Notifier, Watchdog
-from navigation.mission.mission import Mission, State, Station
+from navigation.mission.mission import MissionProgress, State, Station
 from navigation.run.attendance import Attendance
 from vision.camera.latest_frame import CameraStatus
 
@@ -106,7 +106,7 @@ def test_a_file_that_is_full_says_so_and_takes_no_more(
 class Now:
     """What `RunLog.cycle` looks at of a daemon's state."""
 
-    mission: Mission
+    mission: MissionProgress
     sentence: str
     link: LinkSnapshot
     pose: None = None
@@ -117,7 +117,7 @@ class Now:
 
 STATIONS = (Station(1.0, 1.0), Station(2.0, 1.0))
 DRIVING = Now(
-    Mission(STATIONS, state=State.DRIVING, reason="driving"),
+    MissionProgress(STATIONS, state=State.DRIVING, reason="driving"),
     "driving",
     LinkSnapshot(LinkState.STREAM, None, 0.0),
 )

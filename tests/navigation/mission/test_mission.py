@@ -7,8 +7,8 @@ from hypothesis import strategies as st
 from navigation.mission.mission import (
     TRANSITIONS,
     Event,
-    Mission,
     MissionError,
+    MissionProgress,
     State,
     Station,
     diagram,
@@ -18,7 +18,7 @@ TWO = (Station(0.5, 0.5), Station(1.0, 0.5, heading_rad=0.0, dwell_s=1.0))
 
 
 def test_a_mission_runs_from_given_to_done() -> None:
-    mission = Mission().given(TWO, "go").after(Event.PLANNED, "driving").with_visited(2)
+    mission = MissionProgress().given(TWO, "go").after(Event.PLANNED, "driving").with_visited(2)
     done = mission.after(Event.ARRIVED, "at the goal")
     assert (done.state, done.remaining, done.is_over) == (State.DONE, (), True)
 
@@ -35,7 +35,7 @@ def test_stopped_is_left_by_hand_only() -> None:
 
 @given(st.lists(st.sampled_from(list(Event)), max_size=40))
 def test_no_order_of_events_drives_without_a_plan(events: list[Event]) -> None:
-    mission, last = Mission(TWO), None
+    mission, last = MissionProgress(TWO), None
     for event in events:
         if mission.allows(event):
             before, mission, last = mission.state, mission.after(event, "test"), event
@@ -53,7 +53,7 @@ def test_every_state_can_be_reached_and_left() -> None:
 
 
 def test_visited_stations_are_never_unvisited() -> None:
-    mission = Mission(TWO).with_visited(1)
+    mission = MissionProgress(TWO).with_visited(1)
     assert mission.remaining == TWO[1:]
     for count in (0, 3):
         with pytest.raises(MissionError, match=r"must be in 1\.\.2"):
@@ -63,8 +63,8 @@ def test_visited_stations_are_never_unvisited() -> None:
 def test_an_errand_changes_nothing_of_what_was_visited() -> None:
     place = Station(3.0, 1.0)
     for over in (
-        Mission(),
-        Mission().given(TWO, "go").after(Event.PLANNED, "driving").arrived("there"),
+        MissionProgress(),
+        MissionProgress().given(TWO, "go").after(Event.PLANNED, "driving").arrived("there"),
     ):
         aside = over.stepping_aside(place, "aside")
         assert aside.state is State.PLANNING
@@ -74,12 +74,12 @@ def test_an_errand_changes_nothing_of_what_was_visited() -> None:
         assert (back.stations, back.visited, back.remaining) == (over.stations, over.visited, ())
         assert aside.given(TWO, "a new one").remaining == TWO
     with pytest.raises(MissionError, match="stations to visit"):
-        Mission().given(TWO, "go").stepping_aside(place, "aside")
+        MissionProgress().given(TWO, "go").stepping_aside(place, "aside")
 
 
 def test_a_mission_without_stations_is_refused() -> None:
     with pytest.raises(MissionError, match="at least one station"):
-        Mission().given((), "nothing")
+        MissionProgress().given((), "nothing")
 
 
 def test_the_diagram_names_every_transition() -> None:
@@ -88,8 +88,8 @@ def test_the_diagram_names_every_transition() -> None:
 
 def test_the_first_plan_settles_the_order_and_the_goal_stays_last() -> None:
     stations = tuple(Station(float(i), 0.0) for i in range(4))
-    mission = Mission().given(stations, "go", any_order=True).settled((2, 0, 1))
+    mission = MissionProgress().given(stations, "go", any_order=True).settled((2, 0, 1))
     assert [s.x for s in mission.stations] == [2.0, 0.0, 1.0, 3.0]
     assert mission.settled((1, 2, 0)) == mission
     with pytest.raises(MissionError, match="each of 3 stations once"):
-        Mission().given(stations, "go", any_order=True).settled((0, 0, 1))
+        MissionProgress().given(stations, "go", any_order=True).settled((0, 0, 1))

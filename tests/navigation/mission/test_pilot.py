@@ -7,7 +7,7 @@ import pytest
 from navigation.mission.cycle import (
     Sight,
 )
-from navigation.mission.mission import Mission, MissionError, State
+from navigation.mission.mission import MissionError, MissionProgress, State
 from tests.navigation.mission.world import LINKED, PERIOD_S, SEEN, TOUR, World
 
 
@@ -195,7 +195,7 @@ def test_a_new_plan_is_made_when_asked_for(world: World) -> None:
 
 
 def test_a_restored_mission_that_was_paused_stays_paused(world: World) -> None:
-    world.pilot.restore(Mission(TOUR, visited=1, state=State.HOLDING, paused=True))
+    world.pilot.restore(MissionProgress(TOUR, visited=1, state=State.HOLDING, paused=True))
     assert not any(orders.permit for orders in world.run(50))
     assert world.pilot.mission.reason == "paused by the operator"
     world.pilot.resume()

@@ -6,7 +6,7 @@ from dataclasses import replace
 
 import pytest
 
-from navigation.mission.mission import Mission, MissionError, State
+from navigation.mission.mission import MissionError, MissionProgress, State
 from planner.path import NoPath
 from tests.navigation.mission.world import TOUR, World
 
@@ -130,12 +130,12 @@ def test_where_nothing_is_left_or_no_station_is_the_next_one_it_is_refused(world
     world.pilot.give(TOUR, any_order=True)
     with pytest.raises(MissionError, match="the first plan decides"):
         world.pilot.skip()
-    aside = Mission(TOUR, 2, state=State.PLANNING, errand=FIRST)
+    aside = MissionProgress(TOUR, 2, state=State.PLANNING, errand=FIRST)
     assert "no station is left" in aside.cannot_skip, "it comes back to its place"
 
 
 @pytest.mark.parametrize("state", [s for s in State if s not in (State.STOPPED, State.DONE)])
 def test_the_only_station_of_a_mission_in_any_state_leaves_it_done(state: State) -> None:
-    mission = Mission((FIRST,), state=state, paused=True).without_next()
+    mission = MissionProgress((FIRST,), state=state, paused=True).without_next()
     assert (mission.state, mission.stations, mission.paused) == (State.DONE, (), True)
     assert replace(mission, paused=False).remaining == ()

@@ -7,7 +7,7 @@ from hypothesis import strategies as st
 
 from firmware_protocol.wire.messages import WaypointFlag
 from navigation.mission.targets import LONGEST_DWELL_S, targets_of, to_wire
-from planner.path import Path, Trajectory, Waypoint
+from planner.path import Path, TimedWaypoint, Trajectory
 
 
 def path_with(headings: tuple[float | None, ...]) -> Path:
@@ -18,12 +18,12 @@ def path_with(headings: tuple[float | None, ...]) -> Path:
 
 TURNING = Trajectory(
     (
-        Waypoint(0.0, 0.0, 0.0, 0.0, 0.0, station=0),
-        Waypoint(0.5, 0.0, 0.0, 0.3, 2.0),
-        Waypoint(1.0, 0.0, 0.0, 0.0, 4.0, station=1, dwell_s=60.0),
-        Waypoint(1.0, 0.0, 1.5, 0.0, 65.0),
-        Waypoint(1.0, 1.0, 1.5, 0.0, 69.0, station=2),
-        Waypoint(1.0, 1.0, 3.0, 0.0, 71.0),
+        TimedWaypoint(0.0, 0.0, 0.0, 0.0, 0.0, station=0),
+        TimedWaypoint(0.5, 0.0, 0.0, 0.3, 2.0),
+        TimedWaypoint(1.0, 0.0, 0.0, 0.0, 4.0, station=1, dwell_s=60.0),
+        TimedWaypoint(1.0, 0.0, 1.5, 0.0, 65.0),
+        TimedWaypoint(1.0, 1.0, 1.5, 0.0, 69.0, station=2),
+        TimedWaypoint(1.0, 1.0, 3.0, 0.0, 71.0),
     ),
     71.0,
 )
@@ -47,7 +47,7 @@ def test_a_long_stay_is_split_and_its_station_counted_at_the_end_of_it() -> None
 
 
 def test_a_robot_that_is_there_already_still_gets_its_target() -> None:
-    here = Trajectory((Waypoint(1.0, 1.0, 0.5, 0.0, 0.0, station=1),), 0.0)
+    here = Trajectory((TimedWaypoint(1.0, 1.0, 0.5, 0.0, 0.0, station=1),), 0.0)
     (target,) = targets_of(path_with((None, 0.5)), here)
     assert (target.x_m, target.heading_rad, target.stops) == (1.0, 0.5, True)
 
@@ -56,8 +56,8 @@ def test_a_robot_that_is_there_already_still_gets_its_target() -> None:
 def test_every_stay_fits_on_the_wire_and_none_is_cut(dwell_s: float) -> None:
     stay = Trajectory(
         (
-            Waypoint(0.0, 0.0, 0.0, 0.0, 0.0, station=0),
-            Waypoint(1.0, 0.0, 0.0, 0.0, 4.0, station=1, dwell_s=dwell_s),
+            TimedWaypoint(0.0, 0.0, 0.0, 0.0, 0.0, station=0),
+            TimedWaypoint(1.0, 0.0, 0.0, 0.0, 4.0, station=1, dwell_s=dwell_s),
         ),
         4.0 + dwell_s,
     )

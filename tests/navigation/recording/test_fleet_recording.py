@@ -10,14 +10,14 @@ from mcap.reader import make_reader
 from navigation.fleet.request import FleetRequest
 from navigation.loop.daemon import Daemon
 from navigation.loop.run_state import RunState
-from navigation.recording.compare import Tolerances
+from navigation.recording.compare import ComparisonTolerances
 from navigation.recording.reader import read_recording
 from navigation.recording.tape import read_tape
 from navigation.run.replay import replay
 from tests.support.pictures import call
 from tests.support.runs.recordings import EVERY, record_alcove
 
-EXACT = Tolerances(1e-9, 1e-9, 1e-9, 1e-9, 1e-9)
+EXACT = ComparisonTolerances(1e-9, 1e-9, 1e-9, 1e-9, 1e-9)
 SECONDS = 1.5
 
 

@@ -11,7 +11,7 @@ import pytest
 
 from navigation.loop.planning import ArenaPlanner
 from navigation.mission.cycle import PlanAnswer, PlanRequest
-from navigation.recording.compare import Tolerances
+from navigation.recording.compare import ComparisonTolerances
 from navigation.recording.files import RecordingError
 from navigation.recording.reader import read_recording
 from navigation.run.replay import replay
@@ -20,7 +20,7 @@ from planner.scene import Scene
 from tests.support.pictures import call
 from tests.support.runs.recordings import make_recording
 
-EXACT = Tolerances(1e-9, 1e-9, 1e-9, 1e-9, 1e-9)
+EXACT = ComparisonTolerances(1e-9, 1e-9, 1e-9, 1e-9, 1e-9)
 
 
 def test_a_recording_without_loss_replays_to_the_same_numbers(lossless: Path) -> None:

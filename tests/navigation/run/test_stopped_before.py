@@ -9,7 +9,7 @@ import pytest
 from navigation.journal.journal import Journal, owner_of
 from navigation.journal.kept_stops import KeptStops
 from navigation.loop.daemon import Daemon
-from navigation.mission.mission import Mission, State
+from navigation.mission.mission import MissionProgress, State
 from navigation.run.give_missions import GiveMissions
 from navigation.run.virtual_world import VirtualWorld
 from tests.support.runs.virtual import cycle_until, is_driving, short_config
@@ -107,7 +107,7 @@ def test_a_stop_of_the_pilot_s_own_is_kept_too(tmp_path: Path) -> None:
     with Daemon(config, VirtualWorld(config, pictures=False), first_mission_id=1) as daemon:
         begin(daemon, tmp_path)
         assert daemon.robot.pilot.mission.state is State.STOPPED
-        assert isinstance(daemon.robot.pilot.mission, Mission)
+        assert isinstance(daemon.robot.pilot.mission, MissionProgress)
 
 
 def test_a_stop_that_came_before_the_stops_were_read_is_kept(tmp_path: Path) -> None:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 
-from navigation.shared.supervisor import LONGEST_PAUSE_S, Part, Supervisor, in_words
+from navigation.shared.supervisor import LONGEST_PAUSE_S, SupervisedPart, Supervisor, in_words
 
 
 class Fragile:
@@ -29,7 +29,7 @@ def part() -> Fragile:
 
 @pytest.fixture
 def supervisor(part: Fragile) -> Supervisor:
-    return Supervisor({"planner": Part(lambda: part.broken, part.restart)})
+    return Supervisor({"planner": SupervisedPart(lambda: part.broken, part.restart)})
 
 
 def look(supervisor: Supervisor, part: Fragile, until_s: float) -> list[str]:
@@ -89,7 +89,7 @@ def test_an_error_is_told_in_its_first_line() -> None:
 
 def test_a_part_that_came_later_is_looked_after_too(supervisor: Supervisor, part: Fragile) -> None:
     later = Fragile()
-    supervisor.add("control socket", Part(lambda: later.broken, later.restart))
+    supervisor.add("control socket", SupervisedPart(lambda: later.broken, later.restart))
     later.broken = "ValueError"
     assert look(supervisor, part, 1.0) == [
         "the control socket failed (ValueError): starting it again"

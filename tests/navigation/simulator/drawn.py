@@ -5,7 +5,7 @@ from __future__ import annotations
 import cv2
 import numpy as np
 
-from navigation.simulator.picture.drawing import Look
+from navigation.simulator.picture.drawing import Appearance
 from navigation.simulator.picture.pinhole import Pinhole
 from planner.scene import (
     Bounds,
@@ -36,7 +36,7 @@ class Clock:
 
 # What is drawn.
 
-PLAIN = Look(blur_px=0.0, noise_grey=0.0, light_fall=0.0)
+PLAIN = Appearance(blur_px=0.0, noise_grey=0.0, light_fall=0.0)
 
 
 def straight_down(size_px: tuple[int, int] = (400, 300), metres_per_pixel: float = 0.01) -> Pinhole:

@@ -8,23 +8,23 @@ import pytest
 
 from navigation.config import Config, load_config
 from navigation.simulator.picture.boards import (
-    Board,
     BoardPainter,
     BoardPose,
+    PrintedBoard,
     board_pictures,
     flat_pose,
     held_poses,
     measured_discs,
     survey_picture,
 )
-from navigation.simulator.picture.drawing import Look
+from navigation.simulator.picture.drawing import Appearance
 from navigation.simulator.picture.pinhole import pinhole_of
 from planner.scene import Bounds, FloatArray, Scene
 from vision.camera.camera import Image
 from vision.markers.marker_search import MarkerError
 
 BOUNDS = Bounds(0.0, 0.0, 2.4, 1.8)
-BOARD = Board()
+BOARD = PrintedBoard()
 
 
 @pytest.fixture(scope="module")
@@ -34,7 +34,7 @@ def config() -> Config:
 
 @pytest.fixture(scope="module")
 def painter(config: Config) -> BoardPainter:
-    return BoardPainter(pinhole_of(config), Look(), BOARD, Scene("m", BOUNDS, ()))
+    return BoardPainter(pinhole_of(config), Appearance(), BOARD, Scene("m", BOUNDS, ()))
 
 
 def _found(picture: Image) -> tuple[FloatArray, FloatArray]:
@@ -96,7 +96,9 @@ def test_discs_on_surveyed_places_are_measured_to_a_fraction_of_a_pixel(config: 
 
 
 def test_a_dictionary_goes_by_any_of_its_names_and_an_unknown_one_is_said() -> None:
-    long, short = (Board(dictionary=name).sheet((160, 120)) for name in ("DICT_5X5_100", "5x5_100"))
+    long, short = (
+        PrintedBoard(dictionary=name).sheet((160, 120)) for name in ("DICT_5X5_100", "5x5_100")
+    )
     assert (long == short).all()
     with pytest.raises(MarkerError, match="marker dictionary 'DICT_5X5' is unknown; did you mean"):
-        Board(dictionary="DICT_5X5").opencv()
+        PrintedBoard(dictionary="DICT_5X5").opencv()

@@ -11,7 +11,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from planner.motion.speed_profile import plan_speed
-from planner.motion.stops_and_bends import Track, speed_cells
+from planner.motion.stops_and_bends import CutPath, speed_cells
 from planner.motion.trajectory import TrajectoryError, time_path
 from planner.path import Limits, Path
 from planner.shared.numbers import wrap_angle
@@ -26,7 +26,7 @@ from tests.planner.motion.trajectories import (
 
 def _driven(path: Path, limits: Limits, clearance=None):
     """Each leg as it is driven: times, lengths along it, and the heading there, densely."""
-    track = Track(path, limits, clearance, (0.0,) * len(path.stations))
+    track = CutPath(path, limits, clearance, (0.0,) * len(path.stations))
     for leg in track.legs():
         if not len(leg.lengths):
             continue

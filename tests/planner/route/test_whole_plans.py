@@ -17,7 +17,7 @@ import pytest
 import planner
 from planner.motion.smooth import smooth_path
 from planner.motion.trajectory import default_limits, time_path
-from planner.path import Limits, NoPath, Path, Trajectory, Waypoint
+from planner.path import Limits, NoPath, Path, TimedWaypoint, Trajectory
 from planner.scene import Bounds, FloatArray, Scene, SegmentRecord
 from tests.support.scenes.planner_scenes import random_scene, scene_of, slow_distance
 
@@ -60,7 +60,7 @@ def every_plan() -> list[tuple[Scene, float, Path, Limits, Trajectory]]:
     return [plan for seed in range(30) for plan in _plans(seed)]
 
 
-def _drives(timed: Trajectory) -> list[tuple[Waypoint, Waypoint, float, float, float]]:
+def _drives(timed: Trajectory) -> list[tuple[TimedWaypoint, TimedWaypoint, float, float, float]]:
     """Pairs of waypoints: seconds, way and turn between them."""
     found = []
     for a, b in pairwise(timed.waypoints):

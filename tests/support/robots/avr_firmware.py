@@ -13,7 +13,7 @@ from collections.abc import Callable
 from firmware_protocol.robot.connection import Identity
 from firmware_protocol.robot.controller import WheelSpeeds
 from firmware_protocol.wire.drive_settings import DriveSettings
-from firmware_protocol.wire.framing import Frame, FrameParser, Sender
+from firmware_protocol.wire.framing import FrameParser, Sender, WireFrame
 from firmware_protocol.wire.messages import (
     Ack,
     HelloAck,
@@ -83,7 +83,7 @@ class AvrFirmware:
         self.motors = Motors(0.0, 0.0, False, 0.0, 0.0)
         self.hello: HelloAck | None = None
         self.reports: list[Status] = []
-        self.last: Frame | None = None
+        self.last: WireFrame | None = None
         self.accept_next = 0
         self._board = board
         self._processor: EmulatedProcessor | None = None
@@ -141,7 +141,7 @@ class AvrFirmware:
             self._hear(frame)
         return said
 
-    def _hear(self, frame: Frame) -> None:
+    def _hear(self, frame: WireFrame) -> None:
         self.last = frame
         match message := read_message(frame):
             case HelloAck():

@@ -5,7 +5,7 @@ from __future__ import annotations
 from firmware_protocol.robot.connection import Identity, RobotConnection
 from firmware_protocol.robot.controller import RobotController
 from firmware_protocol.wire.drive_settings import DriveSettings
-from firmware_protocol.wire.framing import Frame, FrameParser, Sender, encode_frame
+from firmware_protocol.wire.framing import FrameParser, Sender, WireFrame, encode_frame
 from firmware_protocol.wire.messages import (
     RELIABLE,
     SCHEMA_HASH,
@@ -51,7 +51,7 @@ class Pair:
     ) -> None:
         numbered = message.TYPE in RELIABLE if reliable is None else reliable
         number = self.sequence if sequence is None else sequence
-        frame = Frame(
+        frame = WireFrame(
             message.TYPE, self.session, message.pack(), number if numbered else 0, reliable=numbered
         )
         if numbered and sequence is None:
@@ -103,7 +103,7 @@ class Pair:
             raise AssertionError("the same frame in other bytes")
 
 
-def frame_in(data: bytes) -> tuple[Frame, Message | None] | None:
+def frame_in(data: bytes) -> tuple[WireFrame, Message | None] | None:
     """What a robot's bytes say, for the assertion's text."""
     frames = FrameParser(Sender.ROBOT).feed(data)
     return (frames[0], read_message(frames[0])) if frames else None

@@ -24,7 +24,7 @@ from navigation.dashboard.messages.heat import heat_message
 from navigation.link.serial_link import LinkSnapshot
 from navigation.loop.run_state import RobotSnapshot, RunState, StageTimes
 from navigation.mission.cycle import PlanAnswer
-from navigation.mission.mission import Event, Mission, MissionError, State, Station
+from navigation.mission.mission import Event, MissionError, MissionProgress, State, Station
 from navigation.mission.watch import Action, Verdict
 from planner.formats.scene_io import load_scene
 from planner.path import Limits, NoPath
@@ -98,7 +98,7 @@ class FakeDaemon:
         self.orders = self.people.orders
         self.robot: RobotSnapshot | None = RobotSnapshot(
             time_s=1.0,
-            mission=Mission(),
+            mission=MissionProgress(),
             sentence="no mission was given",
             pose=pose(),
             link=LinkSnapshot(LinkState.STREAM, None, 0.02, status_age_s=0.02),
@@ -144,7 +144,7 @@ class FakeDaemon:
         return 0.0 if self.robot is None else self.robot.time_s
 
     @property
-    def mission(self) -> Mission:
+    def mission(self) -> MissionProgress:
         """What it does."""
         assert self.robot is not None
         return self.robot.mission
@@ -157,7 +157,7 @@ class FakeDaemon:
     def camera_status(self) -> CameraStatus:
         return self.camera
 
-    def become(self, mission: Mission, **changes: Any) -> None:
+    def become(self, mission: MissionProgress, **changes: Any) -> None:
         """Another mission, and its robot moves or is stopped as it says."""
         assert self.robot is not None
         link = replace(
@@ -221,7 +221,7 @@ class _Acting(RecordedPeople):
         mission = self._daemon.mission
         return {"state": mission.state.value, "reason": mission.reason}
 
-    def _begin(self, mission: Mission) -> None:
+    def _begin(self, mission: MissionProgress) -> None:
         """Plan, and drive where there is a path."""
         path = None if self._roadmap is None else self.preview(mission.remaining).path
         if isinstance(path, NoPath):

@@ -6,7 +6,7 @@ import random
 
 from firmware_protocol.host.connection import HostConnection
 from firmware_protocol.host.events import CommandEnded, MissionVoid
-from firmware_protocol.wire.framing import Frame, Sender, encode_frame
+from firmware_protocol.wire.framing import Sender, WireFrame, encode_frame
 from firmware_protocol.wire.messages import (
     ESTOP_FRAME,
     CommandResult,
@@ -105,7 +105,7 @@ def estop_under_full_load(seed: int) -> str:
 def estop_after_a_truncated_frame(seed: int) -> str:
     witness = Witness(seed)
     witness.begin_and_drive(0.2)
-    frame = encode_frame(Frame(MessageType.WAYPOINTS, 1, bytes(106)), Sender.HOST)
+    frame = encode_frame(WireFrame(MessageType.WAYPOINTS, 1, bytes(106)), Sender.HOST)
     cut = 1 + seed * 5 % (len(frame) - 2)
     witness.inject(frame[:cut] + ESTOP_FRAME)
     assert witness.reaches(RobotState.ESTOP)

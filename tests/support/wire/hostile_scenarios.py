@@ -11,7 +11,7 @@ from collections import deque
 from collections.abc import Callable
 
 from firmware_protocol.host.events import StrayHello
-from firmware_protocol.wire.framing import Frame, Sender, encode_frame
+from firmware_protocol.wire.framing import Sender, WireFrame, encode_frame
 from firmware_protocol.wire.messages import (
     SCHEMA_HASH,
     Hello,
@@ -33,7 +33,9 @@ OFF_M = 0.03
 
 def hello(session: int) -> bytes:
     """Somebody's HELLO."""
-    return encode_frame(Frame(MessageType.HELLO, session, Hello(SCHEMA_HASH).pack()), Sender.HOST)
+    return encode_frame(
+        WireFrame(MessageType.HELLO, session, Hello(SCHEMA_HASH).pack()), Sender.HOST
+    )
 
 
 class SlowLine:

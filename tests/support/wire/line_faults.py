@@ -11,7 +11,7 @@ import numpy as np
 from firmware_protocol.host.connection import HostConnection
 from firmware_protocol.host.state import LinkState
 from firmware_protocol.robot.connection import Identity
-from firmware_protocol.wire.framing import Frame, Sender, encode_frame
+from firmware_protocol.wire.framing import Sender, WireFrame, encode_frame
 from firmware_protocol.wire.messages import (
     SCHEMA_HASH,
     MessageType,
@@ -175,13 +175,13 @@ def frames_of_nonsense(seed: int) -> str:
         payload = bytes(rng.integers(0, 256, size, dtype=np.uint8))
         if kind in (0x20, 0x21, 0x22) and size in (4, 5, 12):
             continue
-        frame = Frame(kind, session, payload, sequence=int(rng.integers(256)))
+        frame = WireFrame(kind, session, payload, sequence=int(rng.integers(256)))
         witness.inject(encode_frame(frame, Sender.HOST))
         # where time passes meanwhile the mission goes on, and its chain tells
         assert witness.told_s or (control.mission, control.accept_next) == before
     for count in (0, 7, 255):
         payload = bytes(8) + bytes([count, 0]) + bytes(16)
         for sequence in range(256):
-            frame = Frame(MessageType.WAYPOINTS, session, payload, sequence)
+            frame = WireFrame(MessageType.WAYPOINTS, session, payload, sequence)
             witness.inject(encode_frame(frame, Sender.HOST))
     return witness.finish()

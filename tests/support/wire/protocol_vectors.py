@@ -12,7 +12,7 @@ from pathlib import Path
 from typing import Any
 
 from firmware_protocol.wire.crc import crc32c
-from firmware_protocol.wire.framing import Frame, Sender, encode_frame
+from firmware_protocol.wire.framing import Sender, WireFrame, encode_frame
 from firmware_protocol.wire.messages import (
     ESTOP_FRAME,
     RELIABLE,
@@ -128,7 +128,7 @@ def make_vectors() -> dict[str, Any]:
     """All vectors as plain data."""
     frames = []
     for number, (name, sender, message) in enumerate(MESSAGES):
-        frame = Frame(
+        frame = WireFrame(
             kind=message.TYPE,
             session=(0x1234 + 0x1111 * number) & 0xFFFF,
             payload=message.pack(),

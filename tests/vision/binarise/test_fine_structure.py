@@ -10,7 +10,7 @@ from benchmarks.vision.fine import cover
 from tests.support.scenes.mazes import maze
 from vision import extract
 from vision.binarise.binarise import binarise
-from vision.binarise.grey_picture import Look
+from vision.binarise.grey_picture import GreyPicture
 from vision.binarise.humps import Humps
 
 SIDE = 21
@@ -82,7 +82,7 @@ def test_what_noise_crosses_unsmoothed_is_said() -> None:
 def test_noise_alone_is_no_fine_structure(sigma) -> None:
     rng = np.random.default_rng(2)
     grey = np.clip(np.rint(rng.normal(150.0, sigma, (120, 160))), 0, 255).astype(np.uint8)
-    look = Look(grey)
+    look = GreyPicture(grey)
     assert look.fine is None
     assert look.noise > 0.8 * min(sigma, 50.0)
 

@@ -12,7 +12,14 @@ from hypothesis import strategies as st
 from hypothesis.extra import numpy as arrays
 
 from vision.binarise.binarise_kernels import sampled_histogram
-from vision.binarise.grey_picture import BINOMIAL, NO_CALMING, WIDE, Calming, Look, calming_of
+from vision.binarise.grey_picture import (
+    BINOMIAL,
+    NO_CALMING,
+    WIDE,
+    Calming,
+    GreyPicture,
+    calming_of,
+)
 
 PICTURES = arrays.arrays(np.uint8, st.tuples(st.integers(1, 12), st.integers(1, 40)))
 WHOLE = {BINOMIAL: lambda p: cv2.GaussianBlur(p, (5, 5), 0.0)}
@@ -20,7 +27,7 @@ WHOLE = {BINOMIAL: lambda p: cv2.GaussianBlur(p, (5, 5), 0.0)}
 
 @given(PICTURES, st.sampled_from([BINOMIAL]))
 def test_a_smoothed_sample_is_a_sample_of_the_smoothed_picture(picture, calming) -> None:
-    counts = Look(picture).counts_after(calming)
+    counts = GreyPicture(picture).counts_after(calming)
     np.testing.assert_array_equal(counts, sampled_histogram(WHOLE[calming](picture)))
 
 
@@ -28,7 +35,7 @@ def test_a_smoothed_sample_is_a_sample_of_the_smoothed_picture(picture, calming)
 def test_a_smoothed_picture_is_compared_as_if_it_were_there(picture, level) -> None:
     height, width = picture.shape
     # no dot stands out of so much noise
-    mask = Look(picture).mask_below(level, BINOMIAL, math.inf)
+    mask = GreyPicture(picture).mask_below(level, BINOMIAL, math.inf)
     np.testing.assert_array_equal(mask[1:-1, 1 : width + 1], WHOLE[BINOMIAL](picture) < level)
     assert int(mask.sum()) == int(mask[1 : height + 1, 1 : width + 1].sum())
 
@@ -36,7 +43,7 @@ def test_a_smoothed_picture_is_compared_as_if_it_were_there(picture, level) -> N
 def test_a_large_picture_is_sampled_where_a_smoothed_one_would_be() -> None:
     picture = np.random.default_rng(8).integers(0, 256, (733, 1201)).astype(np.uint8)
     for calming, whole in WHOLE.items():
-        counts = Look(picture).counts_after(calming)
+        counts = GreyPicture(picture).counts_after(calming)
         np.testing.assert_array_equal(counts, sampled_histogram(whole(picture)))
         assert 20000 < counts.sum() < 45000
 
@@ -46,7 +53,7 @@ def test_a_large_picture_is_sampled_where_a_smoothed_one_would_be() -> None:
 def test_a_smoothing_leaves_as_much_noise_as_it_says(calming: Calming, kind: type) -> None:
     rng = np.random.default_rng(2)
     noisy = np.clip(127.0 + rng.normal(0.0, 20.0, (400, 600)), 0.0, 255.0)
-    look = Look(np.rint(noisy).astype(kind))
+    look = GreyPicture(np.rint(noisy).astype(kind))
     assert abs(look.grey_after(calming).std() / 20.0 - calming.left) < 0.02
 
 

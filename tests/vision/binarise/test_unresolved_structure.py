@@ -12,7 +12,7 @@ from vision import PictureError, extract
 from vision.binarise import ONE_LEVEL
 from vision.binarise.binarise import binarise
 from vision.binarise.grey_classes import classes_of
-from vision.binarise.grey_picture import Look
+from vision.binarise.grey_picture import GreyPicture
 from vision.binarise.unresolved import unresolved_structure
 
 DARK, LIGHT = 32.0, 207.0
@@ -88,7 +88,7 @@ def test_a_part_of_the_floor_that_is_unresolved_is_an_obstacle(noise) -> None:
 def test_floors_with_texture_shadows_and_noise_have_no_such_structure(family) -> None:
     for number in range(4):
         picture = drawn(FAMILIES[family], np.random.default_rng([TUNING, number])).picture
-        look = Look(picture)
+        look = GreyPicture(picture)
         assert unresolved_structure(look, classes_of(look), "dark") is None
 
 
@@ -102,7 +102,7 @@ def test_nor_has_what_compression_leaves_of_noise_and_edges(noise, quality) -> N
     raw = np.clip(np.rint(grey), 0, 255).astype(np.uint8)
     stored = cv2.imencode(".jpg", raw, [cv2.IMWRITE_JPEG_QUALITY, quality])[1]
     picture = cv2.imdecode(stored, cv2.IMREAD_GRAYSCALE)
-    look = Look(picture)
+    look = GreyPicture(picture)
     assert unresolved_structure(look, classes_of(look), "dark") is None
     assert binarise(picture).inside.mean() == pytest.approx(80 * 80 / (240 * 320), rel=0.03)
 
@@ -111,7 +111,7 @@ def test_nor_has_what_compression_leaves_of_noise_and_edges(noise, quality) -> N
 @pytest.mark.parametrize("shape", [(60, 80), (240, 320)])
 def test_white_noise_alone_is_no_structure(shape, sigma) -> None:
     rng = np.random.default_rng(8)
-    look = Look(np.clip(np.rint(rng.normal(150.0, sigma, shape)), 0, 255).astype(np.uint8))
+    look = GreyPicture(np.clip(np.rint(rng.normal(150.0, sigma, shape)), 0, 255).astype(np.uint8))
     assert unresolved_structure(look, classes_of(look), "dark") is None
 
 

@@ -9,7 +9,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
 
-from vision.borders.contours import Borders, follow_borders, laplacian_border
+from vision.borders.contours import Contours, follow_borders, laplacian_border
 
 MASKS = arrays(
     np.uint8,
@@ -25,7 +25,7 @@ def padded(mask: np.ndarray) -> np.ndarray:
     return result
 
 
-def followed(mask: np.ndarray) -> Borders:
+def followed(mask: np.ndarray) -> Contours:
     return follow_borders(padded(mask))
 
 

@@ -12,7 +12,7 @@ from vision.camera.v4l2.modes import (
     ORDER,
     PACKED,
     REACHES,
-    Mode,
+    CameraMode,
     fourcc_code,
     fourcc_text,
     rank_modes,
@@ -23,7 +23,7 @@ SIZE = (64, 48)
 RATES = st.lists(st.sampled_from([5.0, 10.0, 15.0, 29.97, 30.0, 60.0]), max_size=3)
 MODES = st.lists(
     st.builds(
-        Mode,
+        CameraMode,
         st.sampled_from([*ORDER, "H264"]),
         st.sampled_from([(640, 480), (1280, 960), (1920, 1080)]),
         RATES.map(lambda rates: tuple(sorted(rates, reverse=True))),
@@ -34,7 +34,7 @@ MODES = st.lists(
 
 @given(MODES, st.sampled_from([15.0, 30.0, None]))
 def test_the_first_choice_reaches_the_rate_if_any_does_and_is_raw_if_it_may(
-    modes: list[Mode], rate_hz: float | None
+    modes: list[CameraMode], rate_hz: float | None
 ) -> None:
     size = (1280, 960)
     ranked = rank_modes(modes, size, rate_hz)
@@ -56,7 +56,7 @@ def test_the_first_choice_reaches_the_rate_if_any_does_and_is_raw_if_it_may(
 
 
 def test_the_slowest_rate_that_is_enough_is_asked_for() -> None:
-    modes = [Mode("YUYV", (640, 480), (60.0, 30.0, 15.0))]
+    modes = [CameraMode("YUYV", (640, 480), (60.0, 30.0, 15.0))]
     assert rank_modes(modes, (640, 480), 25.0)[0].rate_hz == 30.0
     assert rank_modes(modes, (640, 480), 90.0)[0].rate_hz == 60.0
 

@@ -9,7 +9,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from vision.markers.tracking import Pose, Track, TrackLimits, wrap
+from vision.markers.tracking import MarkerTrack, Pose, TrackLimits, wrap
 
 
 def circle(time_s: float, speed: float = 0.4, radius: float = 0.5) -> Pose:
@@ -18,13 +18,13 @@ def circle(time_s: float, speed: float = 0.4, radius: float = 0.5) -> Pose:
 
 
 def test_a_first_sighting_is_not_believed_before_a_second() -> None:
-    track = Track(TrackLimits())
+    track = MarkerTrack(TrackLimits())
     assert track.offer((0.0, 0.0, 0.0), 0.0) is None
     assert track.offer((0.001, 0.0, 0.0), 0.033) is not None
 
 
 def test_two_ghosts_far_apart_never_make_a_track() -> None:
-    track = Track(TrackLimits())
+    track = MarkerTrack(TrackLimits())
     for i in range(20):
         assert track.offer((float(i % 2), 0.0, 0.0), i * 0.033) is None
 
@@ -32,7 +32,7 @@ def test_two_ghosts_far_apart_never_make_a_track() -> None:
 @pytest.mark.parametrize("noise_m", [0.0, 0.0003])
 def test_the_velocity_follows_a_circle(noise_m: float) -> None:
     rng = np.random.default_rng(1)
-    track = Track(TrackLimits())
+    track = MarkerTrack(TrackLimits())
     worst = turn = 0.0
     for i in range(300):
         time_s = i / 30.0
@@ -49,7 +49,7 @@ def test_the_velocity_follows_a_circle(noise_m: float) -> None:
 
 @given(st.floats(-3.0, 3.0), st.floats(-1.0, 1.0))
 def test_turning_the_arena_turns_the_velocity(angle: float, speed: float) -> None:
-    plain, turned = Track(TrackLimits()), Track(TrackLimits())
+    plain, turned = MarkerTrack(TrackLimits()), MarkerTrack(TrackLimits())
     c, s = math.cos(angle), math.sin(angle)
     for i in range(12):
         x, y, heading = speed * i / 30.0, 0.3 * i / 30.0, 0.1 * i
@@ -62,8 +62,8 @@ def test_turning_the_arena_turns_the_velocity(angle: float, speed: float) -> Non
             assert b.turn_rate_rad_s == pytest.approx(a.turn_rate_rad_s, abs=1e-6)
 
 
-def running_track(frames: int = 10) -> Track:
-    track = Track(TrackLimits())
+def running_track(frames: int = 10) -> MarkerTrack:
+    track = MarkerTrack(TrackLimits())
     for i in range(frames):
         track.offer((0.01 * i, 0.0, 0.0), i / 30.0)
     return track

@@ -14,12 +14,12 @@ from vision import extract
 from vision.outline.corners.edit_search_kernels import edit_outline
 from vision.outline.fit.outline_kernels import edge_end
 from vision.outline.fit.shape_kernels import fit_line
-from vision.outline.outline_types import BorderPoints, Costs, Limits, Prices
+from vision.outline.outline_types import BorderPoints, Costs, OutlineLimits, Prices
 
 SIZE = 220, 220
 PLACES = (55.3, 55.1), (165.7, 55.1), (55.3, 165.2), (165.7, 165.2)
 COSTS = Costs(False, 0.2, 0.3, 2.0, 0.0)
-LIMITS = Limits(False, 2.0, 2.0, 0.6, 2, 1.6, 1.0, 0.05, 0.02, 1.0, 0.2, 0.0)
+LIMITS = OutlineLimits(False, 2.0, 2.0, 0.6, 2, 1.6, 1.0, 0.05, 0.02, 1.0, 0.2, 0.0)
 SIGNS = np.array([(-1.0, -1.0), (1.0, -1.0), (1.0, 1.0), (-1.0, 1.0)])
 
 

@@ -18,7 +18,7 @@ from vision.outline.corners.blurred_corner_kernels import (
     find_corners,
     sum_costs,
 )
-from vision.outline.outline_types import BorderPoints, Change, Costs, Outline
+from vision.outline.outline_types import BorderPoints, Costs, EdgeChange, Outline
 
 SIDE = 40.0
 HALF = 20
@@ -90,7 +90,7 @@ def test_an_edit_costs_what_the_outline_costs_with_it(clockwise: bool, believed:
     costs = Costs(False, 0.01, 0.05, 1e9, 0.3)
     sum_costs(border, outline, 4, corners, believed, costs, sums)
     first, behind = outline.breaks[1], outline.breaks[2]
-    change = Change(
+    change = EdgeChange(
         np.zeros((3, 8)), np.zeros((2, 8)), corners[1:3].copy(), np.zeros(8),
         np.zeros(4, np.int64), np.array([first - HALF, first, behind, behind + HALF]),
         np.zeros(border.n),

@@ -33,7 +33,7 @@ from vision.binarise.grey_picture import (
     FEWEST,
     LEAST_CONTRAST,
     Binary,
-    Look,
+    GreyPicture,
 )
 from vision.binarise.light import without_light
 from vision.binarise.regions.edge_evidence_kernels import (
@@ -50,7 +50,7 @@ from vision.binarise.regions.judge import (
     THICK_PX,
     THIN_SHARE,
     Judge,
-    Judged,
+    JudgedPicture,
 )
 
 FIRST_PAIRS = SAMPLE // 2
@@ -86,7 +86,7 @@ SAID = 0.5 * LEAST_SHARE
 """The share from which a region is said to have been left out: derived, half of what one has."""
 
 
-def follows_edges(look: Look, classes: Classes) -> bool:
+def follows_edges(look: GreyPicture, classes: Classes) -> bool:
     """True if edges at the level are as strong as the classes' contrast."""
     height, width = look.grey.shape
     if min(height, width) <= REACH:
@@ -102,7 +102,7 @@ def follows_edges(look: Look, classes: Classes) -> bool:
         pairs *= 16
 
 
-def leaves_out(look: Look, level: float, side: Literal["dark", "light"]) -> bool:
+def leaves_out(look: GreyPicture, level: float, side: Literal["dark", "light"]) -> bool:
     """True if clear edges lie off a level, fainter than the edges across it."""
     height, width = look.grey.shape
     if min(height, width) <= 4 * REACH:
@@ -135,7 +135,7 @@ class Support:
 
     def __init__(
         self,
-        look: Look,
+        look: GreyPicture,
         side: Literal["dark", "light"],
         pairs: int = SAMPLED_PAIRS,
         even: bool = False,
@@ -205,7 +205,9 @@ def _middle(counts: NDArray[np.int64]) -> float:
     return float(np.searchsorted(running, 0.5 * running[-1]))
 
 
-def with_left_out(judged: Judged, others: Iterable[Judged], support: Support) -> Binary:
+def with_left_out(
+    judged: JudgedPicture, others: Iterable[JudgedPicture], support: Support
+) -> Binary:
     """The mask, changed in place, with obstacles that other masks and levels show, and remarks.
 
     Levels are searched in the picture without its light, then as it is. A remark also names other
@@ -216,7 +218,7 @@ def with_left_out(judged: Judged, others: Iterable[Judged], support: Support) ->
     left = judged.left_out
     shut = _around(inside)
     flat, stronger = without_light(support.grey, support.judge.side)
-    look = Look(flat)
+    look = GreyPicture(flat)
     look.noise = max(look.noise, stronger * support.noise)
     found = 0
     for asked in (Support(look, support.judge.side, even=support.judge.even), support):

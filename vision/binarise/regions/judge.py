@@ -29,7 +29,7 @@ from numpy.typing import NDArray
 
 from vision.binarise.binarise_kernels import REACH, SIGMAS
 from vision.binarise.grey_classes import LEAST_CONTRAST_SIGMAS
-from vision.binarise.grey_picture import LEAST_CONTRAST, NO_CALMING, Binary, Look
+from vision.binarise.grey_picture import LEAST_CONTRAST, NO_CALMING, Binary, GreyPicture
 from vision.binarise.regions.edge_evidence_kernels import (
     LEAST_SHARP,
     OUTER,
@@ -95,7 +95,7 @@ class Regions:
 
 
 @dataclass(frozen=True, slots=True)
-class Judged:
+class JudgedPicture:
     """A picture in black and white with real regions only, and totals over its borders.
 
     ``pairs``: pixel pairs across its borders; ``shares``: sum of their steps as shares of the
@@ -135,7 +135,7 @@ class Judge:
 
     @classmethod
     def of(
-        cls, look: Look, side: Literal["dark", "light"], pairs: int, even: bool = False
+        cls, look: GreyPicture, side: Literal["dark", "light"], pairs: int, even: bool = False
     ) -> Judge:
         """Judge of a picture, smoothed if noisy and halved if out of focus.
 
@@ -148,7 +148,9 @@ class Judge:
         return other if other.typical(pairs) >= OUT_OF_FOCUS * judge.typical(pairs) else judge
 
     @classmethod
-    def _seeing(cls, look: Look, side: Literal["dark", "light"], every: int, even: bool) -> Judge:
+    def _seeing(
+        cls, look: GreyPicture, side: Literal["dark", "light"], every: int, even: bool
+    ) -> Judge:
         calming = look.calming()
         grey, noise = look.grey_after(calming), look.noise * calming.left
         return cls(grey, noise, side, every, calming is not NO_CALMING, even)
@@ -263,7 +265,7 @@ class Judge:
         large: NDArray[np.bool_] = np.bincount(regions.labels.ravel(), minlength=count) >= SPECK_PX
         return large & apart
 
-    def real(self, binary: Binary) -> Judged:
+    def real(self, binary: Binary) -> JudgedPicture:
         """Remove regions whose borders do not count from the mask. O(pixels)."""
         inside = binary.inside
         objects = self.regions(inside)
@@ -276,7 +278,7 @@ class Judge:
         total, across = float((shares * pairs)[kept].sum()), float(pairs[kept].sum())
         cleaned = binary if kept[1:].all() else replace(binary, by_level=False)
         speaks = float((objects.beyond * pairs)[kept].sum())
-        return Judged(cleaned, across, total, typical, speaks, left_out)
+        return JudgedPicture(cleaned, across, total, typical, speaks, left_out)
 
 
 def _typical(shares: NDArray[np.float64], pairs: NDArray[np.int64]) -> float:

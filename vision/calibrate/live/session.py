@@ -29,7 +29,7 @@ from vision.calibrate.left_out import residuals_px, rms_px
 from vision.calibrate.lens import estimate_for
 from vision.calibrate.live.following import BoardFollower
 from vision.calibrate.live.guide import Cells, Wanted, is_new, judge_cells, next_place
-from vision.calibrate.live.stillness import Stillness
+from vision.calibrate.live.stillness import BoardStillness
 from vision.calibrate.suspects import suspects
 from vision.calibration.calibration import CalibrationError
 from vision.camera.camera import Frame, Image
@@ -76,7 +76,7 @@ class LiveSession:
         if not (math.isfinite(limit_px) and limit_px > 0.0):
             raise CalibrationError(f"limit = {limit_px} px: must be > 0")
         self._spec, self._limit_px = spec, limit_px
-        self._follower, self._stillness = BoardFollower(spec), Stillness()
+        self._follower, self._stillness = BoardFollower(spec), BoardStillness()
         self._taken: list[tuple[BoardView, Image]] = []
         self._doubted: list[tuple[BoardView, Image]] = []
         self._size: tuple[int, int] | None = None

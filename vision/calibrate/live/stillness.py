@@ -25,7 +25,7 @@ FEWEST_CORNERS: Final = 8
 _NOISES: Final = 3.0
 
 
-class Stillness:
+class BoardStillness:
     """Tracker of a board's stillness; give it each view in turn."""
 
     def __init__(self) -> None:

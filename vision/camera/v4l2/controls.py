@@ -51,7 +51,7 @@ class CameraControls:
 
 
 @dataclass(frozen=True, slots=True)
-class Listed:
+class CameraControl:
     """A control of the camera, in the driver's units; ``menu`` has the choices' texts."""
 
     id: int
@@ -64,12 +64,12 @@ class Listed:
     menu: tuple[tuple[int, str], ...] = ()
 
 
-def list_controls(node: Node) -> list[Listed]:
+def list_controls(node: Node) -> list[CameraControl]:
     """List every control that can be set."""
     return list(_listed(node))
 
 
-def _listed(node: Node) -> Iterator[Listed]:
+def _listed(node: Node) -> Iterator[CameraControl]:
     after = 0
     for _ in range(_MOST_LISTED):
         told = node.try_ask(structs.QUERYCTRL, structs.ControlQuery(id=after | _NEXT))
@@ -82,7 +82,7 @@ def _listed(node: Node) -> Iterator[Listed]:
             continue
         menu = tuple(_menu(node, told)) if told.type == _MENU else ()
         name = told.name.decode("utf-8", "replace")
-        yield Listed(
+        yield CameraControl(
             after, name, told.minimum, told.maximum, max(1, told.step), told.default_value,
             _read(node, after), menu,
         )  # fmt: skip
@@ -108,7 +108,7 @@ def set_controls(node: Node, wanted: CameraControls) -> list[str]:
     return _Setting(node).all(wanted)
 
 
-def readings(controls: list[Listed]) -> CameraControls:
+def readings(controls: list[CameraControl]) -> CameraControls:
     """Present settings of a camera, in the configuration's words; absent ones are ``auto``."""
     by_id = {one.id: one for one in controls}
 

@@ -23,7 +23,7 @@ SYSTEM = Path("/sys/class/video4linux")
 
 
 @dataclass(frozen=True, slots=True)
-class Identity:
+class CameraIdentity:
     """Identity of a camera; ``bus`` changes with the port, the rest does not."""
 
     card: str
@@ -31,12 +31,12 @@ class Identity:
     """USB's vendor, product and serial number; empty for other cameras."""
     bus: str
 
-    def same_kind(self, other: Identity) -> bool:
+    def same_kind(self, other: CameraIdentity) -> bool:
         """True if both may be one camera, whatever the port."""
         return (self.card, self.maker) == (other.card, other.maker)
 
 
-def identity_of(path: str) -> Identity | None:
+def identity_of(path: str) -> CameraIdentity | None:
     """Identity of a node that gives pictures; None if it gives none or cannot be asked."""
     told = about(path)
     if told is None or not told.gives_pictures:
@@ -44,7 +44,7 @@ def identity_of(path: str) -> Identity | None:
     # The node's device is the USB interface; the numbers belong to its parent.
     usb = SYSTEM / Path(path).name / "device" / ".."
     numbers = [_line(usb / name) for name in ("idVendor", "idProduct", "serial")]
-    return Identity(told.card, ":".join(numbers) if any(numbers) else "", told.bus)
+    return CameraIdentity(told.card, ":".join(numbers) if any(numbers) else "", told.bus)
 
 
 def nodes() -> list[str]:
@@ -57,7 +57,7 @@ class KnownCamera:
 
     def __init__(self, list_nodes: Callable[[], list[str]] = nodes) -> None:
         self._nodes = list_nodes
-        self._identity: Identity | None = None
+        self._identity: CameraIdentity | None = None
 
     def find(self, path: str) -> tuple[str, str]:
         """Node to open for a configured path, and a sentence if it is another; or an error.

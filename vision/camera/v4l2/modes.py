@@ -35,7 +35,7 @@ PACKED: Final = frozenset(("MJPG", "JPEG"))
 
 
 @dataclass(frozen=True, slots=True)
-class Mode:
+class CameraMode:
     """Pixel format by its four letters, size, and rates, fastest first (may be empty)."""
 
     fourcc: str
@@ -53,13 +53,13 @@ class Choice:
 
 
 def rank_modes(
-    modes: Sequence[Mode], size: Size, rate_hz: float | None, wanted: Wanted = "auto"
+    modes: Sequence[CameraMode], size: Size, rate_hz: float | None, wanted: Wanted = "auto"
 ) -> list[Choice]:
     """Rank the modes to try, best first; empty if none has a known and requested format."""
     allowed = ORDER if wanted == "auto" else _NAMED[wanted]
     known = [mode for mode in modes if mode.fourcc in allowed]
 
-    def rank(mode: Mode) -> tuple[float, bool, float, int]:
+    def rank(mode: CameraMode) -> tuple[float, bool, float, int]:
         choice = _rate_of(mode, rate_hz)
         enough = rate_hz is None or choice is None or choice >= REACHES * rate_hz
         slow = 0.0 if enough or choice is None else -choice
@@ -73,7 +73,7 @@ def rate_text(rate_hz: float) -> str:
     return f"{rate_hz:.2f}".rstrip("0").rstrip(".")
 
 
-def _rate_of(mode: Mode, rate_hz: float | None) -> float | None:
+def _rate_of(mode: CameraMode, rate_hz: float | None) -> float | None:
     """Slowest sufficient rate of a mode, otherwise its fastest."""
     if rate_hz is None or not mode.rates_hz:
         return mode.rates_hz[0] if mode.rates_hz else rate_hz
@@ -87,14 +87,14 @@ def _distance(a: Size, b: Size) -> float:
     return float(sum((2 if have < want else 1) * abs(have - want) for have, want in sides))
 
 
-def list_modes(node: Node, size: Size | None = None) -> list[Mode]:
+def list_modes(node: Node, size: Size | None = None) -> list[CameraMode]:
     """List a camera's modes; of a range of sizes its ends and, if inside, ``size``."""
     found = []
     for fourcc in _formats(node):
         sizes = list(dict.fromkeys(_sizes(node, fourcc, size)))
         # A driver that lists no sizes has at least one: try the requested one.
         for each in sizes or ([size] if size else []):
-            found.append(Mode(fourcc, each, _rates(node, fourcc, each)))
+            found.append(CameraMode(fourcc, each, _rates(node, fourcc, each)))
     return found
 
 

@@ -40,7 +40,7 @@ from vision.outline.corners.wall_end_kernels import try_end, turns_back
 from vision.outline.fit.outline_kernels import edge_end
 from vision.outline.fit.shape_kernels import BEATEN, HUGE, fit_line, line_cost
 from vision.outline.fitted_borders import FEWEST_LINES
-from vision.outline.outline_types import Run
+from vision.outline.outline_types import EdgeRun
 from vision.shared.typed_numbers import NO, ONE
 
 CORNER, LINE, END, FILLET = np.int64(0), np.int64(1), np.int64(2), np.int64(3)
@@ -100,7 +100,7 @@ def find_edits(border, outline, edges, untouched, blur, costs, prices, edits, ch
             if run > SHORT_RUN and bent and not convex:
                 break
             saved = price + _cost_between_anchors(stays, sums) if run < edges - 1 else price
-            state = Run(i, j, run, spare, untouched, convex, bent, price, saved)
+            state = EdgeRun(i, j, run, spare, untouched, convex, bent, price, saved)
             for kind in range(KINDS):
                 if _may_be(border, outline, edges, state, kind, prices.line, blur, stays):
                     any_edit |= _try_edit(

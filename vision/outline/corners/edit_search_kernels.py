@@ -21,7 +21,7 @@ from vision.outline.corners.joint_kernels import fit_and_join
 from vision.outline.corners.wall_end_kernels import square_ends
 from vision.outline.fit.outline_kernels import edge_end
 from vision.outline.fit.shape_kernels import ROUNDS
-from vision.outline.outline_types import Blur, Change, Edits
+from vision.outline.outline_types import Blur, EdgeChange, Edits
 from vision.shared.typed_numbers import NONE
 
 LEFT = 3
@@ -39,7 +39,7 @@ def edit_outline(border, outline, edges, limits, blur_px, costs, prices, room):
     indices = room.indices
     edits = Edits(room.numbers[2], room.numbers[3], indices[0], indices[1], indices[2], indices[3])
     last = room.table.shape[0]
-    change = Change(
+    change = EdgeChange(
         room.table[last - 3 : last], room.table[last - 5 : last - 3],
         room.table[last - 7 : last - 5], room.table[last - 8], indices[5], indices[6],
         room.numbers[4],

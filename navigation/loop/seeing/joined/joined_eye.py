@@ -29,7 +29,7 @@ from navigation.loop.seeing.eye import EyeSettings, Glimpse, Poses, doubles_of, 
 from planner.scene import FloatArray
 from vision.camera.camera import Frame, Image
 from vision.joined.agreement import edge_points_m, outlines_apart_m
-from vision.joined.floor_plan import FloorPlan, Part, Rectangle
+from vision.joined.floor_plan import CameraPart, FloorPlan, Rectangle
 from vision.joined.pose_fusion import PoseFusion, carried
 from vision.markers.marker_search import grey_of
 from vision.markers.markers import MarkerTracker, RobotPose, body_discs_px
@@ -106,7 +106,7 @@ class JoinedEye:
         self._unseen = Unseen()
         self._gains: FloatArray = np.ones(len(trackers))
         self._canvas = np.zeros(self._owners.shape, np.uint8)
-        self._parts: list[Part | None] = [None] * len(trackers)
+        self._parts: list[CameraPart | None] = [None] * len(trackers)
         self._apart: dict[tuple[int, int], float] = {}
         self._count = 0
 
@@ -249,7 +249,7 @@ class JoinedEye:
         """The present scene; only changes are fitted again, if that can be trusted."""
         anew = self._note_live()
         if anew:
-            self._parts = [Part.of(self._owners, i) for i in range(len(self._live))]
+            self._parts = [CameraPart.of(self._owners, i) for i in range(len(self._live))]
         pictures = [one.background for one in self._views]
         whole = anew or self._known is None or change is None or change.first or change.relit
         if whole:

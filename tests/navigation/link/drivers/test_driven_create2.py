@@ -9,7 +9,7 @@ import pytest
 from firmware_protocol.wire.messages import RobotState
 from navigation.link.drivers import create2
 from navigation.simulator.line_faults import FaultSpec
-from navigation.simulator.twins.create2 import Create2Twin, Mode
+from navigation.simulator.twins.create2 import Create2Twin, OpenInterfaceMode
 from tests.support.robots.driven_bench import DrivenBench, assert_at_goal, drive_off, scaled_goal
 
 
@@ -88,7 +88,7 @@ def test_a_create_on_its_home_base_charges_until_it_is_to_drive() -> None:
     bench.send(5, *scaled_goal("create2"))
     bench.run(1.5)
     bench.twin.dock(False)
-    assert bench.twin.mode is Mode.SAFE
+    assert bench.twin.mode is OpenInterfaceMode.SAFE
     assert bench.robot.word(bench.now_s).remark == ""
     bench.run_until(lambda: bench.is_done, 40.0)
     assert_at_goal(bench, "create2")
@@ -114,7 +114,7 @@ def test_a_line_that_stalls_joins_both_bursts_of_the_greeting_and_delays_it(seed
     bench.get_ready()
     assert isinstance(bench.twin, Create2Twin)
     bench.run(2.0)
-    assert bench.twin.mode is Mode.SAFE
+    assert bench.twin.mode is OpenInterfaceMode.SAFE
 
 
 def test_a_create_that_drives_onto_its_home_base_rests_there() -> None:
@@ -125,7 +125,7 @@ def test_a_create_that_drives_onto_its_home_base_rests_there() -> None:
     bench.run_until(lambda: bench.is_done, 40.0)
     bench.twin.dock(True)
     bench.run(8.0)
-    assert bench.twin.mode is Mode.PASSIVE
+    assert bench.twin.mode is OpenInterfaceMode.PASSIVE
     assert "is on its charger and rests" in bench.robot.word(bench.now_s).remark
     assert not bench.twin.asleep
 
@@ -146,7 +146,7 @@ def test_a_create_with_the_charger_s_cable_charges_and_says_to_pull_it_out() -> 
     bench.twin.plug_in(False)
     bench.run(1.5)
     assert bench.silence is None
-    assert bench.twin.mode is Mode.SAFE
+    assert bench.twin.mode is OpenInterfaceMode.SAFE
 
 
 def test_a_create_whose_battery_was_out_starts_up_and_is_greeted_again() -> None:
@@ -158,7 +158,7 @@ def test_a_create_whose_battery_was_out_starts_up_and_is_greeted_again() -> None
     bench.run(4.0)
     assert bench.silence is None
     assert isinstance(bench.twin, Create2Twin)
-    assert bench.twin.mode is Mode.SAFE
+    assert bench.twin.mode is OpenInterfaceMode.SAFE
 
 
 def test_a_create_that_is_lifted_leaves_safe_mode_and_comes_back() -> None:
@@ -167,7 +167,7 @@ def test_a_create_that_is_lifted_leaves_safe_mode_and_comes_back() -> None:
     bench.twin.lift(True)
     bench.run(1.0)
     assert isinstance(bench.twin, Create2Twin)
-    assert (bench.twin.mode, bench.state) == (Mode.PASSIVE, RobotState.ESTOP)
+    assert (bench.twin.mode, bench.state) == (OpenInterfaceMode.PASSIVE, RobotState.ESTOP)
     assert "a wheel hangs in the air" in str(bench.robot.word(bench.now_s).fault)
     bench.twin.lift(False)
     bench.run(0.5)
@@ -176,7 +176,7 @@ def test_a_create_that_is_lifted_leaves_safe_mode_and_comes_back() -> None:
     assert bench.state is RobotState.IDLE
     bench.send(6, (0.2, 0.0), (0.5, 0.0))
     bench.run(3.0)
-    assert bench.twin.mode is Mode.SAFE
+    assert bench.twin.mode is OpenInterfaceMode.SAFE
     assert bench.drive.moving
 
 

@@ -18,7 +18,7 @@ from navigation.link.drivers.epuck2 import Epuck2Driver
 from navigation.link.drivers.turtlebot3 import Turtlebot3Driver, crc16
 from navigation.link.drivers.waveshare import WaveshareDriver
 from navigation.link.drivers.wheel_odometry import DOUBTS, WheelOdometry
-from navigation.simulator.twins.create2 import DATA_BYTES, Create2Twin, Mode
+from navigation.simulator.twins.create2 import DATA_BYTES, Create2Twin, OpenInterfaceMode
 
 
 @given(st.integers(-500, 500))
@@ -36,17 +36,17 @@ def test_what_a_lost_byte_makes_of_an_order_never_leaves_safe_mode() -> None:
         driver, twin = Create2Driver(), Create2Twin()
         driver.open(0.0)
         greet(driver, twin)
-        assert twin.mode is Mode.SAFE
+        assert twin.mode is OpenInterfaceMode.SAFE
         driver.receive(frame_of(0, 0), 1.9)  # it answers: no greeting is due
         driver.drive(speed / 1000, -speed / 1000)
         order = bytearray(driver.bytes_to_send(2.0))
         del order[position]
         twin.receive(bytes(order), 2.0)
-        assert twin.mode is not Mode.OFF
-        assert twin.mode is not Mode.FULL
+        assert twin.mode is not OpenInterfaceMode.OFF
+        assert twin.mode is not OpenInterfaceMode.FULL
         driver.drive(0.1, 0.1)
         twin.receive(driver.bytes_to_send(2.1), 2.1)
-        if twin.mode is Mode.SAFE:
+        if twin.mode is OpenInterfaceMode.SAFE:
             assert twin.step(2.3, 0, 0)[:2] == pytest.approx((0.1, 0.1), abs=0.0285)
 
 

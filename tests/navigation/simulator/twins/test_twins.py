@@ -10,7 +10,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from navigation.simulator.line_faults import FaultSpec, FaultSpecError
-from navigation.simulator.twins.create2 import Create2Twin, Mode
+from navigation.simulator.twins.create2 import Create2Twin, OpenInterfaceMode
 from navigation.simulator.twins.epuck2 import Epuck2Twin
 from navigation.simulator.twins.kinds import TWINS, refuse_frame_faults
 from navigation.simulator.twins.turtlebot3 import Turtlebot3Twin
@@ -51,9 +51,9 @@ def test_the_create_s_stream_is_the_specification_s_example() -> None:
 def test_a_create_that_is_off_hears_nothing_but_start() -> None:
     twin = Create2Twin()
     twin.receive(bytes([131, 145, 0, 100, 0, 100, 142, 35]), 0.0)
-    assert (twin.mode, said(twin)) == (Mode.OFF, b"")
+    assert (twin.mode, said(twin)) == (OpenInterfaceMode.OFF, b"")
     twin.receive(bytes([128, 131]), 0.0)
-    assert twin.mode is Mode.PASSIVE, "it is deaf while its mode changes"
+    assert twin.mode is OpenInterfaceMode.PASSIVE, "it is deaf while its mode changes"
     twin.receive(bytes([145, 0, 100, 0, 100]), 0.05)
     assert not twin.step(0.1, 0, 0).powered, "passive does not drive"
     twin.receive(bytes([131, 145, 0, 100, 255, 56]), 0.1)
@@ -111,10 +111,10 @@ def test_a_create_charges_in_passive_mode_only() -> None:
     twin.receive(bytes([131, 149, 1, 21]), 3_600.5)
     assert said(twin)[-1:] == b"\0"
     twin.step(3_700.0, 0, 0)
-    assert (twin.charge_mah, twin.mode) == (full, Mode.SAFE)
+    assert (twin.charge_mah, twin.mode) == (full, OpenInterfaceMode.SAFE)
     twin.plug_in(True)
     twin.step(3_700.1, 0, 0)
-    assert twin.mode is Mode.PASSIVE
+    assert twin.mode is OpenInterfaceMode.PASSIVE
 
 
 def test_a_create_that_was_reset_talks_for_three_seconds_and_has_forgotten_all() -> None:
@@ -124,10 +124,10 @@ def test_a_create_that_was_reset_talks_for_three_seconds_and_has_forgotten_all()
     text = b"".join(said(twin, 1.0 + tick / 100) for tick in range(301))
     assert text.count(b"bl-start") == 3
     twin.receive(bytes([128]), 3.9)
-    assert twin.mode is Mode.OFF
+    assert twin.mode is OpenInterfaceMode.OFF
     assert said(twin, 4.5) == b""
     twin.receive(bytes([128]), 4.5)
-    assert twin.mode is Mode.PASSIVE
+    assert twin.mode is OpenInterfaceMode.PASSIVE
 
 
 def test_a_create_falls_asleep_in_passive_and_only_its_button_wakes_it() -> None:
@@ -138,11 +138,11 @@ def test_a_create_falls_asleep_in_passive_and_only_its_button_wakes_it() -> None
     twin.step(300.5, 0, 0)
     assert twin.asleep
     twin.receive(bytes([128, 131]), 301.0)
-    assert twin.mode is Mode.OFF
+    assert twin.mode is OpenInterfaceMode.OFF
     twin.press_clean(302.0)
     twin.receive(bytes([128]), 302.0)
     twin.receive(bytes([131]), 302.1)
-    assert twin.mode is Mode.SAFE
+    assert twin.mode is OpenInterfaceMode.SAFE
 
 
 def test_a_lost_byte_makes_a_create_eat_the_next_order() -> None:

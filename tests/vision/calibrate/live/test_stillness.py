@@ -7,7 +7,7 @@ import pytest
 
 from tests.vision.calibrate.views import views
 from vision.calibrate.board import BoardView
-from vision.calibrate.live.stillness import STILL_S, Stillness
+from vision.calibrate.live.stillness import STILL_S, BoardStillness
 
 FRAME_S = 1 / 30
 
@@ -15,7 +15,7 @@ FRAME_S = 1 / 30
 def watched(step_px: float, noise_px: float, frames: int = 40, seed: int = 0) -> float:
     (view,) = views(1, noise_px=0.0)
     rng = np.random.default_rng(seed)
-    stillness, found = Stillness(), 0.0
+    stillness, found = BoardStillness(), 0.0
     for i in range(frames):
         corners = (
             view.corners_px + np.array([i * step_px, 0.0]) + rng.normal(0.0, noise_px, (54, 2))
@@ -37,7 +37,7 @@ def test_a_movement_is_seen_through_noise(noise_px: float) -> None:
 
 def test_it_takes_its_time_and_begins_again() -> None:
     (view,) = views(1)
-    stillness = Stillness()
+    stillness = BoardStillness()
     shares = [stillness.add(i * 0.1, view) for i in range(8)]
     assert shares == pytest.approx([min(1.0, 0.1 * i / STILL_S) for i in range(8)])
     stillness.begin_again()
@@ -48,7 +48,7 @@ def test_it_takes_its_time_and_begins_again() -> None:
 
 def test_a_gap_or_another_part_of_the_board_is_not_stillness() -> None:
     (view,) = views(1)
-    stillness = Stillness()
+    stillness = BoardStillness()
     stillness.add(0.0, view)
     assert stillness.add(0.1, view) > 0.0
     assert stillness.add(2.0, view) == 0.0

@@ -14,7 +14,7 @@ from tests.vision.outline.test_area_lost import blob, drawn_by_opencv, ellipse, 
 from tests.vision.outline.test_unusual_shapes import walls
 from vision import extract
 from vision.binarise.binarise import binarise
-from vision.borders.contours import Borders, follow_borders
+from vision.borders.contours import Contours, follow_borders
 from vision.outline.drawn.separating_chord_kernels import chords_between, separate_by_chords
 from vision.outline.drawn.separation_kernels import fill_cracks, find_lost
 from vision.outline.fit.separating_fit_kernels import lose_fewest
@@ -33,11 +33,11 @@ def only_record(mask: Mask) -> Record:
     return record
 
 
-def borders_of(mask: Mask) -> Borders:
+def borders_of(mask: Mask) -> Contours:
     return follow_borders(binarise(picture(mask), method="fixed", threshold=127.0).mask)
 
 
-def cracks_of(borders: Borders, b: int) -> Cracks:
+def cracks_of(borders: Contours, b: int) -> Cracks:
     xs, ys, directions = borders.cracks_of(b)
     x, y, free_x, free_y = np.empty((4, 2 * len(xs) + 2))
     cracks = Cracks(x, y, free_x, free_y, len(xs))
