@@ -1,4 +1,4 @@
-"""Docstrings say what a thing is or does; a folder's says what happens in it; class names are unique.
+"""Docstrings say what a thing is or does, a folder's what happens in it; class names are unique.
 
 The rules are those of ``docs/style.md``; the four packages are read as text, nothing is imported.
 """
