@@ -51,9 +51,9 @@ from firmware_protocol.wire.messages import (
 from firmware_protocol.wire.mission import Mission
 
 SILENCE_S: Final = 0.5
-"""The link is lost after so long without a frame of the session."""
+"""The link is lost after this time without a frame of the session."""
 REFUSED_S: Final = 8.0
-"""A refusal is believed for so long: two more askings may get lost."""
+"""Time for which a refusal is believed: two more requests may get lost."""
 
 
 class HostConnection:

@@ -29,7 +29,7 @@ HELLO_REFUSED_S: Final = 3.0
 FOREIGN_S: Final = 2.5
 """A host that has the robot is heard by it at least once a second, with TIMESYNC."""
 STRAY_TOLD_S: Final = 1.0
-"""Stray HELLOs are told no more often than this."""
+"""Stray HELLOs are reported no more often than this."""
 _REMEMBERED: Final = 16
 _OPENING: Final = (MessageType.HELLO_ACK, MessageType.CHALLENGE)
 """What the robot says in a session that is not open."""

@@ -31,7 +31,7 @@ class Upload:
         self.executed = 0
         self.done = False
         self.announced = False
-        """Whether the user has been told that the robot has everything."""
+        """True once the user has been informed that the robot has everything."""
         self._next = 0
         self._limit = 0
 

@@ -36,7 +36,7 @@ FLAG_NAK: Final = 0x02
 _KNOWN_FLAGS: Final = FLAG_RELIABLE | FLAG_NAK
 _HEADER: Final = Struct("<BBHBBBB")
 _FROZEN_TYPES: Final = frozenset((0x01, 0x81))
-"""HELLO and HELLO_ACK are read from any version, so that a mismatch can be told."""
+"""HELLO and HELLO_ACK are read from any version, so that a mismatch can be reported."""
 
 
 class Sender(IntEnum):

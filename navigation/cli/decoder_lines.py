@@ -19,7 +19,7 @@ from typing import IO
 
 _MOST_BYTES = 1 << 16
 _HARMLESS = ("libpng warning:", "[")
-"""libpng's warnings are of what it mends or leaves out; OpenCV's lines begin with a bracket."""
+"""libpng warns of data that it repairs or ignores; OpenCV's lines begin with a bracket."""
 _PERHAPS = "extraneous bytes before marker"
 """libjpeg skipped bytes: padding that some cameras write, or the end of a damaged scan."""
 

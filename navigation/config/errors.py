@@ -31,7 +31,7 @@ class Problem:
     mark: Mark | None = None
     source: str = ""
     is_secret: bool = False
-    """What stands there is shown to nobody."""
+    """True if the value is never shown."""
 
     @property
     def key(self) -> str:
@@ -58,7 +58,7 @@ class ConfigError(ValueError):
         self.sound = dict(sound or {})
         """The sections that can be trusted all the same."""
         self.unknown = tuple(unknown)
-        """Where in the text the values of unknown keys are, which nobody is shown."""
+        """Positions in the text of the values of unknown keys, which are never shown."""
         lines = masked(text, self.unknown).splitlines()
         told = [hide(_told(problem, file, lines)) for problem in self.problems]
         if len(told) > 1:

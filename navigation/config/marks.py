@@ -26,7 +26,7 @@ MOST_VALUES: Final = 20_000
 """A mission of a thousand stations has five thousand."""
 
 Location: TypeAlias = tuple[str | int, ...]
-"""Where a value stands in the document: ``("mission", "stations", 0, "x_m")``."""
+"""Path to a value in the document: ``("mission", "stations", 0, "x_m")``."""
 
 
 @dataclass(frozen=True, slots=True)

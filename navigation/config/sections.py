@@ -46,7 +46,7 @@ from navigation.config.values import (
 from vision.binarise import Method
 
 SIMULATED = "simulated"
-"""The word that stands for a source or port made by the simulator."""
+"""The word for a source or port made by the simulator."""
 
 Dictionary: TypeAlias = Literal[
     "DICT_4X4_50", "DICT_4X4_100", "DICT_4X4_250", "DICT_4X4_1000",

@@ -100,7 +100,7 @@ def _found(file: Path, *, any_path: bool) -> list[Abstract]:
         everybody = all_listening()
     except OSError as error:
         raise ControlError(
-            f"nobody listens at {file}, and whether a daemon runs all the same cannot be known: "
+            f"no program listens at {file}, and it is unknown if a daemon runs: "
             f"{LISTS_SOCKETS}: {error.strerror or error}"
         ) from None
     me = os.geteuid()

@@ -30,7 +30,7 @@ from navigation.orders.errors import ControlError
 BACKLOG: Final = 512
 PROBE_S: Final = 2.0
 LOOK_EVERY_S: Final = 0.25
-"""A socket that was removed is noticed within so long, and a turn of the server's thread."""
+"""A removed socket is noticed within this time and one turn of the server's thread."""
 
 
 @dataclass(frozen=True, slots=True)

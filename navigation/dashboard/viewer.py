@@ -89,7 +89,7 @@ class Viewer:
         if self.hub.closing.is_set():
             await self._close(GOING_AWAY, "the program ends")
         elif self.attention.displaced.is_set():
-            await self._close(TRY_LATER, "all places are taken, and somebody with a token came")
+            await self._close(TRY_LATER, "all places are taken, and a viewer with a token came")
 
     # Out.
 

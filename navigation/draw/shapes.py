@@ -58,7 +58,7 @@ CLEARANCE_RAMP: tuple[Colour, ...] = (
     (44, 128, 184),
     (30, 66, 140),
 )
-"""From tight, warm, to wide, cool; told apart by brightness too."""
+"""From tight, warm, to wide, cool; brightness distinguishes them too."""
 RAMP_STEPS = 24
 
 

@@ -51,7 +51,7 @@ from planner.scene import FloatArray, Scene
 from planner.shared.search_clock import Clock, search_clock_s
 
 TIME_LIMIT_S: Final = 1.0
-"""For moving others aside. Meanwhile nobody is sent more than it has: 2 m, or 8 s, as a rule."""
+"""For moving others aside. Meanwhile no robot gets more waypoints; it usually has 2 m, or 8 s."""
 
 
 class CannotJoinError(Exception):

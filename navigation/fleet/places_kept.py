@@ -51,13 +51,13 @@ class Member:
     sentence: str = ""
     """What its mission says."""
     obliging: bool = False
-    """It stands without a mission, is well, and may be asked to step aside."""
+    """The robot is at rest without a mission, is well, and may be asked to step aside."""
     velocity: tuple[float, float, float] = (0.0, 0.0, 0.0)
     """Along both axes, and turning to the left, as it was seen last."""
     obeys: bool = True
     """Whether it is no faster than its lease lets it be, or its brakes since that ended."""
     is_silent: bool = False
-    """Nothing is heard of it, so that nobody knows whether it hears."""
+    """The robot is silent, so it is unknown whether it hears."""
     keep_m: float = 0.03
     """What it keeps from the body of one that runs away."""
     at_large: bool = False
@@ -82,7 +82,7 @@ def why_nobody_moves(members: Mapping[str, Member]) -> str | None:
     """Sentence about a robot that may be anywhere; None if every place is known."""
     for name, one in members.items():
         if one.pose is None:
-            return f"{name} was not seen yet: nobody knows where it is"
+            return f"{name} was not seen yet: its place is unknown"
         if one.at_large:
             return f"{name} is not seen and does not answer, and nothing stops it by itself"
     return None

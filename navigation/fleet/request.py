@@ -47,7 +47,7 @@ class FleetRequest:
     driving: tuple[Driving, ...] = ()
     """Who drives on meanwhile; empty where all stand and are planned together."""
     idle: tuple[Traveller, ...] = ()
-    """Who stands without a mission, and may step aside and come back to its station."""
+    """Robots at rest without a mission, which may step aside and come back to their station."""
 
 
 @dataclass(frozen=True, slots=True)

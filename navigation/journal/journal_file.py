@@ -30,14 +30,14 @@ from navigation.shared.whole_file import UnwrittenFileError, sync_folder, write_
 KIND: Final = "journal"
 VERSION: Final = 3
 OPEN_WITHIN_S: Final = 5.0
-"""At a run's beginning a program that is about to end is waited for so long."""
+"""Time for which the beginning of a run waits for a program that is about to end."""
 LOOK_AGAIN_S: Final = 0.05
 MOST_BYTES: Final = 64_000_000
 MOST_ASIDE: Final = 1000
 
 _MAGIC: Final = f"clearway {KIND} ".encode()
 _LIKENESS: Final = 12
-"""A file with this many equal bytes at its beginning is a damaged journal, not somebody's notes."""
+"""A file with this many equal bytes at its beginning is a damaged journal, not a person's notes."""
 _NO_ROOM: Final = frozenset({errno.ENOSPC, errno.EDQUOT, errno.EFBIG, errno.EIO})
 
 

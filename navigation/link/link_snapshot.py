@@ -87,7 +87,7 @@ def doubt_of_stop(snapshot: LinkSnapshot) -> str | None:
         return None
     if why is None:
         why = "it has not been heard to stand" if confirmed else "it has not confirmed the stop"
-    return f"the emergency stop was sent, and it is not known yet that the robot stands: {why}"
+    return f"the emergency stop was sent, and it is not known yet that the robot is at rest: {why}"
 
 
 class _OfLink(TypedDict):

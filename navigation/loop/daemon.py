@@ -47,7 +47,7 @@ if TYPE_CHECKING:
 
 LONGEST_CYCLE_S: Final = 0.05
 SETTLE_S: Final = 0.3
-"""An order's answer waits so long at most for a cycle that acts on it."""
+"""Longest time that an order's answer waits for a cycle that acts on it."""
 
 
 class Daemon:
@@ -113,7 +113,8 @@ class Daemon:
         self.state: RunState | None = None
         """What the last cycle ended with; replaced as a whole, so any thread may read it."""
         self.troubles: dict[str, str] = {}
-        """What people must know although the run goes on, by subject; set by the loop's thread."""
+        """Troubles that people must know of although the run continues, by subject; set by the
+        loop's thread."""
         self.started_s = self._clock()
         self._reopened, self._forget_latency = 0, False
         self._cycles = self._ended = 0

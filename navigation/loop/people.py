@@ -191,4 +191,4 @@ class People:
 
 
 def _cannot_reanchor(_camera: str | None) -> list[str]:
-    raise MissionError("reanchor: this run cannot place its camera anew")
+    raise MissionError("reanchor: this run cannot place its camera again")

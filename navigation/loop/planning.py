@@ -26,7 +26,7 @@ from planner.roadmap.roadmap import Roadmap
 from planner.scene import CircleRecord, FloatArray, Scene, SceneObject, Vec
 
 LONGEST_WAIT_S = 0.25
-"""A planner without work turns as often, so that one that hangs can be told from it."""
+"""Longest wait of an idle planner for work, so that it can be distinguished from one that hangs."""
 
 
 @dataclass(frozen=True, slots=True)

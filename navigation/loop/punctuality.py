@@ -19,7 +19,7 @@ DOUBTFUL_S: Final = 0.05
 """With so late a thread camera and wheels may seem to part though they do not: in this time a robot
 at 0.4 m/s drives as far as the two may differ."""
 CALM_S: Final = 1.0
-"""So long all threads have to be on time before robots go on."""
+"""Time for which all threads have to be on time before robots drive again."""
 
 
 class Punctuality:

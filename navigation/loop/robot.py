@@ -56,7 +56,7 @@ class ControlledRobot:
         self.journal: Journal | None = None
         self.clearance_m: float | None = None
         self.answer: PlanAnswer | None = None
-        """What the pilot is told in the next cycle."""
+        """Input of the pilot's next cycle."""
         self.partner: str | None = None
         """The sentence that says which robot of the fleet is in the path."""
         self.moved_s = math.inf

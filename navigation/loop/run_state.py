@@ -60,7 +60,8 @@ class RobotSnapshot:
     trust: Level = Level.SURE
     """How far the robot's identity can be trusted."""
     troubles: tuple[str, ...] = ()
-    """What people must know although the run goes on: a journal or log that cannot be written."""
+    """Troubles that people must know of although the run continues: a journal or log that cannot be
+    written."""
 
 
 @dataclass(frozen=True, slots=True)

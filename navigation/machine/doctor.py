@@ -199,7 +199,7 @@ PORT_TAKERS = {
     "brltty": (
         "brltty (for Braille displays) is running, and takes CP210x, CH340 and FTDI ports away:"
         " /dev/ttyUSB0 vanishes a second after it has appeared",
-        "if nobody needs a Braille display here: `sudo apt remove brltty`, then plug the robot in"
+        "unless a Braille display is used here: `sudo apt remove brltty`, then plug the robot in"
         " again",
     ),
 }

@@ -71,7 +71,7 @@ class Sight:
     late: str | None = None
     """The sentence that says why camera and wheels may seem to part though they do not."""
     blind: str | None = None
-    """The sentence that says why nobody saw what happened just now."""
+    """The sentence that says why the last moments were not observed."""
 
 
 @dataclass(frozen=True, slots=True)

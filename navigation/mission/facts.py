@@ -26,7 +26,7 @@ class PilotSituation(NamedTuple):
     plan: RunningPlan
     wire_id: int
     rearms: bool
-    """Whether the robot is about to be told to leave its emergency stop."""
+    """True if the robot is about to be ordered to leave its emergency stop."""
     stop_ordered: bool
     """True if it was ordered to stop: standing still is then no second reason."""
 

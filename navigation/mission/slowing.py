@@ -16,7 +16,7 @@ from navigation.witness.evidence import FREE_LATENCY_S
 REACTION_S: Final = 0.07
 """A control cycle of 50 ms at most, and the order's way over the line."""
 MEASURE_AGAIN_S: Final = 10.0
-"""A camera that was too late is measured again so long after."""
+"""Time after which a camera that was too late is measured again."""
 WORTH_A_PLAN: Final = 0.85
 """A robot that should drive at less than this share of its plan's speed gets a slower plan."""
 

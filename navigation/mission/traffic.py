@@ -23,9 +23,9 @@ from planner.scene import FloatArray, Vec
 
 LOST_S: Final = 0.5
 STANDING_M_S: Final = 0.04
-"""Slower than this a robot stands: about the noise of its velocity."""
+"""A robot slower than this is at rest: about the noise of its velocity."""
 LOOK_AHEAD_M: Final = 1.0
-"""How far along the path a robot that stands there asks for another way."""
+"""Distance along the path within which a robot at rest makes this one ask for another path."""
 REACTION_S: Final = 0.5
 """From the exposure of a picture to wheels that brake, with a reserve."""
 STEPS: Final = 8
@@ -34,7 +34,7 @@ NEARER_M: Final = 0.004
 ROOM: Final = 1.5
 """A plan keeps this times the distance from which the robot holds."""
 AHEAD_S: Final = 1.0
-"""A plan takes a robot to be where it will be so long from now, too."""
+"""Look-ahead: a plan also takes the robot to be where it will be after this time."""
 
 
 @dataclass(frozen=True, slots=True)

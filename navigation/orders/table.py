@@ -149,11 +149,11 @@ _ALL: Final = (
     ),
     Order(
         "skip",
-        "Go on to the next station.",
-        "Give up the station that the robot is on its way to, and go on to the next one. Without "
-        "its last station the mission is done. A robot that is paused, re-armed or has failed "
-        "stays so until `clearway resume`, and one that is stopped is re-armed first.",
-        ("clearway skip", "Give up the present station, and go on to the next one."),
+        "Continue to the next station.",
+        "Give up the station that the robot is on its way to, and continue to the next one. "
+        "Without its last station the mission is done. A robot that is paused, re-armed or has "
+        "failed stays so until `clearway resume`, and one that is stopped is re-armed first.",
+        ("clearway skip", "Give up the present station, and continue to the next one."),
         lambda people, robot, _: people.skip(robot),
         button=Button("Skip", lambda mission: mission.cannot_skip),
         for_one=True,
@@ -161,10 +161,10 @@ _ALL: Final = (
     Order(
         "reanchor",
         "Place a moved camera by the floor markers.",
-        "Place a camera that was moved anew, by the floor markers of arena.floor_markers.",
+        "Place a moved camera again, by the floor markers of arena.floor_markers.",
         (
             "clearway reanchor arena.yaml floor.png",
-            "Place the camera anew by the floor markers in a picture.",
+            "Place the camera again by the floor markers in a picture.",
         ),
         lambda people, _, given: {"anchoring": people.reanchor(given["camera"])},
         ("camera",),

@@ -21,7 +21,7 @@ if TYPE_CHECKING:
 
 
 RECORDER_SILENT_S: Final = 3.0
-"""A recorder's thread that has not turned for so long hangs, in its disk most likely."""
+"""A recorder's thread that has not turned for this time hangs, most likely in its disk."""
 
 
 class Attendance:

@@ -136,7 +136,7 @@ class GiveMissions:
                 self._given[name] = (_station(self._tasks[number]),)
                 self._say(f"task {number + 1} goes to {name}")
         for number in chosen.left_over:
-            self._say(f"task {number + 1} goes to nobody: no free robot has a path to it")
+            self._say(f"task {number + 1} goes to no robot: no free one has a path to it")
         self._tasks = ()
 
     def _continue(self, name: str) -> None:

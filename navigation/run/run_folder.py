@@ -28,7 +28,7 @@ from planner.scene import FloatArray
 REACH_SHARE, REACH_M = 1.1, 0.02
 """How far along its plan a robot may have come, as a share of the length it drove, and more."""
 ANYTHING_M_S = 10.0
-"""How fast other robots drive nobody knows: their tracks break only where they were not seen."""
+"""The speed of other robots is unknown: their tracks break only where they were not seen."""
 STRETCH_STEP_M = 0.005
 """Driven stretches of replaced plans are drawn with a point this often."""
 

@@ -50,7 +50,7 @@ class Simulation:
         self._thread: threading.Thread | None = None
         self._stop = threading.Event()
         self.robots: dict[str, SimulatedRobot] = {}
-        """By name, those that are simulated."""
+        """The simulated robots by name."""
         try:
             for name, one in self._configs.items():
                 if one.serial.port == SIMULATED:

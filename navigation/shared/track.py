@@ -21,7 +21,7 @@ BoolArray = NDArray[np.bool_]
 MOST_ROWS: Final = 360_000
 """Two hours at 50 rows a second: 11 MB."""
 UNSEEN_S: Final = 0.5
-"""Where a robot has been for longer than this without being seen, nobody knows."""
+"""A robot's place is unknown after this time without a sighting."""
 UNNOTICED_M: Final = 0.03
 """What a robot may be off after a moment without a row: braking, noise, a late picture."""
 FASTER: Final = 1.5

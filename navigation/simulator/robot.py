@@ -76,7 +76,7 @@ class SimulatedRobot:
     ) -> None:
         self.twin: Twin = twin or ClearwayTwin(model=model)
         self.held = threading.Lock()
-        """Held during each step: whoever looks at the twin or touches it holds it too."""
+        """Held during each step, and by any thread that looks at the twin or touches it."""
         self._clock = clock
         self._faults = faults or FaultSpec()
         if not self.twin.has_frames:

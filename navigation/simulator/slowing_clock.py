@@ -21,11 +21,11 @@ from collections.abc import Callable, MutableSequence
 from typing import Final
 
 PATIENCE_S: Final = 3.0
-"""A thread that has got no processor for so long, while others have, hangs."""
+"""A thread that got no processor for this time, while others did, hangs."""
 READS_SLACK_S: Final = 0.1
 """How late a thread may read the clock again: the control loop reads it twice in this time."""
 LONGEST_GAP_S: Final = 0.1
-"""Longer than this nobody reads the clock but where the whole program stands still."""
+"""The clock is read more often than this unless the whole program is suspended."""
 SHARED_VALUES: Final = 3
 """What two processes share: the seconds lost, and until when the parts of each let time pass."""
 

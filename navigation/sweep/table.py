@@ -28,7 +28,7 @@ MEASURES: Final = (
     "goal_error_m",
     "goal_error_deg",
 )
-"""What the summary tells of."""
+"""Columns of the summary."""
 
 
 class SweepFile:

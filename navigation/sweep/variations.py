@@ -33,7 +33,8 @@ MOST_SPREAD: Final = 16.0
 APART_M: Final = 0.02
 """Between two bodies at their starts, or what the configuration leaves where that is less."""
 HALVINGS: Final = 10
-"""After so many the start has moved by a few hundredths of a millimetre: it stays."""
+"""Number of tries; after these the start has moved by a few hundredths of a millimetre and
+stays."""
 
 
 class SweepError(ValueError):

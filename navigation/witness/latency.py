@@ -29,7 +29,7 @@ SIGMA_RAD: Final = 0.02
 """What a window's motion may differ by: the camera's noise, and wheels that are off by a few
 percent of 0.06 m and 0.4 rad, a window's motion at full speed."""
 ALIKE: Final = 6.0
-"""Windows overlap: so many neighbours say the same."""
+"""Number of neighbours that say the same, since windows overlap."""
 SURE: Final = 9.0
 """Three standard deviations, squared."""
 FADE_S: Final = 6.0
@@ -38,7 +38,7 @@ NARROW_S: Final = 0.06
 """Known is a latency whose error is below this."""
 STILL_M: Final = 0.002
 STILL_RAD: Final = 0.01
-"""A window with less motion, at any latency, tells nothing."""
+"""Least motion in a window, at any latency, for it to mean anything."""
 
 
 @dataclass(frozen=True, slots=True)

@@ -21,7 +21,7 @@ from planner.scene import FloatArray
 SPEED_LAG_S: Final = 0.03
 """The robot's measured speeds are smoothed over 30 ms (``SMOOTHING_US`` of its controller)."""
 LONGEST_GAP_S: Final = 0.35
-"""Reports come every 50 ms; after seven lost ones nobody knows how the wheels turned."""
+"""Reports come every 50 ms; after seven lost ones the motion of the wheels is unknown."""
 REDATED_S: Final = 0.02
 """A report that shows the clock's offset to be smaller by more than this puts earlier dates in
 doubt: a new stretch begins."""

@@ -142,7 +142,7 @@ class SceneReader:
                 return self.borders[-1][-1]
         elif self.objects:
             return self.objects[-1].records[-1]
-        raise scan.error("no record stands above this")
+        raise scan.error("no record comes before this one")
 
     def _replace_last(self, record: Record) -> None:
         if self.in_object:

@@ -21,9 +21,11 @@ from planner.roadmap import clip_kernels
 from planner.search.chain_search import ROUNDING
 
 EQUAL = 4.0
-"""A path narrower than the robot by so many times what is equal, or less, is as wide."""
+"""Multiple of the rounding by which a path may be narrower than the robot and still count as wide
+enough."""
 ASTRAY = 16.0
-"""A dead end farther off its bisector than so many times what is equal is none."""
+"""Multiple of the rounding beyond which the end of a chain is too far off its bisector to be a dead
+end."""
 
 
 @dataclass(frozen=True, slots=True)

@@ -26,7 +26,7 @@ from planner.search.homotopy import anchors, word
 STAY = 0.02
 """A new path must be cheaper by this share to be taken."""
 MERGE = 4.0
-"""Beside its last path the robot comes back to it within so many times its distance from it."""
+"""A robot beside its last path returns to it within this multiple of its distance from it."""
 
 
 def last_legs(path: Path | NoPath | None, count: int) -> list[FloatArray | None]:

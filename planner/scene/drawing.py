@@ -27,7 +27,7 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
 OBSTACLE, ROAD, PATH, WALL = "#8d99a6", "#2a7fba", "#d1495b", "#3d4650"
-"""Colours that are told apart in grey and by colour-blind eyes too."""
+"""Colours that stay distinct in grey and for colour-blind eyes."""
 ARC_STEP_RAD = math.radians(3.0)
 """Between two points of a drawn arc: a chord leaves it by 0.04 % of the radius."""
 WIDTH_PX, MARGIN = 480, 0.03

@@ -31,7 +31,7 @@ from vision.markers.reading import crossing
 MOST_RMS_PX = 2.0
 """As far as a camera may move before the robot holds: ``safety.camera_moved_px``."""
 LEAST_MARKERS = 3
-"""Of two that disagree nobody knows which one was moved."""
+"""With two markers that disagree it is unknown which one was moved."""
 _STEPS = 100
 
 
@@ -228,7 +228,7 @@ def _placed(
     center = -rotation.T @ pose[1].reshape(3)
     homography = np.linalg.inv(_pixel_from_arena(pose, calibration))
     used = sum(one.used for one in residuals)
-    remarks = [f"anchored anew by {used} floor markers"]
+    remarks = [f"anchored again by {used} floor markers"]
     remarks += [
         f"floor marker {one.id}: left out, {one.rms_px:.1f} px off"
         for one in residuals

@@ -33,7 +33,7 @@ from vision.calibration.calibration_file import read_text
 
 MIN_POINTS = 4
 CHECKED_POINTS = 6
-"""From so many points on, one wrong point can be distinguished from the others."""
+"""Least number of points at which one wrong point can be distinguished from the others."""
 
 _OUTLIER_SPREADS = 4.5
 _LEAST_SPREAD_PX = 0.5

@@ -26,7 +26,7 @@ from vision.calibration.calibration import CalibrationError, FloatArray
 
 _STARTS, _STEPS, _START_VIEWS = 6, 3, 4
 _FEW = 6
-"""Below so many views no half can be distinguished from the other."""
+"""Least number of views at which one half can be distinguished from the other."""
 _BAD_FACTOR, _BAD_PX = 3.0, 0.5
 _DOUBTFUL = 1.25
 """Real views differ by this factor without any fault."""

@@ -38,7 +38,7 @@ _LENS_HEADER = """\
 # Clearway: a camera's lens, not yet placed above an arena: calibrate --lens FILE --points ...
 """
 _NO_FLOOR = ((1.0, 0.0, 0.0), (0.0, -1.0, 0.0), (0.0, 0.0, 1.0))
-"""Stands in for the floor of a lens alone, which nobody may drive by."""
+"""Placeholder for the floor of a lens alone; no robot may drive by it."""
 
 
 def save_calibration(calibration: Calibration, path: str | Path) -> None:

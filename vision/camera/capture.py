@@ -155,7 +155,7 @@ class StreamCamera(Capture):
     def _refused(self) -> CameraError:
         # many network cameras serve few clients: one that hangs may be the last allowed
         return CameraHeldError(
-            f"{self.name}: no stream there, or nobody answered within {_LONGEST_WAIT_S} s"
+            f"{self.name}: no stream there, or no answer within {_LONGEST_WAIT_S} s"
         )
 
 

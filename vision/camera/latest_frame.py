@@ -35,7 +35,7 @@ CameraState: TypeAlias = Literal[
 ]
 
 MOST_LEFT_BEHIND: Final = 3
-"""Threads that may hang at a time; with so many, the next one that hangs is waited for."""
+"""Threads that may hang at a time; beyond this number, the next one that hangs is waited for."""
 
 
 @dataclass(frozen=True, slots=True)

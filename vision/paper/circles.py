@@ -20,7 +20,7 @@ SLACK_PX = 0.25
 """The paper's "threshold value": the border pixels of a filled disc lie up to a pixel inside
 its circle, and their mean radius is not that of the best circle, but near it."""
 FEWEST = 8
-"""Pixels of the smallest contour that can be told from a dot."""
+"""Pixels of the smallest contour that can be distinguished from a dot."""
 
 
 @dataclass(frozen=True, slots=True)

@@ -23,7 +23,7 @@ NOISE_EVERY: Final = 5
 """Differences of each fifth pair are enough, and some of them are of moving things."""
 MOST_DIFFERENCES: Final = 40
 BANDS: Final = 240
-"""Rows are gathered into so many: flicker's bands are tens of rows high."""
+"""Number of groups of rows: flicker's bands are tens of rows high."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)

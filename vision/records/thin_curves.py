@@ -22,7 +22,7 @@ Pixel = tuple[int, int]
 NEAR_PX = 0.75
 """How far a drawn curve's pixels may lie from it: half a pixel's diagonal, and a little."""
 FEWEST = 5
-"""Pixels of the shortest chain whose bend can be told from rounding."""
+"""Pixels of the shortest chain whose bend can be distinguished from rounding."""
 BESIDE = ((1, 0), (0, 1), (-1, 0), (0, -1))
 ACROSS = ((1, 1), (-1, 1), (-1, -1), (1, -1))
 

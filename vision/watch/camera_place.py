@@ -35,7 +35,7 @@ from vision.watch.fixed_points import (
 )
 
 LEAST_POINTS = 3
-"""Of two that disagree nobody knows which one has moved."""
+"""With two that disagree it is unknown which one has moved."""
 LEARNED_FRAMES = 30
 LEARN_AGAIN_S = 2.0
 """Between two searches for markers that were lost; a search takes some 20 ms."""

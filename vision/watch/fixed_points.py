@@ -37,7 +37,7 @@ _LEAST_SPREAD = 8.0
 """Grey levels: a patch without contrast shows noise."""
 _CANDIDATES, _QUALITY = 200, 0.05
 _BORDER_SHARE = 0.08
-"""Of the arena's shorter side: what is nearer to its border stands at the border."""
+"""Part of the arena's shorter side: anything nearer to the border counts as at the border."""
 _APART = 12
 """Corners are at least this part of the picture's longer side apart."""
 _SMOOTHING_PX = 1.5

@@ -12,9 +12,9 @@ from typing import Final
 from firmware_protocol.wire.messages import RobotCounters
 
 DEAF_S: Final = 1.0
-"""The lease has run out after half of it, so that the robot stands when it is said."""
+"""The lease runs out after half of it, so the robot is at rest when this is reported."""
 DEAF_FRAMES: Final = 8
-"""A line that loses one frame in two loses so many in a row once in 256 times."""
+"""A line that loses one frame in two loses this many in a row once in 256 times."""
 
 
 class Hearing:

@@ -10,7 +10,7 @@ import math
 from typing import Final
 
 PREFETCH_S: Final = 0.001
-"""The next frame may be handed out so long before the line is free."""
+"""Time before the line is free at which the next frame may be handed out."""
 
 
 class LinePace:

@@ -31,7 +31,7 @@ NO_TROUBLE, OFF_PATH, STUCK = 0, 1, 2
 TURN_ENTER = 8344
 """0.8 rad: a sharper corner is taken standing."""
 TURN_STANDING = 2086
-"""0.2 rad: a robot that stands turns first where it would otherwise swing out."""
+"""0.2 rad: a robot at rest turns first if it would otherwise swing out."""
 TURN_EXIT = 417
 """0.04 rad."""
 STANDING = 20 * 8

@@ -53,7 +53,7 @@ LEASE_MAX_MS = 500
 AHEAD_US = 20000
 """A host may think the robot's clock so far ahead of what it is."""
 DISARM_US = 2000000
-"""After so long without a lease the robot leaves HOLD for IDLE."""
+"""After this time without a lease the robot leaves HOLD for IDLE."""
 POSE_STALE_US = 500000
 NEVER_US = 65535000
 """A pose of that age is none any more: STATUS has 16 bits for it."""
@@ -80,7 +80,7 @@ class Robot:
         self.state = BOOT
         self.reason = BOOTED
         self.news = False
-        """Something that STATUS should tell soon; whoever tells it sets this back."""
+        """Something that STATUS should report soon; the sender of STATUS sets it back."""
         self.alarm = False
         """The same for a stop, which it should tell at once."""
         self.hurry = False

@@ -44,7 +44,8 @@ ALL_DONE, SOME_NOT_DONE = 0, 1
     "--pictures/--no-pictures",
     default=True,
     show_default=True,
-    help="Draw what the camera sees; without, the eye is told, which is faster.",
+    help="Draw what the camera sees; without, the simulation supplies what vision would find, "
+    "which is faster.",
 )
 @click.option(
     "--workers", type=click.IntRange(min=1), help="Processes; default: one for each core."

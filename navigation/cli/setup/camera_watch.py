@@ -29,7 +29,7 @@ from vision.quality import Watching
 SETTLES_S: Final = 1.0
 """Automatic exposure and what a stream had kept: not counted."""
 SILENT_S: Final = 5.0
-"""Without a picture for so long a camera has failed."""
+"""A camera without a picture for this time has failed."""
 
 
 @contextmanager

@@ -36,7 +36,7 @@ _COMMENT: Final = re.compile(r"(?m)(?:^|[ \t])#[^\n]*")
 _NOTHING_YET: Final = re.compile(r"(?:(?:[&!]\S*|[|>][-+0-9]*)(?:\s+|$))*(?:#.*)?$")
 """What may stand behind a key whose value begins on the next line."""
 MOST_WORDS: Final = 50
-"""A longer value is left out where it stands; its words alone are no secrets."""
+"""A longer value is left out in its place only; its single words are no secrets."""
 
 
 def secrets_in_source(text: str) -> set[str]:

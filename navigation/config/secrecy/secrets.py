@@ -23,7 +23,7 @@ from typing import Any, Final
 from urllib.parse import unquote
 
 SECRET_KEY: Final = re.compile(r"(?i)(token|passw|pwd|passphrase|secret|api_?key|credential)")
-"""What a key looks like whose value is shown to nobody."""
+"""Pattern of a key whose value is never shown."""
 SECRET_WORDS: Final = (
     *("token", "password", "passphrase", "secret"),
     *("apikey", "credential", "credentials"),

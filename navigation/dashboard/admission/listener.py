@@ -42,7 +42,7 @@ STRAY_BYTES_S: Final = 256.0
 """A page answers a ping of ours every few seconds with ten bytes."""
 BACKLOG: Final = 512
 ACCEPTS_A_ROUND: Final = 32
-"""As many are accepted before those that have made no room yet are looked at."""
+"""Most connections accepted in a row; then places of closed ones are freed first."""
 MOST_PLACES: Final = 256
 LEAST_PLACES: Final = 16
 SHARE_OF_DESCRIPTORS: Final = 4

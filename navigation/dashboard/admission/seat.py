@@ -100,4 +100,4 @@ class Seat:
             return None
         self.holder = None
         why = "did nothing for a while" if holder.back_until_s is None else "went away"
-        return f"{holder.name} {why}: nobody is in control"
+        return f"{holder.name} {why}: no one is in control"

@@ -23,7 +23,7 @@ from vision.camera.camera import Frame
 from vision.markers.markers import RobotPose
 
 SIDE_POINTS = 24
-"""A side of the arena has so many points: the lens bends it."""
+"""Points to a side of the arena: the lens bends it."""
 
 
 class CameraView:

@@ -85,7 +85,7 @@ class Desk:
         text = read_source(self._file)
         if _digest(text) != base:
             raise RefusedError(
-                f"{self._file.name} was changed by somebody else since: read it again first"
+                f"{self._file.name} was changed by someone else since: read it again first"
             )
         changed, problems = self._changed(text, typed)
         if problems:

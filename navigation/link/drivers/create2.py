@@ -46,7 +46,7 @@ BOOTS: Final = b"bl-start"
 FILL: Final = bytes(4)
 """Zeros are no order, and end one that lost a byte before the next begins."""
 CYCLE_S: Final = 0.03
-"""An order lasts so long while it drives: two turns of the robot's own 15 ms."""
+"""Duration of an order while it drives: two turns of the robot's own 15 ms."""
 REPEAT_S: Final = 0.05
 SILENT_S: Final = 0.3
 """Frames come every 15 ms: twenty missing ones, and it is greeted again."""
@@ -54,7 +54,7 @@ GREET_S: Final = 1.0
 SETTLE_S: Final = 0.05
 """Between the greeting's bursts: more than the 20 ms that a change of mode takes."""
 REST_S: Final = 5.0
-"""A robot on its home base that was not driven for so long rests."""
+"""A robot on its home base rests after this time without an order to drive."""
 AWAKE_S: Final = 120.0
 """It would sleep after five minutes: a robot that rests is greeted so often."""
 LOST_MODE_S: Final = 0.2

@@ -30,7 +30,7 @@ DEALT_OUT_S: Final = 1.0
 DEALING: Final = 1.2
 """How much faster than its fastest a wheel is believed to be."""
 LOOK_BACK_S: Final = 3.0
-"""Damaged messages are counted over so long."""
+"""Time over which damaged messages are counted."""
 
 
 class DrivenRobot:

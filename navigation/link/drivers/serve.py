@@ -36,7 +36,8 @@ from navigation.link.drivers.word_of_robot import Word
 LONGEST_WAIT_S: Final = 0.005
 WORD_S: Final = 0.1
 FAREWELL_S: Final = 0.4
-"""The robot is ordered to stand for so long before its port is closed: a lost order is repeated."""
+"""Time for which the robot is ordered to stop before its port is closed: a lost order is
+repeated."""
 READ_BYTES: Final = 4096
 
 

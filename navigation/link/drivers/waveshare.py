@@ -40,7 +40,7 @@ TYPE_S: Final = 0.5
 """The command may be lost, and an ESP32 that starts again has forgotten it: it is repeated."""
 DRIVEN_M_S: Final = 0.03
 BLIND_S: Final = 0.5
-"""A wheel that is ordered faster than that for so long has turned by hundreds of pulses."""
+"""A wheel that is ordered faster than that for this time has turned by hundreds of pulses."""
 BLIND: Final = (
     "its wheels are driven, and it counts nothing: it has no encoders (a WAVE ROVER), robot.model "
     "names another robot, or its motors have no power"

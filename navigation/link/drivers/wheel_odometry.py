@@ -13,7 +13,7 @@ SLACK: Final = 1.5
 """How much faster than its fastest a wheel may seem: late reports come in twos."""
 SLACK_M: Final = 0.01
 DOUBTS: Final = 3
-"""Counts that are far off so many times in a row are a new beginning."""
+"""Counts that are far off this many times in a row are a new beginning."""
 
 
 class WheelOdometry:

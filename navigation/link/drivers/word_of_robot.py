@@ -13,7 +13,7 @@ from navigation.config.known_robots import KNOWN_ROBOTS, KnownRobot
 from navigation.link.drivers.robot_driver import Heard
 
 PATIENCE_S: Final = 1.5
-"""A robot that was greeted has so long until its silence is called one."""
+"""Time that a greeted robot has to answer before it counts as silent."""
 GARBAGE: Final = 160
 """So many bytes without one message, which is longer than any, are no robot of this kind."""
 DAMAGED_SHARE: Final = 0.05

@@ -64,7 +64,7 @@ class Glimpse:
     doubles: Mapping[int, str] = field(default_factory=dict)
     """By marker id: a sentence where a driven robot's marker is seen twice."""
     place: PlaceReport | None = None
-    """Whether the camera is where it was; None where nobody watches that."""
+    """True if the camera is where it was; None if that is not watched."""
     picture: Frame | None = None
     """What people are shown, where it is not the frame itself."""
     hold: str | None = None

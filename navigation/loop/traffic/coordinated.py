@@ -28,7 +28,7 @@ from planner.shared.search_clock import Clock
 BRAKES_S: Final = 0.3
 """After a lease: the last one's way over the line, wheels that begin to brake, the camera."""
 STOOD_S: Final = 0.25
-"""A robot that was seen to stand for so long stands."""
+"""A robot that was seen without motion for this time is at rest."""
 
 
 class Coordinated:

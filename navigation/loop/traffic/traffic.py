@@ -34,7 +34,7 @@ class TrafficOrders:
 
     request: Request | None = None
     plan_again: Sequence[tuple[str, str]] = ()
-    """Robots whose pilots ask for a path anew, and why."""
+    """Robots whose pilots ask for a path again, with the reason."""
     answers: Mapping[str, PlanAnswer] = field(default_factory=dict)
     """For pilots, in the next cycle."""
     holds: Mapping[str, str] = field(default_factory=dict)

@@ -26,7 +26,8 @@ from navigation.simulator.picture.timed_camera import TimedCamera
 from planner.scene import Bounds
 
 MOST_OFF_M: Final = 0.002
-"""A calibration that is farther off shows the arena's outlines elsewhere, which no truth tells."""
+"""A calibration that is farther off moves the outlines of the arena, which the truth does not
+contain."""
 
 
 @dataclass(frozen=True, slots=True)

@@ -40,7 +40,8 @@ PoseNow: TypeAlias = Callable[[], TruePose]
 NOISE_MARGIN_PX = 128
 """The noise bank is this much larger than a picture, so that windows of it all differ."""
 FLOOR_MARKER_RADII = 0.95
-"""A marker on the floor is a disc of so many sides of it: a cell of white is around it."""
+"""Radius of the disc that a floor marker covers, in sides of the marker: a white cell surrounds
+it."""
 NOISY_PX = 64
 """With so many pixels that noise changes, on an average, two pictures' noise is never the same:
 a picture without any comes once in e^64."""

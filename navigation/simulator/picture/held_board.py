@@ -31,7 +31,7 @@ from vision.camera.camera import CameraError, Clock, Frame, RateMeter, SourceSta
 MOVE_S: Final = 0.7
 REST_S: Final = 1.1
 MOVING_SAMPLES: Final = 2
-"""Samples a pixel and side of a board that moves: nobody measures it."""
+"""Samples a pixel and side of a board that moves; it is never measured."""
 
 
 class HeldBoardCamera:

@@ -10,9 +10,9 @@ from typing import Final, NamedTuple, Protocol
 from firmware_protocol.robot.controller import WheelSpeeds
 
 ON_FOR_S: Final = 60.0
-"""A robot that a program finds was switched on so long before."""
+"""Time for which a robot has been switched on when a program finds it."""
 STEP_S: Final = 0.002
-"""Time goes on for a twin by steps of this length, in real time."""
+"""Step of a twin's time, in real time."""
 
 
 class Body(NamedTuple):

@@ -23,7 +23,7 @@ from planner.diagram.diagram_arrays import Bent, DiagramTolerances, FlatMesh, Kn
 from planner.scene import FloatArray, IntArray
 
 LEAST, MISSING = 64, 64
-"""Room for so many points, and for so many missing sites, at first."""
+"""Initial capacity in points, and in missing sites."""
 
 
 def bend_chains(

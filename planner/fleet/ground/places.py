@@ -29,11 +29,11 @@ so that one gives way by little more than it must."""
 LATTICE = 2.2
 """Between places of the lattice, in radii of the largest robot: two fit side by side."""
 REACH = 2.0
-"""Places are joined within so many lattice spacings: straight lines in 12 directions and more."""
+"""Lattice spacings within which places are joined: straight lines in 12 directions and more."""
 LATTICE_MOST = 2500
 """Places of the lattice; in larger arenas those nearest to the robots' own paths."""
 ASKED_MOST = 400
-"""Places of the paths that are asked for what is near: one in so many, along all of them."""
+"""Most places of the paths whose surroundings are searched, spread evenly over all of them."""
 SAME = 1e-6
 """Places are one within this share of the smallest radius."""
 

@@ -141,7 +141,7 @@ def test_who_does_nothing_loses_the_arena_and_each_order_keeps_it() -> None:
     seat.touch(KEY, 200.0)
     assert seat.tick(499.9) is None
     told = seat.tick(500.0)
-    assert told == "Ada did nothing for a while: nobody is in control"
+    assert told == "Ada did nothing for a while: no one is in control"
     assert seat.holder is None
 
 
@@ -154,7 +154,7 @@ def test_a_page_that_comes_back_in_time_is_the_same_operator(left: bool, patienc
     seat.come(KEY, "Ada")
     assert seat.tick(10.0 + patience_s + 50.0) is None
     seat.go(KEY, 100.0, left=left)
-    assert seat.tick(100.0 + patience_s) == "Ada went away: nobody is in control"
+    assert seat.tick(100.0 + patience_s) == "Ada went away: no one is in control"
 
 
 def test_the_comings_and_goings_of_others_do_not_touch_the_seat() -> None:

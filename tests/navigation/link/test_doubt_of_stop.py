@@ -11,7 +11,7 @@ from navigation.link.link_snapshot import LinkSnapshot, doubt_of_stop
 
 STANDS = LinkSnapshot(LinkState.STREAM, None, 0.01, status_age_s=0.05, estopped=True)
 DRIVEN = replace(STANDS, stands=True)
-SENT = "the emergency stop was sent, and it is not known yet that the robot stands: "
+SENT = "the emergency stop was sent, and it is not known yet that the robot is at rest: "
 
 
 def test_a_robot_that_says_that_it_stands_in_its_stop_is_stopped() -> None:

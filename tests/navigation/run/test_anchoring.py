@@ -80,7 +80,7 @@ def test_the_order_is_answered_with_what_was_found_or_why_not() -> None:
 
 def test_a_run_that_cannot_reanchor_says_so() -> None:
     cannot = carry_out({"order": "reanchor"}, People(None))
-    assert "this run cannot place its camera anew" in cannot["error"]
+    assert "this run cannot place its camera again" in cannot["error"]
 
 
 def test_the_answer_reaches_who_asks_through_the_socket(tmp_path: Path) -> None:
@@ -103,7 +103,7 @@ def test_a_calibration_that_was_written_anew_is_taken_over_by_a_reload(config_fi
     )
     file = config.camera.calibration
     assert file is not None
-    file.write_text(file.read_text().replace("remarks: []", "remarks: [anchored anew]"))
+    file.write_text(file.read_text().replace("remarks: []", "remarks: [anchored again]"))
     reloader.ask()
     reloader.join(20.0)
     assert fresh == [config]

@@ -227,7 +227,7 @@ def test_a_bad_record_is_named_with_its_place(source, place, what):
         ("#@ object 1\nP (1,1)\n#@ object 1", "twice"),
         ("#@ object 1", "no records"),
         ("P (1,1)\n#@ object 1", "above the first object"),
-        ("#@ arc 1 0 0 1 cw", "no record stands above"),
+        ("#@ arc 1 0 0 1 cw", "no record comes before this"),
         ("P (1,1)\n#@ arc 1 0 0 1 cw", "only the edges of A and L"),
         ("A 2 (1,0)(0,1)\n#@ arc 2 0 0 1 cw", "the record has 1"),
         ("A 2 (1,0)(0,1)\n#@ arc 1 0 0 1 left", "cw or ccw"),

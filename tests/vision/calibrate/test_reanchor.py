@@ -97,7 +97,7 @@ def test_a_marker_that_was_kicked_is_named_and_left_out() -> None:
     assert [one.id for one in found.residuals if not one.used] == [22]
     assert error_m(found.calibration, truth) < 1e-6
     assert "floor marker 22: left out" in found.calibration.remarks[1]
-    assert "anchored anew by 4 floor markers" in found.calibration.remarks[0]
+    assert "anchored again by 4 floor markers" in found.calibration.remarks[0]
 
 
 @pytest.mark.parametrize("anchors", [ANCHORS[:4], CENTRES[:4], CENTRES])

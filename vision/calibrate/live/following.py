@@ -22,7 +22,7 @@ from vision.markers.marker_search import grey_of
 SEARCH_PX: Final = 640
 """The longer side of the picture that is searched: a chessboard's takes seconds in large ones."""
 WHOLE_EVERY: Final = 15
-"""One search in so many without success is of the whole picture; of markers, which are quick."""
+"""Unsuccessful searches to one search of the whole picture; of markers, which are quick."""
 FOLLOWED_AT_MOST: Final = 30
 """Frames after which the board is looked for again: corners of it may have come into sight."""
 _PLANE_PX: Final = 1.5

@@ -174,7 +174,7 @@ class LiveSession:
         gone = [view.name for i, (view, _) in enumerate(everything) if i in foreign]
         self._taken = [pair for i, pair in enumerate(everything) if i not in foreign]
         self._judge()
-        return f"views judged anew; left out: {', '.join(gone) or 'none'}"
+        return f"views judged again; left out: {', '.join(gone) or 'none'}"
 
     def _judge(self) -> None:
         assert self._size is not None

@@ -21,7 +21,7 @@ from vision.markers.marker_search import grey_of
 
 READ_S: Final = 0.5
 SILENT_S: Final = 5.0
-"""Without a picture for so long a camera has failed."""
+"""A camera without a picture for this time has failed."""
 
 
 class Shows(Protocol):

@@ -51,7 +51,7 @@ class Filled:
     """Whether the stamp is the exposure's begin, not the end of the transfer."""
     is_damaged: bool
     older_stamps_s: tuple[float, ...]
-    """Of those that were handed back unread, as this one is newer."""
+    """Number of pictures handed back unread, as this one is newer."""
     missing: int
     """How many pictures the driver itself left out before the first of these."""
 
