@@ -73,17 +73,21 @@ FRESH_S: Final = 0.5
 """A robot reports 20 times a second; what it said longer ago is not known of now."""
 
 
+def is_at_rest(snapshot: LinkSnapshot) -> bool:
+    """True if the robot is known to be at rest now."""
+    if snapshot.stands is not None:
+        return snapshot.stands
+    fresh = snapshot.down_reason is None and snapshot.status_age_s <= FRESH_S
+    return fresh and not snapshot.moving
+
+
 def doubt_of_stop(snapshot: LinkSnapshot) -> str | None:
     """Doubt about an emergency stop that was sent; None if the robot is known to be at rest."""
     confirmed = snapshot.estopped and not snapshot.leaving_estop
     why = snapshot.down_reason
-    if snapshot.stands is None:
-        fresh = why is None and snapshot.status_age_s <= FRESH_S
-        known = fresh and confirmed and not snapshot.moving
-    else:
-        # without a driver's process the daemon itself has the robot, and keeps the stop
-        known = snapshot.stands and (confirmed or why is not None)
-    if known:
+    # without a driver's process the daemon itself has the robot, and keeps the stop
+    kept = confirmed or (snapshot.stands is not None and why is not None)
+    if kept and is_at_rest(snapshot):
         return None
     if why is None:
         why = "it has not been heard to stand" if confirmed else "it has not confirmed the stop"

@@ -20,6 +20,7 @@ from typing import TYPE_CHECKING, Final
 from navigation.config import Config
 from navigation.config.several.each_robot import robots_of
 from navigation.journal.journal import Journal
+from navigation.link.link_snapshot import is_at_rest
 from navigation.loop.parts import Surroundings, camera_part
 from navigation.loop.people import People
 from navigation.loop.planner_news import PlannerNews
@@ -148,16 +149,24 @@ class Daemon:
         for one in self.robots.values():
             one.orders.halt(self._clock())
 
-    def let_the_robots_stop(self) -> None:
+    def let_the_robots_stop(self) -> list[str]:
         """`halt`, then wait until all robots report rest, or should be at rest.
 
-        The camera is closed meanwhile; no decision needs it.
+        Return a sentence for each robot that is not known to be at rest then. The camera is closed
+        meanwhile; no decision needs it.
         """
         self.halt()
         self.camera.stop()
+        doubts = []
         for one in self.robots.values():
-            while self._clock() < one.orders.stands_s and one.link.snapshot().moving:
+            waited = False
+            while self._clock() < one.orders.stands_s and not is_at_rest(one.link.snapshot()):
                 self.world.wait(0.01)
+                waited = True
+            if waited and not is_at_rest(one.link.snapshot()):
+                name = one.name or "the robot"
+                doubts.append(f"{name} is not known to be at rest; its lease is over")
+        return doubts
 
     # Restarts after errors of the program, timed by the supervisor.
 

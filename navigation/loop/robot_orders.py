@@ -14,27 +14,25 @@ from navigation.mission.cycle import Orders
 
 LEASE_EVERY_S: Final = 0.08
 STOP_GRACE_S: Final = 0.35
-"""On top of the time that braking takes, for the last words on the wire."""
+"""For the last words on the wire, on top of the lease's and the brakes' time."""
 
 
 class RobotOrders:
-    """The robot's present lease, and the time by which it is at rest after the last one."""
+    """The robot's present lease, and the time by which it is at rest without one."""
 
     def __init__(self, link: RobotLink, config: Config) -> None:
         self._link, self._config = link, config
         self._permitted = False
         self._leased_s = -math.inf
         self.stands_s = -math.inf
-        """When a robot that was halted should stand."""
+        """When a robot without a lease should be at rest, even if no order reached it."""
 
     def halt(self, now_s: float) -> None:
         """Withdraw the lease: the robot begins to brake."""
         if self._permitted:
             self._link.lease(permit=False)
             self._link.pause()
-            self._permitted = False
-            robot = self._config.robot
-            self.stands_s = now_s + robot.speed_m_s / robot.acceleration_m_s2 + STOP_GRACE_S
+            self._withdrawn(now_s)
 
     def carry_out(self, orders: Orders, now_s: float, pose_age_s: float) -> None:
         """Send a cycle's lease and stops; an emergency stop is sent alone."""
@@ -49,4 +47,12 @@ class RobotOrders:
             self._link.clear()
         if orders.permit != self._permitted or now_s - self._leased_s >= LEASE_EVERY_S:
             self._link.lease(orders.permit, pose_age_s, self._config.safety.lease_s)
+            if self._permitted and not orders.permit:
+                self._withdrawn(now_s)
             self._permitted, self._leased_s = orders.permit, now_s
+
+    def _withdrawn(self, now_s: float) -> None:
+        self._permitted = False
+        robot = self._config.robot
+        braking_s = robot.speed_m_s / robot.acceleration_m_s2
+        self.stands_s = now_s + self._config.safety.lease_s + braking_s + STOP_GRACE_S

@@ -165,13 +165,13 @@ class Runner:
             if page is not None and self.interrupt.is_set():
                 page.begin_closing()
             prepare_picture(daemon)
-            daemon.let_the_robots_stop()
+            doubts = daemon.let_the_robots_stop()
             duration_s = world.clock() - daemon.started_s
             report = summarise_run(daemon, state, reason, duration_s)
             # before the simulation ends, and with it the tracks of simulated robots
             unwritten = [] if folder is None else write_run(folder, daemon, report)
             self._log_end(report)
-        for trouble in (*world.doubts, *unwritten):
+        for trouble in (*doubts, *world.doubts, *unwritten):
             self._say(f"trouble: {trouble}")
         for remark in slowness(world.clock):
             self._say(remark)

@@ -319,3 +319,15 @@ def test_no_scene_ever_holds_the_robot_while_things_break(arena: Arena) -> None:
     cycle_until(arena.daemon, lambda now: now.mission.is_over, each=keep)
     assert {len(scene.objects) for scene in scenes} == {7}
     assert np.isfinite(arena.world.truths[""].track()).all()
+
+
+def test_the_end_of_a_run_waits_for_the_robots_rest(arena: Arena) -> None:
+    assert arena.daemon.let_the_robots_stop() == []
+    assert arena.stands()
+
+
+def test_a_run_that_ends_without_a_report_of_rest_says_so(arena: Arena) -> None:
+    arena.world.body.troubles.cable_out = True
+    doubts = arena.daemon.let_the_robots_stop()
+    assert doubts == ["the robot is not known to be at rest; its lease is over"]
+    assert arena.stands()
