@@ -1,7 +1,8 @@
 """A camera that lies while the robot drives, in virtual time: it may get no farther than a hand.
 
 Ground truth decides: how far the robot drives after the lie begins, that it touches nothing, and
-that the sentence names what was seen.
+that the sentence names what was seen. The same lies in drawn pictures have the same answers:
+`tests/navigation/run/without_pictures/test_both_kinds.py`.
 """
 
 from __future__ import annotations
@@ -85,13 +86,6 @@ def stage(request: pytest.FixtureRequest) -> Iterator[Stage]:
         yield Stage(world, daemon)
 
 
-drawn_too = pytest.mark.parametrize(
-    "stage", [True, False], ids=["drawn", "without_pictures"], indirect=True
-)
-"""What only lies in pictures; all else is decided alike with them, as
-`tests/navigation/run/without_pictures/test_both_kinds.py` says."""
-
-
 def freeze_with_a_clock(stage: Stage) -> None:
     stage.world.cameras[None].camera_frozen = stage.world.cameras[None].clock_in_the_corner = True
 
@@ -137,7 +131,6 @@ LIES: list[tuple[Callable[[Stage], None], float, str]] = [
 ]
 
 
-@drawn_too
 @pytest.mark.parametrize(("lie", "most_m", "words"), LIES, ids=[row[0].__name__ for row in LIES])
 def test_a_lie_of_the_camera_is_a_stop_within_a_hand(
     stage: Stage, lie: Callable[[Stage], None], most_m: float, words: str
@@ -153,7 +146,6 @@ def test_a_lie_of_the_camera_is_a_stop_within_a_hand(
     assert stage.clearance_m() > 0.0
 
 
-@drawn_too
 def test_a_marker_that_drifts_is_found_before_it_leads_the_robot_into_anything(
     stage: Stage,
 ) -> None:
