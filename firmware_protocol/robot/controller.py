@@ -30,7 +30,7 @@ from firmware_protocol.wire.values import UM_PER_M
 LEAP_UM: Final = 1 << 20
 """1 m; wheels travel no further in a cycle."""
 STRIDE_US: Final = 1 << 28
-"""4.5 minutes. The robot's clock has come round after 17.9, and then a lease of before would look
+"""4.5 minutes. The robot's clock has come round after 17.9, and then an earlier lease would look
 young: time passes for it no faster than this."""
 EIGHTHS_PER_M: Final = 8_000
 """Speeds inside are eighths of mm/s."""

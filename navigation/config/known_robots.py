@@ -18,7 +18,7 @@ CLEARWAY: Final = "clearway"
 """The driver of robots with our own firmware, which need none."""
 
 OWN_LEAST_WHEEL_M_S: Final = 0.01
-"""Below which wheels are driven in pulses where nobody has said otherwise: small motors stand up to
+"""Default speed below which wheels are driven in pulses: small motors do not turn up to
 5 mm/s or so, and pulses of twice that cost no accuracy (`DriveSettings`)."""
 
 

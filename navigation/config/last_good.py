@@ -24,7 +24,7 @@ from navigation.shared.whole_file import UnwrittenFileError, write_whole
 
 FOLDER: Final = "last_good"
 MOST_LINES: Final = 12
-"""So many changed lines are shown; a longer change is best looked at in an editor."""
+"""Most changed lines that are shown; a longer change is best looked at in an editor."""
 
 
 def state_folder(environment: Mapping[str, str]) -> Path:

@@ -135,7 +135,7 @@ class Hub:
         while not self.closing.is_set():
             try:
                 self.look(self.clock())
-            except Exception as error:  # noqa: BLE001 - said; STOP must go on being served
+            except Exception as error:  # noqa: BLE001 - said; STOP must still be served
                 self.complain(f"dashboard: {type(error).__name__}: {error}")
             await asyncio.sleep(LOOK_EVERY_S if self.viewers else IDLE_EVERY_S)
 
@@ -359,7 +359,7 @@ class Hub:
         async def guarded() -> None:
             try:
                 await work
-            except Exception as error:  # noqa: BLE001 - told to people; the run must go on
+            except Exception as error:  # noqa: BLE001 - shown to people; the run must continue
                 self.note("warn", f"dashboard: {name}: {error}")
             finally:
                 self._busy.discard(name)

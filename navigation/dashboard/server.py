@@ -125,7 +125,7 @@ class Dashboard:
     def _run(self) -> None:
         try:
             asyncio.run(self._serve())
-        except Exception as error:  # noqa: BLE001 - the run goes on without its page
+        except Exception as error:  # noqa: BLE001 - the run continues without its page
             self._say(hide(f"the dashboard has ended: {error}"))
 
     def _hub_of_a_run(self) -> Hub:

@@ -40,7 +40,7 @@ PATIENCE: Final = 20
 """How many malformed messages one connection may send."""
 ANSWERS: Final = 64
 MESSAGES_S: Final = 60.0
-"""Beside one for each picture: so many messages a second, for `BURST_S` at once."""
+"""Messages a second beside one for each picture, for `BURST_S` at once."""
 BURST_S: Final = 5.0
 NAME_CHARACTERS: Final = 40
 NAMELESS: Final = "somebody"
@@ -311,7 +311,7 @@ class Viewer:
         async def work() -> None:
             try:
                 answer = await self.hub.preview(stations, robot)
-            except Exception as error:  # noqa: BLE001 - answered; the page goes on
+            except Exception as error:  # noqa: BLE001 - answered; the page continues
                 self.hub.note("warn", f"dashboard: preview: {in_words(error)}")
                 answer = {"ok": False, "reason": "this could not be planned"}
             self._reply(message, answer)

@@ -23,7 +23,7 @@ from planner.shared.figures import sized
 SIZE = 12.0
 DIGIT_WIDTH = 8.0
 MOST_BESIDE = 150
-"""So many obstacles have their numbers beside them, too, where these do not fit inside."""
+"""Most obstacles whose numbers are also drawn beside them, where these do not fit inside."""
 ROWS = (0.5, 0.4, 0.6, 0.3, 0.7, 0.2, 0.8, 0.1, 0.9)
 """Heights at which an obstacle's widest place is looked for, as shares of its own."""
 LOOKED_AT = 64

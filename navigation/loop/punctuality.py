@@ -13,8 +13,8 @@ from collections.abc import Callable
 from typing import Final
 
 LATE_S: Final = 0.35
-"""With so late a thread robots hold: after this time without reports nobody knows how the wheels
-turned, and a robot's lease is nearly over."""
+"""Robots hold if a thread is late by this: without reports for this time the motion of the wheels
+is unknown, and a robot's lease is nearly over."""
 DOUBTFUL_S: Final = 0.05
 """With so late a thread camera and wheels may seem to part though they do not: in this time a robot
 at 0.4 m/s drives as far as the two may differ."""

@@ -275,7 +275,7 @@ class Recorder:
             except RecordingError as error:
                 self._fail(str(error))
                 return
-            except Exception as error:  # noqa: BLE001 - the run goes on; said in the summary
+            except Exception as error:  # noqa: BLE001 - the run continues; said in the summary
                 self._fail(f"{self.path}: unexpected {type(error).__name__}: {error}")
                 return
 

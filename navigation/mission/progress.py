@@ -13,7 +13,7 @@ from typing import Final
 STEP_M: Final = 0.02
 """Nearer by less is no progress: the camera's noise is a tenth of it."""
 DETOURS: Final = 10
-"""So many new scenes may lengthen the way between two stations."""
+"""Most new scenes that may lengthen the path between two stations."""
 
 
 class Progress:

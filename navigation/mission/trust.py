@@ -49,7 +49,7 @@ KNOCKED_RAD: Final = 0.7
 brought it was carried, or is not where the camera shows it, and only a person can tell."""
 NEAR_M: Final = 0.02
 """The robot's own estimate has followed the camera when they are so near: else it would drive
-to the place where it is told to turn."""
+to the place where it is ordered to turn."""
 
 
 class Level(Enum):

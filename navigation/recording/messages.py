@@ -33,7 +33,7 @@ MOST_RECORD_BYTES: Final = 1 << 28
 """Of a record, packed or not. The recorder closes a chunk when it has 0.8 MB; a single message may
 be larger, and the largest, an 8K picture without loss, has 100 MB."""
 MOST_TIMES: Final = 1000
-"""What is unpacked may be so many times as large as the chunk. Others may pack a recording; the
+"""Most that unpacked data may exceed its chunk by, as a factor. Others may pack a recording; the
 same small picture over and over becomes 250 times smaller, what else is recorded 30 times."""
 _HEAD: Final = struct.Struct("<BQ")
 """A record's kind and length."""

@@ -27,7 +27,7 @@ from vision.camera.camera import Camera, CameraError, Frame, Image, SourceState
 
 ENDED: Final = "the simulation's process has ended"
 END_S: Final = 2.0
-"""So long the process has for its own end."""
+"""Time that the process has to end by itself."""
 
 
 class SimulationEndedError(RuntimeError):

@@ -13,7 +13,7 @@ import math
 from typing import Any, Final
 
 SHORT: Final = 40
-"""So many characters of a strange value are repeated at most."""
+"""Most characters of a strange value that are repeated."""
 REPLACEMENT: Final = "\N{REPLACEMENT CHARACTER}"
 
 

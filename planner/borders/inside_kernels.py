@@ -33,7 +33,7 @@ RAYS = (0.0, 0.31830988618, -0.43429448190)
 SAME_SIDE = 1.0 - 1e-9
 """So much of a place's clearance is surely free of borders."""
 MOST = 2
-"""Of the three rays so many decide: one that grazes a joint is outvoted."""
+"""Number of the three rays that decide: one that grazes a joint is outvoted."""
 
 
 class ClosedBorders(NamedTuple):

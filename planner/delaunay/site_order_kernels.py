@@ -18,7 +18,7 @@ from numba import njit
 from planner.scene.compile_options import LEAF, OWNING
 
 COARSENING = 4
-"""Of a round's sites, one in so many went in before."""
+"""Ratio of a round's sites to the sites before it."""
 TINY = 2.0**-215
 """Scaled coordinates below this are rounded to multiples of 2^-268, see
 :mod:`planner.delaunay.predicate_kernels`."""

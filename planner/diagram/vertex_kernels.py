@@ -30,7 +30,7 @@ from planner.scene.primitive_kernels import ARC, NONE, POINT, distance, foot
 TURN_TRIES = 4
 """Pieces tried opposite a turning point: the sampled one, then whichever lies nearer."""
 MANY = 8
-"""Where more than one triangle of so many changed, all are looked at for vertices to solve."""
+"""If more than one triangle in this many changed, all are searched for vertices to solve."""
 WAITING, DONE = 0x80, 3
 """In a mask while edges are marked: the triangle waits; its edges seen from across, shifted."""
 NEAR, PROVED_NEAR = 4.0, 16.0

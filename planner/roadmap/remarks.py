@@ -18,7 +18,7 @@ from planner.roadmap.clip import Clipped
 from planner.scene import FloatArray, primitive_kernels
 
 MOST = 8
-"""So many sentences of a kind are said in full; the others are counted."""
+"""Sentences of a kind that are said in full; the others are counted."""
 COMPASS = np.array([(1.0, 0.0), (0.0, 1.0), (-1.0, 0.0), (0.0, -1.0)])
 """Where a circle reaches farthest along the axes."""
 

@@ -30,8 +30,8 @@ from planner.scene.primitive_kernels import (
 )
 
 ROUND_LEAST, ROUND_APART = 8.0, 0.8
-"""A circle has so many generators at least; an arc's are no further apart than that, in radians,
-which is as many for a whole turn."""
+"""Least number of a circle's generators, and largest angle between an arc's in radians, which is as
+many for a whole turn."""
 
 
 @njit(**BORROWING)

@@ -36,7 +36,7 @@ from planner.search.route_kernels import (
 from planner.search.search_kernels import ChainGraph, GateCosts, pop, pushed
 
 BEYOND = 1.0 + 1e-9
-"""Costs are known but for rounding: so many times the limit is surely beyond it."""
+"""Costs are known but for rounding: this multiple of the limit is surely beyond it."""
 COST, ENTRY, EXIT, BEGIN, END, LEFT, KIND = 0, 1, 2, 3, 4, 5, 6
 """Columns of a route: what it costs, its gates, its steps' place among all steps, after how many
 steps it left another, -1 at its gate, and its kind."""

@@ -22,7 +22,7 @@ from planner.scene.primitive_kernels import NONE, grown
 from planner.search.search_kernels import GateCosts, costs_from, pop, push, pushed
 
 CLEARED = 8
-"""So many nodes are made ready for a search in the time of one step of it."""
+"""Nodes that are made ready for a search in the time of one step of it."""
 
 
 @njit(**OWNING)

@@ -15,6 +15,13 @@ ROOT = Path(__file__).parents[2]
 PACKAGES = ["clearway", "firmware_protocol", "navigation", "planner", "vision"]
 OPENING = re.compile(r"(What|Who|Whether|How|Where|As|Of)\b")
 
+WORDS = re.compile(
+    r"\b(anew|mend(s|ed|ing)?|[Ss]o many|[Ss]o long(?! as)|goes on|go on|went on|[Ww]hoever|"
+    r"of before|of late|what is wanted)\b"
+)
+"""Words of the table in ``docs/style.md`` that have no other use in this project."""
+STYLE_PAGE = ROOT / "docs" / "style.md"
+
 FOLDER_LINES_MIN = 2
 BOARDS = ROOT / "firmware_protocol" / "robot" / "boards"
 """Each of its files defines ``Board``: one of them is copied to the robot as ``board.py``."""
@@ -40,6 +47,16 @@ def _docstrings(tree: ast.Module) -> Iterator[tuple[str, str]]:
             inner = getattr(node, block, None)
             if isinstance(inner, list):
                 open_ends += inner
+
+
+def _prose() -> Iterator[tuple[Path, str]]:
+    """Every document and every source of the packages and of the page, with its text."""
+    yield from ((file, file.read_text("utf-8")) for file in ROOT.glob("*.md"))
+    yield from ((file, file.read_text("utf-8")) for file in (ROOT / "docs").rglob("*.md"))
+    for package in PACKAGES:
+        for suffix in ("py", "js", "html", "css"):
+            for file in (ROOT / package).rglob(f"*.{suffix}"):
+                yield file, file.read_text("utf-8")
 
 
 def _wrong(package: str) -> list[str]:
@@ -68,3 +85,13 @@ def test_a_public_class_name_stands_for_one_class() -> None:
                     places.setdefault(node.name, []).append(str(file.relative_to(ROOT)))
     twice = {name: files for name, files in places.items() if len(files) > 1 and name[0] != "_"}
     assert not twice
+
+
+def test_no_text_has_a_word_that_the_style_page_replaces() -> None:
+    found = [
+        f"{file.relative_to(ROOT)}: {match.group()}"
+        for file, text in _prose()
+        if file != STYLE_PAGE
+        for match in WORDS.finditer(text)
+    ]
+    assert not found, "\n".join(found)

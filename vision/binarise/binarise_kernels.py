@@ -31,7 +31,7 @@ blurs."""
 AT_A_TIME = 128
 """Pixels of a row that are looked at together: indifferent, for time."""
 BINS = 2048
-"""Second differences that are told apart: derived, there can be 2,040 quarters."""
+"""Second differences that are kept distinct: derived, there can be 2,040 quarters."""
 PARTS = np.int64(4)
 """Second differences of what is no whole grey value are counted by such parts of a grey level:
 chosen."""

@@ -51,7 +51,7 @@ RING = REACH
 BESIDE = 0.4
 """How deep the picture is on both sides of what is no dot, as a share of its own depth: chosen."""
 NEAR = RING + 1
-"""Within so many pixels, in rows and columns, ...: derived, a dot and its rim."""
+"""Distance in pixels, in rows and columns: derived, a dot and its rim."""
 MOST_MARKED = int(0.25 * math.pi * RING**2)
 """... there are no more marked ones than a dot has: derived, those of a disc that the ring leaves
 room for."""

@@ -22,7 +22,7 @@ REACH = 3
 TAP0, TAP1, TAP2 = 0.40261995, 0.24420134, 0.05448868
 """A Gaussian of sigma 1 on five pixels."""
 BEHIND, SAMPLES = 4, 10
-"""A profile has so many pixels behind its obstacle pixel, and so many in all."""
+"""Pixels of a profile behind its obstacle pixel, and in all."""
 ROWS = SAMPLES + 15
 """Rows of memory behind a ``Profiles``."""
 

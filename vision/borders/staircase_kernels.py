@@ -27,7 +27,7 @@ NARROWEST, WIDEST = 4, 16
 """Points on either side that a parabola is fitted to, at least and at most: chosen, by
 ``tests/vision/borders/test_staircase.py``, over discs of 20 to 200 px."""
 COURSE, WIDER = 28.0, 0.75
-"""A course of so many points has the narrowest stretches: derived, the octants of a circle of
+"""Points of a course with the narrowest stretches: derived, the octants of a circle of
 20 px. In wider courses stretches grow by this power of the radius, and a parabola leaves the
 circle by the same everywhere: derived, by w^4 / (8 r^3)."""
 NARROW = 4.5

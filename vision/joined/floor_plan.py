@@ -236,27 +236,27 @@ class FloorPlan:
         return bool((unknown[y0:y1, x0:x1][disc] >= 0.5).any())
 
 
-def _mirror_into(canvas: Image, nobody: NDArray[np.bool_]) -> None:
+def _mirror_into(canvas: Image, uncovered: NDArray[np.bool_]) -> None:
     """Fill unseen pixels with the mirror image of seen ones beside them.
 
     This continues the light, and the noise that a level is judged by.
     """
-    if not nobody.any() or nobody.all():
+    if not uncovered.any() or uncovered.all():
         return
-    hidden = nobody.view(np.uint8)
+    hidden = uncovered.view(np.uint8)
     _, labels = cv2.distanceTransformWithLabels(
         hidden, cv2.DIST_L2, 5, labelType=cv2.DIST_LABEL_PIXEL
     )
-    seen_rows, seen_columns = np.nonzero(~nobody)
+    seen_rows, seen_columns = np.nonzero(~uncovered)
     place = np.zeros(int(labels.max()) + 1, np.int64)
     place[labels[seen_rows, seen_columns]] = np.arange(len(seen_rows))
-    rows, columns = np.nonzero(nobody)
+    rows, columns = np.nonzero(uncovered)
     nearest = place[labels[rows, columns]]
     near_rows, near_columns = seen_rows[nearest], seen_columns[nearest]
-    height, width = nobody.shape
+    height, width = uncovered.shape
     over_rows = np.clip(2 * near_rows - rows, 0, height - 1)
     over_columns = np.clip(2 * near_columns - columns, 0, width - 1)
-    beyond = nobody[over_rows, over_columns]
+    beyond = uncovered[over_rows, over_columns]
     over_rows[beyond], over_columns[beyond] = near_rows[beyond], near_columns[beyond]
     canvas[rows, columns] = canvas[over_rows, over_columns]
 

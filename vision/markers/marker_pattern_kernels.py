@@ -31,7 +31,7 @@ _DONE_CELLS, _RESTS_CELLS = 1e-3, 2e-3
 """A step after which none is made, and one that still counts as at rest. With 2e-5 the error of 150
 rendered markers of 25 to 100 px is the same, 0.0059 px rms, and takes two steps more."""
 _HUBER = 2.5
-"""Residuals beyond so many of their own rms weigh less."""
+"""Residuals beyond this multiple of their own rms weigh less."""
 _MIN_CONTRAST = 12.0
 _LEAST_PIVOT = 1e-12
 """Of a matrix with a diagonal of ones: what is less is rounding."""

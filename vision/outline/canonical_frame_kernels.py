@@ -29,7 +29,7 @@ NEITHER = 1e-10
 round by 1e-12 in all. The border is its own mirror image then."""
 
 STEPS = 2.0**20
-"""To so many parts of a pixel points are rounded: chosen, a power of two, exact. What is equal but
+"""Parts of a pixel to which points are rounded: chosen, a power of two, exact. What is equal but
 for its place in the picture stays equal, and ties are decided alike everywhere; without grey a
 point is the middle between two pixels, but for what the smoothing's weights lack of one."""
 

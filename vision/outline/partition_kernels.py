@@ -29,7 +29,7 @@ FAILED = 4.0
 NEAR_MISS = 1.6
 """Share of the worst deviation up to which an arc is worth turning between the pixels: chosen."""
 SPAN = 160
-"""At most so many seeds in one stretch: indifferent, a bound on the work."""
+"""Most seeds in one stretch: indifferent, a bound on the work."""
 CORNER = 1.2
 """Turn in radians from which a seed is surely a corner: chosen, a cap of 10 px radius turns by
 0.6, and a staircase turns sharply by itself."""
@@ -41,7 +41,7 @@ ANY, BENT, NOTHING = np.int64(0), np.int64(1), np.int64(2)
 ROUNDING = 1e-9
 """A partition begun elsewhere may cost as much, but for the order of its sums: indifferent."""
 ROUND_SEEDS = 12
-"""At most so many seeds on a border that is nearly a circle and no polygon: indifferent, it only
+"""Most seeds on a border that is nearly a circle and no polygon: indifferent, it only
 spares work. Such a border turns evenly, and a break beside an arc moves to its place when the edges
 are fitted."""
 

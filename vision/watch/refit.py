@@ -108,13 +108,13 @@ class KnownScene:
         found: list[Scene] = []
         boxes: list[_Box] = []
         for part in parts:
-            anew = self._extract(image, part, how)
-            if anew is None:
+            fresh = self._extract(image, part, how)
+            if fresh is None:
                 return None
-            inside = _boxes_of(anew.objects, self.calibration)
+            inside = _boxes_of(fresh.objects, self.calibration)
             if any(_leaves(box, part, size) for box in inside):
                 return None
-            found.append(anew)
+            found.append(fresh)
             boxes += inside
         stays = [not any(_meet(box, part) for part in parts) for box in self.boxes]
         kept = [o for o, stay in zip(scene.objects, stays, strict=True) if stay]
@@ -144,17 +144,17 @@ class KnownScene:
 def _joined(scene: Scene, kept: Sequence[SceneObject], found: Sequence[Scene]) -> Scene:
     """Join the objects that stay with those of the parts, under unused ids."""
     free_id = 1 + max((o.id for o in scene.objects), default=-1)
-    new = [o for anew in found for o in anew.objects]
+    new = [o for fresh in found for o in fresh.objects]
     laps: dict[str, float] = {}
-    for anew in found:
-        for name, ms in anew.timings_ms.items():
+    for fresh in found:
+        for name, ms in fresh.timings_ms.items():
             laps[name] = laps.get(name, 0.0) + ms
     # an empty part is no remark on the arena
-    said = [r for anew in found for r in anew.remarks if r not in doubts_about(anew)]
+    said = [r for fresh in found for r in fresh.remarks if r not in doubts_about(fresh)]
     joined = replace(
         scene,
         objects=(*kept, *(replace(o, id=free_id + i) for i, o in enumerate(new))),
-        border_pixels=sum(anew.border_pixels for anew in found),
+        border_pixels=sum(fresh.border_pixels for fresh in found),
         timings_ms=laps,
         remarks=tuple(dict.fromkeys(said)),
     )

@@ -20,7 +20,7 @@ DRIFT_MAX = 419904
 """Angle per micrometre, times 1024: 0.6 rad/m, wheels that differ by 7 % on 0.12 m."""
 TRAVEL_MAX = 1 << 29
 """537 m. What the wheels have travelled since the last fix is counted no further: a cycle's travel
-more, 1 m at most, still is below 2^30. No drift is learnt from so long a way."""
+more, 1 m at most, still is below 2^30. No drift is learnt from such a distance."""
 HISTORY = 9
 HISTORY_STEP = 156
 """40 ms."""
@@ -28,7 +28,7 @@ JUMP_UM = 150000
 JUMP_SHIFT = 11
 """A heading of 32 bits that is shifted by this is compared with JUMP_UM too: 0.45 rad."""
 JUMPS_BELIEVED = 5
-"""So many fixes in a row that are far off mean that the robot was moved by hand."""
+"""Fixes in a row that are far off, at which the robot was moved by hand."""
 TIME = 0x3FFFFFFF
 """Times are microseconds modulo 2^30."""
 X, Y, TOP, LOW = 0, 1, 2, 3

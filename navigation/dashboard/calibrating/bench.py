@@ -153,7 +153,7 @@ class Bench:
             lens = estimate_lens(taken.views)
         except (CalibrationError, CameraError) as error:
             self._fail(f"{error}: nothing was written", cancelled)
-        except Exception as error:  # noqa: BLE001 - the camera is given back, and the run goes on
+        except Exception as error:  # noqa: BLE001 - the camera is given back, and the run continues
             self._fail(f"{type(error).__name__}: {error}: nothing was written", cancelled)
         else:
             self._find(lens, cancelled)

@@ -1,4 +1,4 @@
-// The camera's lens calibrated from the page: the board's numbers, the picture with what is wanted,
+// The camera's lens calibrated from the page: the board's numbers, the picture with what is still needed,
 // and what came of it. It is not modal: STOP stays where it is, and works.
 
 import { drawBoardView } from "./board.js";

@@ -67,7 +67,7 @@ export class Robots {
     return row;
   }
 
-  /** Stop one robot; whoever may stop may do so, whoever holds the arena. */
+  /** Stop one robot; every viewer who may stop can do so, even if another one is in control. */
   async #stop(robot) {
     const answer = await this.connection.ask({ type: "order", order: "stop", robot }, STOP_MS);
     if (answer.type !== "answer") this.say(`the stop of ${robot} was not answered: press STOP, which stops all`);

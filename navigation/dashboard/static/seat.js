@@ -37,7 +37,7 @@ export class Seat {
     connection.on("down", () => { this.#granted = false; this.#show(); });
   }
 
-  /** Once, from whoever holds the arena: who is it? An empty answer is one, too. */
+  /** Ask for the name of the person in control, once. An empty answer is one, too. */
   #askName() {
     this.form = document.getElementById("name-form");
     const asked = document.getElementById("name-asked");

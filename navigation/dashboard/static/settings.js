@@ -1,5 +1,5 @@
 // The configuration as a form: made from what the program tells of its keys, checked as it is
-// typed, saved by whoever holds the arena. It is not modal: STOP stays where it is, and works.
+// typed, saved by the person in control. It is not modal: STOP stays where it is, and works.
 
 import { allow, onPress } from "./press.js";
 import { request } from "./request.js";

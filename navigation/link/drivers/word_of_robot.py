@@ -15,7 +15,7 @@ from navigation.link.drivers.robot_driver import Heard
 PATIENCE_S: Final = 1.5
 """Time that a greeted robot has to answer before it counts as silent."""
 GARBAGE: Final = 160
-"""So many bytes without one message, which is longer than any, are no robot of this kind."""
+"""Bytes without one message, longer than any, at which this is no robot of this kind."""
 DAMAGED_SHARE: Final = 0.05
 LOW_BATTERY: Final = 0.15
 

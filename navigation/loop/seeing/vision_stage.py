@@ -98,7 +98,7 @@ class VisionStage:
         self._newest[frame.source if self._floor_plan is not None else ""] = frame
         try:
             glimpse = self.eye.look(frame, tell)
-        except Exception as error:  # noqa: BLE001 - said, and the eye is made anew
+        except Exception as error:  # noqa: BLE001 - said, and the eye is made again
             self._failure = in_words(error)
             return None
         self.look_s = self._clock() - began_s

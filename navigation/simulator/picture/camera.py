@@ -43,8 +43,8 @@ FLOOR_MARKER_RADII = 0.95
 """Radius of the disc that a floor marker covers, in sides of the marker: a white cell surrounds
 it."""
 NOISY_PX = 64
-"""With so many pixels that noise changes, on an average, two pictures' noise is never the same:
-a picture without any comes once in e^64."""
+"""Average number of pixels that noise changes at which no two pictures are ever the same: one
+without any comes once in e^64."""
 
 
 @dataclass(frozen=True, slots=True)

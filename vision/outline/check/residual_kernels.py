@@ -23,8 +23,8 @@ from vision.outline.fitted_borders import ARC_CCW, LINE
 NEAR_ENDS = 4
 """Points at either end of an edge that may be nearer to its neighbour: chosen."""
 ROUNDING = math.sqrt(2.0 / math.pi)
-"""At a corner that turns by an angle, blur moves the border off it by so many times its sigma and
-the sine of half the angle: derived, the mean of |x| under a Gaussian, as in
+"""At a corner that turns by an angle, blur moves the border by this multiple of its sigma and the
+sine of half the angle: derived, the mean of |x| under a Gaussian, as in
 ``vision.outline.corners.blurred_corner_kernels``."""
 
 

@@ -27,7 +27,7 @@ from vision.outline.fit.shape_kernels import HUGE
 from vision.outline.fitted_borders import LINE
 
 LONGEST = 4.0
-"""What is longer than so many of its stretch's points, and a tip at either end, is not its edge:
+"""An edge may be this many times as long as its stretch's points, plus a tip at either end:
 indifferent."""
 
 

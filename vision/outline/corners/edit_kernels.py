@@ -48,7 +48,7 @@ CORNER, LINE, END, FILLET = np.int64(0), np.int64(1), np.int64(2), np.int64(3)
 through all their points, a line square to both at the end of a wall, an arc that touches both.
 Typed, so that kernels are compiled for numbers and not once more for these."""
 KINDS = 4
-"""So many of them: defined."""
+"""Their number: defined."""
 SHARES = 0.0, 1.0, 1.0, 1.5
 """Their prices in lines. A fillet has one free number, a line and its break have two: between the
 line that it is dearer than and the two that it saves, so that a bevel stays straight (chosen)."""

@@ -32,7 +32,7 @@ corner is ill-known, where they turn more its fillet is far from it."""
 PIXEL_BLUR_PX = 0.2887
 """The spread (sigma) of a pixel's own width: derived, 1 / sqrt(12)."""
 ROUNDED_BY = 2.5
-"""A fillet's tangents are at least so many times as long as the blur: chosen, blur rounds a sharp
+"""Least length of a fillet's tangents as a multiple of the blur: chosen, blur rounds a sharp
 corner as an arc would whose tangents are 1.6 .. 1.9 times the blur's sigma."""
 ANCHOR_FROM = 0.3
 """The part of a line that may be of the arcs at either end (chosen)."""

@@ -17,10 +17,10 @@ from vision.outline.fit.shape_kernels import circle_rms, fit_circle
 from vision.shared.typed_numbers import ONE
 
 BENT_PX = 3.0 * KNOWN_PX
-"""A bent line's arc rises so high over its chord: derived, a line through it is off by a third of
+"""Rise of a bent line's arc over its chord: derived, a line through it is off by a third of
 that, as much as the points' spread is believed at least."""
 BENT_BY = 2.0
-"""And so many times the noise of a point more: chosen."""
+"""Added to it, as a multiple of a point's noise: chosen."""
 BETTER_BY = 0.5
 """Share of the line's residual that its arc leaves (indifferent)."""
 LEAST = 2 * 3 + 1

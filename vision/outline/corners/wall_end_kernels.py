@@ -30,13 +30,13 @@ LEAST = 8
 """Points of a line that the border turns back from or to: less than that is no wall
 (indifferent)."""
 WIDTH_BY = 2.2
-"""A sharp tip's border is no wider than so many times the blur's sigma (chosen), and `SHARP_PX`.
+"""A sharp tip's border is no wider than this multiple of the blur's sigma (chosen), and `SHARP_PX`.
 The half-way level alone would be where it is 1.35 sigma wide."""
 SHARP_PX = 0.5
 """More than `WIDTH_BY` says: indifferent."""
 PLAIN_PX = 2.5
-"""A side is seen by the search from so many times what blur rounds at a corner on, and so much
-more, the points of its fit: chosen."""
+"""A side longer by this than what blur rounds at its corners is found by the search: chosen, the
+points of its fit."""
 SHORTEST = 2
 """Points of the shortest side: derived, they make a line."""
 SQUARE_PX = 1.5

@@ -26,21 +26,21 @@ from vision.outline.fit.shape_kernels import HUGE
 from vision.outline.fitted_borders import LINE
 
 AHEAD, SAME_PX = 12, 1e-6
-"""The crack of an edge point is looked for among so many; one so near is it: indifferent, far
-more than lie between two points, and rounding."""
+"""Number of cracks among which an edge point's is searched, and the distance at which one is it:
+indifferent, far more than lie between two points, and rounding."""
 NEAR_JOINT_PX = 2.0
-"""So near to a joint more than its own edge may pass a point: chosen, a pixel and its neighbour."""
+"""Distance from a joint within which other edges may pass a point: chosen, a pixel and the next."""
 NEIGHBOURS = 2
 """Edges on either side that may pass a point: chosen."""
 GRAVE_PX = 0.5 * (0.5 + 1.0)
-"""A lost point so far from its edges is mended whatever its border may lose: its pixel lies more
-than one from what is drawn: derived, half-way from half a pixel to one."""
+"""A lost point this far from its edges is repaired whatever its border may lose: its pixel lies
+more than one from what is drawn: derived, half-way from half a pixel to one."""
 ROUND_HALF = HALF - COARSE_PX
-"""So far from a crack's middle an arc may pass: derived, who draws it as a polyline is a little
-off."""
+"""Distance from a crack's middle within which an arc may pass: derived, its drawn polyline is a
+little off."""
 REACH = 8
-"""A joint is looked for beside so many cracks on either side of its own: indifferent, an edge that
-ends elsewhere loses pixels."""
+"""Cracks on either side of its own beside which a joint is searched: indifferent, an edge that ends
+elsewhere loses pixels."""
 OK, LOST, GRAVE = 0, 1, 2
 """What becomes of a crack: defined. Negative where its obstacle's pixel is lost, or else the free
 one."""

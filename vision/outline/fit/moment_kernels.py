@@ -24,7 +24,7 @@ FIRST, BEHIND, ROUND_BEHIND, ORIGIN_X, ORIGIN_Y = 0, 1, 2, 3, 4
 X, Y, XX, XY, YY, XZ, YZ, ZZ = 5, 6, 7, 8, 9, 10, 11, 12
 """And where each sum is: defined."""
 ROOM = 13
-"""So many in all: defined."""
+"""Their number: defined."""
 
 
 @njit(**SUMS)

@@ -39,7 +39,7 @@ from vision.watch.change import Change, SceneWatcher
 from vision.watch.refit import KnownScene
 
 START_S: Final = 3.0
-"""So long a camera may take to its first picture after another one's."""
+"""Longest time of a camera to its first picture after another one's."""
 MISSED_FRAMES: Final = 3
 """Of the other cameras: a loop that was late has old pictures of all of them."""
 WITHIN_M: Final = 1e-3
@@ -247,11 +247,11 @@ class JoinedEye:
 
     def _brought_up_to_date(self, index: int, change: Change | None) -> KnownScene:
         """The present scene; only changes are fitted again, if that can be trusted."""
-        anew = self._note_live()
-        if anew:
+        is_new = self._note_live()
+        if is_new:
             self._parts = [CameraPart.of(self._owners, i) for i in range(len(self._live))]
         pictures = [one.background for one in self._views]
-        whole = anew or self._known is None or change is None or change.first or change.relit
+        whole = is_new or self._known is None or change is None or change.first or change.relit
         if whole:
             self._gains = self.plan.gains(pictures)
             self._canvas = self.plan.picture(pictures, self._owners, self._gains)
