@@ -1,4 +1,4 @@
-"""The commands that documents name for a promise or a figure exist and select something."""
+"""Tests, benchmarks, commands, options and files that texts name exist; tests select something."""
 
 import ast
 import importlib.util
@@ -6,7 +6,10 @@ import re
 import shlex
 from pathlib import Path
 
+import click
 import pytest
+
+from navigation.cli.main import clearway
 
 ROOT = Path(__file__).parents[2]
 PAGES = [
@@ -15,6 +18,11 @@ PAGES = [
     *sorted(page for page in (ROOT / "docs").rglob("*.md") if "pictures" not in page.parts),
     *sorted((ROOT / "benchmarks/results").glob("*.md")),
 ]
+PACKAGES = ["clearway", "firmware_protocol", "navigation", "planner", "vision"]
+FENCE = re.compile(r"```[^\n]*\n(.*?)```", re.DOTALL)
+COMMAND = re.compile(r"(?<![./\w-])clearway ([a-z][a-z-]*)((?: (?!clearway\b)[^`|;&#\n]*)?)")
+OPTION = re.compile(r"(?<![\w-])--[a-z][a-z-]*")
+SOURCE_FILE = re.compile(r"`([\w][\w./-]*\.(?:py|c|h|md|js|css|html))`")
 WORD = re.compile(r"\b(?!and\b|or\b|not\b)\w+")
 
 
@@ -68,3 +76,47 @@ def test_each_promise_stands_once() -> None:
     assert len(promises) > 50
     twice = {row for row in promises if promises.count(row) > 1}
     assert not twice
+
+
+def _code_in(text: str) -> list[str]:
+    """Code between single backticks, and the lines of fenced blocks."""
+    blocks = [block.replace("\\\n", " ") for block in FENCE.findall(text)]
+    spans = re.findall(r"`([^`\n]+)`", FENCE.sub("", text))
+    return [*spans, *(line for block in blocks for line in block.splitlines())]
+
+
+def _options_of(name: str, words: list[str]) -> set[str]:
+    """Options of a command, or of the command of its group that the first word names."""
+    with click.Context(clearway) as context:
+        command = clearway.get_command(context, name)
+        assert command is not None, f"clearway {name}: no such command"
+        if isinstance(command, click.Group) and words:
+            command = command.get_command(context, words[0]) or command
+    return {"--help"}.union(*([*one.opts, *one.secondary_opts] for one in command.params))
+
+
+@pytest.mark.parametrize("page", PAGES, ids=lambda page: str(page.relative_to(ROOT)))
+def test_the_commands_and_options_that_a_page_names_are_there(page: Path) -> None:
+    for code in _code_in(page.read_text(encoding="utf-8")):
+        for name, rest in COMMAND.findall(code):
+            unknown = set(OPTION.findall(rest)) - _options_of(name, rest.split())
+            assert not unknown, f"{code}: {unknown}"
+
+
+def test_the_files_that_texts_name_are_there() -> None:
+    own = [file for package in PACKAGES for file in (ROOT / package).rglob("*.py")]
+    tops = [*PACKAGES, "benchmarks", "configs", "docs", "examples", "tests"]
+    there = [file for top in tops for file in (ROOT / top).rglob("*.*")] + list(ROOT.glob("*.*"))
+    ends = {
+        "/".join(parts[start:])
+        for file in there
+        for parts in [file.relative_to(ROOT).parts]
+        for start in range(len(parts))
+    }
+    missing = [
+        f"{file.relative_to(ROOT)}: {name}"
+        for file in [*own, *PAGES]
+        for name in SOURCE_FILE.findall(file.read_text(encoding="utf-8"))
+        if "NAME" not in name and name.removeprefix("../").removeprefix("../") not in ends
+    ]
+    assert not missing, "\n".join(missing)
