@@ -26,8 +26,9 @@ from navigation.mission.facts import FactFinder, PilotSituation
 from navigation.mission.mission import Event, MissionError, MissionProgress, State, Station
 from navigation.mission.progress import Progress
 from navigation.mission.proving import Proving
+from navigation.mission.replanning import later_pictures, nearer_obstacle, robot_ahead
 from navigation.mission.running_plan import RunningPlan, what_is_driven, why_no_plan
-from navigation.mission.slowing import WORTH_A_PLAN, speed_with
+from navigation.mission.slowing import speed_with
 from navigation.mission.targets import Target
 from navigation.mission.traffic import Encounter, discs_to_avoid, encounter
 from navigation.mission.trust import Level, Trust, slow_at_first
@@ -241,10 +242,8 @@ class Pilot:
 
     def _slow_down(self, sight: Sight) -> None:
         """Plan more slowly if pictures have become later than the present plan allows."""
-        allowed_m_s = self._allowed_m_s(sight)
-        if self.mission.state is State.DRIVING and allowed_m_s < WORTH_A_PLAN * self.plan.speed_m_s:
-            late_s = sight.evidence.longest_latency_s
-            self._replan(f"the camera's pictures are {late_s:.2f} s old: planning more slowly")
+        late_s, allowed_m_s = sight.evidence.longest_latency_s, self._allowed_m_s(sight)
+        self._replan_while_driving(later_pictures(late_s, allowed_m_s, self.plan.speed_m_s))
 
     def _allowed_m_s(self, sight: Sight) -> float:
         robot = self.settings.traffic
@@ -289,8 +288,7 @@ class Pilot:
 
     def _make_way(self, met: Encounter | None) -> None:
         """Plan around a robot at rest in the way."""
-        if self.mission.state is State.DRIVING and met is not None and met.stands:
-            self._replan(f"{met.sentence}: planning around it")
+        self._replan_while_driving(robot_ahead(met))
 
     def _take_rearm(self, robot: RobotReport) -> bool:
         """True if the robot gets permission in this cycle to leave its stop."""
@@ -421,20 +419,10 @@ class Pilot:
             self._closed_way = NO_PLAN.left
 
     def new_scene(self, path_clearance_m: float | None) -> None:
-        """Take a new scene's clearance of the running path (None: no path runs).
-
-        The path is planned again if the robot does not fit, or if something has come nearer to it
-        than ``replan_distance_m``.
-        """
-        if self.mission.state is not State.DRIVING or path_clearance_m is None:
-            return
-        assert self.plan.path is not None
-        limits = self.settings.limits
-        nearer_m = self.plan.path.min_clearance - limits.clearance_slack_m
-        least_m = max(limits.robot_radius_m, min(self.settings.replan_distance_m, nearer_m))
-        if path_clearance_m < least_m:
-            left = f"leaves the path {path_clearance_m:.3f} m of clearance"
-            self._replan(f"an obstacle {left}: planning again")
+        """Take a new scene's clearance of the running path (None: no path runs)."""
+        if path_clearance_m is not None and self.plan.path is not None:
+            planned_m = self.plan.path.min_clearance
+            self._replan_while_driving(nearer_obstacle(path_clearance_m, planned_m, self.settings))
 
     def _finish(self, now_s: float, sight: Sight, robot: RobotReport) -> None:
         ours = robot.mission_id == self._mission_id
@@ -474,6 +462,10 @@ class Pilot:
             speed_m_s=self._allowed_m_s(sight),
         )
         return self._asked
+
+    def _replan_while_driving(self, why: str | None) -> None:
+        if why is not None and self.mission.state is State.DRIVING:
+            self._replan(why)
 
     def _replan(self, why: str) -> None:
         self.mission = self.mission.after(Event.REPLAN, why)
