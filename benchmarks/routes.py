@@ -36,8 +36,8 @@ from planner.formats.grid_maps import grid_scene
 from planner.motion.smooth import smooth_path
 from planner.motion.trajectory import default_limits, time_path
 from planner.scene import Bounds, CircleRecord, FloatArray, Record, Scene
-from planner.search import shortest, tangent_kernels, tour
-from planner.search.shortest import shortest_way
+from planner.search import tangent_kernels, tangent_search, tour
+from planner.search.tangent_search import shortest_way
 from tests.support.oracles.visibility_oracle import shortest_length
 from tests.support.scenes.mazes import maze
 from tests.support.scenes.planner_scenes import (
@@ -161,7 +161,7 @@ def plan_times() -> Table:
         for prefer in ("length", "balanced", "clearance"):
             ms = [least_ms(lambda p=p, w=prefer, r=roadmap: r.plan(*p, prefer=w), 3) for p in pairs]
             cells.append(f"{np.median(ms):.2f} ({max(ms):.2f})")
-        shares = [work_of(roadmap, *p) / shortest.BUDGET for p in pairs]
+        shares = [work_of(roadmap, *p) / tangent_search.BUDGET for p in pairs]
         rows.append([*cells, f"{max(shares):.3f}"])
     return rows
 
@@ -175,7 +175,7 @@ def work_of(roadmap: planner.Roadmap, start: Vec, goal: Vec) -> int:
         borders.kind[:k], borders.data[:k], RADIUS, JOINT * borders.extent, *ends, math.inf
     )
     found = tangent_kernels.shortest(
-        borders.tree, discs, RADIUS * (1 - 1e-9), math.inf, shortest.BUDGET
+        borders.tree, discs, RADIUS * (1 - 1e-9), math.inf, tangent_search.BUDGET
     )
     return int(found[3])
 
@@ -194,7 +194,7 @@ def whole_budget() -> Table:
     certain = shortest_way(roadmap.borders, start, goal, RADIUS).certain
     return [
         ["pieces", "budget", "ms", "gave up"],
-        [f"{roadmap.borders.primitive_count}", f"{shortest.BUDGET:.0e}", f"{ms:.0f}",
+        [f"{roadmap.borders.primitive_count}", f"{tangent_search.BUDGET:.0e}", f"{ms:.0f}",
          "no" if certain else "yes"],
     ]  # fmt: skip
 

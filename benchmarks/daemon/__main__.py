@@ -47,7 +47,7 @@ from navigation.loop.daemon import Daemon
 from navigation.loop.stages import stations_of
 from navigation.mission.mission import State
 from navigation.run.kernels.warm_up import warm_up
-from navigation.run.report import Report
+from navigation.run.robot_report import Report
 from navigation.run.virtual_run import run_virtually
 from navigation.run.virtual_world import VirtualWorld
 from tests.support.runs.kills import Campaign, drive_under_fire

@@ -16,7 +16,7 @@ import numpy as np
 from navigation.config.secrecy.secrets import hide_in
 from navigation.loop.daemon import Daemon
 from navigation.mission.mission import State
-from navigation.run.report import Report
+from navigation.run.robot_report import Report
 from navigation.run.summary import summarise
 from navigation.shared.whole_file import write_whole
 from planner.fleet.motions.track_kernels import nearest_pair

@@ -14,7 +14,7 @@ import numpy as np
 from navigation.loop.daemon import Daemon
 from navigation.loop.robot import ControlledRobot
 from navigation.mission.mission import State
-from navigation.run.report import (
+from navigation.run.robot_report import (
     FrameCounts,
     Latencies,
     LinkCounts,

@@ -21,7 +21,7 @@ from navigation.config import Config
 from navigation.sweep.variations import RobotVariation, Variation, varied
 
 if TYPE_CHECKING:
-    from navigation.run.report import Report
+    from navigation.run.robot_report import Report
 
 MOST_ATTEMPTS: Final = 3
 IN_HAND_PER_WORKER: Final = 2

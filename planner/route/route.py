@@ -2,7 +2,7 @@
 
 Rules and units
 - Routes over the roadmap's chains are made taut (``taut.py``). The shortest path that keeps the
-  radius need not follow a chain: a search over tangents finds it (``shortest.py``).
+  radius need not follow a chain: a search over tangents finds it (``tangent_search.py``).
 - The exact distance of every answer to every border is at least the radius and the margin.
 """
 
@@ -26,10 +26,10 @@ from planner.route.plan_request import Request
 from planner.route.taut import as_wide, best_cut, finish, is_clear, judge
 from planner.route.whole_path import as_path, length_of
 from planner.scene import FloatArray, UnknownCells, Vec
+from planner.search.chain_graph_kernels import Gates
 from planner.search.chain_search import ROUNDING, WORK, Network, attach, cheapest_routes, widest_gap
 from planner.search.homotopy import Word, anchors, word
-from planner.search.search_kernels import Gates
-from planner.search.shortest import shortest_way
+from planner.search.tangent_search import shortest_way
 from planner.search.tour import best_tour
 
 ROUTES = 4

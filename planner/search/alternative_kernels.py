@@ -8,7 +8,7 @@ Rules and units
   plus the least rest from there. Nothing dearer than the ``wanted`` cheapest answers is sought.
 - Two such routes are never shifts of one another: the chains are the free space shrunk, and in a
   graph, ways without a step back and forth are shifts only if equal.
-- Entries, gates and steps are those of :mod:`planner.search.route_kernels`.
+- Entries, gates and steps are those of :mod:`planner.search.route_search_kernels`.
 """
 
 # numba infers types; docstrings state them.
@@ -24,7 +24,8 @@ from numpy.typing import NDArray
 
 from planner.scene.compile_options import BORROWING, OWNING
 from planner.scene.primitive_kernels import NONE, grown
-from planner.search.route_kernels import (
+from planner.search.chain_graph_kernels import ChainGraph, GateCosts, pop, pushed
+from planner.search.route_search_kernels import (
     CLEARED,
     between,
     gates_of,
@@ -33,7 +34,6 @@ from planner.search.route_kernels import (
     put_behind,
     search,
 )
-from planner.search.search_kernels import ChainGraph, GateCosts, pop, pushed
 
 BEYOND = 1.0 + 1e-9
 """Costs are known but for rounding: this multiple of the limit is surely beyond it."""
@@ -48,8 +48,9 @@ answer; and where one was left: its steps up to there, and what a way on costs a
 class Query(NamedTuple):
     """Fixed input of every search.
 
-    ``ahead`` (n,) from :func:`planner.search.route_kernels.left_to`, the costs of both stations'
-    gates, steps over a station's ``own`` chain (2 c,), and the chains of the stations' entries.
+    ``ahead`` (n,) from :func:`planner.search.route_search_kernels.left_to`, the costs of both
+    stations' gates, steps over a station's ``own`` chain (2 c,), and the chains of the stations'
+    entries.
     """
 
     graph: ChainGraph

@@ -1,7 +1,7 @@
 """Attaching a place to the roadmap's chains by retraction, on flat arrays.
 
 Rules and units
-- Chains and links are those of :mod:`planner.search.search_kernels`.
+- Chains and links are those of :mod:`planner.search.chain_graph_kernels`.
 - Retraction leads straight away from the nearest border until a second one is as near, and then
   onto the chain.
 """
@@ -20,7 +20,7 @@ from planner.borders.box_tree_kernels import nearest, polyline_clearance
 from planner.diagram.bisector_kernels import slide_between
 from planner.scene.compile_options import BORROWING, OWNING
 from planner.scene.primitive_kernels import foot, point_to_segment
-from planner.search.search_kernels import Gates
+from planner.search.chain_graph_kernels import Gates
 
 SHRINKS = 60
 """Steps of the shrinking ball; it took at most 12 on random scenes."""

@@ -15,8 +15,13 @@ import numpy as np
 from planner.borders.generators import Borders
 from planner.diagram.agvd import Chains
 from planner.scene import FloatArray, IntArray, Vec
-from planner.search import alternative_kernels, attach_kernels, route_kernels, search_kernels
-from planner.search.search_kernels import ChainGraph, Gates
+from planner.search import (
+    alternative_kernels,
+    attach_kernels,
+    chain_graph_kernels,
+    route_search_kernels,
+)
+from planner.search.chain_graph_kernels import ChainGraph, Gates
 
 DETOUR = 4.0
 """How much longer a step at a clearance of one radius may be, at the preference just below 1."""
@@ -41,7 +46,7 @@ class Network:
     def of(cls, chains: Chains, need: float, preference: float) -> Network:
         """Compute costs for a disc of radius ``need``. O(points)."""
         arrays, weight = chains.arrays, DETOUR * preference
-        priced = search_kernels.price_chains(arrays, len(chains.node_xy), need, weight)
+        priced = chain_graph_kernels.price_chains(arrays, len(chains.node_xy), need, weight)
         return cls(chains, ChainGraph(arrays, *priced))
 
 
@@ -87,7 +92,7 @@ def attach(
 
 def widest_gap(network: Network, start: Gates, goal: Gates) -> float:
     """Largest clearance of any path from an entry to an exit, -inf if there is none."""
-    return float(route_kernels.widest_way(network.graph, start, goal))
+    return float(route_search_kernels.widest_way(network.graph, start, goal))
 
 
 def cheapest_routes(

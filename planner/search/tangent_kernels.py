@@ -1,7 +1,7 @@
 """The shortest way that keeps a distance: a search over tangents and arcs, on flat arrays.
 
 Rules and units
-- See :mod:`planner.search.shortest` for arcs and tangents.
+- See :mod:`planner.search.tangent_search` for arcs and tangents.
 - A disc is such an arc: centre, radius, and the exposed directions of its border, ``cone`` = first
   angle and width. Disc 0 is the start and disc 1 the goal, of radius 0.
 - A side is +1 for a way counter-clockwise round a disc (angles grow), -1 for clockwise.
@@ -29,7 +29,7 @@ from planner.scene.primitive_kernels import (
     has_ends,
     is_round,
 )
-from planner.search.search_kernels import pop, push
+from planner.search.chain_graph_kernels import pop, push
 
 ANGLE = 1e-7
 """Angles nearer than this are equal."""

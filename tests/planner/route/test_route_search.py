@@ -11,9 +11,9 @@ import pytest
 import planner
 from planner.roadmap.roadmap import Roadmap
 from planner.scene import FloatArray
-from planner.search import route_kernels
+from planner.search import route_search_kernels
+from planner.search.chain_graph_kernels import GateCosts, Gates
 from planner.search.chain_search import WORK, Network, attach, cheapest_routes, widest_gap
-from planner.search.search_kernels import GateCosts, Gates
 from tests.support.scenes.planner_scenes import box, hand_made, random_scene, scene_of
 
 
@@ -25,7 +25,7 @@ def _stations(roadmap: Roadmap, rng: np.random.Generator) -> list[tuple[float, f
 
 def _costs(network: Network, gates: Gates, floor: float) -> GateCosts:
     """Node and cost of both ways over each gate, infinity below the floor."""
-    return route_kernels.gates_of(gates, network.chains.ends, floor)
+    return route_search_kernels.gates_of(gates, network.chains.ends, floor)
 
 
 def _graph(network: Network, start: Gates, goal: Gates, floor: float) -> nx.MultiGraph:

@@ -345,7 +345,7 @@ def test_movingai_paths_are_about_as_long_as_the_scenarios_say(capsys):
 
 
 def test_a_search_that_reached_its_limit_is_a_remark(tmp_path, capsys, monkeypatch):
-    monkeypatch.setattr("planner.search.shortest.BUDGET", 1)
+    monkeypatch.setattr("planner.search.tangent_search.BUDGET", 1)
     file = tmp_path / "arena.txt"
     file.write_text("#@ clearway.scene/1\n#@ units m\n#@ bounds given 0 0 10 8\nC (5,4) 1\n")
     ends = ["--start", "2,4", "--goal", "8,4", "--radius", "0.3", "--prefer", "length"]

@@ -1,10 +1,10 @@
 """Routes over the roadmap's chains, searched and laid out as lines, on flat arrays.
 
 Rules and units
-- Chains and links are those of :mod:`planner.search.search_kernels`.
+- Chains and links are those of :mod:`planner.search.chain_graph_kernels`.
 - A station's entries come from :func:`planner.search.attach_kernels.attach`
-  (:class:`planner.search.search_kernels.Gates`); gate 2 i + end leads over entry i to that end of
-  its chain.
+  (:class:`planner.search.chain_graph_kernels.Gates`); gate 2 i + end leads over entry i to that
+  end of its chain.
 - A laid route is points (n, 2) and pairs (n, 2): the pieces left and right of the link to the
   next point, -1 if the link is straight.
 """
@@ -19,7 +19,7 @@ from numba import njit
 
 from planner.scene.compile_options import BORROWING, OWNING
 from planner.scene.primitive_kernels import NONE, grown
-from planner.search.search_kernels import GateCosts, costs_from, pop, push, pushed
+from planner.search.chain_graph_kernels import GateCosts, costs_from, pop, push, pushed
 
 CLEARED = 8
 """Nodes that are made ready for a search in the time of one step of it."""

@@ -12,8 +12,8 @@ from planner.borders.generators import gather_borders
 from planner.path import NoPath, Path
 from planner.route.route import GAVE_UP
 from planner.scene import ArcRecord, Bounds, CircleRecord, FloatArray, PointRecord, Scene
-from planner.search import shortest
-from planner.search.shortest import shortest_way
+from planner.search import tangent_search
+from planner.search.tangent_search import shortest_way
 from tests.support.oracles.visibility_oracle import VisibilityGraph
 from tests.support.scenes.planner_scenes import (
     box,
@@ -92,7 +92,7 @@ def test_passage_exactly_as_wide_as_the_disc_is_taken() -> None:
 def test_a_search_that_gives_up_says_so_and_answers_all_the_same(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
-    monkeypatch.setattr(shortest, "BUDGET", 10)
+    monkeypatch.setattr(tangent_search, "BUDGET", 10)
     scene = hand_made()["lattice of boxes"]
     path = planner.build_roadmap(scene, 4.0).plan((5, 5), (150, 110), prefer="length")
     assert isinstance(path, Path)

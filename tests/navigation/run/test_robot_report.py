@@ -8,7 +8,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from navigation.run.report import (
+from navigation.run.robot_report import (
     CaptureToWire,
     FrameCounts,
     Latencies,
