@@ -22,8 +22,7 @@ from navigation.cli.options import (
 )
 from navigation.cli.outputs import keep_apart, warn_of_doubts, write_text
 from navigation.cli.progress import long_work
-
-SUFFIXES = (".graphml", ".geojson", ".json")
+from planner.roadmap import GRAPH_SUFFIXES
 
 
 @click.command(short_help="The AGVD roadmap as a file.")
@@ -32,7 +31,7 @@ SUFFIXES = (".graphml", ".geojson", ".json")
 @click.option(
     "-o",
     "--output",
-    type=OutputType(*SUFFIXES, stream=True),
+    type=OutputType(*GRAPH_SUFFIXES, stream=True),
     required=True,
     help="FILE.graphml, FILE.geojson (Nav2's route server) or FILE.json (node-link, also for -).",
 )
