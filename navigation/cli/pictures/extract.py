@@ -92,7 +92,7 @@ def command(
 
 
 def _as_json(scene: Scene) -> str:
-    from vision.records.scene_json import scene_to_json
+    from planner.formats.scene_json import scene_to_json
 
     return json.dumps(scene_to_json(scene), indent=1) + "\n"
 

@@ -1,4 +1,4 @@
-"""`clearway plan`: one plan through a picture, a scene text or a map."""
+"""`clearway plan`: one plan through a picture, a scene or a map."""
 
 from __future__ import annotations
 
@@ -93,10 +93,11 @@ def command(  # noqa: PLR0913 (an argument for each option of the command line)
     render: Path | None,
     output: Path | None,
 ) -> int:
-    """Plan a path through SOURCE: a picture, a scene text, a ROS map's YAML or a MovingAI .map.
+    """Plan a path through SOURCE: a picture, a scene, a ROS map's YAML or a MovingAI .map.
 
-    Coordinates are the source's own: pixels with y down for a picture, metres with y up for a ROS
-    map, cells for a .map. Exits 3 if there is no path, and says why.
+    A scene is what clearway extract writes, as text or JSON. Coordinates are the source's own:
+    pixels with y down for a picture, metres with y up for a ROS map, cells for a .map. Exits 3 if
+    there is no path, and says why.
     """
     from navigation.cli.pictures.sources import compile_for, hold_points, load_source
 

@@ -1,4 +1,4 @@
-"""From a SOURCE on the command line to a scene: a picture, a scene text, a ROS or MovingAI map.
+"""From a SOURCE on the command line to a scene: a picture, a scene, a ROS or MovingAI map.
 
 A file, or standard input, is judged by its content: a picture's beginning sends it to
 ``vision.extract``, anything else is read by ``planner.load_scene``. The pictures of ROS maps that
