@@ -221,3 +221,10 @@ RADIUS_OPTION = click.option(
 SPACING_OPTION = click.option(
     "--spacing", type=POSITIVE, help="Largest distance between generators; less than 2 radius."
 )
+LEAST_AREA_OPTION = click.option(
+    "--least-area",
+    type=POSITIVE,
+    metavar="AREA",
+    help="Leave out obstacles smaller than this, in square units of the scene; paths may cross "
+    "them.",
+)

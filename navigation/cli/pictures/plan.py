@@ -11,6 +11,7 @@ import click
 from navigation.cli.options import (
     DRAWING,
     INPUT,
+    LEAST_AREA_OPTION,
     NOT_NEGATIVE,
     OUTPUT,
     PREFERENCE,
@@ -74,6 +75,7 @@ class PlanError(ValueError):
     help="Other routes round the obstacles, besides the best.",
 )
 @binarise_options
+@LEAST_AREA_OPTION
 @format_option()
 @click.option("--render", type=DRAWING, help="Draw the plan: FILE.svg or FILE.png.")
 @click.option("-o", "--output", type=OUTPUT, help="Write the answer to this file.")
@@ -89,6 +91,7 @@ def command(  # noqa: PLR0913 (an argument for each option of the command line)
     prefer: str | float,
     alternatives: int,
     binarising: Binarising,
+    least_area: float | None,
     form: str,
     render: Path | None,
     output: Path | None,
@@ -109,7 +112,7 @@ def command(  # noqa: PLR0913 (an argument for each option of the command line)
     compile_for(source)
     begin_s = time.perf_counter()
     with long_work("looking for obstacles"):
-        scene = load_source(source, binarising)
+        scene = load_source(source, binarising, least_area)
     warn_of_doubts(scene, source)
     stations = [start, *via, goal]
     room = 4.0 * (radius + margin)
@@ -149,7 +152,7 @@ def command(  # noqa: PLR0913 (an argument for each option of the command line)
 
 
 def timed_roadmap(
-    scene: Scene, radius: float, spacing: float | None
+    scene: Scene, radius: float, spacing: float | None, least_branch: float = 0.0
 ) -> tuple[Roadmap, dict[str, float]]:
     """The roadmap, and the milliseconds of every stage."""
     from planner.roadmap.roadmap import build_roadmap
@@ -164,7 +167,8 @@ def timed_roadmap(
         last_s = now_s
 
     try:
-        return build_roadmap(scene, radius, spacing=spacing, lap=lap), timings_ms
+        roadmap = build_roadmap(scene, radius, spacing=spacing, least_branch=least_branch, lap=lap)
+        return roadmap, timings_ms
     except ValueError as error:
         raise PlanError(str(error)) from error
 

@@ -12,6 +12,8 @@ import click
 from navigation.cli.options import (
     DRAWING,
     INPUT,
+    LEAST_AREA_OPTION,
+    NOT_NEGATIVE,
     POSITIVE,
     RADIUS_OPTION,
     SPACING_OPTION,
@@ -37,6 +39,14 @@ from planner.roadmap import GRAPH_SUFFIXES
 )
 @SPACING_OPTION
 @binarise_options
+@LEAST_AREA_OPTION
+@click.option(
+    "--least-branch",
+    type=NOT_NEGATIVE,
+    default=0.0,
+    metavar="LENGTH",
+    help="Leave out dead ends shorter than this, in the scene's units.",
+)
 @click.option("--frame", default="map", show_default=True, help="TF frame in GeoJSON.")
 @click.option(
     "--map",
@@ -48,12 +58,14 @@ from planner.roadmap import GRAPH_SUFFIXES
     "--resolution", type=POSITIVE, default=0.05, show_default=True, help="Of that map, in metres."
 )
 @click.option("--render", type=DRAWING, help="Draw the roadmap: FILE.svg or FILE.png.")
-def command(
+def command(  # noqa: PLR0913 (an argument for each option of the command line)
     source: Path,
     radius: float,
     output: Path,
     spacing: float | None,
     binarising: Binarising,
+    least_area: float | None,
+    least_branch: float,
     frame: str,
     map_file: Path | None,
     resolution: float,
@@ -72,10 +84,10 @@ def command(
 
     compile_for(source)
     with long_work("looking for obstacles"):
-        scene = load_source(source, binarising)
+        scene = load_source(source, binarising, least_area)
     warn_of_doubts(scene, source)
     with long_work("building the roadmap"):
-        roadmap, _ = timed_roadmap(scene, radius, spacing)
+        roadmap, _ = timed_roadmap(scene, radius, spacing, least_branch)
     now = datetime.now(UTC).isoformat(timespec="seconds")
     suffix = ".json" if output == STANDARD_STREAM else output.suffix
     text = roadmap_export.as_text(roadmap, suffix, frame=frame, generated=now)
