@@ -103,6 +103,8 @@ def command(  # noqa: PLR0913 (an argument for each option of the command line)
     there is no path, and says why.
     """
     from navigation.cli.pictures.sources import compile_for, hold_points, load_source
+    from planner.motion.smooth import round_corners
+    from planner.path import Path as PlannedPath
 
     if spacing is not None and spacing >= 2.0 * radius:
         raise click.BadParameter(
@@ -134,7 +136,9 @@ def command(  # noqa: PLR0913 (an argument for each option of the command line)
         except ValueError as error:
             raise PlanError(str(error)) from error
         begin("smoothing")
-        path = _smoothed(planned, roadmap, radius + margin, prefer)
+        path = planned
+        if isinstance(planned, PlannedPath):
+            path = round_corners(planned, roadmap, prefer=prefer, margin=margin)
         timings_ms["path"] = 1e3 * (time.perf_counter() - planned_s)
     answer = _answer(scene, roadmap, planned, path, timings_ms)
     try:
@@ -171,25 +175,6 @@ def timed_roadmap(
         return roadmap, timings_ms
     except ValueError as error:
         raise PlanError(str(error)) from error
-
-
-def _smoothed(
-    path: PlannedPath | NoPath, roadmap: Roadmap, need: float, prefer: str | float
-) -> PlannedPath | NoPath:
-    """The path, if any, with rounded corners.
-
-    Preferring clearance keeps all of the path's least clearance; preferring length keeps only the
-    requirement.
-    """
-    from planner.motion.smooth import smooth_path
-    from planner.path import NoPath
-    from planner.route.plan_request import PREFERENCES
-
-    if isinstance(path, NoPath):
-        return path
-    weight = PREFERENCES[prefer] if isinstance(prefer, str) else prefer
-    keep = need + weight * max(path.min_clearance - need, 0.0)
-    return smooth_path(path, roadmap.path_clearance, roadmap.clearance, keep=keep)
 
 
 def _answer(
