@@ -8,7 +8,7 @@ Coordinates are the photograph's pixels, x right, y down; the robot is a disc of
 import sys
 from pathlib import Path
 
-from photograph import photograph
+import cv2
 
 import navigation
 import planner
@@ -17,8 +17,8 @@ import vision
 
 def main(folder: Path) -> None:
     """Write plan.svg."""
-    picture = photograph()  # or cv2.imread("arena.jpg", cv2.IMREAD_GRAYSCALE)
-    scene = vision.extract(picture)
+    picture = planner.sample("photograph")  # or a picture of yours
+    scene = vision.extract(cv2.imread(str(picture), cv2.IMREAD_GRAYSCALE))
     roadmap = planner.build_roadmap(scene, radius=18.0)
     path = roadmap.plan(start=(40, 440), goal=(600, 40))
     if isinstance(path, planner.NoPath):

@@ -11,6 +11,7 @@ from .fleet.schedule import FleetSchedule as FleetSchedule
 from .formats.scene_io import load_scene as load_scene
 from .formats.scene_io import read_scene_text as read_scene_text
 from .formats.scene_io import write_scene_text as write_scene_text
+from .motion.smooth import round_corners as round_corners
 from .motion.trajectory import time_path as time_path
 from .path import Bottleneck as Bottleneck
 from .path import Limits as Limits

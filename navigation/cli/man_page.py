@@ -48,8 +48,8 @@ def _lines() -> Iterator[str]:
     yield _plain(
         "Clearway finds obstacles in the picture of a camera above an arena, builds the roadmap "
         "with the largest clearance, plans on it, and drives a robot along the plan. A SOURCE "
-        "is a picture (dark obstacles on light), a scene text, a ROS map_server YAML or a "
-        "MovingAI .map. A CONFIG is a YAML file that clearway init writes. X,Y[,DEG] is a place "
+        "is a picture (dark obstacles on light), a scene as text or JSON, a ROS map_server YAML or "
+        "a MovingAI .map. A CONFIG is a YAML file that clearway init writes. X,Y[,DEG] is a place "
         "in the source's units, with a heading in degrees where that matters."
     )
     yield ".SH OPTIONS"

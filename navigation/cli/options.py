@@ -147,6 +147,26 @@ class OutputType(OutputBase):
         return path
 
 
+class RecordingType(OutputType):
+    """FILE.mcap, which is never overwritten, or a folder, which is made if it is missing."""
+
+    def __init__(self) -> None:
+        super().__init__(".mcap")
+
+    def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> Path:
+        """The path; click's usage error if nothing can be recorded there."""
+        path = Path(value)
+        if path.suffix.lower() in self.suffixes:
+            path = super().convert(value, param, ctx)
+            if path.exists():
+                self.fail(f"{path}: exists already, and a recording overwrites nothing", param, ctx)
+        elif path.exists() and not path.is_dir():
+            self.fail(f"{path}: is a file, must be a new FILE.mcap or a directory", param, ctx)
+        elif path.suffix and not path.exists():
+            self.fail(f"{path}: must end in .mcap, or be a directory", param, ctx)
+        return path
+
+
 class InputType(click.Path):
     """A file that is read, ``-`` standard input; an empty name would be the present folder."""
 
@@ -220,4 +240,11 @@ RADIUS_OPTION = click.option(
 )
 SPACING_OPTION = click.option(
     "--spacing", type=POSITIVE, help="Largest distance between generators; less than 2 radius."
+)
+LEAST_AREA_OPTION = click.option(
+    "--least-area",
+    type=POSITIVE,
+    metavar="AREA",
+    help="Leave out obstacles smaller than this, in square units of the scene; paths may cross "
+    "them.",
 )

@@ -32,10 +32,14 @@ class RecordingSection(Section):
         description="where the MCAP files go (from the current folder); `run --record` overrides",
     )
     limit_mb: Annotated[Positive, Field(ge=1)] = Field(
-        default=2000.0, description="the oldest MCAP files there go when all are larger than this"
+        default=2000.0,
+        description="the oldest MCAP files there go when all are larger than this; one named by "
+        "`run --record FILE.mcap` ends at it",
     )
     file_mb: Annotated[Positive, Field(ge=0.1)] = Field(
-        default=200.0, description="a new MCAP file is begun when one has become larger than this"
+        default=200.0,
+        description="a new MCAP file is begun when one has become larger than this, except where "
+        "it was named",
     )
     picture_rate_hz: Rate = Field(
         default=10.0, description="most pictures a second that are recorded"

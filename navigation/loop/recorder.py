@@ -75,7 +75,8 @@ class RecordingCounts:
 class Recorder:
     """Recorder of one run; a context manager that starts and ends the thread.
 
-    ``clock`` is the run's; ``began`` is the wall time when the clock reads ``anchor_s``.
+    ``clock`` is the run's; ``began`` is the wall time when the clock reads ``anchor_s``. ``file``
+    is the name of the only file in ``folder``, see :class:`RecordingFiles`.
     """
 
     def __init__(
@@ -84,6 +85,7 @@ class Recorder:
         calibration: Calibration,
         folder: Path,
         *,
+        file: str | None = None,
         clock: Callable[[], float],
         began: datetime,
     ) -> None:
@@ -107,7 +109,7 @@ class Recorder:
         """Grows while the thread writes, or waits for something to write."""
         names = {one.robot.marker_id: name for name, one in each_robot(config).items()}
         self._files = RecordingFiles(
-            folder, config.recording, began, self._header, self._stamp_ns, names
+            folder, config.recording, began, self._header, self._stamp_ns, names, file
         )
         self._thread = threading.Thread(target=self._run, name="recorder", daemon=True)
 

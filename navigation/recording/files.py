@@ -1,5 +1,7 @@
 """Files of recorded events, in MCAP: a new one when one is full, the oldest removed.
 
+A file that a person named is neither followed by another nor removed: it ends at the limit.
+
 Rules
 - Every file is complete: it begins with the configuration and what still holds.
 - Only pictures are compressed, in their own format. `flush` closes a chunk, which survives a kill.
@@ -60,7 +62,8 @@ class RecordingFiles:
 
     ``header(part)`` gives the configuration's message for file number ``part``, from 1;
     ``stamp_ns`` turns the run's clock into nanoseconds since 1970. ``names`` by marker id name the
-    channels of several driven robots.
+    channels of several driven robots. ``file`` is the name of the one file in ``folder``; without
+    it there are as many as needed, named by the time.
     """
 
     def __init__(
@@ -71,11 +74,14 @@ class RecordingFiles:
         header: Callable[[int], dict[str, Any]],
         stamp_ns: Callable[[float], int],
         names: Mapping[int, str] = MappingProxyType({}),
+        file: str | None = None,
     ) -> None:
         self.folder, self.settings = folder, settings
+        self._file = None if file is None else folder / file
         self.files = 0
         self.removed = 0
-        self._began = f"{PREFIX}{began:%Y-%m-%d_%H-%M-%S}"
+        stem = f"{PREFIX}{began:%Y-%m-%d_%H-%M-%S}" if self._file is None else self._file.stem
+        self._stem = stem
         self._header, self._stamp_ns = header, stamp_ns
         self._context = foxglove.Context()
         self._names = names
@@ -95,9 +101,12 @@ class RecordingFiles:
             self.folder.mkdir(parents=True, exist_ok=True)
         except OSError as error:
             raise RecordingError(f"{self.folder}: {error.strerror or error}") from None
-        number = self.files + 1
+        if self._file is not None and not self._file.exists():
+            return self._file
+        # a run that begins again with a changed configuration finds the file that it was given
+        number = self.files + (1 if self._file is None else 2)
         while True:
-            path = self.folder / f"{self._began}_{number:03d}{SUFFIX}"
+            path = self.folder / f"{self._stem}_{number:03d}{SUFFIX}"
             if not path.exists():
                 return path
             number += 1
@@ -186,7 +195,8 @@ class RecordingFiles:
     def flush(self) -> None:
         """Pass everything to the operating system; begin a new file if this one is full.
 
-        Raises ``RecordingError`` if the disk is nearly full or writing fails.
+        Raises ``RecordingError`` if the disk is nearly full, writing fails, or a named file has
+        reached the limit.
         """
         try:
             self._writer.flush()
@@ -199,7 +209,14 @@ class RecordingFiles:
                 f"{self.folder}: {free / BYTES_PER_MB:.0f} MB are free: must be at least "
                 f"{LEAST_FREE_MB:g} MB to record"
             )
-        if size >= self.settings.file_mb * BYTES_PER_MB:
+        if self._file is not None:
+            if size >= self.settings.limit_mb * BYTES_PER_MB:
+                self._writer.close()
+                raise RecordingError(
+                    f"{self.path}: {size / BYTES_PER_MB:.0f} MB: must be less than "
+                    f"recording.limit_mb = {self.settings.limit_mb:g}"
+                )
+        elif size >= self.settings.file_mb * BYTES_PER_MB:
             self._writer.close()
             self.path = self._new_path()
             self._open(self._stamp_ns)

@@ -34,6 +34,7 @@ from navigation.loop.stages import stations_of
 from navigation.machine.logs import EventLog, RunLog
 from navigation.machine.sd_notify import Notifier, Watchdog
 from navigation.mission.mission import State
+from navigation.recording.names import place_of
 from navigation.run.anchoring import renew_while_running, take_over_lens
 from navigation.run.attendance import Attendance
 from navigation.run.devices.world_clock import slowness
@@ -259,7 +260,7 @@ class Runner:
                 bench=bench,
                 runs=KeptRuns(
                     self.config.recording.runs_dir,
-                    self._record or self.config.recording.folder,
+                    place_of(self._record, self.config.recording.folder)[0],
                     None if folder is None else folder.name,
                 ),
             )
@@ -311,11 +312,10 @@ class Runner:
             return None
         from navigation.loop.recorder import Recorder  # only a run that records needs its libraries
 
-        folder = self._record or settings.folder
-        now = datetime.now()
-        recorder = open_things.enter_context(
-            Recorder(self.config, calibration, folder, clock=clock, began=now)
-        )
+        folder, file = place_of(self._record, settings.folder)
+        began = datetime.now()
+        recorder = Recorder(self.config, calibration, folder, file=file, clock=clock, began=began)
+        open_things.enter_context(recorder)
         self._say(f"recording into {recorder.path}")
         return recorder
 

@@ -131,7 +131,7 @@ class Generators:
 
 def check_radius(radius: float) -> float:
     """Radius as a float; ``ValueError`` unless it is > 0 and finite."""
-    value = as_float(radius)
+    value = as_float(radius, "radius")
     if not (math.isfinite(value) and value > 0.0):
         raise ValueError(f"radius = {radius}: must be > 0 and finite")
     return value
@@ -141,7 +141,7 @@ def choose_spacing(radius: float, spacing: float | None) -> float:
     """Given spacing, checked, or one radius by default."""
     if spacing is None:
         return SPACING_PER_RADIUS * radius
-    value = as_float(spacing)
+    value = as_float(spacing, "spacing")
     if not (math.isfinite(value) and value > 0.0):
         raise ValueError(f"spacing = {spacing}: must be > 0 and finite")
     if value >= 2.0 * radius:

@@ -1,7 +1,8 @@
 """Scene and map files in and out: the planner's only access to the disk.
 
-``load_scene`` recognises the scene text of ``scene_text.py``, the YAML of a ROS map and a MovingAI
-``.map`` (``map_files.py``) by content. ``vision.extract`` turns a picture into a scene.
+``load_scene`` recognises the scene text of ``scene_text.py``, the JSON of ``scene_json.py``, the
+YAML of a ROS map and a MovingAI ``.map`` (``map_files.py``) by content. ``vision.extract`` turns a
+picture into a scene.
 """
 
 from __future__ import annotations
@@ -11,6 +12,7 @@ import re
 from pathlib import Path
 
 from planner.formats.map_files import ReadPicture, decode, parse_movingai, read_bytes, read_ros_map
+from planner.formats.scene_json_reader import read_scene_json
 from planner.formats.scene_text import HEADER, read_scene_text, write_scene_text
 from planner.scene import Scene, SceneError
 
@@ -44,6 +46,8 @@ def scene_from_bytes(data: bytes, file: Path, *, read_picture: ReadPicture | Non
     text = decode(data, str(file))
     if file.suffix.lower() in (".yaml", ".yml") or _looks_like_map_header(text):
         return read_ros_map(text, file, read_picture)
+    if text.lstrip().startswith("{"):
+        return read_scene_json(text, str(file))
     if re.match(r"\s*type\s+\w+\s*\n", text):
         return parse_movingai(text, str(file))
     return read_scene_text(text, str(file))

@@ -24,8 +24,9 @@ import numpy as np
 from planner.borders.polyline import arc_lengths, fewer_vertices, points_at
 from planner.motion.smooth_kernels import bend, parabola
 from planner.path import Path
+from planner.route.plan_request import preference_of
 from planner.scene import FloatArray, Vec
-from planner.shared.numbers import wrap_angle
+from planner.shared.numbers import as_float, wrap_angle
 
 CORNER_RAD = math.radians(3.0)
 """A smaller turn is no corner: the samples of a smooth bisector turn less."""
@@ -61,6 +62,23 @@ class LeastClearance(Protocol):
         ...
 
 
+class Measured(Protocol):
+    """The part of a :class:`planner.Roadmap` that measures paths."""
+
+    @property
+    def radius(self) -> float:
+        """Radius of the robot."""
+        ...
+
+    def path_clearance(self, polyline: FloatArray, /) -> LeastClearance:
+        """Return the least clearance of a polyline (n, 2)."""
+        ...
+
+    def clearance(self, points: FloatArray, /) -> FloatArray:
+        """Return the clearances (n,) of points (n, 2)."""
+        ...
+
+
 PathClearance = Callable[[FloatArray], LeastClearance]
 PointClearance = Callable[[FloatArray], FloatArray]
 
@@ -83,6 +101,32 @@ class _Rules:
     nearer: bool
     path_clearance: PathClearance
     turning_radius: float
+
+
+def round_corners(
+    path: Path,
+    roadmap: Measured,
+    *,
+    prefer: str | float = "balanced",
+    margin: float = 0.0,
+    turning_radius: float = 0.0,
+) -> Path:
+    """Return the planned path with rounded corners, as ``clearway plan`` prints and times it.
+
+    ``path`` is of ``roadmap.plan``, ``prefer`` and ``margin`` are as there. A preference for
+    clearance keeps all of the path's least clearance, one for length only the radius and margin;
+    between them a part of the difference may go. ``turning_radius`` is the robot's tightest bend.
+    Length and clearances are measured again, also of the alternatives, which keep all of theirs.
+    Raises ``ValueError`` on invalid options.
+    """
+    spare = as_float(margin, "margin")
+    if not 0.0 <= spare < math.inf:
+        raise SmoothError(f"margin = {margin}: must be >= 0 and finite")
+    need = roadmap.radius + spare
+    keep = need + preference_of(prefer) * max(path.min_clearance - need, 0.0)
+    return smooth_path(
+        path, roadmap.path_clearance, roadmap.clearance, keep=keep, turning_radius=turning_radius
+    )
 
 
 def smooth_path(

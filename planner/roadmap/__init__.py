@@ -8,6 +8,5 @@
   graph for other programs.
 """
 
-from planner.roadmap.roadmap import Roadmap, build_roadmap
-
-__all__ = ["Roadmap", "build_roadmap"]
+GRAPH_SUFFIXES = (".graphml", ".geojson", ".json")
+"""Suffixes of the files that a roadmap can be written to."""

@@ -12,7 +12,6 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from planner.diagram import bisector_kernels
-from planner.roadmap.graph import without_spurs
 from planner.scene import FloatArray, IntArray
 
 if TYPE_CHECKING:
@@ -41,11 +40,7 @@ class Curves:
 def curves_of(roadmap: Roadmap) -> Curves | None:
     """The roadmap's edges through the points of its chains; None if it has none."""
     chains = roadmap.clipped.chains
-    kept = [
-        c
-        for c in without_spurs(roadmap.clipped, roadmap.radius)
-        if chains.first[c + 1] - chains.first[c] > 1
-    ]
+    kept = [c for c in roadmap.kept if chains.first[c + 1] - chains.first[c] > 1]
     if not kept:
         return None
     rows = np.concatenate([np.arange(chains.first[c], chains.first[c + 1]) for c in kept])

@@ -6,6 +6,8 @@ Rules
   beyond the disc at its junction, or if it only runs into a corner: there the clearance falls by
   more than ``TAPER`` a step. Everything that a spur leads to is reached from its junction. The
   branches into a U, or into a room whose wall is one object, stay.
+- A dead end shorter than the ``least_branch`` asked for is left out, too, the shortest first; two
+  edges that then meet are one. A way between two branches, and a loop, stay.
 - Chains that meet two by two are one edge. A ``Graph`` holds one edge per pair of nodes and no
   loop: one of two edges between the same nodes is halved by an extra node, and an edge that
   returns to its node is cut in three.
@@ -16,6 +18,7 @@ Rules
 from __future__ import annotations
 
 from collections import defaultdict
+from collections.abc import Sequence
 from dataclasses import dataclass
 from heapq import heapify, heappop, heappush
 from typing import TYPE_CHECKING, Any
@@ -83,16 +86,17 @@ class StrandPoints:
         )
 
 
-def make_graph(clipped: Clipped, borders: Borders, radius: float, spacing: float) -> nx.Graph[int]:
-    """Graph of the chains that keep the radius."""
-    chains = clipped.chains
+def make_graph(
+    chains: Chains, kept: Sequence[int], borders: Borders, radius: float, spacing: float
+) -> nx.Graph[int]:
+    """Graph of the ``kept`` chains, all of which keep the radius."""
     import networkx as nx  # late: it takes 0.2 s, and a plan counts the graph without it
 
     graph: nx.Graph[int] = nx.Graph(radius=radius)
     owners: defaultdict[int, set[int]] = defaultdict(set)
     bulge = BULGE * spacing
     new = len(chains.node_xy)
-    for strand in lay_strands(clipped, radius):
+    for strand in lay_strands(chains, kept):
         u, v = strand.u, strand.v
         run = _run(chains, strand)
         owners[u] |= _owners(borders, run.pairs[:1])
@@ -121,13 +125,12 @@ def make_graph(clipped: Clipped, borders: Borders, radius: float, spacing: float
     return graph
 
 
-def count_graph(clipped: Clipped, radius: float) -> tuple[int, int]:
+def count_graph(chains: Chains, kept: Sequence[int]) -> tuple[int, int]:
     """Numbers of nodes and edges of the graph, without making it."""
-    chains = clipped.chains
     nodes: set[int] = set()
     pairs: set[tuple[int, int]] = set()
     extra_nodes, edges = 0, 0
-    for strand in lay_strands(clipped, radius):
+    for strand in lay_strands(chains, kept):
         nodes |= {strand.u, strand.v}
         c = strand.chains[0][0]
         if chains.first[c + 1] - chains.first[c] == 1:
@@ -140,15 +143,10 @@ def count_graph(clipped: Clipped, radius: float) -> tuple[int, int]:
     return len(nodes) + extra_nodes, edges
 
 
-def lay_strands(clipped: Clipped, radius: float) -> list[Strand]:
-    """The edges: maximal rows of kept chains, joined where only two meet."""
-    chains = clipped.chains
-    kept = without_spurs(clipped, radius)
-    around: defaultdict[int, list[tuple[int, int]]] = defaultdict(list)
+def lay_strands(chains: Chains, kept: Sequence[int]) -> list[Strand]:
+    """The edges: maximal rows of ``kept`` chains, joined where only two meet."""
     ends = chains.ends.tolist()
-    for c in kept:
-        for end in range(2):
-            around[ends[c][end]].append((c, end))
+    around = _met(ends, kept)
     joints = {n for n, met in around.items() if len(met) == 2 and met[0][0] != met[1][0]}
     done: set[int] = set()
     strands = []
@@ -185,8 +183,7 @@ def without_spurs(clipped: Clipped, radius: float) -> list[int]:
         for n in ends[c]:
             around[n].add(c)
     # the shortest first, of equal ones the lowest: the chains' order does not matter
-    step = ALIKE * max(float(np.ptp(chains.node_xy, axis=0).max()), radius)
-    place = np.rint(chains.node_xy / step).tolist()
+    step, place = _rounded_places(chains, radius)
     ready = [
         (round(length[c] / step), place[n], n)
         for n, cs in around.items()
@@ -213,6 +210,68 @@ def without_spurs(clipped: Clipped, radius: float) -> list[int]:
             (other,) = around[junction]
             heappush(ready, (round(length[other] / step), place[junction], junction))
     return sorted(kept)
+
+
+def without_short_branches(
+    chains: Chains, kept: Sequence[int], radius: float, least: float
+) -> tuple[list[int], tuple[float, ...]]:
+    """Leave out dead ends shorter than ``least``; return the rest, and the lengths left out.
+
+    A dead end runs from its tip to where three edges meet. O(k log k) for k tips, but for the
+    lengths walked again.
+    """
+    if not kept:
+        return [], ()
+    ends, length = chains.ends.tolist(), chains.length.tolist()
+    around = _met(ends, kept)
+    step, place = _rounded_places(chains, radius)
+
+    def branch(tip: int) -> tuple[list[int], float, int]:
+        """Chains from a tip to the next junction, their length, and that junction."""
+        row, coming = [], around[tip][0]
+        while True:
+            c, end = coming
+            row.append(c)
+            here = ends[c][1 - end]
+            if len(around[here]) != 2:
+                return row, sum(length[c] for c in row), here
+            one, other = around[here]
+            coming = other if one == (c, 1 - end) else one
+
+    ready = []
+    for tip, met in around.items():
+        if len(met) == 1:
+            ready.append((round(branch(tip)[1] / step), place[tip], tip))
+    heapify(ready)
+    left_out: list[float] = []
+    gone: set[int] = set()
+    while ready:
+        key, _, tip = heappop(ready)
+        row, total, junction = branch(tip)
+        if total >= least or len(around[junction]) == 1:
+            continue
+        if round(total / step) > key:  # what met it at its junction is gone
+            heappush(ready, (round(total / step), place[tip], tip))
+            continue
+        gone.update(row)
+        left_out.append(total)
+        around[junction] = [met for met in around[junction] if met[0] != row[-1]]
+    return [c for c in kept if c not in gone], tuple(left_out)
+
+
+def _met(ends: list[list[int]], kept: Sequence[int]) -> defaultdict[int, list[tuple[int, int]]]:
+    """Chains that meet at each node, with the end that lies there; a loop meets itself."""
+    around: defaultdict[int, list[tuple[int, int]]] = defaultdict(list)
+    for c in kept:
+        for end in range(2):
+            around[ends[c][end]].append((c, end))
+    return around
+
+
+def _rounded_places(chains: Chains, radius: float) -> tuple[float, list[list[float]]]:
+    """Length below which two lengths are alike, and the nodes' places in it."""
+    step = ALIKE * max(float(np.ptp(chains.node_xy, axis=0).max()), radius)
+    return step, np.rint(chains.node_xy / step).tolist()
 
 
 def _run(chains: Chains, strand: Strand) -> StrandPoints:

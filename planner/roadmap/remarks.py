@@ -16,6 +16,7 @@ from planner.borders import overlap_kernels
 from planner.borders.generators import SAME_PLACE, Borders
 from planner.roadmap.clip import Clipped
 from planner.scene import FloatArray, primitive_kernels
+from planner.shared.figures import sized
 
 MOST = 8
 """Sentences of a kind that are said in full; the others are counted."""
@@ -33,6 +34,16 @@ def remarks_on(borders: Borders, clipped: Clipped, radius: float) -> tuple[str, 
     if not clipped.wide.any():
         out.append(f"the roadmap is empty: no way is {2.0 * radius:g} wide")
     return tuple(out)
+
+
+def remark_on_branches(left_out: Sequence[float], least: float, units: str) -> str:
+    """Sentence on the dead ends, by length, that are shorter than ``least``."""
+    limit = sized(least, units)
+    if not left_out:
+        return f"no dead end of the roadmap is shorter than {limit}: none was left out"
+    which = "1 dead end" if len(left_out) == 1 else f"{len(left_out)} dead ends"
+    longest = sized(max(left_out), units, beside=least)
+    return f"left out {which} of the roadmap shorter than {limit}: the longest has {longest}"
 
 
 def _some(sentences: list[str], rest: str) -> list[str]:

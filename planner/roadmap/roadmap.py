@@ -11,6 +11,7 @@ Rules and units
 
 from __future__ import annotations
 
+import math
 import os
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
@@ -47,6 +48,7 @@ from planner.route.plan_request import Request
 from planner.route.route import plan_request
 from planner.scene import FloatArray, Scene, Vec
 from planner.scene.drawing import ROAD, StyledLines, plot, to_svg
+from planner.shared.numbers import as_float
 
 if TYPE_CHECKING:
     import networkx as nx
@@ -83,6 +85,7 @@ class Roadmap:
     scene: HasPrimitives
     agvd: Agvd
     chains: Chains
+    least_branch: float = 0.0
     _made: dict[str, Any] = field(default_factory=dict, repr=False, compare=False)
 
     def __repr__(self) -> str:
@@ -104,12 +107,36 @@ class Roadmap:
         return self._made["clipped"]  # type: ignore[no-any-return]
 
     @property
+    def kept(self) -> Sequence[int]:
+        """Numbers of the clipped chains that the graph holds, ascending."""
+        return self._shortened[0]
+
+    @property
+    def _shortened(self) -> tuple[Sequence[int], Sequence[float]]:
+        """Kept chains, and the lengths of dead ends left out because they are short."""
+        if "shortened" not in self._made:
+            from planner.roadmap.graph import without_short_branches, without_spurs
+
+            kept = without_spurs(self.clipped, self.radius)
+            left_out: tuple[float, ...] = ()
+            if self.least_branch > 0.0:
+                kept, left_out = without_short_branches(
+                    self.clipped.chains, kept, self.radius, self.least_branch
+                )
+            self._made["shortened"] = tuple(kept), left_out
+        return self._made["shortened"]  # type: ignore[no-any-return]
+
+    @property
     def remarks(self) -> tuple[str, ...]:
         """Plain sentences: objects that touch, cross, nest or coincide; an empty roadmap."""
         if "remarks" not in self._made:
-            from planner.roadmap.remarks import remarks_on
+            from planner.roadmap.remarks import remark_on_branches, remarks_on
 
-            self._made["remarks"] = remarks_on(self.borders, self.clipped, self.radius)
+            remarks = remarks_on(self.borders, self.clipped, self.radius)
+            if self.least_branch > 0.0:
+                units = str(getattr(self.scene, "units", ""))
+                remarks += (remark_on_branches(self._shortened[1], self.least_branch, units),)
+            self._made["remarks"] = remarks
         return self._made["remarks"]  # type: ignore[no-any-return]
 
     @property
@@ -118,7 +145,7 @@ class Roadmap:
         from planner.roadmap.graph import count_graph
 
         generators, vertices = self.agvd.counts
-        nodes, edges = count_graph(self.clipped, self.radius)
+        nodes, edges = count_graph(self.clipped.chains, self.kept)
         return {
             "generators": generators,
             "voronoi_vertices": vertices,
@@ -139,7 +166,9 @@ class Roadmap:
         if "graph" not in self._made:
             from planner.roadmap.graph import make_graph
 
-            self._made["graph"] = make_graph(self.clipped, self.borders, self.radius, self.spacing)
+            self._made["graph"] = make_graph(
+                self.clipped.chains, self.kept, self.borders, self.radius, self.spacing
+            )
         return self._made["graph"]  # type: ignore[no-any-return]
 
     def to_networkx(self) -> nx.Graph[int]:
@@ -198,9 +227,15 @@ class Roadmap:
         if isinstance(self.scene, Scene) and self.mode == "exact":
             agvd = update_diagram(self.agvd, self.scene, scene)
         if agvd is None or agvd.mesh is None:
-            return build_roadmap(scene, self.radius, spacing=self.spacing, mode=self.mode)
+            return build_roadmap(
+                scene,
+                self.radius,
+                spacing=self.spacing,
+                mode=self.mode,
+                least_branch=self.least_branch,
+            )
         chains = mesh_chains(agvd.mesh, agvd.borders, agvd.spacing)
-        return finish_roadmap(scene, self.radius, "exact", agvd, chains)
+        return replace(self, scene=scene, agvd=agvd, chains=chains, _made={})
 
     def clearance(self, points: ArrayLike) -> FloatArray:
         """Exact clearance of every point (n, 2), negative in obstacles and out of bounds.
@@ -306,20 +341,26 @@ def build_roadmap(
     *,
     spacing: float | None = None,
     mode: Mode = "exact",
+    least_branch: float = 0.0,
     lap: Callable[[str], None] | None = None,
 ) -> Roadmap:
     """Build the roadmap of a scene for a disc-like robot.
 
     ``radius`` > 0 and ``spacing`` < 2 radius (default: one radius) are in the scene's units;
     otherwise ``ValueError``. ``mode="paper"`` follows the paper's section 2.3.1 to the letter:
-    edges between generators of one object are omitted. ``lap`` is called with the name of each
-    stage as it ends: geometry, voronoi, roadmap. O(n) on average for n generators.
+    edges between generators of one object are omitted. ``least_branch``, in the scene's units,
+    leaves dead ends shorter than that out of the graph, which a remark counts; loops and the way
+    between two branches stay, and paths are planned as without it. ``lap`` is called with the name
+    of each stage as it ends: geometry, voronoi, roadmap. O(n) on average for n generators.
     """
     done = lap or (lambda stage: None)
     size = check_radius(radius)
     delta = choose_spacing(size, spacing)
     if mode not in ("exact", "paper"):
         raise ValueError(f"mode = {mode!r}: must be 'exact' or 'paper'")
+    least = as_float(least_branch, "least_branch")
+    if not 0.0 <= least < math.inf:
+        raise ValueError(f"least_branch = {least_branch}: must be >= 0 and finite")
     borders = gather_borders(scene, mode)
     generators = place_generators(borders, delta)
     done("geometry")
@@ -330,13 +371,6 @@ def build_roadmap(
     else:
         agvd = omit_invalid(mesh, generators, mode)
         chains = join_chains(agvd)
-    roadmap = finish_roadmap(scene, size, mode, agvd, chains)
+    roadmap = Roadmap(size, agvd.spacing, mode, scene, agvd, chains, least)
     done("roadmap")
     return roadmap
-
-
-def finish_roadmap(
-    scene: HasPrimitives, radius: float, mode: Mode, agvd: Agvd, chains: Chains
-) -> Roadmap:
-    """Combine the stages' results; for callers that time the stages."""
-    return Roadmap(radius, agvd.spacing, mode, scene, agvd, chains)

@@ -22,6 +22,7 @@ from typing import TYPE_CHECKING, Any, Protocol
 import numpy as np
 
 from planner.borders.polyline import fewer_vertices
+from planner.roadmap import GRAPH_SUFFIXES
 from planner.scene import FloatArray
 
 if TYPE_CHECKING:
@@ -30,7 +31,6 @@ if TYPE_CHECKING:
 
     from planner.borders.generators import Borders
 
-SUFFIXES = (".graphml", ".geojson", ".json")
 STRAIGHT_TOLERANCE = 0.02
 """How far a straight piece may leave the roadmap, as a part of the robot's radius."""
 
@@ -86,7 +86,7 @@ def as_text(
             return to_geojson(roadmap, frame, generated)
         case ".json":
             return to_node_link(roadmap)
-    raise ExchangeError(f"suffix '{suffix}': must be one of {', '.join(SUFFIXES)}")
+    raise ExchangeError(f"suffix '{suffix}': must be one of {', '.join(GRAPH_SUFFIXES)}")
 
 
 def to_networkx(roadmap: Exported) -> nx.Graph[int]:

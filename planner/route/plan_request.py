@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import reprlib
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
@@ -60,13 +61,13 @@ class Request:
         parsed = [_station(name, value) for name, value in named]
         if order not in ("fixed", "best"):
             raise ValueError(f"order = {order!r}: must be 'fixed' or 'best'")
-        spare = as_float(margin)
+        spare = as_float(margin, "margin")
         if not (math.isfinite(spare) and spare >= 0.0):
             raise ValueError(f"margin = {margin}: must be >= 0 and finite")
         return cls(
             tuple(p[0] for p in parsed),
             tuple(p[1] for p in parsed),
-            _preference(prefer),
+            preference_of(prefer),
             order == "best",
             _count(alternatives),
             spare,
@@ -76,8 +77,8 @@ class Request:
 
 def _count(alternatives: int) -> int:
     try:
-        wanted = as_float(alternatives)
-    except (TypeError, ValueError):
+        wanted = as_float(alternatives, "alternatives")
+    except TypeError:
         wanted = math.nan
     if not wanted >= 0.0 or math.isinf(wanted) or wanted != int(wanted):
         raise ValueError(f"alternatives = {alternatives}: must be a whole number >= 0")
@@ -87,18 +88,22 @@ def _count(alternatives: int) -> int:
 
 
 def _station(name: str, value: Sequence[float]) -> tuple[Vec, float | None]:
-    numbers = [as_float(v) for v in value]
+    try:
+        numbers = [as_float(v, name) for v in value]
+    except TypeError:
+        raise TypeError(f"{name} = {reprlib.repr(value)}: must be x, y or x, y, heading") from None
     if len(numbers) not in (2, 3) or not all(math.isfinite(v) for v in numbers):
         raise ValueError(f"{name} = {tuple(value)}: must be x, y or x, y, heading, all finite")
     return (numbers[0], numbers[1]), numbers[2] if len(numbers) == 3 else None
 
 
-def _preference(prefer: str | float) -> float:
+def preference_of(prefer: str | float) -> float:
+    """Number from 0 (length) to 1 (clearance); ``ValueError`` for any other ``prefer``."""
     if isinstance(prefer, str):
         if prefer not in PREFERENCES:
             raise ValueError(f"prefer = {prefer!r}: must be one of {', '.join(PREFERENCES)}")
         return PREFERENCES[prefer]
-    value = as_float(prefer)
+    value = as_float(prefer, "prefer")
     if not 0.0 <= value <= 1.0:
         raise ValueError(f"prefer = {prefer}: must be from 0 (length) to 1 (clearance)")
     return value

@@ -151,7 +151,7 @@ def _after_start(edge: Edge, y_down: bool) -> list[Any]:
     if isinstance(edge, Segment):
         return [edge.end]
     begin, sweep = edge.sweep(y_down)
-    steps = max(int(abs(sweep) / ARC_STEP_RAD), 1)
+    steps = math.ceil(abs(sweep) / ARC_STEP_RAD)
     angle = begin + sweep * np.arange(1, steps) / steps
     x = edge.center[0] + edge.radius * np.cos(angle)
     y = edge.center[1] + edge.radius * np.sin(angle)

@@ -34,7 +34,9 @@ from planner.scene.records import (
     extent_points,
     object_records,
 )
+from planner.scene.specks import without_small
 from planner.scene.unknown_cells import UnknownCells
+from planner.shared.numbers import as_float
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -229,6 +231,20 @@ class Scene:
             raise IndexError(f"object {number}: the scene has {count}, numbered from 0")
         objects = (*self.objects[:number], *others, *self.objects[number + 1 :])
         return replace(self, objects=objects)
+
+    def without_specks(self, least_area: float) -> Scene:
+        """Return the scene without obstacles smaller than ``least_area``; a remark counts them.
+
+        For maps and pictures in which single cells of noise reshape the roadmap. A path does not
+        avoid what was left out: no run of a robot does this. Sizes are those of
+        :mod:`planner.scene.specks`, in square units of the scene. ``SceneError`` unless
+        ``least_area`` is a finite number > 0.
+        """
+        least = as_float(least_area, "least_area")
+        if not 0.0 < least < math.inf:
+            raise SceneError(f"least_area = {least:g}: must be > 0 and finite")
+        kept, sentence = without_small(self.objects, least, self.units, y_down=self.y_down)
+        return replace(self, objects=kept, remarks=(*self.remarks, sentence))
 
     def layers(self) -> list[StyledLines]:
         """Layers to draw: each object's solid, open lines, and the bounds."""

@@ -31,7 +31,7 @@ ENVIRONMENT = {**os.environ, "PYTHONPATH": str(ROOT)}
 
 def test_the_readme_lists_every_example() -> None:
     there = {f.name for f in EXAMPLES.iterdir() if f.suffix in (".py", ".ipynb")}
-    assert set(PICTURES) == there - {"photograph.py"}  # which only makes what others look at
+    assert set(PICTURES) == there
 
 
 @pytest.mark.timeout(COLD_S)

@@ -4,5 +4,4 @@
 - `records` makes them, with `record_kernels` and `bulk_records`; `thin_curves` adds curved lines
   one pixel wide.
 - `clipping` cuts records at the picture's edge, and `unseen` adds ground that no camera sees.
-- `scene_json` writes the result for other programs.
 """

@@ -1,6 +1,6 @@
 """Commands that look at a picture or a map and drive nothing.
 
-- ``sources.py`` reads a picture, a scene text or a map into a scene.
+- ``sources.py`` reads a picture, a scene or a map into a scene.
 - ``extract.py`` prints the obstacles of a picture, ``markers.py`` its markers.
 - ``roadmap.py`` writes the roadmap of a source.
 - ``plan.py`` plans one path; ``plan_answer.py`` writes the answer.

@@ -13,6 +13,7 @@ import click
 from navigation.cli.cold_kernels import compile_what_is_missing
 from navigation.cli.options import (
     INPUT,
+    LEAST_AREA_OPTION,
     OUTPUT,
     Binarising,
     OutputType,
@@ -38,6 +39,7 @@ class ExtractError(ValueError):
 @click.option("-o", "--output", type=OUTPUT, help="Write the answer to this file.")
 @click.option("--paper", is_flag=True, help="Follow the paper's method to the letter.")
 @binarise_options
+@LEAST_AREA_OPTION
 @click.option(
     "--render",
     type=OutputType(".png", ".jpg", ".jpeg", ".webp", ".tif", ".tiff", ".bmp", ".svg"),
@@ -50,6 +52,7 @@ def command(
     output: Path | None,
     paper: bool,
     binarising: Binarising,
+    least_area: float | None,
     render: Path | None,
     timings: bool,
 ) -> None:
@@ -76,6 +79,9 @@ def command(
             )
     except ValueError as error:
         raise ExtractError(f"{named(image)}: {error}") from error
+    if least_area is not None:
+        scene = scene.without_specks(least_area)
+        click.echo(f"clearway: {named(image)}: {scene.remarks[-1]}", err=True)
     total_ms = 1e3 * (time.perf_counter() - begin_s)
     timings_ms = {"load": load_ms, **scene.timings_ms, "total": total_ms}
     scene = replace(scene, timings_ms=timings_ms, remarks=(*remarks, *scene.remarks))
@@ -92,7 +98,7 @@ def command(
 
 
 def _as_json(scene: Scene) -> str:
-    from vision.records.scene_json import scene_to_json
+    from planner.formats.scene_json import scene_to_json
 
     return json.dumps(scene_to_json(scene), indent=1) + "\n"
 

@@ -1,4 +1,4 @@
-"""`clearway fleet`: paths for several robots at once through a picture, a scene text or a map."""
+"""`clearway fleet`: paths for several robots at once through a picture, a scene or a map."""
 
 from __future__ import annotations
 
@@ -68,7 +68,7 @@ def command(
     render: Path | None,
     output: Path | None,
 ) -> int:
-    """Plan several robots through SOURCE: a picture, a scene text, a ROS map's YAML or a .map.
+    """Plan several robots through SOURCE: a picture, a scene, a ROS map's YAML or a .map.
 
     Every robot drives a diameter a second or stands still, as clearway plan assumes without other
     limits. With --assign any robot may take any goal, so that the sum of the driving times, or the

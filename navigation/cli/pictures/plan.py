@@ -1,4 +1,4 @@
-"""`clearway plan`: one plan through a picture, a scene text or a map."""
+"""`clearway plan`: one plan through a picture, a scene or a map."""
 
 from __future__ import annotations
 
@@ -11,6 +11,7 @@ import click
 from navigation.cli.options import (
     DRAWING,
     INPUT,
+    LEAST_AREA_OPTION,
     NOT_NEGATIVE,
     OUTPUT,
     PREFERENCE,
@@ -74,6 +75,7 @@ class PlanError(ValueError):
     help="Other routes round the obstacles, besides the best.",
 )
 @binarise_options
+@LEAST_AREA_OPTION
 @format_option()
 @click.option("--render", type=DRAWING, help="Draw the plan: FILE.svg or FILE.png.")
 @click.option("-o", "--output", type=OUTPUT, help="Write the answer to this file.")
@@ -89,16 +91,20 @@ def command(  # noqa: PLR0913 (an argument for each option of the command line)
     prefer: str | float,
     alternatives: int,
     binarising: Binarising,
+    least_area: float | None,
     form: str,
     render: Path | None,
     output: Path | None,
 ) -> int:
-    """Plan a path through SOURCE: a picture, a scene text, a ROS map's YAML or a MovingAI .map.
+    """Plan a path through SOURCE: a picture, a scene, a ROS map's YAML or a MovingAI .map.
 
-    Coordinates are the source's own: pixels with y down for a picture, metres with y up for a ROS
-    map, cells for a .map. Exits 3 if there is no path, and says why.
+    A scene is what clearway extract writes, as text or JSON. Coordinates are the source's own:
+    pixels with y down for a picture, metres with y up for a ROS map, cells for a .map. Exits 3 if
+    there is no path, and says why.
     """
     from navigation.cli.pictures.sources import compile_for, hold_points, load_source
+    from planner.motion.smooth import round_corners
+    from planner.path import Path as PlannedPath
 
     if spacing is not None and spacing >= 2.0 * radius:
         raise click.BadParameter(
@@ -108,7 +114,7 @@ def command(  # noqa: PLR0913 (an argument for each option of the command line)
     compile_for(source)
     begin_s = time.perf_counter()
     with long_work("looking for obstacles"):
-        scene = load_source(source, binarising)
+        scene = load_source(source, binarising, least_area)
     warn_of_doubts(scene, source)
     stations = [start, *via, goal]
     room = 4.0 * (radius + margin)
@@ -130,7 +136,9 @@ def command(  # noqa: PLR0913 (an argument for each option of the command line)
         except ValueError as error:
             raise PlanError(str(error)) from error
         begin("smoothing")
-        path = _smoothed(planned, roadmap, radius + margin, prefer)
+        path = planned
+        if isinstance(planned, PlannedPath):
+            path = round_corners(planned, roadmap, prefer=prefer, margin=margin)
         timings_ms["path"] = 1e3 * (time.perf_counter() - planned_s)
     answer = _answer(scene, roadmap, planned, path, timings_ms)
     try:
@@ -148,7 +156,7 @@ def command(  # noqa: PLR0913 (an argument for each option of the command line)
 
 
 def timed_roadmap(
-    scene: Scene, radius: float, spacing: float | None
+    scene: Scene, radius: float, spacing: float | None, least_branch: float = 0.0
 ) -> tuple[Roadmap, dict[str, float]]:
     """The roadmap, and the milliseconds of every stage."""
     from planner.roadmap.roadmap import build_roadmap
@@ -163,28 +171,10 @@ def timed_roadmap(
         last_s = now_s
 
     try:
-        return build_roadmap(scene, radius, spacing=spacing, lap=lap), timings_ms
+        roadmap = build_roadmap(scene, radius, spacing=spacing, least_branch=least_branch, lap=lap)
+        return roadmap, timings_ms
     except ValueError as error:
         raise PlanError(str(error)) from error
-
-
-def _smoothed(
-    path: PlannedPath | NoPath, roadmap: Roadmap, need: float, prefer: str | float
-) -> PlannedPath | NoPath:
-    """The path, if any, with rounded corners.
-
-    Preferring clearance keeps all of the path's least clearance; preferring length keeps only the
-    requirement.
-    """
-    from planner.motion.smooth import smooth_path
-    from planner.path import NoPath
-    from planner.route.plan_request import PREFERENCES
-
-    if isinstance(path, NoPath):
-        return path
-    weight = PREFERENCES[prefer] if isinstance(prefer, str) else prefer
-    keep = need + weight * max(path.min_clearance - need, 0.0)
-    return smooth_path(path, roadmap.path_clearance, roadmap.clearance, keep=keep)
 
 
 def _answer(

@@ -3,9 +3,10 @@
 Every field is always present, null if it does not apply. Lengths are in the scene's units, headings
 in radians in the scene's own sense, times in seconds, timings in milliseconds; the text has three
 significant digits in sentences, and headings in degrees as given. ``bottleneck`` is the narrowest
-place on the path, or on the widest route if there is none. ``cost`` is the planner's measure of a
-path, its length plus a penalty for narrow places, before the corners are rounded; ``unrounded`` is
-the path's length and clearance then.
+place on the path, or on the widest route if there is none. ``path``, ``length`` and
+``min_clearance`` are of the path with rounded corners, which the waypoints follow
+(``planner.round_corners``); ``unrounded`` has length and clearance of the planned path before that
+(``Roadmap.plan``), and so has ``cost``, its length plus a penalty for narrow places.
 """
 
 from __future__ import annotations
@@ -50,8 +51,9 @@ NO_LIMITS = "neither pictures nor maps say what the robot can drive"
 class PlanOutput:
     """Everything about a plan, to be written in either form.
 
-    ``path`` has its corners rounded; ``planned`` is the same path from the planner. The trajectory
-    keeps ``limits``.
+    ``planned`` is the path of ``Roadmap.plan``, ``path`` the same with rounded corners, of
+    ``planner.round_corners``; each has its own length and least clearance. The trajectory keeps
+    ``limits``.
     """
 
     scene: Scene
@@ -198,7 +200,7 @@ def _cost_lines(planned: Path, path: Path, units: str) -> Iterator[str]:
         yield f"cost {sized(planned.cost, units)}: length {length}, narrow places {extra}"
     if path.length != planned.length or path.min_clearance != planned.min_clearance:
         yield (
-            f"corners rounded: before, as Roadmap.plan returns it, length"
+            "planned path, before its corners are rounded: length"
             f" {sized(planned.length, units, beside=path.length)}, least clearance"
             f" {sized(planned.min_clearance, units, beside=path.min_clearance)}"
         )

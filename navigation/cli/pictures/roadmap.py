@@ -12,6 +12,8 @@ import click
 from navigation.cli.options import (
     DRAWING,
     INPUT,
+    LEAST_AREA_OPTION,
+    NOT_NEGATIVE,
     POSITIVE,
     RADIUS_OPTION,
     SPACING_OPTION,
@@ -22,8 +24,7 @@ from navigation.cli.options import (
 )
 from navigation.cli.outputs import keep_apart, warn_of_doubts, write_text
 from navigation.cli.progress import long_work
-
-SUFFIXES = (".graphml", ".geojson", ".json")
+from planner.roadmap import GRAPH_SUFFIXES
 
 
 @click.command(short_help="The AGVD roadmap as a file.")
@@ -32,12 +33,20 @@ SUFFIXES = (".graphml", ".geojson", ".json")
 @click.option(
     "-o",
     "--output",
-    type=OutputType(*SUFFIXES, stream=True),
+    type=OutputType(*GRAPH_SUFFIXES, stream=True),
     required=True,
     help="FILE.graphml, FILE.geojson (Nav2's route server) or FILE.json (node-link, also for -).",
 )
 @SPACING_OPTION
 @binarise_options
+@LEAST_AREA_OPTION
+@click.option(
+    "--least-branch",
+    type=NOT_NEGATIVE,
+    default=0.0,
+    metavar="LENGTH",
+    help="Leave out dead ends shorter than this, in the scene's units.",
+)
 @click.option("--frame", default="map", show_default=True, help="TF frame in GeoJSON.")
 @click.option(
     "--map",
@@ -49,12 +58,14 @@ SUFFIXES = (".graphml", ".geojson", ".json")
     "--resolution", type=POSITIVE, default=0.05, show_default=True, help="Of that map, in metres."
 )
 @click.option("--render", type=DRAWING, help="Draw the roadmap: FILE.svg or FILE.png.")
-def command(
+def command(  # noqa: PLR0913 (an argument for each option of the command line)
     source: Path,
     radius: float,
     output: Path,
     spacing: float | None,
     binarising: Binarising,
+    least_area: float | None,
+    least_branch: float,
     frame: str,
     map_file: Path | None,
     resolution: float,
@@ -73,10 +84,10 @@ def command(
 
     compile_for(source)
     with long_work("looking for obstacles"):
-        scene = load_source(source, binarising)
+        scene = load_source(source, binarising, least_area)
     warn_of_doubts(scene, source)
     with long_work("building the roadmap"):
-        roadmap, _ = timed_roadmap(scene, radius, spacing)
+        roadmap, _ = timed_roadmap(scene, radius, spacing, least_branch)
     now = datetime.now(UTC).isoformat(timespec="seconds")
     suffix = ".json" if output == STANDARD_STREAM else output.suffix
     text = roadmap_export.as_text(roadmap, suffix, frame=frame, generated=now)

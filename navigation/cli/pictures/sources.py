@@ -1,4 +1,4 @@
-"""From a SOURCE on the command line to a scene: a picture, a scene text, a ROS or MovingAI map.
+"""From a SOURCE on the command line to a scene: a picture, a scene, a ROS or MovingAI map.
 
 A file, or standard input, is judged by its content: a picture's beginning sends it to
 ``vision.extract``, anything else is read by ``planner.load_scene``. The pictures of ROS maps that
@@ -65,12 +65,14 @@ def _standard_input() -> bytes:
 def load_source(
     path: Path,
     binarising: Binarising = AS_USUAL,
+    least_area: float | None = None,
     clock: Callable[[], float] = time.perf_counter,
 ) -> Scene:
     """Scene of any SOURCE; ``timings_ms`` gains ``load``: reading and decoding.
 
-    Raises :class:`SceneError`, or a ValueError of ``vision``, naming the file; also if a method is
-    given to binarise something that is not a picture.
+    ``least_area`` leaves out smaller obstacles, see ``Scene.without_specks``. Raises
+    :class:`SceneError`, or a ValueError of ``vision``, naming the file; also if a method is given
+    to binarise something that is not a picture.
     """
     begin_s = clock()
     data, file = read_source(path), named(path)
@@ -84,6 +86,8 @@ def load_source(
     else:
         scene = scene_from_bytes(data, file, read_picture=read_shades)
         loaded_s = clock()
+    if least_area is not None:
+        scene = scene.without_specks(least_area)
     return replace(scene, timings_ms={"load": 1e3 * (loaded_s - begin_s), **scene.timings_ms})
 
 

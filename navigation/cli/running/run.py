@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING, Literal
 
 import click
 
-from navigation.cli.options import OUTPUT
+from navigation.cli.options import OUTPUT, RecordingType
 from navigation.cli.voice import Voice, complain
 
 if TYPE_CHECKING:
@@ -31,9 +31,10 @@ if TYPE_CHECKING:
 @click.option("--report", type=OUTPUT, help="Write the report here too.")
 @click.option(
     "--record",
-    type=click.Path(path_type=Path, file_okay=False),
-    metavar="DIR",
-    help="Record pictures, scenes, plans and poses into MCAP files in DIR.",
+    type=RecordingType(),
+    metavar="FILE.mcap|DIR",
+    help="Record pictures, scenes, plans and poses into the new FILE.mcap, or into MCAP files in "
+    "DIR, the oldest of which go at recording.limit_mb.",
 )
 @click.option("--no-dashboard", is_flag=True, help="Do not serve the dashboard.")
 @click.option(

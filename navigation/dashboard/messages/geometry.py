@@ -14,7 +14,6 @@ from numpy.typing import NDArray
 from navigation.dashboard.messages.packed import pack
 from navigation.draw.layers import chain_points
 from planner.path import Path
-from planner.roadmap.graph import without_spurs
 from planner.roadmap.roadmap import Roadmap
 from planner.scene import CircleRecord, FloatArray, PolygonRecord, Scene
 
@@ -29,10 +28,9 @@ def world_message(roadmap: Roadmap, number: int) -> bytes:
     scene = roadmap.scene
     assert isinstance(scene, Scene)
     borders, owner, closed = border_lines(scene)
-    clipped = roadmap.clipped
-    chains = clipped.chains
+    chains = roadmap.clipped.chains
     usable = np.zeros(len(chains), dtype=np.uint8)
-    usable[without_spurs(clipped, roadmap.radius)] = 1
+    usable[list(roadmap.kept)] = 1
     arrays: dict[str, NDArray[np.generic]] = {
         "border": _single(borders),
         "border_first": _firsts(borders),

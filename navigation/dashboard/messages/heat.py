@@ -14,7 +14,6 @@ import numpy as np
 
 from navigation.dashboard.messages.packed import pack
 from navigation.draw.shapes import RAMP_STEPS
-from planner.roadmap.graph import without_spurs
 from planner.roadmap.roadmap import Roadmap
 from planner.scene import Bounds
 
@@ -45,8 +44,7 @@ def heat_message(roadmap: Roadmap, window: Bounds, number: int) -> bytes:
 def _span(roadmap: Roadmap) -> tuple[float, float]:
     """Least and largest clearance on the robot's roadmap: the page's ramp."""
     chains = roadmap.clipped.chains
-    usable = without_spurs(roadmap.clipped, roadmap.radius)
-    pieces = [chains.rho[chains.first[c] : chains.first[c + 1]] for c in usable]
+    pieces = [chains.rho[chains.first[c] : chains.first[c + 1]] for c in roadmap.kept]
     if not pieces:
         return roadmap.radius, 2.0 * roadmap.radius
     values = np.concatenate(pieces)

@@ -11,13 +11,13 @@ from navigation.dashboard.messages.heat import BLOCKED, CELLS, TIGHT, heat_messa
 from navigation.dashboard.messages.packed import unpack
 from navigation.draw.shapes import RAMP_STEPS
 from planner.formats.scene_io import load_scene
+from planner.formats.scene_json import scene_to_json
 from planner.scene import Bounds
 from tests.navigation.dashboard.site import Site
 from tests.support.oracles.brute_clearance import borders, distances, inside, outline
 from tests.support.runs.shown import RADIUS_M, ROOT, SCALE_M, SIZE_PX, frame, laboratory, pose
 from tests.support.waiting import wait_until
 from vision.calibration.calibration import Calibration
-from vision.records.scene_json import scene_to_json
 
 WINDOW = Bounds(-0.1, -0.1, 2.5, 1.9)
 ARENA = Bounds(0.0, 0.0, 2.4, 1.8)

@@ -7,6 +7,7 @@ import subprocess
 import sys
 import threading
 from collections import Counter
+from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -25,7 +26,15 @@ from navigation.recording.files import RecordingError
 from navigation.recording.reader import read_recording
 from navigation.recording.tape import read_tape
 from navigation.run.replay import replay
-from tests.support.runs.recordings import BEGAN, EVERY, GOAL, RecordedBench, make_recording
+from tests.support.runs.light_camera import in_small_pictures
+from tests.support.runs.recordings import (
+    BEGAN,
+    EVERY,
+    GOAL,
+    RecordedBench,
+    make_recording,
+    recording_config,
+)
 from tests.support.waiting import wait_until
 
 
@@ -237,6 +246,54 @@ def test_a_folder_that_cannot_be_made_is_said(tmp_path: Path) -> None:
     (tmp_path / "taken").write_text("a file")
     with pytest.raises(RecordingError, match=r"taken/recordings"):
         make_recording(tmp_path / "taken" / "recordings", lambda _: None)
+
+
+# Into a file that was named.
+
+
+def named(folder: Path, each: Callable[[RecordedBench], None], **recording: Any) -> list[str]:
+    bench = RecordedBench(in_small_pictures(recording_config(**recording)), folder, "run.mcap")
+    with bench.recorder:
+        each(bench)
+    return sorted(file.name for file in folder.iterdir())
+
+
+def test_a_named_file_holds_all_and_no_other_is_begun(tmp_path: Path) -> None:
+    def each(bench: RecordedBench) -> None:
+        assert bench.recorder.path == tmp_path / "run.mcap"
+        bench.frames(30)
+        bench.plan()
+
+    assert named(tmp_path, each, file_mb=0.1, **EVERY) == ["run.mcap"]
+    assert (tmp_path / "run.mcap").stat().st_size > 200_000
+    recording = read_recording(tmp_path / "run.mcap")
+    assert len(recording.frames) == 30
+    assert len(recording.plans) == 1
+    assert not recording.cut
+
+
+def test_a_run_that_begins_again_overwrites_nothing(tmp_path: Path) -> None:
+    expected = []
+    for name in ("run.mcap", "run_002.mcap", "run_003.mcap"):
+        expected.append(name)
+        assert named(tmp_path, lambda bench: bench.frames(1)) == expected
+        assert all(len(read_recording(tmp_path / one).frames) == 1 for one in expected)
+
+
+def test_a_named_file_ends_at_the_limit_and_says_so(tmp_path: Path) -> None:
+    failed = []
+
+    def each(bench: RecordedBench) -> None:
+        for _ in range(200):
+            bench.frames(1)
+            if bench.recorder.has_ended():
+                break
+        failed.append(bench.recorder.counts().failed)
+
+    (tmp_path / "clearway_2025-01-01_00-00-00_001.mcap").write_text("another recording")
+    assert len(named(tmp_path, each, limit_mb=1.0, **EVERY)) == 2
+    assert failed == [f"{tmp_path / 'run.mcap'}: 1 MB: must be less than recording.limit_mb = 1"]
+    assert len(read_recording(tmp_path / "run.mcap").frames) > 5
 
 
 # Killed.

@@ -26,7 +26,7 @@ def _edges(roadmap: Roadmap) -> FloatArray:
     """Every edge of the graph: its two ends, clearance and length, sorted; a loop has no ends."""
     c = roadmap.clipped.chains
     rows = []
-    for strand in lay_strands(roadmap.clipped, roadmap.radius):
+    for strand in lay_strands(roadmap.clipped.chains, roadmap.kept):
         ids = [k for k, _ in strand.chains]
         ends = sorted(np.round(c.node_xy[[strand.u, strand.v]], 4).tolist())
         if strand.u == strand.v:

@@ -27,7 +27,7 @@ EVERYWHERE = Bounds(-1e6, -1e6, 1e6, 1e6)
 def test_graph_holds_every_chain_it_keeps_from_end_to_end(name: str) -> None:
     roadmap = planner.build_roadmap(hand_made()[name], 3.0)
     chains = roadmap.clipped.chains
-    kept = [c for s in lay_strands(roadmap.clipped, 3.0) for c, _ in s.chains]
+    kept = [c for s in lay_strands(roadmap.clipped.chains, roadmap.kept) for c, _ in s.chains]
     assert len(set(kept)) == len(kept)
     total = sum(data["length"] for _, _, data in roadmap.graph.edges(data=True))
     # chords that would be narrower than their edge are halved, and so a little longer

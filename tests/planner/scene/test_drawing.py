@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import re
 from dataclasses import replace
 from xml.etree import ElementTree
@@ -11,7 +12,7 @@ import pytest
 
 import planner
 from planner.path import Path
-from planner.scene import Arc, Bounds, PolygonRecord, Scene, SceneObject, Segment
+from planner.scene import Arc, ArcRecord, Bounds, PolygonRecord, Scene, SceneObject, Segment
 from planner.scene.drawing import MARGIN, WIDTH_PX, obstacle_layers
 
 TEXT = """#@ clearway.scene/1
@@ -65,6 +66,23 @@ def test_a_drawn_arc_bulges_to_its_own_side(y_down: bool) -> None:
     (layer, _) = obstacle_layers([SceneObject(0, (PolygonRecord(edges),))], (0, 0, 10, 10), y_down)
     assert layer.lines[0][:, 1].max() == pytest.approx(5.0, abs=0.01)
     assert layer.lines[0][:, 1].min() == 0.0
+
+
+@pytest.mark.parametrize("sweep_deg", [0.5, 2.9, 3.1, 5.9, 6.1, 45.0, 200.0, 359.0])
+def test_a_drawn_arc_leaves_its_arc_by_a_2500th_of_the_radius(sweep_deg: float) -> None:
+    end = math.radians(sweep_deg)
+    radius, center = 20.0, (3.0, -1.0)
+    ends = [
+        (center[0] + radius * math.cos(a), center[1] + radius * math.sin(a)) for a in (0.0, end)
+    ]
+    arc = ArcRecord((Arc(ends[0], ends[1], center, radius, ccw=True),))
+    (layer,) = obstacle_layers([SceneObject(0, (arc,))], (-30, -30, 30, 30), False)
+    (line,) = layer.lines
+    share = np.linspace(0.0, 1.0, 101)[:, None, None]
+    along = ((1.0 - share) * line[:-1] + share * line[1:]).reshape(-1, 2)
+    off = radius - np.hypot(*(along - center).T)
+    assert off.max() <= 0.0004 * radius
+    assert off.min() >= -1e-9
 
 
 def test_a_roadmap_and_a_path_show_what_is_below_them() -> None:

@@ -10,6 +10,7 @@ after more than ``MOST_S`` seconds. The same seed makes the same files.
 from __future__ import annotations
 
 import argparse
+import json
 import os
 import sys
 import tempfile
@@ -26,6 +27,7 @@ from navigation.cli.pictures.sources import load_source
 from navigation.recording.files import RecordingError
 from navigation.recording.tape import Tape, read_tape
 from planner.formats.scene_io import read_scene_text, write_scene_text
+from planner.formats.scene_json import scene_to_json
 from planner.scene import Scene, SceneError
 from tests.support.files.picture_formats import formats
 from tests.support.files.picture_harms import cut, flip, harms_for, put_number, splice
@@ -119,6 +121,10 @@ def seeds() -> dict[str, tuple[Reader, bytes]]:
     grey_pgm = dict(formats())["binary.pgm"]
     found["plain scene"] = Reader(load_source, "scene.txt"), PLAIN_SCENE.encode()
     found["scene text"] = Reader(load_source, "full.txt"), write_scene_text(rich_scene()).encode()
+    found["scene json"] = (
+        Reader(load_source, "full.json"),
+        json.dumps(scene_to_json(rich_scene())).encode(),
+    )
     found["movingai"] = Reader(load_source, "grid.map"), MOVINGAI.encode()
     found["ros yaml"] = (
         Reader(load_source, "map.yaml", (("map.pgm", grey_pgm),)),

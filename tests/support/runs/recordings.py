@@ -50,7 +50,7 @@ def recording_config(**recording: Any) -> Config:
 class RecordedBench:
     """Camera, eye and planner of a configuration, with a recorder that hears of all."""
 
-    def __init__(self, config: Config, folder: Path) -> None:
+    def __init__(self, config: Config, folder: Path, file: str | None = None) -> None:
         self.config, self.now_s = config, 1000.0
         calibration = shown_calibration(config, None)
         self.arena = load_arena(config)
@@ -60,7 +60,9 @@ class RecordedBench:
         tracker = MarkerTracker(calibration, marked_robots(config), config.robot.dictionary)
         self.eye = Eye(calibration, tracker, eye_settings(config))
         self.planner = ArenaPlanner(plan_settings(config))
-        self.recorder = Recorder(config, calibration, folder, clock=self.clock, began=BEGAN)
+        self.recorder = Recorder(
+            config, calibration, folder, file=file, clock=self.clock, began=BEGAN
+        )
         self.revision = 0
         self.camera.open()
 

@@ -7,6 +7,7 @@ from pathlib import Path
 import pytest
 
 from planner.formats.scene_io import load_scene
+from planner.motion.smooth import round_corners
 from planner.roadmap.roadmap import build_roadmap
 from planner.shared.figures import sized
 from tests.navigation.cli.pictures.test_plan import ARENA, plan, strict_json
@@ -42,8 +43,36 @@ def test_the_answer_says_what_the_path_was_chosen_by_and_what_rounding_changed(a
     assert plan(*request, "--alternatives", 2) == 0
     text = capsys.readouterr().out
     assert f"cost {sized(planned.cost, 'm')}: length {sized(planned.length, 'm')}, narrow" in text
-    assert "corners rounded: before, as Roadmap.plan returns it, length 3" in text
+    assert "planned path, before its corners are rounded: length 3" in text
     assert f"alternative 1: cost {sized(costs[0], 'm')}, length " in text
+
+
+@pytest.mark.parametrize("prefer", ["clearance", "balanced", "length", 0.25])
+@pytest.mark.parametrize("margin", [0.0, 0.03])
+def test_python_and_the_command_line_have_one_clearance_for_each_path(
+    arena, capsys, prefer, margin
+):
+    ends = (-1.5, -0.5), (1.5, 0.5)
+    words = (arena, "--start", "-1.5,-0.5", "--goal", "1.5,0.5", "--radius", 0.1)
+    options = ("--prefer", prefer, "--margin", margin, "--alternatives", 1)
+    assert plan(*words, *options, "--format", "json") == 0
+    answer = strict_json(capsys.readouterr().out)
+    roadmap = build_roadmap(load_scene(arena), 0.1)
+    planned = roadmap.plan(*ends, prefer=prefer, margin=margin, alternatives=1)
+    rounded = round_corners(planned, roadmap, prefer=prefer, margin=margin)
+    assert answer["unrounded"]["min_clearance"] == planned.min_clearance
+    assert answer["min_clearance"] == rounded.min_clearance
+    assert answer["min_clearance"] == roadmap.path_clearance(answer["path"]).distance
+    assert answer["path"] == rounded.points.tolist()
+    others = [other["min_clearance"] for other in answer["alternatives"]]
+    assert others == [other.min_clearance for other in rounded.alternatives]
+    assert plan(*words, *options) == 0
+    text = capsys.readouterr().out
+    assert f"\nleast clearance {sized(rounded.min_clearance, 'm')} at " in text
+    (line,) = (line for line in text.splitlines() if line.startswith("planned path, "))
+    least = sized(planned.min_clearance, "m", beside=rounded.min_clearance)
+    assert line.endswith(f", least clearance {least}")
+    assert f"least clearance {planned.min_clearance:.6g} m>" in repr(planned)
 
 
 def test_headings_are_printed_as_they_are_given_with_every_unit(arena, capsys):

@@ -12,8 +12,10 @@ import cv2
 import numpy as np
 import pytest
 
+import planner
 import vision
 from navigation.cli.decoder_lines import caught_decoder_lines
+from navigation.cli.main import run
 from navigation.cli.options import Binarising
 from navigation.cli.pictures.sources import hold_points, load_source, read_shades
 from planner.formats.scene_io import read_scene_text
@@ -70,6 +72,39 @@ def test_a_text_and_a_map_are_loaded_without_opencv(tmp_path):
     grid = tmp_path / "grid"
     grid.write_text("type octile\nheight 1\nwidth 2\nmap\n.@\n")
     assert load_source(grid).units == "cells"
+
+
+@pytest.mark.parametrize("picture", ["arena", "photograph"])
+def test_what_extract_writes_is_a_source_in_either_form(tmp_path, monkeypatch, capsys, picture):
+    monkeypatch.chdir(tmp_path)
+    source = str(planner.sample(picture))
+    (tmp_path / "robots.csv").write_text(
+        "start_x,start_y,goal_x,goal_y,radius\n40,40,600,440,12\n600,440,40,40,12\n"
+    )
+    answers = {}
+    for form in ("text", "json"):
+        assert run(["extract", source, "--format", form, "-o", f"scene.{form}"]) == 0
+        capsys.readouterr()
+        assert run(["roadmap", f"scene.{form}", "--radius", "12", "-o", f"{form}.json"]) == 0
+        ends = ["--start", "40,40", "--goal", "600,440", "--radius", "12"]
+        assert run(["plan", f"scene.{form}", *ends]) == 0
+        assert run(["fleet", f"scene.{form}", "--robots", "robots.csv"]) == 0
+        said = capsys.readouterr().out.replace(f"{form}.json", "graph.json")
+        answers[form] = said, (tmp_path / f"{form}.json").read_text()
+    assert answers["text"] == answers["json"]
+    assert load_source(tmp_path / "scene.json").objects == load_source(Path(source)).objects
+
+
+def test_what_is_no_scene_in_json_is_one_sentence_and_exit_code_2(tmp_path, capsys):
+    wrong = tmp_path / "r.json"
+    wrong.write_text('{"directed": false, "nodes": [], "edges": []}')
+    ends = ["--start", "1,1", "--goal", "2,2", "--radius", "1"]
+    assert run(["plan", str(wrong), *ends]) == 2
+    (line,) = capsys.readouterr().err.splitlines()
+    assert line == (
+        f"clearway: error: {wrong}: schema None: must be 'clearway.scene/1', as clearway extract "
+        "--format json writes it"
+    )
 
 
 def test_a_ros_map_may_have_a_png_picture(tmp_path):

@@ -3,6 +3,8 @@
 Rules and units
 - Coordinates are the scene's own (``units``); residuals are pixels of the picture.
 - Outlines run clockwise as seen on the screen, holes counter-clockwise, and so do arcs' ``ccw``.
+- ``scene_json_reader.py`` reads an equal scene back; ``counts`` are for people and not read, but
+  for ``border_pixels``.
 """
 
 from __future__ import annotations
@@ -34,6 +36,7 @@ def scene_to_json(scene: Scene) -> dict[str, Any]:
         "units": scene.units,
         "size": None if scene.size is None else list(scene.size),
         "bounds": [b.x_min, b.y_min, b.x_max, b.y_max],
+        "bounds_given": scene.bounds_given,
         "binarisation": None
         if how is None
         else {
