@@ -22,6 +22,7 @@ import sys
 import threading
 import traceback
 from collections.abc import Mapping, Sequence
+from functools import partial
 from importlib import import_module
 from typing import NamedTuple
 
@@ -105,6 +106,11 @@ COMMANDS: dict[str, ListedCommand] = {
     ),
 }
 
+NEED_LINUX = frozenset(
+    ("demo", "run", "robot", "devices", "doctor", "dashboard", "install-service", *ORDERS)
+)
+"""Commands that only refuse on other systems, but for their help."""
+
 
 class LazyGroup(click.Group):
     """A group whose commands are listed in :data:`COMMANDS` and imported on call."""
@@ -125,6 +131,8 @@ class LazyGroup(click.Group):
         if not isinstance(command, click.Command):
             raise TypeError(f"{listed.where} is not a click command")
         command.epilog = epilog(cmd_name)
+        if cmd_name in NEED_LINUX and sys.platform != "linux":
+            command.callback = partial(_refuse, cmd_name)
         return command
 
     def resolve_command(
@@ -142,6 +150,12 @@ class LazyGroup(click.Group):
         """List the table without importing a command."""
         with formatter.section("Commands"):
             formatter.write_dl([(name, listed.help) for name, listed in COMMANDS.items()])
+
+
+def _refuse(name: str, **_arguments: object) -> None:
+    from navigation.shared.system import require_linux
+
+    require_linux(name)
 
 
 def _show_version(ctx: click.Context, _param: click.Parameter, wanted: bool) -> None:

@@ -16,7 +16,6 @@ from __future__ import annotations
 
 import contextlib
 import errno
-import fcntl
 import os
 import stat
 import time
@@ -97,6 +96,8 @@ class JournalFile:
                 self._file.chmod(0o600)
 
     def _take_lock(self, patience_s: float) -> None:
+        import fcntl  # only Unix has it
+
         until_s = time.monotonic() + patience_s
         while self._lock is None:
             handle = os.open(self._lock_file, os.O_CREAT | os.O_RDWR, 0o600)

@@ -14,7 +14,6 @@ import math
 import os
 import random
 import select
-import termios
 import threading
 import time
 from collections import deque
@@ -33,11 +32,11 @@ from firmware_protocol.wire.messages import Lease, LeaseFlag, PoseFix, Waypoint
 from firmware_protocol.wire.mission import Mission
 from navigation.link.link_snapshot import LinkSnapshot, snapshot_of
 from navigation.link.parts_of_missions import give_mission, release_mission
+from navigation.link.port_faults import PORT_FAULTS
 from navigation.link.serial_port import PortError, PortNotReadyError, open_port
 from navigation.shared.supervisor import in_words
+from navigation.shared.system import require_linux
 
-PORT_FAULTS: Final = (serial.SerialException, OSError, termios.error)
-"""termios.error is no OSError, and pyserial lets it through after a hang-up."""
 REOPEN_FIRST_S: Final = 0.1
 REOPEN_LAST_S: Final = 2.0
 EVENTS_KEPT: Final = 500
@@ -49,7 +48,8 @@ class SerialLink:
 
     ``clock`` gives monotonic seconds, also for pose capture times; ``rng`` gives session numbers;
     ``expected_boot_id`` is the boot of a journalled mission. ``wait_for_port``: wait for a port
-    that is not ready at opening, like one that breaks later; the snapshot says so.
+    that is not ready at opening, like one that breaks later; the snapshot says so. Needs Linux:
+    ``NeedsLinuxError`` on other systems.
     """
 
     def __init__(
@@ -62,6 +62,7 @@ class SerialLink:
         expected_boot_id: int | None = None,
         wait_for_port: bool = False,
     ) -> None:
+        require_linux("a serial link")
         self.path = port
         self.baud = baud
         self._clock = clock

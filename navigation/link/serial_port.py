@@ -9,10 +9,11 @@ from __future__ import annotations
 import errno
 import os
 import stat
-import termios
 from typing import Final
 
 import serial
+
+from navigation.link.port_faults import PORT_FAULTS
 
 
 class PortError(ValueError):
@@ -38,7 +39,7 @@ def open_port(path: str, baud: int) -> serial.Serial:
     look_for_port(path)
     try:
         return serial.serial_for_url(path, baud, timeout=0, write_timeout=0, exclusive=True)
-    except (serial.SerialException, OSError, ValueError, termios.error) as error:
+    except (*PORT_FAULTS, ValueError) as error:
         raise _refusal(path, error) from error
 
 

@@ -23,9 +23,9 @@ CALM_S: Final = 1.0
 
 
 class Punctuality:
-    """Judgement of the threads' delays. ``load`` is for the sentence."""
+    """Judgement of the threads' delays. ``load`` is for the sentence, by default the system's."""
 
-    def __init__(self, load: Callable[[], tuple[float, float, float]] = os.getloadavg) -> None:
+    def __init__(self, load: Callable[[], tuple[float, float, float]] | None = None) -> None:
         self._load = load
         self._late: dict[float, tuple[float, str]] = {}
 
@@ -48,7 +48,7 @@ class Punctuality:
         return sentence if now_s - when_s < CALM_S else None
 
     def _sentence(self, thread: str, late_s: float) -> str:
-        load, cores = self._load()[0], os.cpu_count() or 1
+        load, cores = (self._load or os.getloadavg)()[0], os.cpu_count() or 1
         return (
             f"this computer is too busy: {thread} was late by {late_s:.1f} s "
             f"(load {load:.1f} on {cores} processors)"

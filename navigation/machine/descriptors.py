@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import errno
 import os
-import resource
 from typing import Final
 
 WANTED: Final = 1024
@@ -19,6 +18,8 @@ def set_descriptor_limit(wanted: int = WANTED) -> int:
 
     A higher limit is lowered: a serial port with a descriptor beyond it could not be waited for.
     """
+    import resource  # only Unix has it
+
     soft, hard = resource.getrlimit(resource.RLIMIT_NOFILE)
     if hard != resource.RLIM_INFINITY:
         wanted = min(wanted, hard)
@@ -30,6 +31,8 @@ def set_descriptor_limit(wanted: int = WANTED) -> int:
 
 def descriptor_limit() -> int:
     """Number of descriptors that this process may open; `WANTED` if there is no limit."""
+    import resource
+
     soft, _hard = resource.getrlimit(resource.RLIMIT_NOFILE)
     return WANTED if soft == resource.RLIM_INFINITY else soft
 

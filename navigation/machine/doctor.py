@@ -6,7 +6,6 @@ work; `warn`: it may disappoint. Sizes in MB are 10^6 bytes.
 
 from __future__ import annotations
 
-import grp
 import os
 import re
 import stat
@@ -182,6 +181,8 @@ def check_device(name: str, path: Path, group: str, groups: Iterable[str]) -> Fi
 
 def own_groups() -> list[str]:
     """Names of this process's groups."""
+    import grp  # only Unix has it
+
     names = []
     for number in {os.getgid(), *os.getgroups()}:
         try:

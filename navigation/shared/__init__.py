@@ -5,4 +5,5 @@
 - ``sealed.py`` puts a checksum line before a text, so that any damage is noticed.
 - ``whole_file.py`` writes files that are complete or not there at all.
 - ``supervisor.py`` restarts failed parts of the program.
+- ``system.py`` refuses what needs Linux on other systems.
 """

@@ -12,15 +12,12 @@ order, and the UART keeps RING_BYTES from the host.
 from __future__ import annotations
 
 import contextlib
-import fcntl
 import math
 import os
 import select
 import struct
-import termios
 import threading
 import time
-import tty
 from collections.abc import Callable, Sequence
 from types import TracebackType
 from typing import Final
@@ -30,8 +27,9 @@ import serial
 from numpy.typing import NDArray
 
 from firmware_protocol.robot.controller import WheelSpeeds
-from navigation.link.serial_link import PORT_FAULTS
+from navigation.link.port_faults import PORT_FAULTS
 from navigation.link.serial_port import open_port
+from navigation.shared.system import require_linux
 from navigation.shared.track import Track
 from navigation.simulator.drive_model import Drive, DriveModel, TruePose
 from navigation.simulator.emulated_processor import EmulatorError
@@ -74,6 +72,7 @@ class SimulatedRobot:
         baud: float | None = None,
         clock: Callable[[], float] = time.monotonic,
     ) -> None:
+        require_linux("a simulated robot on a line")
         self.twin: Twin = twin or ClearwayTwin(model=model)
         self.held = threading.Lock()
         """Held during each step, and by any thread that looks at the twin or touches it."""
@@ -107,6 +106,8 @@ class SimulatedRobot:
 
     def _open(self, port: str | None, baud: float) -> str:
         if port is None:
+            import tty  # only Unix has it
+
             self._fd, self._slave = os.openpty()
             tty.setraw(self._slave)
             port = os.ttyname(self._slave)
@@ -289,6 +290,9 @@ class SimulatedRobot:
         """True if the pseudo-terminal holds bytes that the host has not read."""
         if self._slave < 0:
             return False
+        import fcntl  # only Unix has them
+        import termios
+
         (count,) = struct.unpack("i", fcntl.ioctl(self._slave, termios.FIONREAD, b"\0" * 4))
         return bool(count)
 

@@ -44,7 +44,8 @@ def _candidates() -> list[Path]:
     home = Path(os.path.expanduser("~"))
     if home.is_dir():
         found.append(home / ".cache" / "clearway" / "kernels")
-    found.append(Path(tempfile.gettempdir()) / f"clearway-kernels-{os.getuid()}")
+    user = "own" if os.name == "nt" else os.getuid()  # on Windows the folder is the user's
+    found.append(Path(tempfile.gettempdir()) / f"clearway-kernels-{user}")
     return found
 
 
@@ -59,5 +60,11 @@ def _make_private(folder: Path) -> bool:
         info = folder.lstat()
     except OSError:
         return False
-    mine = stat.S_ISDIR(info.st_mode) and info.st_uid == os.getuid()
-    return mine and not info.st_mode & 0o022 and os.access(folder, os.W_OK)
+    return stat.S_ISDIR(info.st_mode) and _is_private(info) and os.access(folder, os.W_OK)
+
+
+def _is_private(info: os.stat_result) -> bool:
+    """True if no other user can write; on Windows a user's own folders are, and no bits say it."""
+    if os.name == "nt":
+        return True
+    return info.st_uid == os.getuid() and not info.st_mode & 0o022

@@ -7,6 +7,7 @@
 
 from __future__ import annotations
 
+import sys
 import threading
 from pathlib import Path
 
@@ -61,6 +62,10 @@ def camera_for(
     if size is not None and not (0 < size[0] <= 32768 and 0 < size[1] <= 32768):
         raise CameraError(f"camera {shown}: size = {size}: must be in 1..32768 pixels")
     if (text.isascii() and text.isdecimal()) or text.startswith("/dev/"):
+        if sys.platform != "linux":
+            raise CameraError(
+                f"camera {shown}: needs Linux, which a file, a folder or an address does not"
+            )
         return DeviceCamera(text, clock, rate_hz, size, device, known)
     if text.lower().startswith(_STREAMS):
         return StreamCamera(text, clock)

@@ -27,7 +27,6 @@ from navigation.simulator.twins.twin import Twin
 
 LOOK_S = 0.05
 TELL_S = 0.002
-ENDED_BY = (signal.SIGINT, signal.SIGTERM, signal.SIGHUP)
 BY_SIGNAL = 128
 """A shell reports a program that a signal ended as this plus its number."""
 
@@ -60,8 +59,9 @@ def _signals() -> Iterator[list[int]]:
             raise KeyboardInterrupt
         came.append(number)
 
+    ended_by = (signal.SIGINT, signal.SIGTERM, signal.SIGHUP)
     # an ignored signal, as under nohup, stays ignored
-    heard = [number for number in ENDED_BY if signal.getsignal(number) != signal.SIG_IGN]
+    heard = [number for number in ended_by if signal.getsignal(number) != signal.SIG_IGN]
     before = {number: signal.signal(number, ask) for number in heard}
     try:
         yield came

@@ -12,7 +12,7 @@ from typing import Final
 
 import serial
 
-from navigation.link.serial_link import PORT_FAULTS
+from navigation.link.port_faults import PORT_FAULTS
 from navigation.link.serial_port import PortError, open_port
 
 REOPEN_FIRST_S: Final = 0.1

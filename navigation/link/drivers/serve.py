@@ -19,7 +19,6 @@ import shutil
 import signal
 import socket
 import time
-import tty
 from collections.abc import Callable
 from dataclasses import dataclass
 from multiprocessing.connection import Connection
@@ -110,6 +109,8 @@ class _Loop:
         beat: ctypes.c_double,
     ) -> None:
         self._robot, self._port, self._words, self._beat = robot, port, words, beat
+        import tty  # only Unix has it
+
         self._wire, self._other_end = os.openpty()
         tty.setraw(self._other_end)
         os.set_blocking(self._wire, False)

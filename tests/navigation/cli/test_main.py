@@ -25,7 +25,7 @@ def _install(monkeypatch: pytest.MonkeyPatch, body: Callable[[], object]) -> Non
         return body()
 
     monkeypatch.setattr(sys.modules[__name__], "probe", command, raising=False)
-    monkeypatch.setitem(entry.COMMANDS, "plan", entry.Listed(f"{__name__}:probe", "help"))
+    monkeypatch.setitem(entry.COMMANDS, "plan", entry.ListedCommand(f"{__name__}:probe", "help"))
 
 
 def _raise(error: BaseException) -> Callable[[], object]:
@@ -290,6 +290,6 @@ def test_colours_are_left_out_where_they_are_not_wanted(
         "probe", callback=lambda: said.append(click.get_current_context().color)
     )
     monkeypatch.setattr(entry.LazyGroup, "get_command", lambda *_: command)
-    monkeypatch.setitem(entry.COMMANDS, "probe", entry.Listed("", ""))
+    monkeypatch.setitem(entry.COMMANDS, "probe", entry.ListedCommand("", ""))
     assert entry.run(["probe"]) == 0
     assert said == [None if coloured else False]

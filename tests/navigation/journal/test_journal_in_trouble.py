@@ -110,11 +110,12 @@ WRITER = """
 import sys
 from pathlib import Path
 from navigation.journal.journal import Journal, Owner
-from navigation.mission.mission import Mission, State, Station
+from navigation.mission.mission import MissionProgress, State, Station
 journal = Journal(Path(sys.argv[1]), Owner())
 stations = tuple(Station(float(i), 0.0) for i in range(50))
 for number in range(5000):
-    journal.keep(Mission(stations, number % 51, False, State.DRIVING, str(number)), None, 0.0)
+    now = MissionProgress(stations, number % 51, False, State.DRIVING, str(number))
+    journal.keep(now, None, 0.0)
     print(number, flush=True)
 """
 

@@ -8,7 +8,6 @@ it.
 from __future__ import annotations
 
 import errno
-import fcntl
 import os
 from collections.abc import Iterator
 from contextlib import contextmanager
@@ -55,6 +54,8 @@ class Node:
 
     def ask(self, request: int, about: Kind) -> Kind:
         """Carry out a request on a structure, which the driver changes in place."""
+        import fcntl  # only Unix has it
+
         fcntl.ioctl(self.fd, request, about, True)
         return about
 
