@@ -31,6 +31,7 @@ PACKAGES = ("planner", "vision")
 ROOT = Path(__file__).parents[2]
 SHIPPED = Path(__file__).parents[1] / "compiled"
 """Kernels compiled ahead: ``<processor>/<package>/<module>/*.nbi, *.nbc``."""
+STAMP_CHARS = 12
 LABEL = "label.txt"
 """Beside shipped kernels: the versions that they were made by, and a digest of their sources."""
 CONFIG: Any = numba.config
@@ -53,6 +54,7 @@ class KernelLocator:
 
     def __init__(self, py_func: Callable[..., Any], py_file: str) -> None:
         self._py_file = py_file
+        self._stem = f"{Path(py_file).stem}.{py_func.__qualname__}-"
         self._line = py_func.__code__.co_firstlineno
 
     @classmethod
@@ -63,8 +65,15 @@ class KernelLocator:
         return cls(py_func, py_file)
 
     def ensure_cache_path(self) -> None:
-        """Make the cache's folder; raises OSError if it is not writable."""
-        _make_writable(cache_folder(Path(self._py_file).parent))
+        """Make the cache's folder and clear it of this kernel's earlier versions.
+
+        Called before a kernel is kept. Raises OSError if the folder is not writable.
+        """
+        folder = cache_folder(Path(self._py_file).parent)
+        _make_writable(folder)
+        for file in folder.glob(f"{self._stem}*.nb[ci]"):
+            if f"{self._version()}." not in file.name:
+                file.unlink(missing_ok=True)
 
     def get_cache_path(self) -> str:
         """Return the folder of this kernel's cache."""
@@ -75,8 +84,15 @@ class KernelLocator:
         return kernel_stamp(Path(self._py_file))
 
     def get_disambiguator(self) -> str:
-        """Distinguish kernels of one name in one file."""
-        return str(self._line)
+        """Distinguish kernels of one name in one file, and the versions of one kernel.
+
+        An index names its kernel's classes. Numba cannot read the index of an earlier version of
+        the source if one of them is gone, so each version has an index of its own.
+        """
+        return f"{self._line}{self._version()}"
+
+    def _version(self) -> str:
+        return f"v{self.get_source_stamp()[:STAMP_CHARS]}"
 
 
 @cache

@@ -1,6 +1,7 @@
 """Where compiled kernels are found: shipped ones are unpacked once, and every kernel is covered."""
 
 import os
+import shutil
 import subprocess
 import sys
 from functools import cache
@@ -148,3 +149,56 @@ from planner.shared.kernel_locator import CONFIG, prepare_kernels
 prepare_kernels()
 print(CONFIG.CACHE_LOCATOR_CLASSES)
 """
+
+
+OWN_KERNELS = """
+from typing import NamedTuple
+
+from numba import njit
+
+from planner.scene.compile_options import OWNING
+
+
+class Earlier(NamedTuple):
+    value: float
+
+
+@njit(**OWNING)
+def value_of(pair):
+    return pair.value
+
+
+if __name__ == "__main__":
+    from planner import own_kernels
+
+    print(own_kernels.value_of(own_kernels.Earlier(2.0)), *own_kernels.value_of.stats.cache_hits)
+"""
+
+
+def test_kernels_of_an_earlier_version_are_compiled_again_and_removed(tmp_path: Path) -> None:
+    """A class that they name may be gone: numba cannot even read the old index."""
+    shutil.copytree(
+        ROOT / "planner",
+        tmp_path / "planner",
+        ignore=shutil.ignore_patterns("__pycache__", "*.nb?"),
+    )
+    source = tmp_path / "planner" / "own_kernels.py"
+
+    def value(text: str) -> str:
+        source.write_text(text)
+        child = [sys.executable, str(source)]
+        environment = {**os.environ, "PYTHONPATH": str(tmp_path)}
+        told = subprocess.run(child, capture_output=True, text=True, env=environment, timeout=120)
+        assert told.returncode == 0, told.stderr
+        return told.stdout
+
+    def names() -> set[str]:
+        return {file.name for file in source.parent.rglob("own_kernels.value_of-*.nb?")}
+
+    assert value(OWN_KERNELS) == "2.0\n"
+    first = names()
+    assert "(" in value(OWN_KERNELS)  # read from the cache
+    assert names() == first
+    assert value(OWN_KERNELS.replace("Earlier", "Later")) == "2.0\n"
+    assert len(names()) == len(first) == 2
+    assert not names() & first
