@@ -332,6 +332,11 @@ def _strangers_need_a_token(dashboard: Any) -> _Found:
         yield ("dashboard", "viewer_token"), "must differ from dashboard.token"
 
 
+def _one_is_notified(notify: Any) -> _Found:
+    if notify.command is not None and notify.url is not None:
+        yield ("notify", "url"), "must not be given beside notify.command"
+
+
 CHECKS: tuple[tuple[tuple[str, ...], Callable[..., _Found]], ...] = (
     (("arena",), _bounds_have_an_inside),
     (("camera", "cameras"), _camera_has_a_scale),
@@ -366,4 +371,5 @@ CHECKS: tuple[tuple[tuple[str, ...], Callable[..., _Found]], ...] = (
     (("simulation",), _happenings_end_after_they_begin),
     (("safety",), _lease_outlives_the_pose),
     (("dashboard",), _strangers_need_a_token),
+    (("notify",), _one_is_notified),
 )

@@ -22,8 +22,11 @@ from functools import lru_cache
 from typing import Any, Final
 from urllib.parse import unquote
 
-SECRET_KEY: Final = re.compile(r"(?i)(token|passw|pwd|passphrase|secret|api_?key|credential)")
-"""What a key looks like whose value is shown to nobody."""
+SECRET_KEY: Final = re.compile(
+    r"(?i)(token|passw|pwd|passphrase|secret|api_?key|credential|(?<![a-z])url(?![a-z]))"
+)
+"""What a key looks like whose value is shown to nobody. Of an address that is called (`notify.url`)
+the path is most often the key to it."""
 SECRET_WORDS: Final = (
     *("token", "password", "passphrase", "secret"),
     *("apikey", "credential", "credentials"),
