@@ -30,10 +30,17 @@ class Attention:
         self.is_watching = False
         self.kind = "picture"
         """Which picture: from above, or ``camera``, as it was taken."""
+        self.width_px = 0
+        """Width of the pictures that it gets; said with `is_watching`."""
         self.wants_heat = False
         self.news = asyncio.Event()
         self._credits = CREDITS
         self._shown_s = -math.inf
+
+    @property
+    def sees(self) -> tuple[str, int]:
+        """Kind and width of the pictures that it gets."""
+        return self.kind, self.width_px
 
     def wants_picture(self, now_s: float, pause_s: float) -> bool:
         """True if a new picture could be sent now, ``pause_s`` after the last one or later."""

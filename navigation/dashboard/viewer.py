@@ -22,6 +22,7 @@ from navigation.dashboard.admission.allowance import Allowance
 from navigation.dashboard.admission.seat import public_half
 from navigation.dashboard.attention import Attention
 from navigation.dashboard.hub import Hub
+from navigation.dashboard.messages.picture import width_for
 from navigation.dashboard.messages.rings import Ring
 from navigation.dashboard.orders import refusal_of
 from navigation.orders.arguments import read_stations
@@ -61,8 +62,14 @@ class Viewer:
         self.name = NAMELESS
         self._socket = socket
         self._answers: deque[dict[str, Any]] = deque(maxlen=ANSWERS)
-        self._sent: dict[str, int] = {"state": 0, "world": 0, "plan": 0, "heat": 0, "places": 0}
-        self._sent |= dict.fromkeys(hub.pictures, 0)
+        self._sent: dict[str, int] = {
+            "state": 0,
+            "world": 0,
+            "plan": 0,
+            "heat": 0,
+            "places": 0,
+            "picture": 0,
+        }
         self._next: defaultdict[tuple[str, str | None], int] = defaultdict(int)
         self._epoch = hub.epoch
         self._bad = 0
@@ -132,8 +139,8 @@ class Viewer:
         could = attention.wants_picture(now_s, hub.picture_pause_s())
         if attention.wants_heat and self._is_new("heat", hub.heat_number):
             await self._socket.send_bytes(hub.heat)
-        picture, number = hub.pictures[attention.kind]
-        if could and self._is_new(attention.kind, number):
+        picture, number = hub.pictures.get(attention.sees, (b"", 0))
+        if could and number and self._is_new("picture", number):
             attention.shown(now_s)
             hub.pictures_sent += 1
             await self._socket.send_bytes(picture)
@@ -205,9 +212,7 @@ class Viewer:
             case "ack":
                 self.attention.drawn()
             case "watch":
-                self.attention.is_watching = message.get("on") is True
-                self.attention.kind = "camera" if message.get("camera") is True else "picture"
-                self.attention.wants_heat = message.get("heat") is True
+                self._watch(message)
             case "take":
                 self._sit(message)
             case "release":
@@ -227,6 +232,17 @@ class Viewer:
                 self._answer({"type": "pong", "id": _number_of(message)})
             case other:
                 raise MalformedError(f"type {in_short(other)}: is none of the protocol's")
+
+    def _watch(self, message: dict[str, Any]) -> None:
+        """Note the pictures that the page shows; ``width_px``: its own, in the screen's pixels."""
+        most_px = self.hub.section.picture_width_px
+        shown_px = message.get("width_px", most_px)
+        if not isinstance(shown_px, int) or isinstance(shown_px, bool) or shown_px < 1:
+            raise MalformedError(f"width_px: must be a whole number >= 1, not {in_short(shown_px)}")
+        self.attention.is_watching = message.get("on") is True
+        self.attention.kind = "camera" if message.get("camera") is True else "picture"
+        self.attention.width_px = width_for(shown_px, most_px)
+        self.attention.wants_heat = message.get("heat") is True
 
     def _join(self, message: dict[str, Any]) -> None:
         key, name = message.get("key"), message.get("name", "")
