@@ -35,6 +35,10 @@ class DashboardSection(Section):
     viewer_token: Token | None = Field(
         default=None, description="anyone who knows only this one may watch and stop, not drive"
     )
+    supervisor_token: Token | None = Field(
+        default=None,
+        description="anyone who knows it may drive, and take control from anyone, at once",
+    )
     names: tuple[Text, ...] = Field(
         default=(), max_length=100, description="further host names that browsers reach it by"
     )

@@ -15,7 +15,7 @@ import asyncio
 import json
 import math
 import operator
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Collection, Mapping
 from concurrent.futures import ThreadPoolExecutor
 from typing import Any, Final
 
@@ -174,6 +174,13 @@ class Hub:
             self.state_text = self._tell(self._state, self.clock())
             self.state_number += 1
             self.wake()
+
+    def tell_pages(self, keys: Collection[str], sentence: str) -> None:
+        """Send a sentence to the pages that have joined with one of these keys."""
+        for viewer in self.viewers:
+            if viewer.key in keys:
+                viewer.notices.append(sentence)
+                viewer.news.set()
 
     def wake(self) -> None:
         """Make every viewer check for news."""

@@ -1,7 +1,7 @@
 """One viewer: a websocket with a task that sends news and one that receives messages.
 
 Rules
-- Only answers are queued: a slow viewer gets the newest of everything, less often.
+- Only answers and notices are queued: a slow viewer gets the newest of everything, less often.
 - Pictures are sent on credit (`attention.py`).
 - Malformed or oversized messages are refused and counted; a viewer that repeats them, or sends
   more messages than a page has reason to, is cut off.
@@ -122,6 +122,8 @@ class Viewer:
             await self._greet()
         while self._answers:
             await self._send_json(self._answers.popleft())
+        while self.attention.notices:
+            await self._send_json({"type": "notice", "text": self.attention.notices.popleft()})
         if self._is_new("state", hub.state_number):
             await self._socket.send_text(hub.state_text)
         if self._is_new("plan", hub.plan_number):
@@ -260,24 +262,35 @@ class Viewer:
             error: str | None = self.hub.refusal
         elif self.role is Role.VISITOR:
             error = TOKEN_TO_STOP
-        elif self.role is not Role.OPERATOR:
+        elif not self.role.may_drive:
             error = "this token is for looking and stopping only"
         elif not self.attention.key:
             raise MalformedError("take: join first")
         else:
-            was_mine = self.hub.seat.is_held_by(self.attention.key)
-            error = self.hub.seat.take(self.attention.key, self.name, self.hub.clock())
-            if error is None and not was_mine:
-                self.hub.tell_now()
-                self.hub.note("info", f"{self.name} is in control")
+            error = self._take_control()
         self._reply(message, {"ok": error is None, **({"error": error} if error else {})})
+
+    def _take_control(self) -> str | None:
+        """Take the seat; who loses it is told, too. None, or a sentence that says why not."""
+        hub, key, before = self.hub, self.attention.key, self.hub.seat.holder
+        is_supervisor = self.role is Role.SUPERVISOR
+        error = hub.seat.take(key, self.name, hub.clock(), from_anyone=is_supervisor)
+        if error is None and (before is None or before.key != key):
+            sentence = f"{self.name} is in control"
+            if before is not None:
+                who = "the supervisor" + (f" {self.name}" if self.name != NAMELESS else "")
+                sentence = f"{who} has taken control from {before.name}"
+                hub.tell_pages((before.key, key), sentence)
+            hub.tell_now()
+            hub.note("info", sentence)
+        return error
 
     def _order(self, message: dict[str, Any]) -> None:
         order, hub = message.get("order"), self.hub
         refusal = hub.refusal or refusal_of(
             order,
             may_stop=self.role is not Role.VISITOR,
-            may_drive=self.role is Role.OPERATOR,
+            may_drive=self.role.may_drive,
             holds=bool(self.attention.key) and hub.seat.is_held_by(self.attention.key),
         )
         if refusal is not None:
@@ -293,7 +306,7 @@ class Viewer:
 
     def _ask_place(self, message: dict[str, Any]) -> None:
         hub = self.hub
-        if hub.refusal is not None or self.role is not Role.OPERATOR:
+        if hub.refusal is not None or not self.role.may_drive:
             error = hub.refusal or "this page has no token that may save places"
             self._reply(message, {"ok": False, "error": error})
             return
@@ -317,7 +330,7 @@ class Viewer:
         robot = message.get("robot")
         if robot is not None and not isinstance(robot, str):
             raise MalformedError(f"robot: must be a name, not {in_short(robot)}")
-        if self.role is not Role.OPERATOR or not self.hub.seat.is_held_by(self.attention.key):
+        if not self.role.may_drive or not self.hub.seat.is_held_by(self.attention.key):
             self._reply(message, {"ok": False, "reason": "take control first"})
             return
         self.hub.seat.touch(self.attention.key, self.hub.clock())
