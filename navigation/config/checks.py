@@ -326,10 +326,21 @@ def _strangers_need_a_token(dashboard: Any) -> _Found:
             ("dashboard", "host"),
             f"others can reach {dashboard.host}: needs dashboard.token (at least 16 characters)",
         )
-    if dashboard.viewer_token is not None and dashboard.token is None:
-        yield ("dashboard", "viewer_token"), "needs dashboard.token for those who drive"
-    if dashboard.viewer_token is not None and dashboard.viewer_token == dashboard.token:
-        yield ("dashboard", "viewer_token"), "must differ from dashboard.token"
+    taken = {dashboard.token: "dashboard.token"}
+    for key in ("viewer_token", "supervisor_token"):
+        token = getattr(dashboard, key)
+        if token is None:
+            continue
+        if dashboard.token is None:
+            yield ("dashboard", key), "needs dashboard.token for those who drive"
+        if token in taken:
+            yield ("dashboard", key), f"must differ from {taken[token]}"
+        taken[token] = f"dashboard.{key}"
+
+
+def _one_is_notified(notify: Any) -> _Found:
+    if notify.command is not None and notify.url is not None:
+        yield ("notify", "url"), "must not be given beside notify.command"
 
 
 CHECKS: tuple[tuple[tuple[str, ...], Callable[..., _Found]], ...] = (
@@ -366,4 +377,5 @@ CHECKS: tuple[tuple[tuple[str, ...], Callable[..., _Found]], ...] = (
     (("simulation",), _happenings_end_after_they_begin),
     (("safety",), _lease_outlives_the_pose),
     (("dashboard",), _strangers_need_a_token),
+    (("notify",), _one_is_notified),
 )

@@ -35,6 +35,10 @@ class DashboardSection(Section):
     viewer_token: Token | None = Field(
         default=None, description="anyone who knows only this one may watch and stop, not drive"
     )
+    supervisor_token: Token | None = Field(
+        default=None,
+        description="anyone who knows it may drive, and take control from anyone, at once",
+    )
     names: tuple[Text, ...] = Field(
         default=(), max_length=100, description="further host names that browsers reach it by"
     )
@@ -42,13 +46,13 @@ class DashboardSection(Section):
         default=300.0, description="the arena is free again when its operator did nothing for this"
     )
     picture_width_px: Annotated[int, Field(strict=True, ge=160, le=4096)] = Field(
-        default=960, description="width of the pictures that viewers get"
+        default=960, description="largest width of the pictures that viewers get"
     )
     picture_rate_hz: Annotated[Positive, Field(le=120)] = Field(
-        default=30.0, description="most pictures a second that one viewer gets"
+        default=10.0, description="most pictures a second that one viewer gets"
     )
     jpeg_quality: Annotated[int, Field(strict=True, ge=10, le=100)] = Field(
-        default=75, description="of the pictures"
+        default=60, description="of the pictures"
     )
 
     @property

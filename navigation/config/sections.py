@@ -13,6 +13,7 @@ from pydantic import Field, StrictBool
 
 from navigation.config.dashboard import DashboardSection
 from navigation.config.known_robots import OWN_LEAST_WHEEL_M_S, DriverName, ModelName
+from navigation.config.notify import NotifySection
 from navigation.config.recording import RecordingSection
 from navigation.config.simulation import SimulationSection
 from navigation.config.values import (
@@ -377,4 +378,8 @@ class Config(Section):
     )
     dashboard: DashboardSection = Field(
         default=DashboardSection(), description="the page that shows the arena and takes orders"
+    )
+    notify: NotifySection = Field(
+        default=NotifySection(),
+        description="what is called when a robot's mission is done, stopped or failed",
     )

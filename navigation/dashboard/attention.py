@@ -8,11 +8,13 @@ from __future__ import annotations
 
 import asyncio
 import math
+from collections import deque
 from typing import Final
 
 from navigation.dashboard.admission.access import Role
 
 CREDITS: Final = 2
+NOTICES: Final = 8
 EARLY: Final = 0.75
 """Pictures come unevenly: one that is early by less than a quarter of the pause is not left out."""
 
@@ -30,10 +32,19 @@ class Attention:
         self.is_watching = False
         self.kind = "picture"
         """Which picture: from above, or ``camera``, as it was taken."""
+        self.width_px = 0
+        """Width of the pictures that it gets; said with `is_watching`."""
         self.wants_heat = False
         self.news = asyncio.Event()
+        self.notices: deque[str] = deque(maxlen=NOTICES)
+        """Sentences for this page alone, which are still to be sent."""
         self._credits = CREDITS
         self._shown_s = -math.inf
+
+    @property
+    def sees(self) -> tuple[str, int]:
+        """Kind and width of the pictures that it gets."""
+        return self.kind, self.width_px
 
     def wants_picture(self, now_s: float, pause_s: float) -> bool:
         """True if a new picture could be sent now, ``pause_s`` after the last one or later."""

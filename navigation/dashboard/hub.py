@@ -4,8 +4,8 @@ Rules
 - Everything runs in the dashboard's event loop; slow work (warping and packing a picture, a
   diagram, a preview) runs in a worker thread.
 - A message is made once for all: twenty viewers cost twenty writes, nothing more.
-- Pictures are made only while somebody looks; all viewers together get at most ``PICTURES_S`` a
-  second.
+- Pictures are made only while somebody looks, once for each size that is looked at; all viewers
+  together get at most ``PICTURES_S`` a second.
 - The control loop and the hub never wait for each other.
 """
 
@@ -15,7 +15,7 @@ import asyncio
 import json
 import math
 import operator
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Collection, Mapping
 from concurrent.futures import ThreadPoolExecutor
 from typing import Any, Final
 
@@ -59,6 +59,8 @@ IDLE_EVERY_S: Final = 0.1
 """How often the hub looks while nobody watches it."""
 STATE_EVERY_S: Final = 0.1
 PICTURES_S: Final = 120.0
+KINDS: Final = ("picture", "camera")
+"""Pictures: from above, and as they were taken."""
 MOST_VIEWERS: Final = 64
 LOOP_DEAD_S: Final = 1.0
 """A control loop that ended no cycle for longer does not answer."""
@@ -107,8 +109,10 @@ class Hub:
         self.saved = SavedPlaces(places_file(daemon.config.recording), self.view.arena)
         self.saved_number = 1
         self._saving = asyncio.Lock()
-        self.pictures = {"picture": (b"", 0), "camera": (b"", 0)}
-        """The newest of each kind, with its number."""
+        self.pictures: dict[tuple[str, int], tuple[bytes, int]] = {}
+        """The newest of each kind and width that is looked at, with its number."""
+        self.picture_number = 0
+        """Of the newest picture; each has another, whatever its kind and width."""
         self.refusal = IT_IS_A_RECORDING if daemon.people is None else None
         """Why nothing can be ordered here at all; None where it can."""
         self.epoch = 0
@@ -120,7 +124,7 @@ class Hub:
         self._state: RunState | None = None
         self._seen_s = -math.inf
         self._told_s = -math.inf
-        self._frames: dict[str, Frame] = {}
+        self._frames: dict[tuple[str, int], Frame] = {}
         self._heated: Roadmap | None = None
         self._roadmap: Roadmap | None = None
         self._paths: tuple[Path | None, ...] = ()
@@ -155,8 +159,7 @@ class Hub:
             self._renew_world(state.together.roadmap)
         together = state.together
         self._renew_heat(together.roadmap)
-        for kind in self.pictures:
-            self._renew_picture(kind, together, now_s)
+        self._renew_pictures(together, now_s)
         if now_s - self._told_s >= STATE_EVERY_S:
             self._told_s = now_s
             self.state_text = self._tell(state, now_s)
@@ -171,6 +174,13 @@ class Hub:
             self.state_text = self._tell(self._state, self.clock())
             self.state_number += 1
             self.wake()
+
+    def tell_pages(self, keys: Collection[str], sentence: str) -> None:
+        """Send a sentence to the pages that have joined with one of these keys."""
+        for viewer in self.viewers:
+            if viewer.key in keys:
+                viewer.notices.append(sentence)
+                viewer.news.set()
 
     def wake(self) -> None:
         """Make every viewer check for news."""
@@ -328,29 +338,40 @@ class Hub:
         self.heat_number = number
         self.wake()
 
-    def _renew_picture(self, kind: str, state: RobotSnapshot, now_s: float) -> None:
-        frame = state.frame
-        if frame is None or frame is self._frames.get(kind) or kind in self._busy:
+    def _renew_pictures(self, state: RobotSnapshot, now_s: float) -> None:
+        """Make the newest picture in each size that some viewer could take now."""
+        looking = [viewer for viewer in self.viewers if viewer.is_watching]
+        # a viewer that comes to a size that others have left must not get their last picture
+        for unseen in self._frames.keys() - {viewer.sees for viewer in looking}:
+            del self._frames[unseen]
+            self.pictures.pop(unseen, None)
+        frame, pause_s = state.frame, self.picture_pause_s()
+        if frame is None:
             return
-        pause_s = self.picture_pause_s()
-        looking = (viewer for viewer in self.viewers if viewer.kind == kind)
-        if any(viewer.wants_picture(now_s, pause_s) for viewer in looking):
-            self._frames[kind] = frame
-            self._start(kind, self._make_picture(kind, frame, state))
+        wanted = {viewer.sees for viewer in looking if viewer.wants_picture(now_s, pause_s)}
+        for kind in KINDS:
+            widths = {w for k, w in wanted if k == kind and self._frames.get((k, w)) is not frame}
+            if widths and kind not in self._busy:
+                self._frames |= dict.fromkeys(((kind, width) for width in widths), frame)
+                self._start(kind, self._make_pictures(kind, widths, frame, state))
 
-    async def _make_picture(self, kind: str, frame: Frame, state: RobotSnapshot) -> None:
+    async def _make_pictures(
+        self, kind: str, widths: set[int], frame: Frame, state: RobotSnapshot
+    ) -> None:
         work = asyncio.get_running_loop().run_in_executor
-        number = self.pictures[kind][1] + 1
+        self.picture_number += 1
+        number = self.picture_number
         age_ms = round((self.clock() - frame.captured_s) * 1e3, 1)
         fields = {"number": number, "age_ms": age_ms}
         if kind == "camera":
-            raw = self.camera_view.message
-            made = await work(self.workers, raw, frame, state.poses, state.roadmap, fields)
+            raw = self.camera_view.messages
+            made = await work(self.workers, raw, frame, state.poses, state.roadmap, widths, fields)
         else:
-            jpeg = await work(self.workers, self.view.jpeg, frame)
+            jpegs = await work(self.workers, self.view.jpegs, frame, widths)
             fields["age_ms"] = round((self.clock() - frame.captured_s) * 1e3, 1)
-            made = pack("picture", fields, {"jpeg": jpeg})
-        self.pictures[kind] = (made, number)
+            made = {w: pack("picture", fields, {"jpeg": jpeg}) for w, jpeg in jpegs.items()}
+        for width, packed in made.items():
+            self.pictures[kind, width] = packed, number
         self.wake()
 
     def _start(self, name: str, work: Any) -> None:

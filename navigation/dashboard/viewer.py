@@ -1,7 +1,7 @@
 """One viewer: a websocket with a task that sends news and one that receives messages.
 
 Rules
-- Only answers are queued: a slow viewer gets the newest of everything, less often.
+- Only answers and notices are queued: a slow viewer gets the newest of everything, less often.
 - Pictures are sent on credit (`attention.py`).
 - Malformed or oversized messages are refused and counted; a viewer that repeats them, or sends
   more messages than a page has reason to, is cut off.
@@ -22,6 +22,7 @@ from navigation.dashboard.admission.allowance import Allowance
 from navigation.dashboard.admission.seat import public_half
 from navigation.dashboard.attention import Attention
 from navigation.dashboard.hub import Hub
+from navigation.dashboard.messages.picture import width_for
 from navigation.dashboard.messages.rings import Ring
 from navigation.dashboard.orders import refusal_of
 from navigation.orders.arguments import read_stations
@@ -61,8 +62,14 @@ class Viewer:
         self.name = NAMELESS
         self._socket = socket
         self._answers: deque[dict[str, Any]] = deque(maxlen=ANSWERS)
-        self._sent: dict[str, int] = {"state": 0, "world": 0, "plan": 0, "heat": 0, "places": 0}
-        self._sent |= dict.fromkeys(hub.pictures, 0)
+        self._sent: dict[str, int] = {
+            "state": 0,
+            "world": 0,
+            "plan": 0,
+            "heat": 0,
+            "places": 0,
+            "picture": 0,
+        }
         self._next: defaultdict[tuple[str, str | None], int] = defaultdict(int)
         self._epoch = hub.epoch
         self._bad = 0
@@ -115,6 +122,8 @@ class Viewer:
             await self._greet()
         while self._answers:
             await self._send_json(self._answers.popleft())
+        while self.attention.notices:
+            await self._send_json({"type": "notice", "text": self.attention.notices.popleft()})
         if self._is_new("state", hub.state_number):
             await self._socket.send_text(hub.state_text)
         if self._is_new("plan", hub.plan_number):
@@ -132,8 +141,8 @@ class Viewer:
         could = attention.wants_picture(now_s, hub.picture_pause_s())
         if attention.wants_heat and self._is_new("heat", hub.heat_number):
             await self._socket.send_bytes(hub.heat)
-        picture, number = hub.pictures[attention.kind]
-        if could and self._is_new(attention.kind, number):
+        picture, number = hub.pictures.get(attention.sees, (b"", 0))
+        if could and number and self._is_new("picture", number):
             attention.shown(now_s)
             hub.pictures_sent += 1
             await self._socket.send_bytes(picture)
@@ -205,9 +214,7 @@ class Viewer:
             case "ack":
                 self.attention.drawn()
             case "watch":
-                self.attention.is_watching = message.get("on") is True
-                self.attention.kind = "camera" if message.get("camera") is True else "picture"
-                self.attention.wants_heat = message.get("heat") is True
+                self._watch(message)
             case "take":
                 self._sit(message)
             case "release":
@@ -228,6 +235,17 @@ class Viewer:
             case other:
                 raise MalformedError(f"type {in_short(other)}: is none of the protocol's")
 
+    def _watch(self, message: dict[str, Any]) -> None:
+        """Note the pictures that the page shows; ``width_px``: its own, in the screen's pixels."""
+        most_px = self.hub.section.picture_width_px
+        shown_px = message.get("width_px", most_px)
+        if not isinstance(shown_px, int) or isinstance(shown_px, bool) or shown_px < 1:
+            raise MalformedError(f"width_px: must be a whole number >= 1, not {in_short(shown_px)}")
+        self.attention.is_watching = message.get("on") is True
+        self.attention.kind = "camera" if message.get("camera") is True else "picture"
+        self.attention.width_px = width_for(shown_px, most_px)
+        self.attention.wants_heat = message.get("heat") is True
+
     def _join(self, message: dict[str, Any]) -> None:
         key, name = message.get("key"), message.get("name", "")
         if not isinstance(key, str) or not 16 <= len(key) <= 128 or not key.isascii():
@@ -244,24 +262,35 @@ class Viewer:
             error: str | None = self.hub.refusal
         elif self.role is Role.VISITOR:
             error = TOKEN_TO_STOP
-        elif self.role is not Role.OPERATOR:
+        elif not self.role.may_drive:
             error = "this token is for looking and stopping only"
         elif not self.attention.key:
             raise MalformedError("take: join first")
         else:
-            was_mine = self.hub.seat.is_held_by(self.attention.key)
-            error = self.hub.seat.take(self.attention.key, self.name, self.hub.clock())
-            if error is None and not was_mine:
-                self.hub.tell_now()
-                self.hub.note("info", f"{self.name} is in control")
+            error = self._take_control()
         self._reply(message, {"ok": error is None, **({"error": error} if error else {})})
+
+    def _take_control(self) -> str | None:
+        """Take the seat; who loses it is told, too. None, or a sentence that says why not."""
+        hub, key, before = self.hub, self.attention.key, self.hub.seat.holder
+        is_supervisor = self.role is Role.SUPERVISOR
+        error = hub.seat.take(key, self.name, hub.clock(), from_anyone=is_supervisor)
+        if error is None and (before is None or before.key != key):
+            sentence = f"{self.name} is in control"
+            if before is not None:
+                who = "the supervisor" + (f" {self.name}" if self.name != NAMELESS else "")
+                sentence = f"{who} has taken control from {before.name}"
+                hub.tell_pages((before.key, key), sentence)
+            hub.tell_now()
+            hub.note("info", sentence)
+        return error
 
     def _order(self, message: dict[str, Any]) -> None:
         order, hub = message.get("order"), self.hub
         refusal = hub.refusal or refusal_of(
             order,
             may_stop=self.role is not Role.VISITOR,
-            may_drive=self.role is Role.OPERATOR,
+            may_drive=self.role.may_drive,
             holds=bool(self.attention.key) and hub.seat.is_held_by(self.attention.key),
         )
         if refusal is not None:
@@ -277,7 +306,7 @@ class Viewer:
 
     def _ask_place(self, message: dict[str, Any]) -> None:
         hub = self.hub
-        if hub.refusal is not None or self.role is not Role.OPERATOR:
+        if hub.refusal is not None or not self.role.may_drive:
             error = hub.refusal or "this page has no token that may save places"
             self._reply(message, {"ok": False, "error": error})
             return
@@ -301,7 +330,7 @@ class Viewer:
         robot = message.get("robot")
         if robot is not None and not isinstance(robot, str):
             raise MalformedError(f"robot: must be a name, not {in_short(robot)}")
-        if self.role is not Role.OPERATOR or not self.hub.seat.is_held_by(self.attention.key):
+        if not self.role.may_drive or not self.hub.seat.is_held_by(self.attention.key):
             self._reply(message, {"ok": False, "reason": "take control first"})
             return
         self.hub.seat.touch(self.attention.key, self.hub.clock())

@@ -19,7 +19,7 @@ from starlette.responses import JSONResponse, PlainTextResponse, Response
 
 from navigation.config.errors import ConfigError
 from navigation.config.secrecy.secrets import hide, hide_in
-from navigation.dashboard.admission.access import Refusal, Role, bearer_of
+from navigation.dashboard.admission.access import Refusal, bearer_of
 from navigation.dashboard.hub import Hub
 from navigation.dashboard.shown import IT_IS_A_RECORDING
 from navigation.mission.mission import State
@@ -95,7 +95,7 @@ class Visits:
         role = gate.role(bearer_of(request.headers.get("authorization")))
         if isinstance(role, Refusal):
             return role
-        if role is not Role.OPERATOR:
+        if not role.may_drive:
             gate.count("settings")
             return Refusal(403, "settings", f"{self._subject} are for operators")
         return self._closed

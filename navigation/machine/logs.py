@@ -41,6 +41,7 @@ EVENTS: Final = {
     "camera": "the camera's state is another",
     "recording": "pictures are dropped, or the recording has ended early",
     "trouble": "something cannot be written, and the run continues; or it can be written again",
+    "notify": "a call of `notify` has failed: reason",
     "watchdog": "a stage does not get on",
     "configuration": "the file was read again",
     "finished": "the run is over: state, reason, duration_s",

@@ -40,6 +40,7 @@ from navigation.run.attendance import Attendance
 from navigation.run.devices.world_clock import slowness
 from navigation.run.give_missions import GiveMissions
 from navigation.run.kernels.warm_up import warm_up
+from navigation.run.notifications import Notifications
 from navigation.run.progress import ProgressLines, why_stopped
 from navigation.run.run_folder import make_run_folder, prepare_picture, write_report, write_run
 from navigation.run.run_report import RunReport, summarise_run
@@ -131,6 +132,10 @@ class Runner:
             folder = self._open_folder(open_things)
             if not self._warm_up():
                 return self._end_before_the_start(folder)
+            # before the world: at the end its last calls do not keep cameras and ports
+            told = open_things.enter_context(
+                Notifications(self.config.notify, self._log, self._say, datetime.now)
+            )
             world = World(self.config, wait_for_port=not self._once)
             seen_by = camera_words(self.config)
             ports = {name or "robot": f"on {port}" for name, port in world.ports.items()}
@@ -160,8 +165,9 @@ class Runner:
                 "info", "ready", camera=seen_by.partition(" ")[2], port=_port_words(world)
             )
             open_things.callback(self._notifier.send, "STOPPING=1")
-            state, reason = self._drive(daemon, missions, recorder, taking)
+            state, reason = self._drive(daemon, missions, recorder, taking, told)
             daemon.halt()
+            told.end(state, reason)
             # while the robots brake
             if page is not None and self.interrupt.is_set():
                 page.begin_closing()
@@ -336,6 +342,7 @@ class Runner:
         missions: GiveMissions,
         recorder: Recorder | None,
         taking: TakingOrders,
+        told: Notifications,
     ) -> tuple[State, str]:
         limit_s, give_up_s = self._time_limit_s(), self.config.safety.give_up_s
         watchdog = Watchdog(self._notifier, self._watchdog_s, daemon.turns)
@@ -347,6 +354,7 @@ class Runner:
             lines.cycle(now)
             taking.cycle()
             attendance.cycle(now, time.monotonic())
+            told.cycle(now)
             if self.interrupt.is_set():
                 return State.STOPPED, self.why_interrupted(why_stopped(now))
             waits = daemon.stopping.waits_for_rearm

@@ -83,7 +83,8 @@ def test_what_is_drawn_lies_where_the_camera_sees_it(open_page: OpenPage) -> Non
             page.evaluate(
                 """([x, y]) => {
                   const { stage } = globalThis.clearway;
-                  const at = [Math.round(stage.x(x)), Math.round(stage.y(y))];
+                  const k = stage.canvas.width / stage.width; // of another size
+                  const at = [Math.round(k * stage.x(x)), Math.round(k * stage.y(y))];
                   return stage.canvas.getContext("2d").getImageData(...at, 1, 1).data[0];
                 }""",
                 [x_m, y_m],

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 import os
+import shutil
 from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Final
@@ -98,13 +99,17 @@ def _missing_files(text: str, folder: Path) -> Iterator[Problem]:
 
 
 def _problems(sections: Mapping[str, Any]) -> Iterator[tuple[Location, str]]:
-    """Check each group of sections that is complete."""
+    """Check each group of sections that is complete, and the program that is called."""
     config = Config.model_construct(**sections)
     if {"arena", "camera", "cameras", "robot", "other_robots", "simulation"} <= sections.keys():
         yield from _calibration_problems(config)
     needed = {"arena", "robot", "planning", "mission", "simulation"}
     if needed <= sections.keys() and config.simulation is not None:
         yield from _simulation_problems(config)
+    if "notify" in sections and config.notify.command is not None:
+        program = config.notify.command[0]
+        if shutil.which(program) is None:
+            yield ("notify", "command"), f"{program}: there is no such program"
 
 
 def _calibration_problems(config: Config) -> Iterator[tuple[Location, str]]:

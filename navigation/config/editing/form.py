@@ -6,8 +6,8 @@ Rules
   that the page's user may not open.
 - Each of several robots is a section with its differences from ``robot`` and ``serial``. Its name
   is only shown, since missions and starts use it. Robots are listed in the file.
-- ``safety`` and ``dashboard`` are only shown: the page's users decide neither on the robot's
-  protection nor on who else may come.
+- ``safety``, ``dashboard`` and ``notify`` are only shown: the page's users decide neither on the
+  robot's protection, nor on who else may come, nor on what this program calls.
 - Typed text is read by YAML's core schema, so a form and a file mean the same.
 """
 
@@ -27,6 +27,7 @@ from navigation.config.sections import SIMULATED, RobotEntry, RobotSection, Seri
 SHOWN_SECTIONS: Final = {
     "safety": "what keeps the robot from harm is changed in the file",
     "dashboard": "who may reach this page is changed in the file",
+    "notify": "what this program runs or calls is changed in the file",
 }
 DEVICE_KEYS: Final = {
     ("camera", "source"): "cameras",

@@ -22,8 +22,11 @@ from functools import lru_cache
 from typing import Any, Final
 from urllib.parse import unquote
 
-SECRET_KEY: Final = re.compile(r"(?i)(token|passw|pwd|passphrase|secret|api_?key|credential)")
-"""Pattern of a key whose value is never shown."""
+SECRET_KEY: Final = re.compile(
+    r"(?i)(token|passw|pwd|passphrase|secret|api_?key|credential|(?<![a-z])url(?![a-z]))"
+)
+"""Pattern of a key whose value is never shown. The path of an address that is called (`notify.url`)
+is usually the key to it."""
 SECRET_WORDS: Final = (
     *("token", "password", "passphrase", "secret"),
     *("apikey", "credential", "credentials"),

@@ -37,6 +37,14 @@ class Role(Enum):
     VIEWER = "viewer"
     """Look and stop."""
     OPERATOR = "operator"
+    """Look, stop, and drive while in control."""
+    SUPERVISOR = "supervisor"
+    """The same, and take control from anyone who has it."""
+
+    @property
+    def may_drive(self) -> bool:
+        """True for those who may have control of the arena."""
+        return self in (Role.OPERATOR, Role.SUPERVISOR)
 
     def may_less_than(self, other: Role) -> bool:
         """True if the other may do more."""
@@ -92,6 +100,8 @@ class AccessGate:
             return self._refuse(401, "no_token", "a token is needed")
         if _same(token, self._token):
             return Role.OPERATOR
+        if section.supervisor_token is not None and _same(token, section.supervisor_token):
+            return Role.SUPERVISOR
         if section.viewer_token is not None and _same(token, section.viewer_token):
             return Role.VIEWER
         return self._refuse(403, "token", "the token is wrong")

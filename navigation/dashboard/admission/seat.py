@@ -2,6 +2,7 @@
 
 Rules
 - The first to ask takes a free seat; releasing leaves it.
+- A supervisor takes it from anyone, at once.
 - A holder loses it after ``idle_s`` without acting, or when away for longer than a page takes to
   reload (``LEFT_S``) or a lost connection to come back (``AWAY_S``).
 - Time is passed in. A key that only the holder's page knows identifies the holder; others see its
@@ -47,10 +48,10 @@ class Seat:
         self.idle_s = idle_s
         self.holder: Holder | None = None
 
-    def take(self, key: str, name: str, now_s: float) -> str | None:
-        """Take the seat; return None, or a sentence that says why not."""
+    def take(self, key: str, name: str, now_s: float, *, from_anyone: bool = False) -> str | None:
+        """Take the seat, if it is free or ``from_anyone``; return None, or a sentence why not."""
         holder = self.holder
-        if holder is not None and holder.key != key:
+        if holder is not None and holder.key != key and not from_anyone:
             left_s = self.free_in_s(now_s)
             return f"{holder.name} is in control (until {left_s:.0f} s pass without an order)"
         self.holder = Holder(key, name, now_s)

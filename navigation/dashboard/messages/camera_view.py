@@ -1,13 +1,13 @@
 """The camera's own picture for viewers, with the markers and borders found in it.
 
 Nothing is warped: the obstacles' borders and the arena are where the program believes them to be in
-the camera's view, which shows a wrong calibration. Pixels of the sent picture, x right, y down, as
-float32. Works in any thread; a frame is never changed.
+the camera's view, which shows a wrong calibration. Pixels of the largest picture sent, x right, y
+down, as float32. Works in any thread; a frame is never changed.
 """
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from typing import Any
 
 import cv2
@@ -16,6 +16,7 @@ from numpy.typing import NDArray
 
 from navigation.dashboard.messages.geometry import border_lines
 from navigation.dashboard.messages.packed import pack
+from navigation.dashboard.messages.picture import encode_widths
 from planner.roadmap.roadmap import Roadmap
 from planner.scene import Bounds, Scene
 from vision.calibration.calibration import Calibration
@@ -49,14 +50,18 @@ class CameraView:
     def _scaled(self, pixels: NDArray[np.float64]) -> NDArray[np.float32]:
         return np.asarray((pixels + 0.5) * self._scale - 0.5, dtype=np.float32)
 
-    def message(
+    def messages(
         self,
         frame: Frame,
         poses: Mapping[int, RobotPose],
         roadmap: Roadmap | None,
+        widths_px: Iterable[int],
         fields: Mapping[str, Any],
-    ) -> bytes:
-        """Packed message: ``jpeg``, marker ``corners`` (k x 4), ``border`` with its firsts."""
+    ) -> dict[int, bytes]:
+        """Messages by width: ``jpeg``, marker ``corners`` (k x 4), ``border`` with its firsts.
+
+        ``size_px`` are the pixels that corners and border are in, whatever the JPEG's width.
+        """
         if self._known[0] is not roadmap:
             scene = None if roadmap is None else roadmap.scene
             borders = border_lines(scene)[0] if isinstance(scene, Scene) else []
@@ -66,12 +71,14 @@ class CameraView:
         if (image.shape[1], image.shape[0]) != self.size_px:
             small = cv2.resize(image, self.size_px, interpolation=cv2.INTER_AREA)
             image = np.asarray(small, dtype=np.uint8)
-        _, jpeg = cv2.imencode(".jpg", image, [cv2.IMWRITE_JPEG_QUALITY, self._quality])
         corners = [self._scaled(pose.corners_px) for pose in poses.values()]
-        arrays: dict[str, NDArray[np.generic]] = {
-            "jpeg": np.asarray(jpeg, dtype=np.uint8).reshape(-1),
+        found: dict[str, NDArray[np.generic]] = {
             "corners": np.array(corners, dtype=np.float32).reshape(-1, 2),
             "border": np.concatenate(lines),
             "border_first": np.cumsum([0, *map(len, lines)]).astype(np.int32),
         }
-        return pack("camera", {**fields, "size_px": self.size_px, "ids": list(poses)}, arrays)
+        head = {**fields, "size_px": self.size_px, "ids": list(poses)}
+        jpegs = encode_widths(image, widths_px, self._quality)
+        return {
+            width: pack("camera", head, {"jpeg": jpeg, **found}) for width, jpeg in jpegs.items()
+        }

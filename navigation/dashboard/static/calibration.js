@@ -31,7 +31,7 @@ export class Calibration {
     onPress(byId("calibration-start"), (text) => this.#say(text), () => this.#start());
     onPress(byId("calibration-save"), (text) => this.#say(text), () => this.#order("save"));
     onPress(byId("calibration-cancel"), (text) => this.#say(text), () => this.#order("cancel"));
-    connection.on("hello", (hello) => { this.open.hidden = hello.role !== "operator"; });
+    connection.on("hello", () => { this.open.hidden = !seat.mayDrive; });
   }
 
   get isOpen() {

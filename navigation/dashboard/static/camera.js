@@ -22,8 +22,9 @@ export class CameraView {
     try {
       const bitmap = await createImageBitmap(new Blob([message.arrays.jpeg], { type: "image/jpeg" }));
       const [width, height] = message.size_px;
-      if (this.canvas.width !== width || this.canvas.height !== height) Object.assign(this.canvas, { width, height });
-      this.context.drawImage(bitmap, 0, 0);
+      if (this.canvas.width !== bitmap.width) Object.assign(this.canvas, { width: bitmap.width, height: bitmap.height });
+      this.context.setTransform(bitmap.width / width, 0, 0, bitmap.height / height, 0, 0);
+      this.context.drawImage(bitmap, 0, 0, width, height);
       bitmap.close();
       this.#drawFound(message);
       this.canvas.dataset.number = message.number;

@@ -21,8 +21,8 @@ export class Connection {
   #number = 0;
   #waiting = new Map();
   #lostSince = performance.now();
-  /** What is looked at: a picture at all, the camera's own one, the clearances. */
-  #watched = { on: true, camera: false, heat: false };
+  /** What is looked at: a picture at all and how wide, the camera's own one, the clearances. */
+  #watched = { on: true, width_px: 1, camera: false, heat: false };
 
   constructor() {
     this.isUp = false;
@@ -71,8 +71,8 @@ export class Connection {
   /** Say what is looked at, and what has changed in that: nothing else is made and sent. */
   watch(change = {}) {
     Object.assign(this.#watched, change);
-    const { on, camera, heat } = this.#watched;
-    this.send({ type: "watch", on: on && !document.hidden, camera, heat: heat && !document.hidden });
+    const { on, heat } = this.#watched;
+    this.send({ ...this.#watched, type: "watch", on: on && !document.hidden, heat: heat && !document.hidden });
   }
 
   /** Send a message now; false where that cannot be. */

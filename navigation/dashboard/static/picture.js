@@ -1,13 +1,17 @@
 // The live picture: decoded beside the page's thread, drawn, and only then acknowledged, so that
-// a slow page gets fewer pictures and never old ones.
+// a slow page gets fewer pictures and never old ones. The page says how large it shows the picture:
+// the program sends no more pixels than that needs.
 
 const OLD_MS = 1000;
+const SETTLED_MS = 200; // a wheel turns through many sizes
 
 export class Picture {
   #context;
   #drawn = 0;
   #age = 0;
   #wanted = true;
+  #timer = 0;
+  #said = 0;
 
   constructor(stage, connection) {
     this.stage = stage;
@@ -18,6 +22,15 @@ export class Picture {
     connection.on("picture", (message) => this.#show(message));
     connection.on("camera", (message) => { [this.#drawn, this.#age] = [performance.now(), message.age_ms]; });
     connection.on("state", (state) => this.#watch(state));
+    this.#saySize();
+    stage.onResize.push(() => {
+      clearTimeout(this.#timer);
+      this.#timer = setTimeout(() => this.#saySize(), SETTLED_MS);
+    });
+  }
+
+  #saySize() {
+    if (this.stage.width_px !== this.#said) this.connection.watch({ width_px: this.#said = this.stage.width_px });
   }
 
   /** Whether the picture is shown at all; where not, it is not asked for. */
@@ -29,12 +42,15 @@ export class Picture {
   async #show(message) {
     try {
       const bitmap = await createImageBitmap(new Blob([message.arrays.jpeg], { type: "image/jpeg" }));
-      this.#context.drawImage(bitmap, 0, 0, this.stage.canvas.width, this.stage.canvas.height);
+      const { width, height } = bitmap;
+      const { canvas } = this.stage;
+      if (canvas.width !== width || canvas.height !== height) Object.assign(canvas, { width, height });
+      this.#context.drawImage(bitmap, 0, 0);
       bitmap.close();
       this.#drawn = performance.now();
       this.#age = message.age_ms;
       this.count += 1;
-      this.stage.canvas.dataset.number = message.number;
+      canvas.dataset.number = message.number;
     } finally {
       this.connection.send({ type: "ack", number: message.number });
     }

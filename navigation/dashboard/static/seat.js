@@ -18,6 +18,7 @@ export class Seat {
       if (event.detail < 2) this.toggle(); // a double click does not take and release
     });
     connection.on("hello", (hello) => { this.role = hello.role; });
+    connection.on("notice", (notice) => say(notice.text));
     connection.on("joined", (joined) => {
       this.#mine = joined.seat;
       this.name.placeholder = "somebody";
@@ -55,7 +56,12 @@ export class Seat {
   }
 
   get mayDrive() {
-    return this.role === "operator";
+    return this.role === "operator" || this.isSupervisor;
+  }
+
+  /** May take control from anyone, by the button: not by a click in the arena. */
+  get isSupervisor() {
+    return this.role === "supervisor";
   }
 
   /** Why nobody may drive from this page; "" where somebody may. */
@@ -88,7 +94,7 @@ export class Seat {
     if (!this.mayDrive) {
       answer.error = this.mayNot;
     } else if (!this.isMine) {
-      answer = await this.takeIfFree();
+      answer = await this.#take();
     } else if (this.connection.send({ type: "release" })) {
       this.#granted = false;
       answer = { ok: true };
@@ -100,6 +106,13 @@ export class Seat {
   async takeIfFree() {
     if (this.isMine) return { ok: true };
     if (this.isRecording) return { ok: false, error: RECORDING };
+    if (this.isSupervisor && this.other) {
+      return { ok: false, error: `${this.other} is in control: press "Take control" to take it from them` };
+    }
+    return this.#take();
+  }
+
+  async #take() {
     const answer = await this.connection.ask({ type: "take" });
     this.#granted = answer.ok;
     return answer;
@@ -111,7 +124,7 @@ export class Seat {
     const holder = this.#state?.seat;
     this.form.hidden = !(up && this.isMine && localStorage.getItem("clearway.name") === null
       && this.#state.mission.state !== "stopped"); // what became of a STOP needs the room
-    this.button.hidden = !up || !this.mayDrive || (Boolean(holder) && !this.isMine);
+    this.button.hidden = !up || !this.mayDrive || (Boolean(holder) && !this.isMine && !this.isSupervisor);
     this.button.textContent = this.isMine ? "Release" : "Take control";
     if (!up) this.text.textContent = "";
     else if (this.isMine) this.text.textContent = "You are in control";

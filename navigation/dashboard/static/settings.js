@@ -23,7 +23,7 @@ export class Settings {
     byId("settings-find").addEventListener("input", () => this.#find());
     onPress(byId("settings-save"), (text) => this.#say(text), () => this.#save());
     onPress(byId("settings-undo"), (text) => this.#say(text), () => this.#undo());
-    connection.on("hello", (hello) => { this.open.hidden = hello.role !== "operator"; });
+    connection.on("hello", () => { this.open.hidden = !seat.mayDrive; });
     connection.on("up", () => { if (this.isOpen && this.#typed.size === 0) this.#load(); });
   }
 

@@ -25,9 +25,6 @@ export class Stage {
     [this.width, this.height] = [width, height];
     const isNew = !this.view || this.whole !== `${width} ${height}`;
     this.whole = `${width} ${height}`;
-    if (this.canvas.width !== width || this.canvas.height !== height) {
-      [this.canvas.width, this.canvas.height] = [width, height];
-    }
     this.element.style.setProperty("--aspect", `${width} / ${height}`);
     this.element.style.setProperty("--ratio", width / height);
     this.show(isNew ? null : this.view);
@@ -60,6 +57,12 @@ export class Stage {
     const [mx, my] = [w / 8, h / 8];
     if (px >= x + mx && px <= x + w - mx && py >= y + my && py <= y + h - my) return;
     this.show({ x: Math.min(px - mx, Math.max(px + mx - w, x)), y: Math.min(py - my, Math.max(py + my - h, y)), w });
+  }
+
+  /** How wide the whole picture would be on the screen, in the screen's own pixels. */
+  get width_px() {
+    const times = this.view ? this.width / this.view.w : 1;
+    return Math.max(1, Math.ceil(this.element.clientWidth * times * devicePixelRatio));
   }
 
   #measure() {

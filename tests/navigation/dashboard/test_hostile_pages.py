@@ -128,7 +128,7 @@ def test_viewers_without_a_token_do_not_lock_the_operator_out(site: OwnSite) -> 
 
 def test_everybody_s_token_is_worth_the_same_place() -> None:
     ranks = list(Role)
-    assert ranks == [Role.VISITOR, Role.VIEWER, Role.OPERATOR]
+    assert ranks == [Role.VISITOR, Role.VIEWER, Role.OPERATOR, Role.SUPERVISOR]
     assert Role.VISITOR.may_less_than(Role.VIEWER)
     assert not Role.OPERATOR.may_less_than(Role.OPERATOR)
 

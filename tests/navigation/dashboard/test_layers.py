@@ -58,11 +58,16 @@ def test_every_cell_has_the_clearance_of_its_middle() -> None:
 def test_what_was_found_lies_in_the_camera_picture_where_it_was_found() -> None:
     view = CameraView(Calibration.from_scale(SCALE_M, SIZE_PX), ARENA, 240, 90)
     robot = pose(1.0, 0.5)
-    message = view.message(frame(9), {7: robot}, laboratory(), {"number": 4, "age_ms": 1.0})
-    head, arrays = unpack(message)
+    fields = {"number": 4, "age_ms": 1.0}
+    made = view.messages(frame(9), {7: robot}, laboratory(), (60, 240, 960), fields)
+    head, arrays = unpack(made[240])
     assert (head["type"], head["number"], head["ids"]) == ("camera", 4, [7])
     assert head["size_px"] == [240, 180]
-    assert cv2.imdecode(arrays["jpeg"], cv2.IMREAD_UNCHANGED).shape[:2] == (180, 240)
+    for width, shape in ((60, (45, 60)), (240, (180, 240)), (960, (180, 240))):
+        same, others = unpack(made[width])
+        assert cv2.imdecode(others["jpeg"], cv2.IMREAD_UNCHANGED).shape[:2] == shape
+        assert same["size_px"] == head["size_px"], "one frame for what is drawn, whatever its size"
+        np.testing.assert_array_equal(others["border"], arrays["border"])
     # a picture of half the size: a pixel is 1 cm, and the first one's middle is half of that in
     np.testing.assert_allclose(arrays["corners"].reshape(4, 2), [[99.5, 129.5]] * 4, atol=1e-4)
     first, border = arrays["border_first"], arrays["border"].reshape(-1, 2)
@@ -85,26 +90,25 @@ def test_they_are_made_only_while_somebody_looks(site: Site) -> None:
         page.send(type="watch", on=True)
         page.hear("picture")
         assert hub.heat_number == 0
-        assert hub.pictures["camera"][1] == 0
+        assert ("camera", 160) not in hub.pictures
         page.send(type="watch", on=True, camera=True, heat=True)
         heat = page.hear("heat")
         assert heat["columns"] * heat["rows"] == len(heat["arrays"]["steps"])
         site.daemon.show(frame=frame(2))
         camera = page.hear("camera")
         assert camera["ids"] == [7]
-        above = hub.pictures["picture"][1]
         page.send(type="ack")
         page.send(type="ack")
         for number in range(3, 9):
             site.daemon.show(frame=frame(number))
             page.send(type="ack")
             page.hear("camera")
-        assert hub.pictures["picture"][1] == above
+            assert hub.pictures.keys() == {("camera", 160)}
         page.send(type="watch", on=False)
         page.send(type="ping", id=1)
         page.hear("pong")
-        made = hub.pictures["camera"][1], hub.heat_number
+        made = hub.picture_number, hub.heat_number
         another = planner.build_roadmap(laboratory().scene, RADIUS_M)
         site.daemon.show(frame=frame(20), roadmap=another)
         assert wait_until(lambda: hub.world_number == 2)
-        assert (hub.pictures["camera"][1], hub.heat_number) == made
+        assert (hub.picture_number, hub.heat_number) == made

@@ -60,7 +60,7 @@ def test_nobody_who_looks_means_no_pictures(site: Site) -> None:
     with site.live() as page, pictures(site):
         for _ in range(5):
             page.hear("state")
-        assert hub.pictures["picture"][1] == 0
+        assert hub.picture_number == 0
 
 
 @contextlib.contextmanager
