@@ -11,6 +11,12 @@ from .fleet.schedule import FleetSchedule as FleetSchedule
 from .formats.scene_io import load_scene as load_scene
 from .formats.scene_io import read_scene_text as read_scene_text
 from .formats.scene_io import write_scene_text as write_scene_text
+from .graph_files.graph_io import load_graph as load_graph
+from .graph_files.graph_io import save_graph as save_graph
+from .graph_files.route_graph import ExchangeError as ExchangeError
+from .graph_files.route_graph import RouteEdge as RouteEdge
+from .graph_files.route_graph import RouteGraph as RouteGraph
+from .graph_files.route_graph import RouteNode as RouteNode
 from .motion.trajectory import time_path as time_path
 from .path import Bottleneck as Bottleneck
 from .path import Limits as Limits
