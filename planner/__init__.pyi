@@ -8,9 +8,13 @@ from .fleet.fleet_plan import NoFleetPlan as NoFleetPlan
 from .fleet.on_graph import plan_on_graph as plan_on_graph
 from .fleet.on_roadmap import plan_fleet as plan_fleet
 from .fleet.schedule import FleetSchedule as FleetSchedule
+from .formats.scene_io import load_mask as load_mask
 from .formats.scene_io import load_scene as load_scene
 from .formats.scene_io import read_scene_text as read_scene_text
 from .formats.scene_io import write_scene_text as write_scene_text
+from .graph_audit.audit import GraphAudit as GraphAudit
+from .graph_audit.audit import audit as audit
+from .graph_audit.findings import GraphFinding as GraphFinding
 from .graph_files.graph_io import load_graph as load_graph
 from .graph_files.graph_io import save_graph as save_graph
 from .graph_files.route_graph import ExchangeError as ExchangeError
