@@ -1,10 +1,12 @@
 """Trajectory planning: from a scene to a roadmap, a path and timed waypoints.
 
-- ``formats`` reads a scene; ``scene`` defines its obstacles and bounds.
+- ``formats`` reads a scene; ``scene`` defines its obstacles and bounds; ``graph_files`` reads and
+  writes route graphs.
 - ``borders`` places generators along the borders, ``delaunay`` triangulates them, ``diagram``
   solves the generalized Voronoi diagram, ``roadmap`` clips it for a robot.
 - ``search`` and ``route`` plan on it; ``path.py`` holds the answers.
-- ``motion`` times a path, ``fleet`` plans for several robots; ``samples`` are inputs to try.
+- ``motion`` times a path, ``fleet`` plans for several robots, ``graph_audit`` checks route graphs;
+  ``samples`` are inputs to try.
 
 ``__init__.pyi`` lists the public names. They are imported on first use, so that modules that need
 only the scene's types do not load the compiled kernels.

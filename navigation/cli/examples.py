@@ -43,6 +43,11 @@ EXAMPLES: dict[str, Example] = {
         "clearway roadmap map.yaml --radius 0.2 -o roadmap.geojson",
         "Turn a ROS map into a graph for Nav2's route server.",
     ),
+    "audit": Example(
+        "clearway audit depot.geojson --map depot.yaml --keepout keepout.yaml --radius 0.22"
+        " --render audit.svg",
+        "Measure every edge of a Nav2 graph, and draw what is wrong with it.",
+    ),
     "markers": Example(
         "clearway markers arena.png --calibration calibration.yaml --render markers.png",
         "Find every marker in a picture, with its place on the floor, and draw them.",

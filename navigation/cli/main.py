@@ -4,8 +4,8 @@ Rules
 - A command is imported when called, so that ``clearway --help`` needs only click.
 - Errors are one sentence on stderr, ``clearway: error: what, where, the limit``; a traceback
   needs ``--debug`` (anywhere on the line) or CLEARWAY_DEBUG.
-- Exit codes: 0 done; 2 wrong usage or unreadable input; 3 no path; 78 bad configuration;
-  1 anything else. Ctrl-C gives 130 and a vanished reader 141, both without a word.
+- Exit codes: 0 done; 2 wrong usage or unreadable input; 3 no path, or an unsafe graph; 78 bad
+  configuration; 1 anything else. Ctrl-C gives 130 and a vanished reader 141, both without a word.
 - OpenCV's and FFmpeg's own lines on stderr appear only with ``--debug``.
 - A command ends with another code by returning it as an int.
 """
@@ -75,6 +75,7 @@ COMMANDS: dict[str, ListedCommand] = {
         ".pictures.fleet:command", "Ways for several robots, none of which touch."
     ),
     "roadmap": ListedCommand(".pictures.roadmap:command", "The AGVD roadmap as a file."),
+    "audit": ListedCommand(".pictures.audit:command", "What is wrong with a route graph."),
     "markers": ListedCommand(".pictures.markers:command", "The markers in a picture."),
     "robot": ListedCommand(".running.robot:command", "A simulated robot on a serial port."),
     **{
@@ -170,8 +171,8 @@ def _show_version(ctx: click.Context, _param: click.Parameter, wanted: bool) -> 
     cls=LazyGroup,
     invoke_without_command=True,
     context_settings={"help_option_names": ["-h", "--help"], "max_content_width": 100},
-    epilog="Exit codes: 0 done, 2 wrong usage or unreadable input, 3 no path, "
-    "78 bad configuration, 1 anything else.\n\n" + epilog("demo"),
+    epilog="Exit codes: 0 done, 2 wrong usage or unreadable input, 3 no path or an unsafe "
+    "graph, 78 bad configuration, 1 anything else.\n\n" + epilog("demo"),
 )
 @click.option("--debug", is_flag=True, help="Show the traceback of an error.")
 @click.option(

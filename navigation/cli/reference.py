@@ -19,7 +19,8 @@ HEAD = """# Commands
 Made by `python -m navigation.cli.reference` from what the program accepts.
 
 Every command takes `--help`, and `--debug` for the traceback of an error. Exit codes: 0 done,
-2 wrong usage or unreadable input, 3 no path, 78 bad configuration, 1 anything else.
+2 wrong usage or unreadable input, 3 no path or an unsafe graph, 78 bad configuration, 1 anything
+else.
 
 A *SOURCE* is a picture (dark obstacles on light), a scene as text or JSON, a ROS `map_server`
 YAML or a MovingAI `.map`. A *CONFIG* is [a configuration](../configuration.md). `X,Y[,DEG]` is a

@@ -80,28 +80,30 @@ def map_scene(
     pose: GridPose,
     remarks: tuple[str, ...] = (),
     unknown: NDArray[np.bool_] | None = None,
+    *,
+    rim: bool = True,
 ) -> Scene:
     """Return the scene of an (h, w) grid in metres, y up, as a ROS map: row 0 is the top.
 
     ``unknown`` (h, w) marks obstacle cells of unknown content. A turned map lies in an upright
-    rectangle; the outside is an obstacle with a rim one cell wide. Raises :class:`SceneError` on an
-    empty grid.
+    rectangle; the outside is an obstacle with a rim one cell wide, unless ``rim`` is False. Raises
+    :class:`SceneError` on an empty grid.
     """
     height, width = _checked_shape(obstacle)
     turned = math.sin(pose.yaw_rad) != 0.0 or math.cos(pose.yaw_rad) < 0.0
     cos, sin = (math.cos(pose.yaw_rad), math.sin(pose.yaw_rad)) if turned else (1.0, 0.0)
-    rim = 1 if turned else 0
+    wide = 1 if turned and rim else 0
 
     def place(vertices: IndexArray) -> FloatArray:
-        x = (vertices[:, 0] - rim) * pose.resolution
-        y = (height - (vertices[:, 1] - rim)) * pose.resolution
+        x = (vertices[:, 0] - wide) * pose.resolution
+        y = (height - (vertices[:, 1] - wide)) * pose.resolution
         return np.stack([pose.x + (cos * x - sin * y), pose.y + (sin * x + cos * y)], axis=1)
 
-    corners = [(c, r) for c in (0, width + 2 * rim) for r in (0, height + 2 * rim)]
+    corners = [(c, r) for c in (0, width + 2 * wide) for r in (0, height + 2 * wide)]
     xs, ys = place(np.array(corners)).T.tolist()
     bounds = Bounds(min(xs), min(ys), max(xs), max(ys))
-    objects = _objects(np.pad(obstacle, rim, constant_values=True), place)
-    if turned:
+    objects = _objects(np.pad(obstacle, wide, constant_values=True), place)
+    if wide:
         objects = (_fill_rectangle(objects[0], bounds), *objects[1:])
     return Scene(
         units="m",

@@ -61,6 +61,24 @@ def read_ros_map(text: str, path: Path, read_picture: ReadPicture | None = None)
     ``read_picture`` reads pictures other than PGM. Raises :class:`SceneError` with the file and,
     for the YAML, line and column.
     """
+    free, unknown, remarks, pose = _read_cells(text, path, read_picture)
+    return map_scene(~free, pose, remarks, unknown)
+
+
+def read_mask(text: str, path: Path, read_picture: ReadPicture | None = None) -> Scene:
+    """Return the zones of a Nav2 filter mask: an object for each group of its occupied cells.
+
+    All other cells, and the outside of the mask, are no zone. Arguments and errors are those of
+    :func:`read_ros_map`.
+    """
+    free, unknown, _, pose = _read_cells(text, path, read_picture)
+    return map_scene(~free & ~unknown, pose, rim=False)
+
+
+def _read_cells(
+    text: str, path: Path, read_picture: ReadPicture | None
+) -> tuple[NDArray[np.bool_], NDArray[np.bool_], tuple[str, ...], GridPose]:
+    """Certainly free cells, unknown cells, remarks on the latter, and the map's pose."""
     header = parse_map_header(text, str(path))
     picture = path.parent / header.image
     data = read_bytes(picture)
@@ -71,8 +89,7 @@ def read_ros_map(text: str, path: Path, read_picture: ReadPicture | None = None)
         shade, transparent = read_picture(picture)
     else:
         raise SceneError(f"{picture}: the picture of a map must be PGM (P2 or P5)")
-    free, unknown, remarks = classify(shade, transparent, header)
-    return map_scene(~free, header.pose, remarks, unknown)
+    return *classify(shade, transparent, header), header.pose
 
 
 def parse_map_header(text: str, name: str) -> MapHeader:

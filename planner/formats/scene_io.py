@@ -11,12 +11,27 @@ import os
 import re
 from pathlib import Path
 
-from planner.formats.map_files import ReadPicture, decode, parse_movingai, read_bytes, read_ros_map
+from planner.formats.map_files import (
+    ReadPicture,
+    decode,
+    parse_movingai,
+    read_bytes,
+    read_mask,
+    read_ros_map,
+    read_text,
+)
 from planner.formats.scene_json_reader import read_scene_json
 from planner.formats.scene_text import HEADER, read_scene_text, write_scene_text
 from planner.scene import Scene, SceneError
 
-__all__ = ["is_picture", "load_scene", "read_scene_text", "save_scene", "write_scene_text"]
+__all__ = [
+    "is_picture",
+    "load_mask",
+    "load_scene",
+    "read_scene_text",
+    "save_scene",
+    "write_scene_text",
+]
 
 _PICTURE_STARTS = (
     *(b"\x89PNG", b"\xff\xd8\xff", b"BM", b"GIF8", b"II*\x00", b"MM\x00*"),
@@ -31,6 +46,15 @@ def load_scene(path: str | os.PathLike[str], *, read_picture: ReadPicture | None
     """
     file = Path(path)
     return scene_from_bytes(read_bytes(file), file, read_picture=read_picture)
+
+
+def load_mask(path: str | os.PathLike[str], *, read_picture: ReadPicture | None = None) -> Scene:
+    """Load a keep-out mask of Nav2, a YAML file with its picture: each zone becomes an object.
+
+    Raises :class:`SceneError` as :func:`load_scene`.
+    """
+    file = Path(path)
+    return read_mask(read_text(file), file, read_picture)
 
 
 def scene_from_bytes(data: bytes, file: Path, *, read_picture: ReadPicture | None = None) -> Scene:

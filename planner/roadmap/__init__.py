@@ -7,6 +7,3 @@
 - ``remarks.py`` describes what is remarkable about the scene; ``roadmap_export.py`` writes the
   graph for other programs.
 """
-
-GRAPH_SUFFIXES = (".graphml", ".geojson", ".json")
-"""Suffixes of the files that a roadmap can be written to."""

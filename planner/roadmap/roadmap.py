@@ -183,13 +183,14 @@ class Roadmap:
         return to_networkx(self)
 
     def save(self, path: str | os.PathLike[str], *, frame: str = "map") -> None:
-        """Write the graph as FILE.graphml, FILE.geojson (Nav2's route server) or FILE.json.
+        """Write the graph as .graphml, .json, .geojson (Nav2), .lif (LIF) or .yaml (Open-RMF).
 
-        ``frame`` is the TF frame in GeoJSON. Raises
-        :class:`planner.roadmap.roadmap_export.ExchangeError` if the suffix is another, or the file
+        ``frame`` is the frame of its coordinates, for all but the first two. Raises
+        :class:`planner.graph_files.route_graph.ExchangeError` if the suffix is another, or the file
         cannot be written.
         """
-        from planner.roadmap.roadmap_export import ExchangeError, as_text
+        from planner.graph_files.route_graph import ExchangeError
+        from planner.roadmap.roadmap_export import as_text
 
         file = FilePath(path)
         text = as_text(self, file.suffix, frame=frame)

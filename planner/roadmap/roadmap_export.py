@@ -1,5 +1,7 @@
-"""Text of the roadmap for other programs: GraphML, GeoJSON for Nav2's route server, node-link.
+"""The roadmap as a route graph for other programs, and its text in their formats.
 
+- The formats are those of :mod:`planner.graph_files`; LIF and Open-RMF get the graph that Nav2
+  gets.
 - GraphML and node-link JSON contain the graph as it is: nodes with x, y, clearance and owners,
   edges with length, clearance, owners and their polyline.
 - Nav2's route server (nav2_route, GeoJsonGraphFileLoader) drives straight from node to node and
@@ -14,7 +16,6 @@ Coordinates and lengths are in the scene's units; no text holds NaN or infinity.
 
 from __future__ import annotations
 
-import json
 from collections.abc import Iterator
 from itertools import pairwise
 from typing import TYPE_CHECKING, Any, Protocol
@@ -22,7 +23,14 @@ from typing import TYPE_CHECKING, Any, Protocol
 import numpy as np
 
 from planner.borders.polyline import fewer_vertices
-from planner.roadmap import GRAPH_SUFFIXES
+from planner.graph_files.graph_io import format_of, graph_text
+from planner.graph_files.route_graph import (
+    BENT,
+    ExchangeError,
+    RouteEdge,
+    RouteGraph,
+    RouteNode,
+)
 from planner.scene import FloatArray
 
 if TYPE_CHECKING:
@@ -67,26 +75,17 @@ class Exported(Protocol):
         """Least ``distance`` of a polyline (n, 2) to any border."""
 
 
-class ExchangeError(ValueError):
-    """A roadmap cannot be written in a format; the message says why."""
-
-
 def as_text(
     roadmap: Exported, suffix: str, *, frame: str = "map", generated: str | None = None
 ) -> str:
-    """Graph in the format of a file's suffix: .graphml, .geojson or .json.
+    """Graph in the format of a file's suffix: .graphml, .geojson, .json, .lif, .yaml or .yml.
 
-    ``frame`` and ``generated`` are for GeoJSON, see :func:`to_geojson`. Raises
+    ``frame`` and ``generated`` are for formats of straight edges, see :func:`to_geojson`. Raises
     :class:`ExchangeError` for another suffix.
     """
-    match suffix.lower():
-        case ".graphml":
-            return to_graphml(roadmap)
-        case ".geojson":
-            return to_geojson(roadmap, frame, generated)
-        case ".json":
-            return to_node_link(roadmap)
-    raise ExchangeError(f"suffix '{suffix}': must be one of {', '.join(GRAPH_SUFFIXES)}")
+    form = format_of(f"roadmap{suffix}")
+    graph = bent_graph(roadmap) if form in BENT else straight_graph(roadmap, frame, generated)
+    return graph_text(graph, form)
 
 
 def to_networkx(roadmap: Exported) -> nx.Graph[int]:
@@ -104,21 +103,12 @@ def to_networkx(roadmap: Exported) -> nx.Graph[int]:
 
 def to_graphml(roadmap: Exported) -> str:
     """GraphML of the graph of :func:`to_networkx`."""
-    import networkx as nx
-
-    return "\n".join(nx.generate_graphml(to_networkx(roadmap))) + "\n"
+    return graph_text(bent_graph(roadmap), "graphml")
 
 
 def to_node_link(roadmap: Exported) -> str:
     """Graph as node-link JSON: ``networkx.node_link_graph(data, edges="edges")`` reads it."""
-    document = {
-        "directed": False,
-        "multigraph": False,
-        "graph": _graph_fields(roadmap),
-        "nodes": [{"id": node, **data} for node, data in _nodes(roadmap)],
-        "edges": [{"source": u, "target": v, **data} for u, v, data in _edges(roadmap)],
-    }
-    return json.dumps(document, allow_nan=False, indent=1) + "\n"
+    return graph_text(bent_graph(roadmap), "node-link")
 
 
 def to_geojson(roadmap: Exported, frame: str = "map", generated: str | None = None) -> str:
@@ -127,8 +117,36 @@ def to_geojson(roadmap: Exported, frame: str = "map", generated: str | None = No
     ``generated`` is the value of ``date_generated``, omitted if None. Raises :class:`ExchangeError`
     if the graph has no edge, which the server refuses.
     """
+    return graph_text(straight_graph(roadmap, frame, generated), "nav2")
+
+
+def bent_graph(roadmap: Exported) -> RouteGraph:
+    """Return the graph as it is: every edge leads both ways along its polyline."""
+    nodes = [
+        RouteNode(node, data.pop("x"), data.pop("y"), fields=data) for node, data in _nodes(roadmap)
+    ]
+    edges = [
+        RouteEdge(
+            None,
+            u,
+            v,
+            True,
+            tuple((x, y) for x, y in data.pop("polyline")),
+            length=data.pop("length"),
+            fields=data,
+        )
+        for u, v, data in _edges(roadmap)
+    ]
+    fields = {"directed": False, "multigraph": False, "graph": _graph_fields(roadmap)}
+    return RouteGraph(tuple(nodes), tuple(edges), "node-link", fields)
+
+
+def straight_graph(
+    roadmap: Exported, frame: str = "map", generated: str | None = None
+) -> RouteGraph:
+    """Return the graph in straight pieces, each in both directions; see :func:`to_geojson`."""
     same = SAME_PLACE * roadmap.borders.extent
-    points: list[dict[str, Any]] = []
+    points: list[RouteNode] = []
     number = _numbered(roadmap, points, frame, same)
     pieces: list[tuple[int, int, FloatArray]] = []
     for u, v, data in _edges(roadmap):
@@ -141,28 +159,27 @@ def to_geojson(roadmap: Exported, frame: str = "map", generated: str | None = No
         for x, y in kept[1:-1].tolist():
             ids.append(len(points))
             clearance = float(roadmap.path_clearance([(x, y)]).distance)
-            points.append(_feature_point(ids[-1], {"x": x, "y": y, "clearance": clearance}, frame))
+            points.append(_point(ids[-1], {"x": x, "y": y, "clearance": clearance}, frame))
         ids.append(number[v])
         pieces += zip(ids[:-1], ids[1:], np.stack([kept[:-1], kept[1:]], axis=1), strict=True)
     if not pieces:
         raise ExchangeError("the roadmap has no edges: Nav2's route server loads no empty graph")
-    edges: list[dict[str, Any]] = []
+    edges: list[RouteEdge] = []
     for start, end, ends in pieces:
         clearance = float(roadmap.path_clearance(ends).distance)
         for a, b, way in ((start, end, ends), (end, start, ends[::-1])):
-            edges.append(_feature_edge(len(points) + len(edges), a, b, way, clearance))
+            edges.append(_piece(len(points) + len(edges), a, b, way, clearance))
     document = {
         "type": "FeatureCollection",
         "name": "clearway_roadmap",
         "crs": {"type": "name", "properties": {"name": NAV2_CRS}},
         **({} if generated is None else {"date_generated": generated}),
-        "features": [*points, *edges],
     }
-    return json.dumps(document, allow_nan=False, indent=1) + "\n"
+    return RouteGraph(tuple(points), tuple(edges), "nav2", document)
 
 
 def _numbered(
-    roadmap: Exported, points: list[dict[str, Any]], frame: str, same: float
+    roadmap: Exported, points: list[RouteNode], frame: str, same: float
 ) -> dict[int, int]:
     """Append the nodes to ``points``; return each one's number. Ends of a zero-length edge share
     one.
@@ -181,7 +198,7 @@ def _numbered(
     for node, data in _nodes(roadmap):
         if leader(node) == node:
             number[node] = len(points)
-            points.append(_feature_point(len(points), data, frame))
+            points.append(_point(len(points), data, frame))
     return {node: number[leader(node)] for node, _ in _nodes(roadmap)}
 
 
@@ -203,34 +220,18 @@ def _from_to(roadmap: Exported, u: int, line: FloatArray) -> FloatArray:
     return line if ends[0] <= ends[1] else line[::-1]
 
 
-def _feature_point(number: int, data: dict[str, Any], frame: str) -> dict[str, Any]:
-    return {
-        "type": "Feature",
-        "properties": {
-            "id": number,
-            "frame": frame,
-            "metadata": {"clearance": data["clearance"]},
-        },
-        "geometry": {"type": "Point", "coordinates": [data["x"], data["y"]]},
-    }
+def _point(number: int, data: dict[str, Any], frame: str) -> RouteNode:
+    metadata = {"clearance": data["clearance"]}
+    fields = {"type": "Feature", "properties": {"metadata": metadata}}
+    return RouteNode(number, data["x"], data["y"], frame, fields)
 
 
-def _feature_edge(
-    number: int, start: int, end: int, ends: FloatArray, clearance: float
-) -> dict[str, Any]:
+def _piece(number: int, start: int, end: int, ends: FloatArray, clearance: float) -> RouteEdge:
     length = float(np.hypot(*(ends[1] - ends[0])))
-    return {
-        "type": "Feature",
-        "properties": {
-            "id": number,
-            "startid": start,
-            "endid": end,
-            "cost": length,
-            "overridable": True,
-            "metadata": {"length": length, "clearance": clearance},
-        },
-        "geometry": {"type": "MultiLineString", "coordinates": [ends.tolist()]},
-    }
+    line = tuple((x, y) for x, y in ends.tolist())
+    properties = {"overridable": True, "metadata": {"clearance": clearance}}
+    fields = {"type": "Feature", "properties": properties}
+    return RouteEdge(number, start, end, False, line, length, length, fields=fields)
 
 
 def _graph_fields(roadmap: Exported) -> dict[str, Any]:

@@ -24,7 +24,7 @@ from navigation.cli.options import (
 )
 from navigation.cli.outputs import keep_apart, warn_of_doubts, write_text
 from navigation.cli.progress import long_work
-from planner.roadmap import GRAPH_SUFFIXES
+from planner.graph_files import SUFFIXES
 
 
 @click.command(short_help="The AGVD roadmap as a file.")
@@ -33,9 +33,10 @@ from planner.roadmap import GRAPH_SUFFIXES
 @click.option(
     "-o",
     "--output",
-    type=OutputType(*GRAPH_SUFFIXES, stream=True),
+    type=OutputType(*SUFFIXES, stream=True),
     required=True,
-    help="FILE.graphml, FILE.geojson (Nav2's route server) or FILE.json (node-link, also for -).",
+    help="FILE.graphml, .json (node-link, also for -), .geojson (Nav2's route server), .lif (LIF,"
+    " for VDA 5050) or .yaml (Open-RMF).",
 )
 @SPACING_OPTION
 @binarise_options
@@ -47,7 +48,7 @@ from planner.roadmap import GRAPH_SUFFIXES
     metavar="LENGTH",
     help="Leave out dead ends shorter than this, in the scene's units.",
 )
-@click.option("--frame", default="map", show_default=True, help="TF frame in GeoJSON.")
+@click.option("--frame", default="map", show_default=True, help="Frame of .geojson, .lif, .yaml.")
 @click.option(
     "--map",
     "map_file",
@@ -111,10 +112,10 @@ def command(  # noqa: PLR0913 (an argument for each option of the command line)
             f" direction, of {parts}"
         )
     click.echo(f"{name}: {parts}, robot radius {radius:g} {scene.units}", err=to_stream)
-    if output.suffix.lower() == ".geojson" and scene.units != "m":
+    if output.suffix.lower() not in (".json", ".graphml") and scene.units != "m":
         click.echo(
-            f"note: Nav2 takes coordinates as metres, y up: these are {scene.units}, y down, and"
-            f" fit frame '{frame}' only once they are converted"
+            f"note: Nav2, LIF and Open-RMF take coordinates as metres, y up: these are"
+            f" {scene.units}, y down, and fit frame '{frame}' only once they are converted"
         )
     for remark in (*scene.remarks, *roadmap.remarks):
         click.echo(f"note: {remark}", err=to_stream)

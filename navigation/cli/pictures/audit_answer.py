@@ -1,0 +1,122 @@
+"""The answer of ``clearway audit``: JSON (``clearway.audit/1``), text, or GitHub's annotations.
+
+In JSON every field is always present, null if it does not apply. Lengths are in the map's units,
+timings in milliseconds.
+"""
+
+from __future__ import annotations
+
+import json
+import math
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
+from typing import Any
+
+from planner.graph_audit.audit import GraphAudit
+from planner.graph_audit.edge_lines import length_of
+from planner.graph_audit.findings import SEVERITIES, GraphFinding, Severity
+from planner.shared.figures import placed, sized
+
+SCHEMA = "clearway.audit/1"
+LEVELS: Mapping[Severity, str] = {"unsafe": "error", "error": "error", "warning": "warning"}
+"""GitHub's levels of annotations."""
+PLURALS: Mapping[Severity, str] = {"unsafe": "unsafe", "error": "errors", "warning": "warnings"}
+
+
+@dataclass(frozen=True, slots=True)
+class AuditOutput:
+    """Everything about an audit, to be written in any form."""
+
+    file: str
+    audit: GraphAudit
+    timings_ms: Mapping[str, float]
+    remarks: tuple[str, ...] = ()
+
+    def as_form(self, form: str) -> str:
+        """Return the answer as ``text``, ``json`` or ``github``."""
+        if form == "json":
+            return json.dumps(self.as_object(), allow_nan=False, indent=1) + "\n"
+        return "\n".join(self._annotations() if form == "github" else self._lines()) + "\n"
+
+    def as_object(self) -> dict[str, Any]:
+        """Return the fields of the JSON answer."""
+        found = self.audit
+        return {
+            "schema": SCHEMA,
+            "status": "ok" if found.safe else "unsafe",
+            "units": found.units,
+            "robot_radius": found.radius,
+            "graph": {
+                "file": self.file,
+                "format": found.graph.format,
+                "nodes": len(found.graph.nodes),
+                "edges": len(found.graph.edges),
+            },
+            "counts": {severity: len(found.of(severity)) for severity in SEVERITIES},
+            "findings": [_finding(one) for one in found.findings],
+            "edges": [self._edge(k) for k in range(len(found.edges))],
+            "timings_ms": {name: round(ms, 3) for name, ms in self.timings_ms.items()},
+            "remarks": list(self.remarks),
+        }
+
+    def _edge(self, k: int) -> dict[str, Any]:
+        found, edge = self.audit, self.audit.edges[k]
+        zones = found.zone_clearances
+        clear = math.isfinite(found.clearances[k])
+        return {
+            "id": edge.id,
+            "start": edge.start,
+            "end": edge.end,
+            "length": length_of(found.lines[k]),
+            "clearance": float(found.clearances[k]) if clear else None,
+            "at": found.places[k].tolist() if clear else None,
+            "keepout_distance": _finite(zones[k]) if zones is not None else None,
+        }
+
+    def _lines(self) -> Iterator[str]:
+        found = self.audit
+        counts = ", ".join(f"{len(found.of(one))} {PLURALS[one]}" for one in SEVERITIES)
+        graph = f"{len(found.graph.nodes)} nodes, {len(found.graph.edges)} edges"
+        yield f"{self.file}: {graph}, robot radius {sized(found.radius, found.units)}: {counts}"
+        if len(found.edges) and math.isfinite(found.clearances.min()):
+            k = int(found.clearances.argmin())
+            at = placed(*found.places[k].tolist())
+            least = sized(float(found.clearances[k]), found.units, found.radius)
+            yield f"least clearance {least}: edge {found.edges[k].name} at {at}"
+        for one in found.findings:
+            yield f"{one.severity + ':':<9}{one}"
+            yield f"{'':9}{one.cure}"
+        for remark in self.remarks:
+            yield f"note: {remark}"
+
+    def _annotations(self) -> Iterator[str]:
+        for one in self.audit.findings:
+            file, title = _escaped(self.file, ":,"), _escaped(one.id, ":,")
+            text = _escaped(f"{one}. {one.cure}")
+            yield f"::{LEVELS[one.severity]} file={file},title={title}::{text}"
+        counts = ", ".join(f"{len(self.audit.of(s))} {PLURALS[s]}" for s in SEVERITIES)
+        yield f"::notice file={_escaped(self.file, ':,')}::{counts}"
+
+
+def _finding(one: GraphFinding) -> dict[str, Any]:
+    return {
+        "id": one.id,
+        "kind": one.kind,
+        "severity": one.severity,
+        "edge": one.name if one.subject == "edge" else None,
+        "node": one.name if one.subject == "node" else None,
+        "at": None if one.at is None else list(one.at),
+        "value": None if one.value is None else _finite(one.value),
+        "limit": one.limit,
+        "sentence": str(one),
+        "cure": one.cure,
+    }
+
+
+def _finite(value: float) -> float | None:
+    return float(value) if math.isfinite(value) else None
+
+
+def _escaped(text: str, more: str = "") -> str:
+    """Text for a workflow command of GitHub: these characters would end its parts."""
+    return "".join(f"%{ord(c):02X}" if c in "%\r\n" + more else c for c in text)
