@@ -29,7 +29,7 @@ RETRY_S: Final = 0.5
 START_PATIENCE_S: Final = 1.0
 START_RETRY_S: Final = 0.05
 _MAY_COME: Final = (CommandResult.NO_LEASE, CommandResult.NO_POSE, CommandResult.WRONG_INDEX)
-"""What START may lack for a moment: a lease, a pose, or that the robot has come to rest."""
+"""Refusals of START that may pass in a moment: no lease, no pose, or a robot not yet at rest."""
 
 Command: TypeAlias = Pause | Clear | Start | ResetEstop
 

@@ -85,7 +85,7 @@ class HostConnection:
         self._bytes_s = -math.inf
         self._refused_s = -math.inf
         self._taken = False
-        """Whether another host has the robot, and had it when the link was lost."""
+        """True if another host has the robot, and had it when the link was lost."""
 
     def open(self, now_s: float) -> None:
         """Ask for a robot on the open port. LocalError if it was open already."""

@@ -14,9 +14,9 @@ class HostCounters:
     sessions: int = 0
     links_lost: int = 0
     taken_back: int = 0
-    """How often another host had the robot and fell silent."""
+    """Number of times that another host had the robot and fell silent."""
     stray_hellos: int = 0
-    """How often the robot has answered a HELLO that was none of ours."""
+    """Number of answers of the robot to a HELLO that was none of ours."""
     clock_jumps: int = 0
     reboots: int = 0
     naks: int = 0

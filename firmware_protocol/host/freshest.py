@@ -25,7 +25,7 @@ class Freshest:
     def __init__(self) -> None:
         self.pose_captured_s = -math.inf
         self.stale = 0
-        """How many were too old to be sent."""
+        """Number of poses and leases that were too old to be sent."""
         self._lease: tuple[Lease, float] | None = None
         self._pose: tuple[PoseFix, float] | None = None
 

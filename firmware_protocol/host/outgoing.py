@@ -47,7 +47,7 @@ class Outgoing:
         self.nonce: int | None = None
         """The robot's challenge that is to be answered."""
         self.estop_wanted = False
-        """Whether an emergency stop waits for its confirmation."""
+        """True if an emergency stop waits for its confirmation."""
         self._sessions, self._counters = sessions, counters
         self._estop_s = -math.inf
 

@@ -20,7 +20,7 @@ class RobotClock:
     def __init__(self, pace: LinePace) -> None:
         self.estimate = ClockEstimate()
         self.jumps = 0
-        """How often one of the clocks has jumped."""
+        """Number of times that one of the clocks has jumped."""
         self._asking_s = pace.wire_s(wire_bytes(TimeSync.LAYOUT.size))
         self._answering_s = pace.wire_s(wire_bytes(TimeSyncReply.LAYOUT.size))
         self._schedule = SyncSchedule()

@@ -32,7 +32,7 @@ STRAY_TOLD_S: Final = 1.0
 """Stray HELLOs are reported no more often than this."""
 _REMEMBERED: Final = 16
 _OPENING: Final = (MessageType.HELLO_ACK, MessageType.CHALLENGE)
-"""What the robot says in a session that is not open."""
+"""Messages of the robot in a session that is not open."""
 
 
 class HostSessions:
@@ -41,7 +41,7 @@ class HostSessions:
     def __init__(self, rng: random.Random) -> None:
         self.present = 0
         self.stray_hellos = 0
-        """How often the robot has answered a HELLO that was none of ours."""
+        """Number of answers of the robot to a HELLO that was none of ours."""
         self._rng = rng
         self._own: deque[int] = deque(maxlen=_REMEMBERED)
         self._told_hellos = 0
@@ -49,7 +49,7 @@ class HostSessions:
         self._foreign_s = -math.inf
         self._foreign: int | None = None
         self._frames: int | None = None
-        """How many frames the robot had taken when it reported in that session last."""
+        """Number of frames that the robot had taken at its last report in that session."""
         self._hello_s = 0.0
         self._wait_s = HELLO_FIRST_S
 

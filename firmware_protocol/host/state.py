@@ -55,7 +55,7 @@ class LinkEvent(Enum):
 
 
 _EMPTIED: Final = (LinkState.DRAIN, LinkState.REBOOTED)
-"""What is over here leaves a link on which a mission may be sent."""
+"""States that the end of a mission turns into one in which the next may be sent."""
 _UP: Final = (LinkState.STREAM, LinkState.DRAIN, LinkState.REBOOTED)
 _ASKING: Final = (LinkState.HELLO, LinkState.LINK_LOST, LinkState.REFUSED)
 

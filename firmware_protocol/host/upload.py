@@ -24,9 +24,9 @@ class Upload:
     def __init__(self, mission: Mission) -> None:
         self.mission = mission
         self.released = len(mission)
-        """How many of its waypoints may be sent; what was sent cannot be taken back."""
+        """Number of its waypoints that may be sent; what was sent cannot be taken back."""
         self.on_robot = False
-        """Whether the robot has reported this mission's id."""
+        """True if the robot has reported this mission's id."""
         self.accepted = 0
         self.executed = 0
         self.done = False

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from typing import Final
 
 WHEEL_MAX_MM_S: Final = 2_000
-"""Of speed and of turning, each: their eighths of mm/s fit 16 bits together."""
+"""Highest speed of driving and of turning, each: their eighths of mm/s fit 16 bits together."""
 
 LEAST_WHEEL_MAX_MM_S: Final = 200
 """Wheels that do not turn below this cannot bring a robot to a place."""

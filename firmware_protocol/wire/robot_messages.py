@@ -178,7 +178,7 @@ class Status:
     flags: StatusFlag
     reason: StopReason
     result: CommandResult
-    """What became of command number ``command``."""
+    """Outcome of command number ``command``."""
     command: int
     x_m: float
     y_m: float

@@ -34,11 +34,11 @@ from navigation.orders.table import ORDERS
 
 DONE, FAILED, BAD_INPUT, NO_PATH, BAD_CONFIGURATION = 0, 1, 2, 3, 78
 INTERRUPTED = 128 + 2
-"""As a shell reports SIGINT."""
+"""Exit code that a shell reports for SIGINT."""
 READER_GONE = 128 + 13
-"""As a shell reports SIGPIPE."""
+"""Exit code that a shell reports for SIGPIPE."""
 NO_ROOM = frozenset((errno.ENOSPC, errno.EDQUOT, errno.EFBIG))
-"""What a write says where the disk, or the share of it, is full."""
+"""Errors of a write where the disk, or the share of it, is full."""
 FFMPEG_ERRORS, FFMPEG_QUIET = "16", "-8"
 """Levels of its log: AV_LOG_ERROR and AV_LOG_QUIET."""
 
@@ -48,7 +48,7 @@ Clearway: one camera above an arena, a roadmap with the largest clearance, robot
   clearway plan PICTURE ...   one plan through a picture, scene or map
   clearway run CONFIG.yaml    drive the robot
   clearway --help             all commands"""
-"""What ``clearway`` alone says."""
+"""Answer to ``clearway`` alone."""
 
 OUR_PACKAGES = ("vision", "planner", "navigation", "firmware_protocol")
 

@@ -14,7 +14,7 @@ import click
 from vision.binarise import METHODS, Method, Polarity
 
 Decorator: TypeAlias = Callable[[Callable[..., Any]], Callable[..., Any]]
-"""What an option does with a command's function."""
+"""Function that adds an option to a command's function."""
 
 
 STANDARD_STREAM = Path("-")

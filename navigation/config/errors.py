@@ -19,7 +19,7 @@ from navigation.config.secrecy.secret_places import masked
 from navigation.config.secrecy.secrets import hide, is_secret_key
 
 LONGEST_LINE = 100
-"""Of a longer line only the part around the mistake is shown."""
+"""Length of a line shown in full; of a longer one, the part around the mistake is shown."""
 
 
 @dataclass(frozen=True, slots=True)

@@ -30,7 +30,7 @@ from navigation.config.several.defaults import (
 from navigation.config.unknown_keys import values_of_unknown_keys
 
 MOST_BYTES: Final = 2_000_000
-"""Of a file: more than the longest text takes in UTF-8."""
+"""Size of the largest file: the longest text takes no more in UTF-8."""
 
 
 def load_config(path: str | Path, environment: Mapping[str, str] | None = None) -> Config:

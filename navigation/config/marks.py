@@ -20,7 +20,7 @@ import yaml
 
 MOST_CHARACTERS: Final = 500_000
 MOST_SHOWN: Final = 40
-"""Of a longer word only the beginning is shown."""
+"""Length up to which a word is shown in full."""
 MOST_DEPTH: Final = 50
 MOST_VALUES: Final = 20_000
 """A mission of a thousand stations has five thousand."""
@@ -63,7 +63,7 @@ class TooMuchError(yaml.YAMLError):
     def __init__(self, message: str, mark: Mark) -> None:
         super().__init__(message)
         self.mark = mark
-        """Where it is too much."""
+        """Place at which it is too much."""
 
 
 class _Loader(yaml.SafeLoader):
@@ -73,7 +73,7 @@ class _Loader(yaml.SafeLoader):
         super().__init__(text)
         self._depth = self._values = 0
         self._sizes: dict[int, int] = {}
-        """How many values each node is, written out, by its identity."""
+        """Number of values in each node, aliases written out, by its identity."""
 
     def compose_node(self, parent: yaml.Node | None, index: Any) -> yaml.Node | None:
         """Count and compose a node; ``TooMuchError`` at the value or alias that is too much."""

@@ -23,7 +23,7 @@ from pydantic import (
 )
 
 MOST_STATIONS = 1000
-"""Of one mission, configured or ordered."""
+"""Most stations of one mission, configured or ordered."""
 LONGEST_DWELL_S = 3600.0
 """At one station. On the wire it is a waypoint for every 25 s: at most 144 000 of a mission."""
 
@@ -36,7 +36,7 @@ MOST_CAMERAS = 8
 MOST_HAPPENINGS = 1000
 """Obstacles that come and go, and places of a scripted track."""
 LARGEST = 1e6
-"""Of any number that has no tighter limit."""
+"""Largest absolute value of a number that has no tighter limit."""
 
 Number = Annotated[float, Field(strict=True, allow_inf_nan=False, ge=-LARGEST, le=LARGEST)]
 Positive = Annotated[float, Field(strict=True, allow_inf_nan=False, gt=0, le=LARGEST)]
@@ -58,13 +58,13 @@ def _from(least: float) -> AfterValidator:
 
 
 Length = Annotated[Positive, Field(le=100), _from(0.001)]
-"""Of a body or marker: from a millimetre to a hundred metres."""
+"""Length of a body or marker: from a millimetre to a hundred metres."""
 Fine = Annotated[Positive, Field(le=10), _from(1e-6)]
 """A small length: what a pixel shows of the floor, how far a chord may leave its path."""
 Rate = Annotated[Positive, Field(le=1000), _from(0.001)]
 """A speed, an acceleration or a frequency that is divided by."""
 LeastWheelSpeed = Annotated[NotNegative, Field(le=0.2)]
-"""As fast as the firmware's pulses may be (`LEAST_WHEEL_MAX_MM_S`)."""
+"""Speed up to the fastest of the firmware's pulses (`LEAST_WHEEL_MAX_MM_S`)."""
 Fraction = Annotated[float, Field(strict=True, allow_inf_nan=False, ge=0, lt=1)]
 RelativeError = Annotated[float, Field(strict=True, allow_inf_nan=False, gt=-0.5, lt=0.5)]
 
@@ -86,7 +86,7 @@ def _auto_or(least: float, most: float) -> BeforeValidator:
 ExposureTime = Annotated[
     Annotated[float, Field(ge=0.01, le=10_000)] | Literal["auto"], _auto_or(0.01, 10_000.0)
 ]
-"""Of a camera, milliseconds: from a hundredth to ten seconds."""
+"""A camera's exposure, milliseconds: from a hundredth to ten seconds."""
 DriverUnits = Annotated[
     Annotated[float, Field(ge=0, le=65_535)] | Literal["auto"], _auto_or(0.0, 65_535.0)
 ]

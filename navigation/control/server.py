@@ -61,7 +61,7 @@ class ControlServer:
     ) -> None:
         self.path = path
         self.refused = 0
-        """How many requests were malformed or refused."""
+        """Number of requests that were malformed or refused."""
         self.turns = 0
         """Grows while the thread works, and the orders' threads do not hang."""
         self._people, self._clock = people, clock

@@ -56,7 +56,7 @@ from vision.markers.markers import RobotPose
 
 LOOK_EVERY_S: Final = 1.0 / 60.0
 IDLE_EVERY_S: Final = 0.1
-"""How often the hub looks while nobody watches it."""
+"""Interval at which the hub looks while it has no viewer."""
 STATE_EVERY_S: Final = 0.1
 PICTURES_S: Final = 120.0
 KINDS: Final = ("picture", "camera")

@@ -73,7 +73,7 @@ class Dashboard:
         self._show_token, self._own_token = show_token, own_token
         self._section = daemon.config.dashboard
         self.url: str | None = None
-        """Where it listens; None where it does not."""
+        """Address at which it listens; None if it does not."""
         self.hub: Hub | None = None
         self._socket: Listener | None = None
         self._loop: asyncio.AbstractEventLoop | None = None

@@ -38,14 +38,14 @@ from navigation.shared.supervisor import in_words
 
 MOST_CHARACTERS: Final = 65_536
 PATIENCE: Final = 20
-"""How many malformed messages one connection may send."""
+"""Number of malformed messages at which a connection is closed."""
 ANSWERS: Final = 64
 MESSAGES_S: Final = 60.0
 """Messages a second beside one for each picture, for `BURST_S` at once."""
 BURST_S: Final = 5.0
 NAME_CHARACTERS: Final = 40
 NAMELESS: Final = "somebody"
-"""Who has not said a name."""
+"""Name of a viewer that has given none."""
 POLICY, TOO_BIG, GOING_AWAY, TRY_LATER = 1008, 1009, 1001, 1013
 
 

@@ -58,7 +58,7 @@ if TYPE_CHECKING:
 
 ARC_STEP_RAD = math.radians(3.0)
 FLATNESS_PX = 0.2
-"""How far the roadmap's curves may be drawn beside where they are."""
+"""Largest distance of the roadmap's drawn curves from where they are."""
 COLOUR_STEP_PX = 5.0
 """Along an edge the colour follows the clearance this often."""
 

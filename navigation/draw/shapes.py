@@ -45,9 +45,9 @@ ROBOTS: tuple[Colour, ...] = (
     (0, 0, 72),
     (46, 0, 24),
 )
-"""Of several robots, in the order of the configuration, and again from the ninth on: every robot
-has its number and name, too. White on each has a contrast of 4.5 at least, and any two differ by 28
-(CIE 1976) for those who lack one kind of cones as for others: found by search, and tested
+"""Colours of several robots, in the order of the configuration, and again from the ninth on: every
+robot has its number and name, too. White on each has a contrast of 4.5 at least, and any two differ
+by 28 (CIE 1976) for people who lack one kind of cones as for others: found by search, and tested
 (`test_palette.py`)."""
 
 CLEARANCE_RAMP: tuple[Colour, ...] = (

@@ -55,7 +55,7 @@ REFUSED_S: Final = 1.5
 AHEAD: Final = 40
 """Targets that a robot has beyond the one it drives to: 2 m, a second's upload."""
 SLACK_M: Final = 0.01
-"""How far below the radius a path's clearance may be in a new scene: the camera's error."""
+"""Length by which a path's clearance may be below the radius in a new scene: the camera's error."""
 GOING: Final = (State.DRIVING, State.PLANNING, State.PROVING)
 OVER: Final = (State.FAILED, State.STOPPED, State.IDLE)
 
@@ -68,9 +68,9 @@ class Coordinator:
     def __init__(self, clearance_m: Clearance) -> None:
         self.held: dict[str, Held] = {}
         self._left: dict[str, Held] = {}
-        """What others were given before: one that is not seen may be driving it."""
+        """Promises of earlier plans: a robot that is not seen may be driving one."""
         self.rounds = 0
-        """How often all were planned together."""
+        """Number of plans asked for, of all robots or of some that join driving ones."""
         self._clearance_m = clearance_m
         self._open: dict[str, PlanRequest] = {}
         self._gathering_s: float | None = None

@@ -34,14 +34,14 @@ from planner.path import Path
 from planner.scene import FloatArray
 
 HORIZON_S: Final = 4.0
-"""How far ahead a runaway is looked at: to stop, turn and drive a diameter aside takes 3 s."""
+"""Time for which a runaway is foreseen: to stop, turn and drive a diameter aside takes 3 s."""
 STEPS: Final = 40
 BEGINS_S: Final = 0.25
 """From the picture to wheels that turn: two cycles, the line, and the camera."""
 HEADINGS: Final = 24
 LENGTHS_M: Final = np.linspace(0.05, 0.6, 12)
 STEERS_RAD: Final = 0.3
-"""What lies no further to the side is driven to without a stop."""
+"""Largest turn to the side that a robot drives without a stop."""
 PIECE_M: Final = 0.05
 CERTAIN_M: Final = 0.01
 """More than its radius a robot that drives aside keeps from walls: the camera's error."""

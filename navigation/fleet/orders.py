@@ -33,11 +33,11 @@ class FleetOrders:
     answers: Mapping[str, PlanAnswer] = field(default_factory=dict)
     """For the pilots."""
     waits: Mapping[str, str] = field(default_factory=dict)
-    """Who waits for whom and why, in a sentence each."""
+    """Sentences by waiting robot: which one it waits for, and why."""
     waits_for: Mapping[str, str] = field(default_factory=dict)
-    """Of those the robots that wait for one other: for which."""
+    """Robot awaited, for each in ``waits`` that waits for one other robot."""
     holds: Mapping[str, str] = field(default_factory=dict)
-    """Who may not move now, and why."""
+    """Reasons why robots may not move now, by robot."""
     errands: Mapping[str, Station] = field(default_factory=dict)
     """Robots without a mission that have to step aside, and the place that they come back to."""
 

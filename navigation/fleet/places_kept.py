@@ -35,31 +35,31 @@ class Member:
 
     state: State
     pose: tuple[float, float, float] | None
-    """Where it was seen last; None: never."""
+    """Pose in which it was last seen; None: never."""
     pose_age_s: float
     stands: bool
-    """Whether it does not move; of one that is not seen: cannot move any more."""
+    """True if it does not move, or, if it is not seen, cannot move any more."""
     radius_m: float
     limits: Limits
     max_deviation_m: float
     reach_m: float
-    """How far it drives at most after it was seen last, until its lease and its brakes end that."""
+    """Longest drive after it was last seen, until its lease and its brakes end that."""
     executed: int | None = None
-    """Of the plan that it drives now; None where it drives none."""
+    """Targets executed of the plan that it drives now; None if it drives none."""
     request: PlanRequest | None = None
-    """What it asks for in this cycle."""
+    """Request of this cycle."""
     sentence: str = ""
-    """What its mission says."""
+    """Sentence of its mission: the reason for its state."""
     obliging: bool = False
     """The robot is at rest without a mission, is well, and may be asked to step aside."""
     velocity: tuple[float, float, float] = (0.0, 0.0, 0.0)
     """Along both axes, and turning to the left, as it was seen last."""
     obeys: bool = True
-    """Whether it is no faster than its lease lets it be, or its brakes since that ended."""
+    """True if it is no faster than its lease lets it be, or its brakes since that ended."""
     is_silent: bool = False
     """The robot is silent, so it is unknown whether it hears."""
     keep_m: float = 0.03
-    """What it keeps from the body of one that runs away."""
+    """Distance that it keeps from the body of a runaway."""
     at_large: bool = False
     """It may be anywhere: it is neither seen nor heard, and nothing of its own stops it."""
 

@@ -52,13 +52,13 @@ OVERLAP_M: Final = 0.003
 STANDS_M_S: Final = 1e-3
 """A waypoint that is slower is a stop."""
 TIME_LIMIT_S: Final = 3.0
-"""Of one search; the robots stand meanwhile."""
+"""Time limit of one search; the robots stand still meanwhile."""
 SEEDS: Final = 4
-"""Of a plan that would need its timing others are tried, from another beginning each."""
+"""Number of beginnings tried, one after another, until a plan does not need its timing."""
 LESS_ROOM: Final = 0.3
-"""Of the distance that bodies keep, where there is no plan with all of it."""
+"""Share of the distance that bodies keep, where there is no live plan with all of it."""
 ROUNDS: Final = 10
-"""Of shortening: 40 ms with six robots."""
+"""Rounds of shortening: 40 ms with six robots."""
 NOT_LIVE: Final = "every plan that was found has robots wait for each other in a ring"
 
 

@@ -22,7 +22,7 @@ class Situation:
     revision: int
     goals: frozenset[tuple[str, Station]]
     at_rest: Mapping[str, tuple[float, float]]
-    """Where those are that do not drive."""
+    """Places of the robots that do not drive."""
 
     def is_like(self, other: Situation | None) -> bool:
         """True if nothing has changed except by noise."""

@@ -21,13 +21,13 @@ class Held:
 
     promise: Promise
     executed: int = 0
-    """Of the promise's targets."""
+    """Number of the promise's targets that were executed."""
     base: int = 0
-    """How many of them were executed when the plan that is driven now began."""
+    """Number of them that were executed when the plan that is driven now began."""
     broken: bool = False
     """The robot will not drive the rest."""
     sent: int = 0
-    """How many of the targets the robot may have been given."""
+    """Number of the targets that the robot may have been given."""
     errand: bool = False
     """The robot has no mission of its own there, and has not been given this one yet."""
 

@@ -45,7 +45,7 @@ class FleetRequest:
     travellers: tuple[Traveller, ...]
     taken: tuple[Taken, ...] = ()
     driving: tuple[Driving, ...] = ()
-    """Who drives on meanwhile; empty where all stand and are planned together."""
+    """Robots that drive on meanwhile; empty if all are at rest and are planned together."""
     idle: tuple[Traveller, ...] = ()
     """Robots at rest without a mission, which may step aside and come back to their station."""
 

@@ -28,10 +28,10 @@ from planner.roadmap.roadmap import Roadmap
 from planner.scene import FloatArray
 
 CHORD_M: Final = 0.001
-"""How far the straight lines between targets may leave a rounded corner: the camera's error."""
+"""Largest gap between a rounded corner and the lines between targets: the camera's error."""
 
 ROUNDING_M: Final = 1e-9
-"""Of distances that are computed twice."""
+"""Rounding error of distances that are computed twice."""
 
 
 @dataclass(frozen=True, slots=True)

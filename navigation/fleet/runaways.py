@@ -33,7 +33,7 @@ class Runaway:
     turn_rate_rad_s: float
     radius_m: float
     certain: bool = True
-    """Whether it does run away."""
+    """True if it does run away."""
 
     def places(self, times_s: FloatArray) -> FloatArray:
         """Its centre at these times from now, (n, 2)."""

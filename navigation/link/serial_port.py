@@ -27,7 +27,7 @@ class PortNotReadyError(PortError):
 NEVER: Final = frozenset(
     (errno.ENOTTY, errno.EINVAL, errno.ENOTDIR, errno.ELOOP, errno.ENAMETOOLONG)
 )
-"""What only another configuration helps against; everything else may pass."""
+"""Errors that only another configuration helps against; everything else may pass."""
 
 
 def open_port(path: str, baud: int) -> serial.Serial:

@@ -112,7 +112,7 @@ class Daemon:
         self.lent: str | None = None
         """Why the robots hold while the camera serves something else."""
         self.state: RunState | None = None
-        """What the last cycle ended with; replaced as a whole, so any thread may read it."""
+        """State after the last cycle; replaced as a whole, so any thread may read it."""
         self.troubles: dict[str, str] = {}
         """Troubles that people must know of although the run continues, by subject; set by the
         loop's thread."""

@@ -39,7 +39,7 @@ class PlanSettings:
     prefer: str | float
     limits: Limits
     margin: Literal["relaxed", "strict"] = "relaxed"
-    """Whether a start or goal within the margin is planned from and to, or refused."""
+    """Treatment of a start or goal within the margin: planned from and to, or refused."""
 
 
 @dataclass(frozen=True, slots=True)

@@ -56,9 +56,9 @@ class RobotSnapshot:
     """The plan that is being driven."""
     times: StageTimes
     evidence: Evidence = NO_EVIDENCE
-    """What camera and wheels say together."""
+    """Evidence of camera and wheels together."""
     trust: Level = Level.SURE
-    """How far the robot's identity can be trusted."""
+    """Trust in the robot's identity."""
     troubles: tuple[str, ...] = ()
     """Troubles that people must know of although the run continues: a journal or log that cannot be
     written."""
@@ -71,11 +71,11 @@ class RunState:
     time_s: float
     robots: Mapping[str, RobotSnapshot]
     waits: Mapping[str, str] = field(default_factory=dict)
-    """Who waits for whom and why, in a sentence each."""
+    """Sentences by waiting robot: which one it waits for, and why."""
     rounds: int = 0
-    """How often all were planned together."""
+    """Number of plans asked for, of all robots or of some that join driving ones."""
     waits_for: Mapping[str, str] = field(default_factory=dict)
-    """Of those in ``waits`` that wait for one other robot: for which."""
+    """Robot awaited, for each in ``waits`` that waits for one other robot."""
 
     @property
     def only(self) -> RobotSnapshot:

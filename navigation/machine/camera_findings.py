@@ -24,7 +24,7 @@ from vision.quality.focus import SHARP_PX
 NOISY: Final = 6.0
 """Grey levels: outlines are found to a tenth of a pixel with 2.5, and worse in proportion."""
 FLICKERS: Final = 0.01
-"""Of the brightness: more is a change of light to the watch over the arena."""
+"""Flicker as a share of the brightness: more is a change of light to the watch over the arena."""
 CLIPS: Final = 0.01
 DARK_CLIPS: Final = 0.3
 """Black obstacles may be wholly black; a third of the picture is an exposure that is too short."""
@@ -46,7 +46,7 @@ class CameraMeasurements:
     taken: str
     """Format, size and rate agreed on with a device: ``MJPG 1280x960 at 30 frames/s``."""
     reason: str
-    """What the camera itself says, of controls refused and the like."""
+    """Remark of the camera itself, on controls refused and the like."""
     damaged: int
     missing: int
     quality: Quality

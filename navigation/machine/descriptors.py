@@ -10,7 +10,7 @@ WANTED: Final = 1024
 """Descriptors below this fit ``select``, which pyserial and the link's thread wait with. The page's
 and the socket's connections take less than half of them."""
 NONE_LEFT: Final = frozenset({errno.EMFILE, errno.ENFILE, errno.ENOBUFS, errno.ENOMEM})
-"""What `accept` says where the process or the system has no room for another connection."""
+"""Errors of `accept` where the process or the system has no room for another connection."""
 
 
 def set_descriptor_limit(wanted: int = WANTED) -> int:

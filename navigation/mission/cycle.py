@@ -26,21 +26,21 @@ class PilotSettings:
     goal_tolerance_m: float
     goal_tolerance_rad: float
     settle_s: float
-    """How long the cause of a hold must be gone before a new plan is made, and how long the
-    robot must stand before the camera judges its arrival."""
+    """Time that the cause of a hold must be gone before a new plan is made, and that the robot must
+    be at rest before the camera judges its arrival."""
     retry_s: float
-    """How long to wait before asking for a plan again where there was none."""
+    """Time to wait before asking for a plan again where there was none."""
     robot_grace_s: float
-    """How long the robot may take to begin, or stand without having finished."""
+    """Time that the robot may take to begin, or be at rest without having finished."""
     replan_distance_m: float
     """A changed obstacle that comes nearer to the path than this asks for a new plan."""
     give_up_s: float
-    """How long the robot may wait without any progress before the mission fails."""
+    """Time that the robot may wait without any progress before the mission fails."""
     traffic: TrafficLimits
     corrections: int
-    """How often the last stretch is planned again where the camera sees the robot off its goal."""
+    """Most corrections of the last stretch where the camera sees the robot off its goal."""
     turns_on_spot: bool = True
-    """Whether the robot can prove itself by a turn on the spot."""
+    """True if the robot can prove itself by a turn on the spot."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -59,11 +59,11 @@ class Sight:
     failed: str | None = None
     """The sentence that says which part of the program has failed and is being restarted."""
     camera_reason: str = ""
-    """What the camera says of itself; empty while all is well."""
+    """Remark of the camera on itself; empty while all is well."""
     doubles: tuple[str, ...] = ()
     """A sentence for each marker that is seen twice."""
     evidence: Evidence = NO_EVIDENCE
-    """What camera and wheels say together."""
+    """Evidence of camera and wheels together."""
     scene_doubt: str | None = None
     """The sentence that says why the arena cannot be what the newest scene shows."""
     partner: str | None = None
@@ -82,12 +82,12 @@ class RobotReport:
     down_reason: str | None = "not connected yet"
     estopped: bool = False
     leaving_estop: bool = False
-    """Whether the robot was re-armed and has not answered yet: it reports the old stop."""
+    """True if the robot was re-armed and has not answered yet: it reports the old stop."""
     disarmed: bool = False
     mission_id: int | None = None
     """The mission that the robot holds."""
     executed: int = 0
-    """How many waypoints of that mission the robot has reached."""
+    """Number of waypoints of that mission that the robot has reached."""
     no_permit: str | None = None
     """Why the robot cannot be given a lease to drive; None where it can."""
     standing_reason: str | None = None
@@ -95,9 +95,9 @@ class RobotReport:
     waits: bool = False
     """True if it has reached every waypoint that it was sent, and waits for more."""
     place_m: tuple[float, float] | None = None
-    """Where the robot believes to be."""
+    """Place at which the robot believes itself to be."""
     fault: str | None = None
-    """What the robot feels that made it stop itself."""
+    """Fault felt by the robot, which made it stop itself."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -109,9 +109,9 @@ class PlanRequest:
     stations: tuple[Station, ...]
     scene_revision: int
     any_order: bool = False
-    """Whether the stations but the last may change places."""
+    """True if the stations but the last may change places."""
     avoid: tuple[Disc, ...] = ()
-    """Where other robots are: kept clear of as obstacles are, in this plan only."""
+    """Places of other robots: kept clear of as obstacles are, in this plan only."""
     speed_m_s: float | None = None
     """No faster than this, where the camera's pictures are late; None: as fast as it can."""
 
@@ -125,7 +125,7 @@ class PlanAnswer:
     path: Path | NoPath
     trajectory: Trajectory | None = None
     targets: tuple[Target, ...] = ()
-    """What the robot is given; empty where there is no path."""
+    """Targets that the robot is given; empty if there is no path."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -133,7 +133,7 @@ class Orders:
     """Orders after a cycle; None and False mean nothing."""
 
     permit: bool
-    """Whether the lease lets the robot move."""
+    """True if the lease lets the robot move."""
     request: PlanRequest | None = None
     upload: tuple[int, tuple[Target, ...]] | None = None
     """A new mission for the robot: its id and the targets."""

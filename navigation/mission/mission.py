@@ -109,7 +109,7 @@ class MissionProgress:
     state: State = State.IDLE
     reason: str = "no mission was given"
     paused: bool = False
-    """Whether the operator has paused it; a restart of the program keeps that."""
+    """True if the operator has paused it; a restart of the program keeps that."""
     errand: Station | None = None
     """The place that a robot comes back to which has visited all and steps aside for another."""
 

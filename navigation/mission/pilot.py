@@ -70,9 +70,9 @@ class Pilot:
         self._facts = FactFinder(settings, self.trust)
         self._closed_way = NO_PLAN.left
         self.no_path = False
-        """Whether the last plan asked for could not be made."""
+        """True if the last plan asked for could not be made."""
         self.has_met_its_devices = False
-        """Whether robot and camera have both been there; until then no mission is given up."""
+        """True once robot and camera have both been there; until then no mission is given up."""
 
     # Orders from people: taken at once, acted on in the next cycle.
 

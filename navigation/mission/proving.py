@@ -24,7 +24,7 @@ class ProofStep(NamedTuple):
     """Orders of one cycle of a proof; empty while it continues."""
 
     event: Event | None = None
-    """Of the mission."""
+    """Event of the mission."""
     sentence: str = ""
     stop: str | None = None
     """Why the robot has to be stopped."""

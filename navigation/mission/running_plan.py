@@ -31,11 +31,11 @@ class RunningPlan:
     speed_m_s: float = math.inf
     """No faster than this."""
     revision: int = 0
-    """Of the scene that it was made in."""
+    """Number of the scene that it was made in."""
     visited_before: int = 0
     """The mission's stations that were visited when it was made."""
     executed: int = 0
-    """How many targets the robot has reached."""
+    """Number of targets that the robot has reached."""
     left: FloatArray = field(init=False, repr=False, compare=False)
     """The places (n, 2) of the targets that are left."""
 

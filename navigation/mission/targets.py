@@ -19,7 +19,7 @@ from firmware_protocol.wire.messages import Waypoint, WaypointFlag
 from planner.path import Path, TimedWaypoint, Trajectory
 
 LONGEST_DWELL_S = 25.0
-"""What one waypoint can say on the wire (25.5 s); a longer stay is several at one place."""
+"""Longest stay at one waypoint (the wire can say 25.5 s); a longer one is several at one place."""
 
 STEERED_RAD: Final = 0.2
 """The reference robot turns standing for more (``TURN_STANDING`` of its follower)."""

@@ -162,7 +162,7 @@ class Disc:
     radius_m: float
     robot_id: int
     moves: bool
-    """Whether the robot will not stay there."""
+    """True if the robot will not stay there."""
 
 
 def discs_to_avoid(here: Vec, movers: Sequence[Mover], limits: TrafficLimits) -> tuple[Disc, ...]:

@@ -38,7 +38,7 @@ APART_RAD: Final = 2.0 * TURN_RAD
 """More than the whole turn can make them differ by, however late the pictures are: a robot that is
 drawn back by a picture that stands still turns on and on."""
 PATIENCE_S: Final = 3.0
-"""How long pictures may take to show the turn: longer than any latency that is measured."""
+"""Time that pictures may take to show the turn: longer than any latency that is measured."""
 LONGEST_PROOF_S: Final = 8.0
 BEGINS_WITHIN_S: Final = 3.0
 """A robot whose wheels have not turned at all by then will not turn."""

@@ -33,10 +33,10 @@ class SafetyLimits:
     max_deviation_m: float
     robot_radius_m: float
     clearance_slack_m: float
-    """How far below the radius the measured clearance may fall before it is a violation:
+    """Length by which the measured clearance may fall below the radius before it is a violation:
     the camera's own uncertainty."""
     latency_s: float = 0.25
-    """How old pictures may be when they arrive."""
+    """Highest age of pictures when they arrive."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -56,19 +56,19 @@ class Facts:
     deviation_m: float | None
     paused: bool
     robot_fault: str | None = None
-    """What the robot feels that made it stop itself: a bumper, a cliff."""
+    """Fault felt by the robot, which made it stop itself: a bumper, a cliff."""
     near_robot: str | None = None
     """The sentence that says which other robot is too near."""
     failed: str | None = None
     """The sentence that says which part of the program has failed."""
     camera_reason: str = ""
-    """What the camera says of itself; empty while all is well."""
+    """Remark of the camera on itself; empty while all is well."""
     doubles: tuple[str, ...] = ()
     """A sentence for each of the robot's markers that is seen twice."""
     parted: str | None = None
     """The sentence that says how camera and wheels differ."""
     latency_s: float | None = None
-    """How old pictures are when they arrive, measured; None while it does not matter."""
+    """Age of pictures when they arrive, measured; None while it does not matter."""
     partner: str | None = None
     """The sentence that says which robot of the same fleet is in the path."""
     scene_doubt: str | None = None

@@ -19,7 +19,7 @@ if TYPE_CHECKING:
     from navigation.loop.people import People
 
 SCHEMA: Final = "clearway.status/1"
-"""Of the answer to any order that was taken."""
+"""Schema of the answer to any order that was taken."""
 
 
 def carry_out(request: Mapping[str, Any], people: People) -> dict[str, Any]:

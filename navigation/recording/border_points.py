@@ -19,7 +19,7 @@ from planner.scene import (
 )
 
 CHORD_TOLERANCE = 0.0005
-"""How far a chord may leave its arc, as a part of the scene's shorter side."""
+"""Largest gap between an arc and its chord, as a part of the scene's shorter side."""
 
 
 def border_polylines(scene: Scene) -> Iterator[tuple[int, FloatArray]]:

@@ -30,8 +30,8 @@ from navigation.recording.files import RecordingError
 
 MAGIC: Final = b"\x89MCAP0\r\n"
 MOST_RECORD_BYTES: Final = 1 << 28
-"""Of a record, packed or not. The recorder closes a chunk when it has 0.8 MB; a single message may
-be larger, and the largest, an 8K picture without loss, has 100 MB."""
+"""Size of the largest record, packed or not. The recorder closes a chunk when it has 0.8 MB; a
+single message may be larger, and the largest, an 8K picture without loss, has 100 MB."""
 MOST_TIMES: Final = 1000
 """Most that unpacked data may exceed its chunk by, as a factor. Others may pack a recording; the
 same small picture over and over becomes 250 times smaller, what else is recorded 30 times."""

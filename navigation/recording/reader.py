@@ -35,7 +35,7 @@ BAD_BODY: Final = (
 )
 """JSON that is damaged, or has other things or larger numbers in it than the recorder writes."""
 MOST_CHARACTERS: Final = 300
-"""Of a reason that another library gives."""
+"""Length up to which another library's reason is given."""
 _VARINT_BITS: Final = 64
 
 

@@ -64,7 +64,7 @@ class TapedPlan:
 
 
 Waits: TypeAlias = tuple[dict[str, str], dict[str, str]]
-"""Who waits and why, and for whom, by name."""
+"""Sentences of the robots that wait, and the robots they wait for, by name."""
 
 
 @dataclass(slots=True)
@@ -81,7 +81,7 @@ class Tape:
     pictures: list[TapedPicture] = field(default_factory=list)
     plans: dict[str, list[TapedPlan]] = field(default_factory=lambda: defaultdict(list))
     said: dict[str, list[tuple[float, str]]] = field(default_factory=lambda: defaultdict(list))
-    """What the mission was and why: ``state: sentence``."""
+    """States of the mission and their reasons: ``state: sentence``."""
     links: dict[str, list[tuple[float, dict[str, Any]]]] = field(
         default_factory=lambda: defaultdict(list)
     )

@@ -19,7 +19,7 @@ from navigation.mission.mission import MissionProgress, Station
 from planner.fleet.assignment import assign_tasks
 
 ROBOT_PATIENCE_S: Final = 3.0
-"""How long a restart waits for the robots to say how far they have come."""
+"""Time that a restart waits for the robots to say how far they have come."""
 
 
 class GiveMissions:
@@ -36,7 +36,7 @@ class GiveMissions:
         self._until_s = daemon.world.clock() + ROBOT_PATIENCE_S
         self._left: dict[str, MissionProgress] = {}
         self._kept: dict[str, MissionProgress] = {}
-        """Of a run that continues: what each journal holds, finished or not."""
+        """Missions in the journals of a run that continues, finished or not."""
         self._given: dict[str, tuple[Station, ...]] = {}
         for name, robot in daemon.robots.items():
             mission = None if robot.journal is None else robot.journal.mission()

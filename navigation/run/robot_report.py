@@ -77,10 +77,10 @@ class Report:
     frames: FrameCounts
     latency_ms: Latencies
     ground_truth: bool
-    """Whether clearance, tracking and goal errors come from the simulation's truth or from the
+    """True if clearance, tracking and goal errors come from the simulation's truth, not the
     camera."""
     track_jumps: int = 0
-    """How often the robot was next seen where it had not driven to: lifted, or unseen between."""
+    """Number of jumps to where the robot had not driven: it was lifted, or unseen between."""
 
     @classmethod
     def of_nothing(cls, reason: str, stations: int) -> Report:

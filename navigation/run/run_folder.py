@@ -26,7 +26,7 @@ from planner.borders.polyline import arc_lengths, points_at
 from planner.scene import FloatArray
 
 REACH_SHARE, REACH_M = 1.1, 0.02
-"""How far along its plan a robot may have come, as a share of the length it drove, and more."""
+"""Reach of a robot along its plan: a share of the length it drove, and metres more."""
 ANYTHING_M_S = 10.0
 """The speed of other robots is unknown: their tracks break only where they were not seen."""
 STRETCH_STEP_M = 0.005

@@ -37,9 +37,9 @@ class RunReport:
     """Between the bodies of the two robots that came nearest; below 0 they touched."""
     least_gap_between: tuple[str, str] | None = None
     min_clearance_m: float | None = None
-    """Of the robot that came nearest to an obstacle: from its centre."""
+    """Clearance of the robot that came nearest to an obstacle, from its centre."""
     rounds: int = 0
-    """How often all were planned together."""
+    """Number of plans asked for, of all robots or of some that join driving ones."""
 
     @classmethod
     def of_nothing(cls, reason: str, stations: Mapping[str, int]) -> RunReport:

@@ -57,7 +57,7 @@ if TYPE_CHECKING:
 
 DONE, FAILED, NO_PATH = 0, 1, 3
 NO_ROOM = frozenset((errno.ENOSPC, errno.EDQUOT, errno.EFBIG))
-"""What a write says where the disk, or the share of it, is full."""
+"""Errors of a write where the disk, or the share of it, is full."""
 EVENTS_FILE = "events.jsonl"
 """In a run's folder: the log of its events."""
 
@@ -113,7 +113,7 @@ class Runner:
         self._watchdog_s = watchdog_s
         self.interrupt_reason = "interrupted"
         self.desk: Desk | None = None
-        """Where the page changes the configuration; set before `run`."""
+        """Desk by which the page changes the configuration; set before `run`."""
         self.waits = False
         """For orders, instead of driving the configured mission."""
         self.is_warming_up = False

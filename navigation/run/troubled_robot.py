@@ -54,7 +54,7 @@ class RobotTroubles:
     stuck: bool = False
     """The wheels turn and the robot stays where it is."""
     stuck_at: TruePose | None = None
-    """Where it stays, once it does."""
+    """Pose in which it stays, once it does."""
 
     def meet(self, loop: VirtualLoop) -> None:
         """Apply the present faults to a robot and its line."""

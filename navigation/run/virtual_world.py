@@ -40,7 +40,7 @@ from vision.camera.latest_frame import CameraStatus, LatestFrame, WatchLimits
 from vision.camera.several_frames import SeveralFrames
 
 WATCH_EVERY_S = 0.005
-"""How long a read of the camera may keep the control loop waiting."""
+"""Time that a read of the camera may keep the control loop waiting."""
 VIRTUAL_LIMITS = WatchLimits(read_timeout_s=WATCH_EVERY_S)
 
 
@@ -82,7 +82,7 @@ class VirtualWorld:
         self.config = config
         self.times = times or VirtualTimes()
         self.cameras: defaultdict[str | None, CameraTroubles] = defaultdict(CameraTroubles)
-        """What may go wrong with the camera, or with each of several by name."""
+        """Troubles that a test gives the camera, or each of several by name."""
         alone = bodies or robots_of(config)
         self.bodies = {name: TroubledRobot.of(one) for name, one in alone.items()}
         """The robots by name; one that is alone has none."""

@@ -23,7 +23,7 @@ MOST_ROWS: Final = 360_000
 UNSEEN_S: Final = 0.5
 """A robot's place is unknown after this time without a sighting."""
 UNNOTICED_M: Final = 0.03
-"""What a robot may be off after a moment without a row: braking, noise, a late picture."""
+"""Distance that a robot may be off after a moment without a row: braking, noise, a late picture."""
 FASTER: Final = 1.5
 """Times its greatest speed: no wheels did that."""
 

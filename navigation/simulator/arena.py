@@ -35,7 +35,7 @@ from planner.scene import (
 BoolArray: TypeAlias = NDArray[np.bool_]
 
 TRACK_TOLERANCE_M = 1e-7
-"""How near to the true least clearance `track_clearance` comes."""
+"""Accuracy of the least clearance of `track_clearance`."""
 
 
 @dataclass(frozen=True, slots=True)

@@ -110,7 +110,7 @@ class Drive:
         self.model = model
         self.put_down(pose)
         self.has_power = True
-        """Whether the motors have; without it the wheels run down, whatever is ordered."""
+        """True if the motors have power; without it the wheels run down, whatever is ordered."""
         self._left = _Wheel(model, model.left_scale, rng)
         self._right = _Wheel(model, model.right_scale, rng)
 

@@ -21,7 +21,7 @@ from planner.formats.scene_io import read_scene_text
 from planner.scene import FloatArray, SceneError, SceneObject, Vec
 
 TURN_RATE_RAD_S = 2.0
-"""How fast another robot turns on the spot."""
+"""Rate at which another robot turns on the spot."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -23,7 +23,7 @@ class OwnTime:
         self._runs = False
         self._changed = threading.Condition()
         self.lost_s = 0.0
-        """How much of the clock's time was let go."""
+        """Part of the clock's time that was skipped."""
 
     def begin(self, now_s: float) -> None:
         """Switch the robot on; it is waited for only from here to :meth:`end`."""

@@ -23,11 +23,12 @@ from typing import Final
 PATIENCE_S: Final = 3.0
 """A thread that got no processor for this time, while others did, hangs."""
 READS_SLACK_S: Final = 0.1
-"""How late a thread may read the clock again: the control loop reads it twice in this time."""
+"""Longest pause of a thread between reads: the control loop reads the clock twice in this time."""
 LONGEST_GAP_S: Final = 0.1
 """The clock is read more often than this unless the whole program is suspended."""
 SHARED_VALUES: Final = 3
-"""What two processes share: the seconds lost, and until when the parts of each let time pass."""
+"""Values that two processes share: the seconds lost, and until when each one's parts let time
+pass."""
 
 
 class SlowingClock:

@@ -58,9 +58,9 @@ class Row:
     noise_grey: float = 0.0
     blur_px: float = 0.0
     robot: str = ""
-    """Of several robots the one that the row is of."""
+    """Name of the robot that the row is of, if there are several."""
     least_gap_m: float | None = None
-    """Of several robots: between the two bodies that came nearest in the run."""
+    """Gap between the two bodies that came nearest in the run, if there are several robots."""
 
 
 Work: TypeAlias = Callable[[Config, Variation], tuple[Row, ...]]
@@ -131,7 +131,7 @@ class Sweep:
         self._work = work
         self._attempts: dict[int, int] = {}
         self.deaths = 0
-        """How often workers died."""
+        """Number of times that workers died."""
 
     def rows(self) -> Iterator[Row]:
         """Yield a row for every variation and each of its robots, in order of completion."""

@@ -26,10 +26,10 @@ ANCHOR_EVERY_S: Final = 0.1
 ANCHORS: Final = 100
 """Ten seconds."""
 OFF_CENTRE_M: Final = 0.005
-"""How far a marker may sit from the middle between the wheels: a turn moves it around that."""
+"""Distance that a marker may be from the middle between the wheels: a turn moves it around that."""
 SLACK_RAD: Final = 0.12
 TURN_ERROR: Final = 0.1
-"""What a turn may be wrong by: the distance between the wheels, as floors and tyres change it."""
+"""Relative error of a turn: the distance between the wheels, as floors and tyres change it."""
 LEARNED_OVER_M: Final = 0.25
 STRAIGHT: Final = 0.8
 """The wheels' metre is learned where the robot got so far of what it drove."""
@@ -37,7 +37,7 @@ METRE_SPREAD: Final = 0.05
 """Standard deviation of an unknown robot's wheels: the radius as measured by hand."""
 METRE_MOST: Final = 0.15
 PLACE_SIGMA_M: Final = 0.003
-"""Of the distance between two of the camera's positions: noise and calibration."""
+"""Standard deviation of a distance between two of the camera's positions: noise and calibration."""
 BEND_SPREAD_RAD_M: Final = 0.2
 """Standard deviation of how unequal wheels bend a straight way: 2.4 % on 0.12 m."""
 BEND_MOST_RAD_M: Final = 0.6
@@ -64,7 +64,7 @@ class Parting:
     camera_rad: float
     wheels_rad: float
     by_place: bool
-    """Whether the positions part; else the headings do."""
+    """True if the positions differ too much; otherwise the headings do."""
 
     @property
     def sentence(self) -> str:
@@ -129,13 +129,13 @@ class Agreement:
     def __init__(self, limits: AgreementLimits) -> None:
         self.limits = limits
         self.agreed_m = 0.0
-        """How far the wheels have driven while both agreed; never falls."""
+        """Distance that the wheels have driven while both agreed; never falls."""
         self._metre = _Learned(1.0, METRE_SPREAD, METRE_MOST)
         self._bend = _Learned(0.0, BEND_SPREAD_RAD_M, BEND_MOST_RAD_M)
         self._last: tuple[tuple[float, float, float], WheelMotion] | None = None
         self._rolled: tuple[float, float, float] | None = None
         self.slip_m, self.slip_rad = (0.0, 0.0), 0.0
-        """Where the camera saw the robot last, less where its wheels have brought it."""
+        """Pose of the robot by the camera, less its pose by the wheels."""
         self._anchors: deque[_Anchor] = deque(maxlen=ANCHORS)
         self._table: FloatArray | None = None
         """The anchors by column; None where one has come since."""

@@ -20,24 +20,24 @@ class Evidence:
     parted: str | None = None
     """The sentence that says how camera and wheels differ, in the cycle that found it."""
     agreed_m: float = 0.0
-    """How far the robot has driven since the beginning while both agreed; never falls."""
+    """Distance that the robot has driven since the beginning while both agreed; never falls."""
     wheels_rad: float = 0.0
-    """How far the wheels have turned the robot since the beginning, left positive."""
+    """Angle by which the wheels have turned the robot since the beginning, left positive."""
     camera_rad: float = 0.0
-    """How far the camera saw it turn in the same time, as far as it was seen."""
+    """Angle by which the camera saw it turn in the same time, as far as it was seen."""
     driven_m: float = 0.0
-    """How far the wheels have driven since the beginning, forwards and backwards."""
+    """Distance that the wheels have driven since the beginning, forwards and backwards."""
     slip_m: tuple[float, float] = (0.0, 0.0)
-    """Where the camera sees the robot, less where its wheels brought it, summed up since the
+    """Place of the robot by the camera, less its place by the wheels, summed up since the
     beginning: it creeps with the odometry's errors and leaps when the robot is carried."""
     slip_rad: float = 0.0
     """The same of its heading, in (-pi, pi]."""
     wheels_stand: bool = True
-    """Whether the wheels were still in the robot's last report."""
+    """True if the wheels were still in the robot's last report."""
     latency_s: float | None = None
-    """How old pictures are when they arrive; None until a motion has shown it."""
+    """Age of pictures when they arrive; None until a motion has shown it."""
     latency_error_s: float = FREE_LATENCY_S / 2.0
-    """What the latency may be off by."""
+    """Possible error of the latency."""
 
     @property
     def longest_latency_s(self) -> float:

@@ -26,7 +26,7 @@ LONGEST_WINDOW_S: Final = 0.45
 """Two pictures farther apart than this say too little of when something happened."""
 SIGMA_M: Final = 0.002
 SIGMA_RAD: Final = 0.02
-"""What a window's motion may differ by: the camera's noise, and wheels that are off by a few
+"""Standard deviations of a window's motion: the camera's noise, and wheels that are off by a few
 percent of 0.06 m and 0.4 rad, a window's motion at full speed."""
 ALIKE: Final = 6.0
 """Number of neighbours that say the same, since windows overlap."""

@@ -30,7 +30,7 @@ OFFSETS: Final = 20
 ceramic resonator) is followed."""
 KEPT_S: Final = 4.0
 LONGEST_GUESS_S: Final = 0.2
-"""How long after the last report its speeds are taken to hold."""
+"""Time after the last report for which its speeds are assumed to hold."""
 STANDING_M_S: Final = 0.004
 STANDING_RAD_S: Final = 0.03
 """Slower wheels stand: one late step of the encoders in a report."""
@@ -65,13 +65,13 @@ class WheelTrack:
         self._robot_s = 0.0
         self._knots: deque[tuple[float, WheelMotion]] = deque()
         self._table: FloatArray | None = None
-        """Of the knots, as `ways_at` needs them; None where a knot has come since."""
+        """Columns of the knots, as `ways_at` needs them; None where a knot has come since."""
         self.stretch = 0
         """Counts the stretches without a gap; sums of different stretches cannot be compared."""
         self.turn_rad = 0.0
-        """How far the wheels have turned the robot over all stretches."""
+        """Angle by which the wheels have turned the robot over all stretches."""
         self.driven_m = 0.0
-        """How far the wheels have driven over all stretches, forwards and backwards."""
+        """Distance that the wheels have driven over all stretches, forwards and backwards."""
 
     def see(self, status: Status, arrived_s: float) -> None:
         """Take a report; one that is not newer than the last changes nothing."""

@@ -22,12 +22,12 @@ LONGEST_LOSS_S: Final = 0.5
 """Poses farther apart than this are not compared: what happened between them is for the proof."""
 MOST_WAITING: Final = 60
 UNKNOWN: Final = Latency(FREE_LATENCY_S / 2.0, FREE_LATENCY_S / 2.0)
-"""What is counted on before a motion has shown the latency."""
+"""Latency assumed before a motion has shown it."""
 REDATED_S: Final = 0.02
 """A latency that differs by more from the one compared with makes the comparison begin again."""
 SLEW_S: Final = 0.005
-"""How much the latency that poses are dated by may change from one picture to the next: less
-than a picture's interval, so that their order stays."""
+"""Largest change of the latency that poses are dated by from one picture to the next: less than a
+picture's interval, so that their order stays."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -36,7 +36,7 @@ class WitnessLimits:
 
     agreement: AgreementLimits
     report_age_s: float
-    """How old the robot's report is when it has arrived: its bytes' time on the wire."""
+    """Age of the robot's report on arrival: its bytes' time on the wire."""
 
 
 class Witness:

@@ -39,8 +39,8 @@ SAME_PLACE = 1e-9
 EQUAL = 1e-12
 """Distances are equal within this share of the scene's extent, and within ``UNITS``."""
 UNITS = 4.0
-"""How many units in the last place of the largest coordinate two places differ by for nothing:
-far from the origin, as in a map's coordinates, that is much more than the share."""
+"""Units in the last place of the largest coordinate by which equal distances may differ: far from
+the origin, as in a map's coordinates, that is much more than the share."""
 
 
 class HasPrimitives(Protocol):

@@ -21,7 +21,7 @@ from planner.delaunay.diagram_kernels import NOT_CONVEX, NOT_EMPTY, TURNED, WRON
 from planner.delaunay.site_order_kernels import TINY
 
 CHECK_TOLERANCE = 1e-9
-"""How far a vertex's coordinates may be off, in parts of the scene's size or its circle."""
+"""Tolerance of a vertex's coordinates, in parts of the scene's size or its circle."""
 
 _FAULTS = {
     TURNED: "vertex_sites[{}]: must turn counter-clockwise",

@@ -36,7 +36,7 @@ from planner.diagram.diagram_arrays import (
 from planner.scene import FloatArray, IntArray
 
 ROUNDS = 6
-"""How often generators are added at most; one or two rounds were enough on random scenes."""
+"""Most rounds in which generators are added; one or two were enough on random scenes."""
 DOUBTS = 2
 """In how many rounds vertices that could not be solved ask for generators, too."""
 ROOM = 0.125

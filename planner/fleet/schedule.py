@@ -43,7 +43,7 @@ from planner.shared.search_clock import Clock, search_clock_s
 ZONE = 8.0
 """Discs that keep a piece free that was sent, in the gap's length: 0.2 % wider than the piece."""
 BEFORE_S = 1e6
-"""What was sent is kept free from this long ago."""
+"""Time before a plan's beginning since which sent pieces are kept free."""
 WAITS_IN_A_CIRCLE = (
     "the robots pass shared places all at once: no goal can be added until they have"
 )

@@ -37,7 +37,7 @@ MOST_CELLS = 100_000_000
 ON_EDGE = 1e-6
 """A border nearer to a cell's edge, in cells, runs along it."""
 SAGITTA = 0.01
-"""How far an arc's chords may leave it, in cells; cells are occupied to the outside of that."""
+"""Largest gap between arc and chords, in cells; cells are occupied to the outside of that."""
 
 
 def write_map(scene: Scene, path: str | os.PathLike[str], resolution: float) -> None:

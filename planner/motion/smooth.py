@@ -38,7 +38,7 @@ HALVINGS = 7
 SIMPLIFY = 0.01
 """Corners are sought on the path simplified within this part of the robot's radius."""
 CURVE_TOLERANCE = 0.002
-"""How far the chords may leave the parabola, as a part of the robot's radius."""
+"""Largest gap between the parabola and its chords, as a part of the robot's radius."""
 
 ROUNDING = 1e-12
 """A line cut in two may measure this part of its coordinates nearer than whole."""

@@ -36,7 +36,7 @@ from planner.roadmap.clip import Clipped
 from planner.scene import FloatArray, IntArray
 
 REACH = 1.0
-"""What a dead end must reach beyond its junction, in robot radii (lambda in the literature)."""
+"""Least reach of a dead end beyond its junction, in robot radii (lambda in the literature)."""
 TAPER = 0.3
 """Sine of half the angle of a corner that counts as one: 35 degrees between its sides."""
 NARROWER = 1e-4
@@ -46,7 +46,7 @@ TIGHT = 1e-7
 ALIKE = 1e-5
 """Dead ends whose lengths differ by so small a part of the scene are equally long."""
 BULGE = 0.05
-"""How far the polyline's chords may leave the bisectors, in spacings."""
+"""Largest gap between the bisectors and the polyline's chords, in spacings."""
 SAME = 1e-9
 """A node is equidistant to what is as near within this share of the scene's extent."""
 

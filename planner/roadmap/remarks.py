@@ -21,7 +21,7 @@ from planner.shared.figures import sized
 MOST = 8
 """Sentences of a kind that are said in full; the others are counted."""
 COMPASS = np.array([(1.0, 0.0), (0.0, 1.0), (-1.0, 0.0), (0.0, -1.0)])
-"""Where a circle reaches farthest along the axes."""
+"""Directions along the axes, in which a circle reaches farthest."""
 
 
 def remarks_on(borders: Borders, clipped: Clipped, radius: float) -> tuple[str, ...]:

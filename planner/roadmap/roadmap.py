@@ -56,7 +56,7 @@ if TYPE_CHECKING:
 
 
 FINER = 4.0
-"""How much denser the generators are when the widest path is narrower than their spacing."""
+"""Factor by which generators are denser if the widest path is narrower than their spacing."""
 FINER_MOST = 200_000
 """At most this number of generators, which take about 0.2 s: a refusal is an answer, too."""
 NOT_FINER = "ways narrower than the generators' spacing were not looked for: the limit was reached"

@@ -40,12 +40,13 @@ if TYPE_CHECKING:
     from planner.borders.generators import Borders
 
 STRAIGHT_TOLERANCE = 0.02
-"""How far a straight piece may leave the roadmap, as a part of the robot's radius."""
+"""Largest gap between the roadmap and a straight piece, as a part of the robot's radius."""
 
 SAME_PLACE = 1e-9
 """Places nearer than this share of the scene's extent are one."""
 NAV2_CRS = "urn:ogc:def:crs:EPSG::3857"
-"""What Nav2's own graphs name; the route server takes the coordinates as metres in its frame."""
+"""Coordinate system of Nav2's own graphs; the route server takes the coordinates as metres in its
+frame."""
 
 
 class Exported(Protocol):

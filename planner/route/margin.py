@@ -22,13 +22,13 @@ from planner.search.chain_search import ROUNDING
 from planner.shared.figures import sized
 
 REACH = 2.0
-"""How far from its station a way out may end, in radii and margins: the robot's own width."""
+"""Longest way out from its station, in radii and margins: the robot's own width."""
 DIRECTIONS = 64
 """Directions tried, the first straight away from the nearest border."""
 DISTANCES = 32
 """Distances tried in each, from the least that can do to the farthest."""
 HALVINGS = 30
-"""How often the last step to where the margin is kept is halved."""
+"""Number of times that the last step to where the margin is kept is halved."""
 
 
 @dataclass(frozen=True, slots=True)

@@ -22,7 +22,7 @@ TIGHT = 1e-9
 WIDE = 1e-6
 """The widest path's polyline may be narrower than the path itself by so much of its clearance."""
 FLATNESS = 0.02
-"""How far a path may leave the bisector it follows, in radii, where there is room."""
+"""Largest distance of a path from the bisector it follows, in radii, where there is room."""
 
 
 def is_clear(

@@ -24,7 +24,7 @@ from planner.search import (
 from planner.search.chain_graph_kernels import ChainGraph, Gates
 
 DETOUR = 4.0
-"""How much longer a step at a clearance of one radius may be, at the preference just below 1."""
+"""Cost added to a step at a clearance of one radius, in lengths, at the preference just below 1."""
 NEAR = 0.25
 """A retracted place this near to a chain, in radii, has met it."""
 ENTRIES = 8

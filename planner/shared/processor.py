@@ -21,7 +21,7 @@ LEVELS = {
 }
 """The flags of /proc/cpuinfo that each level adds to the one below, the highest level first."""
 COMMON_ARM = "generic"
-"""What LLVM calls ARMv8-A without extensions."""
+"""LLVM's name for ARMv8-A without extensions."""
 
 
 def common_processor(machine: str, cpuinfo: str) -> str | None:

@@ -58,14 +58,14 @@ from vision.errors import PictureError
 from vision.shared.scratch import Room
 
 MOST_UNEVEN = 0.125
-"""How much free pixels spread at most where light is even, as a share of the contrast: chosen, the
-darkest, of two such spreads, stay half as far from the level as they would without. Where light is
-uneven there is so much at least between one level and a class."""
+"""Largest spread of free pixels in even light, as a share of the contrast: chosen, the darkest, of
+two such spreads, stay half as far from the level as they would without. In uneven light this is the
+least distance between one level and a class."""
 SURELY_EVEN = 0.5 / SIGMAS
 """The same where noise, or the glow around light obstacles, hides the edges that are left out:
 derived, no free pixel comes as far as the level then."""
 LIT_SHARE = 0.95
-"""Where in its histogram the best lit part of a picture without edges is: chosen."""
+"""Place in its histogram of the best lit part of a picture without edges: chosen."""
 MOSTLY = 0.65
 """Share of dark pixels beyond which polarity ``auto`` takes the light ones for obstacles: chosen,
 two thirds, for an arena has more free space than obstacles."""

@@ -31,7 +31,7 @@ LEAST_CONTRAST_SIGMAS = 5.0
 """The least contrast of two classes in standard deviations of the noise. Chosen, by
 ``tests/vision/binarise``."""
 PLATEAU, PLATEAU_SIGMAS = 0.04, 2.0
-"""How far from a class's middle its pixels lie that blur has left alone: as a share of the
+"""Largest distance from a class's middle of pixels that blur has left alone: as a share of the
 contrast, and in standard deviations of the noise. Chosen, by ``tests/vision/binarise``."""
 MOST_ON_PLATEAU = 0.7
 """The share of a class's pixels that do so where the class is what it looks like. Chosen, by

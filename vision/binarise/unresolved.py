@@ -25,26 +25,26 @@ from vision.binarise.grey_classes import Classes, grey_spread
 from vision.binarise.grey_picture import BINOMIAL, FEWEST, LEAST_CONTRAST, GreyPicture
 
 LEAST_SHARE = 0.045
-"""How much of the light, and of the contrast of plain obstacles, the structure's standard deviation
-is at least: chosen, walls of 1 px at a blur of 1 px have 0.058 of the light where they are black,
+"""Least standard deviation of the structure, as a share of the light, and of the contrast of plain
+obstacles: chosen, walls of 1 px at a blur of 1 px have 0.058 of the light where they are black,
 0.051 where they are white, and 0.079 of the contrast; cloth has 0.024 of the light
 (``benchmarks.vision.regions``)."""
 LEAST = 0.5 * LEAST_CONTRAST
 """The same in grey levels: derived, two grey values in equal parts have that standard deviation
 where they are the least contrast apart."""
 HINT, HALF = 1.1, 0.5
-"""How much the floor's grey spreads at least where that is looked at, in standard deviations of the
+"""Least spread of the floor's grey for structure to be looked for, in standard deviations of the
 noise and as a share of the least: chosen, for time. Of noise alone whole grey values spread by up
 to 1.07, and their quartiles are coarse."""
 BEYOND_NOISE = 1.15
-"""How much stronger the changes over two pixels are than those over one, at least: chosen, noise
-alone has 1.07 in a picture of 500 pixels; walls of 1 px have 1.2 in noise of 10 grey levels."""
+"""Least ratio of the changes over two pixels to those over one: chosen, noise alone has 1.07 in a
+picture of 500 pixels; walls of 1 px have 1.2 in noise of 10 grey levels."""
 FULL_APART = 1.25
-"""How much stronger those over ``REACH`` pixels are than those over two, at most: chosen, walls of
-1 px have 1.0, pictures of rooms 1.5 to 2."""
+"""Largest ratio of the changes over ``REACH`` pixels to those over two: chosen, walls of 1 px have
+1.0, pictures of rooms 1.5 to 2."""
 APART = 4.0
-"""How far two classes are apart at least, in standard deviations of the larger one: chosen, two
-parts of one hump are up to 2.7, and a block on unresolved walls 8."""
+"""Least distance between two classes, in standard deviations of the larger one: chosen, two parts
+of one hump are up to 2.7, and a block on unresolved walls 8."""
 ALL = 256.0
 """The level below which all grey values lie: defined."""
 FINE = 2

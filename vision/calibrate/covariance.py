@@ -39,7 +39,8 @@ _FOLDED_PX = 0.05
 _LEAST_NOISE_PX = 0.01
 """Corners are nowhere found better than so; keeps drawings without noise from being certain."""
 _PRIOR_FOCAL, _PRIOR_CENTRE, _PRIOR_TERMS = 0.3, 0.05, (0.3, 0.3, 0.01, 0.01, 0.3)
-"""What is known of a lens before any picture: spreads as shares of the picture's width."""
+"""Spreads of a lens before any picture: focal length and centre as shares of the picture's width,
+and the distortion's terms."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -27,7 +27,7 @@ _MOST_START_RAD = 1.35
 """Corners farther from the view take no part in a first pose: their tangents outweigh all else."""
 _START_STEPS, _MOST_STEPS = 5, 60
 _DONE = 1e-7
-"""Of the sum of squares: less in a step, and the fit is done."""
+"""Share of the sum of squares: if a step reduces it by less, the fit is done."""
 _STEP = 1e-6
 _MOST_DAMPING = 1e12
 

@@ -22,7 +22,7 @@ from vision.calibration.lens_model import MODELS
 
 _FOLDS = 5
 _BETTER = 0.98
-"""Of Brown's residual, below which the fisheye's model is taken."""
+"""Share of Brown's residual below which the fisheye's model is taken."""
 
 
 def choose_lens(views: Sequence[BoardView], terms: int | None = None) -> Lens:

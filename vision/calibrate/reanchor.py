@@ -29,7 +29,7 @@ from vision.calibration.calibration import (
 from vision.markers.reading import crossing
 
 MOST_RMS_PX = 2.0
-"""As far as a camera may move before the robot holds: ``safety.camera_moved_px``."""
+"""Largest rms of a fit: the default of ``safety.camera_moved_px``, at which the robot holds."""
 LEAST_MARKERS = 3
 """With two markers that disagree it is unknown which one was moved."""
 _STEPS = 100

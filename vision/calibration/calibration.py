@@ -35,8 +35,8 @@ from vision.calibration.lens_model import (
 FloatArray = NDArray[np.float64]
 
 LEAST_SHOWN = 0.5
-"""Of a picture that a lens folds in, so much has to be shown once: what folds so early is a wrong
-file rather than a lens."""
+"""Least part of a picture that a lens which folds within it must show once: a lens that folds
+earlier is a wrong file."""
 _PLANES_KEPT = 64
 """Heights whose homographies are remembered: as many as robots have markers, and more."""
 _MOST_TILT_RAD = math.radians(45.0)

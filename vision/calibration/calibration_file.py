@@ -20,7 +20,7 @@ from vision.calibration.calibration import Calibration, CalibrationError, FloatA
 
 SCHEMA = "clearway.calibration/1"
 LENS_SCHEMA = "clearway.lens/1"
-"""Of a lens alone: no program drives by it, `clearway calibrate --lens` places it."""
+"""Schema of a lens alone: no program drives by it, `clearway calibrate --lens` places it."""
 
 MOST_BYTES = 1 << 24
 """Bytes of a calibration or a survey that are read at most: a device has no end."""

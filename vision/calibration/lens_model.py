@@ -26,7 +26,7 @@ FloatArray = NDArray[np.float64]
 MODELS = ("brown", "fisheye")
 MOST_TERMS = {"brown": 5, "fisheye": 4}
 STRAIGHT, BROWN, FISHEYE = 0, 1, 2
-"""What kernels branch on; ``STRAIGHT`` is Brown's model with no term."""
+"""Kinds of lens, for kernels to branch on; ``STRAIGHT`` is Brown's model with no term."""
 
 LEAST_STRETCH = 1.0 / 30.0
 """A lens folds where it shrinks a length by more than this against the picture's middle: a thing

@@ -29,8 +29,8 @@ _LONGEST_WAIT_S = 5
 _LONGEST_HOLD_UP_S = 2.0
 """A picture that its stamp makes older than this has a stamp that cannot be trusted."""
 _BURST_S = 1.0
-"""How long after opening a stream's frames say nothing of its rate: what its server or FFmpeg had
-kept comes all at once."""
+"""Time after opening in which a stream's frames say nothing of its rate: what its server or FFmpeg
+had kept comes all at once."""
 
 
 class Capture:

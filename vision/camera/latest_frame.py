@@ -283,7 +283,7 @@ class _Reader:
     def __init__(self, owner: LatestFrame, generation: int) -> None:
         self.generation = generation
         self.name = ""
-        """What sentences about its camera begin with."""
+        """Beginning of the sentences about its camera."""
         self._owner = owner
         self._limits = owner._limits
         self._camera: Camera | None = None

@@ -28,11 +28,11 @@ from vision.joined.floor_plan import FloorPlan
 LEAST_POINTS: Final = 60
 """Edge points in what both cameras see: chosen, the outline of something of 20 pixels."""
 MOST_POINTS: Final = 1500
-"""Of each camera; of more every second, third, ... is taken."""
+"""Most points of each camera; of more every second, third, ... is taken."""
 INSIDE_PX: Final = 8.0
 """So far inside both pictures, so that an edge of the one can be in the other at all."""
 FARTHEST_M: Final = 0.25
-"""What has no partner within this has none."""
+"""Largest distance of a point from its partner; farther away there is none."""
 
 
 def edge_points_m(

@@ -39,11 +39,11 @@ MARGIN_PX: Final = 12
 RIM_PX: Final = 3.0
 """So near to its picture's rim a camera sees nothing: lenses and profiles end there."""
 EDGE_PX: Final = 0.1
-"""What an edge in a camera's picture is off by; `python -m benchmarks.outlines` has less."""
+"""Error of an edge in a camera's picture; `python -m benchmarks.outlines` has less."""
 UNEVEN_M: Final = 0.01
 """Height that things on a floor have at least: chosen, a strip of wood."""
 MOST_PX: Final = 12_000_000
-"""Of a plan; a larger one has larger pixels."""
+"""Most pixels of a plan; a larger one has larger pixels."""
 DARKEST_FOR_GAIN: Final = 30.0
 LEAST_FOR_GAIN: Final = 200
 """Pixels that two pictures must have in common, before their light is compared."""

@@ -26,18 +26,18 @@ from vision.markers.marked_robot import MarkedRobot, RobotPose
 from vision.markers.tracking import wrap
 
 CORNER_PX: Final = 0.05
-"""What a whole marker's place in the picture is off by, at least; `python -m benchmarks.markers`
-measures less. One that is partly covered says by how much more (``RobotPose.corner_error_px``)."""
+"""Least error of a whole marker's place in the picture; `python -m benchmarks.markers` measures
+less. One that is partly covered reports a larger one (``RobotPose.corner_error_px``)."""
 UNKNOWN_FLOOR_PX: Final = 0.25
-"""What a calibration without a residual of its own is off by: chosen, a careful survey's."""
+"""Error of a calibration without a residual of its own: chosen, a careful survey's."""
 HEIGHT_M: Final = 0.002
-"""What a measured height of a marker is off by: chosen, a ruler's."""
+"""Error of a marker's measured height: chosen, a ruler's."""
 TOGETHER_S: Final = 0.12
 """Older sightings take no part: three pictures, and one late, at 30 a second."""
 SETTLED: Final = 10
 """Sightings after which a track's velocity can be trusted."""
 SPEED_M_S: Final = 0.01
-"""What a velocity from a track is off by; the filter's own figure behind ten sightings."""
+"""Error of a velocity from a track; the filter's own figure after ten sightings."""
 TURN_RAD_S: Final = 0.05
 
 

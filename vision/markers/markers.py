@@ -111,7 +111,7 @@ class MarkerTracker:
         self.strangers: frozenset[int] = frozenset()
         """Ids of markers that belong to no robot, as the last search of a whole picture saw."""
         self.doubles: dict[int, tuple[Pose, ...]] = {}
-        """Where robots' markers were seen that were seen in several places of one picture, in the
+        """Places of robots' markers that were seen in several places of one picture, in both of the
         last two searches of a whole picture."""
         self._suspects: frozenset[int] = frozenset()
         self._searches = 0

@@ -89,7 +89,7 @@ class MarkerTrack:
         self.limits = limits
         self.last_s: float | None = None
         self.refused = 0
-        """How many sightings in a row were impossible jumps."""
+        """Number of sightings in a row that were impossible jumps."""
         self._pose: Pose | None = None
         self._x = VelocityFilter(limits.position_noise_m, limits.acceleration_m_s2)
         self._y = VelocityFilter(limits.position_noise_m, limits.acceleration_m_s2)

@@ -28,7 +28,7 @@ REACH_PX: Final = 10
 """Half the length of the profile across an edge: a blur of up to 4 pixels has its ends in it."""
 STEP_PX: Final = 0.25
 AVERAGED_PX: Final = 1.0 / math.sqrt(12.0)
-"""What averaging the slopes over a pixel adds to the blur."""
+"""Blur that averaging the slopes over a pixel adds."""
 TILES: Final = (8, 6)
 MOST_EDGES: Final = 60
 """Edge pixels that are looked at in a tile."""

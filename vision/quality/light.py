@@ -24,11 +24,11 @@ WHITE: Final = 250
 BLACK: Final = 5
 FLICKERS_HZ: Final = (100.0, 120.0)
 BESIDE_HZ: Final = (-1.3, -0.7, 0.7, 1.3)
-"""Where no lamp flickers: what is there is noise and motion."""
+"""Offsets from a lamp's frequency at which none flickers: what is there is noise and motion."""
 CLEAR: Final = 4.0
 """Factor by which flicker exceeds its neighbours."""
 LEAST_CYCLES: Final = 2.0
-"""Of the beat between flicker and pictures, within the time watched."""
+"""Least number of beats between flicker and pictures within the time watched."""
 
 
 @dataclass(frozen=True, slots=True)

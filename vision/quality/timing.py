@@ -30,7 +30,7 @@ class Timing:
     jitter_s: float
     longest_gap_s: float
     gaps: int
-    """How many pictures the rhythm lacks."""
+    """Number of pictures that the rhythm lacks."""
     delay_s: float
 
 

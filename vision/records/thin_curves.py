@@ -20,7 +20,7 @@ from vision.outline.fit.shape_kernels import fit_circle, refine_circle
 
 Pixel = tuple[int, int]
 NEAR_PX = 0.75
-"""How far a drawn curve's pixels may lie from it: half a pixel's diagonal, and a little."""
+"""Largest distance of a drawn curve's pixels from it: half a pixel's diagonal, and a little."""
 FEWEST = 5
 """Pixels of the shortest chain whose bend can be distinguished from rounding."""
 BESIDE = ((1, 0), (0, 1), (-1, 0), (0, -1))

@@ -23,8 +23,8 @@ from planner.scene import Bounds, Scene, SceneObject
 from vision.errors import PictureError
 
 _BLUR_PX = 3.0
-"""Of a lens's plan, whose blind part is larger by more than twice of it: its outline needs few
-edges."""
+"""Sigma of the blur of a lens's plan, whose blind part is grown by more than twice that: its
+outline needs few edges."""
 _MOST_KNOWN = 16
 
 

@@ -40,7 +40,8 @@ LEARNED_FRAMES = 30
 LEARN_AGAIN_S = 2.0
 """Between two searches for markers that were lost; a search takes some 20 ms."""
 MOST_NOISE_PX = 0.3
-"""Of one point, along each axis; corners in a picture with noise of 2.5 grey levels have 0.03."""
+"""Largest noise of one point, along each axis; corners in a picture with noise of 2.5 grey levels
+have 0.03."""
 _SAID_AGAIN = 0.25
 """A movement that has changed by this part, and by half a pixel, is said again."""
 _NAMED = 4
@@ -76,7 +77,7 @@ class PlaceReport:
     remarks: tuple[str, ...] = ()
     """Single points that moved or vanished, and a camera that cannot be watched."""
     moved_px: float | None = None
-    """How far more than half of the points are seen from where they were, in this frame."""
+    """Distance from their places that more than half of the points reach in this frame."""
 
 
 NOTHING_KNOWN = PlaceReport()
@@ -111,7 +112,7 @@ class CameraPlace:
         self._calibration, self._settings = calibration, settings
         self._meter: PointMeter | None = None
         self._zero: FloatArray = np.empty((0, 2))
-        """What `PointMeter` reads where the point belongs: not 0 where it was learned elsewhere."""
+        """Readings of `PointMeter` for points in their places: not 0 if learned elsewhere."""
         self._learned: list[Readings] | None = []
         self._began_s = self._last_s = began_s
         self._misplaced = False

@@ -23,16 +23,17 @@ from vision.calibration.calibration import Calibration, FloatArray
 from vision.camera.camera import Image
 
 CORNER = "at "
-"""What the names of corners begin with; the place in metres follows."""
+"""Beginning of the corners' names; the place in metres follows."""
 MOST_CORNERS = 12
 """More cost time and say nothing new: a camera has six ways to move."""
 HALF_PX, MARKER_HALF_PX = 12, 16
 NEAR_PX, WIDE_PX = 8, 48
-"""How far a patch is looked for in every frame, and now and then where it is not there."""
+"""Reach of the search for a patch: in every frame, and now and then where it is not there."""
 LEAST_LIKENESS = 0.7
-"""Of a patch and the picture: a corner in noise of 2.5 grey levels has 0.99, half covered 0.5."""
+"""Least likeness of a patch and the picture: a corner in noise of 2.5 grey levels has 0.99, half
+covered 0.5."""
 MOST_LIKENESS = 0.85
-"""Of a patch and any other place that it might be taken for."""
+"""Largest likeness of a patch and any other place that it might be taken for."""
 _LEAST_SPREAD = 8.0
 """Grey levels: a patch without contrast shows noise."""
 _CANDIDATES, _QUALITY = 200, 0.05

@@ -40,7 +40,7 @@ _POINTS_A_LINE = 9
 """A lens bends a straight edge in the picture."""
 
 _MOST_SHARE = 0.5
-"""Of the picture; beyond it the whole picture is as quick."""
+"""Share of the picture, beyond which the whole picture is as quick."""
 
 _Box = tuple[int, int, int, int]
 _NOWHERE: _Box = (0, 0, 0, 0)

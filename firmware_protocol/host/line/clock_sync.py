@@ -41,7 +41,7 @@ class ClockEstimate:
 
     def __init__(self) -> None:
         self.jumps = 0
-        """How often a clock has jumped."""
+        """Number of times that a clock has jumped."""
         self._samples: deque[_Sample] = deque(maxlen=_KEPT)
         self._mean_s = 0.0
         self._offset_s = 0.0

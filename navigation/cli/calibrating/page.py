@@ -33,7 +33,7 @@ HOST: Final = "127.0.0.1"
 LAST_WORDS_S: Final = 1.0
 CLOSE_WITHIN_S: Final = 2.0
 SHARED_FILES: Final = ("board.js", "board.css")
-"""Of the dashboard, which draws a live calibration, too."""
+"""Files of the dashboard, which draws a live calibration, too."""
 
 
 class LivePage:

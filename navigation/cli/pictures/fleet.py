@@ -25,7 +25,7 @@ if TYPE_CHECKING:
     from planner.roadmap.roadmap import Roadmap
 
 NO_PLAN = 3
-"""As the entry point's exit code for no path."""
+"""Exit code without a plan: the entry point's for no path."""
 
 
 class FleetError(ValueError):

@@ -14,7 +14,7 @@ import click
 from navigation.cli.voice import Voice
 
 ADDRESS = "dashboard at "
-"""What the line with the page's address begins with."""
+"""Beginning of the line with the page's address."""
 
 
 @click.command(short_help="A simulated arena and its dashboard, without any file.")

@@ -15,7 +15,7 @@ OWN_RADIUS_M: Final = 0.09
 OWN_MARKER_M: Final = 0.09
 """The side of the marker that ``clearway marker`` prints and ``clearway init`` writes."""
 SAFE_SHARE: Final = 0.8
-"""Of the fastest that its maker states."""
+"""Share of the highest speed that its maker states."""
 ROOMY: Final = 1.05
 """The disc around a body whose marker does not sit exactly in the middle."""
 ARENA_TEXT: Final = """#@ clearway.scene/1

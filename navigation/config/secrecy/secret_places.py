@@ -34,7 +34,7 @@ _KEY_LINE: Final = re.compile(
 _NAME: Final = re.compile(r"[\w-]+")
 _COMMENT: Final = re.compile(r"(?m)(?:^|[ \t])#[^\n]*")
 _NOTHING_YET: Final = re.compile(r"(?:(?:[&!]\S*|[|>][-+0-9]*)(?:\s+|$))*(?:#.*)?$")
-"""What may stand behind a key whose value begins on the next line."""
+"""Text that may follow a key whose value begins on the next line."""
 MOST_WORDS: Final = 50
 """A longer value is left out in its place only; its single words are no secrets."""
 

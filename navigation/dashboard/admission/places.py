@@ -47,7 +47,7 @@ class OpenConnections:
     def __init__(self, most: int, most_an_address: int) -> None:
         self.most, self.most_an_address = most, most_an_address
         self.cut = 0
-        """How many connections were cut: late, or to make room."""
+        """Number of connections that were cut: late, or to make room."""
         self._waiting: dict[OpenConnection, None] = {}
         self._viewers: dict[OpenConnection, None] = {}
         self._shares: Counter[str] = Counter()

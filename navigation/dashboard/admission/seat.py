@@ -15,9 +15,9 @@ import hashlib
 from dataclasses import dataclass, replace
 
 AWAY_S = 20.0
-"""How long a lost connection may take to come back."""
+"""Time that a lost connection may take to come back."""
 LEFT_S = 4.0
-"""How long a page that was left may take to be loaded again: the same operator."""
+"""Time in which a page that was left may be loaded again: the same operator."""
 
 
 @dataclass(frozen=True, slots=True)

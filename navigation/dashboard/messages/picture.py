@@ -25,10 +25,10 @@ from vision.camera.camera import Frame
 from vision.markers.markers import RobotPose
 
 RIM = 0.04
-"""How much of the arena's longer side is shown around it."""
+"""Width shown around the arena, as a share of its longer side."""
 
 OUT_OF_SIGHT_PX = -100.0
-"""What no pixel shows is looked up here, outside every picture."""
+"""Place outside every picture, looked up for floor that no pixel shows."""
 
 SIZES: Final = 8
 """Chosen: a picture's width is one of as many parts of the configured one. A page gets at most an

@@ -28,7 +28,7 @@ from vision.camera.camera import Frame
 from vision.markers.markers import RobotPose
 
 DRIVEN: Final = frozenset((State.DRIVING, State.PROVING, State.HOLDING, State.PLANNING))
-"""Where a plan is shown."""
+"""States in which a plan is shown."""
 
 
 @dataclass(frozen=True, slots=True)

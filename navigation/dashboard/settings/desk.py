@@ -40,7 +40,7 @@ class Around(NamedTuple):
     environment: Mapping[str, str]
     """Overrides, as at the start."""
     file_problems: Callable[[Config], Iterable[tuple[Location, str]]]
-    """What is wrong with the files that a configuration names."""
+    """Search for faults in the files that a configuration names."""
     devices: Callable[[], tuple[Sequence[str], Sequence[str]]]
     """The cameras and the serial ports that are plugged in, by their paths."""
     reload: Callable[[], None]

@@ -32,7 +32,7 @@ BUMPS, CLIFFS, CHARGER, CHARGE, CAPACITY, MODE = 7, (9, 10, 11, 12), 34, 25, 26,
 LEFT, RIGHT = 43, 44
 SIZES: Final = {BUMPS: 1, **dict.fromkeys(CLIFFS, 1), CHARGER: 1, MODE: 1, CHARGE: 2, CAPACITY: 2,
                 LEFT: 2, RIGHT: 2}  # fmt: skip
-"""Of the packets that are streamed, in their order."""
+"""Sizes of the packets that are streamed, in their order."""
 BODY: Final = len(SIZES) + sum(SIZES.values())
 HEADER: Final = bytes([19, BODY])
 MODE_SAFE: Final = 2

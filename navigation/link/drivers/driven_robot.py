@@ -28,7 +28,7 @@ CYCLE_S: Final = 0.01
 DEALT_OUT_S: Final = 1.0
 """Travel that came later than that is dealt out over the last second."""
 DEALING: Final = 1.2
-"""How much faster than its fastest a wheel is believed to be."""
+"""Factor by which a wheel is believed to exceed its highest speed."""
 LOOK_BACK_S: Final = 3.0
 """Time over which damaged messages are counted."""
 

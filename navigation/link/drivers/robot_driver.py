@@ -18,9 +18,9 @@ class Heard:
     """Everything heard from a robot; its driver writes it, all others read."""
 
     identity: str | None = None
-    """Who answers, in words; None until it has."""
+    """Description of the robot that answers; None until it has."""
     left_m: float = 0.0
-    """How far the wheels have travelled since the driver was opened first."""
+    """Distance that each wheel has travelled since the driver was first opened."""
     right_m: float = 0.0
     odometry_s: float | None = None
     """When the newest travel came; None before the first."""
@@ -31,7 +31,7 @@ class Heard:
     remark: str | None = None
     """A remark for people on a robot that may be driven, to be read after its name."""
     battery: float | None = None
-    """How full, from 0 to 1."""
+    """Charge, from 0 to 1."""
     messages: int = 0
     """Whole, undamaged ones."""
     damaged: int = 0

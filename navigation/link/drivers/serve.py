@@ -49,7 +49,7 @@ class DriverOrder:
     baud: int
     settings: DriveSettings
     link: Path
-    """Where the link to our wire's pseudo-terminal is put."""
+    """Place of the link to our wire's pseudo-terminal."""
     model: str | None = None
     """Which of the maker's robots it is, where the driver has to know."""
 

@@ -27,10 +27,10 @@ BOARD: Final = 200
 READ, WRITE, STATUS = 2, 3, 0x55
 HEADER: Final = bytes((0xFF, 0xFF, 0xFD, 0x00))
 LONGEST: Final = 64
-"""Of an answer's part after its length: nothing longer is ever asked for."""
+"""Longest part of an answer after its length: nothing longer is ever asked for."""
 WHO, STATE, BEAT, CHARGE, TRAVEL, SPEEDS = (0, 7), (18, 1), 19, (46, 4), (136, 8), 150
 TORQUE: Final = (149, 2)
-"""What is read or written: address and length; the lengths differ."""
+"""Addresses in the board's table, with a length where it is read, which identifies the answer."""
 MODEL: Final = 0x5000
 TRACKS_M: Final = {
     1: ("Burger", 0.160),
@@ -51,7 +51,7 @@ CYCLE_S: Final = 0.02
 """The board renews its table so often."""
 BEAT_S: Final = 0.1
 ASK_S: Final = 1.0
-"""Who it is, whether its motors answer, and its battery."""
+"""Interval of the questions for its identity, its motors, their torque and its battery."""
 STEP: Final = 100
 """Steps of 1 cm/s and of 0.01 rad/s."""
 

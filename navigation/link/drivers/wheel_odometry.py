@@ -10,7 +10,7 @@ from __future__ import annotations
 from typing import Final
 
 SLACK: Final = 1.5
-"""How much faster than its fastest a wheel may seem: late reports come in twos."""
+"""Factor by which a wheel may seem to exceed its highest speed: late reports come in twos."""
 SLACK_M: Final = 0.01
 DOUBTS: Final = 3
 """Counts that are far off this many times in a row are a new beginning."""

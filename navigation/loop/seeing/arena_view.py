@@ -36,7 +36,7 @@ class ArenaView:
         self.vision = vision
         self.scene: Scene | None = None
         self.revision = 0
-        """Of the newest scene; 0 before the first."""
+        """Number of the newest scene; 0 before the first."""
         self.frame: Frame | None = None
         """The newest picture that was looked at, with its own time."""
         self.frame_s = -math.inf
@@ -46,7 +46,7 @@ class ArenaView:
         self.doubt = SceneDoubt(floor_markers=bool(config.arena.floor_markers))
         self.processed = 0
         self.troubles: dict[str, str] = {}
-        """What people must know of it, by subject."""
+        """Troubles that people must know of, by subject."""
         self._clock, self._recorder = clock, recorder
         self._measurable_revision = 0
 

@@ -49,7 +49,7 @@ class EyeSettings:
     bodies: Mapping[int, RobotShape]
     """By marker id: the robots that are driven and the others."""
     reach_m: float = 0.0
-    """How far a driven robot that is not seen may have come from where it was seen last: with
+    """Distance that a driven robot which is not seen may be from where it was last seen: with
     several, the arena is looked at all the same, but for the places where it may be."""
 
 
@@ -66,7 +66,7 @@ class Glimpse:
     place: PlaceReport | None = None
     """True if the camera is where it was; None if that is not watched."""
     picture: Frame | None = None
-    """What people are shown, where it is not the frame itself."""
+    """Picture that people are shown, if not the frame itself."""
     hold: str | None = None
     """Why no robot may drive by what is seen now."""
     troubles: Mapping[str, str] = field(default_factory=dict)

@@ -38,7 +38,7 @@ class TrafficOrders:
     answers: Mapping[str, PlanAnswer] = field(default_factory=dict)
     """For pilots, in the next cycle."""
     holds: Mapping[str, str] = field(default_factory=dict)
-    """Who holds for which robot in its path, in a sentence."""
+    """Reasons why robots may not move now, by robot."""
     errands: Mapping[str, Station] = field(default_factory=dict)
     """New missions of robots that step aside."""
 

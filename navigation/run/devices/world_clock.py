@@ -20,11 +20,11 @@ from navigation.simulator.robot import SimulatedRobot
 from navigation.simulator.slowing_clock import SlowingClock
 
 ROBOT_SLACK_S: Final = 0.02
-"""How late a robot's step may be, and how late the program may hear what the robot says."""
+"""Longest delay of a robot's step, and of the program's hearing what the robot says."""
 CAMERA_SLACK_S: Final = 0.03
-"""How late a picture may be exposed, and how late it may be with the program."""
+"""Longest delay of a picture's exposure, and of its arrival in the program."""
 WAKEUP_SLACK_S: Final = 0.03
-"""How late the thread may be woken that measures lateness: no robot holds for so little."""
+"""Longest delay in waking the thread that measures lateness: too short for a robot to hold."""
 
 WORTH_SAYING_S: Final = 1.0
 

@@ -33,7 +33,7 @@ CONFIG = {
     "robot": {"marker_id": 0, "marker_size_m": 0.1, "radius_m": 0.1},
     "serial": {"port": "/dev/ttyUSB0"},
 }
-"""Of a run with a real camera and robot, none of which is opened here."""
+"""Configuration of a run with a real camera and robot, neither of which is opened here."""
 SCENE = """L 4 (40,40) (60,40) (60,60) (40,60)
 L 3 (110,20) (130,40) (105,45)
 C (100,85) 12

@@ -230,11 +230,11 @@ def _painter(
 
 
 FLOOR_AT_M = (0.8, 0.6)
-"""Where the board's lower left corner lies in the picture of the floor."""
+"""Place of the board's lower left corner in the picture of the floor."""
 SURVEY_GRID = (4, 3)
 """Surveyed places across and up."""
 SURVEY_SPREAD = 0.55
-"""How much further than evenly they are spread towards the walls."""
+"""Share by which they are spread further than evenly towards the walls."""
 SURVEY_DISC_M = 0.02
 
 

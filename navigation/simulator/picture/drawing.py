@@ -36,7 +36,7 @@ FloatImage: TypeAlias = NDArray[np.float32]
 FLOOR_SAMPLES, ROBOT_SAMPLES = 4, 3
 """Samples a pixel and side: the floor is drawn once, robots in every frame."""
 FLOOR_PASSES, ROBOT_PASSES = 8, 1
-"""How often the samples are shifted by a part of a sample: outlines are right to
+"""Passes, each with the samples shifted by a part of a sample: outlines are right to
 1 / (2 samples passes) of a pixel, 0.016 for the floor."""
 LIGHT_GREY, DARK_GREY = 205.0, 45.0
 """Floor and obstacles, or the other way round."""
@@ -147,7 +147,7 @@ class RobotPainter:
         self._top, self._texel_m = _top_texture(marker, radius_m, marker_size_m, sample_m)
         self._plane_from_ray = pinhole.plane_from_ray(height_m)
         self._drawn: tuple[object, _Layers | None] = None, None
-        """What was drawn last, and for which pose: most robots of several stand."""
+        """Pose and layers that were drawn last: most robots of several stand still."""
         turns = np.linspace(0.0, math.tau, 128, endpoint=False)
         rim = radius_m * np.column_stack([np.cos(turns), np.sin(turns)])
         self._rims = np.concatenate(

@@ -39,7 +39,7 @@ LEAST_MM_S, STEP_MM_S, STEP_ADDS_MM_S = 11, 28.5, 10.5
 DEAF_S: Final = 0.020
 BOOT_S: Final = 3.0
 BOOT_TEXT: Final = b"bl-start\r\n2007-05-14-1715-L   \r\nRDK by iRobot!\r\n"
-"""What a processor that starts writes on the line, in a protocol of its own."""
+"""Text that a processor writes on the line when it starts, in a protocol of its own."""
 BATTERY_MAH: Final = (2_050.0, 2_696)
 CHARGE_MA: Final = 1_250
 NOT_CHARGING, FULL_CHARGING = 0, 2

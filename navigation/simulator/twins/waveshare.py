@@ -53,14 +53,14 @@ ORDINARY: Final = {
 FOR_ROS: Final = {1: _RASP, 2: _ROVER, 3: _UGV01}
 """By the number in command 900."""
 FULL_POWER: Final = 255 / 512
-"""As a share of the power; it is cut there."""
+"""Order with full power, where an order is a share of the power; a larger one is cut."""
 BOOT_S: Final = 2.0
 UART_BYTES: Final = 256
 BOOT_TEXT: Final = (
     b"Initialize LittleFS for Flash files ctrl.\r\nPower up the servos.\r\nUGV started.\r\n"
 )
 MOST_M_S: Final = 2.0
-"""What an order may say."""
+"""Highest speed that a regulated robot accepts in an order."""
 FASTEST_M_S: Final = 0.35
 LOOP_S: Final = 0.01
 HEARTBEAT_MS: Final = 3_000

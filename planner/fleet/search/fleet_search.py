@@ -30,7 +30,7 @@ from planner.scene import FloatArray
 from planner.shared.search_clock import Clock
 
 ROUNDS = 30
-"""Of shortening: ``python -m benchmarks.fleet`` says what they gain and cost."""
+"""Rounds of shortening: ``python -m benchmarks.fleet`` says what they gain and cost."""
 FIRST_TRIES = 400
 """Searches before anything else is tried: ten a robot for 40."""
 JOINT_ROUNDS = 500

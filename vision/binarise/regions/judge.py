@@ -43,8 +43,8 @@ SELECTED = 3.0
 derived, 1.6 at the level half-way, 2.4 at one of 2 sigma off it and 3 at 2.7, beyond which borders
 are short."""
 ALIKE = 4.0
-"""How many pairs of pixels share their noise: derived, every pixel is in two pairs to the right and
-down, and the picture that is judged may be smoothed by the binomial, over two pixels each way."""
+"""Number of pairs of pixels that share their noise: derived, every pixel is in two pairs to the
+right and down, and the judged picture may be smoothed by the binomial, over two pixels each way."""
 OUT_OF_FOCUS = 2.0
 """By how much the sharp steps of a picture grow when it is halved, where it is out of focus:
 derived, at a blur of 2 px, before borders are no longer sharp (``benchmarks.vision.regions
@@ -52,8 +52,8 @@ derived, at a blur of 2 px, before borders are no longer sharp (``benchmarks.vis
 LEAST_HALF_PX = 2 * (REACH + 2 * OUTER)
 """Pixels of the shortest side of half a picture: derived, twice what a pair looks at."""
 FAINT = 0.5
-"""What a border has to have of the share that most of them have, to be of the same stuff, and each
-of its sides of its own: derived, half-way between that and none."""
+"""Part of most borders' share that a border needs to be of the same stuff, and part of its own that
+each of its sides needs: derived, half-way between that and none."""
 SHORT_SIDE = 0.15
 """Share of a border's pairs from which one of its sides is asked: chosen, tips of triangles that
 blur rounds have 0.13, and whole bars were no obstacles for their ends."""
@@ -61,14 +61,14 @@ LEAST_SHARE = 0.1
 """Share of the light that a faint border has at least where light or floor is not even:
 chosen, for an obstacle of 180 on a floor of 215 has 0.11."""
 THICK_PX = 3.0
-"""How far the middle of a faint obstacle lies from its border at least there: chosen, joints are
+"""Least distance of the middle of a faint obstacle from its border there: chosen, joints are
 thinner."""
 SPECK_PX = 12
 """Pixels of a faint region from which noise has not made it: chosen, twice what noise has that is
 twice as strong in one part of the picture (``tests/vision/joined``)."""
 BLOCK_PX = 8
-"""How far from a strong edge a compressed picture has faint ones of its own: derived, the side of
-the blocks of pixels that JPEG rounds together."""
+"""Distance from a strong edge within which a compressed picture has faint ones of its own: derived,
+the side of the blocks of pixels that JPEG rounds together."""
 THIN_SHARE = 0.15
 """Share of the light that the border of a faint and thin one has at least there, and
 a step off the level that is an edge of its own there: chosen, cables of half

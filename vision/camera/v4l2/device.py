@@ -48,7 +48,7 @@ MOST_DAMAGED: Final = 60
 _DAMAGED_WINDOW: Final = 300
 _DAMAGED_SHARE: Final = 0.01
 _MUTE: Final = (errno.EIO, errno.ETIMEDOUT, errno.EPROTO, errno.EPIPE)
-"""What USB's driver says of a device that is plugged in and hangs."""
+"""Errors of USB's driver for a device that is plugged in and hangs."""
 _GONE: Final = (errno.ENODEV, errno.ENXIO, errno.ENOENT, errno.EBADF)
 
 
@@ -108,7 +108,7 @@ class DeviceCamera:
         self.state: SourceState = "closed"
         self.reason = ""
         self.mode: Agreed | None = None
-        """What was agreed on with the driver, while it is open."""
+        """Mode agreed on with the driver, while the device is open."""
         self.missing = 0
         """Pictures that the driver left out, by its own numbers."""
         self._path = f"/dev/video{device}" if device.isdecimal() else device

@@ -11,7 +11,7 @@ from vision.camera.v4l2.identity import SYSTEM, nodes
 from vision.camera.v4l2.node import gives_pictures
 
 UDEV: Final = Path("/run/udev/data")
-"""What udev has found out of devices, for every user to read."""
+"""Folder of udev's findings on devices, for every user to read."""
 
 
 def list_devices() -> list[tuple[str, str]]:

@@ -21,9 +21,9 @@ Size: TypeAlias = tuple[int, int]
 Wanted: TypeAlias = Literal["auto", "mjpg", "yuyv", "grey"]
 
 REACHES: Final = 0.95
-"""Of the asked rate: 29.97 frames a second are 30."""
+"""Share of the asked rate that is enough: 29.97 frames a second are 30."""
 MOST_LISTED: Final = 1000
-"""Of formats, sizes or rates: a driver whose list has no end is not followed further."""
+"""Most formats, sizes or rates: a driver whose list has no end is not followed further."""
 ORDER: Final = (
     *("GREY", "YUYV", "UYVY", "YVYU", "NV12", "NV21", "YU12", "YV12"),
     *("BGR3", "RGB3", "MJPG", "JPEG", "RGGB", "BA81", "GBRG", "GRBG"),

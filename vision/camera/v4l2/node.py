@@ -31,7 +31,7 @@ class About:
     card: str
     bus: str
     can: int
-    """What this node can do, as V4L2's bits."""
+    """Abilities of this node, as V4L2's bits."""
 
     @property
     def gives_pictures(self) -> bool:

@@ -48,12 +48,12 @@ class Filled:
     data: Image
     stamp_s: float
     stamped_at_start: bool
-    """Whether the stamp is the exposure's begin, not the end of the transfer."""
+    """True if the stamp is the beginning of the exposure, not the end of the transfer."""
     is_damaged: bool
     older_stamps_s: tuple[float, ...]
     """Number of pictures handed back unread, as this one is newer."""
     missing: int
-    """How many pictures the driver itself left out before the first of these."""
+    """Number of pictures that the driver itself left out before the first of these."""
 
 
 class Stream:

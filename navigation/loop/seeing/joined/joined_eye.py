@@ -41,7 +41,7 @@ from vision.watch.refit import KnownScene
 START_S: Final = 3.0
 """Longest time of a camera to its first picture after another one's."""
 MISSED_FRAMES: Final = 3
-"""Of the other cameras: a loop that was late has old pictures of all of them."""
+"""Pictures of other cameras after which one may be lost: a late loop has old pictures of all."""
 WITHIN_M: Final = 1e-3
 
 
