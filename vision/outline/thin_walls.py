@@ -36,7 +36,7 @@ MOST_WORK = 20_000_000
 """Pixels times edges of one border that are compared: chosen, some 50 ms. Beyond that it keeps its
 pixels' outline unseen, which leaves nothing out."""
 SAG_PX = 0.02
-"""Distance by which the polyline of an arc may leave it; its value hardly matters."""
+"""Distance by which the polyline of an arc may leave it: indifferent."""
 
 
 def keep_thin_walls(
