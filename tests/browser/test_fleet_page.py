@@ -190,7 +190,7 @@ def test_nothing_is_cut_off_or_covered_however_the_page_is_looked_at(
         assert min(box["width"], box["height"]) >= 24.0, name  # WCAG 2.2, 2.5.8
         places[name] = box
     rearm, stop = places["rearm-finn"], places["stop-finn"]
-    assert rearm["x"] + rearm["width"] <= stop["x"]
+    assert stop["y"] + stop["height"] <= rearm["y"], "one above the other"
     word = page.locator("#robot-finn .word").bounding_box()
     assert word is not None
     assert word["width"] > 50.0  # it says what is the matter

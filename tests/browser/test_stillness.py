@@ -22,7 +22,8 @@ PHONE: dict[str, Any] = {
     "device_scale_factor": 2,
 }
 TABLET: dict[str, Any] = {"viewport": {"width": 800, "height": 1100}, "has_touch": True}
-DEVICES = {"desktop": DESKTOP, "phone": PHONE, "tablet": TABLET}
+LAPTOP: dict[str, Any] = {"viewport": {"width": 1440, "height": 900}}
+DEVICES = {"desktop": DESKTOP, "laptop": LAPTOP, "phone": PHONE, "tablet": TABLET}
 SHOWN = {"driving", "holding", "stopped", "refused and stopped", "refused and lost", "camera lost"}
 SHOWN |= {"a token is wanted", "a goal with remarks", "a goal without a plan", "twenty stations"}
 SHOWN |= {"link's counters", "failed"}
@@ -40,7 +41,7 @@ def test_nothing_that_appears_moves_or_covers_what_can_be_clicked(
         page.evaluate("scrollTo(0, document.documentElement.scrollHeight)")
     page.evaluate("stillness.calm()")
     calm: Places = page.evaluate("stillness.measure()")
-    assert {"stop", "stage", "send", "pause", "adding", "name", "layer-plan"} <= set(calm)
+    assert {"stop", "stage", "send", "pause", "adding", "name", "layers-open"} <= set(calm)
     moved = []
     seen = dict(calm)
     for name in page.evaluate("stillness.names"):

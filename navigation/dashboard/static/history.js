@@ -122,7 +122,7 @@ export class History {
     parts.push(figures, picture, this.#files(run));
     this.detail.replaceChildren(...parts);
     this.detail.hidden = false;
-    if (matchMedia("(max-width: 62rem)").matches) title.focus(); // it stands below the list there
+    if (this.detail.offsetTop > this.list.offsetTop) title.focus(); // it is below the list, not beside it
     await Promise.all([this.#showReport(run, figures), this.#showPicture(run, picture)]);
   }
 

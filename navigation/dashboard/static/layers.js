@@ -65,8 +65,7 @@ export class Layers {
       input.addEventListener("change", () => this.toggle(name));
       const words = document.createElement("span");
       words.textContent = TITLES[name];
-      label.title = `${TITLES[name]} (key ${index + 1})`;
-      label.append(input, words);
+      label.append(input, words, keyOf(index + 1));
       box.append(label);
     });
     this.#applySwitches();
@@ -78,6 +77,7 @@ export class Layers {
       document.getElementById(`layer-${name}`).checked = on;
       this.stage.svg.classList.toggle(`no-${name}`, !on);
     }
+    document.getElementById("layers-count").textContent = `${this.shown.size} of ${LAYERS.length}`;
     this.stage.canvas.hidden = !this.shown.has("picture");
     this.camera.wanted = this.shown.has("camera");
     this.heat.wanted = this.shown.has("clearance");
@@ -240,6 +240,15 @@ export class Layers {
     this.missionKey = key;
     this.stage.group("mission").replaceChildren(...marks);
   }
+}
+
+/** A layer's key; with several robots the numbers choose these, and with Shift the layers. */
+function keyOf(number) {
+  const made = Object.assign(document.createElement("span"), { className: "key" });
+  const shift = Object.assign(document.createElement("kbd"), { className: "of-several", hidden: true, textContent: "Shift" });
+  made.append(shift, Object.assign(document.createElement("kbd"), { textContent: String(number) }));
+  made.setAttribute("aria-hidden", "true");
+  return made;
 }
 
 /** From where the robot stands to where the camera sees its top, which is above the floor. */

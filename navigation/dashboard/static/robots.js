@@ -32,6 +32,10 @@ export class Robots {
     for (const part of document.querySelectorAll(".of-several")) part.hidden = !several;
     for (const part of document.querySelectorAll(".of-one")) part.hidden = several;
     if (several) tellOfKeys();
+    // the list of robots has the place of Health, which is the chosen robot's
+    const health = document.querySelector(".health");
+    if (several) document.getElementById("beneath").prepend(health);
+    else this.card.after(health);
     this.#rows.clear();
     this.list.replaceChildren(...this.fleet.robots.map((robot, index) => this.#row(robot, index)));
     if (several) this.#showChosen();
@@ -133,9 +137,8 @@ export class Robots {
   }
 }
 
-/** Numbers choose robots here, and with Shift layers. */
+/** Numbers choose robots here. */
 function tellOfKeys() {
-  for (const label of document.querySelectorAll("#layers label")) label.title = label.title.replace("(key ", "(Shift and ");
   const stage = document.getElementById("stage");
   const more = " Numbers choose a robot, brackets the one before and the next.";
   if (!stage.ariaLabel.endsWith(more)) stage.ariaLabel += more;
