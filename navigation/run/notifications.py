@@ -98,7 +98,7 @@ class Notifications:
     def _report(self, calls: OutsideCalls) -> None:
         for sentence in calls.news():
             self._log.write("warning", "notify", reason=sentence)
-            self._say(f"notify: {sentence}; the run continues")
+            self._say(f"a notification failed: {sentence}")
 
 
 def filled(argument: str, values: Mapping[str, str]) -> str:

@@ -76,6 +76,9 @@ dashboard:
   port: 0
   token: {MARK}-token-of-the-file    # before that: password {MARK}comment
   viewer_token: {VIEWER}
+  supervisor_token: {MARK}-token-of-a-teacher
+notify:
+  url: http://127.0.0.1:1/{MARK}hook/{MARK}key
 """
     calibration = Calibration.from_scale(2.4 / 64, (64, 48), (0.0, 0.0, 2.0))
     (folder / "small.yaml").write_text(calibration_text(calibration))

@@ -160,7 +160,7 @@ def test_a_run_that_fails_by_its_time_limit_calls_for_who_was_under_way() -> Non
 @pytest.mark.usefixtures("kept")
 def test_a_call_that_fails_is_one_line_in_the_log_and_one_on_the_terminal() -> None:
     log, lines = made_by(NotifySection(command=COMMAND), lambda told: told.cycle(robots()))
-    assert lines == ["notify: tell: exited with 1; the run continues"]
+    assert lines == ["a notification failed: tell: exited with 1"]
     assert log.count("\n") == 1
     assert 'warning notify reason="tell: exited with 1"' in log
 

@@ -1,4 +1,4 @@
-"""A run that is stopped says the cause: at once on the terminal, in its log, and in its report."""
+"""A run that is stopped says the cause: on the terminal, in log and report, and by a call."""
 
 from __future__ import annotations
 
@@ -10,12 +10,15 @@ from pathlib import Path
 import pytest
 
 from navigation.config import load_config
+from navigation.config.notify import NotifySection
+from navigation.config.several.each_robot import robots_of
 from navigation.control import send_order
 from navigation.machine.logs import EventLog
 from navigation.run.runner import Runner
 from tests.support.waiting import wait_until
 
 CONFIGS = Path(__file__).parents[3] / "configs"
+TOLD = ("{robot}", "{state}", "{sentence}")
 
 
 @pytest.mark.parametrize(
@@ -24,8 +27,12 @@ CONFIGS = Path(__file__).parents[3] / "configs"
 def test_an_emergency_stop_is_said_with_its_cause(name: str, tmp_path: Path) -> None:
     shutil.copytree(CONFIGS, tmp_path, dirs_exist_ok=True)
     config = load_config(tmp_path / name, {})
+    tell = ("/bin/sh", "-c", f'echo "$0 $1: $2" >> {tmp_path}/told', *TOLD)
     config = config.model_copy(
-        update={"recording": config.recording.model_copy(update={"runs_dir": tmp_path / "runs"})}
+        update={
+            "recording": config.recording.model_copy(update={"runs_dir": tmp_path / "runs"}),
+            "notify": NotifySection(command=tell),
+        }
     )
     said: list[str] = []
     reasons: list[str] = []
@@ -50,3 +57,6 @@ def test_an_emergency_stop_is_said_with_its_cause(name: str, tmp_path: Path) -> 
     assert "a cat on the table; then interrupted" in reasons[0]
     states = [line for line in (tmp_path / "log").read_text().splitlines() if " state " in line]
     assert any(" warning " in line and "a cat on the table" in line for line in states), states
+    names = [robot or "robot" for robot in robots_of(config)]
+    told = (tmp_path / "told").read_text().splitlines()
+    assert sorted(told) == [f"{robot} stopped: a cat on the table" for robot in sorted(names)]
