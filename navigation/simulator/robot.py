@@ -57,7 +57,8 @@ class SimulatedRobot:
     ``pose`` is (x_m, y_m, heading_rad) at the start; ``twin`` is our own robot by default; ``baud``
     paces the line, by default as the twin does (infinity: at once); ``rng`` drives the robot's
     motion and faults. PortError if ``port`` cannot be opened, FaultSpecError for faults that this
-    line cannot have. When the twin's platform ends, the robot stops and its line is silent.
+    line cannot have, NeedsLinuxError on other systems. When the twin's platform ends, the robot
+    stops and its line is silent.
     """
 
     def __init__(
