@@ -123,8 +123,11 @@ def check_walls(roadmap: Roadmap, plan: FleetPlan, sizes: Sequence[float]) -> No
 
 
 def roadmap_for(roadmap: Roadmap, radius: float) -> Roadmap:
-    """Roadmap of the same scene for a robot of this radius."""
-    if radius == roadmap.radius:
+    """Roadmap of the same scene for a robot of this radius, with all its dead ends.
+
+    Robots give way in dead ends, however short.
+    """
+    if radius == roadmap.radius and roadmap.least_branch == 0.0:
         return roadmap
     return build_roadmap(roadmap.scene, radius, mode=roadmap.mode)
 
