@@ -11,7 +11,7 @@ from __future__ import annotations
 
 from dataclasses import replace
 
-from planner.scene import Scene
+from planner.scene import Scene, of_kind
 
 MOST_RECORDS = 1000
 """Arenas have tens. Of the real pictures in ``CLEARWAY_REAL_DATA`` the parts on a table have 66,
@@ -20,6 +20,7 @@ rooms with a chessboard held up in them 264 at most (640 x 480); smoothed noise 
 
 def doubts_about(scene: Scene) -> tuple[str, ...]:
     """Reasons to ask before driving in a picture's scene; usually none. O(objects)."""
+    of_kind("scene", scene, Scene)
     if scene.binarisation is None:
         return ()
     if not scene.objects:

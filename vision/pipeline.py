@@ -17,7 +17,7 @@ from typing import Any, Literal, TypeAlias
 import numpy as np
 from numpy.typing import NDArray
 
-from planner.scene import Bounds, Scene, SceneObject
+from planner.scene import Bounds, Scene, SceneObject, of_kind
 from vision.binarise import Method, Polarity
 from vision.binarise.colour import binarise_by_colour
 from vision.binarise.grey_picture import CALM_NOISE, Binary, as_array
@@ -65,6 +65,8 @@ def extract(
     unusable picture or option, and if no pixel is free. Thread-safe. O(pixels) to threshold, then
     O(border pixels).
     """
+    for name, word in (("mode", mode), ("polarity", polarity), ("method", method)):
+        of_kind(name, word, str)
     _refuse(mode, calibration, bounds)
     clock = _StopWatch()
     image = as_array(image)

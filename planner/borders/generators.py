@@ -19,7 +19,7 @@ from planner.borders import border_kernels, box_tree_kernels, generator_kernels,
 from planner.borders.border_arrays import Corners, Pieces, Tree
 from planner.borders.inside_kernels import ClosedBorders
 from planner.scene import FloatArray, IntArray, Primitives
-from planner.shared.numbers import as_float
+from planner.shared.arguments import as_float
 
 Mode: TypeAlias = Literal["exact", "paper"]
 BoolArray: TypeAlias = NDArray[np.bool_]
@@ -131,7 +131,7 @@ class Generators:
 
 def check_radius(radius: float) -> float:
     """Radius as a float; ``ValueError`` unless it is > 0 and finite."""
-    value = as_float(radius, "radius")
+    value = as_float("radius", radius)
     if not (math.isfinite(value) and value > 0.0):
         raise ValueError(f"radius = {radius}: must be > 0 and finite")
     return value
@@ -141,7 +141,7 @@ def choose_spacing(radius: float, spacing: float | None) -> float:
     """Given spacing, checked, or one radius by default."""
     if spacing is None:
         return SPACING_PER_RADIUS * radius
-    value = as_float(spacing, "spacing")
+    value = as_float("spacing", spacing)
     if not (math.isfinite(value) and value > 0.0):
         raise ValueError(f"spacing = {spacing}: must be > 0 and finite")
     if value >= 2.0 * radius:

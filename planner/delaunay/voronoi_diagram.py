@@ -20,6 +20,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from planner.delaunay.diagram_kernels import diagram, first_bad_row
 from planner.delaunay.half_edges import HalfEdges, read_sites
+from planner.shared.arguments import as_numbers
 
 Arrays: TypeAlias = tuple[NDArray[Any], ...]
 
@@ -80,7 +81,10 @@ def voronoi_arrays(sites: ArrayLike) -> DiagramArrays:
 
 
 def _checked(sites: ArrayLike) -> NDArray[np.float64]:
-    points = np.ascontiguousarray(sites, dtype=np.float64)
+    try:
+        points = np.ascontiguousarray(sites, dtype=np.float64)
+    except (TypeError, ValueError):
+        points = as_numbers("sites", sites, "places (n, 2)")
     if points.size == 0 and points.ndim <= 2:
         return np.empty((0, 2))
     if points.ndim != 2 or points.shape[1] != 2:

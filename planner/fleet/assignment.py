@@ -19,6 +19,7 @@ from planner.fleet.search.matching import match_for_last, match_for_sum
 from planner.path import Limits, NoPath
 from planner.roadmap.roadmap import Roadmap
 from planner.scene import FloatArray
+from planner.shared.arguments import of_kind, one_of
 
 
 @dataclass(frozen=True, slots=True)
@@ -53,8 +54,8 @@ def assign_tasks(
     sum of durations, "last" the longest one and, among equals, the sum. Paths are planned for every
     pair, then matched exactly in O(n^2 (n + m)). ``ValueError`` on input that makes no sense.
     """
-    if objective not in ("sum", "last"):
-        raise ValueError(f"objective = {objective!r}: must be 'sum' or 'last'")
+    of_kind("roadmap", roadmap, Roadmap)
+    one_of("objective", objective, "sum", "last")
     begin, end = check_places("robots", robots), check_places("tasks", tasks)
     sizes = check_radii(radii, roadmap.radius, len(begin))
     speeds = check_speeds(limits, sizes)

@@ -14,6 +14,7 @@ from planner.fleet.fleet_plan import FleetPlan, NoFleetPlan
 from planner.fleet.search.fleet_search import ROUNDS, Effort, search, touching
 from planner.fleet.search.team import edges_of, make_graph, make_robot
 from planner.scene import FloatArray
+from planner.shared.arguments import as_float, as_list, as_numbers, as_whole, brief
 from planner.shared.search_clock import Clock, search_clock_s
 
 
@@ -65,11 +66,7 @@ def check_effort(
 ) -> Effort:
     """Return the effort, with its time limit starting now; ``ValueError`` on senseless input."""
     limit = _positive("time_limit_s", time_limit_s)
-    rounds, number = operator.index(improve), operator.index(seed)
-    if rounds < 0:
-        raise ValueError(f"improve = {rounds}: must be >= 0")
-    if number < 0:
-        raise ValueError(f"seed = {number}: must be >= 0")
+    rounds, number = as_whole("improve", improve), as_whole("seed", seed)
     return Effort(limit, clock() + limit, rounds, number, clock)
 
 
@@ -84,10 +81,7 @@ def _shared(what: str, chosen: Sequence[int]) -> NoFleetPlan | None:
 
 def _numbers(name: str, rows: ArrayLike) -> FloatArray:
     """A finite copy of rows (n, 2)."""
-    try:
-        array = np.array(rows, dtype=np.float64)
-    except (TypeError, ValueError):
-        raise ValueError(f"{name}: must be rows of two numbers") from None
+    array = as_numbers(name, rows, "rows of two numbers")
     if array.size == 0:
         return np.empty((0, 2))
     if array.ndim != 2 or array.shape[1] != 2:
@@ -111,11 +105,11 @@ def _edges(edges: ArrayLike, count: int) -> NDArray[np.int64]:
 
 def _nodes(name: str, chosen: Sequence[Any], count: int) -> list[int]:
     numbers = []
-    for i, node in enumerate(chosen):
+    for i, node in enumerate(as_list(name, chosen, "node numbers")):
         try:
             number = operator.index(node)
         except TypeError:
-            raise ValueError(f"{name}[{i}] = {node!r}: must be a node number") from None
+            raise ValueError(f"{name}[{i}] = {brief(node)}: must be a node number") from None
         if not 0 <= number < count:
             raise ValueError(f"{name}[{i}] = {number}: must be a node, 0 to {count - 1}")
         numbers.append(number)
@@ -123,7 +117,7 @@ def _nodes(name: str, chosen: Sequence[Any], count: int) -> list[int]:
 
 
 def _positive(name: str, value: float, *, zero: bool = False) -> float:
-    number = float(value)
+    number = as_float(name, value)
     if not math.isfinite(number) or number < 0.0 or (number == 0.0 and not zero):
         raise ValueError(f"{name} = {number:g}: must be finite and {'>=' if zero else '>'} 0")
     return number

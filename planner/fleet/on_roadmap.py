@@ -19,6 +19,7 @@ from planner.motion.trajectory import default_limits
 from planner.path import Limits, NoPath
 from planner.roadmap.roadmap import Roadmap, build_roadmap
 from planner.scene import FloatArray
+from planner.shared.arguments import as_float, as_list, as_numbers, brief, of_kind
 from planner.shared.search_clock import Clock, search_clock_s
 
 ROUNDING = 1e-9
@@ -48,6 +49,7 @@ def plan_fleet(
     :func:`planner.fleet.on_graph.plan_on_graph`. Every track keeps its robot's radius from all
     borders. ``ValueError`` on input that makes no sense.
     """
+    of_kind("roadmap", roadmap, Roadmap)
     effort = replace(check_effort(time_limit_s, improve, seed, clock), live=True)
     begin, end = check_places("starts", starts), check_places("goals", goals)
     if len(begin) != len(end):
@@ -121,19 +123,25 @@ def check_walls(roadmap: Roadmap, plan: FleetPlan, sizes: Sequence[float]) -> No
 
 
 def roadmap_for(roadmap: Roadmap, radius: float) -> Roadmap:
-    """Roadmap of the same scene for a robot of this radius."""
-    if radius == roadmap.radius:
+    """Roadmap of the same scene for a robot of this radius, with all its dead ends.
+
+    Robots give way in dead ends, however short.
+    """
+    if radius == roadmap.radius and roadmap.least_branch == 0.0:
         return roadmap
     return build_roadmap(roadmap.scene, radius, mode=roadmap.mode)
 
 
 def check_places(name: str, rows: Sequence[Sequence[float]]) -> FloatArray:
     """Places without their headings, (n, 2); ``ValueError`` if one makes no sense."""
-    found = np.empty((len(rows), 2))
-    for i, row in enumerate(rows):
-        numbers = np.asarray(row, dtype=np.float64)
+    listed = as_list(name, rows, "places")
+    found = np.empty((len(listed), 2))
+    for i, row in enumerate(listed):
+        numbers = as_numbers(f"{name}[{i}]", row, "(x, y) or (x, y, heading)")
         if numbers.shape not in ((2,), (3,)) or not np.isfinite(numbers).all():
-            raise ValueError(f"{name}[{i}] = {row!r}: must be (x, y) or (x, y, heading), finite")
+            raise ValueError(
+                f"{name}[{i}] = {brief(row)}: must be (x, y) or (x, y, heading), finite"
+            )
         found[i] = numbers[:2]
     return found
 
@@ -141,7 +149,7 @@ def check_places(name: str, rows: Sequence[Sequence[float]]) -> FloatArray:
 def check_radii(radii: float | Sequence[float] | None, default: float, count: int) -> list[float]:
     """A radius for each robot; ``ValueError`` if one makes no sense."""
     values: ArrayLike = default if radii is None else radii
-    array = np.asarray(values, dtype=np.float64)
+    array = as_numbers("radii", values, "a number, or one each")
     if array.ndim == 0:
         array = np.full(count, float(array))
     if array.shape != (count,):
@@ -156,10 +164,14 @@ def check_speeds(limits: Limits | Sequence[Limits] | None, sizes: list[float]) -
     """A speed for each robot; ``ValueError`` if one makes no sense."""
     if limits is None:
         return [default_limits(size).speed for size in sizes]
-    each = [limits] * len(sizes) if isinstance(limits, Limits) else list(limits)
+    if isinstance(limits, Limits):
+        each = [limits] * len(sizes)
+    else:
+        each = [of_kind("limits", one, Limits) for one in as_list("limits", limits, "Limits")]
     if len(each) != len(sizes):
         raise ValueError(f"{len(each)} limits for {len(sizes)} robots: must be one, or one each")
     for i, one in enumerate(each):
-        if not math.isfinite(one.speed) or one.speed <= 0.0:
-            raise ValueError(f"limits[{i}].speed = {one.speed:g}: must be > 0 and finite")
+        speed = as_float(f"limits[{i}].speed", one.speed)
+        if not math.isfinite(speed) or speed <= 0.0:
+            raise ValueError(f"limits[{i}].speed = {speed:g}: must be > 0 and finite")
     return [float(one.speed) for one in each]

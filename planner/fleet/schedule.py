@@ -38,6 +38,7 @@ from planner.motion.trajectory import default_limits
 from planner.path import Limits, NoPath
 from planner.roadmap.roadmap import Roadmap
 from planner.scene import CircleRecord, FloatArray, Scene, SceneObject
+from planner.shared.arguments import of_kind
 from planner.shared.search_clock import Clock, search_clock_s
 
 ZONE = 8.0
@@ -76,6 +77,7 @@ class FleetSchedule:
 
         ``ValueError`` on senseless input or robots that touch each other or a border.
         """
+        of_kind("roadmap", roadmap, Roadmap)
         at = check_places("places", places)
         if not len(at):
             raise ValueError("places: must hold a robot at least")

@@ -44,6 +44,8 @@ def load_scene(path: str | os.PathLike[str], *, read_picture: ReadPicture | None
 
     Raises :class:`SceneError` with the file and, if known, line and column.
     """
+    if not isinstance(path, str | os.PathLike):
+        raise TypeError(f"path is a {type(path).__name__}: must be the name of a file")
     file = Path(path)
     return scene_from_bytes(read_bytes(file), file, read_picture=read_picture)
 

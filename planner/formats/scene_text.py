@@ -33,6 +33,7 @@ from planner.formats.line_scanner import Scanner
 from planner.formats.scene_text_reader import HEADER, SceneReader
 from planner.formats.scene_text_writer import scene_lines
 from planner.scene import Scene
+from planner.shared.arguments import of_kind
 
 __all__ = ["HEADER", "read_scene_text", "write_scene_text"]
 
@@ -44,6 +45,7 @@ def read_scene_text(text: str, name: str = "<text>") -> Scene:
     that are not finite or beyond ``MAX_COORDINATE``, radii <= 0, and trailing characters.
     O(length).
     """
+    of_kind("text", text, str)
     reader = SceneReader(name)
     for number, line in enumerate(text.removeprefix("\ufeff").splitlines(), start=1):
         reader.take_line(Scanner(name, number, line))
@@ -56,4 +58,5 @@ def write_scene_text(scene: Scene) -> str:
     Raises :class:`SceneError` on edges that do not connect, numbers that are not finite, and arcs
     off their circles.
     """
+    of_kind("scene", scene, Scene)
     return "\n".join(scene_lines(scene)) + "\n"

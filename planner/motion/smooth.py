@@ -26,7 +26,8 @@ from planner.motion.smooth_kernels import bend, parabola
 from planner.path import Path
 from planner.route.plan_request import preference_of
 from planner.scene import FloatArray, Vec
-from planner.shared.numbers import as_float, wrap_angle
+from planner.shared.arguments import as_float, of_kind
+from planner.shared.numbers import wrap_angle
 
 CORNER_RAD = math.radians(3.0)
 """A smaller turn is no corner: the samples of a smooth bisector turn less."""
@@ -119,13 +120,17 @@ def round_corners(
     Length and clearances are measured again, also of the alternatives, which keep all of theirs.
     Raises ``ValueError`` on invalid options.
     """
-    spare = as_float(margin, "margin")
+    of_kind("path", path, Path)
+    if not hasattr(roadmap, "path_clearance"):
+        raise TypeError(f"roadmap is a {type(roadmap).__name__}: must be a Roadmap")
+    bend_radius = as_float("turning_radius", turning_radius)
+    spare = as_float("margin", margin)
     if not 0.0 <= spare < math.inf:
         raise SmoothError(f"margin = {margin}: must be >= 0 and finite")
     need = roadmap.radius + spare
     keep = need + preference_of(prefer) * max(path.min_clearance - need, 0.0)
     return smooth_path(
-        path, roadmap.path_clearance, roadmap.clearance, keep=keep, turning_radius=turning_radius
+        path, roadmap.path_clearance, roadmap.clearance, keep=keep, turning_radius=bend_radius
     )
 
 

@@ -22,6 +22,7 @@ from planner.motion.speed_profile import plan_speed
 from planner.motion.stops_and_bends import Clearance, CutPath, Stop, Stretch, speed_cells
 from planner.path import Limits, Path, TimedWaypoint, Trajectory
 from planner.scene import FloatArray
+from planner.shared.arguments import as_float, as_list, of_kind
 from planner.shared.numbers import wrap_angle
 
 HEADING_TOLERANCE_RAD = 1e-6
@@ -69,8 +70,11 @@ def time_path(
     and if a robot that cannot turn on the spot would have to: for a station's heading, or in a bend
     tighter than its turning radius.
     """
-    _check(path, limits, dwell_s)
-    dwells = tuple(dwell_s) or (0.0,) * len(path.stations)
+    dwells = tuple(as_float("dwell_s", d) for d in as_list("dwell_s", dwell_s, "seconds"))
+    if not (clearance is None or callable(clearance)):
+        raise TypeError(f"clearance is a {type(clearance).__name__}: must be a function")
+    _check(of_kind("path", path, Path), of_kind("limits", limits, Limits), dwells)
+    dwells = dwells or (0.0,) * len(path.stations)
     track = CutPath(path, limits, clearance, dwells)
     clock = _Clock(limits)
     legs = track.legs()
@@ -94,9 +98,9 @@ def time_path(
 
 def _check(path: Path, limits: Limits, dwell_s: Sequence[float]) -> None:
     for item in fields(limits):
-        value = getattr(limits, item.name)
         if item.name == "turns_on_spot":
             continue
+        value = as_float(f"limits.{item.name}", getattr(limits, item.name))
         if item.name == "turning_radius" and value == 0.0:
             continue
         if not (math.isfinite(value) and value > 0.0):

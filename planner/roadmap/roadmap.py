@@ -48,7 +48,7 @@ from planner.route.plan_request import Request
 from planner.route.route import plan_request
 from planner.scene import FloatArray, Scene, Vec
 from planner.scene.drawing import ROAD, StyledLines, plot, to_svg
-from planner.shared.numbers import as_float
+from planner.shared.arguments import as_float, as_numbers, of_kind, one_of
 
 if TYPE_CHECKING:
     import networkx as nx
@@ -192,6 +192,8 @@ class Roadmap:
         from planner.graph_files.route_graph import ExchangeError
         from planner.roadmap.roadmap_export import as_text
 
+        if not isinstance(path, str | os.PathLike):
+            raise TypeError(f"path is a {type(path).__name__}: must be the name of a file")
         file = FilePath(path)
         text = as_text(self, file.suffix, frame=frame)
         try:
@@ -224,6 +226,7 @@ class Roadmap:
         """
         from planner.diagram.update import update_diagram
 
+        of_kind("scene", scene, Scene)
         agvd = None
         if isinstance(self.scene, Scene) and self.mode == "exact":
             agvd = update_diagram(self.agvd, self.scene, scene)
@@ -282,6 +285,8 @@ class Roadmap:
         so that noise does not make plans jump; a refusal is no path to stay on. Raises
         ``ValueError`` on invalid options.
         """
+        if near is not None:
+            of_kind("near", near, Path, NoPath)
         request = Request.of(start, goal, prefer, via, order, alternatives, margin, relaxed=relaxed)
         units = str(getattr(self.scene, "units", ""))
         answer = plan_request(
@@ -329,7 +334,12 @@ class Roadmap:
 def _places(name: str, points: ArrayLike) -> FloatArray:
     """Points (n, 2) for the kernels; ``ValueError`` if one is not finite."""
     # a copy: numba would compile the kernels again for read-only arrays
-    xy = np.array(points, np.float64, order="C").reshape(-1, 2)
+    xy = as_numbers(name, points, "places (n, 2)")
+    if xy.size == 0:
+        return np.empty((0, 2))
+    if xy.shape[-1:] != (2,) or xy.ndim > 2:
+        raise ValueError(f"{name}: shape {xy.shape}: must be (n, 2)")
+    xy = xy.reshape(-1, 2)
     if not np.isfinite(xy).all():
         at = int(np.flatnonzero(~np.isfinite(xy).all(axis=1))[0])
         raise ValueError(f"{name}[{at}] = {tuple(xy[at].tolist())}: must be finite")
@@ -354,12 +364,15 @@ def build_roadmap(
     between two branches stay, and paths are planned as without it. ``lap`` is called with the name
     of each stage as it ends: geometry, voronoi, roadmap. O(n) on average for n generators.
     """
+    if not hasattr(scene, "primitives"):
+        of_kind("scene", scene, Scene)
+    if not (lap is None or callable(lap)):
+        raise TypeError(f"lap is a {type(lap).__name__}: must be a function")
     done = lap or (lambda stage: None)
     size = check_radius(radius)
     delta = choose_spacing(size, spacing)
-    if mode not in ("exact", "paper"):
-        raise ValueError(f"mode = {mode!r}: must be 'exact' or 'paper'")
-    least = as_float(least_branch, "least_branch")
+    one_of("mode", mode, "exact", "paper")
+    least = as_float("least_branch", least_branch)
     if not 0.0 <= least < math.inf:
         raise ValueError(f"least_branch = {least_branch}: must be >= 0 and finite")
     borders = gather_borders(scene, mode)

@@ -3,12 +3,11 @@
 from __future__ import annotations
 
 import math
-import reprlib
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 from planner.scene import Vec
-from planner.shared.numbers import as_float
+from planner.shared.arguments import as_float, as_list, brief, one_of
 
 PREFERENCES = {"length": 0.0, "balanced": 0.5, "clearance": 1.0}
 """The names of ``prefer`` and the numbers they stand for."""
@@ -57,11 +56,11 @@ class Request:
         relaxed: bool = False,
     ) -> Request:
         """Parse the arguments of ``Roadmap.plan``; ``ValueError`` reports faults."""
-        named = [("start", start), *((f"via[{i}]", v) for i, v in enumerate(via)), ("goal", goal)]
+        vias = enumerate(as_list("via", via, "places"))
+        named = [("start", start), *((f"via[{i}]", v) for i, v in vias), ("goal", goal)]
         parsed = [_station(name, value) for name, value in named]
-        if order not in ("fixed", "best"):
-            raise ValueError(f"order = {order!r}: must be 'fixed' or 'best'")
-        spare = as_float(margin, "margin")
+        one_of("order", order, "fixed", "best")
+        spare = as_float("margin", margin)
         if not (math.isfinite(spare) and spare >= 0.0):
             raise ValueError(f"margin = {margin}: must be >= 0 and finite")
         return cls(
@@ -77,11 +76,11 @@ class Request:
 
 def _count(alternatives: int) -> int:
     try:
-        wanted = as_float(alternatives, "alternatives")
+        wanted = as_float("alternatives", alternatives)
     except TypeError:
         wanted = math.nan
     if not wanted >= 0.0 or math.isinf(wanted) or wanted != int(wanted):
-        raise ValueError(f"alternatives = {alternatives}: must be a whole number >= 0")
+        raise ValueError(f"alternatives = {brief(alternatives)}: must be a whole number >= 0")
     if wanted > MOST_ALTERNATIVES:
         raise ValueError(f"alternatives = {alternatives}: must be at most {MOST_ALTERNATIVES}")
     return int(wanted)
@@ -89,9 +88,9 @@ def _count(alternatives: int) -> int:
 
 def _station(name: str, value: Sequence[float]) -> tuple[Vec, float | None]:
     try:
-        numbers = [as_float(v, name) for v in value]
+        numbers = [as_float(name, v) for v in as_list(name, value, "numbers")]
     except TypeError:
-        raise TypeError(f"{name} = {reprlib.repr(value)}: must be x, y or x, y, heading") from None
+        raise TypeError(f"{name} = {brief(value)}: must be x, y or x, y, heading") from None
     if len(numbers) not in (2, 3) or not all(math.isfinite(v) for v in numbers):
         raise ValueError(f"{name} = {tuple(value)}: must be x, y or x, y, heading, all finite")
     return (numbers[0], numbers[1]), numbers[2] if len(numbers) == 3 else None
@@ -103,7 +102,7 @@ def preference_of(prefer: str | float) -> float:
         if prefer not in PREFERENCES:
             raise ValueError(f"prefer = {prefer!r}: must be one of {', '.join(PREFERENCES)}")
         return PREFERENCES[prefer]
-    value = as_float(prefer, "prefer")
+    value = as_float("prefer", prefer)
     if not 0.0 <= value <= 1.0:
         raise ValueError(f"prefer = {prefer}: must be from 0 (length) to 1 (clearance)")
     return value

@@ -35,6 +35,6 @@ def sample(name: str) -> Path:
 
 def sample_files(name: str) -> tuple[Path, ...]:
     """All files of a sample, the one to open first."""
-    if name not in SAMPLES:
+    if not isinstance(name, str) or name not in SAMPLES:
         raise SceneError(f"no sample {name!r}: must be one of {', '.join(SAMPLES)}")
     return tuple(Path(__file__).with_name(file) for file in SAMPLES[name])

@@ -45,6 +45,7 @@ from planner.scene.scene import (
     derived_bounds,
 )
 from planner.scene.unknown_cells import UnknownCells
+from planner.shared.arguments import of_kind
 
 __all__ = [
     "ARC",
@@ -75,6 +76,7 @@ __all__ = [
     "extent_points",
     "flatten",
     "object_records",
+    "of_kind",
     "printable",
     "record_edges",
 ]

@@ -24,6 +24,8 @@ from planner.scene.polygons import geo_of, objects_from_geo, objects_from_polygo
 from planner.scene.primitives import Primitives
 from planner.scene.records import (
     ArcRecord,
+    CircleRecord,
+    PointRecord,
     PolygonRecord,
     Record,
     SceneError,
@@ -36,11 +38,12 @@ from planner.scene.records import (
 )
 from planner.scene.specks import without_small
 from planner.scene.unknown_cells import UnknownCells
-from planner.shared.numbers import as_float
+from planner.shared.arguments import as_float, as_index, as_list, as_numbers, of_kind
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
+RECORDS = PointRecord, SegmentRecord, CircleRecord, ArcRecord, PolygonRecord
 Units: TypeAlias = Literal["px", "m", "cells"]
 GEO_TOLERANCE = 1e-4
 """By how much chords leave their arcs in ``__geo_interface__``, as a share of the bounds."""
@@ -119,17 +122,25 @@ class Scene:
     unknown: UnknownCells | None = field(default=None, compare=False)
 
     def __post_init__(self) -> None:
-        b = self.bounds
-        if not all(math.isfinite(v) for v in (b.x_min, b.y_min, b.x_max, b.y_max)):
+        b = of_kind("bounds", self.bounds, Bounds)
+        _check_units(self.units)
+        sides = zip(("x_min", "y_min", "x_max", "y_max"), self.view, strict=True)
+        if not all(math.isfinite(as_float(f"bounds.{name}", v)) for name, v in sides):
             raise SceneError(f"bounds {b}: must be finite")
         if not (b.x_min < b.x_max and b.y_min < b.y_max):
             raise SceneError(f"bounds {b}: must have a positive width and height")
+        of_kind("objects", self.objects, tuple, list)
         for number, one in enumerate(self.objects):
             if not isinstance(one, SceneObject):
                 raise SceneError(
                     f"object {number} is a {type(one).__name__}: must be a SceneObject; "
                     "Scene.from_polygons makes them of arrays"
                 )
+            for border in (one.records, *one.holes):
+                of_kind(f"the records of object {number}", border, tuple, list)
+                for record in border:
+                    if type(record) not in RECORDS:  # fast: there may be many
+                        of_kind(f"a record of object {number}", record, *RECORDS)
 
     @classmethod
     def from_polygons(
@@ -146,7 +157,9 @@ class Scene:
         y_min, x_max, y_max) a generous rectangle is derived. Raises :class:`SceneError` naming the
         unusable one: too few vertices, no area, sides that cross.
         """
-        objects = objects_from_polygons(polygons, circles, y_down=units != "m")
+        _check_units(units)
+        rings, discs = as_list("polygons", polygons, "arrays"), as_list("circles", circles, "rows")
+        objects = objects_from_polygons(rings, discs, y_down=units != "m")
         return cls._around(objects, bounds, units)
 
     @classmethod
@@ -163,6 +176,7 @@ class Scene:
         ``__geo_interface__``: polygons with their holes, lines and points, also in collections.
         Bounds, units and errors are as in :meth:`from_polygons`.
         """
+        _check_units(units)
         return cls._around(objects_from_geo(geometry, y_down=units != "m"), bounds, units)
 
     @classmethod
@@ -172,12 +186,12 @@ class Scene:
         bounds: Bounds | Sequence[float] | None,
         units: Units,
     ) -> Scene:
-        if units not in get_args(Units):
-            raise SceneError(f"units {units!r}: must be one of {', '.join(get_args(Units))}")
         if isinstance(bounds, Bounds):
             return cls(units, bounds, objects)
         if bounds is not None:
-            sides = tuple(float(side) for side in bounds)
+            sides = tuple(
+                as_numbers("bounds", bounds, "x_min, y_min, x_max, y_max").ravel().tolist()
+            )
             if len(sides) != 4:
                 raise SceneError(f"bounds {sides}: must be x_min, y_min, x_max, y_max")
             return cls(units, Bounds(*sides), objects)
@@ -197,9 +211,10 @@ class Scene:
 
     def to_geo(self, tolerance: float) -> dict[str, Any]:
         """Return the same with chords within ``tolerance`` (> 0) of their arcs."""
-        if not tolerance > 0.0:
-            raise SceneError(f"tolerance {tolerance}: must be > 0")
-        return geo_of(self.objects, tolerance, y_down=self.y_down)
+        least = as_float("tolerance", tolerance)
+        if not least > 0.0:
+            raise SceneError(f"tolerance {least}: must be > 0")
+        return geo_of(self.objects, least, y_down=self.y_down)
 
     def __repr__(self) -> str:
         """Return one line; ``objects`` has the rest."""
@@ -227,6 +242,7 @@ class Scene:
         ``IndexError`` if there is no such object. The others keep their order and ids.
         """
         count = len(self.objects)
+        number = as_index("number", number)
         if not 0 <= number < count:
             raise IndexError(f"object {number}: the scene has {count}, numbered from 0")
         objects = (*self.objects[:number], *others, *self.objects[number + 1 :])
@@ -240,7 +256,7 @@ class Scene:
         :mod:`planner.scene.specks`, in square units of the scene. ``SceneError`` unless
         ``least_area`` is a finite number > 0.
         """
-        least = as_float(least_area, "least_area")
+        least = as_float("least_area", least_area)
         if not 0.0 < least < math.inf:
             raise SceneError(f"least_area = {least:g}: must be > 0 and finite")
         kept, sentence = without_small(self.objects, least, self.units, y_down=self.y_down)
@@ -277,6 +293,11 @@ class Scene:
             sides = tuple(Segment(c[i], c[(i + 1) % 4]) for i in range(4))
             flat.add_border((PolygonRecord(sides),), -1, is_hole=True)
         return flat.finish()
+
+
+def _check_units(units: Any) -> None:
+    if not isinstance(units, str) or units not in get_args(Units):
+        raise SceneError(f"units {units!r}: must be one of {', '.join(get_args(Units))}")
 
 
 def _stored_points(record: Record) -> int:

@@ -1,8 +1,9 @@
-"""Modules shared by the kernels, and numbers and their wording.
+"""Modules shared by the kernels, checks of arguments, and numbers and their wording.
 
 - ``kernel_cache.py`` chooses where compiled kernels are kept, before numba is imported.
 - ``kernel_locator.py`` finds kernels that still fit, or were shipped, by ``source_stamp.py``.
 - ``processor.py`` chooses the processor that kernels are compiled for.
 - ``search_clock.py`` times searches without the time of compilation.
-- ``numbers.py`` reads numbers from outside; ``figures.py`` writes them in sentences.
+- ``arguments.py`` checks what comes in from outside.
+- ``numbers.py`` wraps angles; ``figures.py`` writes numbers in sentences.
 """

@@ -15,6 +15,8 @@ Rules and units
 from __future__ import annotations
 
 import math
+import operator
+import reprlib
 from collections.abc import Sequence
 from dataclasses import dataclass, field
 
@@ -78,7 +80,7 @@ class Calibration:
     _planes: dict[float, PlaneView] = field(init=False, repr=False, compare=False)
 
     def __post_init__(self) -> None:
-        width, height = self.size
+        width, height = _whole_size(self.size)
         if not (0 < width <= 65536 and 0 < height <= 65536):
             raise CalibrationError(f"size = {self.size}: must be in 1..65536 pixels")
         camera = _matrix("camera_matrix", self.camera_matrix, (3, 3))
@@ -118,9 +120,13 @@ class Calibration:
         camera_center_m: tuple[float, float, float] | None = None,
     ) -> Calibration:
         """A picture that is a plan to scale: no lens, y up, (0, 0) at its lower left corner."""
-        if not (math.isfinite(metres_per_pixel) and metres_per_pixel > 0.0):
-            raise CalibrationError(f"metres_per_pixel = {metres_per_pixel}: must be > 0")
-        s, height = metres_per_pixel, size[1]
+        try:
+            is_scale = math.isfinite(metres_per_pixel) and metres_per_pixel > 0.0
+        except TypeError:
+            is_scale = False
+        if not is_scale:
+            raise CalibrationError(f"metres_per_pixel = {metres_per_pixel!r}: must be > 0")
+        s, height = metres_per_pixel, _whole_size(size)[1]
         plan = np.array([[s, 0.0, 0.5 * s], [0.0, -s, (height - 0.5) * s], [0.0, 0.0, 1.0]])
         return cls(size, nominal_camera_matrix(size), np.zeros(5), plan, camera_center_m)
 
@@ -286,11 +292,22 @@ def _apply(homography: FloatArray, points: FloatArray, front: float) -> FloatArr
     return np.asarray(moved[:, :2] / moved[:, 2:])
 
 
+def _whole_size(size: Sequence[int]) -> tuple[int, int]:
+    try:
+        width, height = map(operator.index, size)
+    except (TypeError, ValueError):
+        raise CalibrationError(f"size = {reprlib.repr(size)}: must be width and height") from None
+    return width, height
+
+
 def _points(points: ArrayLike) -> FloatArray:
-    array = np.asarray(points, dtype=np.float64)
+    try:
+        array = np.asarray(points, dtype=np.float64)
+    except (TypeError, ValueError):
+        raise CalibrationError("points: must be numbers (n, 2)") from None
     if array.size == 0:
         return np.empty((0, 2))
-    if array.shape[-1] != 2:
+    if array.shape[-1:] != (2,):
         raise CalibrationError(f"points of shape {array.shape}: must be (n, 2)")
     return array.reshape(-1, 2)
 

@@ -15,7 +15,7 @@ from typing import Any
 import numpy as np
 import yaml
 
-from planner.scene import printable
+from planner.scene import of_kind, printable
 from vision.calibration.calibration import Calibration, CalibrationError, FloatArray
 
 SCHEMA = "clearway.calibration/1"
@@ -80,7 +80,7 @@ def load_lens(path: str | Path) -> Calibration:
 
 def calibration_text(calibration: Calibration) -> str:
     """The YAML text of a calibration, with floats that read back the same."""
-    center = calibration.camera_center_m
+    center = of_kind("calibration", calibration, Calibration).camera_center_m
     values: dict[str, Any] = {
         "schema": SCHEMA,
         "size": list(calibration.size),

@@ -142,7 +142,7 @@ def ignored_pixels(
         return ignore
     try:
         discs = np.asarray(ignore, dtype=np.float64).reshape(-1, 3)
-    except ValueError:
+    except (TypeError, ValueError):
         raise PictureError("ignore: must be a mask, or discs (x, y, radius)") from None
     if not np.isfinite(discs).all() or (discs[:, 2] < 0.0).any():
         raise PictureError("ignore: a disc's centre and radius must be finite, the radius >= 0")

@@ -12,6 +12,7 @@ import numpy as np
 import pytest
 
 import planner
+from planner.fleet.on_roadmap import roadmap_for
 from planner.formats.grid_maps import grid_scene
 from planner.roadmap.curves import curves_of
 from planner.roadmap.graph import without_short_branches
@@ -146,6 +147,14 @@ def test_paths_into_a_dead_end_that_was_left_out_are_as_before(noisy: Scene) -> 
             assert isinstance(here, planner.Path)
             assert isinstance(there, planner.Path)
             assert np.array_equal(here.points, there.points)
+
+
+def test_robots_give_way_in_dead_ends_that_were_left_out(noisy: Scene) -> None:
+    short = planner.build_roadmap(noisy, 1.0, least_branch=1e6)
+    whole = roadmap_for(short, 1.0)
+    assert whole.kept == planner.build_roadmap(noisy, 1.0).kept
+    assert len(whole.kept) > len(short.kept)
+    assert roadmap_for(whole, 1.0) is whole
 
 
 def test_an_updated_roadmap_leaves_out_as_much(noisy: Scene) -> None:
