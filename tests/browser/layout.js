@@ -2,11 +2,13 @@
   // Faults of the layout as it is now: what is cut, covered or half empty. Pixels of the screen.
   //
   // - cut: a text that leaves the page's width, or a box around it that hides what is outside; one
-  //   that has to be scrolled to, but in lists that grow without a limit.
+  //   that has to be scrolled to, but in lists that grow without a limit. A robot's line in the list
+  //   may end in dots: the state says it whole when the robot is chosen.
   // - overlap: two cards, or two texts of a card, that share more than SLACK in both directions.
   // - half empty: a card of whose height texts and controls, with gaps up to GAP between and around
   //   them, cover less than FILLED. The state is left out: its height is fixed.
   const [SLACK, GAP, FILLED] = [3, 20, 0.6];
+  const SHORTENED = ".robot-says";
   const LISTS = "#log, .places-box, .settings-scroll, .history-list";
   const faults = [];
   const isShown = (element) => element.checkVisibility({ visibilityProperty: true }) && !element.closest(".visually-hidden, .skip") && getComputedStyle(element).clipPath === "none";
@@ -18,7 +20,7 @@
   while (walker.nextNode()) {
     const node = walker.currentNode;
     const element = node.parentElement;
-    if (!node.textContent.trim() || element.closest("script, svg, option") || !isShown(element)) continue;
+    if (!node.textContent.trim() || element.closest(`script, svg, option, ${SHORTENED}`) || !isShown(element)) continue;
     const range = document.createRange();
     range.selectNodeContents(node);
     texts.push({ element, words: node.textContent.trim().slice(0, 30), boxes: [...range.getClientRects()] });
