@@ -22,13 +22,12 @@ from typing import Any, Final
 from navigation.config.secrecy.secrets import hide_in
 from navigation.dashboard.admission.access import AccessGate, Role
 from navigation.dashboard.admission.seat import Seat
-from navigation.dashboard.attention import Attention
+from navigation.dashboard.attention import EARLY, Attention
 from navigation.dashboard.chronicles import Chronicles
 from navigation.dashboard.kept.places import PlaceError, SavedPlaces, places_file
 from navigation.dashboard.messages.camera_view import CameraView
 from navigation.dashboard.messages.chronicle import COLUMNS
 from navigation.dashboard.messages.geometry import (
-    path_facts,
     plan_message,
     plans_message,
     world_message,
@@ -38,7 +37,7 @@ from navigation.dashboard.messages.packed import pack
 from navigation.dashboard.messages.picture import TopView
 from navigation.dashboard.messages.state_message import (
     greeting,
-    no_path_facts,
+    preview_facts,
     robot_facts,
     robots_greeting,
     state_message,
@@ -46,9 +45,8 @@ from navigation.dashboard.messages.state_message import (
 from navigation.dashboard.orders import give
 from navigation.dashboard.shown import IT_IS_A_RECORDING, Shown
 from navigation.loop.run_state import RobotSnapshot, RunState
-from navigation.mission.cycle import PlanAnswer
 from navigation.mission.mission import MissionError, Station
-from planner.path import NoPath, Path
+from planner.path import Path
 from planner.roadmap.roadmap import Roadmap
 from planner.scene import Bounds
 from vision.camera.camera import Frame
@@ -125,6 +123,7 @@ class Hub:
         self._seen_s = -math.inf
         self._told_s = -math.inf
         self._frames: dict[tuple[str, int], Frame] = {}
+        self._made_s: dict[str, float] = {}
         self._heated: Roadmap | None = None
         self._roadmap: Roadmap | None = None
         self._paths: tuple[Path | None, ...] = ()
@@ -339,19 +338,24 @@ class Hub:
         self.wake()
 
     def _renew_pictures(self, state: RobotSnapshot, now_s: float) -> None:
-        """Make the newest picture in each size that some viewer could take now."""
-        looking = [viewer for viewer in self.viewers if viewer.is_watching]
-        # a viewer that comes to a size that others have left must not get their last picture
-        for unseen in self._frames.keys() - {viewer.sees for viewer in looking}:
-            del self._frames[unseen]
-            self.pictures.pop(unseen, None)
-        frame, pause_s = state.frame, self.picture_pause_s()
-        if frame is None:
+        """Make the newest picture in each size that some viewer could take now.
+
+        Viewers that change their sizes all the time make it neither more often nor twice.
+        """
+        if (frame := state.frame) is None:
             return
+        looking, pause_s = [one for one in self.viewers if one.is_watching], self.picture_pause_s()
+        # a viewer that comes to a size that others have left must not get their old picture
+        for unseen in self._frames.keys() - {viewer.sees for viewer in looking}:
+            if self._frames[unseen] is not frame:
+                del self._frames[unseen]
+                self.pictures.pop(unseen, None)
         wanted = {viewer.sees for viewer in looking if viewer.wants_picture(now_s, pause_s)}
         for kind in KINDS:
             widths = {w for k, w in wanted if k == kind and self._frames.get((k, w)) is not frame}
-            if widths and kind not in self._busy:
+            is_due = now_s - self._made_s.get(kind, -math.inf) >= EARLY * pause_s
+            if widths and is_due and kind not in self._busy:
+                self._made_s[kind] = now_s
                 self._frames |= dict.fromkeys(((kind, width) for width in widths), frame)
                 self._start(kind, self._make_pictures(kind, widths, frame, state))
 
@@ -394,14 +398,3 @@ class Hub:
         """Least time between two pictures for one viewer, by the number of viewers."""
         watching = sum(viewer.is_watching for viewer in self.viewers)
         return max(1.0 / self.section.picture_rate_hz, watching / PICTURES_S)
-
-
-def preview_facts(answer: PlanAnswer) -> dict[str, Any]:
-    """A preview as JSON data: the path with its figures, or why there is none."""
-    path = answer.path
-    if isinstance(path, NoPath):
-        return {"ok": False, **no_path_facts(path)}
-    facts: Mapping[str, Any] = path_facts(path)
-    duration_s = None if answer.trajectory is None else answer.trajectory.duration_s
-    points = [[round(float(x), 4), round(float(y), 4)] for x, y in path.points]
-    return {"ok": True, **facts, "duration_s": duration_s, "points": points}

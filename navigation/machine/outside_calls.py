@@ -1,4 +1,4 @@
-"""Calls of other programs and web servers, in a thread: who asks for one never waits.
+"""Calls of other programs and web servers, in a thread: asking for one never waits.
 
 Rules
 - A call is a process of its own. One that is not over in its time is killed with all that it has

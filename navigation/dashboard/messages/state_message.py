@@ -1,4 +1,4 @@
-"""The greeting and the state of the running program for viewers, as JSON data.
+"""Greeting, state and previews of the running program for viewers, as JSON data.
 
 Metres, radians, seconds; ages and latencies in milliseconds, for people. Nothing is infinite or
 NaN: unseen things are null.
@@ -12,11 +12,13 @@ from typing import Any
 
 from navigation.config import Config
 from navigation.dashboard.admission.seat import Seat
+from navigation.dashboard.messages.geometry import path_facts
 from navigation.dashboard.messages.picture import TopView
 from navigation.dashboard.orders import cannot
 from navigation.draw.shapes import RAMP_STEPS
 from navigation.link.link_snapshot import LinkSnapshot, doubt_of_stop
 from navigation.loop.run_state import RobotSnapshot, StageTimes
+from navigation.mission.cycle import PlanAnswer
 from navigation.mission.mission import State, Station
 from navigation.witness import Evidence
 from planner.path import NoPath
@@ -116,6 +118,17 @@ def no_path_facts(answer: NoPath) -> dict[str, Any]:
         "widest_radius_m": answer.widest_radius,
         "remarks": list(answer.remarks),
     }
+
+
+def preview_facts(answer: PlanAnswer) -> dict[str, Any]:
+    """A preview as JSON data: the path with its figures, or why there is none."""
+    path = answer.path
+    if isinstance(path, NoPath):
+        return {"ok": False, **no_path_facts(path)}
+    facts: Mapping[str, Any] = path_facts(path)
+    duration_s = None if answer.trajectory is None else answer.trajectory.duration_s
+    points = [[round(float(x), 4), round(float(y), 4)] for x, y in path.points]
+    return {"ok": True, **facts, "duration_s": duration_s, "points": points}
 
 
 def _station(station: Station) -> dict[str, float | None]:

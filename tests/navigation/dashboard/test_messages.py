@@ -14,14 +14,13 @@ from hypothesis import strategies as st
 
 from firmware_protocol.host.state import LinkState
 from navigation.dashboard.admission.seat import Seat
-from navigation.dashboard.hub import preview_facts
 from navigation.dashboard.messages.chronicle import COLUMNS, Chronicle
 from navigation.dashboard.messages.geometry import plan_message, world_message
 from navigation.dashboard.messages.packed import pack, unpack
 from navigation.dashboard.messages.palette import DAY, NIGHT, contrast, stylesheet
 from navigation.dashboard.messages.picture import TopView
 from navigation.dashboard.messages.rings import Ring
-from navigation.dashboard.messages.state_message import state_message
+from navigation.dashboard.messages.state_message import preview_facts, state_message
 from navigation.draw.shapes import CLEARANCE_RAMP, OBSTACLE, PAGE, PATH
 from navigation.link.link_snapshot import LinkSnapshot
 from navigation.loop.run_state import StageTimes
@@ -173,7 +172,7 @@ def test_what_the_planner_remarks_is_told_with_plan_preview_and_refusal(roadmap:
 
 def test_the_view_from_above_shows_each_place_where_the_page_looks_for_it() -> None:
     view = TopView(Calibration.from_scale(SCALE_M, SIZE_PX), ARENA, 480, 100)
-    picture = cv2.imdecode(view.jpeg(frame(1)), cv2.IMREAD_GRAYSCALE)
+    picture = cv2.imdecode(view.jpegs(frame(1), (480,))[480], cv2.IMREAD_GRAYSCALE)
     assert picture is not None
     assert picture.shape[::-1] == view.size_px
     scale = view.metres_per_pixel
@@ -193,7 +192,7 @@ def test_a_camera_that_gives_another_size_is_scaled() -> None:
     view = TopView(Calibration.from_scale(SCALE_M, SIZE_PX), ARENA, 240, 80)
     small = frame(1)
     half = replace(small, image=np.asarray(small.image[::2, ::2]))
-    assert cv2.imdecode(view.jpeg(half), cv2.IMREAD_GRAYSCALE) is not None
+    assert cv2.imdecode(view.jpegs(half, (240,))[240], cv2.IMREAD_GRAYSCALE) is not None
 
 
 # State.

@@ -186,6 +186,7 @@ def test_a_page_that_changes_its_size_all_the_time_makes_no_further_ones(
                 other.hear("picture")
         watch(page, on=False)
         assert {width for made in encoder.rounds for width in made} <= set(range(20, 161, 20))
+        site.daemon.cycle()
         assert wait_until(lambda: hub.pictures.keys() == {("picture", MOST_PX)})
 
 
@@ -199,13 +200,14 @@ def test_a_hidden_page_gets_no_picture_and_none_is_made_for_it(
             watch(page, on=True, camera=kind == "camera", width_px=100)
             page.hear(kind)
             watch(page, on=False, camera=kind == "camera", width_px=100)
-            assert wait_until(lambda: not hub.pictures and not hub._busy)
+            assert wait_until(lambda: not hub._busy)
             sent, made = hub.pictures_sent, hub.picture_number
             for _ in range(5):
                 site.daemon.cycle()
                 page.send(type="ack")
                 assert page.hear("state"), "it hears what happens all the same"
             assert (hub.pictures_sent, hub.picture_number) == (sent, made)
+            assert hub.pictures == {}, "nothing old is kept"
 
 
 # A hub in virtual time.
@@ -273,6 +275,23 @@ def test_all_sizes_together_are_made_at_most_as_often_as_the_rate_says() -> None
     assert all(len(widths) <= SIZES for _, widths in virtual.made)
 
 
+def test_pages_that_hop_between_sizes_have_each_made_once_a_picture_and_ten_times_a_second() -> (
+    None
+):
+    virtual = Virtual(64)
+    for viewer in virtual.viewers[1:]:
+        viewer.is_watching = False
+    hopping = virtual.viewers[0]
+    hopping.is_watching = True
+    for look in range(600):  # ten seconds, and no picture is ever taken
+        hopping.width_px = width_for(1 + 23 * look % MOST_PX, MOST_PX)
+        if look % 6 == 0:
+            virtual.daemon.cycle()
+        virtual.hub.look(look / 60.0)
+    assert len(virtual.made) <= 10.0 * 10.0 / 0.75 + 1.0
+    assert sum(len(widths) for _, widths in virtual.made) <= len(virtual.made) * SIZES
+
+
 def test_who_comes_back_does_not_get_the_picture_of_before(site: Site) -> None:
     hub = site.dashboard.hub
     assert hub is not None
@@ -281,9 +300,9 @@ def test_who_comes_back_does_not_get_the_picture_of_before(site: Site) -> None:
         first = page.hear("picture")
         assert first["arrays"]["jpeg"].size
         watch(page, on=False, width_px=100)
-        assert wait_until(lambda: not hub.pictures)
         white = replace(frame(9), image=np.full((360, 480), 255, np.uint8))
         site.daemon.show(frame=white)
+        assert wait_until(lambda: not hub.pictures)
         watch(page, on=True, width_px=100)
         page.send(type="ack")
         again = cv2.imdecode(page.hear("picture")["arrays"]["jpeg"], 0)
