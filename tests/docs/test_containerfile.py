@@ -10,7 +10,11 @@ import importlib.util
 import json
 import re
 import shlex
+import shutil
+import subprocess
+import sys
 import tomllib
+import zipfile
 from pathlib import Path
 
 import pytest
@@ -56,6 +60,25 @@ def test_what_the_wheel_is_made_of_is_copied_and_nothing_else() -> None:
     for name in copied():
         assert (ROOT / name).exists(), name
         assert f"sources/{name}" in " ".join(texts("COPY")) or (ROOT / name).is_file()
+
+
+def test_what_is_copied_makes_the_whole_wheel(tmp_path: Path) -> None:
+    sources = tmp_path / "sources"
+    sources.mkdir()
+    for name in copied():
+        if (ROOT / name).is_dir():
+            left_out = shutil.ignore_patterns("__pycache__")
+            shutil.copytree(ROOT / name, sources / name, ignore=left_out)
+        else:
+            shutil.copy(ROOT / name, sources)
+    pip = (sys.executable, "-m", "pip", "--quiet", "wheel", "--no-deps", "--no-index")
+    build = ("--no-build-isolation", "--wheel-dir", tmp_path, sources)
+    subprocess.run([*pip, *build], check=True)
+    (wheel,) = tmp_path.glob("clearway-*.whl")
+    with zipfile.ZipFile(wheel) as packing:
+        packed = set(packing.namelist())
+    files = [file for file in sources.glob("*/**/*") if file.is_file()]
+    assert {str(file.relative_to(sources)) for file in files} <= packed
 
 
 def test_what_is_copied_is_not_ignored() -> None:
