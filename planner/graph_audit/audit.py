@@ -11,7 +11,7 @@ import numpy as np
 
 from planner.borders.generators import check_radius
 from planner.graph_audit.clearances import Ground, length_in_cells
-from planner.graph_audit.edge_lines import EdgeLines, lay_out, length_of
+from planner.graph_audit.edge_lines import EdgeLines, lay_out
 from planner.graph_audit.findings import FindingList, GraphFinding, Severity
 from planner.graph_audit.nearby import find_nearby
 from planner.graph_audit.structure import find_doubles, find_lengths, find_reach, find_taken_ids
@@ -146,16 +146,17 @@ def _judge_edges(
     inside = dict(
         zip(touching, ground.lengths_inside([lines.lines[k] for k in touching]), strict=True)
     )
-    for k in np.flatnonzero(clearances < radius * (1.0 - TIGHT)).tolist():
+    unknown = scene.unknown if scene.unknown is not None and scene.unknown.mask.any() else None
+    for k in _tight(lines, clearances, radius):
         name, line = lines.edges[k].name, lines.lines[k]
         place = (float(at[k, 0]), float(at[k, 1]))
-        least = NOTICED * length_of(line)
+        least = NOTICED * float(lines.lengths[k])
         solid = float(inside.get(k, 0.0))
         if solid <= least:
             findings.add("edge_near_obstacle", "edge", name, place, float(clearances[k]), radius)
             continue
         off = _length_off(line, ground.box)
-        unseen = length_in_cells(scene.unknown, line) if scene.unknown is not None else 0.0
+        unseen = 0.0 if unknown is None else length_in_cells(unknown, line)
         # a turned map's rim is neither unknown nor, in truth, an obstacle
         seen = solid - off - unseen
         for kind, length in (
@@ -165,6 +166,14 @@ def _judge_edges(
         ):
             if length > least:
                 findings.add(kind, "edge", name, place, length, 0.0)
+
+
+def _tight(lines: EdgeLines, clearances: FloatArray, radius: float) -> list[int]:
+    """Edges that are nearer than the radius; one without length is judged as its node."""
+    tight: list[int] = np.flatnonzero(
+        (clearances < radius * (1.0 - TIGHT)) & (lines.lengths > 0.0)
+    ).tolist()
+    return tight
 
 
 def _length_off(line: FloatArray, box: FloatArray) -> float:
@@ -214,10 +223,10 @@ def _judge_zones(
     inside = dict(
         zip(touching, zones.lengths_inside([lines.lines[k] for k in touching]), strict=True)
     )
-    for k in np.flatnonzero(clearances < radius * (1.0 - TIGHT)).tolist():
+    for k in _tight(lines, clearances, radius):
         name, place = lines.edges[k].name, (float(at[k, 0]), float(at[k, 1]))
         length = float(inside.get(k, 0.0))
-        if length > NOTICED * length_of(lines.lines[k]):
+        if length > NOTICED * lines.lengths[k]:
             findings.add("edge_in_keepout", "edge", name, place, length, 0.0)
         else:
             findings.add("edge_near_keepout", "edge", name, place, float(clearances[k]), radius)

@@ -6,6 +6,7 @@ one id the first counts, as edges cannot tell them apart.
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 
 import numpy as np
@@ -29,6 +30,8 @@ class EdgeLines:
     places: FloatArray
     """(k, 2) of the nodes."""
     node_names: tuple[GraphId, ...]
+    lengths: FloatArray
+    """(m,) of the lines."""
 
     def pieces(self) -> tuple[FloatArray, IntArray]:
         """Return the straight pieces (p, 4) of all lines, and the edge (p,) of each."""
@@ -57,7 +60,8 @@ def lay_out(graph: RouteGraph, radius: float, findings: FindingList) -> EdgeLine
         lines.append(_line(graph, edge, places[[a, b]], DRAWN * radius, findings))
     pairs = np.array(ends, np.int32).reshape(-1, 2)
     names = tuple(node.id for node in graph.nodes)
-    return EdgeLines(tuple(edges), tuple(lines), pairs, places, names)
+    lengths = np.array([length_of(line) for line in lines])
+    return EdgeLines(tuple(edges), tuple(lines), pairs, places, names, lengths)
 
 
 def _line(
@@ -108,4 +112,4 @@ def _vec(point: FloatArray) -> Vec:
 
 def length_of(line: FloatArray) -> float:
     """Length of a line."""
-    return float(arc_lengths(line)[-1])
+    return math.hypot(*(line[1] - line[0])) if len(line) == 2 else float(arc_lengths(line)[-1])

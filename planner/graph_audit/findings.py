@@ -211,11 +211,10 @@ class FindingList:
         begin = f"{kind}:{name}" if subject != "graph" else kind
         self._ids[begin] += 1
         again = self._ids[begin]
-        length = 0.0 if value is not None and value <= ROUNDING else value
         words = sentence.format(
-            value="" if length is None else sized(length, self.units, limit),
-            limit="" if limit is None else sized(limit, self.units, value),
-            number="" if value is None else f"{value:g}",
+            value=self._sized(value, limit) if "{value}" in sentence else "",
+            limit=self._sized(limit, value) if "{limit}" in sentence else "",
+            number=f"{value:g}" if "{number}" in sentence else "",
             other=other,
         )
         self.found.append(
@@ -224,6 +223,11 @@ class FindingList:
                 *(kind, severity, subject, str(name), at, value, limit, words, cure),
             )
         )
+
+    def _sized(self, length: float | None, beside: float | None) -> str:
+        if length is None:
+            return ""
+        return sized(length if length > ROUNDING else 0.0, self.units, beside)
 
     def in_order(self) -> tuple[GraphFinding, ...]:
         """Return the findings, the worst first."""

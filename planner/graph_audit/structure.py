@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from planner.graph_audit.edge_lines import EdgeLines, length_of
+from planner.graph_audit.edge_lines import EdgeLines
 from planner.graph_audit.findings import FindingList
 from planner.graph_files.route_graph import RouteEdge, RouteGraph
 from planner.scene import FloatArray, Vec
@@ -69,8 +69,8 @@ def _same_place(lines: EdgeLines) -> float:
 def find_lengths(lines: EdgeLines, radius: float, findings: FindingList) -> None:
     """Add findings on edges without length, and on lengths in the file that are wrong."""
     same = _same_place(lines)
-    for edge, line in zip(lines.edges, lines.lines, strict=True):
-        length = length_of(line)
+    rows = zip(lines.edges, lines.lines, lines.lengths.tolist(), strict=True)
+    for edge, line, length in rows:
         if length <= same:
             findings.add("edge_without_length", "edge", edge.name, middle(line), length)
         if edge.length is None:

@@ -182,6 +182,13 @@ def test_a_keep_out_zone_is_judged_beside_the_map_and_its_bounds_are_none():
     assert near.findings[0].value == pytest.approx(0.4)
 
 
+def test_an_edge_without_length_is_judged_as_its_node():
+    graph = with_edges(RouteEdge(5, 9, 9), nodes=(RouteNode(9, 5.0, 5.0),))
+    found = planner.audit(graph, HALL, 0.5)
+    assert {("node_in_obstacle", "9"), ("edge_without_length", "5")} <= set(kinds(found))
+    assert not any(kind.startswith("edge_near") for kind, _ in kinds(found))
+
+
 # --- each kind, planted in a sound graph --------------------------------------------------------
 
 
