@@ -50,7 +50,7 @@ def photograph(file: Path) -> None:
     """The page in the middle of a run, without the camera's noise, which packs badly."""
     with Live(live_config(noise_grey=0.0)) as live, sync_playwright() as playwright:
         chromium = playwright.chromium.launch(executable_path=CHROMIUM, args=ARGUMENTS)
-        page = chromium.new_page(viewport={"width": 1280, "height": 830})
+        page = chromium.new_page(viewport={"width": 1440, "height": 900})
         page.goto(live.url)
         wait_for_picture(page)
         send_on_a_tour(page)
@@ -67,7 +67,7 @@ def photograph_fleet(file: Path) -> None:
         sync_playwright() as playwright,
     ):
         chromium = playwright.chromium.launch(executable_path=CHROMIUM, args=ARGUMENTS)
-        page = chromium.new_page(viewport={"width": 1280, "height": 830})
+        page = chromium.new_page(viewport={"width": 1440, "height": 900})
         page.goto(live.url)
         live.hold_when(lambda now: bool(now.waits_for))
         for name, (x, y) in EXCHANGE.items():

@@ -16,6 +16,7 @@ from navigation.config.several.each_robot import each_robot
 from navigation.dashboard.settings.desk import Around, Desk
 from navigation.mission.mission import State
 from tests.browser.acting import click_at
+from tests.browser.axe import serious_findings
 from tests.browser.pages import Keep, OpenPage
 from tests.browser.programs.live import CONFIGS
 from tests.browser.programs.live_fleet import LiveFleet, fleet_config
@@ -31,7 +32,9 @@ LOOKS: dict[str, dict[str, object]] = {
     "forced": {"forced_colors": "active"},
     "phone": PHONE,
     "zoomed": ZOOMED,
+    "laptop": {"viewport": {"width": 1440, "height": 900}},
 }
+LAYOUT = (Path(__file__).parent / "layout.js").read_text()
 
 
 @pytest.fixture(scope="module")
@@ -177,6 +180,10 @@ def test_nothing_is_cut_off_or_covered_however_the_page_is_looked_at(
     program.people.stop("looked at", "finn")
     expect(page.locator("#rearm-finn")).to_be_visible()
     keep(page, f"fleet_{look}")
+    if look in ("light", "phone"):
+        assert serious_findings(page) == []
+    if look in ("laptop", "phone"):
+        assert page.evaluate(LAYOUT) == []
     wide, shown = page.evaluate(
         "[document.documentElement.scrollWidth, document.documentElement.clientWidth]"
     )

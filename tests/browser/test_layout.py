@@ -12,6 +12,7 @@ import pytest
 pytest.importorskip("playwright.sync_api", reason="playwright is not installed")
 from playwright.sync_api import Page, expect
 
+from navigation.loop.run_state import StageTimes
 from tests.browser.acting import click_at, wait_for_picture
 from tests.browser.pages import HERE, Keep, OpenPage, drive
 from tests.browser.programs.served import ShownProgram, until
@@ -25,6 +26,8 @@ LAPTOP: dict[str, Any] = {"viewport": {"width": 1440, "height": 900}}
 WIDE: dict[str, Any] = {"viewport": {"width": 1920, "height": 1080}}
 SIZES = {"390": PHONE, "1440": LAPTOP, "1920": WIDE}
 LAYOUT = (Path(__file__).parent / "layout.js").read_text()
+TIMES = StageTimes(look_s=0.0247, roadmap_s=0.0195, plan_s=0.10742, wire_s=0.13716)
+"""As of a slow computer: figures of a usual length."""
 REASON = "robot 12 is 0.31 m ahead, nearer than the distance that is kept"
 
 
@@ -43,8 +46,10 @@ def box_of(page: Page, selector: str) -> dict[str, int]:
 def test_nothing_is_cut_covered_or_half_empty_and_stop_and_state_keep_their_places(
     size: str, open_page: OpenPage, program: ShownProgram, keep: Keep
 ) -> None:
+    program.daemon.show(times=TIMES)
     page = open_page(**SIZES[size], allowed="ERR_CONNECTION_REFUSED")
     wait_for_picture(page)
+    expect(page.locator("#health-wire .top")).to_have_text("137 ms")
     faults: list[str] = []
     places: dict[str, list[dict[str, int]]] = {"#stop": [], "#now": []}
 

@@ -15,6 +15,7 @@ from navigation.cli.setup.check import file_problems
 from navigation.config.load import load_config
 from navigation.dashboard.settings.desk import Around, Desk
 from tests.browser.acting import wait_for_picture
+from tests.browser.axe import serious_findings
 from tests.browser.pages import drive
 from tests.browser.programs.served import ShownProgram, until
 from tests.support.runs.shown import ROOT
@@ -47,6 +48,7 @@ def test_a_value_is_checked_while_it_is_typed_saved_and_taken_back(
     page.locator("#settings-save").click(force=True)  # it says why it does nothing
     expect(page.locator("#settings-said")).to_contain_text("Something is wrong")
     keep(page, "settings_wrong")
+    assert serious_findings(page) == []
     rate.fill("25")
     expect(rate).to_have_attribute("aria-invalid", "false")
     expect(page.locator("#settings-save")).to_have_attribute("aria-disabled", "false")

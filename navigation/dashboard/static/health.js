@@ -109,7 +109,7 @@ export class Health {
     line.setAttribute("d", data);
     area.setAttribute("d", fill);
     const last = known.at(-1);
-    top.textContent = known.length ? `${last} ${row.unit}` : "";
+    top.textContent = known.length ? figure(last, row.unit) : "";
     button.setAttribute("aria-label", known.length ? `${row.title}: now ${last} ${row.unit}, at most ${Math.max(...known)} in two minutes; show it at full size` : `${row.title}: nothing yet; show it at full size`);
   }
 

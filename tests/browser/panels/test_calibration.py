@@ -16,6 +16,7 @@ from playwright.sync_api import Page, expect
 from navigation.dashboard import Bench
 from navigation.run.anchoring import take_over_lens
 from tests.browser.acting import start_calibration
+from tests.browser.axe import serious_findings
 from tests.browser.programs.served import PATIENCE_S, ShownProgram, until
 from tests.support.runs.held_board import VirtualTime, small_config
 from vision.calibrate.lens import Lens
@@ -82,6 +83,7 @@ def test_a_lens_is_found_on_the_page_and_saved(
     expect(page.locator("#calibration-overlay .asked-line")).to_have_count(1)
     expect(page.locator("#calibration-last")).to_contain_text("View 1: taken")
     keep(page, "calibration")
+    assert serious_findings(page) == []
     time.may_pass.set()
     expect(page.locator("#calibration-said")).to_contain_text("Found: ", timeout=180_000)
     keep(page, "calibration_found")

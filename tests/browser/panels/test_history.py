@@ -10,6 +10,7 @@ pytest.importorskip("playwright.sync_api", reason="playwright is not installed")
 from playwright.sync_api import expect
 
 from planner.roadmap.roadmap import Roadmap
+from tests.browser.axe import serious_findings
 from tests.browser.pages import Keep, OpenPage
 from tests.browser.programs.served import ShownProgram
 from tests.support.runs.shown import FakeDaemon, shown_config
@@ -57,6 +58,7 @@ def test_an_earlier_run_is_looked_at_and_saved_with_the_keyboard(
     expect(detail).to_contain_text("0.120 m")
     expect(detail.locator("img")).to_have_js_property("naturalWidth", 300)
     keep(page, "history")
+    assert serious_findings(page) == []
     save = detail.get_by_role("button", name=f"Save {TAPE}")
     with page.expect_download() as download:
         save.press("Enter")

@@ -32,7 +32,7 @@ def ready(page: Page) -> None:
 def test_a_chart_is_read_at_full_size_with_the_keyboard(open_page: OpenPage, keep: Keep) -> None:
     page = open_page()
     ready(page)
-    expect(page.locator("#health-clearance .top")).to_have_text("0.2 m")
+    expect(page.locator("#health-clearance .top")).to_have_text("0.20 m")
     line = page.locator("#health-clearance path.line")
     expect(line).to_have_attribute("d", re.compile("L.*L"))  # three samples
     opener = page.locator("#health-clearance .chart-open")

@@ -16,6 +16,7 @@ from navigation.dashboard.replay.replay_hub import ReplayHub
 from navigation.dashboard.replay.replayed_run import ReplayedRun
 from navigation.recording.tape import read_tape
 from tests.browser.acting import click_at, wait_for_picture
+from tests.browser.axe import serious_findings
 from tests.browser.pages import Keep, OpenPage
 from tests.navigation.dashboard.kept.test_replay import drive
 from tests.support.runs.recordings import make_recording
@@ -65,3 +66,4 @@ def test_a_recording_is_looked_at(open_page: OpenPage, keep: Keep) -> None:
         page.locator("#refusal-close").click()
     expect(page.locator("#goal-title")).to_be_hidden()
     expect(page.locator("#seat")).to_be_hidden()
+    assert serious_findings(page) == []
