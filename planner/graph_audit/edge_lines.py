@@ -54,6 +54,8 @@ def lay_out(graph: RouteGraph, radius: float, findings: FindingList) -> EdgeLine
             findings.add("edge_without_node", "edge", edge.name, other=absent)
         if missing:
             continue
+        if _has_trajectory(edge):
+            findings.add("edge_has_trajectory", "edge", edge.name)
         a, b = index[edge.start], index[edge.end]
         edges.append(edge)
         ends.append((a, b))
@@ -62,6 +64,14 @@ def lay_out(graph: RouteGraph, radius: float, findings: FindingList) -> EdgeLine
     names = tuple(node.id for node in graph.nodes)
     lengths = np.array([length_of(line) for line in lines])
     return EdgeLines(tuple(edges), tuple(lines), pairs, places, names, lengths)
+
+
+def _has_trajectory(edge: RouteEdge) -> bool:
+    """True if an edge of a LIF is a curve for some type of vehicles."""
+    rows = edge.fields.get("vehicleTypeEdgeProperties")
+    return isinstance(rows, list) and any(
+        isinstance(row, dict) and row.get("trajectory") for row in rows
+    )
 
 
 def _line(

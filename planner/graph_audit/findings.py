@@ -150,6 +150,11 @@ KINDS: dict[str, FindingKind] = {
         "is drawn with a line that ends {value} beside its node {other}",
         "Draw the line from node to node.",
     ),
+    "edge_has_trajectory": FindingKind(
+        "warning",
+        "has a trajectory, which is not measured: its straight line is",
+        "Put nodes along the trajectory.",
+    ),
     "line_not_straight": FindingKind(
         "warning",
         "is drawn with a bend of {value}, but robots drive it straight",

@@ -229,6 +229,9 @@ PLANTED = [
      {("line_beside_node", "5")}),
     ((RouteEdge(5, 1, 9, line=((2.0, 2.0), (1.0, 2.0), (1.0, 1.0))), RouteEdge(6, 9, 1)),
      (far(9, 1.0, 1.0),), {("line_not_straight", "5")}),
+    ((RouteEdge(5, 1, 9, fields={"vehicleTypeEdgeProperties": [{"trajectory": {"degree": 2}}]}),
+      RouteEdge(6, 9, 1, fields={"vehicleTypeEdgeProperties": [{"vehicleTypeId": "v"}]})),
+     (far(9, 1.0, 1.0),), {("edge_has_trajectory", "5")}),
 ]  # fmt: skip
 
 
