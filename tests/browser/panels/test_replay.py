@@ -66,4 +66,5 @@ def test_a_recording_is_looked_at(open_page: OpenPage, keep: Keep) -> None:
         page.locator("#refusal-close").click()
     expect(page.locator("#goal-title")).to_be_hidden()
     expect(page.locator("#seat")).to_be_hidden()
+    expect(page.locator("#pause")).to_be_hidden()
     assert serious_findings(page) == []
