@@ -3,7 +3,8 @@
 Rules and units
 - A mode is a pixel format, a size in pixels and its rates, frames a second.
 - Among the modes of the requested size, modes that reach the rate come first; then raw pictures
-  before packed ones, as nothing is lost or decoded; then grey before colour.
+  before packed ones, as nothing is lost or decoded; then grey before colour. A sensor's mosaic is
+  last of all.
 - If none reaches the rate the fastest is taken, if none has the size the nearest.
 - A driver that lists no sizes or rates is asked and then measured: it is better than nothing.
 """
