@@ -112,7 +112,7 @@ def command(  # noqa: PLR0913 (an argument for each option of the command line)
             f" direction, of {parts}"
         )
     click.echo(f"{name}: {parts}, robot radius {radius:g} {scene.units}", err=to_stream)
-    if output.suffix.lower() not in (".json", ".graphml") and scene.units != "m":
+    if suffix.lower() not in (".json", ".graphml") and scene.units != "m":
         click.echo(
             f"note: Nav2, LIF and Open-RMF take coordinates as metres, y up: these are"
             f" {scene.units}, y down, and fit frame '{frame}' only once they are converted"

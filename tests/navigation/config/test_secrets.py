@@ -329,6 +329,7 @@ def test_no_key_of_a_configuration_is_taken_for_a_mistyped_secret() -> None:
     assert {name for name in names if secrets.is_secret_key(name)} == {
         "token",
         "viewer_token",
+        "supervisor_token",
         "url",
     }
 

@@ -246,7 +246,7 @@ def test_where_sockets_cannot_be_listed_nobody_is_not_said_to_run(
         raise PermissionError(13, "Permission denied")
 
     monkeypatch.setattr(ask, "all_listening", fail)
-    with pytest.raises(ControlError, match="cannot be known") as refused:
+    with pytest.raises(ControlError, match="it is unknown if a daemon runs") as refused:
         send_order(tmp_path / "c.sock", {"order": "stop"})
     assert not isinstance(refused.value, NoDaemonError)
 

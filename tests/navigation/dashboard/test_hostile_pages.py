@@ -121,7 +121,7 @@ def test_viewers_without_a_token_do_not_lock_the_operator_out(site: OwnSite) -> 
             pages[0].hear("never")
         assert closed.value.rcvd is not None
         assert closed.value.rcvd.code == 1013
-        assert "somebody with a token came" in closed.value.rcvd.reason
+        assert "a viewer with a token came" in closed.value.rcvd.reason
         assert pages[-1].hear("state")["viewers"] == MOST_VIEWERS
         assert site.get("/api/stop", "POST", Authorization=BEARER)[0] == 200
 

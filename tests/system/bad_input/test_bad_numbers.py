@@ -103,7 +103,10 @@ def test_extract_refuses_a_level_outside_the_greys_and_one_that_nobody_uses(fold
         (["plan", "a.png", "--start", "1,1", "--goal", "1,1"], ["--radius"]),
         (["plan", "a.png", "--bogus"], ["--bogus"]),
         (["roadmap", "a.png", "--radius", "1"], ["--output"]),
-        (["roadmap", "a.png", "--radius", "1", "-o", "a.txt"], [".graphml, .geojson or .json"]),
+        (
+            ["roadmap", "a.png", "--radius", "1", "-o", "a.txt"],
+            [".graphml, .geojson, .json, .lif, .yaml or .yml"],
+        ),
         (["run"], ["CONFIG"]),
         (["check"], ["CONFIG"]),
         (["--nonsense"], ["--nonsense"]),

@@ -120,7 +120,7 @@ def test_a_server_that_never_answers_is_told_and_not_taken_for_a_hung_driver(kin
         clock = time.monotonic
         with LatestFrame(lambda: camera_for(url, clock=clock), clock) as reader:
             status = wait_for(reader, lambda s: s.state == "lost", 60.0)
-    assert "nobody answered within 5 s; trying again in 0.25 s" in status.reason
+    assert "no answer within 5 s; trying again in 0.25 s" in status.reason
     assert status.reopened == 1
 
 

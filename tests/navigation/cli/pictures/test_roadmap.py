@@ -58,7 +58,9 @@ def test_a_graph_in_pixels_says_that_nav2_takes_metres(arena, tmp_path, capsys):
     source.write_text(arena.read_text().replace("units m", "units px"))
     for suffix, said in (("geojson", True), ("json", False)):
         assert roadmap(source, "--radius", 0.3, "-o", tmp_path / f"r.{suffix}") == 0
-        assert ("Nav2 takes coordinates as metres" in capsys.readouterr().out) is said
+        assert (
+            "Nav2, LIF and Open-RMF take coordinates as metres" in capsys.readouterr().out
+        ) is said
     assert roadmap(arena, "--radius", 0.3, "-o", tmp_path / "r.geojson") == 0
     assert "Nav2" not in capsys.readouterr().out
     assert "date_generated" in json.loads((tmp_path / "r.geojson").read_text())
@@ -67,7 +69,10 @@ def test_a_graph_in_pixels_says_that_nav2_takes_metres(arena, tmp_path, capsys):
 @pytest.mark.parametrize(
     ("arguments", "what"),
     [
-        (("--radius", "0.3", "-o", "r.txt"), "must end in .graphml, .geojson or .json"),
+        (
+            ("--radius", "0.3", "-o", "r.txt"),
+            "must end in .graphml, .geojson, .json, .lif, .yaml or .yml",
+        ),
         (("--radius", "0.3", "-o", "r"), "must end in"),
         (("--radius", "0", "-o", "r.json"), "> 0"),
         (("--radius", "0.3"), "--output"),

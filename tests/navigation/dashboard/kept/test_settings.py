@@ -157,7 +157,7 @@ def test_the_last_save_is_undone_and_the_one_before(office: Office) -> None:
 def test_a_file_that_somebody_else_has_changed_is_not_written_over(office: Office) -> None:
     base = office.base
     office.file.write_text(office.file.read_text() + "# mine\n")
-    with pytest.raises(RefusedError, match="changed by somebody else"):
+    with pytest.raises(RefusedError, match="changed by someone else"):
         office.desk.save({"camera.rate_hz": "25"}, base)
     assert office.file.read_text().endswith("# mine\n")
 
