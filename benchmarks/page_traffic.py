@@ -1,4 +1,4 @@
-"""What one open page costs on the network: kB/s of pictures and of everything else.
+"""Network traffic of one open page: kB/s of pictures and of everything else.
 
     python -m benchmarks.page_traffic [--seconds 10]
 
@@ -43,7 +43,7 @@ PAGES: Final[dict[str, dict[str, Any]]] = {
     "small window": {"on": True, "width_px": 300},
     "hidden": {"on": False, "width_px": 837},
 }
-"""What a page of each kind says that it shows."""
+"""Views that a page of each kind asks for."""
 
 
 @dataclass(frozen=True, slots=True)

@@ -110,7 +110,7 @@ class Hub:
         self.pictures: dict[tuple[str, int], tuple[bytes, int]] = {}
         """The newest of each kind and width that is looked at, with its number."""
         self.picture_number = 0
-        """Of the newest picture; each has another, whatever its kind and width."""
+        """Number of the newest picture; each has its own, whatever its kind and width."""
         self.refusal = IT_IS_A_RECORDING if daemon.people is None else None
         """Why nothing can be ordered here at all; None where it can."""
         self.epoch = 0

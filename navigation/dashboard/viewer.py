@@ -271,7 +271,7 @@ class Viewer:
         self._reply(message, {"ok": error is None, **({"error": error} if error else {})})
 
     def _take_control(self) -> str | None:
-        """Take the seat, and tell both pages if another one loses it; None, or why not."""
+        """Take control and inform both pages if another one loses it; return why not, or None."""
         hub, key, before = self.hub, self.attention.key, self.hub.seat.holder
         is_supervisor = self.role is Role.SUPERVISOR
         error = hub.seat.take(key, self.name, hub.clock(), from_anyone=is_supervisor)

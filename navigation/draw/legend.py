@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import textwrap
 from collections.abc import Iterator
 
 import numpy as np
@@ -65,20 +66,14 @@ def _subtitle(content: Content) -> Iterator[str]:
     if radius is not None:
         yield f"robot radius {sized(radius, units)}"
     if isinstance(content.path, NoPath):
-        yield from _wrapped(f"no path: {content.path.reason}", 36)
+        yield from wrapped(f"no path: {content.path.reason}", 36)
         if content.path.widest_radius is not None:
             yield f"widest robot: radius {at_most(content.path.widest_radius, units)}"
 
 
-def _wrapped(text: str, width: int) -> Iterator[str]:
-    line = ""
-    for word in text.split():
-        if line and len(line) + 1 + len(word) > width:
-            yield line
-            line = word
-        else:
-            line = f"{line} {word}".strip()
-    yield line
+def wrapped(text: str, width: int) -> list[str]:
+    """Lines of whole words, of at most ``width`` characters if every word fits."""
+    return textwrap.wrap(text, width, break_long_words=False, break_on_hyphens=False)
 
 
 def _rows(content: Content, left: float, first_y: float) -> Iterator[tuple[list[Shape], str]]:

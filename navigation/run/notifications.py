@@ -1,4 +1,4 @@
-"""Word to people elsewhere: the configured call, once when a mission is done, stopped or failed.
+"""Notifications: the configured call, made once when a mission is done, stopped or failed.
 
 The calls are made by another thread (`machine/outside_calls.py`): the control loop never waits for
 them, and none of their errors reaches it.
@@ -24,7 +24,7 @@ if TYPE_CHECKING:
 
 MOST_CHARACTERS: Final = 2000
 """Chosen: of a sentence; a fleet's has a part for each robot."""
-TOLD: Final = (State.DONE, State.STOPPED, State.FAILED)
+ENDED: Final = (State.DONE, State.STOPPED, State.FAILED)
 LONE: Final = "robot"
 """Name of a robot that has none, being alone."""
 
@@ -71,7 +71,7 @@ class Notifications:
             before = self._before.get(name)
             self._before[name] = one.mission
             if before is not None and _is_news(before, one.mission):
-                self._tell(self._calls, name, one.mission.state, one.sentence)
+                self._notify(self._calls, name, one.mission.state, one.sentence)
         self._report(self._calls)
 
     def end(self, state: State, reason: str) -> None:
@@ -79,21 +79,21 @@ class Notifications:
         if self._calls is None or state is not State.FAILED:
             return
         for name, mission in self._before.items():
-            if mission.state not in TOLD:
-                self._tell(self._calls, name, state, reason)
+            if mission.state not in ENDED:
+                self._notify(self._calls, name, state, reason)
 
-    def _tell(self, calls: OutsideCalls, name: str, state: State, sentence: str) -> None:
-        told = {
+    def _notify(self, calls: OutsideCalls, name: str, state: State, sentence: str) -> None:
+        values = {
             "state": state.value,
             "robot": name or LONE,
             "sentence": printable(hide(sentence), MOST_CHARACTERS),
             "time": self._now().astimezone().isoformat(timespec="seconds"),
         }
         if self._section.command is not None:
-            words = tuple(filled(argument, told) for argument in self._section.command)
+            words = tuple(filled(argument, values) for argument in self._section.command)
             calls.put(OutsideCall(command=words))
         elif self._section.url is not None:
-            calls.put(OutsideCall(url=self._section.url, body=json.dumps(told)))
+            calls.put(OutsideCall(url=self._section.url, body=json.dumps(values)))
 
     def _report(self, calls: OutsideCalls) -> None:
         for sentence in calls.news():
@@ -109,4 +109,4 @@ def filled(argument: str, values: Mapping[str, str]) -> str:
 def _is_news(before: MissionProgress, now: MissionProgress) -> bool:
     """True if a mission is over now; back from stepping aside for another, it was done before."""
     was_aside = before.errand is not None and now.state is State.DONE
-    return now.state in TOLD and now.state is not before.state and not was_aside
+    return now.state in ENDED and now.state is not before.state and not was_aside

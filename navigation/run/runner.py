@@ -133,7 +133,7 @@ class Runner:
             if not self._warm_up():
                 return self._end_before_the_start(folder)
             # before the world: at the end its last calls do not keep cameras and ports
-            told = open_things.enter_context(
+            notifications = open_things.enter_context(
                 Notifications(self.config.notify, self._log, self._say, datetime.now)
             )
             world = World(self.config, wait_for_port=not self._once)
@@ -165,9 +165,9 @@ class Runner:
                 "info", "ready", camera=seen_by.partition(" ")[2], port=_port_words(world)
             )
             open_things.callback(self._notifier.send, "STOPPING=1")
-            state, reason = self._drive(daemon, missions, recorder, taking, told)
+            state, reason = self._drive(daemon, missions, recorder, taking, notifications)
             daemon.halt()
-            told.end(state, reason)
+            notifications.end(state, reason)
             # while the robots brake
             if page is not None and self.interrupt.is_set():
                 page.begin_closing()
@@ -342,7 +342,7 @@ class Runner:
         missions: GiveMissions,
         recorder: Recorder | None,
         taking: TakingOrders,
-        told: Notifications,
+        notifications: Notifications,
     ) -> tuple[State, str]:
         limit_s, give_up_s = self._time_limit_s(), self.config.safety.give_up_s
         watchdog = Watchdog(self._notifier, self._watchdog_s, daemon.turns)
@@ -354,7 +354,7 @@ class Runner:
             lines.cycle(now)
             taking.cycle()
             attendance.cycle(now, time.monotonic())
-            told.cycle(now)
+            notifications.cycle(now)
             if self.interrupt.is_set():
                 return State.STOPPED, self.why_interrupted(why_stopped(now))
             waits = daemon.stopping.waits_for_rearm

@@ -142,10 +142,7 @@ def _judge_edges(
     findings: FindingList,
 ) -> None:
     """Add findings on edges in and near obstacles, off the map, and in unknown cells."""
-    touching = np.flatnonzero(clearances <= 0.0).tolist()
-    inside = dict(
-        zip(touching, ground.lengths_inside([lines.lines[k] for k in touching]), strict=True)
-    )
+    inside = _lengths_inside(lines, ground, clearances)
     unknown = scene.unknown if scene.unknown is not None and scene.unknown.mask.any() else None
     for k in _tight(lines, clearances, radius):
         name, line = lines.edges[k].name, lines.lines[k]
@@ -210,6 +207,13 @@ def _judge_nodes(
         findings.add(kind, "node", lines.node_names[k], (x, y), value, limit)
 
 
+def _lengths_inside(lines: EdgeLines, ground: Ground, clearances: FloatArray) -> dict[int, float]:
+    """Lengths within the ground's obstacles, by edge, of the edges that touch one."""
+    touching = np.flatnonzero(clearances <= 0.0).tolist()
+    lengths = ground.lengths_inside([lines.lines[k] for k in touching])
+    return dict(zip(touching, map(float, lengths), strict=True))
+
+
 def _judge_zones(
     lines: EdgeLines,
     zones: Ground,
@@ -219,10 +223,7 @@ def _judge_zones(
     findings: FindingList,
 ) -> None:
     """Add findings on edges and nodes in and near keep-out zones."""
-    touching = np.flatnonzero(clearances <= 0.0).tolist()
-    inside = dict(
-        zip(touching, zones.lengths_inside([lines.lines[k] for k in touching]), strict=True)
-    )
+    inside = _lengths_inside(lines, zones, clearances)
     for k in _tight(lines, clearances, radius):
         name, place = lines.edges[k].name, (float(at[k, 0]), float(at[k, 1]))
         length = float(inside.get(k, 0.0))

@@ -24,9 +24,9 @@ from planner.scene import FloatArray, Primitives, Scene, UnknownCells
 STEP = 1e-3
 """Least step along an edge, as a part of its length."""
 SURE = 1.0 - 1e-9
-"""So much of a distance surely has no border in it."""
+"""Share of a distance that surely contains no border."""
 HALVINGS = 12
-"""Of a step in which a border is crossed: to 2.5e-7 of the edge's length."""
+"""Halvings of a step in which a border is crossed: to 2.5e-7 of the edge's length."""
 
 
 @dataclass(frozen=True, slots=True)

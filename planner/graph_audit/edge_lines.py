@@ -17,7 +17,7 @@ from planner.graph_files.route_graph import GraphId, RouteEdge, RouteGraph
 from planner.scene import FloatArray, IntArray, Vec
 
 DRAWN = 0.01
-"""How far a drawn line may be beside its nodes, or bend, in robot radii: nobody notices less."""
+"""Distance that a drawn line may bend or miss its nodes by, in robot radii; less is invisible."""
 
 
 @dataclass(frozen=True, slots=True)

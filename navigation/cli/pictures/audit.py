@@ -20,7 +20,7 @@ from navigation.cli.outputs import keep_apart, named, tell_times, write_text
 from navigation.cli.progress import long_work
 
 UNSAFE = 3
-"""As the entry point's exit code for no path."""
+"""Exit code, the same as for no path."""
 
 
 class AuditError(ValueError):

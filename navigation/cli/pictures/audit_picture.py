@@ -12,7 +12,7 @@ from collections.abc import Iterator
 import numpy as np
 
 from navigation.draw.layers import Content, layers, ring_points
-from navigation.draw.legend import scale_bar
+from navigation.draw.legend import scale_bar, wrapped
 from navigation.draw.picture import LEAST_HEIGHT, MARGIN, PLOT_HEIGHT, PLOT_WIDTH
 from navigation.draw.shapes import (
     BOTTLENECK,
@@ -189,21 +189,10 @@ def _words(
     for number, one in enumerate(numbered, start=1):
         yield DiscShape(left + 9.0, y - 4.0, 9.0, fill=COLOURS[one.severity])
         yield Label(left + 9.0, y, str(number), 11.0, PAGE, "middle", bold=True)
-        for line in _wrapped(str(one)):
+        for line in wrapped(str(one), MOST_LETTERS):
             yield Label(left + 26.0, y, line, 12.0)
             y += LINE
         y += 7.0
     rest = len(audit.findings) - len(numbered)
     if rest:
         yield Label(left, y, f"and {rest} more", 12.0, FAINT_INK)
-
-
-def _wrapped(text: str) -> Iterator[str]:
-    line = ""
-    for word in text.split():
-        if line and len(line) + 1 + len(word) > MOST_LETTERS:
-            yield line
-            line = word
-        else:
-            line = f"{line} {word}".strip()
-    yield line
