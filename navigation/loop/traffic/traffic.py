@@ -65,7 +65,7 @@ class Traffic(Protocol):
 
     @property
     def rounds(self) -> int:
-        """Number of times that all were planned together."""
+        """Number of plans asked for, of all robots or of some that join driving ones."""
         ...
 
     @property
