@@ -24,6 +24,8 @@ from tests.support.waiting import wait_until
 PATIENT_S = 30.0
 SHORT_S = 1.0
 """Time limit of calls that hang."""
+KEPT_BY_THE_C_LIBRARY = 1 << 31 | 1 << 32
+"""Signals 32 and 33 in a mask: glibc lets no program set them, so they are inherited as they are."""
 
 
 class Receiver(HTTPServer):
@@ -90,7 +92,7 @@ def test_a_command_has_the_signals_of_a_fresh_process(tmp_path: Path) -> None:
     file = tmp_path / "ignored"
     assert news_of(OutsideCall(command=("/bin/sh", "-c", f"cat /proc/self/status > {file}"))) == []
     ignored = next(line for line in file.read_text().splitlines() if line.startswith("SigIgn"))
-    assert int(ignored.split()[1], 16) == 0
+    assert int(ignored.split()[1], 16) & ~KEPT_BY_THE_C_LIBRARY == 0
 
 
 def test_a_post_has_its_json_and_its_whole_address() -> None:
