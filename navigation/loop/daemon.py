@@ -34,6 +34,7 @@ from navigation.loop.stopping import Stopping
 from navigation.loop.traffic.alone import Alone
 from navigation.loop.traffic.coordinated import Coordinated
 from navigation.loop.traffic.traffic import Decided, Traffic, TrafficPlanner
+from navigation.loop.zones_in_force import ZonesInForce
 from navigation.mission.mission import MissionError, State
 from navigation.shared.supervisor import SupervisedPart, Supervisor
 from planner.roadmap.roadmap import Roadmap
@@ -84,6 +85,8 @@ class Daemon:
         )
         self.newest = vision.newest
         self.view = ArenaView(config, vision, self._clock, recorder)
+        self.zones = ZonesInForce(config.zones, configs)
+        self.zones.changed = self.camera.wake
         self.traffic: Traffic = (
             Coordinated(self.robots, world.search_clock)
             if config.robots
