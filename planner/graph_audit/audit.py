@@ -10,11 +10,12 @@ from itertools import pairwise
 import numpy as np
 
 from planner.borders.generators import check_radius
-from planner.graph_audit.clearances import Ground, length_in_cells
+from planner.borders.ground import Ground
 from planner.graph_audit.edge_lines import EdgeLines, lay_out
 from planner.graph_audit.findings import FindingList, GraphFinding, Severity
 from planner.graph_audit.nearby import find_nearby
 from planner.graph_audit.structure import find_doubles, find_lengths, find_reach, find_taken_ids
+from planner.graph_audit.unknown_lengths import length_in_cells
 from planner.graph_files.route_graph import RouteEdge, RouteGraph
 from planner.path import NoPath
 from planner.roadmap.roadmap import build_roadmap

@@ -13,7 +13,8 @@ import pytest
 import planner
 from planner import RouteEdge, RouteGraph, RouteNode, Scene
 from planner.formats.grid_maps import GridPose, map_scene
-from planner.graph_audit.clearances import Ground, length_in_cells
+from planner.borders.ground import Ground
+from planner.graph_audit.unknown_lengths import length_in_cells
 from planner.graph_audit.findings import KINDS
 
 HALL = Scene.from_polygons([[(4, 4), (6, 4), (6, 6), (4, 6)]], bounds=(0, 0, 10, 10))

@@ -1,25 +1,24 @@
-"""Exact clearances of nodes and edges, and the length that edges run through obstacles or zones.
+"""Borders of a scene or of zones, indexed: exact distances, and lengths inside.
 
 Rules and units
-- A clearance is the distance to the nearest border, exact, without sampling; 0 where an edge
-  touches an obstacle or runs in one.
+- A clearance is the distance to the nearest border, exact, without sampling; 0 where a line
+  touches an object or runs in one.
 - The length inside is found by steps of the distance to the nearest border, within which nothing
   changes, and bisection where a border is crossed. A border that is left again within ``STEP`` of
-  the edge may be missed there, never in the clearance.
+  the line may be missed there, never in the clearance.
 """
 
 from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, field
-from itertools import pairwise
 
 import numpy as np
 from numpy.typing import NDArray
 
 from planner.borders import box_tree_kernels, inside_kernels
 from planner.borders.generators import Borders, gather_borders
-from planner.scene import FloatArray, Primitives, Scene, UnknownCells
+from planner.scene import FloatArray, Primitives, Scene
 
 STEP = 1e-3
 """Least step along an edge, as a part of its length."""
@@ -136,28 +135,3 @@ class Ground:
             low, high = np.where(same, middle, low), np.where(same, high, middle)
         middle_of: FloatArray = 0.5 * (low + high)
         return middle_of
-
-
-def length_in_cells(cells: UnknownCells, line: FloatArray) -> float:
-    """Length of a line in the marked cells, exact: it is cut at every grid line."""
-    cos, sin = np.cos(cells.yaw_rad), np.sin(cells.yaw_rad)
-    off = line - (cells.x, cells.y)
-    grid = np.stack([off @ (cos, sin), off @ (-sin, cos)], axis=1) / cells.resolution
-    height, width = cells.mask.shape
-    total = 0.0
-    for a, b in pairwise(grid):
-        cuts = [np.array([0.0, 1.0])]
-        for axis in range(2):
-            low, high = sorted((a[axis], b[axis]))
-            low, high = max(low, 0.0), min(high, float((width, height)[axis]))
-            if high > low:
-                lines = np.arange(np.ceil(low), np.floor(high) + 1)
-                cuts.append((lines - a[axis]) / (b[axis] - a[axis]))
-        t = np.sort(np.concatenate(cuts).clip(0.0, 1.0))
-        middle = np.floor(a + 0.5 * (t[1:] + t[:-1])[:, None] * (b - a)).astype(np.int64)
-        row, column = height - 1 - middle[:, 1], middle[:, 0]
-        on = (row >= 0) & (row < height) & (column >= 0) & (column < width)
-        marked = np.zeros(len(middle), dtype=np.bool_)
-        marked[on] = cells.mask[row[on], column[on]]
-        total += float(np.diff(t)[marked].sum() * np.hypot(*(b - a)) * cells.resolution)
-    return total
