@@ -1,0 +1,165 @@
+"""The zones' rules for one robot: breaches by a path or a place, and the cost and speed along it.
+
+Rules and units
+- Inside means any of the body, a disc of the robot's radius, but for one-way zones and lanes:
+  there it means the centre.
+- Against a one-way zone counts the length of a path's progress against the line's direction,
+  beyond ``AGAINST`` radii; crossing it is allowed.
+- Paths are cut into pieces of ``PIECE`` radii for lengths, costs and directions; keep-out and
+  no-waiting zones are measured exactly.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from planner.scene import FloatArray, Vec
+from planner.shared.figures import placed, sized
+from planner.zones.zone import ZoneKind
+from planner.zones.zone_ground import Pieces, ZoneGround, cut
+
+PIECE = 0.25
+"""Longest piece, in radii: chosen, far shorter than anything that a robot could notice."""
+AGAINST = 0.05
+"""Progress against a one-way zone, in radii, that is rounding: chosen, a tenth of a body's width
+is allowed at a crossing's corners."""
+ROUNDING = 1e-6
+"""A clearance is the radius within this share of it: paths are certified to 1e-9 of the extent."""
+
+
+@dataclass(frozen=True, slots=True)
+class Rules:
+    """Zones that hold for a robot of ``radius``; ``speed`` is the fastest it drives, if known."""
+
+    grounds: tuple[ZoneGround, ...]
+    radius: float
+    units: str
+    speed: float | None = None
+
+    def of(self, *kinds: ZoneKind) -> tuple[ZoneGround, ...]:
+        """Return the zones of these kinds."""
+        return tuple(one for one in self.grounds if one.zone.kind in kinds)
+
+    @property
+    def directed(self) -> bool:
+        """True if some zone makes the choice of a path more than one of free ground."""
+        return bool(self.of("one_way", "lane", "slow"))
+
+    def is_held_by(self, one: ZoneGround, place: Vec) -> bool:
+        """True if any of the body at the place is inside the zone."""
+        distance = float(one.distances(np.array([place]))[0])
+        return distance < self.radius * (1.0 - ROUNDING)
+
+    def station_breach(self, name: str, place: Vec) -> str | None:
+        """Reason why a robot must not be sent to a place, or None."""
+        for one in self.of("keep_out", "wait"):
+            if not self.is_held_by(one, place):
+                continue
+            distance = float(one.distances(np.array([place]))[0])
+            at = f"{name} {placed(*place)}"
+            if distance < 0.0:
+                return f"{at} is in {one.zone}"
+            gap = sized(distance, self.units, beside=self.radius)
+            body = sized(self.radius, self.units, beside=distance)
+            return f"{at} is {gap} from {one.zone}, nearer than the radius of {body}"
+        return None
+
+    def permits(self, line: FloatArray, keep: float) -> bool:
+        """True if a polyline (n, 2) keeps a distance from keep-out zones, and its directions."""
+        least = keep * (1.0 - ROUNDING)
+        apart = all(one.clearance(line) >= least for one in self.of("keep_out"))
+        return apart and not self.against(line)
+
+    def breach(self, line: FloatArray, *, stops: bool = True) -> str | None:
+        """Sentence about the first rule that driving along a polyline (n, 2) breaks, or None.
+
+        ``stops`` is True if the robot stays at the line's end. A line that begins in a keep-out
+        zone may leave it, and not come back.
+        """
+        for one in self.of("keep_out"):
+            outside = self._after_leaving(one, line)
+            if outside is None or one.clearance(outside) < self.radius * (1.0 - ROUNDING):
+                return f"leads through {one.zone}"
+        if stops:
+            for one in self.of("wait"):
+                if self.is_held_by(one, (float(line[-1, 0]), float(line[-1, 1]))):
+                    return f"ends in {one.zone}"
+        against = self.against(line)
+        return f"leads against {against[0].zone}" if against else None
+
+    def _after_leaving(self, one: ZoneGround, line: FloatArray) -> FloatArray | None:
+        """The line from where it is out of a zone that it begins in; None if it stays inside."""
+        if not self.is_held_by(one, (float(line[0, 0]), float(line[0, 1]))):
+            return line
+        if len(line) < 2:
+            return None
+        pieces = self.pieces(line)
+        ends = pieces.middles + 0.5 * pieces.steps
+        out = np.flatnonzero(one.distances(ends) >= self.radius * (1.0 - ROUNDING))
+        return ends[out[0] :] if len(out) else None
+
+    def against(self, line: FloatArray) -> tuple[ZoneGround, ...]:
+        """One-way zones that a polyline (n, 2) is driven against."""
+        one_ways = self.of("one_way")
+        if not one_ways or len(line) < 2:
+            return ()
+        pieces = self.pieces(line)
+        return tuple(
+            one for one in one_ways if _progress_against(one, pieces) > AGAINST * self.radius
+        )
+
+    def pieces(self, line: FloatArray) -> Pieces:
+        """Cut a line as the rules measure it."""
+        return cut(line, PIECE * self.radius)
+
+    def cost(self, line: FloatArray) -> float:
+        """Length of a polyline (n, 2), weighted by lanes' costs and slow zones' times."""
+        if len(line) < 2:
+            return 0.0
+        pieces = self.pieces(line)
+        factor = np.ones(len(pieces.steps))
+        for one in self.of("lane"):
+            assert one.zone.cost is not None
+            inside = one.distances(pieces.middles) < 0.0
+            factor[inside] = np.minimum(factor[inside], one.zone.cost)
+        if self.speed is not None:
+            factor *= self.speed / self._speeds(pieces.middles, 0.0)
+        return float((factor * pieces.lengths).sum())
+
+    def speed_limits(self, points: FloatArray, reach: FloatArray) -> FloatArray:
+        """Highest speeds (n,) allowed within ``reach`` (n,) of points (n, 2), infinite if any."""
+        return self._limits(points, reach)
+
+    def _speeds(self, points: FloatArray, reach: float) -> FloatArray:
+        assert self.speed is not None
+        return np.minimum(self._limits(points, reach), self.speed)
+
+    def _limits(self, points: FloatArray, reach: FloatArray | float) -> FloatArray:
+        limits = np.full(len(points), np.inf)
+        for one in self.grounds:
+            if one.zone.speed is not None:
+                inside = one.distances(points) < self.radius + reach
+                limits[inside] = np.minimum(limits[inside], one.zone.speed)
+        return limits
+
+    def least_factor(self) -> float:
+        """Least cost of a unit of length anywhere."""
+        return min((one.zone.cost or 1.0 for one in self.of("lane")), default=1.0)
+
+
+def _progress_against(one: ZoneGround, pieces: Pieces) -> float:
+    """Length of progress against the zone's direction by pieces inside it."""
+    inside = one.distances(pieces.middles) < 0.0
+    if not inside.any():
+        return 0.0
+    along = (pieces.steps[inside] * one.directions(pieces.middles[inside])).sum(axis=1)
+    return float(-along[along < 0.0].sum())
+
+
+def listed_zones(zones: Sequence[ZoneGround]) -> str:
+    """Zones for a sentence: "keep-out zone 'desk' and one-way zone 'hall'"."""
+    names = [str(one.zone) for one in zones]
+    return names[0] if len(names) == 1 else f"{', '.join(names[:-1])} and {names[-1]}"
