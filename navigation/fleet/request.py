@@ -11,6 +11,7 @@ from navigation.mission.mission import Station
 from navigation.mission.targets import Target
 from planner.path import Limits, Path, Trajectory
 from planner.scene import FloatArray
+from planner.zones.zone import Zone
 
 
 @dataclass(frozen=True, slots=True)
@@ -24,6 +25,8 @@ class Traveller:
     limits: Limits
     open_order: tuple[Station, ...] = ()
     """Its stations, where all but the last may be visited in any order; else empty."""
+    zones: tuple[Zone, ...] = ()
+    """Zones that hold for it."""
 
 
 @dataclass(frozen=True, slots=True)

@@ -80,8 +80,13 @@ class People:
         if self._daemon.lent is not None:
             raise MissionError(self._daemon.lent)
         limits = one.pilot.settings.limits
+        rules = self._daemon.traffic.planner.rules(one.name)
         for number, station in enumerate(stations, 1):
-            clearance_m = self._daemon.traffic.planner.clearance_m((station.x, station.y))
+            place = (station.x, station.y)
+            breach = rules and rules.station_breach(f"station {number} at", place)
+            if breach:
+                raise MissionError(breach)
+            clearance_m = self._daemon.traffic.planner.clearance_m(place)
             if (
                 clearance_m is None
                 or clearance_m >= limits.robot_radius_m - limits.clearance_slack_m

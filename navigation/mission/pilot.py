@@ -418,8 +418,13 @@ class Pilot:
             self.mission = self.mission.after(Event.CLEARED, "planning from where the robot is")
             self._closed_way = NO_PLAN.left
 
-    def new_scene(self, path_clearance_m: float | None) -> None:
-        """Take a new scene's clearance of the running path (None: no path runs)."""
+    def new_scene(self, path_clearance_m: float | None, breach: str | None = None) -> None:
+        """Take a new scene's clearance of the running path (None: no path runs).
+
+        ``breach`` is the sentence on a zone's rule that the path breaks.
+        """
+        if breach is not None:
+            self._replan_while_driving(f"the path {breach}: planning again")
         if path_clearance_m is not None and self.plan.path is not None:
             planned_m = self.plan.path.min_clearance
             self._replan_while_driving(nearer_obstacle(path_clearance_m, planned_m, self.settings))

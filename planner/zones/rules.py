@@ -16,9 +16,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from planner.scene import FloatArray, Vec
+from planner.scene import FloatArray, Scene, Vec
 from planner.shared.figures import placed, sized
-from planner.zones.zone import ZoneKind
+from planner.zones.zone import Zone, ZoneKind
 from planner.zones.zone_ground import Pieces, ZoneGround, cut
 
 PIECE = 0.25
@@ -65,6 +65,21 @@ class Rules:
             gap = sized(distance, self.units, beside=self.radius)
             body = sized(self.radius, self.units, beside=distance)
             return f"{at} is {gap} from {one.zone}, nearer than the radius of {body}"
+        return None
+
+    def too_fast(self, points: FloatArray, speeds: FloatArray) -> str | None:
+        """Sentence about a zone that allows less than ``speeds`` (n,) at points (n, 2), or None.
+
+        Between two points the lower speed counts.
+        """
+        if not len(points):
+            return None
+        middles, between = 0.5 * (points[1:] + points[:-1]), np.minimum(speeds[1:], speeds[:-1])
+        at, fast = np.concatenate([points, middles]), np.concatenate([speeds, between])
+        for one in self.grounds:
+            limit = one.zone.speed
+            if limit is not None and (fast[one.distances(at) < self.radius] > limit).any():
+                return f"is faster than {one.zone} allows"
         return None
 
     def permits(self, line: FloatArray, keep: float) -> bool:
@@ -148,6 +163,14 @@ class Rules:
     def least_factor(self) -> float:
         """Least cost of a unit of length anywhere."""
         return min((one.zone.cost or 1.0 for one in self.of("lane")), default=1.0)
+
+
+def rules_for(
+    zones: Sequence[Zone], scene: Scene, radius: float, speed: float | None = None
+) -> Rules:
+    """Index the zones in a scene's units and frame, for a robot of ``radius``."""
+    grounds = tuple(ZoneGround.of(zone, scene) for zone in zones)
+    return Rules(grounds, radius, scene.units, speed)
 
 
 def _progress_against(one: ZoneGround, pieces: Pieces) -> float:

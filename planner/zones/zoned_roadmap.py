@@ -25,7 +25,7 @@ from planner.scene import FloatArray, Scene, SceneObject, Vec
 from planner.shared.arguments import as_float, as_list, of_kind
 from planner.shared.figures import sized
 from planner.zones.lanes import cheapest
-from planner.zones.rules import Rules, listed_zones
+from planner.zones.rules import Rules, listed_zones, rules_for
 from planner.zones.way_out import way_out
 from planner.zones.zone import Zone
 from planner.zones.zone_ground import ZoneGround
@@ -62,8 +62,7 @@ class ZonedRoadmap:
     def rules(self) -> Rules:
         """The zones, indexed."""
         if "rules" not in self._made:
-            grounds = tuple(ZoneGround.of(zone, self.scene) for zone in self.zones)
-            self._made["rules"] = Rules(grounds, self.radius, self.scene.units, self.speed)
+            self._made["rules"] = rules_for(self.zones, self.scene, self.radius, self.speed)
         return self._made["rules"]  # type: ignore[no-any-return]
 
     @property
