@@ -26,7 +26,7 @@ from typing import Final
 import numpy as np
 
 from navigation.fleet.asking import request_of
-from navigation.fleet.giving_way import GivingWay
+from navigation.fleet.giving_way import GivingWay, RulesOf, no_rules
 from navigation.fleet.orders import (
     ON_TRACK_M,
     FleetOrders,
@@ -65,7 +65,7 @@ Clearance = Callable[[FloatArray], float | None]
 class Coordinator:
     """The promises, and the fleet's state between two plans."""
 
-    def __init__(self, clearance_m: Clearance) -> None:
+    def __init__(self, clearance_m: Clearance, rules: RulesOf = no_rules) -> None:
         self.held: dict[str, Held] = {}
         self._left: dict[str, Held] = {}
         """Promises of earlier plans: a robot that is not seen may be driving one."""
@@ -80,7 +80,7 @@ class Coordinator:
         self._refusals = Refusals()
         self._stuck_since: dict[str, float] = {}
         self._runaways: list[Runaway] = []
-        self._giving_way = GivingWay(clearance_m)
+        self._giving_way = GivingWay(clearance_m, rules)
 
     def step(
         self,

@@ -91,13 +91,18 @@ class Driving:
     executed: int
     sent: int
     limits: Limits
+    zones: tuple[Zone, ...] = ()
+    """Zones that hold for it."""
 
     @property
     def as_traveller(self) -> Traveller:
         """The same robot, from the last target that it has executed."""
         x, y = self.promise.points[self.executed].tolist()
         promise = self.promise
-        return Traveller(promise.name, (x, y, 0.0), promise.station, promise.radius_m, self.limits)
+        return Traveller(
+            promise.name, (x, y, 0.0), promise.station, promise.radius_m, self.limits,
+            zones=self.zones,
+        )  # fmt: skip
 
 
 @dataclass(frozen=True, slots=True)

@@ -135,22 +135,22 @@ class Rules:
         if len(line) < 2:
             return 0.0
         pieces = self.pieces(line)
-        factor = np.ones(len(pieces.steps))
+        return float((self.factors(pieces.middles) * pieces.lengths).sum())
+
+    def factors(self, points: FloatArray) -> FloatArray:
+        """Cost (n,) of a unit of length at points (n, 2)."""
+        factors = np.ones(len(points))
         for one in self.of("lane"):
             assert one.zone.cost is not None
-            inside = one.distances(pieces.middles) < 0.0
-            factor[inside] = np.minimum(factor[inside], one.zone.cost)
+            inside = one.distances(points) < 0.0
+            factors[inside] = np.minimum(factors[inside], one.zone.cost)
         if self.speed is not None:
-            factor *= self.speed / self._speeds(pieces.middles, 0.0)
-        return float((factor * pieces.lengths).sum())
+            factors *= self.speed / np.minimum(self._limits(points, 0.0), self.speed)
+        return factors
 
     def speed_limits(self, points: FloatArray, reach: FloatArray) -> FloatArray:
         """Highest speeds (n,) allowed within ``reach`` (n,) of points (n, 2), infinite if any."""
         return self._limits(points, reach)
-
-    def _speeds(self, points: FloatArray, reach: float) -> FloatArray:
-        assert self.speed is not None
-        return np.minimum(self._limits(points, reach), self.speed)
 
     def _limits(self, points: FloatArray, reach: FloatArray | float) -> FloatArray:
         limits = np.full(len(points), np.inf)

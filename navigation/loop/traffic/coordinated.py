@@ -41,7 +41,7 @@ class Coordinated:
         self._robots = robots
         configs = {name: one.config for name, one in robots.items()}
         self.planner = FleetPlanner(configs, search_clock)
-        self._coordinator = Coordinator(self.planner.path_clearance_m)
+        self._coordinator = Coordinator(self.planner.path_clearance_m, self.planner.rules)
         self._answer: FleetAnswer | None = None
         self.waits: Mapping[str, str] = {}
         self.waits_for: Mapping[str, str] = {}

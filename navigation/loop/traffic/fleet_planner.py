@@ -94,6 +94,10 @@ class FleetPlanner:
                 request,
                 travellers=tuple(self._with_zones(one) for one in travellers),
                 idle=tuple(self._with_zones(one) for one in request.idle),
+                driving=tuple(
+                    replace(one, zones=zones_for(self._zones, one.promise.name))
+                    for one in request.driving
+                ),
             )
             plan = join_promises if request.driving else plan_promises
             answer = plan(self.roadmap, self._scene, request, self._keep_m, self._clock)
