@@ -34,7 +34,7 @@ from navigation.fleet.request import (
 )
 from navigation.fleet.rounding import CutTrack, rounded
 from navigation.mission.mission import Station
-from navigation.mission.targets import Target, begin_as_it_stands
+from navigation.mission.targets import Target, begin_as_it_stands, within_caps
 from planner.fleet.dependencies import find_dependencies, is_live
 from planner.fleet.fleet_plan import Dependency, FleetPlan, NoFleetPlan
 from planner.fleet.no_waiting import wait_before
@@ -214,6 +214,7 @@ def make_promise(
     points = np.ascontiguousarray(smooth[at])
     path = path_of(here, points, one)
     trajectory = None
+    (rules,) = rules_of(here, [one.zones], [one.radius_m])
     if len(points) > 1:
         driven = path_of(here, smooth, one)
         if not one.limits.turns_on_spot:
@@ -224,9 +225,10 @@ def make_promise(
             one.limits,
             clearance=here.clearance,
             dwell_s=[0.0, one.station.dwell_s],
-            speed_limits=rules_of(here, [one.zones], [one.radius_m])[0].speed_limits,
+            speed_limits=rules.speed_limits,
         )
     targets = _targets(points, _lengths(smooth)[at], trajectory, one.station, one.limits)
+    targets = within_caps((float(points[0, 0]), float(points[0, 1])), targets, rules)
     return Promise(
         one.name,
         one.station,

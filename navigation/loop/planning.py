@@ -16,7 +16,7 @@ import numpy as np
 import planner
 from navigation.mission.cycle import PlanAnswer, PlanRequest
 from navigation.mission.mission import Station
-from navigation.mission.targets import begin_as_it_stands, targets_of
+from navigation.mission.targets import begin_as_it_stands, targets_of, within_caps
 from navigation.mission.traffic import Disc
 from navigation.shared.supervisor import in_words
 from planner.motion.smooth import SmoothError, smooth_path
@@ -134,7 +134,8 @@ class ArenaPlanner:
             dwell_s=[0.0, *(s.dwell_s for s in visits), goal.dwell_s],
             speed_limits=roadmap.speed_limits if roadmap.zones else None,
         )
-        return PlanAnswer(request.id, self.revision, path, trajectory, targets_of(path, trajectory))
+        targets = within_caps(request.start[:2], targets_of(path, trajectory), roadmap.rules)
+        return PlanAnswer(request.id, self.revision, path, trajectory, targets)
 
     def _around_robots(
         self, roadmap: ZonedRoadmap, scene: Scene, request: PlanRequest

@@ -160,6 +160,16 @@ class Rules:
                 limits[inside] = np.minimum(limits[inside], one.zone.speed)
         return limits
 
+    def caps(self, line: FloatArray) -> FloatArray:
+        """Highest speed (n - 1,) that zones allow on each piece of a polyline (n, 2): exact."""
+        caps = np.full(len(line) - 1, np.inf)
+        pieces = [line[k : k + 2] for k in range(len(caps))]
+        for one in self.grounds:
+            if one.zone.speed is not None:
+                inside = one.ground.clearances(pieces)[0] < self.radius
+                caps[inside] = np.minimum(caps[inside], one.zone.speed)
+        return caps
+
     def least_factor(self) -> float:
         """Least cost of a unit of length anywhere."""
         return min((one.zone.cost or 1.0 for one in self.of("lane")), default=1.0)

@@ -35,8 +35,7 @@ def usable_edges(
     for one in rules.of("keep_out"):
         clear = _clearances(one, places, edges) >= rules.radius * (1.0 - ROUNDING)
         if rules.is_held_by(one, begin):
-            on_path = _distances(places, own_path) <= SAME * rules.radius
-            clear |= on_path[edges].all(axis=1)
+            clear |= _on_path(places, edges, own_path, SAME * rules.radius)
         usable &= clear
     for one in rules.of("one_way"):
         usable &= _against(one, places, edges) <= AGAINST * rules.radius
@@ -79,6 +78,17 @@ def _against(one: ZoneGround, places: FloatArray, edges: NDArray[np.int64]) -> F
         back[inside] = np.maximum(-along, 0.0)
     progress: FloatArray = back.reshape(-1, SAMPLES).sum(axis=1)
     return progress
+
+
+def _on_path(
+    places: FloatArray, edges: NDArray[np.int64], line: FloatArray, near: float
+) -> NDArray[np.bool_]:
+    """Mark the edges (m, 2) that lie on a polyline, not only with both ends."""
+    on_path: NDArray[np.bool_] = (_distances(places, line) <= near)[edges].all(axis=1)
+    rows = np.flatnonzero(on_path)
+    samples = _distances(_samples(places, edges[rows]), line).reshape(-1, SAMPLES)
+    on_path[rows] = (samples <= near).all(axis=1)
+    return on_path
 
 
 def _distances(places: FloatArray, line: FloatArray) -> FloatArray:
