@@ -4,7 +4,7 @@ Rules and units
 - Inside means any of the body, a disc of the robot's radius, but for one-way zones and lanes:
   there it means the centre.
 - Against a one-way zone counts the length of a path's progress against the line's direction,
-  beyond ``AGAINST`` radii; crossing it is allowed.
+  beyond ``AGAINST_DRIVEN`` radii, for new paths ``AGAINST``; crossing it is allowed.
 - Paths are cut into pieces of ``PIECE`` radii for lengths, costs and directions; keep-out and
   no-waiting zones are measured exactly.
 """
@@ -23,9 +23,11 @@ from planner.zones.zone_ground import Pieces, ZoneGround, cut
 
 PIECE = 0.25
 """Longest piece, in radii: chosen, far shorter than anything that a robot could notice."""
-AGAINST = 0.05
-"""Progress against a one-way zone, in radii, that is rounding: chosen, a tenth of a body's width
-is allowed at a crossing's corners."""
+AGAINST = 0.02
+"""Progress against a one-way zone, in radii, that is rounding on a planned path: chosen."""
+AGAINST_DRIVEN = 0.1
+"""The same on a path that robots share, whose pieces are judged one by one, and on the rest of a
+path that is driven: chosen, a twentieth of the body's width."""
 ROUNDING = 1e-6
 """A clearance is the radius within this share of it: paths are certified to 1e-9 of the extent."""
 
@@ -102,7 +104,7 @@ class Rules:
             for one in self.of("wait"):
                 if self.is_held_by(one, (float(line[-1, 0]), float(line[-1, 1]))):
                     return f"ends in {one.zone}"
-        against = self.against(line)
+        against = self.against(line, AGAINST_DRIVEN)
         return f"leads against {against[0].zone}" if against else None
 
     def _after_leaving(self, one: ZoneGround, line: FloatArray) -> FloatArray | None:
@@ -116,15 +118,13 @@ class Rules:
         out = np.flatnonzero(one.distances(ends) >= self.radius * (1.0 - ROUNDING))
         return ends[out[0] :] if len(out) else None
 
-    def against(self, line: FloatArray) -> tuple[ZoneGround, ...]:
-        """One-way zones that a polyline (n, 2) is driven against."""
+    def against(self, line: FloatArray, most: float = AGAINST) -> tuple[ZoneGround, ...]:
+        """One-way zones that a polyline (n, 2) is driven against by more than ``most`` radii."""
         one_ways = self.of("one_way")
         if not one_ways or len(line) < 2:
             return ()
         pieces = self.pieces(line)
-        return tuple(
-            one for one in one_ways if _progress_against(one, pieces) > AGAINST * self.radius
-        )
+        return tuple(one for one in one_ways if _progress_against(one, pieces) > most * self.radius)
 
     def pieces(self, line: FloatArray) -> Pieces:
         """Cut a line as the rules measure it."""

@@ -22,6 +22,9 @@ from planner.zones.zone_ground import ZoneGround
 
 SAMPLES = 8
 """Places of an edge: chosen, edges are a few radii long."""
+MOST_EDGES = 20
+"""Edges inside a one-way zone that may each be driven against by rounding: chosen, so that a path
+of them stays within what is allowed for all."""
 SAME = 1e-6
 """A place lies on a path within this share of the radius: as places of the graph are equal."""
 
@@ -38,7 +41,7 @@ def usable_edges(
             clear |= _on_path(places, edges, own_path, SAME * rules.radius)
         usable &= clear
     for one in rules.of("one_way"):
-        usable &= _against(one, places, edges) <= AGAINST * rules.radius
+        usable &= _against(one, places, edges) <= AGAINST * rules.radius / MOST_EDGES
     return usable
 
 
@@ -84,7 +87,7 @@ def _on_path(
     places: FloatArray, edges: NDArray[np.int64], line: FloatArray, near: float
 ) -> NDArray[np.bool_]:
     """Mark the edges (m, 2) that lie on a polyline, not only with both ends."""
-    on_path: NDArray[np.bool_] = (_distances(places, line) <= near)[edges].all(axis=1)
+    on_path: NDArray[np.bool_] = np.asarray((_distances(places, line) <= near)[edges].all(axis=1))
     rows = np.flatnonzero(on_path)
     samples = _distances(_samples(places, edges[rows]), line).reshape(-1, SAMPLES)
     on_path[rows] = (samples <= near).all(axis=1)
