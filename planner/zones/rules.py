@@ -21,8 +21,8 @@ from planner.shared.figures import placed, sized
 from planner.zones.zone import Zone, ZoneKind
 from planner.zones.zone_ground import Pieces, ZoneGround, cut
 
-PIECE = 0.25
-"""Longest piece, in radii: chosen, far shorter than anything that a robot could notice."""
+PIECE = 0.05
+"""Longest piece, in radii: chosen, a border is missed by half of it."""
 AGAINST = 0.02
 """Progress against a one-way zone, in radii, that is rounding on a planned path: chosen."""
 AGAINST_DRIVEN = 0.1

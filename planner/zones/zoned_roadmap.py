@@ -314,6 +314,10 @@ def with_zones(
     if not isinstance(roadmap.scene, Scene):
         raise ValueError("the roadmap's scene must be a Scene: zones are added to it")
     given = tuple(of_kind("zones", one, Zone) for one in as_list("zones", zones, "Zone"))
+    names = [one.name for one in given]
+    for name in names:
+        if names.count(name) > 1:
+            raise ValueError(f"zones: two zones have the name {name!r}")
     if speed is not None and not as_float("speed", speed) > 0.0:
         raise ValueError(f"speed = {speed:g}: must be > 0")
     return ZonedRoadmap(roadmap, given, speed)
