@@ -20,8 +20,9 @@ from planner.scene import FloatArray, Vec
 DIRECTIONS = 64
 """Directions tried, and again around the best of them: chosen, to 0.2 degrees."""
 DISTANCES = 64
-"""Distances tried in each: chosen, a zone's corner narrower than a fifth of its distance may be
-missed."""
+"""Distances tried in each: chosen, a place narrower than a fifth of its distance may be missed."""
+FINER_DISTANCES = 256
+"""The same around the best direction: chosen, to 0.2 % of the distance."""
 HALVINGS = 20
 """Number of times that the last step out is halved: chosen, to 1e-6 of it."""
 PLACES = 8
@@ -38,7 +39,10 @@ def way_out(open_: Roadmap, closed: Roadmap, place: Vec, need: float) -> FloatAr
     if keep <= 0.0:
         return None
     angles = math.tau * np.arange(DIRECTIONS) / DIRECTIONS
-    outside = _ends(closed, here, angles, need)
+    box = closed.borders.box
+    longest = math.hypot(box[2] - box[0], box[3] - box[1])
+    steps = np.geomspace(1e-3 * need, longest, DISTANCES)
+    outside = _ends(closed, here, angles, steps, need)
     found = _first_free(open_, here, outside, keep)
     if found is None:
         return _around(open_, here, list(outside[:PLACES]))
@@ -46,17 +50,19 @@ def way_out(open_: Roadmap, closed: Roadmap, place: Vec, need: float) -> FloatAr
     step = math.tau / DIRECTIONS
     angle = math.atan2(*(found[1] - here)[::-1])
     finer = angle + step * np.linspace(-1.0, 1.0, DIRECTIONS + 1)
-    return _first_free(open_, here, np.vstack([_ends(closed, here, finer, need), found[1:]]), keep)
+    length = math.dist(*found)
+    nearer = np.linspace(0.5 * length, length, FINER_DISTANCES)
+    ends = np.vstack([_ends(closed, here, finer, nearer, need), found[1:]])
+    return _first_free(open_, here, ends, keep)
 
 
-def _ends(closed: Roadmap, here: FloatArray, angles: FloatArray, need: float) -> FloatArray:
+def _ends(
+    closed: Roadmap, here: FloatArray, angles: FloatArray, steps: FloatArray, need: float
+) -> FloatArray:
     """First place (k, 2) in each direction where ``need`` is kept, the nearest first."""
     units = np.column_stack([np.cos(angles), np.sin(angles)])
-    box = closed.borders.box
-    longest = math.hypot(box[2] - box[0], box[3] - box[1])
-    steps = np.geomspace(1e-3 * need, longest, DISTANCES)
     ends = here + steps[:, None, None] * units
-    free = (closed.clearance(ends.reshape(-1, 2)) >= need).reshape(DISTANCES, len(units))
+    free = (closed.clearance(ends.reshape(-1, 2)) >= need).reshape(len(steps), len(units))
     ways = np.flatnonzero(free.any(axis=0))
     first = free[:, ways].argmax(axis=0)
     low = np.where(first > 0, steps[first - 1], 0.0)
