@@ -43,7 +43,7 @@ from planner.path import Limits, Path, Trajectory
 from planner.roadmap.roadmap import Roadmap
 from planner.scene import CircleRecord, FloatArray, Scene, SceneObject
 from planner.shared.search_clock import Clock, search_clock_s
-from planner.zones.rules import Rules, rules_for
+from planner.zones.rules import Rules, listed_zones, rules_for
 from planner.zones.zone import Zone
 
 PIECE_M: Final = 0.05
@@ -212,9 +212,13 @@ def make_promise(
     smooth = np.ascontiguousarray(track.fine[np.unique(numbers, return_index=True)[1], 1:])
     at = np.unique(numbers[track.rows])
     points = np.ascontiguousarray(smooth[at])
-    path = path_of(here, points, one)
-    trajectory = None
     (rules,) = rules_of(here, [one.zones], [one.radius_m])
+    path = path_of(here, points, one)
+    left = [zone for zone in rules.of("keep_out") if rules.is_held_by(zone, one.start[:2])]
+    if left and len(points) > 1:
+        said = f"leaves {listed_zones(left)} by the shortest path out"
+        path = replace(path, remarks=(said,))
+    trajectory = None
     if len(points) > 1:
         driven = path_of(here, smooth, one)
         if not one.limits.turns_on_spot:
