@@ -377,6 +377,7 @@ CHECKS: tuple[tuple[tuple[str, ...], Callable[..., _Found]], ...] = (
     (("other_robots", "simulation"), _simulated_robots_are_known),
     (("simulation",), _happenings_end_after_they_begin),
     (("zones",), zone_checks.zone_names_differ),
+    (("zones",), zone_checks.zones_have_few_places),
     (("zones", "robots"), zone_checks.zones_are_for_known_robots),
     (("arena", "zones"), zone_checks.zones_lie_in_the_arena),
     (("safety",), _lease_outlives_the_pose),

@@ -42,6 +42,7 @@ from navigation.run.give_missions import GiveMissions
 from navigation.run.kernels.warm_up import warm_up
 from navigation.run.notifications import Notifications
 from navigation.run.progress import ProgressLines, why_stopped
+from navigation.run.restoring_zones import restore_zones
 from navigation.run.run_folder import make_run_folder, prepare_picture, write_report, write_run
 from navigation.run.run_report import RunReport, summarise_run
 from navigation.run.taking_orders import TakingOrders
@@ -152,6 +153,8 @@ class Runner:
                     recorder=recorder,
                 )
             )
+            # before anybody can change or rely on them
+            restore_zones(daemon, self._say, self._log)
             daemon.people.reanchor = lambda camera: self.reanchor(camera, daemon.newest)
             taking = TakingOrders(open_things, socket, daemon, self._log, self._say)
             named = " --robot NAME" if self.config.robots else ""

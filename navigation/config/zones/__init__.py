@@ -3,7 +3,6 @@
 - ``section.py`` is one entry, which becomes the planner's zone.
 - ``zone_checks.py`` compares the entries with each other, the robots and the arena.
 - ``in_words.py`` describes an entry in a line, and writes it as in a configuration.
-- ``zone_file.py`` reads a file with such a list, for the commands that plan or give orders.
 """
 
 from navigation.config.zones.section import MOST_ZONES, ZoneSection

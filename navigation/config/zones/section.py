@@ -5,11 +5,12 @@ A mask is read once, where the entry is checked: the zone does not change with t
 
 from __future__ import annotations
 
+from pathlib import Path
 from typing import Annotated, Final, Self
 
-from pydantic import Field, PrivateAttr, model_validator
+from pydantic import AfterValidator, Field, PrivateAttr, model_validator
 
-from navigation.config.values import Metres, Name, NeighbourFile, Positive, Rate, Section
+from navigation.config.values import Name, NeighbourFile, Number, Positive, Rate, Section
 from planner.formats.scene_io import load_mask
 from planner.scene import SceneError
 from planner.zones.areas import Area, BandArea, CircleArea, MaskArea, PolygonArea
@@ -20,7 +21,7 @@ MOST_ZONES: Final = 100
 MOST_CORNERS: Final = 1000
 """Corners of a polygon, and places of a line: chosen."""
 
-Corner = tuple[Metres, Metres]
+Corner = tuple[Number, Number]
 
 
 class ZoneSection(Section):
@@ -35,14 +36,14 @@ class ZoneSection(Section):
     polygon: Annotated[tuple[Corner, ...], Field(min_length=3, max_length=MOST_CORNERS)] | None = (
         Field(default=None, description="corners [x, y] of the area, in order")
     )
-    circle: tuple[Metres, Metres, Positive] | None = Field(
+    circle: tuple[Number, Number, Positive] | None = Field(
         default=None, description="instead: [x, y, radius]"
     )
     line: Annotated[tuple[Corner, ...], Field(min_length=2, max_length=MOST_CORNERS)] | None = (
         Field(default=None, description="instead: places [x, y] of a band's middle, in order")
     )
     width_m: Positive | None = Field(default=None, description="the band's width, with line")
-    mask: NeighbourFile | None = Field(
+    mask: Annotated[NeighbourFile, AfterValidator(Path.absolute)] | None = Field(
         default=None,
         description="instead: the YAML file of a Nav2 keep-out mask, relative to this file",
     )

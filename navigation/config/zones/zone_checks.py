@@ -3,13 +3,17 @@
 from __future__ import annotations
 
 from collections.abc import Collection, Iterator, Sequence
-from typing import Any
+from typing import Any, Final
 
 import numpy as np
 
 from navigation.config.marks import Location
 from navigation.config.zones.section import ZoneSection
 from planner.scene import extent_points
+
+MOST_PLACES: Final = 2000
+"""Corners and places of all zones together: chosen, an answer with them has 90 kB, which a local
+socket takes at once."""
 
 _Found = Iterator[tuple[Location, str]]
 
@@ -22,6 +26,21 @@ def zone_names_differ(zones: Any) -> _Found:
             told = f"'{zone.name}' is the name of zones[{first[zone.name]}] already"
             yield ("zones", index, "name"), told
         first.setdefault(zone.name, index)
+
+
+def zones_have_few_places(zones: Any) -> _Found:
+    """Every answer about zones, and every page, gets them all."""
+    told = too_many_places(zones)
+    if told is not None:
+        yield ("zones",), told
+
+
+def too_many_places(zones: Sequence[ZoneSection]) -> str | None:
+    """Return that they have too many corners together; None if not."""
+    count = sum(len(zone.polygon or zone.line or ()) for zone in zones)
+    if count <= MOST_PLACES:
+        return None
+    return f"{count} corners and places together: must be at most {MOST_PLACES}"
 
 
 def zones_are_for_known_robots(zones: Any, robots: Any) -> _Found:

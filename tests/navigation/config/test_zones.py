@@ -164,3 +164,13 @@ def test_a_list_that_was_written_is_read_back(tmp_path: Path) -> None:
     assert parse_config(GOOD + as_yaml(zones)).zones == zones
     assert [ZoneSection.model_validate(as_written(one)) for one in zones] == list(zones)
     assert yaml.safe_load(as_yaml(())) == {"zones": []}
+
+
+def test_all_zones_together_have_at_most_2000_places() -> None:
+    line = [[0.001 * k, 1.0] for k in range(700)]
+    zones = [
+        {"name": f"a{n}", "kind": "lane", "line": line, "width_m": 0.1} for n in range(3)
+    ]  # fmt: skip
+    where, sentence = the_problem(GOOD + yaml.safe_dump({"zones": zones}))
+    assert (where, "2100" in sentence, "2000" in sentence) == ("zones", True, True)
+    assert parse_config(GOOD + yaml.safe_dump({"zones": zones[:2]})).zones
