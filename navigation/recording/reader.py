@@ -6,6 +6,7 @@ one at a time. Times are the run's clock, seconds.
 
 from __future__ import annotations
 
+from bisect import bisect_right
 from collections.abc import Iterator
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -19,8 +20,10 @@ from navigation.fleet.request import Request
 from navigation.recording import json_bodies as bodies
 from navigation.recording.files import RecordingError
 from navigation.recording.messages import Messages
+from navigation.recording.zone_bodies import zones_of
 from planner.formats.scene_text import read_scene_text
 from planner.scene import Scene, SceneError
+from planner.zones.zone import Zone
 from vision.calibration.calibration import Calibration
 from vision.calibration.calibration_file import parse_calibration
 from vision.camera.camera import Image
@@ -58,6 +61,14 @@ class SeenScene:
 
 
 @dataclass(frozen=True, slots=True)
+class SeenZones:
+    """Zones and the time since which they were in force; a file begins with those that are."""
+
+    since_s: float
+    zones: tuple[Zone, ...]
+
+
+@dataclass(frozen=True, slots=True)
 class Planned:
     """A request and its answer, as in `json_bodies.plan_message`."""
 
@@ -86,8 +97,15 @@ class Recording:
     """By the picture's time in the file, nanoseconds."""
     scenes: list[SeenScene] = field(default_factory=list)
     plans: list[Planned] = field(default_factory=list)
+    zones: list[SeenZones] = field(default_factory=list)
+    """Each change of zones, in order; empty if there never were any."""
     log: list[str] = field(default_factory=list)
     cut: bool = False
+
+    def zones_at(self, time_s: float) -> tuple[Zone, ...]:
+        """Zones in force at a time; for an earlier time than any none."""
+        at = bisect_right(self.zones, time_s, key=lambda one: one.since_s)
+        return self.zones[at - 1].zones if at else ()
 
     def pictures(self) -> Iterator[tuple[int, Image]]:
         """Yield time in the file (nanoseconds) and picture, in order."""
@@ -113,6 +131,8 @@ def read_recording(path: Path) -> Recording:
                 recording.frames[message.log_time] = _frame(body)
             elif topic == bodies.SCENES:
                 recording.scenes.append(_scene(body))
+            elif topic == bodies.ZONES:
+                recording.zones.append(SeenZones(*zones_of(body)))
             elif topic in bodies.ANSWERS:
                 request = bodies.request_of(topic, body)
                 asked[bodies.ANSWERS[topic], request.id] = request
