@@ -5,8 +5,8 @@ Rules
   force. A zone that the configuration has changed since keeps the configuration's form, which a
   person wrote later.
 - The file is written whole and synced, sealed as the journal is, and readable by its owner only.
-- A file that cannot be used is put aside under another name, for a person to look at, and is an
-  error: a keep-out zone may be lost with it.
+- A file that cannot be used is an error, since a keep-out zone may be lost with it. It stays where
+  it is until the robots' stop is on the disk, and is then put aside for a person to look at.
 """
 
 from __future__ import annotations
@@ -109,10 +109,7 @@ class KeptZones:
         return cls(journal.with_name(journal.name + SUFFIX))
 
     def read(self) -> tuple[ZoneChange, ...]:
-        """Return the changes, none if there is no file.
-
-        ``KeptZonesError`` if it cannot be used; it is put aside then.
-        """
+        """Return the changes, none if there is no file; ``KeptZonesError`` if it is unusable."""
         try:
             with self.path.open("rb") as file:
                 data = file.read(MOST_BYTES)
@@ -124,10 +121,10 @@ class KeptZones:
             records = json.loads(unseal(KIND, VERSION, data))
             return tuple(_change(one) for one in records)
         except (SealError, ZoneError, ValueError, TypeError, KeyError) as error:
-            why = printable(str(error), 300)
-            raise KeptZonesError(f"{self.path}: {why}: {self._put_aside()}") from None
+            raise KeptZonesError(f"{self.path}: {printable(str(error), 300)}") from None
 
-    def _put_aside(self) -> str:
+    def put_aside(self) -> str:
+        """Rename the file, so that a new one can be begun; return what became of it."""
         for number in range(1, MOST_ASIDE + 1):
             aside = self.path.with_name(f"{self.path.name}.damaged-{number}")
             if not aside.exists():
@@ -135,8 +132,8 @@ class KeptZones:
         try:
             self.path.rename(aside)
         except OSError as error:
-            return f"it cannot be put aside either: {error.strerror or error}"
-        return f"kept as {aside.name}"
+            return f"{self.path}: cannot be put aside: {error.strerror or error}"
+        return f"{self.path}: kept as {aside.name}"
 
     def write(self, changes: Sequence[ZoneChange]) -> None:
         """Keep the changes; they are on disk when this returns. ``KeptZonesError``."""

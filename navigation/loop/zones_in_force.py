@@ -68,15 +68,21 @@ class ZonesInForce:
     def restore(self, kept: KeptZones) -> list[str]:
         """Take over the changes of the last run, and keep further ones; return what to say.
 
-        ``KeptZonesError`` if they are lost: the configuration's zones hold then.
+        ``KeptZonesError`` if they are lost: the configuration's zones hold then, and no change is
+        kept before :meth:`keep_in`.
         """
-        self._kept = kept
         sections, said = with_changes(self._configured, kept.read(), self._robots)
+        self._kept = kept
         if sections != self._sections:
             self._sections = sections
             self.revision += 1
             self.changed()
         return said
+
+    def keep_in(self, kept: KeptZones) -> None:
+        """Keep the changes so far and all further ones."""
+        self._kept = kept
+        self._write()
 
     def put(self, zone: ZoneSection) -> None:
         """Add a zone, or replace the one of its name; ``MissionError`` if that cannot be."""
@@ -116,11 +122,15 @@ class ZonesInForce:
     def _tell(self) -> None:
         """Wake the loop, which acts at once, and write the change down."""
         self.changed()
-        if self._kept is None:
+        self._write()
+
+    def _write(self) -> None:
+        kept = self._kept
+        if kept is None:
             return
         with self._disk:
             try:
-                self._kept.write(self.changes())
+                kept.write(self.changes())
             except KeptZonesError as error:
                 self.trouble = f"a restart would not know of this change: {error}"
             else:

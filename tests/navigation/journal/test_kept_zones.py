@@ -69,10 +69,11 @@ def test_a_byte_lost_or_changed_anywhere_is_damage_and_the_file_is_put_aside(pat
             whole[:place] + bytes([whole[place] ^ 1]) + whole[place + 1 :],
         ):
             path.write_bytes(damaged)
-            with pytest.raises(KeptZonesError, match=str(path)) as caught:
+            with pytest.raises(KeptZonesError, match=str(path)):
                 KeptZones(path).read()
+            assert path.read_bytes() == damaged
             aside = path.with_name("journal.damaged-1")
-            assert aside.name in str(caught.value)
+            assert KeptZones(path).put_aside() == f"{path}: kept as {aside.name}"
             assert aside.read_bytes() == damaged
             aside.unlink()
             assert KeptZones(path).read() == ()
@@ -93,7 +94,6 @@ def test_a_sealed_text_that_is_no_list_of_changes_is_damage_too(path: Path, text
     path.write_bytes(seal(KIND, VERSION, text))
     with pytest.raises(KeptZonesError):
         KeptZones(path).read()
-    assert not path.exists()
 
 
 def test_another_version_is_not_guessed_at(path: Path) -> None:

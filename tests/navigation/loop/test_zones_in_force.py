@@ -135,6 +135,10 @@ def test_lost_changes_are_an_error_and_further_ones_are_kept(tmp_path: Path) -> 
         zones.restore(KeptZones(tmp_path / "zones"))
     assert zones.sections == (DESK,)
     zones.put(DOOR)
+    assert (tmp_path / "zones").read_text() == "torn"
+    kept = KeptZones(tmp_path / "zones")
+    kept.put_aside()
+    zones.keep_in(kept)
     again = ZonesInForce([DESK], [""])
     again.restore(KeptZones(tmp_path / "zones"))
     assert again.sections == (DESK, DOOR)

@@ -13,7 +13,7 @@ from navigation.loop.daemon import Daemon
 from navigation.machine.logs import EventLog, RunLog
 from navigation.mission.mission import State
 from navigation.run.give_missions import GiveMissions
-from navigation.run.restoring_zones import restore_zones
+from navigation.run.restoring_zones import RestoredZones
 from navigation.run.runner import Runner
 from navigation.run.virtual_world import VirtualWorld
 from tests.navigation.journal.kept import circle
@@ -31,10 +31,11 @@ def begin(daemon: Daemon, folder: Path) -> list[str]:
     """What the runner does, in virtual time; return what it says."""
     said: list[str] = []
     log = RunLog(EventLog(None, None, now=datetime.now))
-    restore_zones(daemon, said.append, log)
+    zones = RestoredZones(daemon, said.append, log)
     stops = KeptStops(folder / "stops", folder / "c.sock", None, {"": ()})
     daemon.stopping.hold_from_before([daemon.robot], stops)
-    GiveMissions(daemon, said.append)
+    zones.settle()
+    GiveMissions(daemon, lambda _line: None)
     return said
 
 
@@ -90,6 +91,29 @@ def test_no_robot_drives_before_a_person_resumes_where_zones_are_lost(
         cycle_until(last, is_driving)
 
 
+def test_a_run_killed_before_its_stop_is_on_the_disk_stops_the_next_one_too(
+    tmp_path: Path,
+) -> None:
+    with a_run(tmp_path) as first:
+        begin(first, tmp_path)
+        first.people.put_zone(CORNER)
+    file = tmp_path / "kept" / "journal.zones"
+    file.write_bytes(file.read_bytes()[:-1])
+    with a_run(tmp_path) as killed:
+        RestoredZones(killed, print, RunLog(EventLog(None, None, now=datetime.now)))
+    # killed here
+    with a_run(tmp_path) as again:
+        said = begin(again, tmp_path)
+        again.cycle()
+        assert again.robot.pilot.mission.state is State.STOPPED
+        assert said[-1] == f"{file}: kept as {file.name}.damaged-1"
+        again.people.put_zone(CORNER)
+    with a_run(tmp_path) as last:
+        begin(last, tmp_path)
+        assert last.zones.sections == (CORNER,)
+        assert last.robot.pilot.mission.state is State.STOPPED
+
+
 def test_the_runner_restores_zones_and_says_so(tmp_path: Path) -> None:
     with a_run(tmp_path) as first:
         begin(first, tmp_path)
@@ -107,3 +131,16 @@ def test_the_runner_restores_zones_and_says_so(tmp_path: Path) -> None:
     runner.waits = True
     runner.run()
     assert "zone 'corner', added while an earlier run was under way: holds again" in said
+
+
+def test_where_the_stop_cannot_be_written_the_damage_stops_the_next_run(tmp_path: Path) -> None:
+    file = tmp_path / "kept" / "journal.zones"
+    file.parent.mkdir()
+    file.write_bytes(b"torn")
+    (tmp_path / "stops").write_text("in the way")
+    for _ in range(2):
+        with a_run(tmp_path) as again:
+            begin(again, tmp_path)
+            again.cycle()
+            assert again.robot.pilot.mission.state is State.STOPPED
+            assert file.read_bytes() == b"torn"
