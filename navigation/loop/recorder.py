@@ -105,7 +105,7 @@ class Recorder:
         """When the link's counters were recorded, and whether it was up."""
         self._said: dict[str, tuple[State, str]] = {}
         self._waits: tuple[Mapping[str, str], Mapping[str, str]] = ({}, {})
-        self._zones: tuple[Zone, ...] = ()
+        self._has_zones = False
         self._put = self._pictures = self._dropped = self._events = 0
         self._failed = ""
         self.turns = 0
@@ -256,11 +256,14 @@ class Recorder:
             values = {"waits": dict(waits), "waits_for": dict(waits_for)}
             self.put(Counted(time_s, FLEET_WAITS, hide_in(values)))
 
-    def zones(self, zones: tuple[Zone, ...], time_s: float) -> None:
-        """Record the zones in force if they have changed; none at the beginning is no change."""
-        if zones != self._zones:
-            self._zones = zones
-            self.put(ZonesChanged(time_s, zones))
+    def zones(self, zones: tuple[Zone, ...], revision: int, time_s: float) -> None:
+        """Record the zones in force, and the scene's revision from now on.
+
+        None at the beginning are no change.
+        """
+        if zones or self._has_zones:
+            self._has_zones = True
+            self.put(ZonesChanged(time_s, revision, zones))
 
     # The recorder's thread.
 

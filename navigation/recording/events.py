@@ -79,9 +79,10 @@ class PlanAnswered:
 
 @dataclass(frozen=True, slots=True)
 class ZonesChanged:
-    """Zones in force from now on, all of them."""
+    """Zones in force from now on, all of them, and the scene's revision from now on."""
 
     time_s: float
+    revision: int
     zones: tuple[Zone, ...]
 
 

@@ -153,8 +153,8 @@ class RecordingFiles:
             case RoadmapBuilt():
                 update = messages.roadmap_message(event.roadmap, time_ns)
                 self._roadmaps.log(update, log_time=time_ns)
-            case ZonesChanged(time_s, zones):
-                self._write_json(bodies.ZONES, zones_body(time_s, zones), time_ns)
+            case ZonesChanged(zones=zones):
+                self._write_json(bodies.ZONES, zones_body(event), time_ns)
                 if self._zones is None:  # made where it is needed: few runs have zones
                     self._zones = SceneUpdateChannel("/zones", context=self._context)
                 self._zones.log(messages.zones_message(zones, time_ns), log_time=time_ns)

@@ -18,6 +18,7 @@ import numpy as np
 from navigation.config import Config
 from navigation.fleet.request import Request
 from navigation.recording import json_bodies as bodies
+from navigation.recording.events import ZonesChanged
 from navigation.recording.files import RecordingError
 from navigation.recording.messages import Messages
 from navigation.recording.zone_bodies import zones_of
@@ -61,14 +62,6 @@ class SeenScene:
 
 
 @dataclass(frozen=True, slots=True)
-class SeenZones:
-    """Zones and the time since which they were in force; a file begins with those that are."""
-
-    since_s: float
-    zones: tuple[Zone, ...]
-
-
-@dataclass(frozen=True, slots=True)
 class Planned:
     """A request and its answer, as in `json_bodies.plan_message`."""
 
@@ -97,15 +90,26 @@ class Recording:
     """By the picture's time in the file, nanoseconds."""
     scenes: list[SeenScene] = field(default_factory=list)
     plans: list[Planned] = field(default_factory=list)
-    zones: list[SeenZones] = field(default_factory=list)
-    """Each change of zones, in order; empty if there never were any."""
+    zones: list[ZonesChanged] = field(default_factory=list)
+    """Each change of zones, in order, from those that held at the beginning; empty if there never
+    were any."""
     log: list[str] = field(default_factory=list)
     cut: bool = False
 
     def zones_at(self, time_s: float) -> tuple[Zone, ...]:
         """Zones in force at a time; for an earlier time than any none."""
-        at = bisect_right(self.zones, time_s, key=lambda one: one.since_s)
+        at = bisect_right(self.zones, time_s, key=lambda one: one.time_s)
         return self.zones[at - 1].zones if at else ()
+
+    def zones_in(self, revision: int) -> tuple[Zone, ...]:
+        """Zones that were in force in a revision of the scene."""
+        at = bisect_right(self.zones, revision, key=lambda one: one.revision)
+        return self.zones[at - 1].zones if at else ()
+
+    def scene_in(self, revision: int) -> SeenScene | None:
+        """Scene of a revision, which a change of zones numbers again; None if not recorded."""
+        at = bisect_right(self.scenes, revision, key=lambda one: one.revision)
+        return self.scenes[at - 1] if at else None
 
     def pictures(self) -> Iterator[tuple[int, Image]]:
         """Yield time in the file (nanoseconds) and picture, in order."""
@@ -132,7 +136,7 @@ def read_recording(path: Path) -> Recording:
             elif topic == bodies.SCENES:
                 recording.scenes.append(_scene(body))
             elif topic == bodies.ZONES:
-                recording.zones.append(SeenZones(*zones_of(body)))
+                recording.zones.append(zones_of(body))
             elif topic in bodies.ANSWERS:
                 request = bodies.request_of(topic, body)
                 asked[bodies.ANSWERS[topic], request.id] = request

@@ -5,9 +5,9 @@ A mask is written as a scene text, since its file stays where it is: a recording
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from typing import Any, Final
 
+from navigation.recording.events import ZonesChanged
 from planner.formats.scene_text import read_scene_text, write_scene_text
 from planner.scene import Scene, derived_bounds, extent_points
 from planner.zones.areas import Area, BandArea, CircleArea, MaskArea, PolygonArea
@@ -17,17 +17,19 @@ MOST_ZONES: Final = 1000
 """Zones of one message that are read: chosen, far beyond any run's."""
 
 
-def zones_body(time_s: float, zones: Sequence[Zone]) -> dict[str, Any]:
-    """All zones in force since a time."""
-    return {"time_s": time_s, "zones": [_plain(one) for one in zones]}
+def zones_body(changed: ZonesChanged) -> dict[str, Any]:
+    """All zones in force since a time, and the scene's revision with them."""
+    zones = [_plain(one) for one in changed.zones]
+    return {"time_s": changed.time_s, "revision": changed.revision, "zones": zones}
 
 
-def zones_of(body: dict[str, Any]) -> tuple[float, tuple[Zone, ...]]:
-    """Read the time and the zones; ``SceneError``, ValueError or LookupError if invalid."""
+def zones_of(body: dict[str, Any]) -> ZonesChanged:
+    """Read the zones; ``SceneError``, ValueError or LookupError if invalid."""
     written = body["zones"]
     if len(written) > MOST_ZONES:
         raise ValueError(f"{len(written)} zones: must be at most {MOST_ZONES}")
-    return float(body["time_s"]), tuple(_zone(one) for one in written)
+    zones = tuple(_zone(one) for one in written)
+    return ZonesChanged(float(body["time_s"]), int(body["revision"]), zones)
 
 
 def _plain(zone: Zone) -> dict[str, Any]:
