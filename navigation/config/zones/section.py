@@ -1,13 +1,16 @@
-"""The list `zones`: areas with rules for all robots, or for some of them by name."""
+"""One entry of the list `zones`, which becomes the planner's zone.
+
+A mask is read once, where the entry is checked: the zone does not change with the file.
+"""
 
 from __future__ import annotations
 
 from pathlib import Path
 from typing import Annotated, Final, Self
 
-from pydantic import Field, model_validator
+from pydantic import AfterValidator, Field, PrivateAttr, model_validator
 
-from navigation.config.values import Metres, Name, NeighbourFile, Positive, Rate, Section
+from navigation.config.values import Name, NeighbourFile, Number, Positive, Rate, Section
 from planner.formats.scene_io import load_mask
 from planner.scene import SceneError
 from planner.zones.areas import Area, BandArea, CircleArea, MaskArea, PolygonArea
@@ -18,7 +21,7 @@ MOST_ZONES: Final = 100
 MOST_CORNERS: Final = 1000
 """Corners of a polygon, and places of a line: chosen."""
 
-Corner = tuple[Metres, Metres]
+Corner = tuple[Number, Number]
 
 
 class ZoneSection(Section):
@@ -33,14 +36,14 @@ class ZoneSection(Section):
     polygon: Annotated[tuple[Corner, ...], Field(min_length=3, max_length=MOST_CORNERS)] | None = (
         Field(default=None, description="corners [x, y] of the area, in order")
     )
-    circle: tuple[Metres, Metres, Positive] | None = Field(
+    circle: tuple[Number, Number, Positive] | None = Field(
         default=None, description="instead: [x, y, radius]"
     )
     line: Annotated[tuple[Corner, ...], Field(min_length=2, max_length=MOST_CORNERS)] | None = (
         Field(default=None, description="instead: places [x, y] of a band's middle, in order")
     )
     width_m: Positive | None = Field(default=None, description="the band's width, with line")
-    mask: NeighbourFile | None = Field(
+    mask: Annotated[NeighbourFile, AfterValidator(Path.absolute)] | None = Field(
         default=None,
         description="instead: the YAML file of a Nav2 keep-out mask, relative to this file",
     )
@@ -55,6 +58,7 @@ class ZoneSection(Section):
         default=None,
         description="of a lane: cost of a metre along it, beside 1 on open floor; empty: 0.5",
     )
+    _area: Area = PrivateAttr()
 
     @model_validator(mode="after")
     def _fits_together(self) -> Self:
@@ -66,16 +70,21 @@ class ZoneSection(Section):
         if (self.line is None) != (self.width_m is None):
             raise ValueError("line and width_m: must be given together")
         try:
+            self._area = self._read_area()
             self.zone()
-        except (SceneError, OSError) as error:
+        except SceneError as error:
             raise ValueError(str(error)) from None
         return self
 
     def zone(self) -> Zone:
         """Return the zone as the planner has it; :class:`SceneError` if it is none."""
-        return Zone(self.name, self.kind, self._area(), self.robots, self.speed_m_s, self.cost)
+        return Zone(self.name, self.kind, self._area, self.robots, self.speed_m_s, self.cost)
 
-    def _area(self) -> Area:
+    def is_for(self, robot: str) -> bool:
+        """True if it holds for the robot of this name."""
+        return not self.robots or robot in self.robots
+
+    def _read_area(self) -> Area:
         if self.polygon is not None:
             return PolygonArea(self.polygon)
         if self.circle is not None:
@@ -84,8 +93,4 @@ class ZoneSection(Section):
         if self.line is not None and self.width_m is not None:
             return BandArea(self.line, self.width_m)
         assert self.mask is not None
-        return _mask_area(self.mask)
-
-
-def _mask_area(file: Path) -> MaskArea:
-    return MaskArea(load_mask(file).objects, str(file))
+        return MaskArea(load_mask(self.mask).objects, str(self.mask))
