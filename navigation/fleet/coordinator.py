@@ -132,7 +132,9 @@ class Coordinator:
             if name in self._open and name not in answers and self._gathering_s is None
         }
         waits, waits_for = waits_of(members, self.held, refused, self._giving_way.aside)
-        holds = holds_of(members, self.held, self._giving_way.aside) | dict(aside.holds)
+        lines = {name: one.points[1:] for name, one in self._giving_way.aside.items()}
+        runaways = [one.name for one in self._runaways]
+        holds = holds_of(members, self.held, lines, runaways) | dict(aside.holds)
         return FleetOrders(plan_again, request, answers, waits, waits_for, holds, errands)
 
     def forget(self, name: str) -> None:

@@ -88,6 +88,8 @@ class Daemon:
         self.zones = ZonesInForce(config.zones, configs)
         self.zones.changed = self.camera.wake
         self._zones, self._zones_revision = self.zones.zones(), 0
+        if recorder is not None:
+            recorder.zones(self._zones, self.view.revision, self._clock())
         self.traffic: Traffic = (
             Coordinated(self.robots, world.search_clock)
             if config.robots
@@ -284,6 +286,8 @@ class Daemon:
         self._zones_revision = self.zones.revision
         self._zones = self.zones.zones()
         self.view.zones_changed()
+        if self._recorder is not None:
+            self._recorder.zones(self._zones, self.view.revision, self._clock())
         return True
 
     def _show_planner(self) -> None:
@@ -416,7 +420,8 @@ class Daemon:
 
     @property
     def _troubles(self) -> tuple[str, ...]:
-        troubles = self.view.troubles | self.troubles | {"stops": self.stopping.trouble}
+        kept = {"stops": self.stopping.trouble, "zones": self.zones.trouble}
+        troubles = self.view.troubles | self.troubles | kept
         return tuple(filter(None, troubles.values()))
 
 

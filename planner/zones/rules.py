@@ -19,7 +19,7 @@ import numpy as np
 from planner.scene import FloatArray, Scene, Vec
 from planner.shared.figures import placed, sized
 from planner.zones.zone import Zone, ZoneKind
-from planner.zones.zone_ground import Pieces, ZoneGround, cut
+from planner.zones.zone_ground import PathPieces, ZoneGround, cut
 
 PIECE = 0.05
 """Longest piece, in radii: chosen, a border is missed by half of it."""
@@ -126,7 +126,7 @@ class Rules:
         pieces = self.pieces(line)
         return tuple(one for one in one_ways if _progress_against(one, pieces) > most * self.radius)
 
-    def pieces(self, line: FloatArray) -> Pieces:
+    def pieces(self, line: FloatArray) -> PathPieces:
         """Cut a line as the rules measure it."""
         return cut(line, PIECE * self.radius)
 
@@ -183,7 +183,7 @@ def rules_for(
     return Rules(grounds, radius, scene.units, speed)
 
 
-def _progress_against(one: ZoneGround, pieces: Pieces) -> float:
+def _progress_against(one: ZoneGround, pieces: PathPieces) -> float:
     """Length of progress against the zone's direction by pieces inside it."""
     inside = one.distances(pieces.middles) < 0.0
     if not inside.any():

@@ -59,7 +59,7 @@ class ZoneGround:
 
 
 @dataclass(frozen=True, slots=True)
-class Pieces:
+class PathPieces:
     """A path as short straight pieces: their middles (n, 2), and their steps (n, 2)."""
 
     middles: FloatArray
@@ -72,7 +72,7 @@ class Pieces:
         return lengths
 
 
-def cut(line: FloatArray, step: float) -> Pieces:
+def cut(line: FloatArray, step: float) -> PathPieces:
     """Cut a polyline (n, 2) at its points and in pieces of at most ``step``."""
     along = arc_lengths(line)
     count = np.maximum(np.ceil(np.diff(along) / step).astype(int), 1)
@@ -82,4 +82,4 @@ def cut(line: FloatArray, step: float) -> Pieces:
     ]
     at = np.concatenate([*marks, along[-1:]])
     points = points_at(line, along, at)
-    return Pieces(0.5 * (points[1:] + points[:-1]), np.diff(points, axis=0))
+    return PathPieces(0.5 * (points[1:] + points[:-1]), np.diff(points, axis=0))
