@@ -23,6 +23,7 @@ from typing import TYPE_CHECKING, Any, Protocol
 import numpy as np
 
 from planner.borders.polyline import fewer_vertices
+from planner.graph_files import GraphFormat
 from planner.graph_files.graph_io import format_of, graph_text
 from planner.graph_files.route_graph import (
     BENT,
@@ -85,8 +86,16 @@ def as_text(
     :class:`ExchangeError` for another suffix.
     """
     form = format_of(f"roadmap{suffix}")
-    graph = bent_graph(roadmap) if form in BENT else straight_graph(roadmap, frame, generated)
-    return graph_text(graph, form)
+    return graph_text(route_graph(roadmap, form, frame, generated), form)
+
+
+def route_graph(
+    roadmap: Exported, form: GraphFormat, frame: str = "map", generated: str | None = None
+) -> RouteGraph:
+    """Graph for a format, with bent or straight edges; arguments as :func:`as_text`'s."""
+    if form in BENT:
+        return bent_graph(roadmap)
+    return straight_graph(roadmap, frame, generated)
 
 
 def to_networkx(roadmap: Exported) -> nx.Graph[int]:

@@ -24,6 +24,7 @@ from navigation.cli.progress import long_work
 if TYPE_CHECKING:
     from navigation.cli.pictures.fleet_robots import FleetRobot
     from planner.roadmap.roadmap import Roadmap
+    from planner.zones.zone import Zone
 
 NO_PLAN = 3
 """Exit code without a plan: the entry point's for no path."""
@@ -85,6 +86,7 @@ def command(
     from navigation.cli.pictures.sources import compile_for, hold_points, load_source, zones_in
     from planner.fleet.fleet_plan import FleetPlan
     from planner.fleet.on_roadmap import plan_fleet
+    from planner.zones.zone import zones_for
 
     keep_apart((("--output", output), ("--render", render)), (source, robots_file, zones_file))
     robots = load_robots(robots_file)
@@ -103,9 +105,10 @@ def command(
         planned_s = time.perf_counter()
         try:
             if assign is not None:
-                robots = _assigned(roadmap, robots, assign)
+                robots = _assigned(roadmap, robots, assign, zones)
             starts, goals = [r.start for r in robots], [r.goal for r in robots]
-            plan = plan_fleet(roadmap, starts, goals, radii, time_limit_s=time_limit_s)
+            own = [zones_for(zones, robot.name) for robot in robots]
+            plan = plan_fleet(roadmap, starts, goals, radii, time_limit_s=time_limit_s, zones=own)
         except ValueError as error:
             raise FleetError(f"{robots_file}: {error}") from error
         timings_ms["fleet"] = 1e3 * (time.perf_counter() - planned_s)
@@ -132,13 +135,20 @@ def command(
 
 
 def _assigned(
-    roadmap: Roadmap, robots: list[FleetRobot], objective: Literal["sum", "last"]
+    roadmap: Roadmap,
+    robots: list[FleetRobot],
+    objective: Literal["sum", "last"],
+    zones: tuple[Zone, ...],
 ) -> list[FleetRobot]:
     """The robots with their goals exchanged; one that can reach none gets one of the rest."""
     from planner.fleet.assignment import assign_tasks
+    from planner.zones.zone import zones_for
 
     starts, goals = [r.start for r in robots], [r.goal for r in robots]
-    found = assign_tasks(roadmap, starts, goals, [r.radius for r in robots], objective=objective)
+    found = assign_tasks(
+        roadmap, starts, goals, [r.radius for r in robots], objective=objective,
+        zones=[zones_for(zones, robot.name) for robot in robots],
+    )  # fmt: skip
     left = iter(found.left_over)
     return [
         replace(robot, goal=goals[next(left) if task is None else task])

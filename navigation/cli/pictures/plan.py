@@ -35,6 +35,7 @@ if TYPE_CHECKING:
     from planner.roadmap.roadmap import Roadmap
     from planner.scene import Scene
     from planner.zones.zone import Zone
+    from planner.zones.zoned_roadmap import ZonedRoadmap
 
 NO_PATH = 3
 
@@ -108,7 +109,9 @@ def command(  # noqa: PLR0913 (an argument for each option of the command line)
     """
     from navigation.cli.pictures.sources import compile_for, hold_points, load_source, zones_in
     from planner.motion.smooth import round_corners
+    from planner.motion.trajectory import default_limits
     from planner.path import Path as PlannedPath
+    from planner.zones.zoned_roadmap import with_zones
 
     if spacing is not None and spacing >= 2.0 * radius:
         raise click.BadParameter(
@@ -129,7 +132,8 @@ def command(  # noqa: PLR0913 (an argument for each option of the command line)
         begin("planning")
         planned_s = time.perf_counter()
         try:
-            planned = roadmap.plan(
+            zoned = with_zones(roadmap, zones, speed=default_limits(radius).speed)
+            planned = zoned.plan(
                 start.as_tuple(),
                 goal.as_tuple(),
                 prefer=prefer,
@@ -143,13 +147,13 @@ def command(  # noqa: PLR0913 (an argument for each option of the command line)
         begin("smoothing")
         path = planned
         if isinstance(planned, PlannedPath):
-            path = round_corners(planned, roadmap, prefer=prefer, margin=margin)
+            path = round_corners(planned, zoned, prefer=prefer, margin=margin)
         timings_ms["path"] = 1e3 * (time.perf_counter() - planned_s)
-    answer = _answer(scene, roadmap, planned, path, timings_ms)
+    answer = _answer(scene, zoned, planned, path, timings_ms)
     try:
         if render is not None:
             with long_work("drawing"):
-                timings_ms["render"] = _render(render, answer, roadmap, stations, zones)
+                timings_ms["render"] = _render(render, answer, zoned.closed, stations, zones)
     finally:  # give the answer, whatever becomes of its picture
         timings_ms["total"] = 1e3 * (time.perf_counter() - begin_s)
         _tell(answer, form, output)
@@ -184,7 +188,7 @@ def timed_roadmap(
 
 def _answer(
     scene: Scene,
-    roadmap: Roadmap,
+    zoned: ZonedRoadmap,
     planned: PlannedPath | NoPath,
     path: PlannedPath | NoPath,
     timings_ms: dict[str, float],
@@ -194,11 +198,13 @@ def _answer(
     from planner.motion.trajectory import default_limits, time_path
     from planner.path import NoPath
 
-    trajectory = None
+    trajectory, roadmap = None, zoned.walls
     limits = default_limits(roadmap.radius)
     if not isinstance(path, NoPath):
         timed_s = time.perf_counter()
-        trajectory = time_path(path, limits, clearance=roadmap.clearance)
+        trajectory = time_path(
+            path, limits, clearance=roadmap.clearance, speed_limits=zoned.speed_limits
+        )
         timings_ms["trajectory"] = 1e3 * (time.perf_counter() - timed_s)
     return PlanOutput(
         scene,

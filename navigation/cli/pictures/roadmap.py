@@ -85,7 +85,10 @@ def command(  # noqa: PLR0913 (an argument for each option of the command line)
 
     from navigation.cli.pictures.plan import timed_roadmap
     from navigation.cli.pictures.sources import compile_for, load_source, zones_in
-    from planner.roadmap import roadmap_export
+    from planner.graph_files.graph_io import format_of, graph_text
+    from planner.roadmap.roadmap_export import route_graph
+    from planner.zones.ruled_graph import ruled_graph
+    from planner.zones.zoned_roadmap import with_zones
 
     zones = zones_in(zones_file)
     compile_for(source)
@@ -96,7 +99,10 @@ def command(  # noqa: PLR0913 (an argument for each option of the command line)
         roadmap, _ = timed_roadmap(scene, radius, spacing, least_branch)
     now = datetime.now(UTC).isoformat(timespec="seconds")
     suffix = ".json" if output == STANDARD_STREAM else output.suffix
-    text = roadmap_export.as_text(roadmap, suffix, frame=frame, generated=now)
+    form = format_of(f"roadmap{suffix}")
+    zoned = with_zones(roadmap, zones)
+    graph = ruled_graph(route_graph(zoned.closed, form, frame, now), zoned.rules)
+    text = graph_text(graph, form)
     write_text(output, text)
     if map_file is not None:
         from planner.formats.map_writer import write_map
@@ -105,8 +111,8 @@ def command(  # noqa: PLR0913 (an argument for each option of the command line)
     if render is not None:
         from navigation.draw import save_picture
 
-        save_picture(render, scene, roadmap=roadmap, zones=zones)
-    counts = roadmap.counts
+        save_picture(render, scene, roadmap=zoned.closed, zones=zones)
+    counts = zoned.closed.counts
     to_stream = output == STANDARD_STREAM
     name = "roadmap" if to_stream else output
     parts = f"{counts['roadmap_nodes']} nodes, {counts['roadmap_edges']} edges"
