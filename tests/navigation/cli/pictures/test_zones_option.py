@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import json
+from itertools import pairwise
 from pathlib import Path
 
 import cv2
@@ -10,6 +12,7 @@ import pytest
 
 from navigation.cli.main import run
 from navigation.config.zone_file import ZoneError, read_zones
+from planner import load_graph
 from planner.zones.areas import CircleArea, PolygonArea
 from planner.zones.zone import Zone
 from tests.navigation.cli.pictures.test_plan import ARENA, GOOD
@@ -18,7 +21,7 @@ ZONES = """\
 - {name: desk, kind: keep_out, polygon: [[-1.8, 0.4], [-1.4, 0.4], [-1.6, 0.8]]}
 - {name: bend, kind: slow, circle: [1.5, -0.5, 0.2], speed_m_s: 0.1}
 """
-ROBOTS = "start_x,start_y,goal_x,goal_y,radius\n-1.5,-0.5,1.5,0.5,0.1\n1.5,-0.5,-1.5,0.5,0.1\n"
+ROBOTS = "start_x,start_y,goal_x,goal_y,radius\n-1.5,-0.5,1.5,0.5,0.1\n1.5,-0.5,-1.5,-0.1,0.1\n"
 
 
 @pytest.fixture
@@ -94,3 +97,39 @@ def test_pixels_beyond_a_thousand_are_places_too(tmp_path: Path) -> None:
     file.write_bytes(b"\xff\xfe")
     with pytest.raises(ZoneError, match="UTF-8"):
         read_zones(file)
+
+
+def test_a_plan_keeps_the_zones_and_a_refusal_names_one(
+    files: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """Options that are read and drawn, and not planned with, would be worse than none."""
+    arena = str(files / "arena.txt")
+    zones = files / "zones.yaml"
+    options = [arena, *GOOD, "--format", "json", "--zones", str(zones)]
+    zones.write_text("- {name: desk, kind: keep_out, circle: [0.0, 0.0, 0.5]}\n")
+    assert run(["plan", *options]) == 0
+    path = np.array(json.loads(capsys.readouterr().out)["path"])
+    dense = np.concatenate([np.linspace(a, b, 50) for a, b in pairwise(path)])
+    assert np.hypot(*dense.T).min() >= 0.6 - 1e-6
+    wall = "[[-0.1, -9.0], [0.1, -9.0], [0.1, 9.0], [-0.1, 9.0]]"
+    zones.write_text(f"- {{name: wall, kind: keep_out, polygon: {wall}}}\n")
+    assert run(["plan", *options]) == 3
+    assert "the only path leads through keep-out zone 'wall'" in capsys.readouterr().err
+
+
+def test_exported_edges_have_the_zones_directions_speeds_and_costs(files: Path) -> None:
+    zones, out = files / "zones.yaml", files / "out.geojson"
+    arena = str(files / "arena.txt")
+    plain = files / "plain.geojson"
+    assert run(["roadmap", arena, "--radius", "0.1", "-o", str(plain)]) == 0
+    zones.write_text(
+        "- {name: all, kind: slow, circle: [0.0, 0.0, 9.0], speed_m_s: 0.2}\n"
+        "- {name: right, kind: one_way, line: [[-9.0, 0.0], [9.0, 0.0]], width_m: 9.0}\n"
+    )
+    options = ["--radius", "0.1", "-o", str(out), "--zones", str(zones)]
+    assert run(["roadmap", arena, *options]) == 0
+    before, after = load_graph(plain), load_graph(out)
+    places = {node.id: node.x for node in after.nodes}
+    assert 0 < len(after.edges) < len(before.edges)
+    assert all(edge.speed_m_s == 0.2 for edge in after.edges)
+    assert all(places[edge.end] >= places[edge.start] - 0.01 for edge in after.edges)
