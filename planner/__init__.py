@@ -4,7 +4,7 @@
   writes route graphs.
 - ``borders`` places generators along the borders, ``delaunay`` triangulates them, ``diagram``
   solves the generalized Voronoi diagram, ``roadmap`` clips it for a robot.
-- ``search`` and ``route`` plan on it; ``path.py`` holds the answers.
+- ``search`` and ``route`` plan on it; ``path.py`` holds the answers. ``zones`` adds rules to it.
 - ``motion`` times a path, ``fleet`` plans for several robots, ``graph_audit`` checks route graphs;
   ``samples`` are inputs to try.
 

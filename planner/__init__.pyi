@@ -43,3 +43,10 @@ from .scene import SceneError as SceneError
 from .scene import SceneObject as SceneObject
 from .scene import Segment as Segment
 from .scene import SegmentRecord as SegmentRecord
+from .zones.areas import BandArea as BandArea
+from .zones.areas import CircleArea as CircleArea
+from .zones.areas import MaskArea as MaskArea
+from .zones.areas import PolygonArea as PolygonArea
+from .zones.zone import Zone as Zone
+from .zones.zoned_roadmap import ZonedRoadmap as ZonedRoadmap
+from .zones.zoned_roadmap import with_zones as with_zones
