@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import Final, Protocol
 
 from navigation.config import Config
+from navigation.config.zones import ZoneSection
 from navigation.loop.people import People
 from navigation.loop.run_state import RunState
 from vision.calibration.calibration import Calibration
@@ -12,6 +13,20 @@ from vision.camera.latest_frame import CameraStatus
 
 IT_IS_A_RECORDING: Final = "this is a recording: nothing here drives or stops a robot"
 """The refusal of any order in a recording."""
+
+
+class ShownZones(Protocol):
+    """The zones of a run; any thread may read them."""
+
+    @property
+    def sections(self) -> tuple[ZoneSection, ...]:
+        """All of them, a new object after each change."""
+        ...
+
+    @property
+    def revision(self) -> int:
+        """Number of changes so far."""
+        ...
 
 
 class Shown(Protocol):
@@ -34,6 +49,11 @@ class Shown(Protocol):
 
     def camera_status(self) -> CameraStatus:
         """The camera's state, rate and counts."""
+        ...
+
+    @property
+    def zones(self) -> ShownZones:
+        """The zones in force, or of the moment shown."""
         ...
 
     @property

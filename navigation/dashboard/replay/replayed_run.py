@@ -23,6 +23,7 @@ from navigation.config.several.each_robot import robots_of
 from navigation.dashboard.replay.player import Player
 from navigation.dashboard.replay.taped_robot import Moment, TapedRobot
 from navigation.loop.run_state import RunState
+from navigation.loop.zones_in_force import ZonesInForce
 from navigation.recording.reader import SeenScene
 from navigation.recording.tape import Tape, TapedPicture
 from planner.roadmap.roadmap import Roadmap
@@ -57,6 +58,8 @@ class ReplayedRun:
         self._builder = ThreadPoolExecutor(1, thread_name_prefix="roadmaps")
         self._roadmaps: OrderedDict[int, Future[Roadmap]] = OrderedDict()
         self._frame: tuple[TapedPicture | None, Frame | None] = (None, None)
+        self.zones = ZonesInForce(self.config.zones, ())
+        """Zones that were configured."""
         self.people = None
         """None: a recording takes no orders."""
 
