@@ -187,7 +187,7 @@ export class ZoneForm {
     const { shape } = this.#area;
     for (const option of byId("zone-shape").options) option.disabled = BANDS_ONLY.includes(kind) && option.value !== "line";
     byId("zone-speed-row").hidden = kind === "keep_out";
-    byId("zone-speed-title").textContent = kind === "slow" ? "Speed, m/s" : "Speed, m/s (if limited)";
+    byId("zone-speed").placeholder = kind === "slow" ? "" : "no limit";
     byId("zone-cost-row").hidden = kind !== "lane";
     byId("zone-size-row").hidden = shape === "polygon";
     byId("zone-size-title").textContent = shape === "circle" ? "Radius, m" : "Width, m";

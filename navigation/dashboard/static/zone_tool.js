@@ -1,7 +1,7 @@
 // A zone drawn in the arena: corners by clicks, a circle by its centre and a drag; then corners, or
 // the whole, dragged. While the tool is on, no press and no key of the arena reaches a goal.
 
-import { FEWEST, covers, moved, round, short } from "./zone_area.js";
+import { FEWEST, covers, moved, round } from "./zone_area.js";
 import { element } from "./stage.js";
 import { zoneName, zoneShape } from "./zones_layer.js";
 
@@ -50,6 +50,7 @@ export class ZoneTool {
     this.stage.tool = on ? this : null;
     this.stage.element.setAttribute("aria-label", on ? "The arena from above, for zones. Click to set corners, drag to move them; Enter closes a zone, Backspace takes the last change back, Escape cancels. A form beside takes the same as numbers." : this.words);
     this.stage.group("probe").replaceChildren();
+    this.stage.element.style.cursor = "";
     if (!on) this.end();
   }
 
@@ -137,6 +138,7 @@ export class ZoneTool {
     this.probe.classList.remove("bad");
     this.#pointer = event.pointerType === "touch" ? null : place;
     const pressed = this.#pressed;
+    this.stage.element.style.cursor = (pressed?.held ?? this.#held(...place)) === "" ? "" : "move";
     if (pressed) {
       pressed.isDrag ||= Math.hypot(event.clientX - pressed.px[0], event.clientY - pressed.px[1]) > DRAG_PX;
       pressed.to = place;
@@ -233,8 +235,6 @@ export class ZoneTool {
 
   #handle(x, y, closes) {
     const r = (closes ? 8 : 5.5) * this.stage.k;
-    const made = element("circle", { class: "zone-handle", cx: this.stage.x(x), cy: this.stage.y(y), r });
-    made.append(element("title", {}, `${short(x)}, ${short(y)} m`));
-    return made;
+    return element("circle", { class: "zone-handle", cx: this.stage.x(x), cy: this.stage.y(y), r });
   }
 }
