@@ -1,6 +1,6 @@
 """Zones on the page: shown to everybody, drawn, moved, named, deleted and undone by operators."""
 
-from typing import Any
+from typing import Any, Final
 
 import pytest
 
@@ -13,7 +13,7 @@ from tests.browser.pages import HERE, THERE, Keep, OpenPage
 from tests.browser.programs.served import ShownProgram, until
 
 VIEWER = "a-token-for-looking"
-ZONES: tuple[dict[str, Any], ...] = (
+ZONES: Final[tuple[dict[str, Any], ...]] = (
     {
         "name": "desk",
         "kind": "keep_out",
@@ -133,7 +133,7 @@ def test_a_zone_is_made_with_the_keyboard_alone(open_page: OpenPage, program: Sh
     page.keyboard.press("Enter")
     expect(page.locator("#zone-kind")).to_be_focused()
     page.keyboard.type("No")
-    for _ in range(3):
+    for _ in range(4):
         page.keyboard.press("Tab")
     page.keyboard.type("1.0, 0.2\n1.4 0.2\n1.4;0.6")
     expect(page.locator("[data-layer=zone-draft] .zone-wait")).to_be_attached()

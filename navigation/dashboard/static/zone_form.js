@@ -208,7 +208,9 @@ export class ZoneForm {
     }));
   }
 
+  /** In the place of the hint. */
   #complain(text) {
+    byId("zone-hint").hidden = Boolean(text);
     byId("zone-error").textContent = text ? text[0].toUpperCase() + text.slice(1) + (/[.!?]$/.test(text) ? "" : ".") : "";
   }
 }

@@ -7,7 +7,7 @@ import { ZoneTool } from "./zone_tool.js";
 import { KINDS, rule, zoneSample } from "./zones_layer.js";
 
 const byId = (id) => document.getElementById(id);
-const TYPED = "input[type=text], textarea";
+const TYPED = "input, select, textarea";
 
 export class Zones {
   #revision = 0;
@@ -38,7 +38,7 @@ export class Zones {
     byId("zones-new").addEventListener("click", () => this.#edit(null));
     byId("zones-undo").addEventListener("click", () => this.undo());
     this.card.addEventListener("keydown", (event) => {
-      if (event.key !== "Escape") return;
+      if (event.key !== "Escape" || !event.target.matches(TYPED)) return; // main.js has the others
       event.stopPropagation();
       this.escape();
     });
@@ -94,7 +94,7 @@ export class Zones {
 
   #key(event) {
     if (!this.isOpen || !(event.ctrlKey || event.metaKey) || event.shiftKey || event.key.toLowerCase() !== "z") return;
-    if (event.target.matches(TYPED)) return; // what was typed is taken back
+    if (event.target.matches("input[type=text], textarea")) return; // what was typed is taken back
     event.preventDefault();
     if (this.form.isOpen) this.tool.undo();
     else if (this.#mayChange) this.undo();
