@@ -20,7 +20,6 @@ from concurrent.futures import ThreadPoolExecutor
 from typing import Any, Final
 
 from navigation.config.secrecy.secrets import hide_in
-from navigation.config.zones import ZoneSection
 from navigation.dashboard.admission.access import AccessGate, Role
 from navigation.dashboard.admission.seat import Seat
 from navigation.dashboard.attention import EARLY, Attention
@@ -115,7 +114,7 @@ class Hub:
         self._heated: Roadmap | None = None
         self._roadmap: Roadmap | None = None
         self._paths: tuple[Path | None, ...] = ()
-        self._zones: tuple[ZoneSection, ...] | None = None
+        self._zoned: int | None = None
         self._others: dict[int, RobotPose] = {}
         self._busy: set[str] = set()
         self._tasks: set[asyncio.Task[None]] = set()
@@ -300,12 +299,12 @@ class Hub:
         return True
 
     def _renew_zones(self) -> None:
-        zones = self.daemon.zones.sections
-        if zones is self._zones or "zones" in self._busy:
+        zones = self.daemon.zones
+        revision = zones.revision  # read before them: what comes between is sent next
+        if revision == self._zoned or "zones" in self._busy:
             return
-        self._zones = zones
-        made = self._make(self.zones, zones_message, zones, self.daemon.zones.revision)
-        self._start("zones", made)
+        self._zoned = revision
+        self._start("zones", self._make(self.zones, zones_message, zones.zones(), revision))
 
     def _renew_world(self, roadmap: Roadmap | None) -> None:
         if roadmap is None or roadmap is self._roadmap or "world" in self._busy:

@@ -5,9 +5,9 @@ from __future__ import annotations
 from typing import Final, Protocol
 
 from navigation.config import Config
-from navigation.config.zones import ZoneSection
 from navigation.loop.people import People
 from navigation.loop.run_state import RunState
+from planner.zones.zone import Zone
 from vision.calibration.calibration import Calibration
 from vision.camera.latest_frame import CameraStatus
 
@@ -18,14 +18,13 @@ IT_IS_A_RECORDING: Final = "this is a recording: nothing here drives or stops a 
 class ShownZones(Protocol):
     """The zones of a run; any thread may read them."""
 
-    @property
-    def sections(self) -> tuple[ZoneSection, ...]:
-        """All of them, a new object after each change."""
+    def zones(self) -> tuple[Zone, ...]:
+        """Return all of them."""
         ...
 
     @property
     def revision(self) -> int:
-        """Number of changes so far."""
+        """Number of changes so far; another one when the zones are others."""
         ...
 
 

@@ -305,7 +305,7 @@ class Viewer:
         level = "stop" if order == "stop" else "order"
         outcome = "" if result["ok"] else f" - refused: {result['error']}"
         hub.note(level, f"{self.name}: {_told(message)}{outcome}")
-        self._reply(message, {k: result[k] for k in ("ok", "error") if k in result})
+        self._reply(message, {k: result[k] for k in ("ok", "error", "trouble") if k in result})
 
     def _ask_place(self, message: dict[str, Any]) -> None:
         hub = self.hub

@@ -6,7 +6,7 @@ pixels: x right, y down, (0, 0) is the picture's upper left corner.
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, field
 from typing import TypeAlias
 
@@ -14,7 +14,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from planner.scene import Bounds, FloatArray
-from planner.zones.zone import ZoneKind
 
 Colour: TypeAlias = tuple[int, int, int]
 """Red, green, blue, 0..255."""
@@ -50,16 +49,6 @@ ROBOTS: tuple[Colour, ...] = (
 robot has its number and name, too. White on each has a contrast of 4.5 at least, and any two differ
 by 28 (CIE 1976) for people who lack one kind of cones as for others: found by search, and tested
 (`test_palette.py`)."""
-
-ZONES: Mapping[ZoneKind, Colour] = {
-    "keep_out": (190, 22, 40),
-    "slow": (140, 80, 0),
-    "one_way": (0, 104, 118),
-    "lane": (22, 112, 50),
-    "wait": (30, 76, 180),
-}
-"""Colours of zones by kind: chosen, with a contrast of 4.5 at least with the floor (tested);
-each kind has a pattern and words, too."""
 
 CLEARANCE_RAMP: tuple[Colour, ...] = (
     (202, 40, 36),

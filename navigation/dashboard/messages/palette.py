@@ -9,7 +9,8 @@ from __future__ import annotations
 from collections.abc import Mapping
 
 from navigation.draw import shapes
-from navigation.draw.shapes import ROBOTS, ZONES, Colour, ramp_colour
+from navigation.draw.shapes import ROBOTS, Colour, ramp_colour
+from navigation.draw.zones import COLOURS as ZONES
 
 ARENA: Mapping[str, Colour] = {
     "obstacle": shapes.OBSTACLE,

@@ -89,7 +89,7 @@ export class Zones {
     const orders = this.#revision === this.#renamed ? 2 : 1;
     let answer = { ok: true };
     for (let n = 0; n < orders && answer.ok; n++) answer = await this.#order("zone_undo");
-    this.#say(answer.ok ? "The last change is taken back." : answer.error, !answer.ok);
+    this.#say(answer.ok ? `the last change is taken back${troubleOf(answer)}` : answer.error, !answer.ok);
   }
 
   #key(event) {
@@ -145,13 +145,13 @@ export class Zones {
       const removed = await this.#order("zone_remove", { name: before });
       if (!removed.ok) return removed.error;
     }
-    this.#leaveForm(`${zone.name} is in force.`);
+    this.#leaveForm(`${zone.name} is in force${troubleOf(answer)}`);
     return "";
   }
 
   async #remove({ name }) {
     const answer = await this.#order("zone_remove", { name });
-    this.#say(answer.ok ? `${name} is removed.` : answer.error, !answer.ok);
+    this.#say(answer.ok ? `${name} is removed${troubleOf(answer)}` : answer.error, !answer.ok);
     if (answer.ok) byId("zones-undo").focus({ preventScroll: true });
   }
 
@@ -204,6 +204,9 @@ export class Zones {
     return row;
   }
 }
+
+/** What else there is to say of a change that was made. */
+const troubleOf = ({ trouble }) => (trouble ? `, but ${trouble}` : "");
 
 const made = (tag, textContent) => Object.assign(document.createElement(tag), { textContent });
 

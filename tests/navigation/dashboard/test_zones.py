@@ -7,10 +7,16 @@ import cv2
 import numpy as np
 import pytest
 
+from navigation.config.dashboard import DashboardSection
 from navigation.config.zones import ZoneSection
 from navigation.dashboard.messages.packed import unpack
 from navigation.dashboard.messages.zones import zones_message
+from navigation.dashboard.replay.player import Player
+from navigation.dashboard.replay.replayed_run import ReplayedRun
+from navigation.recording.events import ZonesChanged
+from navigation.recording.tape import read_tape
 from tests.navigation.dashboard.site import TOKEN, VIEWER, Page, Site
+from tests.support.runs.recordings import EVERY, RecordedBench, make_recording
 
 DESK: dict[str, Any] = {
     "name": "desk",
@@ -37,7 +43,7 @@ def test_a_zone_is_told_as_a_configuration_has_it_and_as_sentences_name_it(
     zone: dict[str, Any],
 ) -> None:
     section = ZoneSection.model_validate(zone)
-    head, _ = unpack(zones_message((section,), 7, 3))
+    head, _ = unpack(zones_message((section.zone(),), 7, 3))
     assert (head["type"], head["revision"], head["number"]) == ("zones", 7, 3)
     (told,) = head["zones"]
     assert told.pop("title") == str(section.zone())
@@ -55,7 +61,7 @@ def test_a_mask_is_told_as_outlines_without_the_folder_of_its_file(tmp_path: Pat
         "occupied_thresh: 0.65\nfree_thresh: 0.196\nmode: scale\n"
     )
     zone = ZoneSection.model_validate({"name": "floor", "kind": "keep_out", "mask": str(file)})
-    (told,) = unpack(zones_message((zone,), 0, 1))[0]["zones"]
+    (told,) = unpack(zones_message((zone.zone(),), 0, 1))[0]["zones"]
     assert told["mask"] == "mask.yaml"
     (outline,) = told["outlines"]
     corners = {tuple(place) for place in outline}
@@ -135,3 +141,24 @@ def test_zones_are_read_by_viewers_and_changed_by_the_operator_in_control(guarde
         page.join()
         assert page.order("zone_put", zone=SLOW)["error"] == "take control first"
     assert guarded.daemon.zones.revision == 1
+
+
+def test_a_recording_shows_the_zones_of_its_moment(tmp_path: Path) -> None:
+    zones = tuple(ZoneSection.model_validate(one).zone() for one in (DESK, SLOW))
+
+    def each(bench: RecordedBench) -> None:
+        bench.recorder.put(ZonesChanged(bench.now_s, 0, zones[:1]))
+        bench.frames(3)
+        bench.recorder.put(ZonesChanged(bench.now_s, 0, zones))
+        bench.frames(3)
+
+    (file,) = make_recording(tmp_path, each, **EVERY)
+    tape = read_tape(file)
+    player = Player(tape.end_s - tape.begin_s, playing=False)
+    run = ReplayedRun(tape, player, DashboardSection(port=0), lambda: 0.0)
+    try:
+        assert (run.zones.zones(), run.zones.revision) == (zones[:1], 1)
+        player.seek(0.0, player.duration_s)
+        assert (run.zones.zones(), run.zones.revision) == (zones, 2)
+    finally:
+        run.close()

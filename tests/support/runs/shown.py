@@ -228,8 +228,8 @@ class _Acting(RecordedPeople):
         self.orders.append(("remove_zone", name))
         self._daemon.zones.remove(name)
 
-    def undo_zones(self) -> None:
-        self.orders.append(("undo_zones",))
+    def undo_zone(self) -> None:
+        self.orders.append(("undo_zone",))
         self._daemon.zones.undo()
 
     def describe(self, robot: str | None = None) -> Mapping[str, Any]:

@@ -7,7 +7,8 @@ import numpy as np
 import pytest
 
 from navigation.dashboard.messages.palette import ROBOTS, contrast, stylesheet
-from navigation.draw.shapes import FLOOR, ZONES
+from navigation.draw.shapes import FLOOR
+from navigation.draw.zones import COLOURS as ZONES
 from planner.zones.zone import ZoneKind
 
 TOLD_APART = 28.0
