@@ -136,7 +136,7 @@ def test_a_zone_is_made_with_the_keyboard_alone(open_page: OpenPage, program: Sh
     for _ in range(4):
         page.keyboard.press("Tab")
     page.keyboard.type("1.0, 0.2\n1.4 0.2\n1.4;0.6")
-    expect(page.locator("[data-layer=zone-draft] .zone-wait")).to_be_attached()
+    expect(page.locator("[data-layer=zone-draft] .zone.zone-wait")).to_be_attached()
     page.keyboard.press("Tab")
     expect(page.locator("#zone-save")).to_be_focused()
     page.keyboard.press("Enter")
