@@ -143,6 +143,7 @@ def test_a_zone_is_made_with_the_keyboard_alone(open_page: OpenPage, program: Sh
     made = zone(program, "wait-1")
     assert made.kind == "wait"
     assert made.polygon == ((1.0, 0.2), (1.4, 0.2), (1.4, 0.6))
+    expect(page.locator("#zones-note")).to_have_text("Wait-1 is in force.")
     page.keyboard.press("Escape")
     expect(page.locator("#zones")).to_be_hidden()
     assert not program.is_stopped(), "a space between numbers stops no robot that is at rest"
