@@ -229,6 +229,7 @@ def test_what_the_program_refuses_is_said_in_the_form(
     page.locator("#zone-places").fill("0.3, 0.6\n0.6, 0.9\n0.6, 0.6\n0.3, 0.9")
     page.locator("#zone-save").click()
     expect(page.locator("#zone-error")).to_contain_text("cross")
+    expect(page.locator("#zone-error")).to_be_in_viewport()
     page.locator("#zone-places").fill("0.3, 0.6\n0.6, north")
     page.locator("#zone-save").click(force=True)
     expect(page.locator("#zone-error")).to_have_text("Each line must be a place: x, y in metres.")

@@ -212,6 +212,7 @@ export class ZoneForm {
   #complain(text) {
     byId("zone-hint").hidden = Boolean(text);
     byId("zone-error").textContent = text ? text[0].toUpperCase() + text.slice(1) + (/[.!?]$/.test(text) ? "" : ".") : "";
+    if (text) byId("zone-error").scrollIntoView({ block: "nearest" });
   }
 }
 
