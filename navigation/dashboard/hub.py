@@ -27,13 +27,9 @@ from navigation.dashboard.chronicles import Chronicles
 from navigation.dashboard.kept.places import PlaceError, SavedPlaces, places_file
 from navigation.dashboard.messages.camera_view import CameraView
 from navigation.dashboard.messages.chronicle import COLUMNS
-from navigation.dashboard.messages.geometry import (
-    plan_message,
-    plans_message,
-    world_message,
-)
+from navigation.dashboard.messages.geometry import plan_message, plans_message, world_message
 from navigation.dashboard.messages.heat import heat_message
-from navigation.dashboard.messages.packed import pack
+from navigation.dashboard.messages.packed import Made, pack
 from navigation.dashboard.messages.picture import TopView
 from navigation.dashboard.messages.state_message import (
     greeting,
@@ -42,6 +38,7 @@ from navigation.dashboard.messages.state_message import (
     robots_greeting,
     state_message,
 )
+from navigation.dashboard.messages.zones import zones_message
 from navigation.dashboard.orders import give
 from navigation.dashboard.shown import IT_IS_A_RECORDING, Shown
 from navigation.loop.run_state import RobotSnapshot, RunState
@@ -78,18 +75,9 @@ class Hub:
         section = daemon.config.dashboard
         self.daemon, self.clock, self.wall_clock = daemon, clock, wall_clock
         self.section = section
-        self.view = TopView(
-            daemon.calibration,
-            Bounds(*daemon.config.arena.bounds_m),
-            section.picture_width_px,
-            section.jpeg_quality,
-        )
-        self.camera_view = CameraView(
-            daemon.calibration,
-            Bounds(*daemon.config.arena.bounds_m),
-            section.picture_width_px,
-            section.jpeg_quality,
-        )
+        arena = Bounds(*daemon.config.arena.bounds_m)
+        seen = (daemon.calibration, arena, section.picture_width_px, section.jpeg_quality)
+        self.view, self.camera_view = TopView(*seen), CameraView(*seen)
         self.gate = AccessGate(section, own_token)
         self.seat = Seat(section.hold_s)
         self.chronicles = Chronicles(daemon.config)
@@ -101,9 +89,8 @@ class Hub:
         if self.chronicles.configs:
             self.hello["robots"] = hide_in(robots_greeting(self.chronicles.configs))
         self.state_text, self.state_number = "", 0
-        self.world, self.world_number = b"", 0
+        self.world, self.heat, self.zones = Made(), Made(), Made()
         self.plan, self.plan_number = b"", 0
-        self.heat, self.heat_number = b"", 0
         self.saved = SavedPlaces(places_file(daemon.config.recording), self.view.arena)
         self.saved_number = 1
         self._saving = asyncio.Lock()
@@ -127,6 +114,7 @@ class Hub:
         self._heated: Roadmap | None = None
         self._roadmap: Roadmap | None = None
         self._paths: tuple[Path | None, ...] = ()
+        self._zoned: int | None = None
         self._others: dict[int, RobotPose] = {}
         self._busy: set[str] = set()
         self._tasks: set[asyncio.Task[None]] = set()
@@ -147,6 +135,7 @@ class Hub:
         freed = self.seat.tick(now_s)
         if freed is not None:
             self.note("info", freed)
+        self._renew_zones()
         state = self.daemon.state
         if state is None:
             return
@@ -309,18 +298,19 @@ class Hub:
         self.plan = plan_message(each[""], number) if "" in each else plans_message(each, number)
         return True
 
+    def _renew_zones(self) -> None:
+        zones = self.daemon.zones
+        revision = zones.revision  # read before them: what comes between is sent next
+        if revision == self._zoned or "zones" in self._busy:
+            return
+        self._zoned = revision
+        self._start("zones", self._make(self.zones, zones_message, zones.zones(), revision))
+
     def _renew_world(self, roadmap: Roadmap | None) -> None:
         if roadmap is None or roadmap is self._roadmap or "world" in self._busy:
             return
         self._roadmap = roadmap
-        self._start("world", self._make_world(roadmap))
-
-    async def _make_world(self, roadmap: Roadmap) -> None:
-        loop = asyncio.get_running_loop()
-        number = self.world_number + 1
-        self.world = await loop.run_in_executor(self.workers, world_message, roadmap, number)
-        self.world_number = number
-        self.wake()
+        self._start("world", self._make(self.world, world_message, roadmap))
 
     def _renew_heat(self, roadmap: Roadmap | None) -> None:
         """Make the layer only while somebody has it on."""
@@ -328,13 +318,14 @@ class Hub:
             return
         if any(viewer.wants_heat for viewer in self.viewers):
             self._heated = roadmap
-            self._start("heat", self._make_heat(roadmap))
+            self._start("heat", self._make(self.heat, heat_message, roadmap, self.view.window))
 
-    async def _make_heat(self, roadmap: Roadmap) -> None:
-        loop = asyncio.get_running_loop()
-        number, window = self.heat_number + 1, self.view.window
-        self.heat = await loop.run_in_executor(self.workers, heat_message, roadmap, window, number)
-        self.heat_number = number
+    async def _make(self, made: Made, message: Callable[..., bytes], *contents: object) -> None:
+        """Make the next message in a worker thread, of its contents and its number."""
+        number = made.number + 1
+        work = asyncio.get_running_loop().run_in_executor
+        made.message = await work(self.workers, lambda: message(*contents, number))
+        made.number = number
         self.wake()
 
     def _renew_pictures(self, state: RobotSnapshot, now_s: float) -> None:

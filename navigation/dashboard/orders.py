@@ -30,6 +30,8 @@ WHO: Final[Mapping[str, Who]] = {
     REARM: Who.OPERATOR,
 }
 """The page's orders, and who may give each."""
+ZONE_ORDERS: Final = frozenset(("zone_put", "zone_remove", "zone_undo"))
+"""Orders that change the zones."""
 BUTTONS: Final = {name: order.button for name, order in ORDERS.items() if order.button is not None}
 
 
@@ -71,8 +73,17 @@ def give(request: Mapping[str, Any], people: People, who: str) -> dict[str, Any]
         return {"ok": False, "error": f"order {in_short(name)}: is none of the page's"}
     if order.sets_going and stopped:
         return {"ok": False, "error": "the robot is stopped: re-arm it first"}
+    if name == "zone_put" and (refusal := _refusal_of_zone(request.get("zone"))) is not None:
+        return {"ok": False, "error": refusal}
     passed = ("order", "robot", *order.arguments)
     return carry_out({k: v for k, v in request.items() if k in passed}, people)
+
+
+def _refusal_of_zone(zone: object) -> str | None:
+    """Reason for refusing a zone from a page, which may name no file of this computer."""
+    if isinstance(zone, dict) and "mask" in zone:
+        return "zone: mask: a file is named in the configuration, not on the page"
+    return None
 
 
 def _give_each(order: str, robots: Mapping[str, Any], people: People) -> dict[str, Any]:

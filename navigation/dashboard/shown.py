@@ -7,11 +7,25 @@ from typing import Final, Protocol
 from navigation.config import Config
 from navigation.loop.people import People
 from navigation.loop.run_state import RunState
+from planner.zones.zone import Zone
 from vision.calibration.calibration import Calibration
 from vision.camera.latest_frame import CameraStatus
 
 IT_IS_A_RECORDING: Final = "this is a recording: nothing here drives or stops a robot"
 """The refusal of any order in a recording."""
+
+
+class ShownZones(Protocol):
+    """The zones of a run; any thread may read them."""
+
+    def zones(self) -> tuple[Zone, ...]:
+        """Return all of them."""
+        ...
+
+    @property
+    def revision(self) -> int:
+        """Number of changes so far; another one when the zones are others."""
+        ...
 
 
 class Shown(Protocol):
@@ -34,6 +48,11 @@ class Shown(Protocol):
 
     def camera_status(self) -> CameraStatus:
         """The camera's state, rate and counts."""
+        ...
+
+    @property
+    def zones(self) -> ShownZones:
+        """The zones in force, or of the moment shown."""
         ...
 
     @property

@@ -24,7 +24,7 @@ from navigation.dashboard.attention import Attention
 from navigation.dashboard.hub import Hub
 from navigation.dashboard.messages.picture import width_for
 from navigation.dashboard.messages.rings import Ring
-from navigation.dashboard.orders import refusal_of
+from navigation.dashboard.orders import ZONE_ORDERS, refusal_of
 from navigation.orders.arguments import read_stations
 from navigation.orders.errors import ControlError
 from navigation.shared.outside import (
@@ -67,6 +67,7 @@ class Viewer:
             "world": 0,
             "plan": 0,
             "heat": 0,
+            "zones": 0,
             "places": 0,
             "picture": 0,
         }
@@ -128,8 +129,10 @@ class Viewer:
             await self._socket.send_text(hub.state_text)
         if self._is_new("plan", hub.plan_number):
             await self._socket.send_bytes(hub.plan)
-        if self._is_new("world", hub.world_number):
-            await self._socket.send_bytes(hub.world)
+        if self._is_new("world", hub.world.number):
+            await self._socket.send_bytes(hub.world.message)
+        if self._is_new("zones", hub.zones.number):
+            await self._socket.send_bytes(hub.zones.message)
         if self._is_new("places", hub.saved_number):
             await self._send_json({"type": "places", **hub.saved.body()})
         await self._send_ring("log", hub.chronicle.log, 200)
@@ -139,8 +142,8 @@ class Viewer:
         now_s = hub.clock()
         attention = self.attention
         could = attention.wants_picture(now_s, hub.picture_pause_s())
-        if attention.wants_heat and self._is_new("heat", hub.heat_number):
-            await self._socket.send_bytes(hub.heat)
+        if attention.wants_heat and self._is_new("heat", hub.heat.number):
+            await self._socket.send_bytes(hub.heat.message)
         picture, number = hub.pictures.get(attention.sees, (b"", 0))
         if could and number and self._is_new("picture", number):
             attention.shown(now_s)
@@ -302,7 +305,7 @@ class Viewer:
         level = "stop" if order == "stop" else "order"
         outcome = "" if result["ok"] else f" - refused: {result['error']}"
         hub.note(level, f"{self.name}: {_told(message)}{outcome}")
-        self._reply(message, {k: result[k] for k in ("ok", "error") if k in result})
+        self._reply(message, {k: result[k] for k in ("ok", "error", "trouble") if k in result})
 
     def _ask_place(self, message: dict[str, Any]) -> None:
         hub = self.hub
@@ -371,6 +374,8 @@ def _told(message: dict[str, Any]) -> str:
 
 
 def _order_told(message: dict[str, Any]) -> str:
+    if message.get("order") in ZONE_ORDERS:
+        return _zone_order_told(message)
     if message.get("order") != "go" or not isinstance(message.get("stations"), list):
         return str(message.get("order")).upper()  # only admitted orders get here
     stations = message["stations"]
@@ -380,3 +385,10 @@ def _order_told(message: dict[str, Any]) -> str:
         return "GO"
     more = f" by {len(stations) - 1} more" if len(stations) > 1 else ""
     return f"GO to ({x:.3f}, {y:.3f}) m{more}"
+
+
+def _zone_order_told(message: dict[str, Any]) -> str:
+    zone = message.get("zone")
+    name = zone.get("name") if isinstance(zone, dict) else message.get("name")
+    which = f" '{printable(name, NAME_CHARACTERS)}'" if isinstance(name, str) else ""
+    return str(message["order"]).replace("_", " ").upper() + which

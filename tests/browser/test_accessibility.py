@@ -14,6 +14,7 @@ from tests.browser.acting import click_at, wait_for_picture
 from tests.browser.axe import serious_findings
 from tests.browser.pages import HERE, OpenPage, drive
 from tests.browser.programs.served import ShownProgram
+from tests.browser.test_zones import have_zones
 
 LEAST_CONTRAST = 3.0
 """Of what is drawn: Web Content Accessibility Guidelines 2.2, 1.4.11."""
@@ -35,6 +36,16 @@ def test_axe_finds_nothing_serious(
         page.locator(f"#{name}-open").dispatch_event("click")  # a phone has no list of keys
         expect(page.locator(f"#{name}")).to_be_visible()
         found += serious_findings(page)
+    have_zones(program)
+    page.locator("#zones-open").dispatch_event("click")
+    expect(page.locator("#zones-list li")).to_have_count(5)
+    found += serious_findings(page)
+    page.keyboard.press("Escape")  # the list of keys
+    page.get_by_label("Edit fast").dispatch_event("click")
+    page.locator("#zone-cost").fill("cheap")
+    page.locator("#zone-save").dispatch_event("click")
+    expect(page.locator("#zone-error")).not_to_be_empty()
+    found += serious_findings(page)
     page.reload()  # axe may have kept the page busy until it took the program for lost
     wait_for_picture(page)
     drive(program, page)
@@ -65,5 +76,5 @@ def test_every_sample_of_the_legend_is_seen(theme: str, open_page: OpenPage) -> 
     wait_for_picture(page)
     page.locator("#legend-open").click()
     best = page.evaluate((Path(__file__).parent / "samples.js").read_text())
-    assert len(best) >= 11
+    assert len(best) >= 16
     assert {words: seen for words, seen in best.items() if seen < LEAST_CONTRAST} == {}

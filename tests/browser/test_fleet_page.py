@@ -201,3 +201,23 @@ def test_nothing_is_cut_off_or_covered_however_the_page_is_looked_at(
     word = page.locator("#robot-finn .word").bounding_box()
     assert word is not None
     assert word["width"] > 50.0  # it says what is the matter
+
+
+def test_a_zone_is_drawn_for_one_robot_and_a_press_on_another_chooses_nobody(
+    open_fleet: OpenPage, program: LiveFleet, keep: Keep
+) -> None:
+    page = open_fleet()
+    page.locator("#zones-open").click()
+    page.locator("#zones-new").click()
+    page.locator("#zone-kind").select_option("wait")
+    page.locator("#zone-shape").select_option("circle")
+    page.get_by_role("checkbox", name="eve").check()
+    click_at(page, *program.place("cleo"))
+    page.locator("#zone-size").fill("0.05")
+    keep(page, "fleet_zone")
+    expect(page.locator("#robot-ada")).to_have_attribute("aria-pressed", "true")
+    page.locator("#zone-save").click()
+    expect(page.locator("#zones-list li")).to_have_text(["wait-1no waiting; for eveEdit×"])
+    expect(page.locator("[data-layer=zones] .zone-wait")).to_be_attached()
+    page.get_by_label("Delete wait-1").click()
+    expect(page.locator("#zones-list li")).to_have_count(0)

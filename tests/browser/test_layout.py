@@ -16,6 +16,7 @@ from navigation.loop.run_state import StageTimes
 from tests.browser.acting import click_at, wait_for_picture
 from tests.browser.pages import HERE, Keep, OpenPage, drive
 from tests.browser.programs.served import ShownProgram, until
+from tests.browser.test_zones import ZONES, have_zones
 
 PHONE: dict[str, Any] = {
     "viewport": {"width": 390, "height": 844},
@@ -28,6 +29,13 @@ SIZES = {"390": PHONE, "1440": LAPTOP, "1920": WIDE}
 LAYOUT = (Path(__file__).parent / "layout.js").read_text()
 TIMES = StageTimes(look_s=0.0247, roadmap_s=0.0195, plan_s=0.10742, wire_s=0.13716)
 """As of a slow computer: figures of a usual length."""
+STOP_IS_REACHED = """() => {
+  const stop = document.getElementById("stop");
+  const box = stop.getBoundingClientRect();
+  const parts = [0.05, 0.5, 0.95];
+  return parts.every((x) => parts.every((y) =>
+    stop.contains(document.elementFromPoint(box.left + x * box.width, box.top + y * box.height))));
+}"""
 REASON = "robot 12 is 0.31 m ahead, nearer than the distance that is kept"
 
 
@@ -131,3 +139,44 @@ def test_on_a_phone_what_became_of_a_stop_is_read_whole_beside_a_refusal(
             }"""
         )
         assert covered == 0
+
+
+@pytest.mark.parametrize("size", list(SIZES))
+def test_zones_cut_and_cover_nothing_and_stop_and_state_keep_their_places(
+    size: str, open_page: OpenPage, program: ShownProgram, keep: Keep
+) -> None:
+    have_zones(program)
+    page = open_page(**SIZES[size])
+    wait_for_picture(page)
+    kept = ("#stop", "#now")
+    before = [box_of(page, selector) for selector in kept]
+    faults: list[str] = []
+
+    def look(state: str) -> None:
+        for where in ("document.documentElement.scrollHeight", "0"):
+            page.evaluate(f"scrollTo(0, {where})")
+            if not page.evaluate(STOP_IS_REACHED):
+                faults.append(f"{state}, scrolled to {where}: STOP is covered")
+            for selector, box in zip(kept[: 1 + (where == "0")], before, strict=False):
+                assert box_of(page, selector) == box, f"{state}: {selector} has moved"
+        faults.extend(f"{state}: {fault}" for fault in faults_of(page))
+        keep(page, f"zones_{size}_{state}")
+
+    page.locator("#zones-open").click()
+    look("list")
+    page.locator("#zones-new").click()
+    look("new")
+    page.locator("#zone-kind").select_option("lane")
+    page.locator("#zone-save").dispatch_event("click")
+    expect(page.locator("#zone-error")).not_to_be_empty()
+    look("refused")
+    page.locator("#zone-cancel").click()
+    page.get_by_label("Edit door").click()
+    look("edit")
+    page.locator("#zones-close").click()
+    page.locator("#zones-open").click()
+    for name in [one["name"] for one in ZONES]:
+        page.get_by_label(f"Delete {name}").click()
+    expect(page.locator("#zones-none")).to_be_visible()
+    look("none")
+    assert faults == []

@@ -10,12 +10,21 @@ from __future__ import annotations
 import json
 import struct
 from collections.abc import Mapping
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 _TYPES = {"float32": "f4", "int32": "i4", "uint8": "u1"}
+
+
+@dataclass(slots=True)
+class Made:
+    """The newest message of a kind, made by a worker; number 0 before the first."""
+
+    message: bytes = b""
+    number: int = 0
 
 
 def pack(kind: str, fields: Mapping[str, Any], arrays: Mapping[str, NDArray[Any]]) -> bytes:

@@ -10,6 +10,7 @@ from collections.abc import Mapping
 
 from navigation.draw import shapes
 from navigation.draw.shapes import ROBOTS, Colour, ramp_colour
+from navigation.draw.zones import COLOURS as ZONES
 
 ARENA: Mapping[str, Colour] = {
     "obstacle": shapes.OBSTACLE,
@@ -68,13 +69,14 @@ NIGHT: Mapping[str, Colour] = {
 
 def stylesheet() -> str:
     """Colours as CSS variables; light, or dark if the system or the page asks for it."""
+    zones = {f"zone-{kind.replace('_', '-')}": colour for kind, colour in ZONES.items()}
     robots = {f"robot-{number}": colour for number, colour in enumerate(ROBOTS)}
     ramp = {f"ramp-{step}": ramp_colour(step) for step in range(shapes.RAMP_STEPS)}
     return "\n".join(
         [
             ":root {",
             "  color-scheme: light;",
-            *_variables({**ARENA, **robots, **ramp, **DAY}),
+            *_variables({**ARENA, **zones, **robots, **ramp, **DAY}),
             "}",
             "@media (prefers-color-scheme: dark) {",
             "  :root:not([data-theme='light']) {",

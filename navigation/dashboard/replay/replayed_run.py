@@ -12,6 +12,7 @@ from __future__ import annotations
 from collections import OrderedDict
 from collections.abc import Callable
 from concurrent.futures import Future, ThreadPoolExecutor
+from dataclasses import dataclass
 from typing import Final
 
 import numpy as np
@@ -26,6 +27,7 @@ from navigation.loop.run_state import RunState
 from navigation.recording.reader import SeenScene
 from navigation.recording.tape import Tape, TapedPicture
 from planner.roadmap.roadmap import Roadmap
+from planner.zones.zone import Zone
 from vision.camera.camera import Frame
 from vision.camera.latest_frame import CameraStatus
 from vision.markers.markers import RobotPose
@@ -33,6 +35,18 @@ from vision.markers.markers import RobotPose
 ROADMAPS: Final = 8
 RATE_OVER_S: Final = 2.0
 SPEED_OVER_S: Final = 0.3
+
+
+@dataclass(frozen=True, slots=True)
+class TapedZones:
+    """Zones at a moment of a recording; ``revision`` counts the changes until then."""
+
+    held: tuple[Zone, ...]
+    revision: int
+
+    def zones(self) -> tuple[Zone, ...]:
+        """Return all of them."""
+        return self.held
 
 
 class ReplayedRun:
@@ -68,6 +82,13 @@ class ReplayedRun:
     def state(self) -> RunState:
         """The recording at the player's moment."""
         return self.at(self.player.place_s(self._clock()), as_now=True)
+
+    @property
+    def zones(self) -> TapedZones:
+        """The zones at the player's moment."""
+        recording, time_s = self.tape.recording, self._time_s()
+        changes = sum(one.time_s <= time_s for one in recording.zones)
+        return TapedZones(recording.zones_at(time_s), changes)
 
     def wall_clock(self) -> float:
         """Wall time of the shown moment, seconds since 1970."""

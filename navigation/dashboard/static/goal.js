@@ -117,7 +117,7 @@ export class Goal {
       this.#draw();
       return;
     }
-    if (event.button !== 0 || !this.#hello || !this.connection.isUp) return;
+    if (event.button !== 0 || !this.#hello || !this.connection.isUp || this.stage.tool) return;
     event.preventDefault();
     this.stage.element.focus({ preventScroll: true });
     this.stage.element.setPointerCapture(event.pointerId);
@@ -129,7 +129,7 @@ export class Goal {
   }
 
   #move(event) {
-    if (!this.#hello) return;
+    if (!this.#hello || this.stage.tool) return;
     const place = this.stage.place(event);
     const pressed = this.#pressed;
     if (!pressed) {
@@ -171,7 +171,7 @@ export class Goal {
   // The keyboard.
 
   #key(event) {
-    if (!this.#hello || event.ctrlKey || event.metaKey || event.altKey) return;
+    if (!this.#hello || this.stage.tool || event.ctrlKey || event.metaKey || event.altKey) return;
     const step = event.shiftKey ? FAR_M : STEP_M;
     const moves = { ArrowLeft: [-step, 0], ArrowRight: [step, 0], ArrowUp: [0, step], ArrowDown: [0, -step] };
     const [x0, y0, x1, y1] = this.#hello.arena_m;

@@ -7,11 +7,12 @@ import { element } from "./stage.js";
 
 /** With more obstacles numbers would hide the arena. */
 const MOST_NUMBERED = 60;
-export const LAYERS = ["picture", "obstacles", "diagram", "roadmap", "plan", "track", "robots", "clearance", "camera"];
+export const LAYERS = ["picture", "obstacles", "diagram", "roadmap", "plan", "track", "robots", "clearance", "camera", "zones"];
+const KEYS = 9; // of the first ones
 const OFF_AT_FIRST = ["clearance", "camera"];
 const TITLES = {
   picture: "Picture", obstacles: "Obstacles", diagram: "Diagram", roadmap: "Roadmap",
-  plan: "Plan", track: "Track", robots: "Robots", clearance: "Clearance", camera: "Camera",
+  plan: "Plan", track: "Track", robots: "Robots", clearance: "Clearance", camera: "Camera", zones: "Zones",
 };
 const STALE_MS = 200;
 const TRACK_MOST = 6000;
@@ -26,8 +27,9 @@ export class Layers {
   constructor(stage, picture, connection) {
     this.stage = stage;
     this.picture = picture;
-    this.shown = new Set(remembered() ?? LAYERS.filter((name) => !OFF_AT_FIRST.includes(name)));
-    for (const name of ["floor", "obstacles", "diagram", "roadmap", "corridor", "plan", "narrowest", "track", "mission", "robots", "draft", "probe"]) {
+    const known = remembered();
+    this.shown = new Set(LAYERS.filter((name) => known[name] ?? !OFF_AT_FIRST.includes(name)));
+    for (const name of ["floor", "obstacles", "zones", "diagram", "roadmap", "corridor", "plan", "narrowest", "track", "zone-names", "mission", "robots", "draft", "zone-draft", "probe"]) {
       stage.group(name);
     }
     this.camera = new CameraView(stage, connection);
@@ -43,8 +45,12 @@ export class Layers {
 
   toggle(name) {
     this.shown[this.shown.has(name) ? "delete" : "add"](name);
-    localStorage.setItem("clearway.layers", JSON.stringify([...this.shown]));
+    localStorage.setItem("clearway.layers", JSON.stringify(Object.fromEntries(LAYERS.map((one) => [one, this.shown.has(one)]))));
     this.#applySwitches();
+  }
+
+  show(name) {
+    if (!this.shown.has(name)) this.toggle(name);
   }
 
   clearTrack() {
@@ -65,7 +71,7 @@ export class Layers {
       input.addEventListener("change", () => this.toggle(name));
       const words = document.createElement("span");
       words.textContent = TITLES[name];
-      label.append(input, words, keyOf(index + 1));
+      label.append(input, words, ...(index < KEYS ? [keyOf(index + 1)] : []));
       box.append(label);
     });
     this.#applySwitches();
@@ -274,11 +280,11 @@ export function stationMark(stage, station, name, kind, radius) {
   return group;
 }
 
+/** By name: whether a layer was on; nothing for one that was not there yet. */
 function remembered() {
   try {
-    const names = JSON.parse(localStorage.getItem("clearway.layers"));
-    return Array.isArray(names) ? names.filter((name) => LAYERS.includes(name)) : null;
+    return JSON.parse(localStorage.getItem("clearway.layers")) ?? {};
   } catch {
-    return null;
+    return {};
   }
 }

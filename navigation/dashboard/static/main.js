@@ -20,6 +20,8 @@ import { Settings } from "./settings.js";
 import { Stage } from "./stage.js";
 import { Stop } from "./stop.js";
 import { View } from "./view.js";
+import { Zones } from "./zones.js";
+import { ZonesLayer } from "./zones_layer.js";
 
 const byId = (id) => document.getElementById(id);
 const connection = new Connection();
@@ -32,8 +34,10 @@ const seat = new Seat(connection, say);
 const stop = new Stop(connection, seat, say);
 const picture = new Picture(stage, connection);
 const layers = new Layers(stage, picture, connection);
+const zonesLayer = new ZonesLayer(stage, connection);
 new RobotsLayer(stage, connection, fleet); // before the goal, which hears presses in the arena, too
 const goal = new Goal(stage, connection, seat, say);
+const zones = new Zones(stage, connection, seat, layers, zonesLayer, fleet);
 const replay = new Replay(connection, say);
 new MissionPanel(connection, seat, say);
 const health = new Health(connection);
@@ -106,12 +110,13 @@ byId("theme").addEventListener("click", () => {
 
 // Keys for everywhere but text fields; the space bar is stop.js's.
 addEventListener("keydown", (event) => {
-  if (event.target.matches("input:not([type=checkbox]), select") || event.ctrlKey || event.metaKey || event.altKey) return;
+  if (event.target.matches("input:not([type=checkbox]), select, textarea") || event.ctrlKey || event.metaKey || event.altKey) return;
   if (fleet.key(event)) return;
   const layer = LAYERS[Number(fleet.areSeveral ? event.shiftKey && event.code.replace("Digit", "") : event.key) - 1];
   if (replay.key(event)) event.preventDefault();
   else if (layer) layers.toggle(layer);
   else if (event.key === "?") keys.toggle();
+  else if (event.key === "z" || event.key === "Z") zones.toggle();
   else if (event.key === "h" || event.key === "H") history.toggle();
   else if (event.key === "+" || event.key === "=") view.zoom(1.4);
   else if (event.key === "-") view.zoom(1 / 1.4);
@@ -120,10 +125,11 @@ addEventListener("keydown", (event) => {
   else if (event.key === "Escape" && settings.isOpen) settings.close();
   else if (event.key === "Escape" && calibration.isOpen) calibration.close();
   else if (event.key === "Escape" && health.chart.isOpen) health.chart.close();
+  else if (event.key === "Escape" && zones.isOpen) zones.escape();
   else if (event.key === "Escape") goal.clear();
   else if (event.key === "t" || event.key === "T") seat.toggle();
-  else if (event.key === "Enter" && !event.target.matches("button, a, input")) goal.submit();
+  else if (event.key === "Enter" && !event.target.matches("button, a, input")) (zones.isOpen ? zones.enter() : goal.submit());
 });
 
 connection.open();
-Object.assign(globalThis, { clearway: { connection, fleet, picture, stop, stage } }); // for a look from the console
+Object.assign(globalThis, { clearway: { connection, fleet, picture, stop, stage, zones } }); // for a look from the console

@@ -50,7 +50,7 @@ export class RobotsLayer {
 
   /** A press on a robot chooses it; with Shift, or on the chosen one, it sets a station there. */
   #press(event) {
-    if (!this.#state || event.button !== 0 || !event.isPrimary || event.shiftKey) return;
+    if (!this.#state || this.stage.tool || event.button !== 0 || !event.isPrimary || event.shiftKey) return;
     const [x, y] = this.stage.place(event);
     const near = this.#state.robots
       .filter(({ pose }) => pose)

@@ -13,6 +13,8 @@ export class Stage {
     this.k = 1;
     /** The part of the picture that is shown, in its pixels: {x, y, w, h}. */
     this.view = null;
+    /** What takes presses and keys in place of goals and robots; null where nothing does. */
+    this.tool = null;
     this.onResize = [];
     new ResizeObserver(() => this.#measure()).observe(this.element);
   }

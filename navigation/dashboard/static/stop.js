@@ -11,7 +11,7 @@ const REARM_AFTER_MS = 1000;
 const LINE_MS = 400;
 const REQUEST_MS = 1500;
 const AT_REST = ["idle", "done", "failed", "stopped"];
-const TYPED = "input[type=text], input[type=search], input[type=password]";
+const TYPED = "input[type=text], input[type=search], input[type=password], textarea";
 
 export class Stop {
   #stoppedSince = 0;

@@ -16,7 +16,7 @@ export class View {
     area.addEventListener("pointerdown", (event) => this.#press(event));
     area.addEventListener("pointermove", (event) => this.#move(event));
     for (const end of ["pointerup", "pointercancel"]) area.addEventListener(end, (event) => this.#lift(event));
-    area.addEventListener("dblclick", () => stage.show(null));
+    area.addEventListener("dblclick", () => { if (!stage.tool) stage.show(null); });
     this.#button("zoom-in", () => this.zoom(STEP));
     this.#button("zoom-out", () => this.zoom(1 / STEP));
     this.#button("zoom-fit", () => stage.show(null));

@@ -73,7 +73,8 @@ export class Clearance {
   }
 }
 
-function surrounds(ring, x, y) {
+/** Whether a closed outline, [[x, y], ...], lies around a place. */
+export function surrounds(ring, x, y) {
   let inside = false;
   for (let i = 0, j = ring.length - 1; i < ring.length; j = i++) {
     const [ax, ay] = ring[i];
@@ -96,7 +97,8 @@ export function obstaclePlaces(world, most) {
   return places.size <= most ? [...places.values()] : [];
 }
 
-function middleOf(points) {
+/** The middle of a closed outline, inside it: where it is widest half-way up. */
+export function middleOf(points) {
   const heights = points.map(([, y]) => y);
   const y = 0.5 * (Math.min(...heights) + Math.max(...heights));
   const crossings = [];

@@ -89,7 +89,7 @@ def test_they_are_made_only_while_somebody_looks(site: Site) -> None:
         page.join()
         page.send(type="watch", on=True)
         page.hear("picture")
-        assert hub.heat_number == 0
+        assert hub.heat.number == 0
         assert ("camera", 160) not in hub.pictures
         page.send(type="watch", on=True, camera=True, heat=True)
         heat = page.hear("heat")
@@ -107,8 +107,8 @@ def test_they_are_made_only_while_somebody_looks(site: Site) -> None:
         page.send(type="watch", on=False)
         page.send(type="ping", id=1)
         page.hear("pong")
-        made = hub.picture_number, hub.heat_number
+        made = hub.picture_number, hub.heat.number
         another = planner.build_roadmap(laboratory().scene, RADIUS_M)
         site.daemon.show(frame=frame(20), roadmap=another)
-        assert wait_until(lambda: hub.world_number == 2)
-        assert (hub.picture_number, hub.heat_number) == made
+        assert wait_until(lambda: hub.world.number == 2)
+        assert (hub.picture_number, hub.heat.number) == made

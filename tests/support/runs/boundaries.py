@@ -140,12 +140,12 @@ def page_of(config: Config) -> dict[str, Any]:
 async def _messages(daemon: Daemon) -> dict[str, Any]:
     hub = Hub(daemon, clock=daemon.world.clock, wall_clock=lambda: 0.0)
     hub.look(daemon.world.clock())
-    while not hub.world:  # made by a thread beside the hub
+    while not hub.world.number:  # made by a thread beside the hub
         await asyncio.sleep(0.01)
     return {
         "greeting": shape(hub.hello),
         "state": shape(hub.state_now()),
-        "world": shape(unpack(hub.world)),
+        "world": shape(unpack(hub.world.message)),
         "plan": shape(unpack(hub.plan)),
     }
 

@@ -19,10 +19,12 @@ import numpy as np
 import planner
 from firmware_protocol.host.state import LinkState
 from navigation.config import Config, parse_config
+from navigation.config.zones import ZoneSection
 from navigation.dashboard.messages.geometry import world_message
 from navigation.dashboard.messages.heat import heat_message
 from navigation.link.serial_link import LinkSnapshot
 from navigation.loop.run_state import RobotSnapshot, RunState, StageTimes
+from navigation.loop.zones_in_force import ZonesInForce
 from navigation.mission.cycle import PlanAnswer
 from navigation.mission.mission import Event, MissionError, MissionProgress, State, Station
 from navigation.mission.watch import Action, Verdict
@@ -94,6 +96,7 @@ class FakeDaemon:
         self.lent: str | None = None
         """Why the robot has to hold: a calibration has the camera; None where it has not."""
         self.turn = threading.RLock()
+        self.zones = ZonesInForce(self.config.zones, ())
         self.people = _Acting(self, roadmap)
         self.orders = self.people.orders
         self.robot: RobotSnapshot | None = RobotSnapshot(
@@ -216,6 +219,18 @@ class _Acting(RecordedPeople):
                 self._begin(mission.after(Event.CLEARED, "resumed"))
             else:
                 self._daemon.become(mission)
+
+    def put_zone(self, zone: ZoneSection) -> None:
+        self.orders.append(("put_zone", zone.name))
+        self._daemon.zones.put(zone)
+
+    def remove_zone(self, name: str) -> None:
+        self.orders.append(("remove_zone", name))
+        self._daemon.zones.remove(name)
+
+    def undo_zone(self) -> None:
+        self.orders.append(("undo_zone",))
+        self._daemon.zones.undo()
 
     def describe(self, robot: str | None = None) -> Mapping[str, Any]:
         mission = self._daemon.mission

@@ -1,11 +1,15 @@
-"""The robots' colours are told apart by everybody, and carry white writing."""
+"""The robots' colours are told apart by everybody, and carry white writing; zones' are read."""
 
 from itertools import combinations
+from typing import get_args
 
 import numpy as np
 import pytest
 
 from navigation.dashboard.messages.palette import ROBOTS, contrast, stylesheet
+from navigation.draw.shapes import FLOOR
+from navigation.draw.zones import COLOURS as ZONES
+from planner.zones.zone import ZoneKind
 
 TOLD_APART = 28.0
 """CIE 1976; a just noticeable difference is 2.3."""
@@ -51,3 +55,9 @@ def test_any_two_robots_colours_are_told_apart(sight: str) -> None:
 def test_white_numbers_are_readable_on_every_robots_colour() -> None:
     assert min(contrast(colour, (255, 255, 255)) for colour in ROBOTS) >= READABLE
     assert all(f"--robot-{number}:" in stylesheet() for number in range(len(ROBOTS)))
+
+
+def test_names_of_zones_are_readable_on_the_floor_for_every_kind() -> None:
+    assert set(ZONES) == set(get_args(ZoneKind))
+    assert min(contrast(colour, FLOOR) for colour in ZONES.values()) >= READABLE
+    assert all(f"--zone-{kind.replace('_', '-')}:" in stylesheet() for kind in ZONES)

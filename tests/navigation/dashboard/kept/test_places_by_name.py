@@ -44,8 +44,8 @@ def ask(page: Page, **message: object) -> dict[str, object]:
 
 def test_places_are_saved_renamed_and_removed_for_everybody(site: Site, tmp_path: Path) -> None:
     with site.live() as page, site.live() as other:
-        page.join(name="Ann")
         assert page.hear("places")["places"] == []
+        page.join(name="Ann")
         other.hear("places")
         assert ask(page, do="save", name=" Dock ", station=DOCK)["ok"] is True
         there = other.hear("places")["places"]

@@ -1,0 +1,164 @@
+"""Zones on the line to a page: sent when they change, changed by operators, read by everybody."""
+
+from pathlib import Path
+from typing import Any
+
+import cv2
+import numpy as np
+import pytest
+
+from navigation.config.dashboard import DashboardSection
+from navigation.config.zones import ZoneSection
+from navigation.dashboard.messages.packed import unpack
+from navigation.dashboard.messages.zones import zones_message
+from navigation.dashboard.replay.player import Player
+from navigation.dashboard.replay.replayed_run import ReplayedRun
+from navigation.recording.events import ZonesChanged
+from navigation.recording.tape import read_tape
+from tests.navigation.dashboard.site import TOKEN, VIEWER, Page, Site
+from tests.support.runs.recordings import EVERY, RecordedBench, make_recording
+
+DESK: dict[str, Any] = {
+    "name": "desk",
+    "kind": "keep_out",
+    "polygon": [[1.0, 0.5], [1.4, 0.5], [1.4, 0.8]],
+}
+SLOW: dict[str, Any] = {
+    "name": "door",
+    "kind": "slow",
+    "circle": [0.5, 0.5, 0.25],
+    "speed_m_s": 0.1,
+}
+LANE: dict[str, Any] = {
+    "name": "aisle",
+    "kind": "lane",
+    "line": [[0.2, 0.2], [2.0, 0.2]],
+    "width_m": 0.3,
+    "cost": 0.25,
+}
+
+
+@pytest.mark.parametrize("zone", [DESK, SLOW, LANE], ids=["polygon", "circle", "line"])
+def test_a_zone_is_told_as_a_configuration_has_it_and_as_sentences_name_it(
+    zone: dict[str, Any],
+) -> None:
+    section = ZoneSection.model_validate(zone)
+    head, _ = unpack(zones_message((section.zone(),), 7, 3))
+    assert (head["type"], head["revision"], head["number"]) == ("zones", 7, 3)
+    (told,) = head["zones"]
+    assert told.pop("title") == str(section.zone())
+    assert told == zone
+    assert ZoneSection.model_validate(told) == section
+
+
+def test_a_mask_is_told_as_outlines_without_the_folder_of_its_file(tmp_path: Path) -> None:
+    grid = np.full((20, 30), 255, dtype=np.uint8)
+    grid[5:10, 10:20] = 0
+    cv2.imwrite(str(tmp_path / "mask.pgm"), grid)
+    file = tmp_path / "mask.yaml"
+    file.write_text(
+        "image: mask.pgm\nresolution: 0.1\norigin: [1.0, 2.0, 0.0]\nnegate: 0\n"
+        "occupied_thresh: 0.65\nfree_thresh: 0.196\nmode: scale\n"
+    )
+    zone = ZoneSection.model_validate({"name": "floor", "kind": "keep_out", "mask": str(file)})
+    (told,) = unpack(zones_message((zone.zone(),), 0, 1))[0]["zones"]
+    assert told["mask"] == "mask.yaml"
+    (outline,) = told["outlines"]
+    corners = {tuple(place) for place in outline}
+    assert corners == {(2.0, 3.0), (3.0, 3.0), (3.0, 3.5), (2.0, 3.5)}
+
+
+def hear_of(page: Page, *names: str) -> dict[str, Any]:
+    """The next message that has these zones, in this order."""
+    while True:
+        told = page.hear("zones")
+        if [zone["name"] for zone in told["zones"]] == list(names):
+            return told
+
+
+def test_a_page_hears_the_zones_when_it_comes_and_when_they_change(site: Site) -> None:
+    site.daemon.zones.put(ZoneSection.model_validate(DESK))
+    with site.live() as page, site.live() as other:
+        hear_of(page, "desk")
+        hear_of(other, "desk")
+        page.join()
+        page.send(type="take", id=1)
+        page.hear("answer")
+        assert page.order("zone_put", zone=SLOW) == {"type": "answer", "id": 1, "ok": True}
+        assert hear_of(page, "desk", "door")["revision"] == 2
+        assert hear_of(other, "desk", "door")["revision"] == 2
+        assert page.order("zone_remove", name="desk")["ok"]
+        hear_of(page, "door")
+        assert page.order("zone_undo")["ok"]
+        hear_of(page, "desk", "door")
+        hear_of(other, "desk", "door")
+    hub = site.dashboard.hub
+    assert hub is not None
+    texts = [line.text for line in hub.chronicle.log.since(0, 99)[1]]
+    assert [text for text in texts if "ZONE" in text] == [
+        "somebody: ZONE PUT 'door'",
+        "somebody: ZONE REMOVE 'desk'",
+        "somebody: ZONE UNDO",
+    ]
+
+
+def test_a_zone_that_cannot_be_is_refused_in_a_sentence_and_nothing_is_changed(site: Site) -> None:
+    with site.live() as page:
+        page.join()
+        page.send(type="take", id=1)
+        page.hear("answer")
+        crossed = {**DESK, "polygon": [[0, 0], [1, 1], [1, 0], [0, 1]]}
+        for zone in (crossed, {**SLOW, "speed_m_s": -1.0}, {**DESK, "robots": ["ada"]}, "desk"):
+            answer = page.order("zone_put", zone=zone)
+            assert not answer["ok"]
+            assert "\n" not in answer["error"]
+        assert "there are no zones" in page.order("zone_remove", name="desk")["error"]
+        assert page.order("zone_undo")["error"] == "no change of zones to take back"
+    assert site.daemon.zones.revision == 0
+
+
+def test_a_page_may_name_no_file_of_this_computer(site: Site) -> None:
+    with site.live() as page:
+        page.join()
+        page.send(type="take", id=1)
+        page.hear("answer")
+        answer = page.order(
+            "zone_put", zone={"name": "a", "kind": "keep_out", "mask": "/etc/hosts"}
+        )
+        assert "not on the page" in answer["error"]
+    assert site.daemon.zones.revision == 0
+
+
+def test_zones_are_read_by_viewers_and_changed_by_the_operator_in_control(guarded: Site) -> None:
+    guarded.daemon.zones.put(ZoneSection.model_validate(DESK))
+    with guarded.live(f"token.{VIEWER}") as viewer:
+        viewer.join()
+        hear_of(viewer, "desk")
+        for order in ("zone_put", "zone_remove", "zone_undo"):
+            answer = viewer.order(order, zone=SLOW, name="desk")
+            assert answer["error"] == "this token is for looking and stopping only"
+    with guarded.live(f"token.{TOKEN}") as page:
+        page.join()
+        assert page.order("zone_put", zone=SLOW)["error"] == "take control first"
+    assert guarded.daemon.zones.revision == 1
+
+
+def test_a_recording_shows_the_zones_of_its_moment(tmp_path: Path) -> None:
+    zones = tuple(ZoneSection.model_validate(one).zone() for one in (DESK, SLOW))
+
+    def each(bench: RecordedBench) -> None:
+        bench.recorder.put(ZonesChanged(bench.now_s, 0, zones[:1]))
+        bench.frames(3)
+        bench.recorder.put(ZonesChanged(bench.now_s, 0, zones))
+        bench.frames(3)
+
+    (file,) = make_recording(tmp_path, each, **EVERY)
+    tape = read_tape(file)
+    player = Player(tape.end_s - tape.begin_s, playing=False)
+    run = ReplayedRun(tape, player, DashboardSection(port=0), lambda: 0.0)
+    try:
+        assert (run.zones.zones(), run.zones.revision) == (zones[:1], 1)
+        player.seek(0.0, player.duration_s)
+        assert (run.zones.zones(), run.zones.revision) == (zones, 2)
+    finally:
+        run.close()
