@@ -1,7 +1,7 @@
 """Global Vision: from a picture to a scene and robot poses.
 
-``__init__.pyi`` lists the public names. They are imported on first use: a module that needs one
-part does not pay for the others' compiled kernels.
+``__init__.pyi`` lists the public names. They are imported on first use, so one part does not pay
+for the others' kernels.
 
 - `camera` delivers frames; `calibrate` makes the `calibration` that maps them to the floor.
 - `pipeline` turns a picture into a scene: `binarise`, then `borders`, `outline` (or `paper`) and

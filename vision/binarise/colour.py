@@ -1,12 +1,11 @@
 """Obstacles that differ from the floor in colour, though not in grey.
 
 Rules and units
-- A grey picture hides red on green of the same grey, or yellow on white. A pixel is obstacle if
-  any channel differs from the floor to the obstacles' side.
-- The floor's colour is the most frequent one. Light multiplies all channels alike, so a shadow is
-  a multiple of the floor's colour, not a colour of its own.
-- Each pixel counts by its channel farthest from the floor, as in a picture whose floor is one grey
-  everywhere; edges are measured in that picture.
+- A grey picture hides red on green of the same grey. A pixel is obstacle if any channel differs
+  from the floor to the obstacles' side.
+- The floor's colour is the most frequent one. Light multiplies all channels alike, so a shadow is a
+  multiple of the floor's colour.
+- Each pixel counts by its channel farthest from the floor; edges are measured in that picture.
 """
 
 from __future__ import annotations
@@ -28,10 +27,10 @@ from vision.errors import PictureError
 from vision.shared.scratch import Room
 
 LEAST_DEPTH = 40.0
-"""Distance from the floor, in grey levels of one channel, that light does not explain: chosen, more
-than lamps and shadows tint a grey floor."""
+"""Grey levels of one channel from the floor that light does not explain: chosen, lamps and shadows
+tint a grey floor less."""
 BIN = 16
-"""Width of a bin of the colours' histogram: chosen, more than the noise of one colour."""
+"""Width of a bin of the colours' histogram: chosen, above one colour's noise."""
 
 
 def binarise_by_colour(
@@ -45,8 +44,8 @@ def binarise_by_colour(
 ) -> Binary:
     """Binarise as ``vision.binarise.binarise.binarise`` does; method ``auto`` sees colours too.
 
-    If colours show more, the method is ``colour`` and the level is a distance from the floor's
-    colour. Raises ``PictureError`` as ``binarise`` does. O(pixels).
+    If colours show more, the method is ``colour`` and the level a distance from the floor's colour.
+    Raises ``PictureError``. O(pixels).
     """
     found = None
     if method == "auto" and threshold is None and image.ndim == 3 and image.shape[2] in (3, 4):
@@ -100,7 +99,6 @@ class _Colours:
 
     @classmethod
     def of(cls, image: NDArray[Any], ignore: NDArray[np.bool_] | None) -> _Colours | None:
-        """Colours of a picture, or None if it is not a usable colour picture."""
         if image.dtype not in (np.uint8, np.uint16) or image.size == 0:
             return None
         picture = image[:, :, :3]
@@ -112,7 +110,7 @@ class _Colours:
         return cls(np.ascontiguousarray(picture), ignore)
 
     def unseen_in(self, binary: Binary | None, side: Literal["dark", "light"]) -> int:
-        """Number of sampled pixels with colours of their own, neither obstacle nor beside one."""
+        """Number of sampled pixels with their own colour, neither obstacle nor beside one."""
         pixels = self.darker if side == "dark" else self.lighter
         if binary is None:
             return int(np.count_nonzero(pixels))
@@ -169,6 +167,6 @@ def _unexplained(
 
 
 def _without_specks(pixels: NDArray[np.bool_]) -> NDArray[np.bool_]:
-    """Keep only what is three pixels wide, unlike noise and fringes of compression."""
+    """Keep only regions three pixels wide, unlike noise and fringes of compression."""
     opened = cv2.morphologyEx(pixels.astype(np.uint8), cv2.MORPH_OPEN, np.ones((3, 3), np.uint8))
     return np.asarray(opened, dtype=np.bool_)

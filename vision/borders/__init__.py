@@ -4,5 +4,5 @@
   (`contour_kernels`).
 - `edge_profile_kernels` reads the light across each crack, and `edge_kernels` places the edge point
   where it crosses the half level.
-- `staircase_kernels` finds points that follow the pixels although there is grey between them.
+- `staircase_kernels` finds points that follow the pixels in spite of grey.
 """

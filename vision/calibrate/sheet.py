@@ -1,14 +1,13 @@
 """Markers and boards at true size on paper: PDF and PNG.
 
 Rules and units
-- A sheet is dark rectangles (x, y, width, height) in millimetres from its upper left corner,
-  y down, with a line of text and a ruler to check the print.
-- The PDF is written by hand: one page, one filled path (adjacent rectangles of one path show
-  no seams), Helvetica, which every reader has. 1 mm is 72 / 25.4 points.
+- A sheet is dark rectangles (x, y, width, height) in millimetres from its upper left corner, y
+  down, with a text and a ruler.
+- The PDF is written by hand: one page, one filled path (without seams), Helvetica, which every
+  reader has.
 - The PDF outlines a marker's forward direction, or a board's first corner and axes, beside the
   drawing, where no detector takes them for part of it.
-- The PNG holds the drawing alone, in whole pixels a cell, with its resolution (pHYs), so that it
-  too prints at true size.
+- The PNG holds the drawing alone, in whole pixels a cell; its resolution (pHYs) prints true too.
 """
 
 from __future__ import annotations
@@ -29,7 +28,7 @@ Rectangle = tuple[float, float, float, float]
 Arrow = tuple[float, float, float, float, str]
 
 PAPERS_MM = {"a4": (210.0, 297.0), "a3": (297.0, 420.0), "letter": (215.9, 279.4)}
-"""Name of a paper and its (width, height) upright."""
+"""Papers' (width, height) upright."""
 
 _POINTS_PER_MM = 72.0 / 25.4
 _MARGIN_MM = 10.0
@@ -108,7 +107,7 @@ def board_sheet(board: BoardSpec) -> Sheet:
 
 
 def _axes(x: float, y: float, size: tuple[float, float]) -> tuple[Arrow, ...]:
-    """Axes beside a board: x along the row, y along the column of its first corner (x, y)."""
+    """Axes beside a board, from its first corner (x, y)."""
     return (
         (size[0] + 1.0, y, _ARROW_MM, 0.0, "x"),
         (x, -1.0, 0.0, -_ARROW_MM, "y"),
@@ -149,7 +148,7 @@ def png_bytes(sheet: Sheet) -> bytes:
         raise MarkerError(f"a picture of {size[0]}x{size[1]} pixels cannot be written as PNG")
     raw = data.tobytes()
     resolution = round(1000.0 * dots_per_mm)
-    # Any chunk may follow signature (8 bytes) and header chunk (25).
+    # any chunk may follow signature (8 bytes) and header chunk (25)
     return raw[:33] + _chunk(b"pHYs", struct.pack(">IIB", resolution, resolution, 1)) + raw[33:]
 
 
@@ -199,7 +198,6 @@ def _foot(sheet: Sheet, width: float, bottom: float) -> list[str]:
 
 
 def _arrow(x: float, y: float, dx: float, dy: float, words: str) -> list[str]:
-    """An arrow from (x, y), y up, with words."""
     length = math.hypot(dx, dy)
     ux, uy = dx / length, dy / length
     tip = x + dx, y + dy
@@ -228,7 +226,7 @@ def _points(value_mm: float) -> str:
 
 
 def _pdf(content: bytes, width: float, height: float) -> bytes:
-    """One page of PDF 1.4 (ISO 32000-1, 7.5: header, body, cross-reference table, trailer)."""
+    """One page of PDF 1.4 (ISO 32000-1, 7.5)."""
     box = f"[0 0 {_points(width)} {_points(height)}]"
     objects = [
         b"<< /Type /Catalog /Pages 2 0 R /ViewerPreferences << /PrintScaling /None >> >>",

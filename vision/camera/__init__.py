@@ -5,8 +5,8 @@
   `picture_size` and `picture_turn` read from a file's header.
 - `latest_frame` reads one camera in a thread and keeps its newest frame; `several_frames` does so
   for several cameras.
-- `arrival_clock` puts another device's times on our clock, and `rate_remark` says when a camera's
-  rate is not the one asked for.
+- `arrival_clock` puts another device's times on our clock, and `rate_remark` names a camera's wrong
+  rate.
 """
 
 from vision.camera.camera import Camera, CameraError, Frame

@@ -1,6 +1,6 @@
 """Other programs that have a device open, by their lists of open files.
 
-Without root, only the user's own processes can be examined.
+Without root, only the user's own processes are seen.
 """
 
 from __future__ import annotations
