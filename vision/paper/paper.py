@@ -1,14 +1,13 @@
-"""The paper's recipe to the letter, sections 3.1 to 3.3, as a documented reference.
+"""The paper's recipe to the letter, sections 3.1 to 3.3.
 
 Rules and units
-- Pixels, centres at integers, y down; vertices are border pixels, as in the paper, so a record runs
-  half a pixel inside the obstacle's edge.
+- Pixels, centres at integers, y down; vertices are border pixels, so a record runs half a pixel
+  inside the edge.
 - Border pixels come from the Laplacian; contours run clockwise, 8-connected. Corners are where
   lambda_S exceeds 0.1 with k = 7, at least k apart; the same vertices approximate arcs; a circle
   passes Sauer's test.
-- The recipe leaves two cases open. A contour with fewer than three corners keeps pixels about k
-  apart as vertices, so that no obstacle is lost. Anything smaller than the region of support is a
-  point, a segment, or its own pixels.
+- Where the recipe is silent, a contour with fewer than three corners keeps pixels about k apart as
+  vertices, and the smallest are points, segments, or their own pixels.
 """
 
 from __future__ import annotations
@@ -73,7 +72,7 @@ def _record(contour: NDArray[np.int32], corner: NDArray[np.bool_], *, clockwise:
         chosen = np.unique(np.arange(count) * len(contour) // count)
     vertices = contour[chosen].astype(np.float64)
     points = [(float(x), float(y)) for x, y in vertices]
-    # where it is one pixel wide the contour passes a pixel twice, there and back
+    # where it is one pixel wide the contour passes a pixel twice
     points = [here for i, here in enumerate(points) if here != points[i - 1]]
     if len(points) < 2:
         return PointRecord((float(vertices[0, 0]), float(vertices[0, 1])))

@@ -14,11 +14,11 @@ import math
 from planner.scene import Arc, CircleRecord, Edge, PolygonRecord, Segment, Vec
 
 STRAY_PX = 0.01
-"""A border so little beyond the edge is only rounded."""
+"""Distance beyond the edge that is rounding."""
 CIRCLE_STRAY_PX = 0.5
-"""A circle that passes the edge by no more than half a pixel is still seen whole."""
+"""Distance beyond the edge at which a circle still counts as whole."""
 SAME = 1e-9
-"""So near to a side of the bounds a point lies on it; so short an edge is none."""
+"""Distance of a point on a side of the bounds; a shorter edge is none."""
 
 
 def clip_circle(
@@ -120,7 +120,7 @@ def _piece(edge: Edge, start: Vec, end: Vec) -> Edge:
 def _turn_to(arc: Arc, place: Vec) -> float:
     """Angle from an arc's start to a place, in the arc's direction: 0 .. 2 pi.
 
-    Pixels, y down: the angle falls along an arc that is counter-clockwise on the screen.
+    y down: the angle falls along a counter-clockwise arc.
     """
     begin = math.atan2(arc.start[1] - arc.center[1], arc.start[0] - arc.center[0])
     there = math.atan2(place[1] - arc.center[1], place[0] - arc.center[0])

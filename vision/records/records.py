@@ -4,9 +4,8 @@ Rules and units
 - Coordinates are pixels, y down, or metres, y up, from rectified pixels by a ``Placement``; an
   arc's turn is as seen on the screen and needs no change.
 - An outline comes first, then the borders of its holes in their order.
-- P: a single pixel. S: pixels in one straight line, one pixel wide. A: pixels in one curved
-  line, one pixel wide. C: a circle. L: anything else; a tiny object's border is exactly its
-  pixels' outline.
+- P: a pixel. S, A: a straight or curved line, one pixel wide. C: a circle. L: anything else; a tiny
+  object's border is its pixels' outline.
 """
 
 from __future__ import annotations
@@ -41,7 +40,7 @@ from vision.records.record_kernels import look_at_borders
 from vision.records.thin_curves import chain_edges, open_chain
 
 SPECK_AREA = 4
-"""Pixels of the largest border that counts as noise, where there is so much of it."""
+"""Pixels of the largest border that counts as noise."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -55,7 +54,7 @@ class Specks:
 def find_specks(borders: Contours, noise: float, contrast: float) -> Specks:
     """Borders of at most ``SPECK_AREA`` pixels that noise could have made.
 
-    If noise cannot cross the level, a single pixel is an obstacle (P), and stays.
+    None if noise cannot cross the level: a single pixel is an obstacle (P).
     """
     if noise <= 0.0 or 0.5 * contrast >= SIGMAS * noise:
         return Specks(frozenset(), ())
@@ -166,7 +165,7 @@ class _Outlines:
 
 
 def tiny_record(borders: Contours, border: int, placement: Placement) -> Record:
-    """P, S, or the pixels' own outline as L, for an object too small for a fit."""
+    """P, S, or the pixels' outline as L, for an object too small for a fit."""
     thin = thin_record(borders, border, placement)
     if thin is not None:
         return thin

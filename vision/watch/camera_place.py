@@ -4,12 +4,11 @@ Rules and units
 - Fixed points are the configured floor markers; if fewer than ``LEAST_POINTS`` are seen, the
   corners of ``vision.watch.fixed_points`` too. They are learned from one picture and watched from
   the next on; a point that trembles is left out.
-- The camera has moved when more than half of the visible points have moved. A single point kicked
-  away or covered is reported as such.
+- The camera has moved when more than half of the visible points have. A single moved or covered
+  point is reported.
 - Markers with configured places must be seen there when they are learned: otherwise the camera was
   moved unwatched, or its place is unclear, which holds the robot as well.
-- A sentence changes only with its content: it is shown, logged and recorded. Raw pixels, metres,
-  seconds of the frames.
+- A sentence changes only with its content. Raw pixels, metres, seconds of the frames.
 """
 
 from __future__ import annotations
@@ -35,15 +34,14 @@ from vision.watch.fixed_points import (
 )
 
 LEAST_POINTS = 3
-"""With two that disagree it is unknown which one has moved."""
+"""With two that disagree the moved one is unknown."""
 LEARNED_FRAMES = 30
 LEARN_AGAIN_S = 2.0
-"""Between two searches for markers that were lost; a search takes some 20 ms."""
+"""Pause between searches for lost markers; a search takes some 20 ms."""
 MOST_NOISE_PX = 0.3
-"""Largest noise of one point, along each axis; corners in a picture with noise of 2.5 grey levels
-have 0.03."""
+"""Largest noise of one point, along each axis; corners at 2.5 grey levels of noise have 0.03."""
 _SAID_AGAIN = 0.25
-"""A movement that has changed by this part, and by half a pixel, is said again."""
+"""Relative change of a movement, besides half a pixel, that is reported again."""
 _NAMED = 4
 _NO_DISCS = np.empty((0, 3))
 
@@ -68,23 +66,23 @@ class PlaceSettings:
 
 @dataclass(frozen=True, slots=True)
 class PlaceReport:
-    """A frame's findings on the camera's place; sentences without a cause are empty."""
+    """A frame's findings; sentences without a cause are empty."""
 
     moved: str = ""
     """The camera has moved."""
     lost: str = ""
-    """More than half of the fixed points are not seen: it has moved far, or they are hidden."""
+    """More than half of the fixed points are unseen: it has moved far, or they are hidden."""
     remarks: tuple[str, ...] = ()
     """Single points that moved or vanished, and a camera that cannot be watched."""
     moved_px: float | None = None
-    """Distance from their places that more than half of the points reach in this frame."""
+    """Distance from their places that more than half of the points reach."""
 
 
 NOTHING_KNOWN = PlaceReport()
 
 
 def said_together(reports: Iterable[PlaceReport]) -> PlaceReport:
-    """Join several cameras' reports: each one that has moved or is lost counts."""
+    """Join several cameras' reports: each that has moved or is lost counts."""
     reports = tuple(reports)
     return PlaceReport(
         "; ".join(one.moved for one in reports if one.moved),
@@ -95,9 +93,9 @@ def said_together(reports: Iterable[PlaceReport]) -> PlaceReport:
 
 
 class CameraPlace:
-    """Watch that learns the fixed points of one picture and follows them in all later ones.
+    """Watch that learns the fixed points of one picture and follows them.
 
-    ``began_s`` is the moment its sentences count from; ``name`` is set for one of several cameras.
+    Its sentences count from ``began_s``; ``name`` is set for one of several cameras.
     """
 
     def __init__(
@@ -112,7 +110,7 @@ class CameraPlace:
         self._calibration, self._settings = calibration, settings
         self._meter: PointMeter | None = None
         self._zero: FloatArray = np.empty((0, 2))
-        """Readings of `PointMeter` for points in their places: not 0 if learned elsewhere."""
+        """Readings for points in their places: not 0 if learned elsewhere."""
         self._learned: list[Readings] | None = []
         self._began_s = self._last_s = began_s
         self._misplaced = False
@@ -132,7 +130,7 @@ class CameraPlace:
     ) -> PlaceReport:
         """Measure a frame (h, w); robots cover ``discs`` (k, 3), as far as known.
 
-        With ``may_learn`` the robots' places are known, and the first frame's points are learned.
+        ``may_learn``: the robots' places are known, so points may be learned.
         """
         settings = self._settings
         if settings.limit_px <= 0.0:
@@ -161,8 +159,6 @@ class CameraPlace:
             self._meter, self._tried_s = None, -np.inf  # it is back: all markers count again
         return report
 
-    # Learning.
-
     def _reset(self, count: int, noise_px: float = LEAST_NOISE_PX) -> None:
         limit_px = max(self._settings.limit_px, 1e-9)
         self._camera = DriftTest(1, limit_px, noise_px)
@@ -177,7 +173,7 @@ class CameraPlace:
         away = np.hypot(*offsets[placed].T)
         in_place = len(away) > 0 and of_most(away) <= self._settings.limit_px
         misplaced = len(away) >= LEAST_POINTS and not in_place
-        if self._meter is not None and len(away) < LEAST_POINTS:  # what was learned is better
+        if self._meter is not None and len(away) < LEAST_POINTS:  # the learned ones are better
             return
         seen_ids = set(_marker_ids(points))
         self._unseen_ids = tuple(sorted({m.id for m in self._settings.markers} - seen_ids))
@@ -237,7 +233,7 @@ class CameraPlace:
         if self._learned is None or self._meter is None:
             return
         if self._camera.sums[0] > 0.0 or self._lost.sums[0] > 0.0:
-            self._learned = []  # whatever moves now is not noise
+            self._learned = []  # movement now is not noise
             return
         self._learned.append(readings)
         if len(self._learned) < LEARNED_FRAMES:
@@ -259,8 +255,6 @@ class CameraPlace:
         )
         self._meter, self._zero = PointMeter(kept), self._zero[steady]
         self._reset(len(kept))
-
-    # Reporting.
 
     def _report(self, most_px: float | None, away_px: FloatArray | None = None) -> PlaceReport:
         remarks = []
@@ -368,7 +362,7 @@ def _marker_ids(points: Sequence[FixedPoint]) -> list[int]:
 
 
 def _listed(points: Sequence[FixedPoint]) -> str:
-    """List floor markers by number and corners by place; long lists are cut short."""
+    """List floor markers by number and corners by place, cut short."""
     markers = ", ".join(map(str, _marker_ids(points)[:_NAMED]))
     corners = [p.name.removeprefix(CORNER) for p in points if p.marker_id is None]
     said = f"floor marker{'s' * (len(_marker_ids(points)) > 1)} {markers}" if markers else ""

@@ -6,8 +6,8 @@ Rules and units
 - Each changed rectangle grows until it cuts no known object. Its content is extracted again at the
   scene's own level; everything else keeps its records, to the bit, and its id.
 - There is no answer where that cannot be trusted (uneven light, half of the picture changed, an
-  object that leaves its part, edges that the scene's level does not separate, as a faint
-  obstacle's), and the caller extracts the whole picture.
+  object that leaves its part, edges that the level does not separate): the caller extracts the
+  whole picture.
 """
 
 from __future__ import annotations
@@ -30,7 +30,7 @@ from vision.records.unseen import Unseen, blind_of, hidden_by_lens
 from vision.watch.change import Rectangle
 
 _MARGIN_PX = 12
-"""Around what changed: the profiles across an edge look so far, and a part must have floor."""
+"""Margin around a change: the profiles across an edge are so long, and a part must have floor."""
 
 _OBJECT_MARGIN_PX = 6
 _POINTS_AN_ARC = 65
@@ -40,7 +40,7 @@ _POINTS_A_LINE = 9
 """A lens bends a straight edge in the picture."""
 
 _MOST_SHARE = 0.5
-"""Share of the picture, beyond which the whole picture is as quick."""
+"""Share of the picture beyond which all of it is as quick."""
 
 _Box = tuple[int, int, int, int]
 _NOWHERE: _Box = (0, 0, 0, 0)
@@ -67,10 +67,7 @@ class _Part:
 
 @dataclass(frozen=True, slots=True)
 class KnownScene:
-    """A scene in metres, and the pixels that hold each of its objects.
-
-    Boxes of objects that stay are never computed again.
-    """
+    """A scene in metres, and the pixels that hold each of its objects."""
 
     scene: Scene
     calibration: Calibration
@@ -87,7 +84,7 @@ class KnownScene:
         unseen = unseen or hidden_by_lens(calibration, scene.bounds, extract)
         hidden = {o.records for o in unseen.objects}
         boxes = _boxes_of(scene.objects, calibration)
-        # unseen ground belongs to no picture, and stays whatever changes there
+        # unseen ground belongs to no picture, and stays
         found = zip(scene.objects, boxes, strict=True)
         kept = tuple(_NOWHERE if o.records in hidden else b for o, b in found)
         return cls(scene, calibration, kept)
@@ -95,8 +92,8 @@ class KnownScene:
     def refitted(self, image: Image, rectangles: Sequence[Rectangle]) -> KnownScene | None:
         """Scene of ``image``, which differs in ``rectangles`` only; None if all must be extracted.
 
-        ``border_pixels``, ``timings_ms`` and ``remarks`` are those of the parts fitted again:
-        earlier ones would pile up over a long run. O(pixels and border pixels of the parts).
+        ``border_pixels``, ``timings_ms`` and ``remarks`` are those of the parts. O(pixels of the
+        parts).
         """
         scene, size = self.scene, (image.shape[1], image.shape[0])
         how = scene.binarisation

@@ -3,12 +3,10 @@
 Rules and units
 - ``cracks``, and ``finished``, edges ``0 .. count - 1`` with their first cracks: see
   ``vision.outline.outline_types``.
-- A crack's way is the line between its two pixels. Chords that cross all ways replace only the
-  stretch of lost cracks; the edges on both sides stay. If little would be left of them, the
-  whole border becomes such chords, which misclassify no pixel.
-- A chord extends until the cone of sight from its first point, through the ways ahead as
-  windows, is empty (J. Sklansky and V. Gonzalez, Fast Polygonal Approximation of Digitized
-  Curves, 1980).
+- A crack's way is the line between its two pixels. Chords that cross all ways replace a stretch of
+  lost cracks or, if little else remains, the whole border; they misclassify no pixel.
+- A chord extends until the cone of sight from its first point, through the ways ahead as windows,
+  is empty (J. Sklansky and V. Gonzalez, Fast Polygonal Approximation of Digitized Curves, 1980).
 """
 
 # mypy: allow-untyped-defs
@@ -29,18 +27,16 @@ from vision.outline.fitted_borders import ARC_CCW, LINE
 from vision.shared.typed_numbers import NONE
 
 WAY = 0.998
-"""Share of a crack's way that a chord may cross: chosen, so that no pixel's centre lies on it by a
-hair."""
+"""Share of a crack's way that a chord may cross: chosen, no pixel's centre lies on it."""
 TIP_LEAST = 3
-"""Cracks lost that are no tip yet: derived, those of one pixel that hangs on by a side."""
+"""Lost cracks that are no tip yet: derived, those of one pixel that hangs on by a side."""
 ROUNDS = 4
-"""Times that lost stretches alone are replaced before a border becomes chords all around: chosen, a
-bound on the work."""
+"""Times that lost stretches are replaced before the whole border: chosen, a bound on the work."""
 
 
 @njit(**LEAF)
 def chords_between(cracks, lo, hi, x0, y0, x1, y1, found):
-    """Chords from (x0, y0) on crack lo's way to (x1, y1) on crack hi's; returns their number.
+    """Find chords from (x0, y0) on crack lo's way to (x1, y1) on crack hi's; return their number.
 
     ``found``: the crack at whose middle each chord begins, except the first, which begins at (x0,
     y0).
@@ -88,10 +84,8 @@ def chords_between(cracks, lo, hi, x0, y0, x1, y1, found):
 
 @njit(**LEAF)
 def _on_way(cracks, k, finished, i, count, out):
-    """Point where edge i crosses the way of crack k, or else comes nearest to the crack's middle.
-
-    Returns True if it crosses.
-    """
+    """Find where edge i crosses the way of crack k, or comes nearest to its middle; True if it
+    crosses."""
     after = successor(i, count)
     x = cracks.x[k]
     y = cracks.y[k]
@@ -128,10 +122,10 @@ def _on_way(cracks, k, finished, i, count, out):
 
 @njit(**LEAF, inline="always")
 def separate_by_chords(cracks, finished, count, budget, state, inside, found, old, ends):
-    """Replace edges that lose more pixels than ``budget`` by chords; returns the new ``count``.
+    """Replace edges that lose more pixels than ``budget`` by chords; return the new ``count``.
 
-    ``state``, ``inside``, ``found`` (n + 1,), ``old``, with the size of ``finished``, and ``ends``
-    (2, 2) are scratch space. There are never more edges than cracks.
+    ``state``, ``inside``, ``found`` (n + 1,), ``old``, as large as ``finished``, and ``ends`` (2,
+    2) are scratch space.
     """
     n = cracks.n
     for again in range(ROUNDS + 1):
@@ -164,7 +158,7 @@ def _any_grave(weights, n):
 
 @njit(**LEAF)
 def all_chords(cracks, finished, found):
-    """Write chords all around, from the crack farthest from the middle on; returns their number."""
+    """Write chords all around, from the crack farthest from the middle on; return their number."""
     n = cracks.n
     mx = 0.0
     my = 0.0
@@ -191,7 +185,6 @@ def all_chords(cracks, finished, found):
 
 @njit(**LEAF)
 def _write(finished, i, x, y, k):
-    """Write edge i, a line from (x, y) at crack k on."""
     finished.kind[i] = LINE
     finished.rows[i, 0] = x
     finished.rows[i, 1] = y
@@ -203,7 +196,7 @@ def _write(finished, i, x, y, k):
 
 @njit(**LEAF)
 def _replace(cracks, finished, count, first, inside, found, old, ends):
-    """Replace the cracks that are ``inside`` by chords; returns the new count.
+    """Replace the cracks ``inside`` by chords; return the new count.
 
     Edge ``first`` begins outside.
     """
@@ -254,7 +247,7 @@ def _replace(cracks, finished, count, first, inside, found, old, ends):
 
 @njit(**LEAF)
 def _begin_stretch(cracks, old, count, e, k, start):
-    """Beginning of chords on the way of crack k of edge e; False if the edge's own beginning."""
+    """Begin chords on the way of crack k of edge e; False at the edge's own beginning."""
     if k > old.at[e]:
         _on_way(cracks, k, old, e, count, start)
         return True
@@ -264,7 +257,7 @@ def _begin_stretch(cracks, old, count, e, k, start):
 
 @njit(**LEAF)
 def _end_stretch(cracks, old, count, e, k, end):
-    """End of chords on the way of crack k of edge e; True if the next edge begins there."""
+    """End chords on the way of crack k of edge e; True if the next edge begins there."""
     if _on_way(cracks, k, old, e, count, end):
         return False
     after = successor(e, count)
@@ -285,7 +278,7 @@ def _end_stretch(cracks, old, count, e, k, end):
 
 @njit(**LEAF)
 def _write_stretch(cracks, finished, i, begun, ended, start, end, found):
-    """Write the chords from ``start`` on crack ``begun`` to ``end``; returns the next edge."""
+    """Write the chords from ``start`` on crack ``begun`` to ``end``; return the next edge."""
     n = cracks.n
     shift = n if begun >= n else 0
     m = chords_between(
