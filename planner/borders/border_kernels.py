@@ -1,13 +1,11 @@
 """Pieces of a scene: joined from flat primitives, or patched from a slightly different scene.
 
 Rules and units
-- Pieces are those of :class:`planner.borders.border_arrays.Pieces`: the primitives in the order
-  of their objects, the bounds last, then the corner points likewise.
-- Borders are independent: an object's pieces do not depend on other objects, except for their
-  numbers.
+- Pieces are those of :class:`planner.borders.border_arrays.Pieces`: the primitives in the order of
+  their objects, the bounds last, then the corner points likewise.
+- An object's pieces do not depend on other objects, except for their numbers.
 """
 
-# numba infers types; docstrings state them.
 # mypy: allow-untyped-defs
 
 from __future__ import annotations

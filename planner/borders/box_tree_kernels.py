@@ -9,7 +9,6 @@ Rules and units
   tried first, which also gives a good first bound.
 """
 
-# numba infers types; docstrings state them.
 # mypy: allow-untyped-defs
 
 from __future__ import annotations
@@ -26,7 +25,7 @@ from planner.scene.primitive_kernels import NONE, box_of, distance, segment_dist
 LEAF = 4
 """Primitives in a leaf of the tree."""
 LARGE = 0.25
-"""A primitive longer than this share of the scene's extent is kept out of the tree."""
+"""Length from which a primitive stays out of the tree, as a share of the scene's extent."""
 
 
 @njit(**BORROWING)
@@ -42,7 +41,7 @@ def _spread(v):
 def morton_codes(boxes):
     """Numbers (n,) that grow along a curve past the middles of boxes (n, 4), and their extent.
 
-    An empty box, (inf, inf, -inf, -inf), has the number 0.
+    An empty box has the number 0.
     """
     x0, y0, x1, y1 = np.inf, np.inf, -np.inf, -np.inf
     for i in range(len(boxes)):

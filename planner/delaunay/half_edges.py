@@ -2,10 +2,9 @@
 
 Rules
 - Edge j is the half-edges 2 j and 2 j + 1; the twin of half-edge e is e ^ 1.
-- A half-edge runs from its `origin` to its twin's, with the site `cell` on its left, where x
-  points right and y up; `next` and `prev` go counter-clockwise around that cell. An origin of
-  -1 is at infinity; a half-edge that ends there has as `next` the one by which the same cell
-  returns, so every cell is a closed cycle.
+- A half-edge runs from its `origin` to its twin's, with the site `cell` on its left, where x points
+  right and y up; `next` and `prev` go counter-clockwise around that cell. An origin of -1 is at
+  infinity; `next` passes over it, so every cell is a closed cycle.
 - Edges without length (`zero_length`) connect the vertices of cocircular sites; the sites beside
   them are not neighbours.
 """
@@ -32,17 +31,16 @@ _FAULTS = {
 
 
 class DiagramError(AssertionError):
-    """A broken invariant of a Voronoi diagram; the message gives the invariant and its place."""
+    """A broken invariant of a Voronoi diagram; the message gives it and its place."""
 
 
 @dataclass(frozen=True, slots=True)
 class HalfEdges:
     """Voronoi diagram with n sites, m vertices, k edges. Made by `planner.voronoi`.
 
-    sites (n, 2); vertices (m, 2), the finite ones, in the sites' unit; vertex_sites (m, 3), the
-    rows of each vertex's sites, counter-clockwise; origin, next, prev, cell (2 k,), see the file's
-    head; zero_length (k,); representative (n,), the row that represents coincident sites and has
-    their cell.
+    sites (n, 2); vertices (m, 2), the finite ones; vertex_sites (m, 3), the rows of each vertex's
+    sites, counter-clockwise; origin, next, prev, cell (2 k,); zero_length (k,); representative
+    (n,), the row of coincident sites that has their cell.
     """
 
     sites: NDArray[np.float64]
@@ -78,8 +76,8 @@ class HalfEdges:
     def check(self) -> None:
         """Raise DiagramError if an invariant of Voronoi diagrams is broken.
 
-        Checks twins, cycles, Euler's formula, equidistant vertices, convex cells and, with the
-        kernel's exact predicates, empty circles. O(n log n).
+        Checks twins, cycles, Euler's formula, equidistant vertices, convex cells and, exactly,
+        empty circles. O(n log n).
         """
         _check_links(self)
         _check_cycles(self)

@@ -2,10 +2,10 @@
 
 Rules and units
 - ``mode="paper"`` omits the edges between generators of one object, as the paper does.
-- ``mode="exact"`` omits only those within one piece of a border, so that the free space inside
-  a U, or in a room whose wall is one object, keeps its diagram.
-- A chain is a maximal run of valid edges; its ends are nodes. Its clearances are exact: they are
-  distances to the borders, not to the generators.
+- ``mode="exact"`` omits only those within one piece of a border, so that the free space inside a U,
+  or in a room whose wall is one object, keeps its diagram.
+- A chain is a maximal run of valid edges between nodes. Its clearances are exact distances to the
+  borders.
 """
 
 from __future__ import annotations
@@ -37,8 +37,7 @@ from planner.scene import FloatArray, IntArray
 class Agvd:
     """Generators, their diagram, and its valid edges.
 
-    The rest is made from the ``mesh`` on demand. There is no mesh if all generators are on one
-    line.
+    There is no ``mesh`` if all generators are on one line.
     """
 
     borders: Borders
@@ -83,8 +82,8 @@ class Agvd:
     def vertices_proved(self, radius: float) -> tuple[int, int]:
         """Number of proved exact vertices at least ``radius`` wide, and number of all such.
 
-        The others are near-singular: their pieces are almost parallel there, or touch. They stay
-        where they were sampled, and the chain links to them are measured, not proved.
+        The others, whose pieces are almost parallel or touch, stay where they were sampled; links
+        to them are measured, not proved.
         """
         if self.mesh is None:
             return 0, 0

@@ -1,11 +1,10 @@
 """Diagram of a scene that differs from the last one by a few objects, without a rebuild.
 
 Rules and units
-- Objects in both scenes, at any place in the list, keep their generators and all of the diagram
-  that nothing new comes near. Other generators are removed or added, and the diagram is solved
-  there only.
+- Objects in both scenes keep their generators and all of the diagram that nothing new comes near.
+  Other generators are removed or added, and the diagram is solved there only.
 - The result equals that of a build from scratch, up to the order of nodes and edges and the points
-  of the edges' polylines. If the bounds or most objects change, it is built from scratch.
+  of the edges' polylines.
 """
 
 from __future__ import annotations
@@ -42,14 +41,14 @@ from planner.scene import (
 )
 
 MOST = 0.34
-"""More changed objects than this share are a scene to be built from scratch."""
+"""Share of changed objects from which a scene is built from scratch."""
 
 
 def update_diagram(agvd: Agvd, old: Scene, scene: Scene) -> Agvd | None:
     """Diagram of ``scene`` from that of ``old``; None if it must be built from scratch.
 
-    Finds the objects added, removed or moved; ``agvd`` itself does not change. O(n) copies and
-    scans for n generators, and the work of building for the changes.
+    ``agvd`` itself does not change. O(n) copies and scans for n generators, and the work of
+    building for the changes.
     """
     mesh = agvd.mesh
     if mesh is None or old.bounds != scene.bounds:
@@ -141,10 +140,7 @@ def _fits_memory(agvd: Agvd, new: NewBorders) -> bool:
 def _change_borders(
     agvd: Agvd, old_objects: int, kept: list[int], new: NewBorders
 ) -> tuple[Borders, IntArray, FloatArray, IntArray, FloatArray]:
-    """The scene's borders, and the other results of :func:`border_kernels.change_borders`.
-
-    The ``new`` borders are joined, the ``kept`` objects' pieces copied.
-    """
+    """The scene's borders, and the other results of :func:`border_kernels.change_borders`."""
     old = agvd.borders
     pieces, found, *rest = border_kernels.change_borders(
         np.array(kept, np.int64), old_objects, old.pieces, old.object_boxes, new,

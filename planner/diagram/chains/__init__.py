@@ -1,6 +1,6 @@
 """Chains: traced along valid edges, bent onto bisectors, kept where nothing has changed.
 
-- ``trace_kernels.py`` joins valid edges to chains, and keeps the unchanged ones.
+- ``trace_kernels.py`` joins valid edges to chains.
 - ``bisector_trace.py`` allocates the arrays for the new chains' points, and calls
   ``chain_kernels.py``.
 - ``chain_kernels.py`` finds the stations of each chain, and measures the finished chains.
