@@ -37,7 +37,7 @@ class SpeedProfile:
     """Position over time along a leg: ``times`` and ``speeds`` (n,) at ``lengths`` (n,).
 
     The acceleration is constant between two entries; ``area`` is the integral of the position over
-    time. The robot drives the average of this profile over ``window_s``.
+    time. The robot drives the average of this over ``window_s``.
     """
 
     lengths: FloatArray
@@ -85,7 +85,7 @@ class SpeedProfile:
         return times
 
     def _cell(self, time_s: FloatArray) -> tuple[IndexArray, FloatArray, FloatArray]:
-        """For each time, its cell's index, the time since the cell began, the acceleration."""
+        """Each time's cell, the time since it began, the acceleration."""
         clamped = np.minimum(np.maximum(time_s, 0.0), self.times[-1])
         cell = np.searchsorted(self.times, clamped, side="right") - 1
         cell = np.minimum(cell, len(self.times) - 2)

@@ -26,13 +26,13 @@ from planner.shared.arguments import as_float, as_list, of_kind
 from planner.shared.numbers import wrap_angle
 
 HEADING_TOLERANCE_RAD = 1e-6
-"""Headings nearer than this are equal: far below what any robot can hold."""
+"""Headings nearer than this are equal: far below a robot's accuracy."""
 MOST_WAYPOINTS = 1_000_000
 """A path that needs more is a mistake in the units of its limits."""
 
 
 class TrajectoryError(ValueError):
-    """The path cannot be timed with these limits; the message says why."""
+    """A path that cannot be timed with these limits; the message says why."""
 
 
 def default_limits(robot_radius: float) -> Limits:

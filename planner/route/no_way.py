@@ -29,7 +29,8 @@ class Blocked:
     """Absence of a path for a disc of radius ``need`` from ``start`` to ``goal``.
 
     ``stations`` are all requested ones, in order. ``reason`` says why the disc cannot be at one of
-    them, None if the path is at fault. ``names`` name both ends; ``remarks`` report uncertainty.
+    them, None if the path is at fault. ``names`` are those of both ends; ``remarks`` report
+    uncertainty.
     """
 
     start: Vec
@@ -106,7 +107,7 @@ def widest_way(
 
 @dataclass(frozen=True, slots=True)
 class NamedStation:
-    """A named station, its nearest primitive, the distance to it, and if an object is there."""
+    """A station, its nearest primitive, the distance to it, and if an object is there."""
 
     name: str
     at: Vec
