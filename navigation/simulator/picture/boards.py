@@ -44,7 +44,7 @@ PAPER_WHITE, PAPER_BLACK = 225.0, 30.0
 class PrintedBoard:
     """A ChArUco board: squares across and down, their side and the markers', the family.
 
-    A chessboard of that many squares if ``dictionary`` is empty.
+    A chessboard if ``dictionary`` is empty.
     """
 
     columns: int = 8
@@ -147,7 +147,7 @@ def flat_pose(x_m: float, y_m: float) -> BoardPose:
 def held_poses(
     painter: BoardPainter, bounds: Bounds, board: PrintedBoard, count: int
 ) -> Iterator[BoardPose]:
-    """Yield poses of a board held over the arena, throughout the picture and in all tilts."""
+    """Yield poses of a board over the arena, throughout the picture and in all tilts."""
     width, height = board.size_m
     rng = np.random.default_rng(count)
     found = 0
@@ -167,10 +167,7 @@ def held_poses(
 def board_pictures(
     config: Config, board: PrintedBoard, count: int = 24
 ) -> Iterator[tuple[str, Image]]:
-    """Yield names and pictures: ``count`` of the held board, one with it on the floor.
-
-    On the floor its lower left corner lies on ``FLOOR_AT_M``.
-    """
+    """Yield names and pictures: ``count`` of the held board, one with it on the floor."""
     painter, bounds, rng = _painter(config, board, Scene("m", Bounds(*config.arena.bounds_m), ()))
     for index, pose in enumerate(held_poses(painter, bounds, board, count)):
         yield f"board_{index:02d}.png", painter.picture(pose, rng)
@@ -180,7 +177,7 @@ def board_pictures(
 def survey_picture(config: Config, board: PrintedBoard) -> tuple[Image, FloatArray]:
     """Return a picture of discs on the floor, and their centres' surveyed places (n, 2).
 
-    Places are row by row from the lower left; the board is not in the picture.
+    Places are row by row from the lower left.
     """
     bounds = Bounds(*config.arena.bounds_m)
     columns = np.linspace(bounds.x_min, bounds.x_max, SURVEY_GRID[0] + 2)[1:-1]
@@ -239,7 +236,7 @@ SURVEY_DISC_M = 0.02
 
 
 def main() -> None:
-    """Write the pictures and the survey; see the module's text."""
+    """Write the pictures and the survey."""
     config, folder = load_config(sys.argv[1]), Path(sys.argv[2])
     folder.mkdir(parents=True, exist_ok=True)
     for name, picture in board_pictures(config, PrintedBoard()):
