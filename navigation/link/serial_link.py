@@ -1,7 +1,7 @@
 """The thread that alone owns the serial port, around the sans-IO ``HostConnection``.
 
-- Any thread may queue orders; the emergency stop bypasses the queue. A snapshot and the events go
-  out; only this thread touches the port or the connection.
+- Any thread may queue orders; the emergency stop bypasses the queue. Only this thread touches the
+  port or the connection.
 - The thread sends no lease of its own: a control loop that hangs stops the robot.
 - A broken port is closed, its reason reported, and the same path opened again with growing pauses.
   Seconds are those of ``clock``; metres and radians.
@@ -48,8 +48,8 @@ class SerialLink:
 
     ``clock`` gives monotonic seconds, also for pose capture times; ``rng`` gives session numbers;
     ``expected_boot_id`` is the boot of a journalled mission. ``wait_for_port``: wait for a port
-    that is not ready at opening, like one that breaks later; the snapshot says so. Needs Linux:
-    ``NeedsLinuxError`` on other systems.
+    that is not ready at opening, like one that breaks later. Needs Linux: ``NeedsLinuxError`` on
+    other systems.
     """
 
     def __init__(
@@ -94,7 +94,7 @@ class SerialLink:
         self._late_s = 0.0
         self._measured_s = -math.inf
         self.capture_to_wire_s: deque[float] = deque(maxlen=LATENCIES_KEPT)
-        """Ages of the pose fixes when they were written to the port, seconds, the newest last."""
+        """Ages of the pose fixes when written to the port, seconds, the newest last."""
 
     # Life.
 
@@ -193,8 +193,8 @@ class SerialLink:
         ``pose_age_s`` is the age of the camera's last pose: above 0.5 s the robot holds, unless
         ``odometry`` lets it drive without the camera.
         """
-        Lease(ttl_s, LeaseFlag.NONE, pose_age_s).pack()  # an error belongs to the caller's thread
-        issued_s = self._clock()  # now, not when the thread comes to it
+        Lease(ttl_s, LeaseFlag.NONE, pose_age_s).pack()  # # an error belongs to the caller's thread
+        issued_s = self._clock()  # # now, not when the thread comes to it
         self._order(lambda _now_s: self._host.lease(issued_s, ttl_s, permit, pose_age_s, odometry))
 
     def pose_fix(self, x_m: float, y_m: float, heading_rad: float, captured_s: float) -> None:
@@ -207,7 +207,7 @@ class SerialLink:
     def estop(self) -> None:
         """Stop in an emergency: before every other order, repeated until confirmed."""
         self._estop.set()
-        # once more in its turn: an earlier re-arm may still wait, and would undo it
+        # # once more in its turn: an earlier re-arm may still wait, and would undo it
         self._order(lambda _now_s: self._host.estop())
 
     def reset_estop(self) -> None:
@@ -314,7 +314,6 @@ class SerialLink:
                 return
 
     def _measure_pose(self) -> None:
-        """Record a picture's age once for each pose fix written."""
         captured_s = self._host.pose_captured_s
         if captured_s > self._measured_s:
             self._measured_s = captured_s
@@ -362,7 +361,7 @@ class SerialLink:
         self._reopen_s = self._clock() + self._reopen_wait_s
         port, self._serial = self._serial, None
         if port is not None:
-            # a port that has hung up cannot be closed in order either
+            # # a port that has hung up may fail to close
             with contextlib.suppress(*PORT_FAULTS):
                 port.close()
 
@@ -378,7 +377,7 @@ class SerialLink:
         self._resets_published = self._resets_taken
 
     def _start(self, now_s: float) -> None:
-        # without a mission there is nothing to start: it may have become void
+        # # the mission may have become void
         with contextlib.suppress(LocalError):
             self._host.start(now_s)
 

@@ -17,11 +17,11 @@ from navigation.link.port_faults import PORT_FAULTS
 
 
 class PortError(ValueError):
-    """Error: a serial port cannot be used; the message says which and why."""
+    """Unusable serial port; the message says which and why."""
 
 
 class PortNotReadyError(PortError):
-    """Error: a serial port cannot be used now, but is worth waiting for."""
+    """Serial port that cannot be used now, but is worth waiting for."""
 
 
 NEVER: Final = frozenset(

@@ -1,6 +1,6 @@
 """Findings on a camera for a run, each a sentence with advice.
 
-Every limit has its reason beside it. Grey levels, pixels, seconds, metres; shares are of one.
+Grey levels, pixels, seconds, metres; shares are of one.
 """
 
 from __future__ import annotations
@@ -54,7 +54,7 @@ class CameraMeasurements:
     speed_m_s: float | None = None
     stale_s: float = 0.2
     any_size: bool = False
-    """Nobody asked for a size: whichever the source has is right."""
+    """True if no size was requested: the source's own is right."""
 
     @property
     def exposure_ms(self) -> float | None:

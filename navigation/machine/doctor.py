@@ -204,7 +204,7 @@ PORT_TAKERS = {
         " again",
     ),
 }
-"""Programs that take serial ports for their own devices: what they do, and what to do."""
+"""Programs that take serial ports for their own devices: what they do, and the cure."""
 
 
 def check_port_takers(running: Iterable[str]) -> Iterator[Finding]:

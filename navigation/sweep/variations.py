@@ -31,14 +31,13 @@ START_DEG: Final = 30.0
 MOST_SPREAD: Final = 16.0
 """A wheel's error is then 0.48: a configuration takes less than 0.5."""
 APART_M: Final = 0.02
-"""Between two bodies at their starts, or what the configuration leaves where that is less."""
+"""Least gap between two bodies at their starts, or the configured one if that is less."""
 HALVINGS: Final = 10
-"""Number of tries; after these the start has moved by a few hundredths of a millimetre and
-stays."""
+"""Number of tries; the last one moves the start by hundredths of a millimetre."""
 
 
 class SweepError(ValueError):
-    """A sweep cannot be made; the message says why."""
+    """A sweep that cannot be made; the message says why."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -151,7 +150,7 @@ def _draw(
     assert config.simulation is not None
     if not 0.0 <= spread <= MOST_SPREAD:
         raise SweepError(f"spread {spread:g}: must be >= 0 and <= {MOST_SPREAD:g}")
-    # draw all, whatever the spread: a wider sweep is the same one, only wider
+    # # draw all, whatever the spread: a wider sweep is the same one, only wider
     unit = rng.uniform(-1.0, 1.0, 9)
     share = 0.5 + 0.5 * unit
     simulation, camera, robot = config.simulation, config.simulation.camera, config.simulation.robot
@@ -188,8 +187,7 @@ def _free_start(
     others: Sequence[tuple[Vec, float]],
 ) -> tuple[float, float]:
     """Move the configured start by the offset (2,), halved until the place is as free as planning
-    requires and as far from other starts, or as the configured one is.
-    """
+    requires and as far from other starts, or as the configured one is."""
     assert config.simulation is not None
     start = config.simulation.start
     assert start is not None

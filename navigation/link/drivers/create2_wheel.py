@@ -22,8 +22,8 @@ MOST_MM_S: Final = 500
 FASTEST_STEP: Final = 17
 """495 mm/s; what lies above is cut at 500."""
 LAG_S: Final = 0.05
-"""In which a wheel comes nearer to its order by a factor of e; twice or half of it serves as well
-(`test_a_create_s_wheels_may_lag_otherwise`)."""
+"""Time in which a wheel comes nearer to its order by a factor of e; twice or half of it serves as
+well (`test_a_create_s_wheels_may_lag_otherwise`)."""
 AT_REST_MM_S: Final = 0.5
 """A wheel that rolled out to this speed moves by 0.03 mm more."""
 NEVER: Final = frozenset(
@@ -42,7 +42,7 @@ class Create2Wheel:
         self._order = 0.0
         self._ordered_s = -math.inf
         self._speed = 0.0
-        """At the moment of the last order."""
+        """Speed at the last order."""
 
     def next_order(self, wanted_mm_s: float) -> int:
         """Order of the step nearest to the speed plus the remainder; sends nothing."""
@@ -63,9 +63,7 @@ class Create2Wheel:
         self._order = driven(order_mm_s)
 
     def direction(self, now_s: float) -> int:
-        """Direction: 1 forwards, -1 backwards, 0 at rest: anything that turns it now is not the
-        robot.
-        """
+        """Direction: 1 forwards, -1 backwards, 0 at rest, if only a hand can turn it."""
         speed = self._speed_at(now_s)
         if abs(speed) < AT_REST_MM_S:
             speed = self._order

@@ -84,7 +84,7 @@ class DriverProcess:
             if time.monotonic() > until_s or self._watcher is None or not self._watcher.is_alive():
                 self.stop()
                 raise PortNotReadyError(f"the driver of the {self._title} has not started")
-            time.sleep(0.01)  # the pace of looking for it
+            time.sleep(0.01)
 
     def end(self) -> None:
         """Begin to end it; `stop` waits for it."""
@@ -191,7 +191,6 @@ class _Process:
         self._order.link.unlink(missing_ok=True)
 
     def close(self) -> None:
-        """Kill it and forget its ends."""
         self.kill()
         self._forget_ends()
 

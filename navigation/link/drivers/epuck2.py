@@ -24,16 +24,16 @@ from navigation.link.drivers.wheel_odometry import WheelOdometry
 
 CYCLE_S: Final = 0.02
 PATIENCE_S: Final = 0.1
-"""An answer that has not come by then is lost; Bluetooth takes some 40 ms."""
+"""Time after which an answer is lost; Bluetooth takes some 40 ms."""
 REPEAT_S: Final = 0.1
 ASK_S: Final = 5.0
-"""For its battery; who it is, every second until it has said so."""
+"""Interval of asking for its battery."""
 WHO_S: Final = 1.0
 LONGEST: Final = 256
 STEPS: Final = re.compile(rb"q,(-?\d+),(-?\d+)")
 BATTERY: Final = re.compile(rb"b,\d+ \((\d+)%\)")
 OTHERS: Final = re.compile(rb"[a-pr-z](,.*)?|HW version.*|.*WELCOME.*|.*the EPFL.*|z,.*|g .*")
-"""Lines that are the robot's, too."""
+"""Other lines of the robot."""
 
 
 class Epuck2Driver:
