@@ -3,8 +3,8 @@
 Rules and units
 - A scene is in pixels, centres at integers, y down; its bounds are the picture's edges.
 - With a calibration, the fit works on the floor, in rectified pixels of the nominal size, each
-  border shrunk to its size in the picture, so that tolerances stay in pixels. Records are in
-  metres, y up, inside the caller's bounds.
+  border shrunk to its size in the picture, so that tolerances stay in pixels; records are in
+  metres, y up.
 """
 
 from __future__ import annotations
@@ -150,8 +150,6 @@ def _scene(
 
 
 class _StopWatch:
-    """Wall time of the stages, in ms."""
-
     def __init__(self) -> None:
         self._times: dict[str, float] = {}
         self._begin = self._last = perf_counter()

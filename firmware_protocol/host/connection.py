@@ -381,7 +381,6 @@ class HostConnection:
         self.counters.sessions += 1
 
     def _drop_session(self) -> None:
-        """Give up orders in flight; the robot stops, and only a new start moves it."""
         ended = self._out.commands.give_up()
         if ended is not None:
             self._events.append(ended)

@@ -103,7 +103,6 @@ def find_pieces(pieces):
 
 @njit(**OWNING, error_model="numpy")
 def _flatten(new):
-    """Owner, border, is_hole and reversed of the new rows, for :func:`join_primitives`."""
     borders = new.borders
     n = len(new.rows)
     owner, border = np.empty(n, np.int32), np.empty(n, np.int32)
@@ -147,7 +146,6 @@ def change_borders(kept, objects, old, old_boxes, new, no_length, joint, disc, s
         elif j < len(object_boxes):
             touched[n] = object_boxes[j]
             n += 1
-    # trailing objects without pieces have no boxes
     for o in range(min(objects, len(old_boxes))):
         if not stays[o]:
             touched[n] = old_boxes[o]
@@ -228,7 +226,6 @@ def patch_borders(kept, objects, old, came, fresh):
 
 @njit(**LEAF)
 def _renumber(label, old, out):
-    """Copy the joins of the ``old`` pieces to their places in ``label``; skip -1."""
     following, preceding, before, after = old.following, old.preceding, old.before, old.after
     k = len(out.solid)
     for i in range(len(old.solid)):

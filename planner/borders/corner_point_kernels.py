@@ -116,7 +116,6 @@ def link_borders(kind, data, border, is_hole, backwards, tolerance):
 
 @njit(**OWNING)
 def _crosses_itself(kind, data, first, last):
-    """True if two non-adjacent sides of a closed border meet. O(n log n) for most borders."""
     n = last + 1 - first
     if n < 4:
         return False

@@ -43,7 +43,7 @@ def _is_shown(x, y, disc):
 
 @njit(**LEAF)
 def _shown_straight(data, i, disc):
-    """Part of segment i in the disc: from, to; from > to if there is none."""
+    """Part of segment i in the disc: from > to if there is none."""
     ax, ay = data[i, 0], data[i, 1]
     dx, dy = data[i, 2] - ax, data[i, 3] - ay
     dd = max(dx * dx + dy * dy, LEAST)
@@ -92,7 +92,6 @@ def _steps(kind, data, i, spacing, at_start, at_end):
 
 @njit(**BORROWING)
 def _shown_steps(kind, data, backwards, i, disc, lap, steps):
-    """First of the ``steps`` of piece i in the disc, and the one after the last."""
     count, lead, step, length = steps
     if kind[i] == SEGMENT:
         first, last = _shown_straight(data, i, disc) if lap == 0 else (1.0, 0.0)
@@ -118,7 +117,6 @@ def count_generators(kind, data, backwards, disc, spacing):
             return np.nan
         if kind[i] == POINT:
             continue
-        # corner points may shift the first and last step by one
         steps = _steps(kind, data, i, spacing, False, False)
         if not steps[0] <= MOST_STEPS:
             return np.nan if np.isnan(steps[0]) else np.inf

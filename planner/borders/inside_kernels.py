@@ -69,7 +69,6 @@ def _closed_runs(pieces):
 
 @njit(**OWNING)
 def _in_order(kind, data, runs, objects):
-    """Sort the runs object by object, both by their boxes' place in the plane."""
     m = len(runs)
     boxes, around = np.empty((m, 4)), np.empty((objects, 4))
     around[:, :2], around[:, 2:] = np.inf, -np.inf
@@ -127,7 +126,6 @@ def index_closed(pieces):
 
 @njit(**OWNING)
 def _fill_boxes(pieces, order, level, blocks):
-    """Write the box of every block, smallest first."""
     for p in range(len(order)):
         box_of(pieces.kind, pieces.data, np.int64(order[p]), blocks[p])
     top = len(level) - 2

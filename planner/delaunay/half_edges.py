@@ -96,7 +96,6 @@ def _require(holds: bool | np.bool_, message: str) -> None:
 
 
 def _check_links(d: HalfEdges, simple: bool = True) -> None:
-    """Check indices, twins and cycles; `simple`: two cells share one edge only."""
     n, m, h = len(d.sites), len(d.vertices), len(d.origin)
     e = np.arange(h)
     _require(h % 2 == 0, f"{h} half-edges: must be even")
@@ -132,7 +131,6 @@ def _check_links(d: HalfEdges, simple: bool = True) -> None:
 
 
 def _check_cycles(d: HalfEdges) -> None:
-    """Check that each cell is one cycle, and Euler's formula with infinity as a vertex."""
     cells = np.flatnonzero(d.representative == np.arange(len(d.sites)))
     label, jump = np.arange(len(d.next)), d.next.astype(np.int64)
     for _ in range(max(len(d.next), 1).bit_length()):
@@ -168,7 +166,6 @@ def read_sites(sites: NDArray[np.float64], exponent: int) -> NDArray[np.float64]
 
 
 def _check_vertices(d: HalfEdges) -> None:
-    """Check that each vertex is equidistant to its sites."""
     sites, vertices = _unit(d)
     distance = np.hypot(*np.moveaxis(sites[d.vertex_sites] - vertices[:, None], 2, 0))
     spread = distance.max(axis=1, initial=0.0) - distance.min(axis=1, initial=np.inf)
@@ -190,7 +187,6 @@ def _check_cover(d: HalfEdges) -> None:
 
 
 def _check_convex(d: HalfEdges) -> None:
-    """Check that each cell's finite edges turn left, within the vertices' accuracy."""
     _, vertices = _unit(d)
     h = len(d.origin)
     e = np.arange(h)

@@ -248,7 +248,6 @@ def _grow_removed(w, xy, ghost, tri, circ, t, p, space):
             depth += 1
             e = t + next_side(k)
             continue
-        # a rim's site is the end of the kept half-edge
         rim_site[n_rim] = tri[t + previous_side(k)]
         rim[n_rim] = o
         n_rim += 1

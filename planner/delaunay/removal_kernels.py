@@ -55,7 +55,6 @@ def _find_ear(w, xy, ring, m, circle):
                 square = (qx - x) * (qx - x) + (qy - y) * (qy - y)
                 if square > high:
                     continue
-                # decide NaN, and anything in the band, exactly
                 if square < low or in_circle(w, ax, ay, bx, by, cx, cy, qx, qy) > 0:
                     is_empty = False
                     break
@@ -81,7 +80,6 @@ def _place(tri, at, s, a, b, c, outer_a, outer_b, outer_c):
 
 @njit(**LEAF)
 def _move(tri, circ, at, old, new):
-    """Move the triangle in slot ``old`` to slot ``new``."""
     for k in range(3):
         site, o = np.int64(tri[old + k]), np.int64(tri[old + 4 + k])
         tri[new + k], tri[new + 4 + k] = site, o

@@ -111,7 +111,7 @@ def _compute(points: NDArray[np.float64], linked: bool) -> Arrays:
 
 
 def _on_one_line(points: NDArray[np.float64]) -> Arrays:
-    """Diagram of sites on one line: parallel edges from infinity to infinity."""
+    """Parallel edges from infinity to infinity."""
     n = len(points)
     exponent = int(np.frexp(np.abs(points).max(initial=0.0))[1])
     scaled = read_sites(points, exponent)

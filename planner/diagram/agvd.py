@@ -168,7 +168,6 @@ def mesh_chains(mesh: Mesh, borders: Borders, spacing: float) -> Chains:
 
 
 def _measured(borders: Borders, bent: Bent, ends: IntArray, node_xy: FloatArray) -> Chains:
-    """Measure the chains, and a single-point chain for every centre that lies on none."""
     points, pieces, first, proved = bent
     lonely: FloatArray = kernels.lonely_centres(
         borders.pieces, borders.tree, borders.closed, borders.box, points, 1e-7 * borders.extent

@@ -173,7 +173,6 @@ def _tangents_meet(kind, data, left, right, ax, ay, bx, by):
 
 @njit(**LEAF)
 def _keeps(tree, ax, ay, bx, by, need):
-    """True if the straight line from a to b stays ``need`` away from all borders."""
     _, _, which = segment_clearance(tree, ax, ay, bx, by, need)
     return which < 0
 

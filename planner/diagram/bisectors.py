@@ -77,7 +77,6 @@ def edge_curve(borders: Borders, pieces: Sequence[Piece], flatness: float) -> Fl
 
 
 def _curve(borders: Borders, left: int, right: int, at: FloatArray) -> Curve:
-    """Curve of the bisector of two pieces, seen from a place on it."""
     round_left, round_right = _radius(borders, left, at), _radius(borders, right, at)
     if round_left is None and round_right is None:
         return "line"

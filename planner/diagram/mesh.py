@@ -110,7 +110,7 @@ def make_mesh(generators: Generators) -> Mesh | None:
     if n < 3:
         return None
     if not np.isfinite(generators.sites).all():
-        raise ValueError("generators: must be finite")  # the kernel would write out of bounds
+        raise ValueError("generators: must be finite")
     traced, bent = no_chains()
     status, order, xy, tri, circ, alias, exponent, _ = insertion_kernels.triangulate(
         generators.sites, room

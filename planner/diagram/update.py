@@ -111,7 +111,6 @@ def _mark(item: SceneObject) -> Hashable:
 
 
 def _first_other(old: Sequence[SceneObject], new: Sequence[SceneObject]) -> int:
-    """Number of objects at the beginning of both that share records and holes."""
     n = 0
     for a, b in zip(old, new, strict=False):
         if a is not b and not (a.records is b.records and a.holes is b.holes):
@@ -130,7 +129,6 @@ def _flatten(scene: Scene, came: list[int]) -> NewBorders:
 
 
 def _fits_memory(agvd: Agvd, new: NewBorders) -> bool:
-    """True if there is memory for the new borders' generators."""
     backwards, disc = np.zeros(len(new.kind), np.bool_), disc_around(agvd.borders, agvd.spacing)
     backwards[new.turned] = True
     most = count_generators(new.kind, new.rows, backwards, disc, agvd.spacing)
@@ -140,7 +138,6 @@ def _fits_memory(agvd: Agvd, new: NewBorders) -> bool:
 def _change_borders(
     agvd: Agvd, old_objects: int, kept: list[int], new: NewBorders
 ) -> tuple[Borders, IntArray, FloatArray, IntArray, FloatArray]:
-    """The scene's borders, and the other results of :func:`border_kernels.change_borders`."""
     old = agvd.borders
     pieces, found, *rest = border_kernels.change_borders(
         np.array(kept, np.int64), old_objects, old.pieces, old.object_boxes, new,

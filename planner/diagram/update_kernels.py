@@ -29,7 +29,6 @@ def _reaches(boxes, b, x, y, r):
 
 @njit(**LEAF)
 def _mark_inside(boxes, at, inside):
-    """Set in ``inside`` (n,) the places ``at`` (n, 2) that are in one of the boxes."""
     for b in range(len(boxes)):
         x0, y0, x1, y1 = boxes[b, 0], boxes[b, 1], boxes[b, 2], boxes[b, 3]
         for i in range(len(at)):
@@ -178,7 +177,6 @@ def unlink(boxes, new_label, sites, triangles, traced, bent):
     )
     new_pieces = np.empty_like(pieces)
     for p in range(len(pieces)):
-        # -1 where a chain ends stays -1
         new_pieces[p, 0] = new_label[pieces[p, 0]]
         new_pieces[p, 1] = new_label[pieces[p, 1]]
     return gone[:n_gone], quiet[:n_quiet], heirs[:n_heirs], new_pieces, proved

@@ -104,7 +104,6 @@ def _is_corner(kind, data, a, b, x, y, relevant, tolerance):
 
 @njit(**LEAF, forceinline=True)
 def _meeting(pieces, a, b, c, x, y, tolerances):
-    """Place equally far from three pieces, and not by one corner of two: x, y, found."""
     kind, data, half, tolerance = pieces.kind, pieces.data, tolerances.half, tolerances.equal
     reach = 4.0 * half + distance(kind, data, a, x, y)
     qx, qy, found = meet_three(kind, data, a, b, c, x, y, reach, tolerance)

@@ -1,8 +1,8 @@
 """The pixels that are obstacle, with the method and the reason.
 
 Rules and units
-- Grey values are 0 .. 255, obstacles dark, after ``as_grey``: 16 bits are scaled by the brightest
-  pixel, and light obstacles are turned into dark ones.
+- Grey values are 0 .. 255, obstacles dark: 16 bits are scaled by the brightest pixel, light
+  obstacles turned into dark ones.
 - A pixel below the level is obstacle.
 - Methods: ``otsu`` (one level, from the histogram), ``fixed`` (the caller's), ``adaptive`` (the
   mean of the neighbourhood), ``background`` (division by a fitted surface of the light).
@@ -84,7 +84,7 @@ def binarise(
     ``threshold`` (0 .. 255, or 0 .. 65535 for 16 bits) is the level of method ``fixed``: dark
     obstacles lie below it, light ones not. Pixels of ``ignore`` (h, w) are always free. ``room``
     holds the mask, which is valid until ``room`` is used again. Raises ``PictureError`` if no pixel
-    is free or an option is wrong. O(pixels).
+    is free or an option is wrong.
     """
     if method not in METHODS:
         raise PictureError(f"method {method!r}: must be one of {', '.join(METHODS)}")
@@ -112,7 +112,6 @@ def binarise(
         width = grey.shape[1]
         binary.mask[1:-1, 1 : width + 1][ignore] = 0
         binary = replace(binary, by_level=False)
-    # a free pixel in the first row saves the rest
     first_row = binary.inside[0]
     if first_row[0] and first_row.all() and cv2.countNonZero(binary.mask) == grey.size:
         raise PictureError(
@@ -195,7 +194,6 @@ def _by_otsu(look: GreyPicture, classes: Classes | None, side: Literal["dark", "
 
 def _auto(look: GreyPicture, classes: Classes | None, side: Literal["dark", "light"]) -> Binary:
     if classes is not None and look.fine is not None:
-        # such structure has no plateaus, by which edges are judged
         return _fine(look, classes, side)
     too_fine = unresolved_structure(look, classes, side)
     if too_fine is not None:
@@ -220,7 +218,6 @@ def _auto(look: GreyPicture, classes: Classes | None, side: Literal["dark", "lig
     support = Support(look, side, even=even is not None)
     best, across = support.best_level(look.counts, even)
     if across < FEWEST:
-        # a sample may miss pixels this rare
         support = Support(look, side, 2 * look.grey.size, even is not None)
         best, _ = support.best_level(look.counts, even)
     why = f"uneven light: free pixels spread by {spread:.0f} grey levels"
@@ -249,7 +246,6 @@ def _even(look: GreyPicture, classes: Classes, side: Literal["dark", "light"]) -
 
 
 def _fine(look: GreyPicture, classes: Classes, side: Literal["dark", "light"]) -> Binary:
-    """Binarise walls of a few pixels, at a level that noise rarely crosses."""
     if SIGMAS * look.noise <= 0.5 * classes.contrast:
         return _even(look, classes, side)
     level = classes.level + look.noise
@@ -292,7 +288,6 @@ def _unresolved(look: GreyPicture, side: Literal["dark", "light"], found: Unreso
         f"{found.spread:.0f} levels from pixel to pixel, more than noise does, so that all of it "
         "counts as obstacle; focus the camera, bring it closer, use more pixels, or more light"
     )
-    # not a method whose level may be applied to part of a later picture
     how = Binarisation("unresolved", _shown(found.level, side), side, why)
     margin = found.level - found.middle
     binary = black_and_white(
@@ -330,7 +325,6 @@ def _adaptive(look: GreyPicture, classes: Classes | None, side: Literal["dark", 
 
 
 def _best_divided(look: GreyPicture, side: Literal["dark", "light"]) -> Binary:
-    """Picture divided by the light, at the level with the better edges."""
     found = _divided(look, side, "asked for")
     if len(found) == 1:
         return found[0]

@@ -1,7 +1,7 @@
 """Histogram and noise of a picture's grey values, from a sample.
 
-Grey values are 0 .. 255, integer or floating point. At most about ``SAMPLE`` evenly spread pixels
-are read; for the noise, ``SAMPLED`` rows and columns.
+Grey values are 0 .. 255, integer or floating point. About ``SAMPLE`` evenly spread pixels are read;
+for the noise, ``SAMPLED`` rows and columns.
 """
 
 # mypy: allow-untyped-defs
@@ -55,7 +55,7 @@ def sampled_histogram(grey):
 
 @njit(**LEAF)
 def sample_steps(height, width):
-    """Step in rows and in columns between sampled pixels."""
+    """Steps in rows and columns between sampled pixels."""
     step = max(1, height * width // SAMPLE)
     rows = 1
     while rows * rows < step:
@@ -65,11 +65,10 @@ def sample_steps(height, width):
 
 @njit(**LEAF)
 def count_greys(line, columns, counters):
-    """Add every ``columns``-th pixel of a line to the counters (4, 256)."""
+    """Add every ``columns``-th pixel to the counters (4, 256)."""
     # 0 for integers
     half = line.dtype.type(0.5)
     first, second, third, fourth = counters
-    # unsigned, so that no index counts from the end
     step = np.uint64(columns)
     end = np.uint64(line.shape[0])
     together = np.uint64(max(0, line.shape[0] - 3 * columns))
@@ -154,7 +153,6 @@ def noise_sigma(grey):
 
 @njit(**LEAF)
 def _count_row(grey, y, columns, counters):
-    """Count second differences at every ``columns``-th pixel of a row, and mirrored."""
     height, width = grey.shape
     here = grey[y]
     total = 0
@@ -194,7 +192,7 @@ def count_bends(before, here, behind, first, step, length, counters):
 def steepest_level(grey, least):
     """Mean grey value at the steepest steps, or -1 if no step reaches ``least`` grey levels.
 
-    A symmetric edge is steepest half-way. The third power of a step is its weight.
+    A step weighs by its third power.
     """
     height, width = grey.shape
     rows, _ = sample_steps(height, width)
@@ -287,7 +285,6 @@ def split_histogram(histogram, noise, least):
     ``(found, dark, light, light_spread, dark_share)``: the classes' medians, the light one's
     quartile distance as a normal distribution's sigma, and the dark one's share.
     """
-    # of darker pixels: number, and sums of values and of squares
     sums = np.zeros((257, 3))
     for v in range(256):
         n = np.float64(histogram[v])
@@ -343,7 +340,6 @@ def split_histogram(histogram, noise, least):
 
 @njit(**OWNING)
 def _quantile(histogram, first, last, share):
-    """Grey value in first .. last - 1 below which ``share`` of the pixels lie."""
     total = 0.0
     for v in range(first, last):
         total += histogram[v]

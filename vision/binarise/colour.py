@@ -1,8 +1,7 @@
 """Obstacles that differ from the floor in colour, though not in grey.
 
 Rules and units
-- A grey picture hides red on green of the same grey. A pixel is obstacle if any channel differs
-  from the floor to the obstacles' side.
+- A pixel is obstacle if any channel differs from the floor to the obstacles' side.
 - The floor's colour is the most frequent one. Light multiplies all channels alike, so a shadow is a
   multiple of the floor's colour.
 - Each pixel counts by its channel farthest from the floor; edges are measured in that picture.
@@ -132,7 +131,7 @@ class _Colours:
 
 
 def _most_frequent(sample: NDArray[np.uint8]) -> NDArray[np.float64]:
-    """Median colour (3,) of pixels near the middle of the fullest bin."""
+    """Median colour (3,) near the middle of the fullest bin."""
     channels = [np.ascontiguousarray(sample[:, :, c]).ravel() for c in range(3)]
     parts = [channel // BIN for channel in channels]
     bins = parts[0] + np.int32(16) * parts[1] + np.int32(256) * parts[2]
@@ -151,8 +150,8 @@ def _most_frequent(sample: NDArray[np.uint8]) -> NDArray[np.float64]:
 def _unexplained(
     sample: NDArray[np.uint8], floor: NDArray[np.float64]
 ) -> tuple[NDArray[np.bool_], NDArray[np.bool_]]:
-    """Masks (h, w) of pixels that light on the floor does not explain: too dark, and too light."""
-    # one channel at a time: sums over an axis of three are slow
+    """Masks (h, w) of pixels too dark and too light for light on the floor."""
+    # one channel at a time, which is faster
     values = [sample[:, :, c].astype(np.float32) for c in range(3)]
     light = [np.float32(value) for value in floor]
     ratios = [(v + 1.0) * (1.0 / (f + 1.0)) for v, f in zip(values, light, strict=True)]

@@ -4,8 +4,8 @@ Rules and units
 - Grey values are 0 .. 255: 16 bits are scaled by the brightest pixel; transparent is white. Noise
   is its standard deviation.
 - A pixel below the level is obstacle.
-- Where noise alone could cross the level, a smoothed picture is compared, and small dots are added
-  by their depth; not where that would delete walls of a few pixels (``vision.binarise.humps``).
+- Where noise alone could cross the level, a smoothed picture is compared and small dots are added
+  by their depth, unless that would delete thin walls (``vision.binarise.humps``).
 """
 
 from __future__ import annotations
@@ -100,7 +100,7 @@ class GreyPicture:
         return humps if deletes(humps, self.counts_after(BINOMIAL)) else None
 
     def calming(self, noise: float | None = None) -> Calming:
-        """Smoothing after which ``noise``, or the picture's own, hardly crosses a level.
+        """Smoothing for ``noise``, or the picture's own.
 
         ``NO_CALMING`` if it would delete fine structure.
         """
@@ -217,7 +217,6 @@ def black_and_white(
     safe = [one for one in CALMINGS if SIGMAS * strongest * one.left <= margin]
     calming = safe[0] if safe else CALMINGS[-1]
     if look.fine is not None and calming is not NO_CALMING:
-        # crossings of noise stay obstacles: none is taken for a speck
         remarks = (
             f"walls or ways of a few pixels at a contrast of {contrast:.0f}: the picture was not "
             "smoothed, which would delete them, and single pixels of noise may be obstacles",
@@ -288,7 +287,7 @@ def as_grey(image: NDArray[Any] | Sequence[Any]) -> NDArray[Any]:
 
 
 def read_only(grey: NDArray[Any]) -> NDArray[Any]:
-    """The same picture, contiguous and read-only: writable arrays would recompile kernels."""
+    """The picture, contiguous and read-only: writable arrays would recompile kernels."""
     shown = np.ascontiguousarray(grey).view()
     shown.setflags(write=False)
     return shown

@@ -1,7 +1,6 @@
 """Two humps of a picture's histogram distinguish fine structure from noise.
 
-Noise has one hump. Walls and ways of a few pixels have two; smoothing merges these and deletes the
-walls.
+Noise has one. Walls and ways of a few pixels have two, which smoothing merges.
 """
 
 from __future__ import annotations

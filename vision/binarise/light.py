@@ -1,7 +1,6 @@
 """Light on the ground, as a surface over the picture.
 
-Local light is measured in a thumbnail of one pixel for ``REACH`` of the picture's: light has no
-sharper edges.
+Local light is measured in a thumbnail, one pixel for ``REACH``: light has no sharper edges.
 """
 
 from __future__ import annotations
@@ -41,7 +40,6 @@ def light_surface(
     surface = values
     far = 0.75 if side == "dark" else 1.0 / 0.75
     for round_ in range(16):
-        # six equations, not one per pixel; a picture one pixel wide leaves some unknown
         weighted = terms.T * weights
         surface = terms @ np.linalg.lstsq(weighted @ terms, weighted @ values, rcond=None)[0]
         weights = np.where(values > surface, 1.0, 0.03)

@@ -3,14 +3,12 @@
 Rules and units
 - Grey values are integers, 0 .. 255, smoothed by the binomial of 5 x 5 pixels; its weights add up
   to 256, and the sums fit in 16 bits.
-- Beyond its edge the picture is mirrored without repeating the edge pixels.
-- Work is done row by row, in two rows of memory.
+- Beyond its edge the picture is mirrored without repeating the edge pixels. -
 - A pixel below the level before smoothing belongs to a dot if it is darker than its surroundings by
   ``SIGMAS`` standard deviations of the noise, alone or smoothed by the binomial of 5 x 5 pixels:
-  two matched filters, for one pixel and for about four. Less than one in a thousand pictures of 640
-  x 480 has a false dot.
-- Pixels next to something large, its edge, are left to the smoothed picture; so are pieces of a
-  line, as dark on two opposite sides.
+  matched filters for one pixel and for about four. Less than one in a thousand pictures of 640 x
+  480 has a false dot.
+- Pixels next to something large, and pieces of a line, are left to the smoothed picture.
 """
 
 # mypy: allow-untyped-defs
@@ -77,7 +75,7 @@ def sum_limit(bound):
 
 @njit(**LEAF)
 def _mirrored(i, count):
-    """Mirror an index up to two beyond the edge into 0 .. count - 1."""
+    """Mirror an index up to two beyond the edge."""
     if count == 1:
         return 0
     i = abs(i)
@@ -116,7 +114,6 @@ def _weigh(a, b, c, d, e, sums):
 
 @njit(**LEAF)
 def _divide(sums, line):
-    """Round a row's sums to smoothed grey values."""
     width = line.shape[0]
     a, b, c = sums[:width], sums[1 : width + 1], sums[2 : width + 2]
     d, e = sums[3 : width + 3], sums[4 : width + 4]
@@ -182,7 +179,6 @@ def dots_left_out(grey, level, mask):
 
 @njit(**LEAF)
 def _list(left_out, first, places, count):
-    """Append a row's left-out pixels to the places; return the new count."""
     words = left_out.view(np.uint64)
     for block in range(0, words.shape[0], AT_A_TIME // 8):
         if not _any(words[block : block + AT_A_TIME // 8]):
@@ -205,7 +201,6 @@ def mark_dots(grey, noise, places, mask):
         if _is_dot(grey, mask, place // width, place % width, noise):
             places[dots] = place
             dots += 1
-    # only now: a dot's pixels must not count as something large
     for i in range(dots):
         mask[places[i] // width + 1, places[i] % width + 1] = 1
     return dots
@@ -269,7 +264,6 @@ def _is_on_a_line(grey, y, x, ground, depth):
 
 @njit(**LEAF)
 def _is_next_to_large(mask, y, x, height, width):
-    """True if more is marked around a pixel than a dot could have."""
     # most candidates lie on an edge: look across it first
     middle = NEAR // 2
     if y >= NEAR and mask[y + 1 - middle, x + 1] & mask[y + 1 - NEAR, x + 1]:
@@ -289,7 +283,6 @@ def _is_next_to_large(mask, y, x, height, width):
 
 @njit(**LEAF)
 def _smoothed(grey, y, x):
-    """Smoothed grey value at a pixel; the edge pixels repeat outside."""
     height, width = grey.shape
     total = 0.0
     for i in range(-2, 3):

@@ -4,8 +4,8 @@ Rules and units
 - Grey values are 0 .. 255, obstacles dark. Walls and ways narrower than a lens's blur merge into a
   floor-like grey with a twentieth of their contrast.
 - White noise is as strong between neighbours as between distant pixels. Blurred structure differs
-  little between neighbours (``BEYOND_NOISE``), but as much from the next pixel but one as from
-  farther ones (``FULL_APART``). Light, blots and larger edges differ more with the distance.
+  little between neighbours (``BEYOND_NOISE``), but as much over two pixels as over more
+  (``FULL_APART``); light and larger edges differ more with the distance.
 - A floor's own texture is fine too, but has less of the light (``LEAST_SHARE``).
 """
 
@@ -62,8 +62,7 @@ def unresolved_structure(
 ) -> Unresolved | None:
     """Structure too fine for the picture, in the class of most of its pixels.
 
-    None if it is not in most places, or is no more than a floor's texture. O(pixels) if grey
-    spreads more than noise, else O(1).
+    None if it is not in most places, or is no more than a floor's texture.
     """
     ground = _Ground.of(look, classes)
     light = ground.middle if side == "dark" else 255.0 - ground.middle
@@ -105,7 +104,6 @@ class _Ground(NamedTuple):
             else:
                 spread = classes.light_spread
                 left = look.noise * look.calming().left
-                # measured through smoothing, which leaves little fine structure
                 if spread**2 > look.noise**2 + (HINT * left) ** 2 and left < look.noise:
                     spread = grey_spread(counts[math.ceil(level) :])
                 ground = cls(level, ALL, classes.light, spread, contrast)
@@ -133,7 +131,7 @@ def change_over(grey: NDArray[Any], seen: NDArray[np.bool_], apart: int) -> floa
 
 
 def _bends(lines: NDArray[Any], seen: NDArray[np.bool_], apart: int) -> NDArray[np.float32]:
-    """Absolute second differences along lines, over ``apart`` pixels around each seen one."""
+    """Absolute second differences along lines, over ``apart`` pixels."""
     if lines.shape[1] <= 2 * apart:
         return np.empty(0, np.float32)
     shown = lines.astype(np.float32)

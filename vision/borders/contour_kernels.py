@@ -2,11 +2,10 @@
 
 Rules and units
 - The mask has one free pixel of margin on every side and rows of a multiple of eight bytes: 1 is
-  obstacle, 0 free. Returned coordinates are the picture's own (margin taken off).
+  obstacle, 0 free. Returned coordinates are without it.
 - A crack is the side of an obstacle pixel that faces a free pixel. A border is the closed sequence
   of cracks around one component (clockwise on the screen) or one hole (counter-clockwise): the
-  obstacle is always on the right. Obstacles are 8-connected, free space is 4-connected. Their
-  pixels in order, without repetition, are the clockwise 8-connected contour.
+  obstacle is always on the right. Obstacles are 8-connected, free space is 4-connected.
 - A crack's direction is that of the walk: 0 east (the free pixel lies north), 1 south (it lies
   east), 2 west (south), 3 north (west).
 - The search is O(pixels / 8), the rest O(border).
@@ -119,7 +118,6 @@ def _walk(flat, start, x, y, tables, xs, ys, directions, count):
     """Walk one border: ``(end of its cracks, area)``, or -1 if the arrays are too short."""
     move, to_left, to_front, step_x, step_y, turn, seen, area_of_x, begin_left, begin_front = tables
     room = xs.shape[0]
-    # unsigned: no index counts from the end
     at = np.uint64(start)
     begin = at
     left_at = at + begin_left
@@ -231,7 +229,7 @@ def hole_owners(mask, xs, ys, directions, starts, areas):
 
 @njit(**OWNING)
 def _ask_for_owners(mask, xs, ys, starts, areas, keys):
-    """Find for every hole the west crack whose border owns it; fill the table of ``keys``."""
+    """Fill the table of ``keys``: for every hole the west crack whose border owns it."""
     borders = areas.shape[0]
     size = keys.shape[0]
     asked = np.full(borders, -1, np.int64)
@@ -256,7 +254,6 @@ def _ask_for_owners(mask, xs, ys, starts, areas, keys):
 
 @njit(**OWNING)
 def _walked_by(stride, xs, ys, directions, starts, keys):
-    """Find the border that walks each west crack in the table of ``keys``."""
     size = keys.shape[0]
     found = np.full(size, -1, np.int64)
     for b in range(starts.shape[0] - 1):
@@ -275,7 +272,7 @@ def _walked_by(stride, xs, ys, directions, starts, keys):
 
 @njit(**LEAF)
 def count_contour_pixels(xs, ys, starts):
-    """Number of pixels of ``contour_pixels``, except a turn at a border's very end."""
+    """Number of ``contour_pixels``, except a turn at a border's very end."""
     count = 0
     for b in range(starts.shape[0] - 1):
         first = starts[b]
@@ -290,9 +287,10 @@ def count_contour_pixels(xs, ys, starts):
 
 @njit(**OWNING)
 def contour_pixels(xs, ys, starts):
-    """The 8-connected contours: every border's pixels without immediate repetition.
+    """The 8-connected contours ``(x, y, starts)``: every border's pixels without immediate
+    repetition.
 
-    Returns ``(x, y, starts)``; pixels repeat where the object is one pixel wide.
+    Pixels repeat where the object is one pixel wide.
     """
     borders = starts.shape[0] - 1
     out_x = np.empty(xs.shape[0], np.int32)

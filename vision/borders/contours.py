@@ -115,7 +115,7 @@ def follow_borders(mask: NDArray[np.uint8], room: Room | None = None) -> Contour
     """Follow every border of a padded mask (see ``vision.binarise.grey_picture.Binary``).
 
     The mask is marked meanwhile and restored afterwards. With a ``room`` the borders are valid
-    until its next use. O(pixels / 8) to find them and O(border) to follow them.
+    until its next use.
     """
     room = Room() if room is None else room
     likely = max(4096, mask.size // 16)
@@ -130,7 +130,7 @@ def follow_borders(mask: NDArray[np.uint8], room: Room | None = None) -> Contour
 
 
 def locate_edges(binary: Binary, borders: Contours, room: Room | None = None) -> EdgePoints:
-    """Sub-pixel edge points of every border. O(border).
+    """Sub-pixel edge points of every border.
 
     With a ``room`` they are valid until its next use.
     """

@@ -2,17 +2,14 @@
 
 Rules and units
 - Pixel coordinates, pixel centres at integers, y down; grey values as floats.
-- A crack contributes where the border runs more along it than across it. That leaves one point a
-  row or column, and the profile meets the edge at 45 degrees or more.
-- The profile across the crack is smoothed along itself (Gaussian, sigma 1 px). That suits noise,
-  and makes interpolation through the normal distribution's inverse exact to a few thousandths of a
-  pixel.
+- A crack contributes where the border runs more along it than across it: one point a row or column,
+  and the profile meets the edge at 45 degrees or more.
+- The profile across the crack is smoothed along itself (Gaussian, sigma 1 px). Interpolation
+  through the normal distribution's inverse is then exact to a few thousandths of a pixel.
 - The half level is that of both plateaus beside the edge, averaged along the border: neither
   darkness nor uneven light moves the edge.
 - In walls or gaps too narrow for a plateau, nothing beyond the middle is read: the light is not
-  smoothed, and the given level counts unless the plateau's visible part shows another.
-- A border's profiles are gathered into rows of ``work``, a column a crack, and processed several
-  cracks at once.
+  smoothed, and the given level counts unless the plateau's visible part shows another. -
 """
 
 # mypy: allow-untyped-defs
@@ -171,7 +168,6 @@ def _probit(w):
 
 @njit(**LEAF, forceinline=True)
 def _place(grey, level, xs, ys, directions, n, work, totals, points, count):
-    """Write the points of the chosen cracks; return the next point's number."""
     for i in range(n):
         nx, ny = out(np.int64(directions[i]))
         t = work.crossing[i]
@@ -218,7 +214,6 @@ def _crossing_narrow(level, i, work):
     dark = work.dark_level[i]
     light = work.light_level[i]
     half = 0.5 * (light + dark)
-    # the missing part of a plateau lies beyond the visible one
     lowest = half - (UNREACHED * (light - dark) if work.wall[i] > 0.0 else 0.0)
     highest = half + (UNREACHED * (light - dark) if work.gap[i] > 0.0 else 0.0)
     if lowest <= level <= highest:
@@ -257,7 +252,6 @@ def find_plateaus(n, work, sums):
     reach = min(STRETCH, (n - 1) // 2)
     dark = PlateauRows(work.dark, work.dark_level, sums[0], sums[1], sums[3])
     light = PlateauRows(work.light, work.light_level, sums[2], sums[3], sums[1])
-    # at first no plateau is too light or too dark
     dark.level[:n] = np.inf
     light.level[:n] = -np.inf
     for _ in range(2):

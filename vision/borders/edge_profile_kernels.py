@@ -113,7 +113,6 @@ def look_at_mask(mask, width, xs, ys, directions, n, clear):
         y = np.int64(ys[i])
         if 5 <= x < width - 5 and 5 <= y < height - 5:
             nx, ny = out(np.int64(directions[i]))
-            # unsigned: no index counts from the end
             across = np.uint64(ny * stride + nx)
             here = np.uint64((y + 1) * stride + x + 1)
             dark = flat[here - across] & flat[here - across - across]
@@ -134,7 +133,6 @@ def gather(grey, mask, xs, ys, directions, n, work, places):
         x = np.int64(xs[i])
         y = np.int64(ys[i])
         if 5 <= x < width - 5 and 5 <= y < height - 5:
-            # unsigned: no index counts from the end
             at = np.uint64(places[0, i])
             step = np.uint64(places[1, i])
             there = at
@@ -158,7 +156,6 @@ def gather(grey, mask, xs, ys, directions, n, work, places):
 
 @njit(**LEAF)
 def _is_clear(mask, x, y, nx, ny, width, height):
-    """True if three obstacle pixels lie on one side and three free ones on the other."""
     for k in range(1, 3):
         px = x - k * nx
         py = y - k * ny
@@ -178,7 +175,6 @@ def _is_clear(mask, x, y, nx, ny, width, height):
 def look_along(directions, n, work):
     """Mark cracks that give a point, and slanted parts of the border."""
     for i in range(n):
-        # twice the distance between the cracks' middles
         dx = abs(work.middle_x[i + 2 * REACH] - work.middle_x[i])
         dy = abs(work.middle_y[i + 2 * REACH] - work.middle_y[i])
         upright = directions[i] & 1 == 1

@@ -3,9 +3,9 @@
 Rules and units
 - Pixels, centres at integers. A drawing without grey keeps its pixels' steps in spite of later blur
   where they are longer: its border lies up to half a pixel off the drawing.
-- Where points follow each other a column (or a row) apart, a parabola through a stretch of them
-  predicts the middle one. A border drawn between pixels stays on it; one rounded to pixels follows
-  the rounded parabola, blurred. Squares decide.
+- A parabola through a stretch of points a column (or a row) apart predicts the middle one. A border
+  drawn between pixels stays on it; one rounded to pixels follows the rounded parabola, blurred.
+  Squares decide.
 - Noise favours neither: a stretch that rises by a pixel meets every phase of the staircase alike. A
   stretch that rises less is not evaluated.
 """
@@ -122,7 +122,6 @@ def _course(border, axis, begin, most):
 
 @njit(**SUMS)
 def _compare(work, count, taps, reach):
-    """Sums of ``follow_staircase`` over one course, in the first row of ``work``."""
     course = work[0]
     smooth = work[1]
     rounded = work[2]
@@ -130,7 +129,6 @@ def _compare(work, count, taps, reach):
     width = int(NARROW * (count / COURSE) ** WIDER)
     width = min(max(width, NARROWEST), WIDEST)
     size = 2 * width + 1
-    # value in the middle of a fitted parabola: a sum of weights a - b j^2
     second = width * (width + 1.0) * size / 3.0
     fourth = second * (3.0 * width * width + 3.0 * width - 1.0) / 5.0
     scale = 1.0 / (size * fourth - second * second)

@@ -128,7 +128,7 @@ def _find_chessboard(grey: Image, spec: BoardSpec) -> tuple[FloatArray, FloatArr
     grid = np.asarray(corners, dtype=np.float64).reshape(rows, columns, 2)
     along, down = grid[0, -1] - grid[0, 0], grid[-1, 0] - grid[0, 0]
     if along[0] * down[1] - along[1] * down[0] < 0.0:
-        grid = grid[::-1]  # face up: rows run clockwise from columns
+        grid = grid[::-1]
     if _first_square_is_light(grey, grid):
         grid = grid[::-1, ::-1]
     return grid.reshape(-1, 2), _board_points(columns, rows, spec.square_m)
@@ -158,7 +158,7 @@ def _find_charuco(grey: Image, spec: BoardSpec) -> tuple[FloatArray, FloatArray]
         board = cv2.aruco.CharucoBoard((spec.columns, spec.rows), spec.square_m, marker_m, book)
         board.setLegacyPattern(legacy)
         corners, ids, *_ = cv2.aruco.CharucoDetector(board).detectBoard(grey)
-        seen: object = ids  # None if nothing was found, despite the stubs
+        seen: object = ids
         if seen is None:
             continue
         if best is None or len(ids) > len(best[0]):
@@ -255,7 +255,6 @@ def refuse_part(pictures: Sequence[Image], spec: BoardSpec) -> None:
 
 
 def _larger_board(grey: Image, columns: int, rows: int) -> tuple[int, int] | None:
-    """Size of a board with one column or row more in the picture, if any."""
     for wider in ((columns + 1, rows), (columns, rows + 1), (columns + 1, rows + 1)):
         if cv2.findChessboardCorners(grey, wider)[0]:
             return wider

@@ -6,7 +6,7 @@ Rules and units
   complement), times the residuals' variance.
 - A picture point's figure is the spread of its undistorted position, in pixels, without the part
   that a homography undoes, as the arena's does: focal length and centre count only where they bend
-  lines. The focal length, which sets heights, has its own spread.
+  lines. The focal length has its own spread.
 - Errors alike in all views are invisible here; residuals of left-out views show them.
 """
 
@@ -184,7 +184,7 @@ def known_lens(
 
 
 def seen_through(lens: KnownLens, view: BoardView) -> FloatArray:
-    """Addition of a view to ``normal``, through a lens that may be a guess; 0 without a pose."""
+    """Addition of a view to ``normal``, through any lens; 0 without a pose."""
     found, turn, shift = cv2.solvePnP(
         _space(view), view.corners_px.copy(), lens.camera_matrix, lens.distortion
     )

@@ -175,7 +175,6 @@ def _slopes(
 def _least_squares(
     corners: _Corners, lens: FloatArray, poses: FloatArray, most_steps: int, *, known: bool = False
 ) -> tuple[FloatArray, FloatArray, FloatArray, float]:
-    """Lens, poses, errors and spread of fx, from a first guess."""
     errors = _errors(corners, lens, poses)
     cost, damping = float((errors**2).sum()), 1e-3
     normal = np.eye(len(lens))
@@ -183,7 +182,6 @@ def _least_squares(
         slopes = _slopes(corners, lens, poses, known=known)
         normal = slopes.T @ slopes
         right = slopes.T @ errors.ravel()
-        # known parameters have no slope and stay
         scale = np.maximum(np.diag(normal), 1e-12)
         before = cost
         while damping < _MOST_DAMPING:

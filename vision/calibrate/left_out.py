@@ -3,7 +3,7 @@
 Rules and units
 - A view's pull on the lens would hide its error; only its pose is fitted.
 - Views are left out in at most ``FOLDS`` parts (cross-validation).
-- Residuals are raw pixels: a corner's vector, a view's rms length.
+- Residuals are raw pixels.
 """
 
 from __future__ import annotations

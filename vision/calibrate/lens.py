@@ -2,8 +2,7 @@
 
 Rules
 - Brown's model is fitted by Zhang's method in OpenCV, the fisheye's by
-  ``vision.calibrate.fisheye``. The Bayesian information criterion sets the number of terms:
-  undetermined terms do harm outside the pictures.
+  ``vision.calibrate.fisheye``. The Bayesian information criterion sets the number of terms.
 - Foreign pictures (`suspects`) are named and left out; more than a third is an error, and so is an
   undetermined focal length (all pictures from straight above).
 """
@@ -179,7 +178,6 @@ def _left_out_rms_px(views: Sequence[BoardView], terms: int) -> float | None:
 
 
 def _same_size(views: Sequence[BoardView]) -> tuple[list[BoardView], list[str]]:
-    """Views of the commonest picture size; remarks name the others."""
     sizes = [v.size for v in views]
     common = max(sizes, key=sizes.count) if sizes else (0, 0)
     remarks = [

@@ -3,8 +3,7 @@
 Rules and units
 - Raw pixels, metres, y up. A marker with a known heading gives its four corners, any other its
   centre, where its diagonals cross.
-- Four points already show a contradiction; with six or more, contradicting markers are named and
-  left out.
+- Four points show a contradiction; with six or more, contradicting markers are named and left out.
 - The pose minimises distances in undistorted pixels (Levenberg and Marquardt). A fit worse than
   ``MOST_RMS_PX`` is refused.
 """
@@ -112,7 +111,6 @@ def reanchor(
     owner = np.repeat([one.id for one in known], [len(one.corners_m()) for one in known])
     ideal = calibration.undistort_points(pixels)
     homography, agrees = robust_homography(ideal, places)
-    # a marker is used as a whole or not at all
     used_ids = {one.id for one in known if agrees[owner == one.id].all()}
     used = np.isin(owner, sorted(used_ids))
     if len(used_ids) < LEAST_MARKERS:
@@ -201,7 +199,6 @@ def _refined(
 
 
 def _pixel_from_arena(pose: tuple[FloatArray, FloatArray], calibration: Calibration) -> FloatArray:
-    """Homography (3, 3) from the floor to undistorted pixels."""
     rotation = np.asarray(cv2.Rodrigues(pose[0])[0], dtype=np.float64)
     columns = np.column_stack([rotation[:, 0], rotation[:, 1], pose[1].reshape(3)])
     return np.asarray(calibration.camera_matrix @ columns)

@@ -3,10 +3,9 @@
 Rules and units
 - A sheet is dark rectangles (x, y, width, height) in millimetres from its upper left corner, y
   down, with a text and a ruler.
-- The PDF is written by hand: one page, one filled path (without seams), Helvetica, which every
-  reader has.
-- The PDF outlines a marker's forward direction, or a board's first corner and axes, beside the
-  drawing, where no detector takes them for part of it.
+- The PDF has one page, one filled path (without seams), Helvetica, which every reader has.
+- It outlines a marker's forward direction, or a board's first corner and axes, beside the drawing,
+  away from detectors.
 - The PNG holds the drawing alone, in whole pixels a cell; its resolution (pHYs) prints true too.
 """
 
@@ -68,7 +67,6 @@ def marker_sheet(marker_id: int, dictionary: str, size_mm: float) -> Sheet:
     dark = _cells(_bits(book, marker_id), cell, cell, cell)
     side = size_mm + 2.0 * cell
     label = f"{dictionary}  id {marker_id}  {size_mm:g} mm (black square)"
-    # forward is the marker's x axis: right on the upright print
     arrow = (side + 1.0, 0.5 * side, _ARROW_MM, 0.0, "forward")
     return Sheet(side, side, cell, dark, label, (arrow,))
 
@@ -107,7 +105,6 @@ def board_sheet(board: BoardSpec) -> Sheet:
 
 
 def _axes(x: float, y: float, size: tuple[float, float]) -> tuple[Arrow, ...]:
-    """Axes beside a board, from its first corner (x, y)."""
     return (
         (size[0] + 1.0, y, _ARROW_MM, 0.0, "x"),
         (x, -1.0, 0.0, -_ARROW_MM, "y"),
@@ -148,7 +145,6 @@ def png_bytes(sheet: Sheet) -> bytes:
         raise MarkerError(f"a picture of {size[0]}x{size[1]} pixels cannot be written as PNG")
     raw = data.tobytes()
     resolution = round(1000.0 * dots_per_mm)
-    # any chunk may follow signature (8 bytes) and header chunk (25)
     return raw[:33] + _chunk(b"pHYs", struct.pack(">IIB", resolution, resolution, 1)) + raw[33:]
 
 
@@ -253,5 +249,4 @@ def _pdf(content: bytes, width: float, height: float) -> bytes:
 
 
 def _chunk(kind: bytes, data: bytes) -> bytes:
-    """A PNG chunk: length, type, data and CRC of the last two."""
     return struct.pack(">I", len(data)) + kind + data + struct.pack(">I", zlib.crc32(kind + data))

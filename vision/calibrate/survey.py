@@ -4,7 +4,7 @@ Rules and units
 - A surveyed point is a raw pixel (centres at integers) and its place in metres, y up. Four are
   enough; six or more can show a wrong one.
 - The start is the least median of squares over minimal sets (Rousseeuw 1984), then least squares of
-  the agreeing points. Others are left out and named with their distance.
+  the agreeing points. Others are left out and named.
 - A point's residual comes from the fit without it: its own pull would hide its error.
 """
 
@@ -237,7 +237,6 @@ def robust_homography(
         if candidate is None:
             continue
         distances = np.linalg.norm(_errors(candidate, pixels, places), axis=1)
-        # the set fits by construction; take the others' median
         median = float(np.sort(distances)[4 + (n - 4) // 2 - (n == 4)])
         if median < best_median:
             best, best_median = candidate, median

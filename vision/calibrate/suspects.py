@@ -5,7 +5,7 @@ Rules
   steps of Rousseeuw and Van Driessen (1999), which a minority cannot move.
 - A view is judged as it is, mirrored, and turned by half a turn. The lens distinguishes them only
   if its centre is off the picture's.
-- Only a ChArUco board shows that all pictures are mirrored (`board`).
+-
 - For two cameras, each view repeatedly joins the better fitting lens (the classification EM of
   Celeux and Govaert 1992). They are two only if left-out views then fit clearly better.
 """
@@ -114,7 +114,6 @@ def _all_px(views: Sequence[BoardView], lens: SeenThrough) -> FloatArray:
 
 
 def _agreed(views: Sequence[BoardView], estimate: Estimate) -> tuple[SeenThrough, float]:
-    """Lens on which most views agree, and their median rms."""
     half = len(views) // 2 + 1
     rng = np.random.default_rng(0)
     best: tuple[float, SeenThrough] | None = None
@@ -131,7 +130,6 @@ def _agreed(views: Sequence[BoardView], estimate: Estimate) -> tuple[SeenThrough
         if best is None or trimmed < best[0]:
             best = trimmed, lens
     lens = estimate(views) if best is None else best[1]
-    # widen to all that agree: a half's residuals are smaller than usual
     for _ in range(2):
         found = _all_px(views, lens)
         usual_px = float(np.median(np.sort(found)[:half]))

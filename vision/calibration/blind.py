@@ -4,8 +4,7 @@ Rules and units
 - A pixel is blind if no ray within the lens's reach is seen there, if its ray misses the floor, or
   if it covers more than ``MOST_STRETCH`` nominal pixels of length, where objects are missed. The
   mask is grown by ``MARGIN_PX``, so that edges are read where rays are.
-- A plan shows places within the bounds that no pixel sees, or only a blind one; without a blind
-  pixel there is none.
+- A plan shows places within the bounds that no pixel sees, or only a blind one.
 """
 
 from __future__ import annotations
@@ -70,13 +69,12 @@ class Seeing(Protocol):
 
 @lru_cache(maxsize=16)
 def blind_pixels(calibration: Seeing) -> NDArray[np.bool_] | None:
-    """The mask (h, w), read-only; None if every pixel shows floor. O(pixels / 64), cached."""
+    """The mask (h, w), read-only; None if every pixel shows floor."""
     width, height = calibration.size
     stretch = _stretch(calibration)
     if (stretch <= MOST_STRETCH).all():
         return None
     hidden = ~(stretch <= MOST_STRETCH)
-    # if a block's corners differ, every pixel is computed
     corners = np.stack([hidden[:-1, :-1], hidden[:-1, 1:], hidden[1:, :-1], hidden[1:, 1:]])
     whole = np.kron(corners.all(axis=0), np.ones((BLOCK_PX, BLOCK_PX), np.bool_))
     mixed = np.kron(corners.any(axis=0), np.ones((BLOCK_PX, BLOCK_PX), np.bool_)) & ~whole
@@ -118,7 +116,7 @@ def blind_plan(calibration: Seeing, bounds: Bounds) -> Plan | None:
 def is_shown(calibration: Seeing, places_m: FloatArray) -> NDArray[np.bool_]:
     """True for each place (n, 2) on the floor in a part of the picture that is not blind."""
     width, height = calibration.size
-    with np.errstate(all="ignore"):  # places behind the camera or its lens's fold
+    with np.errstate(all="ignore"):
         pixels = calibration.image_from_arena(places_m)
     inside = ((pixels > -0.5) & (pixels < (width - 0.5, height - 0.5))).all(axis=1)
     shown = np.zeros(len(places_m), np.bool_)

@@ -160,7 +160,6 @@ class Calibration:
         homography = self.plane_from_pixel(height_m)
         if self.lens.model == STRAIGHT:
             return _apply(homography, _points(points_px), self._front)
-        # imported late: a plan to scale needs no compiled code
         from vision.calibration.calibration_kernels import plane_from_image
 
         points = np.array(_points(points_px), order="C")
@@ -212,7 +211,6 @@ class Calibration:
         raw = _points(points_px)
         if self.lens.model == STRAIGHT:
             return raw.copy()
-        # imported late: a plan to scale needs no compiled code
         from vision.calibration.calibration_kernels import undistort_all
 
         return undistort_all(np.array(raw, order="C"), self.lens)
@@ -245,7 +243,6 @@ class Calibration:
         return view
 
     def _parallax(self, height_m: float) -> tuple[FloatArray, float]:
-        """The point below the camera, and (H - h) / H."""
         center = self.camera_center_m
         if center is None:
             raise CalibrationError(

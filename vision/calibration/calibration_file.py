@@ -1,7 +1,7 @@
 """Calibrations as YAML files, with errors that name file, line and column.
 
-The keys are those of ``vision.calibration.calibration.Calibration``; ``schema`` names the format. A
-file without ``lens_model`` holds Brown's. Unknown keys are errors.
+Keys are those of ``vision.calibration.calibration.Calibration``; ``schema`` names the format.
+Without ``lens_model`` it is Brown's. Unknown keys are errors.
 """
 
 from __future__ import annotations
@@ -179,7 +179,6 @@ def _build(nodes: Mapping[str, yaml.Node], name: str) -> Calibration:
             else "brown",
         )
     except CalibrationError as error:
-        # an error of the whole calibration starts with its key
         key = str(error).split(":", 1)[0].split(" ", 1)[0]
         where = f"{_where(name, nodes[key])}: " if key in nodes else ""
         raise CalibrationError(f"{where}{error}") from error
@@ -225,7 +224,6 @@ def _number(node: yaml.Node, name: str, key: str) -> float:
 
 
 def _numbers(node: yaml.Node, name: str, key: str, length: int | None) -> tuple[float, ...]:
-    """A list of numbers, of any length if ``length`` is None."""
     if not isinstance(node, yaml.SequenceNode):
         raise CalibrationError(f"{_where(name, node)}: {key}: must be a list of numbers")
     if length is not None and len(node.value) != length:

@@ -119,5 +119,4 @@ def _least_stretch(radii: FloatArray, terms: FloatArray) -> FloatArray:
 
 
 def _before_the_first(bad: NDArray[np.bool_]) -> int:
-    """Index before the first bad one; the last if there is none."""
     return max(int(np.argmax(bad)) - 1, 0) if bad.any() else len(bad) - 1

@@ -1,8 +1,8 @@
 """Another device's clock converted to ours, from the arrivals of its messages.
 
-The least difference between arrival and stamp is the clocks' offset plus the shortest delay; later
-arrivals are late by the excess. The least is relaxed slowly, as clocks drift. Seconds on both
-clocks. Source: the minimum filter of one-way delays (Moon, Skelly, Towsley 1999).
+The least difference between arrival and stamp is the clocks' offset plus the shortest delay. It is
+relaxed slowly, as clocks drift. Seconds. Source: the minimum filter of one-way delays (Moon,
+Skelly, Towsley 1999).
 """
 
 from __future__ import annotations

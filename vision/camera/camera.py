@@ -1,9 +1,7 @@
 """Frames and cameras as the rest of Clearway sees them.
 
 Rules and units
-- With a rolling shutter, a frame's time of capture is that of the last row.
-- Devices, streams, files (``vision.camera.sources``) and the simulator are cameras.
-- ``vision.camera.latest_frame`` reads a camera in its own thread and reopens it.
+- With a rolling shutter, a frame's time of capture is that of the last row. - -
 """
 
 from __future__ import annotations

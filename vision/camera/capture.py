@@ -66,7 +66,6 @@ class Capture:
         if not opened:
             capture.release()
             raise self._refused()
-        # the sensor's own pixels, as for pictures
         capture.set(cv2.CAP_PROP_ORIENTATION_AUTO, 0)
         self._capture = capture
         self._rate = RateMeter()
@@ -167,7 +166,6 @@ def without_password(url: str) -> str:
 
 
 def _only_name(part: str) -> str:
-    """One part of a query without its value; a part without a name may be a key."""
     if not part:
         return ""
     name, mark, _ = part.partition("=")

@@ -3,8 +3,8 @@
 Rules
 - A folder's pictures come in the order of their names; at its end, new pictures named after the
   last are read too.
-- An unreadable picture may be incomplete: it is tried again for ``PATIENCE_S``, then left out and
-  named in ``reason``. A folder without a readable picture is an error.
+- An unreadable picture may be incomplete: it is tried for ``PATIENCE_S``, then left out and named
+  in ``reason``. A folder without a readable picture is an error.
 - A single picture is decoded again if its file has changed. While it is unreadable or gone, the
   last good one is shown, and ``reason`` says so.
 """
@@ -95,7 +95,6 @@ class FolderCamera:
         return files
 
     def _find_more(self) -> bool:
-        """True if the list continues, with new pictures or from its beginning."""
         listed = self._list()
         later = [path for path in listed if path > self._files[-1]]
         if later:

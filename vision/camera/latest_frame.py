@@ -2,12 +2,12 @@
 
 Rules
 - The latest frame wins; frames not taken in time are counted as dropped.
-- A source that fails, stalls or freezes is reopened with growing pauses, and says so.
-- A live sensor's noise hardly ever gives the same picture twice: a repeated picture is not passed
-  on, and repetition means that the camera is frozen, except for a source with `may_repeat`.
+- A source that fails, stalls or freezes is reopened with growing pauses.
+- A live sensor hardly ever gives the same picture twice: a repeated one is not passed on, and
+  repetition means a frozen camera, except for a source with `may_repeat`.
 - A read, an opening or a closing that hangs inside a driver cannot be stopped: its thread and
-  camera are left behind and new ones made, up to `MOST_LEFT_BEHIND`. They may hold the camera: then
-  that is reported, and no other program is blamed.
+  camera are left behind and new ones made, up to `MOST_LEFT_BEHIND`. They may hold the camera: that
+  is reported, and no other program blamed.
 - The clock is passed in; only waiting for a frame takes real time.
 """
 
@@ -197,7 +197,7 @@ class LatestFrame:
 
     def _leave_hung_reader(self) -> None:
         """Replace a reader whose read, open or close has not returned for ``hung_s``."""
-        with self._news:  # any thread may ask for the status: one of them does it
+        with self._news:
             busy_s = self._reader.busy_s(self._clock())
             if busy_s <= self._limits.hung_s:
                 return
@@ -224,7 +224,6 @@ class LatestFrame:
         self._reader = _Reader(self, self._generation)
 
     def _hanging(self) -> list[_Reader]:
-        """Readers left behind that have not returned."""
         now_s = self._clock()
         return [reader for reader in self._left_behind if reader.busy_s(now_s) > 0.0]
 
@@ -363,7 +362,7 @@ class _Reader:
             return self._count_repeat(camera, now_s)
         self._same_since_s = None
         if last is not None:
-            self.failures = 0  # really alive: the next failure starts with a short pause
+            self.failures = 0  # alive: the next failure starts with a short pause
         self._owner._publish(self, frame, camera.rate_hz, camera.reason)
         return 0.0
 
@@ -383,7 +382,7 @@ class _Reader:
         # bounded: 2.0 ** failures overflows after a night without a camera
         longest_s = limits.absent_pause_s if absent else limits.longest_pause_s
         pause_s = min(limits.first_pause_s * 2.0 ** min(self.failures, 30), longest_s)
-        # an absent camera cannot fail: plugged in, it starts with a short pause
+        # no failure: plugged in, it starts with a short pause
         self.failures = 1 if absent else self.failures + 1
         self._due_s = self._owner._clock() + pause_s
         again = f"{reason.rstrip('.')}; trying again in {pause_s:.2g} s"

@@ -140,7 +140,6 @@ def _avif(data: bytes) -> tuple[int, int] | None:
 
 def _in_words(head: bytes) -> tuple[int, int] | None:
     """Size in a text header: Netpbm with PFM and PAM, and Radiance."""
-    # a comment may separate the words of a Netpbm header
     words = re.sub(rb"#[^\n]*\n", b" ", head).split(None, 3)
     if len(words) >= 3 and re.fullmatch(rb"P[1-6Ff]", words[0]):
         sides = words[1:3]

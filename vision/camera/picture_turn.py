@@ -46,7 +46,6 @@ def turned(image: NDArray[Any], orientation: int) -> NDArray[Any]:
 
 
 def _exif(data: bytes) -> bytes:
-    """EXIF of a file, from its byte order on; empty if there is none."""
     if data.startswith(b"\xff\xd8"):
         return _in_jpeg(data)
     if data.startswith(b"\x89PNG"):
@@ -83,7 +82,6 @@ def _in_chunks(data: bytes, at: int, wanted: bytes, order: str) -> bytes:
 
 
 def _of_exif(exif: bytes) -> int:
-    """Value of the tag in the first directory; 1 if absent."""
     if exif[:4] not in (b"II*\0", b"MM\0*"):
         return 1
     order = "<" if exif[:2] == b"II" else ">"

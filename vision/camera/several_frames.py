@@ -3,8 +3,8 @@
 Rules
 - Each camera has its own `LatestFrame`, so none delays another. A frame's ``source`` is the
   camera's name here.
-- Any camera's picture wakes the waiting caller; if several have one, they take turns.
-- They run as a whole while any of them does; a camera's trouble is reported with its name.
+- If several have a picture, they take turns.
+- They run while any of them does; a camera's trouble is reported with its name.
 """
 
 from __future__ import annotations

@@ -2,7 +2,7 @@
 
 - A number or ``/dev/...`` is a V4L2 device (a stable path such as ``/dev/v4l/by-id/...`` survives
   replugging), ``rtsp://`` and ``http(s)://`` are streams, anything else is a file or a folder.
-- Rates are frames a second; sizes are (width, height) in pixels.
+- Rates are frames a second; sizes (width, height) in pixels.
 """
 
 from __future__ import annotations

@@ -1,9 +1,8 @@
 """Distance between two cameras' outlines on the floor that both see.
 
 Rules and units
-- Each camera's calibration puts the sub-pixel edge points of its binarised picture on the floor, in
-  metres. Every point well inside the common view is measured from the line through the other
-  camera's two nearest points.
+- Each camera's sub-pixel edge points are put on the floor, in metres. Every point well inside the
+  common view is measured from the line through the other camera's two nearest points.
 - The median counts, so a few edges that only one camera sees do not. Something high leans away from
   each camera, so its upper edges differ; the limit must allow for that.
 - If both cameras have fewer than ``LEAST_POINTS`` in the common view, the answer is unknown; if
@@ -69,7 +68,6 @@ def outlines_apart_m(
 
 
 def _in_both(plan: FloorPlan, one: int, other: int, points: FloatArray) -> FloatArray:
-    """Points well inside what both cameras see, at most about ``MOST_POINTS``."""
     if not len(points):
         return points
     at = np.rint(plan.calibration.image_from_arena(points)).astype(int)

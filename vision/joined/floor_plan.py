@@ -4,11 +4,9 @@ Rules and units
 - The plan shows the floor from straight above: square pixels of the finest camera's scale, y down,
   the arena's bounds and a rim of ``MARGIN_PX``. Its own calibration turns its pixels into metres.
 - The camera with the least error shows each pixel: that of an edge in its picture, and that of
-  height, as things lean away from a camera by their height times distance over height of the
-  camera.
+  height, as things lean away by their height times distance over height of the camera.
 - So the pixel over an obstacle's foot shows that obstacle, or one in front of it, never the floor
-  behind it. An obstacle on the seam is one region, fitted through both cameras' points: nothing is
-  matched, cut or joined.
+  behind it. An obstacle on the seam is one region, fitted through both cameras' points.
 - A pixel that no camera sees, or only a blind one, is unknown. This is a share, so that the border
   of unknown ground is straight to a fraction of a pixel.
 """
@@ -274,10 +272,9 @@ def _plan_of(bounds: Bounds, metres_per_pixel: float) -> Calibration:
 def _view(
     camera: Calibration, floor: FloatArray, plan: Calibration
 ) -> tuple[Shares, Shares, tuple[NDArray[np.int16], NDArray[np.uint16]]]:
-    """Depth of floor points inside the camera's picture, its error there, and the map."""
     width, height = plan.size
     shape = (height, width)
-    with np.errstate(all="ignore"):  # places behind the camera or its lens's fold
+    with np.errstate(all="ignore"):
         seen = camera.image_from_arena(floor)
     right, low = camera.size[0] - 0.5, camera.size[1] - 0.5
     x, y = seen.T
@@ -296,7 +293,7 @@ def _view(
     x_grid, y_grid = x.reshape(shape), y.reshape(shape)
     (xv, xu), (yv, yu) = np.gradient(x_grid), np.gradient(y_grid)
     with np.errstate(all="ignore"):
-        zoom = np.sqrt(np.abs(xu * yv - xv * yu)).reshape(-1)  # camera pixels in one of the plan's
+        zoom = np.sqrt(np.abs(xu * yv - xv * yu)).reshape(-1)
         depth = (rim - RIM_PX) / zoom
         pixel_m = plan.metres_per_pixel / zoom
     depth = np.where(np.isfinite(depth), depth, -1e6)

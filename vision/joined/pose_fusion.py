@@ -7,7 +7,7 @@ Rules and units
   tracking and navigation, 2001, 8.3.3): errors of an edge in the picture, of the calibration and of
   the marker's height, and how far the robot may have left its velocity since.
 - If two cameras see the marker farther apart than the limit, twice in a row, that is reported.
-- A pose older than the last is dropped: pictures may overtake each other.
+- A pose older than the last is dropped.
 """
 
 from __future__ import annotations
@@ -96,7 +96,6 @@ class PoseFusion:
         return tuple(fused)
 
     def _note(self, camera: int, pose: RobotPose) -> _Seen:
-        """Keep a sighting, with the longest track's velocity."""
         seen = self._seen[pose.id]
         before = seen.get(camera)
         goes_on = before is not None and pose.captured_s - before.pose.captured_s <= TOGETHER_S
@@ -137,7 +136,6 @@ class PoseFusion:
         return np.asarray(covariance), heading
 
     def _compare(self, camera: int, pose: RobotPose) -> None:
-        """Compare with other cameras' sightings of the marker at that time."""
         together = False
         for other, seen in self._seen[pose.id].items():
             away_s = pose.captured_s - seen.pose.captured_s
@@ -163,17 +161,14 @@ class PoseFusion:
 
 
 def _together(one: RobotPose, other: RobotPose) -> bool:
-    """True if two sightings are near enough in time to be merged."""
     return abs(one.captured_s - other.captured_s) <= TOGETHER_S
 
 
 def _spread_m(away_s: float) -> float:
-    """Distance of a robot from its predicted place after a time."""
     return SPEED_M_S * abs(away_s) + 0.5 * away_s * away_s
 
 
 def _fused(newest: _Seen, others: Sequence[_Seen]) -> RobotPose:
-    """Merge the newest sighting with other cameras' recent ones, at its time."""
     pose = newest.pose
     weight = np.linalg.inv(newest.covariance)
     total, place = weight, weight @ np.array([pose.x, pose.y])

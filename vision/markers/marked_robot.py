@@ -3,8 +3,7 @@
 - A pose is in the arena: metres, y up, heading counter-clockwise in (-pi, pi]. The marker's x axis
   runs from its top left to its top right corner (as printed upright); with ``marker_yaw_rad = 0``
   its right side is towards the robot's front.
-- Pixels are raw, centres at integers; corners in the order top left, top right, bottom right,
-  bottom left of the upright marker.
+- Pixels are raw, centres at integers; corners clockwise from the upright marker's top left.
 """
 
 from __future__ import annotations
@@ -129,4 +128,3 @@ def _seen_disc(outline_px: FloatArray) -> tuple[float, float, float] | None:
 
 _TURNS = np.linspace(0.0, math.tau, 16, endpoint=False)
 _DISC = np.vstack([[(0.0, 0.0)], np.column_stack([np.cos(_TURNS), np.sin(_TURNS)])])
-"""A unit disc's middle and points around it."""

@@ -6,11 +6,9 @@ Rules and units
 - Profiles across each side locate its edge (the centroid of the gradient); a total least squares
   line through these points is the side, far better than a search for each corner.
 - Points are undistorted before the fit. A wide lens stretches undistorted pixels unevenly, so lines
-  are fitted in a frame where the corners lie as in the raw picture: a pixel's error is one pixel
-  everywhere.
+  are fitted in a frame where the corners lie as in the raw picture.
 - The line follows the points that most agree on, not a cover over part of a side; a covered corner
-  is where two lines meet, with a larger error. A side a third covered, or without a straight edge,
-  is refused. Only the cells inside reveal a cover from end to end
+  is where two lines meet, with a larger error. Only the cells inside reveal a cover from end to end
   (``vision.markers.marker_pattern``).
 """
 

@@ -108,7 +108,6 @@ def fit_quad(
 
 @njit(cache=True, nogil=True, fastmath=False)
 def _is_inside(corners: NDArray[np.float64], reach_px: float, grey: NDArray[np.uint8]) -> bool:
-    """True if profiles of ``reach_px`` stay in the picture."""
     height, width = grey.shape
     for i in range(4):
         x, y = corners[i, 0], corners[i, 1]
@@ -144,7 +143,6 @@ def _frame_at(
 
 @njit(cache=True, nogil=True, fastmath=False)
 def _from_square(quad: NDArray[np.float64], out: NDArray[np.float64]) -> bool:
-    """Homography from the unit square to a quadrilateral (4, 2)."""
     sx = quad[0, 0] - quad[1, 0] + quad[2, 0] - quad[3, 0]
     sy = quad[0, 1] - quad[1, 1] + quad[2, 1] - quad[3, 1]
     ax, ay = quad[1, 0] - quad[2, 0], quad[1, 1] - quad[2, 1]
@@ -246,7 +244,7 @@ def fit_sides(
         for i in range(count):
             x, y = undistort(points[side, i, 0], points[side, i, 1], lens)
             w = frame[2, 0] * x + frame[2, 1] * y + frame[2, 2]
-            use[i] = use[i] and w == w  # a pixel without a ray is NaN
+            use[i] = use[i] and w == w
             points[side, i, 0] = (frame[0, 0] * x + frame[0, 1] * y + frame[0, 2]) / w
             points[side, i, 1] = (frame[1, 0] * x + frame[1, 1] * y + frame[1, 2]) / w
         if use.sum() < 4:
@@ -272,7 +270,6 @@ def _edges_of_side(
     length = np.sqrt(dx * dx + dy * dy)
     if length == 0.0:
         return
-    # clockwise on the screen: outwards is left of the direction of travel
     nx, ny = dy / length, -dx / length
     count = len(out_points)
     half = int(np.floor(reach_px / _STEP_PX + 0.5))

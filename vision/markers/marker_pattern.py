@@ -2,7 +2,7 @@
 
 Rules and units
 - After its sides (``vision.markers.marker_corners``), a marker's whole pattern, blurred, is fitted
-  to the grey values by least squares (Gauss-Newton), the best estimate in white noise.
+  to the grey values by least squares (Gauss-Newton).
 - The unknowns are an affine map from the arena's plane at the marker's height to the pattern's
   cells, the blur, and dark and light as planes. Perspective and lens come from the calibration.
 - Pixels that disagree (dirt, a cable) weigh less; a marker unlike the pattern is refused.

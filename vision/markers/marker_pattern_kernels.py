@@ -61,7 +61,6 @@ def settle_pattern(
     dark, light = _quantile(grey, 0.15), _quantile(grey, 0.85)
     state[6:] = 0.0
     state[6], state[7], state[10] = _START_BLUR_PX, dark, light - dark
-    # number of cells that a pixel spans, along u and v
     per_px = max(pixel_length(state[0], state[1], metric), pixel_length(state[3], state[4], metric))
     most_blur_px = max(_MOST_BLUR_CELLS / per_px, _LEAST_BLUR_PX)
     matrix, step = np.empty((UNKNOWNS, UNKNOWNS)), np.empty(UNKNOWNS)
@@ -105,7 +104,7 @@ def has_light_rim(
         outmost = max(off_u, off_v)
         if outmost < -0.5:
             inside[grey] += 1
-        elif outmost > beyond and min(off_u, off_v) <= 0.0:  # along a side, not at its corners
+        elif outmost > beyond and min(off_u, off_v) <= 0.0:
             side = (0 if u < 0.0 else 1) if off_u > off_v else (2 if v < 0.0 else 3)
             sides[side, grey] += 1
     dark, paper = _quantile(inside, 0.15), _quantile(inside, 0.95)
@@ -135,7 +134,6 @@ def inner_pixels(
 
 @njit(cache=True, nogil=True, fastmath=False)
 def _quantile(counts: NDArray[np.int64], share: float) -> float:
-    """Quantile of grey values by their counts (256,), linear between two values."""
     place = share * (counts.sum() - 1)
     first = math.floor(place)
     below = above = -1
@@ -338,7 +336,6 @@ def pixel_length(p: float, q: float, metric: NDArray[np.float64]) -> float:
 
 @njit(cache=True, nogil=True, fastmath=False)
 def _cell(bits: NDArray[np.float64], column: int, row: int) -> float:
-    """Value of a cell; the marker's rim is light."""
     if column < 0 or row < 0 or column >= len(bits) or row >= len(bits):
         return 1.0
     return float(bits[row, column])

@@ -208,7 +208,6 @@ def _place_inner(
         return False, NOT_READ, NO_SIDES
     corners_of(state, cells, center, unit_m, out_m)
     (x, y), placed_unit_m = _middle(out_m)
-    # a side is root two times a corner's distance from the middle
     moved_cells = math.hypot(x - center[0], y - center[1]) * cells / (math.sqrt(2.0) * unit_m)
     code, read = worst_cells(pixels, bits, state, cell_px)
     is_there = placed_unit_m > 0.0 and code >= LEAST_READ and moved_cells <= _MAX_MOVE_CELLS
@@ -217,7 +216,6 @@ def _place_inner(
 
 @njit(cache=True, nogil=True, fastmath=False)
 def _middle(corners_m: NDArray[np.float64]) -> tuple[tuple[float, float], float]:
-    """Middle of the corners, and their mean distance from it."""
     x = y = unit_m = 0.0
     for i in range(4):
         x, y = x + 0.25 * corners_m[i, 0], y + 0.25 * corners_m[i, 1]

@@ -4,8 +4,7 @@ Rules and units
 - Poses, markers and pixels are as in `marked_robot`.
 - Position and heading come from the homography, corrected for the marker's height: under an
   overhead camera a marker's two poses in space look alike.
-- With a rolling shutter a pose has the time of its marker's rows, and the track's velocity moves
-  the corners there.
+- With a rolling shutter a pose has the time of its marker's rows.
 - Each robot's marker is fitted at its expected place (`sighting`), then searched for around it,
   then in the whole picture. A marker that has jumped is not a robot.
 """
@@ -159,7 +158,7 @@ class MarkerTracker:
                 f"{fits[0]} x {fits[1]}"
             )
         grey = grey_of(frame.image)
-        grey.setflags(write=False)  # like a grey frame: kernels are compiled for one kind
+        grey.setflags(write=False)
         return grey
 
     def unseen_ms(self, robot_id: int, now_s: float) -> float | None:
@@ -211,7 +210,6 @@ class MarkerTracker:
         return None
 
     def _window(self, robot: MarkedRobot, now_s: float) -> tuple[int, int, int, int] | None:
-        """Part of the picture (x0, y0, x1, y1) with all possible places of a robot."""
         track = self._tracks[robot.id]
         expected = track.predict(now_s - self._late_s[robot.id])
         if expected is None or track.last_s is None:
@@ -234,7 +232,6 @@ class MarkerTracker:
     def _look_for_doubles(
         self, everywhere: dict[int, list[Sighting]], found: dict[int, Sighting]
     ) -> None:
-        """Note markers that two searches in a row found in several places."""
         places = {}
         for robot_id, sightings in everywhere.items():
             known = [found[robot_id]] if robot_id in found else []
@@ -295,7 +292,6 @@ class MarkerTracker:
         return self._markers[robot.id].look(grey, quad_px, moves, refusals)
 
     def _believe(self, sighting: Sighting, frame_s: float, refusals: list[str]) -> RobotPose | None:
-        """Pose at the time at which its marker's middle row was exposed."""
         rows_after = self._calibration.size[1] - 1 - float(sighting.corners_px[:, 1].mean())
         before_s = self._late_s[sighting.id] = self._row_s * rows_after
         now_s = frame_s - before_s
@@ -323,7 +319,6 @@ class MarkerTracker:
 
 
 def _is_there(quad_px: FloatArray, known: Sighting | None) -> bool:
-    """True if a quadrilateral's middle lies within the known marker."""
     if known is None:
         return False
     middle = known.corners_px.mean(axis=0)

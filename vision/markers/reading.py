@@ -154,13 +154,11 @@ def _books(dictionary: str | Path | None) -> Iterator[tuple[str, cv2.aruco.Dicti
 
 
 def _count_in(name: str) -> int:
-    """Number of markers in a dictionary by its name; 0 if not given."""
     count = re.search(r"\dX\d_(\d+)$", name)
     return int(count[1]) if count else 0
 
 
 def _smallest(name: str, marker_id: int) -> str:
-    """Smallest dictionary of the family that has the marker."""
     family = re.sub(r"_\d+$", "", name)
     alike = [one for one in dictionary_names() if re.sub(r"_\d+$", "", one) == family]
     return min((one for one in alike if _count_in(one) > marker_id), key=_count_in, default=name)

@@ -2,8 +2,8 @@
 
 Rules and units
 - Poses, markers and pixels are as in `marked_robot`; a frame's rows are ``row_s`` seconds apart.
-- Following needs no search: sides and pattern are fitted at the expected place, where every cell
-  and the light rim must read right.
+- Following fits sides and pattern at the expected place, where every cell and the light rim must
+  read right.
 - A marker of the wrong size, not square, or with misread cells is not a robot.
 """
 
@@ -112,7 +112,6 @@ class RobotMarker:
         return Sighting(self.robot.id, pose, corners_px, residual_m, error_px)
 
     def _at_one_time(self, corners: FloatArray, rows_px: FloatArray, moves: Velocity) -> FloatArray:
-        """Corners (4, 2) when the marker's middle row was exposed."""
         late_s = self.row_s * (rows_px - rows_px.mean())
         right, up = (corners - corners.mean(axis=0)).T
         turn = moves.turn_rate_rad_s

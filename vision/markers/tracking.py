@@ -2,8 +2,8 @@
 
 Rules and units
 - Metres, radians, seconds; time comes with the sightings. Headings are unwrapped inside.
-- The reported position and heading are the measured ones: a filter would add lag. The velocity
-  comes from a Kalman filter of constant velocity with white acceleration, one an axis.
+- Reported position and heading are the measured ones: a filter would add lag. The velocity comes
+  from a Kalman filter of constant velocity with white acceleration, one an axis.
 - A new track needs ``confirm`` consistent sightings. A sighting out of reach is refused;
   ``confirm`` consistent ones in a row restart the track there: the robot was carried.
 """
@@ -137,7 +137,6 @@ class MarkerTrack:
         )
 
     def _vote(self, pose: Pose, time_s: float) -> Velocity | None:
-        """Count consistent sightings that do not fit the track."""
         before = self._candidate
         self._candidate = (pose, time_s)
         fits = (

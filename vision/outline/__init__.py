@@ -8,6 +8,6 @@
 6. `drawn/`: outlines that separate the pixels of pictures without grey.
 7. `check/`: checks every outline against its border; `thin_walls` keeps walls that a fit would cut.
 
-`fitting` runs them (`fitting_kernels`), with the types of `outline_types` and the memory of `work`,
-and returns `fitted_borders`.
+`fitting` (`fitting_kernels`) runs them, with the types of `outline_types` and the memory of `work`,
+into `fitted_borders`.
 """

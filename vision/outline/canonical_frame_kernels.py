@@ -1,9 +1,9 @@
 """A canonical frame, in which mirrored or turned borders are fitted alike.
 
 Rules and units
-- A search along a border may answer differently for the mirror image, where it runs the other way.
-  So a left-handed border is transposed: x and y are exchanged and its order is reversed, which
-  keeps it clockwise. Finished edges are transposed back.
+- A search along a border may answer differently for the mirror image. So a left-handed border is
+  transposed: x and y are exchanged and its order is reversed, which keeps it clockwise. Finished
+  edges are transposed back.
 - A fit begins where the border is farthest from its centroid, turned to the east, so that ties are
   decided alike however a border is turned.
 - ``border``, ``cracks``, ``place`` and ``finished``: see ``vision.outline.outline_types``.
@@ -76,7 +76,6 @@ def bring_into_place(points, away, border):
         xx, xy, yx, yy = -yx, -yy, xx, xy
     share = 1.0 / STEPS
     for part in range(2):
-        # first the points from ``first`` to the end, then the rest; backwards if transposed
         behind = part == 1
         if transposed:
             low = first + 1 if behind else 0
@@ -174,7 +173,6 @@ def _begin_at(px, py, n, first):
 
 @njit(**LEAF)
 def _turn(px, py, n, turns):
-    """Turn by ``turns`` quarters, from east to south."""
     for _ in range(turns):
         for k in range(2 * n + 1):
             px[k], py[k] = -py[k], px[k]
@@ -182,7 +180,6 @@ def _turn(px, py, n, turns):
 
 @njit(**LEAF)
 def _transpose(px, py, n):
-    """Exchange x and y of a border's points and reverse their order."""
     for k in range((n + 1) // 2):
         other = n - 1 - k
         px[k], py[k], px[other], py[other] = py[other], px[other], py[k], px[k]
@@ -217,7 +214,6 @@ def put_edges_back(finished, count, place):
         kind[i], kind[other] = kind[other], kind[i]
         for c in range(6):
             rows[i, c], rows[other, c] = rows[other, c], rows[i, c]
-    # every edge begins where its successor did
     x = rows[count - 1, 0]
     y = rows[count - 1, 1]
     for i in range(count - 1, 0, -1):

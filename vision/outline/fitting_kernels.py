@@ -1,8 +1,8 @@
 """Lines, arcs and circles through the sub-pixel points of every border.
 
 Rules and units
-- Points (k, 2) float64 in pixels (or rectified pixels), y down, border after border, each a closed
-  sequence. The types passed between kernels: ``vision.outline.outline_types``.
+- Points (k, 2) float64 in pixels (or rectified pixels), y down, border after border. Types:
+  ``vision.outline.outline_types``.
 - A border is tested for a circle (``vision.outline.whole_circle_kernels``), broken into edges
   (``vision.outline.partition_kernels``), and these are joined
   (``vision.outline.corners.joint_kernels``). They must cover the border
@@ -11,8 +11,7 @@ Rules and units
 - Chords between border points replace an outline that still strays
   (``vision.outline.check.stray_kernels``).
 - A kernel without ``forceinline`` or ``fastmath`` inherits it from its first caller to be compiled.
-  ``fit_borders`` inlines all but rarely called kernels, which saves small borders a fifth of their
-  time.
+  ``fit_borders`` inlines all but rarely called kernels.
 """
 
 # mypy: allow-untyped-defs
@@ -174,7 +173,6 @@ def _fit_border(
     if one_circle:
         # only the last check sees the pixels that it loses
         edges = cut_circle(border, work.circle, work.outline)
-    # a circle no dearer than the fewest lines needs no comparison
     elif round_cost > FEWEST_LINES * prices.line + limits.expected * border.n:
         edges, sound = _search_edges(
             border, cracks, round_cost, budget, tolerance, limits, prices, work
@@ -206,7 +204,6 @@ def _search_edges(border, cracks, round_cost, budget, tolerance, limits, prices,
     spare = work.room.numbers[6]
     crisp = limits.crisp
     spread = tolerance.spread_px
-    # in noise a second look finds nothing
     looks = LOOKS if crisp or spread <= QUIET_PX else 1
     finer = Prices(prices.line, prices.arc if crisp else ROUNDER_BY * prices.arc, prices.circle)
     radius = work.circle[2] if round_cost < HUGE else 0.0
@@ -242,7 +239,6 @@ def _search_edges(border, cracks, round_cost, budget, tolerance, limits, prices,
         if round_cost < HUGE and lost > area_beside_circle(
             border.x, border.y, NONE, border.n, work.circle, limits.free
         ):
-            # the circle alone covers the border better
             return 0, False
         sound = lost <= budget
         bent = again + 1 < looks and any_bent_line(border, outline, edges, spread, spare)
@@ -285,7 +281,6 @@ def _finish_drawn(border, cracks, edges, budget, one_circle, work, finished):
 
 @njit(**LEAF, inline="always")
 def _finish_grey(border, edges, sound, budget, tolerance, limits, work, finished):
-    """Write edges that cover their border, or chords; returns their number."""
     outline = work.outline
     review = work.review
     room = work.room
@@ -318,7 +313,6 @@ def _any_line(kinds, count):
 
 @njit(**LEAF)
 def _move(finished, count, place):
-    """Move finished edges from the border's origin to the picture's."""
     data = finished.rows
     for i in range(count):
         data[i, 0] += place.x

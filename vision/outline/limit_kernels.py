@@ -67,7 +67,6 @@ def limits_of(tolerance, exact):
 
 @njit(**LEAF)
 def _expected_cost(dead_zone, sigma, spread):
-    """Mean cost of a point from noise alone: the mean square of a normal deviation's excess."""
     if spread <= 0.0:
         return 0.0
     a = dead_zone / spread

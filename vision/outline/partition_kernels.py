@@ -1,7 +1,7 @@
 """The cheapest partition of a border into edges that break at some of its seeds.
 
 Rules and units
-- ``border``, ``outline``, ``costs``, ``search`` and ``fit``: see ``vision.outline.outline_types``.
+- Types: ``vision.outline.outline_types``.
 - A partition costs the sum of its edges' costs and ``prices`` (see
   ``vision.outline.fit.edge_prices``): a description length.
 """
@@ -90,7 +90,6 @@ def partition(border, outline, skip, costs, tolerance, prices, limit, radius, ro
         cost = least
         if sharpest >= CORNER or edges < 2:
             break
-        # no corner to begin at: repeat from a found break
         sharpest = CORNER
         again = outline.breaks[edges // 2]
         for t in range(m):
@@ -134,7 +133,6 @@ def _best_partition(border, outline, seeds, start, skip, costs, prices, limit, l
 
 @njit(**LEAF)
 def _extend(border, search, m, i, skip, costs, prices, fit):
-    """Try ever longer stretches from seed i, and note the ends they reach more cheaply."""
     position = search.position
     best = search.best
     failed = 0
@@ -178,7 +176,6 @@ def _extend(border, search, m, i, skip, costs, prices, fit):
 
 @njit(**LEAF)
 def _write_partition(n, search, m, outline):
-    """Write the cheapest partition's edges; return their number."""
     edges = 0
     j = m
     while j > 0:
@@ -222,7 +219,6 @@ def _least_rest(search, m, longest, prices):
 
 @njit(**LEAF)
 def _trim(length, guard):
-    """Number of points to leave out at each end of a stretch."""
     if length >= 3 * guard + 4:
         return guard
     if length >= 6:
@@ -246,11 +242,9 @@ def _what_seeds_allow(border, a, b, position, i, j, shift, worst):
             far = max(far, abs((px[k] - x0) * dy - (py[k] - y0) * dx))
     if far <= ASTRAY * worst * chord:
         return ANY
-    # the circle through both ends and the middle
     c = (a + b) // 2
     mx, my, r = circle_of_three(px[c] - x0, py[c] - y0, dx, dy)
     if chord < r:
-        # a line, or points too close together for a circle
         return BENT
     for s in range(i, j):
         # the seeds, and half-way between them

@@ -94,7 +94,6 @@ def _around(k, n):
 
 @njit(**LEAF)
 def _bulge(border, k, reach):
-    """Distance of point k from the chord of its neighbours ``reach`` points away."""
     px = border.x
     py = border.y
     n = border.n

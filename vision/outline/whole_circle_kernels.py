@@ -1,8 +1,6 @@
 """Borders that are one circle, and circles cut into arcs.
 
-Rules and units
-- ``border``, ``cracks``, ``costs``, ``outline`` and ``finished``: see
-  ``vision.outline.outline_types``; ``circle`` (3,): cx, cy, r, pixels.
+Types: ``vision.outline.outline_types``; ``circle`` (3,): cx, cy, r, pixels.
 """
 
 # mypy: allow-untyped-defs

@@ -1,7 +1,4 @@
-"""The memory in which borders are fitted, one after the other.
-
-Sizes are in points or cracks; a border never has more edges.
-"""
+"""The memory in which borders are fitted, one after the other."""
 
 from __future__ import annotations
 

@@ -3,8 +3,7 @@
 Rules and units
 - Contours are in whole pixels; the centre is their centroid and the radius their mean distance from
   it, so the circle runs through the pixels' centres.
-- Noise breaks the test, and it accepts a small octagon; ``vision.outline.fitting`` compares
-  residuals.
+- Noise breaks the test, and it accepts a small octagon.
 """
 
 from __future__ import annotations

@@ -6,8 +6,8 @@ Rules and units
 - Border pixels come from the Laplacian; contours run clockwise, 8-connected. Corners are where
   lambda_S exceeds 0.1 with k = 7, at least k apart; the same vertices approximate arcs; a circle
   passes Sauer's test.
-- Where the recipe is silent, a contour with fewer than three corners keeps pixels about k apart as
-  vertices, and the smallest are points, segments, or their own pixels.
+- Our addition: a contour with fewer than three corners keeps pixels about k apart as vertices, and
+  the smallest are points, segments, or their own pixels.
 """
 
 from __future__ import annotations
@@ -59,7 +59,7 @@ def _record(contour: NDArray[np.int32], corner: NDArray[np.bool_], *, clockwise:
     reach = int(np.ptp(contour, axis=0).max())
     if reach == 0:
         return PointRecord((float(contour[0, 0]), float(contour[0, 1])))
-    if len(contour) <= 2 * reach + 2:  # no longer than a line there and back
+    if len(contour) <= 2 * reach + 2:
         straight = straight_line(list(dict.fromkeys(map(tuple, contour.tolist()))))
         if straight is not None:
             return straight
@@ -90,7 +90,6 @@ def _record(contour: NDArray[np.int32], corner: NDArray[np.bool_], *, clockwise:
 
 
 def _rms_distance(contour: NDArray[np.int32], chosen: NDArray[np.int64]) -> float:
-    """Rms distance of the contour's pixels from the sides between its chosen pixels."""
     n = len(contour)
     points = contour.astype(np.float64)
     side = np.searchsorted(chosen, np.arange(n), side="right") - 1

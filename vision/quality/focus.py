@@ -2,7 +2,7 @@
 
 Rules and units
 - An edge's blur is the sigma, in pixels, of the Gaussian that makes it from a step: the step's
-  height over its steepest slope times sqrt(2 pi). Lens, motion, sensor and JPEG all add to it.
+  height over its steepest slope times sqrt(2 pi).
 - A tile without a clear edge is not judged.
 - From 3 pixels on, noise cuts off the edge's ends, and the blur is larger than reported.
 - A blur of at most `SHARP_PX` is in focus.
@@ -124,7 +124,6 @@ def _sigma_of(profile: FloatArray) -> float:
     slopes = np.convolve(np.diff(profile) / STEP_PX, np.ones(4) / 4.0, mode="same")
     near = slice(middle - 8, middle + 8)
     peak = near.start + int(np.argmax(slopes[near]))
-    # plateaus: from the peak outwards to where the slope first flattens
     rest = 0.05 * slopes[peak]
     left, right = peak, peak
     while left > 0 and slopes[left - 1] > rest:

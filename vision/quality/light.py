@@ -94,7 +94,6 @@ def flicker_of(times_s: FloatArray, rows: FloatArray) -> Flicker:
 
 
 def _beat_hz(frequency_hz: float, rate_hz: float) -> float:
-    """Apparent frequency of a flicker at a rate of pictures."""
     if rate_hz <= 0.0:
         return 0.0
     return abs(math.remainder(frequency_hz, rate_hz))

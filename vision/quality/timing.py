@@ -59,7 +59,6 @@ def even_times(stamps_s: FloatArray) -> FloatArray:
 
 
 def _numbers(stamps_s: FloatArray) -> FloatArray:
-    """The pictures' numbers, from their distances in periods."""
     steps = np.diff(stamps_s)
     period_s = float(np.median(steps))
     if period_s <= 0.0:

@@ -65,7 +65,6 @@ def _clip(edges: tuple[Edge, ...], bounds: tuple[float, float, float, float]) ->
 
 
 def _clip_at(edges: tuple[Edge, ...], axis: int, limit: float, sign: float) -> tuple[Edge, ...]:
-    """Part of the outline where ``sign * (coordinate - limit) <= 0``."""
     kept: list[Edge] = []
     for edge in edges:
         places = [edge.start, *_crossings(edge, axis, limit), edge.end]
@@ -90,7 +89,7 @@ def _between(end: Vec, start: Vec) -> list[Edge]:
 
 
 def _crossings(edge: Edge, axis: int, limit: float) -> list[Vec]:
-    """Points where an edge meets a side of the bounds, in its order, exactly on that side."""
+    """Points where an edge meets a side of the bounds, in its order."""
     if isinstance(edge, Segment):
         a, b = edge.start[axis] - limit, edge.end[axis] - limit
         if a * b >= 0.0:

@@ -74,7 +74,7 @@ def build_objects(
     placement: Placement,
     skip: frozenset[int] = frozenset(),
 ) -> tuple[SceneObject, ...]:
-    """Objects of the scene in the order of their first pixel. O(records)."""
+    """Objects of the scene in the order of their first pixel."""
     bounds = placement.bounds
     limits = (bounds.x_min, bounds.y_min, bounds.x_max, bounds.y_max)
     ends, bent, stray, thin = look_at_borders(
@@ -84,7 +84,6 @@ def build_objects(
     outlines = _Outlines.of(fitted, ends, bent, placement)
     border_kind = fitted.border_kind.tolist()
     starts = fitted.edge_starts.tolist()
-    # in metres the picture's edge is not the bounds' edge
     in_pixels = placement.calibration is None
     outline: dict[int, Record] = {}
     holes: dict[int, list[tuple[Record, ...]]] = {}
@@ -207,7 +206,6 @@ def _curved_line(chain: list[tuple[int, int]], placement: Placement) -> ArcRecor
 
 
 def _placed(points: Sequence[tuple[float, float]], placement: Placement) -> list[Vec]:
-    """Convert points of the picture to the scene's coordinates."""
     there = placement.rectified(np.array(points, dtype=np.float64))
     there = there * np.array([placement.scale, placement.y_scale])
     return [(x, y) for x, y in there.tolist()]

@@ -32,7 +32,6 @@ def open_chain(pixels: list[Pixel]) -> list[Pixel] | None:
     if len(pixels) < FEWEST:
         return None
     links = _links(set(pixels))
-    # a sharp bend leaves a single pixel sticking out
     nubs = {p for p, near in links.items() if len(near) == 1 and len(links[near[0]]) == 3}
     if nubs:
         links = _links(set(pixels) - nubs)
@@ -89,7 +88,6 @@ def _onto(x: float, y: float, cx: float, cy: float, radius: float) -> Vec:
 
 
 def _corners(points: NDArray[np.float64], first: int, last: int) -> list[int]:
-    """Vertices that keep the polyline from first to last within NEAR_PX of every point."""
     found: list[int] = []
     stack = [(first, last)]
     while stack:

@@ -3,8 +3,8 @@
 Rules
 - A plan of the ground gives the unseen share of each pixel: a lens folds or looks sideways there
   (``vision.calibration.blind``), or no working camera looks there (``vision.joined.floor_plan``).
-  It is outlined like any picture and added to the scene's objects, with the reason: robots do not
-  drive on unseen ground.
+  It is outlined like any picture and added to the scene's objects: robots do not drive on unseen
+  ground.
 - A lens's blind pixels get the picture's middle grey before a level is sought, so that they show
   neither edges nor obstacles.
 """

@@ -2,8 +2,8 @@
 
 Rules and units
 - Fixed points are the configured floor markers; if fewer than ``LEAST_POINTS`` are seen, the
-  corners of ``vision.watch.fixed_points`` too. They are learned from one picture and watched from
-  the next on; a point that trembles is left out.
+  corners of ``vision.watch.fixed_points`` too. They are learned from one picture; a point that
+  trembles is left out.
 - The camera has moved when more than half of the visible points have. A single moved or covered
   point is reported.
 - Markers with configured places must be seen there when they are learned: otherwise the camera was
@@ -156,7 +156,7 @@ class CameraPlace:
         self._measure_noise(readings)
         report = self._report(most, away)
         if self._misplaced and not report.moved and not report.lost:
-            self._meter, self._tried_s = None, -np.inf  # it is back: all markers count again
+            self._meter, self._tried_s = None, -np.inf
         return report
 
     def _reset(self, count: int, noise_px: float = LEAST_NOISE_PX) -> None:
@@ -195,7 +195,6 @@ class CameraPlace:
             self._each.begin_moved(now_s)
 
     def _why_unclear(self, away_px: FloatArray, is_clear: bool) -> str:
-        """Reason why too few surveyed markers are seen to locate the camera; empty if clear."""
         surveyed = sum(one.place_m is not None for one in self._settings.markers)
         if is_clear or (not len(away_px) and surveyed < LEAST_POINTS):
             return ""
@@ -207,7 +206,6 @@ class CameraPlace:
         )
 
     def _floor_markers(self, grey: Image) -> tuple[list[FixedPoint], FloatArray]:
-        """Markers in the picture, and the offset (n, 2) of each from its configured place."""
         wanted = {one.id: one.place_m for one in self._settings.markers}
         if not wanted:
             return [], np.empty((0, 2))
@@ -221,7 +219,6 @@ class CameraPlace:
     def _offsets(
         self, points: Sequence[FixedPoint], expected: Sequence[tuple[float, float] | None]
     ) -> FloatArray:
-        """Offsets (n, 2) of markers from their configured places, NaN without one."""
         offsets = np.full((len(points), 2), np.nan)
         for i, (point, place) in enumerate(zip(points, expected, strict=True)):
             if place is not None:
@@ -301,7 +298,7 @@ class CameraPlace:
         if before is not None:
             change_px = abs(size_px - before[0])
             if size_px < limit_px or change_px <= max(0.5, _SAID_AGAIN * before[0]):
-                return  # on its way back, or as far away as reported
+                return
         which = [p for p, px in zip(self.points, away_px, strict=True) if px > limit_px]
         size_mm = 1000.0 * size_px * self._calibration.metres_per_pixel
         when = self._into_the_run(self._camera.since_s[0])
@@ -350,7 +347,6 @@ class CameraPlace:
 
 
 def _marker_point(grey: Image, marker: Marker) -> FixedPoint | None:
-    """Floor marker as a fixed point; None at the picture's edge."""
     from_diagonals = crossing(marker.corners_px)
     side_px = float(np.linalg.norm(marker.corners_px[1] - marker.corners_px[0]))
     half_px = max(4, min(MARKER_HALF_PX, round(0.5 * side_px)))
@@ -362,7 +358,6 @@ def _marker_ids(points: Sequence[FixedPoint]) -> list[int]:
 
 
 def _listed(points: Sequence[FixedPoint]) -> str:
-    """List floor markers by number and corners by place, cut short."""
     markers = ", ".join(map(str, _marker_ids(points)[:_NAMED]))
     corners = [p.name.removeprefix(CORNER) for p in points if p.marker_id is None]
     said = f"floor marker{'s' * (len(_marker_ids(points)) > 1)} {markers}" if markers else ""

@@ -8,7 +8,7 @@ Rules and units
 - After the first frames of a place the reference changes only where a change was reported, or
   something slow would be absorbed.
 - Ground under a robot is unknown: ``background`` keeps its last picture. Ground never seen is
-  filled from around it until the robot drives off, and reported then if it differs.
+  filled from around it until the robot drives off.
 - A change is reported after two frames in a row.
 """
 
@@ -137,7 +137,6 @@ class SceneWatcher:
         height, width = image.shape[0] // n, image.shape[1] // n
         part = image[: height * n, : width * n]
         small = np.asarray(part)
-        # repeated halving is vectorised and seven times as fast as one step
         while n > 1:
             n //= 2
             size = (width * n, height * n)
@@ -149,7 +148,6 @@ class SceneWatcher:
         return self._covered_in(self._reference.shape, discs)
 
     def _covered_in(self, shape: tuple[int, ...], discs: NDArray[np.float64]) -> _Mask:
-        """Mask of cells, 255 where a disc touches one."""
         mask = np.zeros(shape, np.uint8)
         n = self._cell_px
         for x, y, radius in discs:
@@ -236,7 +234,6 @@ class SceneWatcher:
     def _adopt(
         self, image: Image, cells: _Cells, covered: _Mask, confirmed: _Mask, gain: float
     ) -> Change:
-        """Take over the changed parts and report them."""
         size = 2 * _RIM_CELLS + 1
         region = cv2.dilate(confirmed, np.ones((size, size), np.uint8)).astype(np.uint8)
         rectangles = self._rectangles(region, image)
@@ -269,7 +266,6 @@ class SceneWatcher:
         found = []
         for x, y, w, h, _ in stats[1:count].tolist():
             x0, y0 = x * n, y * n
-            # the last whole cell covers the pixels behind it too
             x1 = width if x + w == region.shape[1] else (x + w) * n
             y1 = height if y + h == region.shape[0] else (y + h) * n
             found.append((x0, y0, x1 - x0, y1 - y0))
@@ -290,13 +286,11 @@ class SceneWatcher:
         self._background[rows, columns][chosen] = source[chosen]
 
     def _pixels_of(self, mask: _Mask, shape: tuple[int, ...]) -> _Mask:
-        """Turn a mask of cells into one of pixels; the last cells reach its end."""
         rows = np.minimum(np.arange(shape[0]) // self._cell_px, mask.shape[0] - 1)
         columns = np.minimum(np.arange(shape[1]) // self._cell_px, mask.shape[1] - 1)
         return mask[np.ix_(rows, columns)]
 
     def _measure_tolerance(self) -> None:
-        """Set the change that an edge's tremor may cause: a share of each cell's contrast."""
         box = np.ones((3, 3), np.uint8)
         contrast = cv2.morphologyEx(self._reference, cv2.MORPH_GRADIENT, box)
         self._tolerance = (contrast * np.float32(self._limits.tremor)).astype(np.float32)

@@ -5,8 +5,7 @@ Rules and units
 - Page's test (Continuous inspection schemes, 1954) sums the logarithms of the two cases' likelihood
   ratios, never below 0. At ``THRESHOLD`` it has moved, back at 0 it has not. Movement began when
   the sum left 0.
-- Frames must agree for ``REACTION_S``, however far off: a flash or a hand in a few pictures moves
-  nothing.
+- Frames must agree for ``REACTION_S``, however far off: a flash moves nothing.
 - By Lorden's bound (Procedures for reacting to a change in distribution, 1971) the mean number of
   frames between false alarms is at least exp(``THRESHOLD``): ten years at 30 a second, if their
   noise is independent and at most ``noise_px``.

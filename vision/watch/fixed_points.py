@@ -4,7 +4,7 @@ Rules and units
 - Raw pixels, centres at integers. A point is a small patch of the picture: a floor marker, or a
   corner at the arena's border or beyond; corners farther inside only if these are too few.
 - A patch is found where its normalised correlation is highest, to a fraction of a pixel by a
-  parabola, whatever the light. A patch found nowhere is not seen, not moved.
+  parabola, whatever the light.
 - A patch that looks like another place nearby is no fixed point.
 """
 
@@ -137,7 +137,6 @@ def _is_unlike_its_neighbours(grey: Image, point: FixedPoint) -> bool:
 
 
 def _covered(places: FloatArray, half_px: float, discs: FloatArray) -> _Flags:
-    """Mask of places (n, 2) whose patches a disc touches."""
     if not len(discs):
         return np.zeros(len(places), dtype=np.bool_)
     apart = np.hypot(*(places[:, None, :] - discs[None, :, :2]).transpose(2, 0, 1))
@@ -147,7 +146,6 @@ def _covered(places: FloatArray, half_px: float, discs: FloatArray) -> _Flags:
 def _likeness(
     grey: Image, point: FixedPoint, moved: tuple[int, int], reach_px: int
 ) -> tuple[NDArray[np.float32], tuple[int, int]]:
-    """Correlation at every place within reach, and the first of these places."""
     side = len(point.patch)
     x0, y0 = point.corner_px[0] + moved[0] - reach_px, point.corner_px[1] + moved[1] - reach_px
     left, up = max(0, x0), max(0, y0)

@@ -5,9 +5,8 @@ Rules and units
   metres.
 - Each changed rectangle grows until it cuts no known object. Its content is extracted again at the
   scene's own level; everything else keeps its records, to the bit, and its id.
-- There is no answer where that cannot be trusted (uneven light, half of the picture changed, an
-  object that leaves its part, edges that the level does not separate): the caller extracts the
-  whole picture.
+- Where that cannot be trusted (uneven light, half of the picture changed, an object that leaves its
+  part, edges that the level does not separate), the caller extracts the whole picture.
 """
 
 from __future__ import annotations
@@ -84,7 +83,6 @@ class KnownScene:
         unseen = unseen or hidden_by_lens(calibration, scene.bounds, extract)
         hidden = {o.records for o in unseen.objects}
         boxes = _boxes_of(scene.objects, calibration)
-        # unseen ground belongs to no picture, and stays
         found = zip(scene.objects, boxes, strict=True)
         kept = tuple(_NOWHERE if o.records in hidden else b for o, b in found)
         return cls(scene, calibration, kept)
@@ -146,7 +144,6 @@ def _joined(scene: Scene, kept: Sequence[SceneObject], found: Sequence[Scene]) -
     for fresh in found:
         for name, ms in fresh.timings_ms.items():
             laps[name] = laps.get(name, 0.0) + ms
-    # an empty part is no remark on the arena
     said = [r for fresh in found for r in fresh.remarks if r not in doubts_about(fresh)]
     joined = replace(
         scene,
@@ -159,7 +156,6 @@ def _joined(scene: Scene, kept: Sequence[SceneObject], found: Sequence[Scene]) -
 
 
 def _boxes_of(objects: Sequence[SceneObject], calibration: Calibration) -> tuple[_Box, ...]:
-    """Pixels x0, y0, x1, y1 (ends excluded) that hold each object."""
     if not objects:
         return ()
     outlines = [outline_points(obj) for obj in objects]
@@ -222,7 +218,6 @@ def _parts(
 
 
 def _leaves(box: _Box, part: _Box, size: tuple[int, int]) -> bool:
-    """True if an object reaches a part's edge that is not the picture's own."""
     width, height = size
     return (
         (box[0] <= part[0] and part[0] > 0)

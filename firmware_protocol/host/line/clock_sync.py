@@ -117,14 +117,12 @@ class ClockEstimate:
         return not -self.error_s(now_s) <= late_s <= self.error_s(now_s) + DOUBT_S
 
     def _forget_what_contradicts(self, sample: _Sample, now_s: float) -> None:
-        """Restart if an exchange contradicts the earlier ones."""
         apart_s = abs(sample.offset_s - self.offset_s(now_s))
         if self.ready and apart_s > sample.error_s + self.error_s(now_s):
             self._samples.clear()
             self.jumps += 1
 
     def _unrolled(self, robot_us: int, now_s: float) -> float:
-        """Robot's clock without wraps, nearest to the expected time."""
         if not self.ready:
             return robot_us / 1e6
         expected_us = round((now_s + self.offset_s(now_s)) * 1e6)

@@ -137,7 +137,6 @@ class Follower:
         self._docking = False
 
     def _leave(self, at: int) -> None:
-        """Begin the next line at this executed waypoint."""
         data = self._queue.data
         self._from[0] = get_place(data, at)
         self._from[1] = get_place(data, at + 4)
@@ -226,7 +225,6 @@ class Follower:
 
     @micropython.native
     def _pass_waypoints(self) -> int:
-        """Number of waypoints passed; leaves the view at the next one."""
         queue, data = self._queue, self._queue.data
         passed = 0
         while passed < queue.count:
@@ -290,7 +288,6 @@ class Follower:
 
     @micropython.native
     def _bend_to(self, distance: int) -> int:
-        """Pure pursuit: the bend is twice the bearing's sine over the distance."""
         bend = self._set.track * sine(aside(self._off))
         if distance:
             bend //= distance

@@ -217,7 +217,6 @@ class Link:
         if not self._is_sound(kind, length):
             self._add(REJECTED)
             if reliable and ahead == 0:
-                # nonsense in a whole frame stays nonsense
                 self.frames.expected = self.frames.expected + 1 & 255
                 self._ack_due = True
             return
@@ -239,7 +238,6 @@ class Link:
             self.frames.expected = self.frames.expected + 1 & 255
 
     def _is_sound(self, kind: int, length: int) -> bool:
-        """True if a host's message of this type has valid content."""
         if kind == WAYPOINTS:
             return self._waypoints_are_right(length)
         if START <= kind <= RESET_ESTOP:
@@ -277,7 +275,6 @@ class Link:
         return frame[at + 3] == 0x80 and not (frame[at] or frame[at + 1] or frame[at + 2])
 
     def _act(self, kind: int) -> bool:
-        """Act on a sound message; False if it cannot be taken now."""
         frame, robot = self._buffer, self.robot
         if kind == WAYPOINTS:
             return robot.accept(frame, 8)

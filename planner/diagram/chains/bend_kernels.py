@@ -193,7 +193,6 @@ def _narrowest_between(kind, data, left, right, ax, ay, bx, by, tolerance):
 
 @njit(**LEAF)
 def _is_on_bisector(kind, data, left, right, x, y, rho, tolerance):
-    """True if a place at clearance rho is as near to both pieces as to anything."""
     return (
         abs(distance(kind, data, left, x, y) - rho) <= 4.0 * tolerance
         and abs(distance(kind, data, right, x, y) - rho) <= 4.0 * tolerance
@@ -251,7 +250,6 @@ def _halve(pieces, at, link, tolerances, run, line, stack, top):
             split = split and (bx - x) ** 2 + (by - y) ** 2 <= reach
             astray = line.is_long or wanted or not slid
         if split:
-            # only sampled vertices are in order among themselves
             bare[top] = guess == 1
             bare[top - 1] |= guess == 1
             break
@@ -334,7 +332,6 @@ def bend_run(mesh, pieces, triangles, link, end, tolerances, room, s, counts):
             stack.rough[top] = as_sampled
             top += 1
             continue
-        # the link from a to b is short and straight enough
         top -= 1
         near = link[q_b if q_b < end else q_a] & ~7
         out.pieces[n - 1, 0], out.pieces[n - 1, 1] = left, right

@@ -83,7 +83,6 @@ def trace_chains(tri, mask, stale, old):
 
 @njit(**OWNING, error_model="numpy", inline="always")
 def _split_chains(mask, stale, old):
-    """The unchanged chains, and the triangles where any other chain may pass."""
     old_mask, old_node, old_ends, old_first, old_link = old
     n, known = len(mask), len(old_mask)
     changed = np.empty(n, np.bool_)

@@ -3,12 +3,10 @@
 Rules and units
 - Grey values are 0 .. 255, obstacles dark. Steps are compared by the square root of the picture's
   own values (``Judge.worth``): a step in the dark is worth more.
-- Light that changes over many pixels makes no edge: nothing supports a shadow's rim as a border.
-- No level suits both obstacles of 40 and of 180 on a floor of 215, or objects in full light and in
-  a shadow of 70 %.
-- Edges neither in nor near the mask are searched again for their best levels. A region below one of
-  these is an obstacle too if it touches nothing of the mask, and its border is sharp and exceeds
-  the noise.
+- Light that changes over many pixels makes no edge: nothing supports a shadow's rim as a border. -
+- Edges outside the mask's surroundings are searched again for their best levels. A region below one
+  is an obstacle too if it touches nothing of the mask, and its border is sharp and exceeds the
+  noise.
 - In uneven light and on a patterned floor it needs a share of the light too (``judge.py``).
 """
 
@@ -107,7 +105,6 @@ def leaves_out(look: GreyPicture, level: float, side: Literal["dark", "light"]) 
 
     if not clear_steps(0.0):
         return False
-    # artefacts of compression, and a floor's pattern, have a smaller share of the light
     calming = look.calming()
     grey, noise = look.grey_after(calming), look.noise * calming.left
     apart = faint_edges_apart(grey, noise, side, BLOCK_PX) >= FEWEST_CLEAR
@@ -167,10 +164,9 @@ class Support:
     def _believed(
         self, shut: NDArray[np.uint8], cost: float, sample: int
     ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-        """Support for each level (257,) outside ``shut``, 0 if too little, and the pairs."""
+        """Support for each level (257,), 0 if too little, and the pairs."""
         judge = self.judge
         support, pairs = support_by_level(judge.grey, judge.seen(shut), judge.values, cost, sample)
-        # without pairs, the sum is only rounding
         enough = FAINT * cost * np.maximum(pairs, 1.0)
         return np.where(support >= enough, support, 0.0), pairs
 
@@ -182,7 +178,6 @@ def _classes_at(believed: NDArray[np.float64], counts: NDArray[np.int64]) -> Cla
     below = np.arange(256) < level
     dark, light = _middle(np.where(below, counts, 0)), _middle(np.where(below, 0, counts))
     if believed[math.ceil(0.5 * (dark + light))] < nearly:
-        # one class is really two: only greys next to the level count
         reach = min(level - dark, light - level)
         dark, light = level - reach, level + reach
     return Classes(dark, light, 0.0, float(counts[below].sum() / counts.sum()))
@@ -199,7 +194,7 @@ def with_left_out(
     """The mask, changed in place, with obstacles of other masks and levels, and remarks.
 
     Levels are searched in the picture without its light, then as it is. A remark names other
-    regions above the noise. O(pixels) a level.
+    regions above the noise.
     """
     binary = judged.binary
     inside = binary.inside
@@ -271,7 +266,6 @@ def _said(
     inside: NDArray[np.uint8],
     judge: Judge,
 ) -> tuple[str, ...]:
-    """Remark on regions of which the mask (h, w) has no part, if any."""
     if not left.any():
         return ()
     regions = judge.regions(left.astype(np.uint8))

@@ -1,4 +1,4 @@
-"""Steps across the border between black and white, which show if it follows edges.
+"""Steps across the border between black and white.
 
 Rules and units
 - A step is how much lighter a pixel is than one ``REACH`` rows or columns away, measured by
@@ -50,7 +50,6 @@ def steps_across_level(grey, level, weak, strong, pairs):
     step = max(1, 2 * height * segments * length // pairs)
     every, weaks, strongs = 0.0, 0.0, 0.0
     for i in range(0, (height - REACH) * segments, step):
-        # another segment each time, so that no column is left out
         y = i // segments
         x = AT_A_TIME * ((i + y) % segments)
         here = grey[y, x : x + length]
@@ -65,7 +64,6 @@ def steps_across_level(grey, level, weak, strong, pairs):
 
 @njit(**SUMS)
 def _steps(here, there, level, weak, strong):
-    """Count the same in one stretch of pairs."""
     nothing, one = np.float32(0.0), np.float32(1.0)
     every, weaks, strongs = nothing, nothing, nothing
     for x in range(here.shape[0]):
@@ -120,7 +118,6 @@ def _any_step(rows, first, length, level, least):
 
 @njit(**SUMS)
 def _clear_steps(rows, first, length, level, clear):
-    """Count the same in one stretch of pixels, to the right and down."""
     nothing, one = np.float32(0.0), np.float32(1.0)
     share, least, end, sign = clear
     above, here = rows[0, first:], rows[REACH, first:]
@@ -132,7 +129,6 @@ def _clear_steps(rows, first, length, level, clear):
         right = np.float32(here[x + REACH])
         down = np.float32(below[x])
         side = value < level
-        # around the pixel, and around the square that both pairs share
         across = (right < level) != side
         across |= (down < level) != side
         across |= (np.float32(above[x]) < level) != side
@@ -157,7 +153,6 @@ def _clear_steps(rows, first, length, level, clear):
 
 @njit(**LEAF)
 def _pair(grey, y, x, down):
-    """Grey values of a pair, with those OUTER before and behind it."""
     height, width = grey.shape
     if down:
         before = grey[max(y - OUTER, 0), x]
@@ -199,7 +194,6 @@ def typical_step(grey, worth, pairs):
 
 @njit(**LEAF)
 def _support(worth, before, a, b, behind, cost):
-    """Support of a pair for a border between its pixels."""
     step, sharp = _sharp_step(worth, before, a, b, behind)
     if step < 0.0:
         step = -step

@@ -1,8 +1,7 @@
 """Detection of a floor's own pattern: faint, sharp edges nearly everywhere on it.
 
 Rules and units
-- An obstacle lies in one place, a pattern everywhere: tiles of the picture with faint edges are
-  counted.
+- An obstacle lies in one place, a pattern everywhere: tiles with faint edges are counted.
 - An edge is faint if its step has less than ``STRONG_SHARE`` of the light. Nothing counts within
   two ``REACH`` of a stronger edge, which blur gives a faint foot.
 """
@@ -68,7 +67,7 @@ def near_strong_edges(
 
 
 def has_pattern(grey: NDArray[Any], noise: float, side: Literal["dark", "light"]) -> bool:
-    """True if most of the floor in a grey picture (h, w) has faint, sharp edges. O(pixels)."""
+    """True if most of the floor in a grey picture (h, w) has faint, sharp edges."""
     height, width = grey.shape
     if min(height, width) < TILES:
         return False

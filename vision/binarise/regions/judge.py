@@ -2,10 +2,9 @@
 
 Rules and units
 - Grey values are 0 .. 255, obstacles dark. Light multiplies what the camera sees, so one material
-  has the same share of the light everywhere: the step across its border, divided by the light
-  there. A shadow's rim, and noise in little light, have a fraction of that.
-- The step is the mean over the whole border, of pixels ``REACH`` apart across it. Its error falls
-  with the border's length, so no number of pixels is required.
+  has the same share of the light everywhere: its border's step over the light there. A shadow's
+  rim, and noise in little light, have less.
+- The step is the mean over the whole border, of pixels ``REACH`` apart across it.
 - A picture out of focus, whose edges are not sharp over ``REACH`` pixels, is halved.
 - A region is real if its border exceeds the noise (``SIGMAS``) on all sides but short ones, is
   sharp (``LEAST_SHARP``), and either is of the others' material (``FAINT``) or has the contrast
@@ -133,7 +132,7 @@ class Judge:
     ) -> Judge:
         """Judge of a picture, smoothed if noisy and halved if out of focus.
 
-        About ``pairs`` pairs of pixels are read for that. O(pixels).
+        About ``pairs`` pairs of pixels are read for that.
         """
         judge = cls._seeing(look, side, 1, even)
         if min(look.grey.shape) < 2 * LEAST_HALF_PX:
@@ -196,7 +195,7 @@ class Judge:
         return float(typical_step(self.grey, self.values, pairs))
 
     def seen(self, mask: NDArray[Any]) -> NDArray[Any]:
-        """Mask (h, w), or labels, at the judge's own pixels (h', w')."""
+        """Mask or labels (h, w) at the judge's own pixels (h', w')."""
         if self.every == 1:
             return mask
         height, width = self.grey.shape
@@ -204,10 +203,9 @@ class Judge:
         return np.ascontiguousarray(mask[: height * step : step, : width * step : step])
 
     def regions(self, inside: NDArray[Any]) -> Regions:
-        """Connected regions of a mask (h, w), and the steps across their borders. O(pixels)."""
+        """Connected regions of a mask (h, w), and the steps across their borders."""
         count, found = cv2.connectedComponents(inside, connectivity=8)
         labels = np.asarray(found, dtype=np.int32)
-        # no light is black, which is white where obstacles are light
         end, sign = (0.0, 1.0) if self.side == "dark" else (255.0, -1.0)
         sides = steps_of_regions(self.grey, self.seen(labels), count, end, sign)
         steps, light, pairs = (sides[k].sum(axis=1) for k in (0, 1, 3))
@@ -259,7 +257,7 @@ class Judge:
         return large & apart
 
     def real(self, binary: Binary) -> JudgedPicture:
-        """Remove regions whose borders do not count from the mask. O(pixels)."""
+        """Remove regions whose borders do not count from the mask."""
         inside = binary.inside
         objects = self.regions(inside)
         shares, pairs = objects.shares, objects.pairs

@@ -3,7 +3,7 @@
 Rules
 - The corners' optical flow (Lucas and Kanade, pyramids by Bouguet) follows a board, each refined in
   the whole picture, until they no longer move as one plane.
-- The reduced picture hides small boards, so some misses search the whole one (ChArUco boards).
+- The reduced picture hides small boards: some searches use the whole one (ChArUco boards).
 """
 
 from __future__ import annotations
@@ -95,7 +95,7 @@ def _view(name: str, grey: Image, corners: FloatArray, points: FloatArray) -> Bo
 
 def _moved_as_a_plane(before: FloatArray, after: FloatArray) -> bool:
     found: object = cv2.findHomography(before, after, 0)[0]
-    if not isinstance(found, np.ndarray):  # None without a homography, despite the stubs
+    if not isinstance(found, np.ndarray):
         return False
     plane = np.asarray(found, dtype=np.float64)
     seen = cv2.perspectiveTransform(before.reshape(-1, 1, 2), plane).reshape(-1, 2)

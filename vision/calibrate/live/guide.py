@@ -93,7 +93,6 @@ def is_new(view: BoardView, views: Sequence[BoardView]) -> bool:
 
 
 def _apart_px(view: BoardView, other: BoardView) -> float:
-    """Mean distance of common corners; infinite with few."""
     places = {tuple(p): i for i, p in enumerate(np.round(other.points_m, 6).tolist())}
     pairs = [
         (i, places[key])
@@ -143,7 +142,7 @@ def next_place(lens: KnownLens, spec: BoardSpec, views: Sequence[BoardView]) -> 
 
 
 def held_poses(lens: KnownLens, spec: BoardSpec) -> list[HeldPose]:
-    """Poses (place, tilt, distance) with the whole board in the picture."""
+    """Poses with the whole board in the picture."""
     columns, rows = spec.inner
     x, y = np.meshgrid(np.arange(columns) * spec.square_m, np.arange(rows) * -spec.square_m)
     points: FloatArray = np.stack([x.ravel(), y.ravel()], axis=1)

@@ -1,9 +1,8 @@
-"""A live calibration: takes frames, returns what to show. Opens no device, reads no clock.
+"""A live calibration: takes frames, returns what to show.
 
 Rules
 - A view is taken when the board is still in a new place and fits the earlier ones.
-- The lens is then fitted with all five distortion terms: undetermined ones show where views are
-  missing.
+- The lens is then fitted with all five terms: undetermined ones show where views are missing.
 - Enough: every cell is done, and the focal length is known to ``FOCAL_SHARE``.
 - After three in a row that do not fit, the earlier ones may be wrong: all are judged together
   (`suspects`), and the smaller part goes.
@@ -135,7 +134,6 @@ class LiveSession:
         """Take this frame as a view if it fits; return True if so, and the message."""
         self._number += 1
         name = f"view {self._number}"
-        # more markers may be in sight than when the board was found
         again = find_board(frame.image, self._spec, name) if self._is_charuco else None
         view = again if isinstance(again, BoardView) else replace(followed, name=name)
         doubt = self._doubt(view)
@@ -165,7 +163,6 @@ class LiveSession:
         )
 
     def _reconsider(self) -> str:
-        """Judge taken and doubted views together; the smaller part goes."""
         everything = [*self._taken, *self._doubted]
         self._doubted.clear()
         views = [view for view, _ in everything]

@@ -4,7 +4,7 @@ Rules and units
 - ``auto`` or a number: exposure in milliseconds, white balance in kelvin, gain and focus in the
   driver's own units, mains 50 or 60 Hz.
 - A driver refuses a value while its automatic function works, so that is switched first. Automatic
-  exposure may never lower the rate of pictures.
+  exposure may never lower the rate.
 - A setting that a driver lacks, refuses or rounds becomes a sentence.
 
 Source: linux/v4l2-controls.h.
@@ -132,8 +132,6 @@ def readings(controls: list[CameraControl]) -> CameraControls:
 
 
 class _Setting:
-    """One round of setting a node's controls; ``said`` gathers the differences."""
-
     def __init__(self, node: Node) -> None:
         self._node = node
         self._has = {one.id: one for one in list_controls(node)}

@@ -2,8 +2,7 @@
 
 Rules and units
 - Format, size and rate are chosen from the device's list (`modes`) and requested, then controls are
-  set (`controls`). ``reason`` reports differences; the rate is measured, not trusted.
-- Damaged pictures are counted.
+  set (`controls`). ``reason`` reports differences; the rate is measured. -
 - A picture's time is that of its last row: a stamp of the exposure's begin is shifted.
 - Times are seconds on the clock passed in; sizes are (width, height) in pixels.
 """
@@ -65,8 +64,6 @@ class DeviceSettings:
 
 @dataclass(slots=True)
 class _Damage:
-    """Counts of damaged pictures: in all, in a row, and in a window of pictures."""
-
     total: int = 0
     in_a_row: int = 0
     _seen: int = 0
@@ -80,7 +77,6 @@ class _Damage:
         self._damaged += is_damaged
         if self._seen >= _DAMAGED_WINDOW:
             much = self._damaged > _DAMAGED_SHARE * self._seen
-            # without its number, which would make a new line for each window
             self.said = "more than 1 % of its pictures are damaged and dropped" if much else ""
             self._seen = self._damaged = 0
 
@@ -246,7 +242,6 @@ class DeviceCamera:
         return CameraError(f"{self.name}: the driver gives no picture: {error.strerror or error}")
 
     def _frame_of(self, filled: Filled, agreed: Agreed) -> Frame | None:
-        """Return the frame in a buffer; None if it is damaged."""
         grabbed_s = self._clock()
         self.missing += filled.missing
         image = None

@@ -77,7 +77,7 @@ class KnownCamera:
         }
         same_port = [node for node, found in alike.items() if found.bus == before.bus]
         if here is not None and here.same_kind(before) and len(alike) <= 1:
-            return named, ""  # by its stable name, at another port
+            return named, ""
         chosen = same_port or list(alike)
         if len(chosen) > 1:
             raise CameraError(

@@ -71,7 +71,7 @@ def _of_raw(
     line = max(bytes_per_line, width * bytes_per_pixel)
     rows = height * 3 // 2 if fourcc in _PLANAR_YUV else height
     if fourcc in ("YU12", "YV12") and line != width:
-        return None  # OpenCV needs the shorter chroma lines without gaps
+        return None
     if len(data) < line * (rows - 1) + width * bytes_per_pixel:
         return None
     whole = data[: line * rows]

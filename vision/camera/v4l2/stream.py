@@ -3,7 +3,7 @@
 Rules and units
 - Format and size are set before the rate: a new format begins at the driver's own.
 - The newest filled buffer is taken; older ones go back to the driver unread.
-- A wait ends in time: the node is opened without blocking.
+- The node is opened without blocking, so a wait ends in time.
 - Seconds of the kernel's monotonic clock; sequence numbers are the driver's own.
 """
 
@@ -76,7 +76,6 @@ class Stream:
         return Agreed(fourcc_text(pixels.pixelformat), size, int(pixels.bytesperline), rate_hz)
 
     def _set_rate(self, rate_hz: float | None) -> float | None:
-        """Set the rate if possible; return the rate that the driver promises."""
         told = self._node.try_ask(structs.G_PARM, structs.StreamParameters(type=structs.CAPTURE))
         if told is None:
             return None
@@ -103,11 +102,11 @@ class Stream:
         """Stop and free the buffers; harmless when stopped or the camera is gone."""
         self._held, self._sequence = None, None
         maps, self._maps = self._maps, []
-        with contextlib.suppress(OSError):  # gone, or never ran: its buffers go with it
+        with contextlib.suppress(OSError):
             if maps:
                 self._node.ask(structs.STREAMOFF, c_int32(structs.CAPTURE))
         for memory in maps:
-            with contextlib.suppress(BufferError):  # still in use: freed with its user
+            with contextlib.suppress(BufferError):
                 memory.close()
         request = structs.BufferRequest(type=structs.CAPTURE, memory=structs.MMAP)
         with contextlib.suppress(OSError):
@@ -172,7 +171,7 @@ class Stream:
         return buffer
 
     def _missing(self, buffer: structs.Buffer) -> int:
-        """Number of pictures that the driver skipped before this one; its numbers wrap at 2^32."""
+        """Pictures skipped before this one; numbers wrap at 2^32."""
         last, self._sequence = self._sequence, int(buffer.sequence)
         if last is None:
             return 0

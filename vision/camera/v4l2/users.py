@@ -32,7 +32,7 @@ def _has_open(folder: Path, device: str) -> bool:
     try:
         return any(os.readlink(each) == device for each in (folder / "fd").iterdir())
     except OSError:
-        return False  # it has ended, or belongs to another user
+        return False
 
 
 def _name(folder: Path) -> str:

@@ -1,8 +1,6 @@
 """Check that finished edges cover their border; chords replace the others.
 
-Rules and units
-- ``border``, ``outline``, ``limits``, ``review`` and ``finished``: see
-  ``vision.outline.outline_types``; ``circle`` (3,) is scratch space.
+Types: ``vision.outline.outline_types``; ``circle`` (3,) is scratch space.
 """
 
 # mypy: allow-untyped-defs
@@ -71,7 +69,6 @@ def area_lost(border, outline, edges, limits, review, finished, circle):
 
 @njit(**LEAF)
 def _find_losses(border, outline, edges, limits, review, finished):
-    """Measure the area lost by every stale edge: ``(True if one strays, total)``."""
     ragged = review.ragged
     losses = review.losses
     stale = review.stale
@@ -144,7 +141,6 @@ def check_edges(border, outline, edges, limits, budget, review, finished, circle
 
 @njit(**LEAF)
 def _end_at_points(border, outline, edges, review, e):
-    """Move both joints of a ragged edge to the border, on neighbours that fit there."""
     review.stale[e] = True
     for side in range(2):
         end = e if side == 0 else successor(e, edges)

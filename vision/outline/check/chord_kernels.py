@@ -72,7 +72,6 @@ def _write_chord(finished, i, k, x, y):
 
 @njit(**LEAF)
 def _chords(border, lo, hi, tolerance, found, room):
-    """Break a stretch into chords within tolerance: ``found`` = their first points' indices."""
     px = border.x
     py = border.y
     is_seed = room.flags[0]

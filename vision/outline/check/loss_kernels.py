@@ -1,8 +1,7 @@
 """Loss of one finished edge: its distance from the border, and the area between.
 
 Rules and units
-- ``border``, ``finished`` and ``limits``: see ``vision.outline.outline_types``; pixels, square
-  pixels.
+- Types: ``vision.outline.outline_types``; pixels, square pixels.
 - Without grey a pixel is lost or not, and deviations are along the pixels' axis.
 """
 
@@ -51,7 +50,6 @@ def _narrow_reach(rows, before, at, after):
 
 @njit(**LEAF)
 def _nothing_lost(border, lo, hi, finished, e, after, near_begin, near_end):
-    """True if no pixel of a picture without grey is lost beside a finished edge."""
     kinds, rows = finished.kind, finished.rows
     xs, ys = border.x[lo : hi + 1], border.y[lo : hi + 1]
     x0, y0 = rows[e, 0], rows[e, 1]

@@ -3,8 +3,7 @@
 Rules and units
 - ``border`` and ``finished``, edges ``0 .. count - 1`` around it: see
   ``vision.outline.outline_types``.
-- Measured on the finished outline, as a fit ignores points near its ends, less the effect of blur
-  on corners.
+- A fit ignores points near its ends; here all count, less the effect of blur on corners.
 """
 
 # mypy: allow-untyped-defs
@@ -75,7 +74,6 @@ def measure_residual(border, finished, count, blur, reach):
 
 @njit(**SUMS)
 def _squares(xs, ys, kind, rows, i, after):
-    """Sum of squared distances of the points within edge i from it."""
     total = 0.0
     if kind[i] == LINE:
         dx = rows[after, 0] - rows[i, 0]
@@ -98,12 +96,10 @@ def _squares(xs, ys, kind, rows, i, after):
 
 @njit(**LEAF)
 def _way(kind, rows, i, after, end):
-    """Direction of edge i at its end, or at its beginning."""
     if kind[i] == LINE:
         return rows[after, 0] - rows[i, 0], rows[after, 1] - rows[i, 1]
     dx = rows[end, 0] - rows[i, 2]
     dy = rows[end, 1] - rows[i, 3]
-    # y down: the angle grows along an arc clockwise on the screen
     if kind[i] == ARC_CCW:
         return dy, -dx
     return -dy, dx
@@ -111,7 +107,6 @@ def _way(kind, rows, i, after, end):
 
 @njit(**LEAF)
 def _bend(kind, rows, before, i, after):
-    """Sine of half the angle by which an outline turns at the beginning of edge i."""
     ax, ay = _way(kind, rows, before, i, i)
     bx, by = _way(kind, rows, i, after, i)
     lengths = math.sqrt((ax * ax + ay * ay) * (bx * bx + by * by))

@@ -4,8 +4,7 @@ Rules and units
 - ``border`` and ``finished``, edges ``0 .. count - 1`` around it: see
   ``vision.outline.outline_types``.
 - Points of an edge, ``STRAY_PX`` apart, must lie beside the border.
-- The check covers the finished outline: a fit's residuals ignore points near its ends, and their
-  positions along an edge.
+- A fit's residuals ignore points near its ends, and their positions along an edge.
 - The tip of a pointed corner that blur rounded may reach ``LONGEST_TIP_PX`` beyond where its sides
   are ``STRAY_PX`` apart.
 """
@@ -71,7 +70,6 @@ def _is_wide(ax, ay, bx, by):
 
 @njit(**LEAF)
 def _beside_any(border, lo, hi, finished, count):
-    """True if each of points lo .. hi lies beside some edge of the outline."""
     for k in range(lo, hi + 1):
         near = False
         for i in range(count):
@@ -147,7 +145,6 @@ def _beside_border(border, lo, hi, finished, i, after):
             y = rows[i, 3] + rows[i, 4] * math.sin(angle)
         near, here = _find_beside(border, lo, hi, here, x, y)
         if near and ahead > 0.0 and found:
-            # it left the border between two points that lie on it
             return False, first_x, first_y, last_x, last_y
         if near and not found:
             found = True

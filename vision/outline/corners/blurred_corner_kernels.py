@@ -1,10 +1,10 @@
 """Rounding of a border's corners by blur, and the cost of its points beside that.
 
 Rules and units
-- ``border``, ``outline`` and ``costs``: see ``vision.outline.outline_types``.
-- ``corners`` (edges, 8), a row a joint: unit vectors of the border before and after it, the
-  unit vector between both, twice the sine of half the turn, positive clockwise on the screen,
-  and the turn in radians with the same sign.
+- Types: ``vision.outline.outline_types``.
+- ``corners`` (edges, 8), a row a joint: unit vectors of the border before and after it, the unit
+  vector between both, twice the sine of half the turn, positive clockwise on the screen, and the
+  turn in radians with the same sign.
 """
 
 # mypy: allow-untyped-defs
@@ -132,7 +132,6 @@ def _explain(border, lo, hi, from_, joint, corner, blur, deviations):
 
 @njit(**SUMS)
 def _price(deviations, dead_zone, sigma, expected):
-    """Turn deviations into costs, less the share of noise."""
     inv = 1.0 / sigma
     for k in range(deviations.shape[0]):
         over = max(abs(deviations[k]) - dead_zone, 0.0) * inv
@@ -146,7 +145,6 @@ def _measure_edge(border, outline, corners, e, after, lo, hi, blur, deviations):
     joints = outline.joints
     side = 1.0
     if outline.is_arc[e]:
-        # positive to the right of the path, as for a line
         x = joints[e, 0] - row[0]
         y = joints[e, 1] - row[1]
         side = -1.0 if x * corners[e, 3] - y * corners[e, 2] > 0.0 else 1.0

@@ -120,7 +120,6 @@ def touch(a, a_arc, b, b_arc, out):
         d = math.sqrt(dx * dx + dy * dy)
         if d < 1e-9:
             return False
-        # on the line of centres, the points of both circles
         outside = d - a[2] - b[2]
         inside = d - abs(a[2] - b[2])
         ta = a[2]

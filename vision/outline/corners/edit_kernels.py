@@ -1,8 +1,7 @@
 """Edits that may improve an outline, and the saving of each.
 
 Rules and units
-- ``border``, ``outline``, ``costs``, ``prices``, ``blur``, ``change`` and ``edits``: see
-  ``vision.outline.outline_types``; pictures with grey only.
+- Types: ``vision.outline.outline_types``; pictures with grey only.
 - A partition ignores points near its breaks, and breaks at seeds only. An edit is judged by all
   points, with corners as blur rounds them (``vision.outline.corners.blurred_corner_kernels``): it
   saves the cost and prices of the edges that it replaces, less its own.
@@ -168,13 +167,11 @@ def _may_be(border, outline, edges, run, kind, line_price, blur, stays):
         return False
     if kind == END:
         return run.untouched and turns_back(outline.shape[i], outline.shape[j], stays)
-    # blur rounds no farther to both sides
     return run.length > 0 and stays[2] - stays[1] <= 2.0 * REACH * blur.sigma
 
 
 @njit(**LEAF)
 def _may_be_line(outline, edges, run):
-    """True if a run is more than one line without a fillet."""
     arcs = False
     for t in range(run.length):
         e = (run.before + 1 + t) % edges
@@ -186,7 +183,6 @@ def _may_be_line(outline, edges, run):
 
 @njit(**LEAF)
 def _is_flat(border, outline, lo, hi, e):
-    """True if edge e, of points lo .. hi, may be one of the lines beside a fillet."""
     if not outline.is_arc[e]:
         return True
     px, py = border.x, border.y
@@ -246,7 +242,6 @@ def _compare_from(border, outline, run, blur, change):
 
 @njit(**LEAF)
 def _are_lines(outline, edges, run):
-    """True if a run and the two distinct edges beside it are all lines."""
     if run.length > edges - 2:
         return False
     for t in range(run.length + 2):  # noqa: SIM110 (numba knows no generators)

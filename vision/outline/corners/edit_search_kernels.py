@@ -112,7 +112,6 @@ def _is_left(n, outline, edges, e, begin, end):
 
 @njit(**LEAF)
 def _write_edits(n, outline, edges, edits, room):
-    """Write the edges left, and the edits behind used ones; return their number."""
     gone = room.flags[0]
     used = room.flags[2]
     begins = room.indices[4]

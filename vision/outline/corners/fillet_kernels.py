@@ -1,8 +1,7 @@
 """Rounded corners: an arc that touches both neighbouring lines, where sharp corners do not fit.
 
 Rules and units
-- ``border``, ``outline``, ``blur``, ``costs`` and ``change``: see
-  ``vision.outline.outline_types``; pictures with grey only.
+- Types: ``vision.outline.outline_types``; pictures with grey only.
 - Both lines are known, so a fillet has one free number, its radius.
 """
 

@@ -1,9 +1,9 @@
 """Edges fitted between their breaks, and the joints where neighbouring edges meet.
 
 Rules and units
-- ``border``, ``outline`` and ``limits``: see ``vision.outline.outline_types``.
-- Points within ``guard`` pixels of a corner, where blur rounds the border, take no part in a
-  fit; short stretches keep their middle.
+- Types: ``vision.outline.outline_types``.
+- Points within ``guard`` pixels of a corner, where blur rounds the border, take no part in a fit;
+  short stretches keep their middle.
 """
 
 # mypy: allow-untyped-defs
@@ -74,7 +74,6 @@ def _away(shape, e, is_arc, known, x, y, joints, j):
 
 @njit(**LEAF)
 def _clear_of_joints(border, outline, edges, e, guard):
-    """Part of edge e that keeps ``guard`` pixels from both joints, or its middle."""
     px = border.x
     py = border.y
     joints = outline.joints
@@ -162,7 +161,6 @@ def nearest_point(border, middle, before, after, x, y):
 
 @njit(**LEAF)
 def _shorter_side(border, a, corner, b):
-    """Shorter distance from a corner's border point to the breaks on either side."""
     px = border.x
     py = border.y
     to_a = (px[a] - px[corner]) ** 2 + (py[a] - py[corner]) ** 2
@@ -181,7 +179,6 @@ def _deviation(row, is_arc, x, y):
 
 @njit(**LEAF)
 def _best_split(border, a, a_arc, b, b_arc, middle, before, after):
-    """Split between edges a and b with the least squares."""
     px = border.x
     py = border.y
     n = border.n

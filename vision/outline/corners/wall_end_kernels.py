@@ -74,7 +74,6 @@ def try_end(border, blur, costs, change):
         here = successor(here, n)
         from_a = (x - a[0]) * a[3] - (y - a[1]) * a[2]
         from_b = (x - b[0]) * b[3] - (y - b[1]) * b[2]
-        # between the two lines, and far out
         far = x * ux + y * uy - abs(from_a - from_b)
         if far > best:
             best = far
@@ -86,7 +85,6 @@ def try_end(border, blur, costs, change):
     y = py[tip % n]
     rows[1, 0] = x
     rows[1, 1] = y
-    # across the wall, in the border's direction
     rows[1, 2] = -uy
     rows[1, 3] = ux
     if (b[0] - a[0]) * rows[1, 2] + (b[1] - a[1]) * rows[1, 3] < 0.0:
@@ -140,7 +138,6 @@ def square_ends(outline, edges, blur):
         width = (b[0] - a[0]) * a[3] - (b[1] - a[1]) * a[2]
         if abs(askew * width) > SQUARE_PX:
             continue
-        # square to the wall, in the side's direction
         vx = shape[e, 2] - askew * ux
         vy = shape[e, 3] - askew * uy
         length = math.sqrt(vx * vx + vy * vy)

@@ -1,9 +1,8 @@
 """A chain of edges moved until it passes between the pixels, in a picture without grey.
 
 Rules and units
-- ``border``, ``outline`` and ``finished``: see ``vision.outline.outline_types``. Every point is the
-  middle between an obstacle pixel and a free one: an edge within half a pixel along the axis
-  separates them.
+- Types: ``vision.outline.outline_types``. Every point is the middle between an obstacle pixel and a
+  free one: an edge within half a pixel along the axis separates them.
 - A point follows both joints of its edge as on a lever, and the arc's rise as a parabola. Each
   sweep solves every joint and rise by damped least squares on the excess over the limit, weighted
   less the farther.
@@ -71,7 +70,6 @@ def relax_joints(border, outline, edges, finished, push):
 
 @njit(**LEAF)
 def _step(outline, edges, kinds, push):
-    """Move every joint and every rise as it is pushed."""
     joints = outline.joints
     for e in range(edges):
         xx = push[e, 0] + DAMPING
@@ -98,7 +96,6 @@ def _rise(rows, e, after, kind):
     chord = math.sqrt(dx * dx + dy * dy)
     if chord < 1e-9:
         return 0.0
-    # towards (dy, -dx) from the chord's middle
     c = ((rows[e, 2] - x0 - 0.5 * dx) * dy - (rows[e, 3] - y0 - 0.5 * dy) * dx) / chord
     return c + rows[e, 4] if kind == ARC_CW else c - rows[e, 4]
 
@@ -109,7 +106,6 @@ def circle_through(x0, y0, x1, y1, rise):
     dx = x1 - x0
     dy = y1 - y0
     chord = math.sqrt(dx * dx + dy * dy)
-    # from the chord's middle to the centre, to the left
     c = 0.5 * (rise - 0.25 * chord * chord / rise)
     cx = x0 + 0.5 * dx + c * dy / chord
     cy = y0 + 0.5 * dy - c * dx / chord
@@ -148,7 +144,6 @@ def _line_pushes(xs, ys, joints, edges, e, push):
     beyond = 0.0
     rise_ww = 0.0
     rise_w = 0.0
-    # the normal to the left of the path, and a point's distance to the left
     nx = dy / length
     ny = -dx / length
     limit = (HALF - SEPARATION_MARGIN) * max(abs(nx), abs(ny))
@@ -259,7 +254,6 @@ def _arc_pushes(xs, ys, joints, edges, e, push):  # noqa: PLR0915 - sums of one 
 
 @njit(**LEAF)
 def _shape_of(outline, e, after, rise):
-    """Set the line or circle of an edge from its moved joints."""
     joints = outline.joints
     shape = outline.shape
     x0 = joints[e, 0]

@@ -243,7 +243,6 @@ def put_arc(cracks, trial, count, at, lo, hi, circle, room):
 
 @njit(**SUMS)
 def _keeps_off(cracks, lo, hi, cx, cy, r):
-    """True if a circle passes between the pixels of cracks lo .. hi - 1 with a margin."""
     beyond = 0
     for k in range(lo, hi):
         x = cracks.x[k] - cx

@@ -4,7 +4,7 @@ Rules and units
 - ``cracks``, and ``finished``, edges ``0 .. count - 1`` with their first cracks: see
   ``vision.outline.outline_types``.
 - From every edge, one arc or line (``vision.outline.drawn.merged_edge_kernels``) replaces the
-  longest possible run. Edges beside a new one are tried again.
+  longest possible run.
 - An edge may lose no pixel around it that was not lost before
   (``vision.outline.drawn.separation_kernels``).
 """
@@ -51,7 +51,6 @@ def merge_edges(cracks, finished, count, one_circle, trial, circle, room):
     """
     state = room.indices[1]
     find_lost(cracks, finished, count, state)
-    # by first crack: edges to begin at in this round and in the next
     now = room.flags[0]
     then = room.flags[1]
     for k in range(cracks.n):
@@ -131,7 +130,6 @@ def _longest_line(cracks, finished, count, e, trial, circle, room):
 
 @njit(**LEAF)
 def _stretch(cracks, finished, count, e, run):
-    """Cracks lo .. hi - 1 of a run of edges from e on."""
     lo = finished.at[e]
     hi = finished.at[(e + run) % count]
     return lo, hi + cracks.n if hi <= lo else hi
@@ -198,7 +196,6 @@ def _around(count, at):
 
 @njit(**LEAF)
 def _judge_around(cracks, finished, count, at, state):
-    """Fill ``state`` of the cracks around edge ``at``; return those lost, and those grave."""
     first, number = _around(count, at)
     lost = 0
     grave = 0
@@ -211,7 +208,6 @@ def _judge_around(cracks, finished, count, at, state):
 
 @njit(**LEAF)
 def _loses_no_more(cracks, trial, count, at, room):
-    """True if no crack around edge ``at`` of a trial is newly lost or grave."""
     state = room.indices[1]
     fresh = room.indices[2]
     lost, _ = _judge_around(cracks, trial, count, at, fresh)

@@ -49,7 +49,6 @@ def chords_between(cracks, lo, hi, x0, y0, x1, y1, found):
         found[m] = here
         m += 1
         best = here + 1
-        # to the sides of the cone: the free pixels' and the obstacle's
         free_x = 0.0
         free_y = 0.0
         dark_x = 0.0
@@ -105,7 +104,6 @@ def _on_way(cracks, k, finished, i, count, out):
     else:
         off = y - finished.rows[i, 3] if upright else x - finished.rows[i, 2]
         root = math.sqrt(max(finished.rows[i, 4] * finished.rows[i, 4] - off * off, 0.0))
-        # the crossing on the crack's side of the centre
         if upright:
             qx = finished.rows[i, 2] + (root if x > finished.rows[i, 2] else -root)
             qy = y
@@ -149,7 +147,6 @@ def separate_by_chords(cracks, finished, count, budget, state, inside, found, ol
 
 @njit(**LEAF)
 def _any_grave(weights, n):
-    """True if a run of lost cracks must be replaced whatever the budget."""
     for k in range(n):  # noqa: SIM110 (numba knows no generators)
         if weights[k] < 0:
             return True
@@ -213,7 +210,6 @@ def _replace(cracks, finished, count, first, inside, found, old, ends):
         lo = old.at[e]
         hi = old.at[successor(e, count)]
         hi = hi + n if hi <= lo else hi
-        # cracks of the border's second round, from edge ``first`` on
         turned = n if lo < old.at[first] else 0
         from_x = end[0] if carried else old.rows[e, 0]
         from_y = end[1] if carried else old.rows[e, 1]
@@ -251,7 +247,6 @@ def _begin_stretch(cracks, old, count, e, k, start):
     if k > old.at[e]:
         _on_way(cracks, k, old, e, count, start)
         return True
-    # the edge before may cross the crack at a joint
     return _on_way(cracks, k, old, predecessor(e, count), count, start)
 
 
@@ -266,7 +261,6 @@ def _end_stretch(cracks, old, count, e, k, end):
     hi = hi + cracks.n if hi <= lo else hi
     if k < hi - 1:
         return False
-    # or the edge after, which then begins here
     x = end[0]
     y = end[1]
     if _on_way(cracks, k, old, after, count, end):
@@ -294,7 +288,6 @@ def _write_stretch(cracks, finished, i, begun, ended, start, end, found):
 
 @njit(**LEAF)
 def _keep(finished, i, old, e, x, y, k):
-    """Write edge i: old edge e, but from (x, y) at crack k on."""
     finished.kind[i] = old.kind[e]
     finished.rows[i, 0] = x
     finished.rows[i, 1] = y

@@ -115,7 +115,6 @@ def find_cracks(border, cracks, crack_of):
 
 @njit(**LEAF)
 def _crossings(kind, rows, i, after, x, y, upright):
-    """Number of times edge i crosses the way between the pixels of the crack at (x, y)."""
     x0 = rows[i, 0]
     y0 = rows[i, 1]
     x1 = rows[after, 0]
@@ -160,7 +159,6 @@ def _round_crossings(kind, rows, i, after, x, y, upright):
     y1 = rows[after, 1]
     sides = (y0 <= y) != (y1 <= y) if upright else (x0 <= x) != (x1 <= x)
     if (a != b) != sides:
-        # one of the two is an end
         far_a = min((ax - x0) ** 2 + (ay - y0) ** 2, (ax - x1) ** 2 + (ay - y1) ** 2)
         far_b = min((bx - x0) ** 2 + (by - y0) ** 2, (bx - x1) ** 2 + (by - y1) ** 2)
         if far_a < far_b:
@@ -177,7 +175,6 @@ def _round_crossings(kind, rows, i, after, x, y, upright):
 
 @njit(**LEAF)
 def _judge(kind, rows, count, i, x, y, free_x, free_y):
-    """Verdict on the crack at (x, y), in the stretch of edge i: OK, LOST or GRAVE."""
     upright = free_x != 0.0
     after = successor(i, count)
     own = _crossings(kind, rows, i, after, x, y, upright)

@@ -1,8 +1,7 @@
 """Lines and circles from sums over a stretch of a border, which grow with the stretch.
 
 Rules and units
-- ``px``, ``py`` as in ``vision.outline.fit.shape_kernels``. A search that lengthens a stretch adds
-  each point once.
+- ``px``, ``py`` as in ``vision.outline.fit.shape_kernels``.
 - ``sums`` (13,): the stretch's first point and the one behind its last, for a line and for a
   circle; x and y of the first, the origin; and about it, with z = xx + yy, the sums of x, y, xx,
   xy, yy, xz, yz, zz.

@@ -54,11 +54,9 @@ def _through_ends(shape, e, x0, y0, x1, y1, ccw, circle):
         circle[1] = cy
         circle[2] = math.sqrt((x0 - cx) ** 2 + (y0 - cy) ** 2)
         return
-    # clockwise on the screen the arc bulges to the left of its chord: (dy, -dx)
     side = -1.0 if ccw else 1.0
     nx = side * dy / chord
     ny = -side * dx / chord
-    # signed distance of the centre from the chord towards the bulge
     c = (cx - mx) * nx + (cy - my) * ny
     sag = c + r
     if sag < 1e-9:
@@ -72,7 +70,6 @@ def _through_ends(shape, e, x0, y0, x1, y1, ccw, circle):
 
 @njit(**LEAF)
 def _is_ccw(px, py, lo, hi, cx, cy):
-    """True if the border runs counter-clockwise on the screen about (cx, cy)."""
     total = 0.0
     p = lo
     for t in range(1, TURNS + 1):

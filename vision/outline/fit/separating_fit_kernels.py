@@ -69,7 +69,6 @@ def lose_fewest(cracks, circle, losses, away):
     least = circle[2] - WITHIN_PX
     for i in range(2 * RADII + 2):
         losses[i] = 0.0
-    # a hole lies within its free pixels
     turn = 0.0
     for k in range(cracks.n):
         turn += (cracks.x[k] - cx) * cracks.free_x[k] + (cracks.y[k] - cy) * cracks.free_y[k]
@@ -89,7 +88,6 @@ def lose_fewest(cracks, circle, losses, away):
             here = math.sqrt((x - cx) * (x - cx) + (y - cy) * (y - cy))
             away[pixels] = here
             pixels += 1
-            # the first radius that includes the pixel
             i = min(max(math.ceil((here - least) / step), 0), 2 * RADII + 1)
             losses[i] += 1.0 if outside else -1.0
             losses[0] += 0.0 if outside else 1.0

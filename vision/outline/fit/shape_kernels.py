@@ -214,7 +214,6 @@ def refine_circle(px, py, lo, hi, circle):
     cx, cy, r = circle[0], circle[1], circle[2]
     inv = 1.0 / (hi - lo)
     for _ in range(ROUNDS):
-        # normal equations of the distances sqrt((x - cx)^2 + (y - cy)^2) - r
         suu = suv = svv = su = sv = sud = svd = sd = 0.0
         for k in range(hi - lo):
             x = xs[k] - cx
