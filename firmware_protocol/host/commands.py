@@ -1,7 +1,7 @@
 """The host's wishes as commands: one at a time, until STATUS reports its outcome.
 
-START retries for a moment while a lease or a pose is on its way. A session's end gives up every
-command: after a lost link only a new wish moves the robot.
+START retries for a moment while a lease or a pose is on its way. After a lost link only a new wish
+moves the robot.
 """
 
 from __future__ import annotations

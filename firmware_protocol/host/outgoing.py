@@ -2,7 +2,7 @@
 
 An emergency stop passes every queue and the line's pace. Otherwise HELLO, while no robot answers;
 its challenge returned, until verified; else lease, pose and the clock's question; then commands and
-waypoints, which the window keeps until acknowledged. Seconds of the host's monotonic clock.
+waypoints. Seconds of the host's monotonic clock.
 """
 
 from __future__ import annotations

@@ -3,8 +3,7 @@
 CLOSED: no port. HELLO: asking for a robot. VERIFY: a robot has answered; its mission is compared
 with ours. STREAM: up. DRAIN: up, the robot has the whole mission. LINK_LOST: it fell silent; asking
 again. REBOOTED: up, but the robot's memory is gone; its mission is void. REFUSED: a robot of
-another version or schema has answered and is asked every few seconds. A pair missing from the table
-is a mistake of this program, whatever a robot sends.
+another version or schema has answered. A missing pair is a mistake of this program.
 """
 
 from __future__ import annotations

@@ -1,8 +1,7 @@
 """All messages: reading a frame's payload, the schema's hash, the emergency stop's frame.
 
 - ``pack()`` gives a payload, ``unpack(payload)`` reads one; the header is framing's.
-- A message checks its ranges (LocalError), and one from the wire is checked (RemoteError). Integers
-  are little-endian.
+- A message checks its ranges: LocalError, from the wire RemoteError. Integers are little-endian.
 - Host messages have types below 0x80, robot messages from 0x80 on.
 """
 

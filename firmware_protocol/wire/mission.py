@@ -1,8 +1,8 @@
 """A mission: waypoints with an id, and the fingerprints of its beginnings.
 
 The prefix CRC of n waypoints is the CRC-32C over the mission id (u32, little-endian) and the first
-n 16-byte records. The robot computes it over the accepted and the executed waypoints; equality
-proves that none was lost, doubled or reordered.
+n 16-byte records. The robot computes it over the accepted and the executed waypoints: none was
+lost, doubled or reordered.
 """
 
 from __future__ import annotations

@@ -1,8 +1,8 @@
 """Reports to systemd: ready, stopping, and that every stage of the program still works.
 
 Rules
-- A message is one datagram, sent without waiting: a full socket loses a message, never stops a
-  robot's loop.
+- A message is one datagram, sent without waiting: a full socket loses it, never stops a robot's
+  loop.
 - WATCHDOG=1 is sent only if every stage has turned since the last one. STATUS names a hanging
   stage, and systemd restarts the program after its time.
 - An assignment is always one line: outside text can set no other.

@@ -3,7 +3,7 @@
 On one busy computer, camera, robots and program fall behind differently: late reports and pictures
 make the program conclude that a robot was carried. So each part states since when it has had
 unfinished work; the clock passes that by at most the part's slack. On a slow computer the whole
-world slows evenly, and no reader of the clock notices.
+world slows evenly.
 
 A part without progress for ``PATIENCE_S`` while others read the clock hangs, and is not waited for:
 robots notice a hanging program as in the real world, by a lapsed lease. A computer that sleeps, or

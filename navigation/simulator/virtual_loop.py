@@ -1,8 +1,8 @@
 """Host, line, robot and floor in virtual time: no threads, no port, no waiting.
 
-All of the real loop but the operating system: the host's end, a line paced to its baud rate with
-faults both ways, the robot's end, its controller at 100 steps a second, the moving robot, a camera
-with noise and delay, and a control loop that gives leases. Twenty seconds take about one.
+The host's end, a line paced to its baud rate with faults both ways, the robot's end, its controller
+at 100 steps a second, the moving robot, a camera with noise and delay, and a control loop that
+gives leases.
 """
 
 from __future__ import annotations

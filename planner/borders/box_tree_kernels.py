@@ -1,12 +1,11 @@
 """Box tree over flat primitives that finds the nearest one.
 
 Rules and units
-- The primitives are those of :mod:`planner.scene.primitive_kernels`; distances are in the
-  scene's units.
-- The tree is an implicit binary tree over the boxes in Morton order: node 1 is the root, node i
-  has children 2i and 2i + 1, and every leaf holds ``LEAF`` primitives. Primitives that span much
-  of the scene (its walls) would bloat every box above them: they are kept in a separate list and
-  tried first, which also gives a good first bound.
+- The primitives are those of :mod:`planner.scene.primitive_kernels`; distances are in the scene's
+  units.
+- The tree is an implicit binary tree over the boxes in Morton order: node 1 is the root, node i has
+  children 2i and 2i + 1, and every leaf holds ``LEAF`` primitives. Primitives that span much of the
+  scene (its walls) would bloat every box above them: a separate list has them, and is tried first.
 """
 
 # mypy: allow-untyped-defs

@@ -6,7 +6,7 @@ Rules and units
 - The index holds the closed borders' primitives border by border and object by object, close ones
   next to each other. Every aligned block of 1, 2, 4, ... primitives has its box and the y of its
   ends. A block wholly to the right is crossed an odd number of times if its ends lie on both sides
-  of the ray. Only blocks around the place are opened: O(log n) for most borders.
+  of the ray; others are opened: O(log n) for most borders.
 """
 
 # mypy: allow-untyped-defs

@@ -2,8 +2,7 @@
 
 Rules
 - An expansion is an array: the number of terms, then the terms, least first; their sum is its exact
-  value (Shewchuk 1997, "Adaptive precision floating-point arithmetic and fast robust geometric
-  predicates"). Nothing here allocates.
+  value (Shewchuk 1997). Nothing here allocates.
 - Whole numbers have up to 58 bits. A sum of their products is four limbs of 29 bits, least first,
   the last one signed: far faster than expansions.
 """

@@ -72,9 +72,7 @@ def voronoi(sites: ArrayLike) -> HalfEdges:
 def voronoi_arrays(sites: ArrayLike) -> DiagramArrays:
     """Compute the Voronoi diagram of `sites` as edges only, for hot paths.
 
-    Arrays as of `HalfEdges`, and edges (k, 4): site on the left, site on the right, vertex it comes
-    from, vertex it goes to; -1 is at infinity. zero_length (k,) marks edges between vertices that
-    coincide exactly. Input, errors and method as in `voronoi`.
+    Arrays as of `HalfEdges` and its ``edges``. Input, errors and method as in `voronoi`.
     """
     return DiagramArrays(*_compute(_checked(sites), linked=False)[:5])
 

@@ -60,8 +60,7 @@ def is_end(pieces, p, q, tolerance):
 def lonely_centres(pieces, tree, closed, box, points, tolerance):
     """Free centres of circles and arcs that have no other border as near, and lie on no chain.
 
-    Rows (n, 3): x, y and clearance. The clearance is greatest at such a centre: routes between two
-    places lead over it.
+    Rows (n, 3): x, y and clearance. The clearance is greatest there.
     """
     data, solid = pieces.data, pieces.solid
     out = np.empty((len(solid), 3))

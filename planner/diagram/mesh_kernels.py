@@ -111,8 +111,7 @@ def mark_sides(mesh, triangles, changed, pieces, closed, box, half, queue):
 
     ``closed`` is the index of :mod:`planner.borders.inside_kernels`. A Voronoi edge further than
     ``half`` a spacing from its generators crosses no border, so all vertices joined by such edges
-    lie on one side. If none is marked yet, only the one with the largest circle is tested.
-    ``queue`` (2 ghost,) is working space.
+    lie on one side. ``queue`` (2 ghost,) is working space.
     """
     xy, tri, up, at, side = mesh.xy, mesh.tri, mesh.up, triangles.at, triangles.side
     limit = half**2 * (1.0 + 1e-9)

@@ -1,8 +1,8 @@
 """Diagram of a scene that differs from the last one by a few objects, without a rebuild.
 
 Rules and units
-- Objects in both scenes keep their generators and all of the diagram that nothing new comes near.
-  Other generators are removed or added, and the diagram is solved there only.
+- Objects in both scenes keep their generators and the diagram that nothing new comes near;
+  elsewhere generators are removed or added, and the diagram is solved.
 - The result equals that of a build from scratch, up to the order of nodes and edges and the points
   of the edges' polylines.
 """

@@ -1,10 +1,10 @@
 """Rounded corners of a path inside the free corridor, with the clearance proved again.
 
-A parabola cuts each corner, tangent to the path at both ends (a quadratic Bezier curve: its control
-point is where the tangents meet). The sharpest corners come first. A cut begins with the greatest
-length that adjacent cuts allow, and is halved until the exact clearance of the new piece suffices;
-if even the shortest fails, the corner stays. For a robot with a turning radius, cuts are arcs of at
-least that radius; a corner without room for one is turned on the spot. Units are the scene's.
+A parabola cuts each corner, tangent to the path at both ends (a quadratic Bezier curve). The
+sharpest corners come first. A cut begins with the greatest length that adjacent cuts allow, and is
+halved until the exact clearance of the new piece suffices; if even the shortest fails, the corner
+stays. For a robot with a turning radius, cuts are arcs of at least that radius; a corner without
+room for one is turned on the spot. Units are the scene's.
 """
 
 from __future__ import annotations

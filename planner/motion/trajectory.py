@@ -1,8 +1,7 @@
 """Timed waypoints along a path: place, heading, speed and time.
 
-- The waypoints lie on the path. The straight lines between them leave it by at most
-  ``chord_tolerance`` and by its clearance beyond the robot's radius, so they are as free of
-  collisions as the path.
+- The waypoints lie on the path. The lines between them leave it by at most ``chord_tolerance`` and
+  its clearance beyond the robot's radius, so they are as free of collisions.
 - Corners slow the robot, or stop it and turn it on the spot (``stops_and_bends.py``).
 - Between two stops the speed keeps its limits with bounded jerk (``speed_profile.py``).
 - The robot stops at stations with a heading, to turn, or with a dwell.

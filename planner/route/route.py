@@ -1,8 +1,8 @@
 """From a request to a path: attach the stations, search the chains, prove the answer.
 
 Rules and units
-- Routes over the roadmap's chains are made taut (``taut.py``). The shortest path that keeps the
-  radius need not follow a chain: a search over tangents finds it (``tangent_search.py``).
+- Routes over the roadmap's chains are made taut (``taut.py``). The shortest path need not follow a
+  chain: a search over tangents finds it (``tangent_search.py``).
 - The exact distance of every answer to every border is at least the radius and the margin.
 """
 

@@ -1,4 +1,4 @@
-"""Sides on which a path passes the obstacles: distinct paths are no shifts of one another.
+"""Sides on which a path passes the obstacles.
 
 Method: parallel rays lead from one place of each obstacle to infinity. The rays that a path
 crosses, in order and with directions, after cancelling neighbours that undo each other, are a word

@@ -3,8 +3,8 @@
 Rules and units
 - The borders, moved outwards by the clearance, leave arcs around corners and round borders; the
   path consists of such arcs and their common tangents.
-- The answer's chords lie outside the arcs, so it keeps the clearance, proved against all borders.
-  It exceeds the path by less than ``CHORD_RAD ** 2 / 12`` of its arcs.
+- The answer's chords lie outside the arcs, so it keeps the clearance, as proved. It exceeds the
+  path by less than ``CHORD_RAD ** 2 / 12`` of its arcs.
 """
 
 from __future__ import annotations

@@ -4,7 +4,7 @@
   with the next number expected.
 - At most ``window`` bytes of the wire may be unacknowledged; a NAK or a timeout sends all again
   from the oldest on.
-- Sequence numbers start at 0 in every session. Time is passed in, in seconds.
+- Sequence numbers start at 0 in every session. Seconds.
 """
 
 from __future__ import annotations

@@ -1,7 +1,6 @@
 """The follower: drives a robot with two wheels along its queued waypoints.
 
-- Between waypoints: pure pursuit (Coulter, 1992) of their polyline, extended beyond a stop, so that
-  the robot runs straight into its target.
+- Between waypoints: pure pursuit (Coulter, 1992) of their polyline, extended beyond a stop.
 - Speed: at every waypoint ahead at most its own, zero at stops, sharp corners and the queue's end,
   and what the brakes allow.
 - The robot turns on the spot at a corner sharper than TURN_ENTER. At a stop it settles, drives the

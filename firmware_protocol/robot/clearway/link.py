@@ -3,7 +3,7 @@
 - ``receive`` takes bytes in any portions and acts on whole frames at once.
 - ``next_frame`` gives one frame at a time, by urgency: no queue, one transmit buffer.
 - HELLO asks for a session, which opens when the host returns the CHALLENGE's number. Until then the
-  present session continues: a stray HELLO changes nothing, and a recording opens nothing.
+  present session continues: a stray HELLO or a recording changes nothing.
 - A frame counts only in the present session; HELLO, CONFIRM and ESTOP need none.
 - Reports give the present state, so that a lost frame loses nothing.
 

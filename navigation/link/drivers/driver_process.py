@@ -2,7 +2,7 @@
 
 The wire's port is a link in its own folder that stays the same over restarts; the daemon's serial
 link opens it like a cable. The robot's own port is opened here and lent to the process. The thread
-does nothing else, so that nothing delays it.
+does nothing else.
 """
 
 from __future__ import annotations

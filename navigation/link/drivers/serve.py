@@ -2,9 +2,9 @@
 
 It makes a pseudo-terminal for our wire and a link with a lasting name to it; the robot's own port
 is lent to it. Each turn that did its whole work is a heartbeat. It ends when asked, or when the
-program that started it has ended in any manner: the robot is stopped first. The folder of its link
-belongs to that program, and is removed here only if that has ended. Ctrl-C and Ctrl-Z in a terminal
-do not reach it; if the daemon hangs, its lease runs out.
+program that started it has ended in any manner: the robot is stopped first. The link's folder is
+removed here only if that has ended. Ctrl-C and Ctrl-Z in a terminal do not reach it; if the daemon
+hangs, its lease runs out.
 """
 
 from __future__ import annotations

@@ -1,11 +1,10 @@
 r"""Pictures of a calibration board under the simulated camera, like a person's.
 
-A ChArUco board on a stiff sheet is held over the arena at several heights and tilts, then laid on
-the floor at a known place. Finally twelve discs lie on surveyed places, and their centres are
-measured. `clearway calibrate` estimates the camera from this, so a simulated run need not know the
-truth:
+A ChArUco board is held over the arena at several heights and tilts, then laid on the floor. Finally
+twelve discs lie on surveyed places, and their centres are measured. `clearway calibrate` estimates
+the camera from this, so a simulated run need not know the truth:
 
-    python -m navigation.simulator.picture.boards configs/simulation.yaml FOLDER
+python -m navigation.simulator.picture.boards configs/simulation.yaml FOLDER
     clearway calibrate FOLDER/board_*.png --squares 8x6 --square-mm 100 --marker-mm 75 \
         --dictionary DICT_5X5_100 --points FOLDER/survey.csv -o configs/simulation_calibration.yaml
 """

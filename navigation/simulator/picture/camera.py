@@ -1,8 +1,7 @@
 """The simulated overhead camera: pictures of the arena and its robots, 30 a second.
 
-It gives `vision.camera.camera.Frame` like any camera. Dark obstacles lie flat on a light, unevenly
-lit floor. A robot is an upright cylinder with its marker on top, in perspective through a
-distorting lens. Lens blur and sensor noise follow.
+Dark obstacles lie flat on a light, unevenly lit floor. A robot is an upright cylinder with its
+marker on top, in perspective through a distorting lens. Lens blur and sensor noise follow.
 
 For speed, floor and obstacles are drawn once; a waiting frame gets a window of ready-made noise,
 then the robots' patches. `captured_s` is the moment of exposure, which the robots' true poses
