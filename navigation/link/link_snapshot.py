@@ -82,7 +82,7 @@ def doubt_of_stop(snapshot: LinkSnapshot) -> str | None:
     """Doubt about an emergency stop that was sent; None if the robot is known to be at rest."""
     confirmed = snapshot.estopped and not snapshot.leaving_estop
     why = snapshot.down_reason
-    # # without a driver's process the daemon itself has the robot, and keeps the stop
+    # without a driver's process the daemon itself has the robot, and keeps the stop
     kept = confirmed or (snapshot.stands is not None and why is not None)
     if kept and is_at_rest(snapshot):
         return None

@@ -193,8 +193,8 @@ class SerialLink:
         ``pose_age_s`` is the age of the camera's last pose: above 0.5 s the robot holds, unless
         ``odometry`` lets it drive without the camera.
         """
-        Lease(ttl_s, LeaseFlag.NONE, pose_age_s).pack()  # # an error belongs to the caller's thread
-        issued_s = self._clock()  # # now, not when the thread comes to it
+        Lease(ttl_s, LeaseFlag.NONE, pose_age_s).pack()  # an error belongs to the caller's thread
+        issued_s = self._clock()  # now, not when the thread comes to it
         self._order(lambda _now_s: self._host.lease(issued_s, ttl_s, permit, pose_age_s, odometry))
 
     def pose_fix(self, x_m: float, y_m: float, heading_rad: float, captured_s: float) -> None:
@@ -207,7 +207,7 @@ class SerialLink:
     def estop(self) -> None:
         """Stop in an emergency: before every other order, repeated until confirmed."""
         self._estop.set()
-        # # once more in its turn: an earlier re-arm may still wait, and would undo it
+        # once more in its turn: an earlier re-arm may still wait, and would undo it
         self._order(lambda _now_s: self._host.estop())
 
     def reset_estop(self) -> None:
@@ -361,7 +361,7 @@ class SerialLink:
         self._reopen_s = self._clock() + self._reopen_wait_s
         port, self._serial = self._serial, None
         if port is not None:
-            # # a port that has hung up may fail to close
+            # a port that has hung up may fail to close
             with contextlib.suppress(*PORT_FAULTS):
                 port.close()
 
@@ -377,7 +377,7 @@ class SerialLink:
         self._resets_published = self._resets_taken
 
     def _start(self, now_s: float) -> None:
-        # # the mission may have become void
+        # the mission may have become void
         with contextlib.suppress(LocalError):
             self._host.start(now_s)
 

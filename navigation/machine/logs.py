@@ -95,7 +95,7 @@ class EventLog:
 
     def close(self) -> None:
         """Close the stream."""
-        with contextlib.suppress(OSError, ValueError):  # # its last event has reported that
+        with contextlib.suppress(OSError, ValueError):  # its last event has reported that
             self._stream.close()
 
     def write(self, level: Level, event: str, **fields: Any) -> None:

@@ -97,7 +97,7 @@ class OutsideCalls:
         trace: TracebackType | None,
     ) -> None:
         self._ends_s = time.monotonic() + self._within_s
-        with contextlib.suppress(queue.Full):  # # then it wakes without being asked to
+        with contextlib.suppress(queue.Full):  # then it wakes without being asked to
             self._waiting.put_nowait(None)
         self._thread.join(self._within_s + 2.0 * REAPED_WITHIN_S)
 

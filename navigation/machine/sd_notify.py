@@ -35,7 +35,7 @@ class Notifier:
         self._socket: socket.socket | None = None
         if not address:
             return
-        # # an @ is the zero byte of a name in the abstract namespace
+        # an @ is the zero byte of a name in the abstract namespace
         self._address = "\0" + address[1:] if address.startswith("@") else address
         self._socket = socket.socket(socket.AF_UNIX, socket.SOCK_DGRAM | socket.SOCK_CLOEXEC)
         self._socket.setblocking(False)

@@ -87,7 +87,7 @@ def object_of(section: SimulatedObstacleSection, arena: SimulatedArena) -> Scene
     try:
         scene = read_scene_text(f"#@ clearway.scene/1\n#@ units m\n{section.record}\n", "record")
     except SceneError as error:
-        # # the record has no place in a file to cite
+        # the record has no place in a file to cite
         raise SceneError(re.sub(r"^record:\d+:\d+: ", "", str(error))) from None
     if len(scene.objects) != 1:
         raise SceneError(f"must be one record, not {len(scene.objects)}")

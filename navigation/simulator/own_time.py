@@ -69,7 +69,7 @@ class OwnTime:
         Ends after ``BEHIND_MAX_S`` in any case.
         """
         with self._changed:
-            # # same sum as in next_step_s: with other rounding, each would wait for the other
+            # same sum as in next_step_s: with other rounding, each would wait for the other
             self._changed.wait_for(
                 lambda: not self._runs or self.next_step_s(now_s) is None, BEHIND_MAX_S
             )

@@ -245,7 +245,7 @@ class SimulatedRobot:
         self._meet_reset(now_s)
         data = self._read()
         if data and not self._is_unplugged:
-            self._to_robot.put(data, self._clock())  # # behind the clock, so it has to wait
+            self._to_robot.put(data, self._clock())  # behind the clock, so it has to wait
         self._waiting += self._lines[0].carry(self._to_robot.take(now_s), now_s)
         if self._is_frozen(now_s):
             self._waiting = self._waiting[:RING_BYTES]
@@ -268,7 +268,7 @@ class SimulatedRobot:
         try:
             return os.read(self._fd, READ_BYTES)
         except OSError:
-            return b""  # # no bytes, or the other end hung up: a robot ignores both
+            return b""  # no bytes, or the other end hung up: a robot ignores both
 
     def _write(self, data: bytes) -> None:
         self._unsent = (self._unsent + data)[-READ_BYTES:]

@@ -65,7 +65,7 @@ class SlowingClock:
             until_s = self._until_s()
             if wall_s - lost_s > until_s:
                 lost_s = wall_s - max(until_s, self._now_s)
-                # # of two processes' concurrent writes none is lost: the next reading repeats it
+                # of two processes' concurrent writes none is lost: the next reading repeats it
                 self._shared[0] = max(self._shared[0], lost_s)
             self._now_s = max(self._now_s, wall_s - lost_s)
             if threading.get_ident() == self._reader:
@@ -76,7 +76,7 @@ class SlowingClock:
         """Wait ``seconds`` of the simulated world's time."""
         end_s = self() + seconds
         while (left_s := end_s - self()) > 0.0:
-            time.sleep(left_s)  # # the wall needs at least that long
+            time.sleep(left_s)  # the wall needs at least that long
 
     @property
     def lost_s(self) -> float:

@@ -150,7 +150,7 @@ def _draw(
     assert config.simulation is not None
     if not 0.0 <= spread <= MOST_SPREAD:
         raise SweepError(f"spread {spread:g}: must be >= 0 and <= {MOST_SPREAD:g}")
-    # # draw all, whatever the spread: a wider sweep is the same one, only wider
+    # draw all, whatever the spread: a wider sweep is the same one, only wider
     unit = rng.uniform(-1.0, 1.0, 9)
     share = 0.5 + 0.5 * unit
     simulation, camera, robot = config.simulation, config.simulation.camera, config.simulation.robot

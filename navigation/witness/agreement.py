@@ -193,7 +193,7 @@ class Agreement:
             y + way_m * math.sin(middle),
             math.remainder(heading + turn_rad + self._bend.value * way_m, math.tau),
         )
-        return max(0.0, wheels.driven_m - then.driven_m)  # # less than nothing where dated earlier
+        return max(0.0, wheels.driven_m - then.driven_m)  # less than nothing where dated earlier
 
     def _anchor(
         self, time_s: float, pose: tuple[float, float, float], wheels: WheelMotion

@@ -72,7 +72,7 @@ class LatencyEstimate:
         if not WINDOW_S <= span_s <= LONGEST_WINDOW_S:
             return
         if wheels.oldest_s > then_s - LONGEST_S and not wheels.stood_first:
-            return  # # how the wheels turned before is unknown
+            return  # how the wheels turned before is unknown
         turned = math.remainder(pose[2] - heading, math.tau)
         middle = heading + turned / 2.0
         moved = (pose[0] - x) * math.cos(middle) + (pose[1] - y) * math.sin(middle)

@@ -137,7 +137,7 @@ class Witness:
         known = self._measured or UNKNOWN
         if abs(known.latency_s - self._compared_s) > REDATED_S:
             self._compared_s = known.latency_s
-            # # a change of dates shows as a parting, perhaps one just now and not yet reported
+            # a change of dates shows as a parting, perhaps one just now and not yet reported
             self._parting = None
             self._agreement.begin_again()
         wheels = self.wheels.at(time_s - self._compared_s)

@@ -146,6 +146,7 @@ def change_borders(kept, objects, old, old_boxes, new, no_length, joint, disc, s
         elif j < len(object_boxes):
             touched[n] = object_boxes[j]
             n += 1
+    # trailing objects without pieces have no boxes
     for o in range(min(objects, len(old_boxes))):
         if not stays[o]:
             touched[n] = old_boxes[o]

@@ -117,6 +117,7 @@ def count_generators(kind, data, backwards, disc, spacing):
             return np.nan
         if kind[i] == POINT:
             continue
+        # corner points may shift the first and last step by one
         steps = _steps(kind, data, i, spacing, False, False)
         if not steps[0] <= MOST_STEPS:
             return np.nan if np.isnan(steps[0]) else np.inf

@@ -146,6 +146,7 @@ def _links(n, tri, ids, n_half_edges):
             here = ids[4 * (t >> 3) + k]
             if here < 0:
                 continue
+            # the half-edge of the same cell that leaves this triangle; its twin is edge k + 2
             o = np.int64(tri[t + 4 + previous_side(k)])
             if ids[4 * (o >> 3) + (o & 3)] < 0:
                 o = np.int64(tri[triangle_of(o) + 4 + previous_side(side_of(o))])

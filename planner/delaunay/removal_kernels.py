@@ -55,6 +55,7 @@ def _find_ear(w, xy, ring, m, circle):
                 square = (qx - x) * (qx - x) + (qy - y) * (qy - y)
                 if square > high:
                     continue
+                # decide NaN, and anything in the band, exactly
                 if square < low or in_circle(w, ax, ay, bx, by, cx, cy, qx, qy) > 0:
                     is_empty = False
                     break

@@ -279,7 +279,7 @@ class CutPath:
             clearances = np.interp(nodes, leg.lengths, leg.clearances)
         else:
             clearances = self.exact_clearance(points_at(leg.points, leg.lengths, nodes))
-        # # clearance falls at most by the distance driven: the least that both ends allow
+        # clearance falls at most by the distance driven: the least that both ends allow
         least = 0.5 * (clearances[:-1] + clearances[1:] - np.diff(nodes))
         spare = least - self.path.robot_radius
         room = limits.slow_clearance - self.path.robot_radius

@@ -263,7 +263,7 @@ def _plan_leg(leg: Leg, alternatives: int, *, chains_only: bool) -> Ways:
     if not found and chains_only:
         return Ways(())
     if not found:
-        # # the chains may lack paths this wide: a bounded second opinion
+        # the chains may lack paths this wide: a bounded second opinion
         exact = shortest_way(borders, start, goal, need, budget=SECOND_OPINION)
         if exact.way is None:
             return Ways((), () if exact.certain else (UNSURE,))

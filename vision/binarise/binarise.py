@@ -288,6 +288,7 @@ def _unresolved(look: GreyPicture, side: Literal["dark", "light"], found: Unreso
         f"{found.spread:.0f} levels from pixel to pixel, more than noise does, so that all of it "
         "counts as obstacle; focus the camera, bring it closer, use more pixels, or more light"
     )
+    # not a method whose level may be applied to part of a later picture
     how = Binarisation("unresolved", _shown(found.level, side), side, why)
     margin = found.level - found.middle
     binary = black_and_white(

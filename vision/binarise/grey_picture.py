@@ -217,6 +217,7 @@ def black_and_white(
     safe = [one for one in CALMINGS if SIGMAS * strongest * one.left <= margin]
     calming = safe[0] if safe else CALMINGS[-1]
     if look.fine is not None and calming is not NO_CALMING:
+        # crossings of noise stay obstacles: none is taken for a speck
         remarks = (
             f"walls or ways of a few pixels at a contrast of {contrast:.0f}: the picture was not "
             "smoothed, which would delete them, and single pixels of noise may be obstacles",

@@ -40,6 +40,7 @@ def light_surface(
     surface = values
     far = 0.75 if side == "dark" else 1.0 / 0.75
     for round_ in range(16):
+        # six equations, not one per pixel; a picture one pixel wide leaves some unknown
         weighted = terms.T * weights
         surface = terms @ np.linalg.lstsq(weighted @ terms, weighted @ values, rcond=None)[0]
         weights = np.where(values > surface, 1.0, 0.03)

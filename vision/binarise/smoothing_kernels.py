@@ -201,6 +201,7 @@ def mark_dots(grey, noise, places, mask):
         if _is_dot(grey, mask, place // width, place % width, noise):
             places[dots] = place
             dots += 1
+    # only now: a dot's pixels must not count as something large
     for i in range(dots):
         mask[places[i] // width + 1, places[i] % width + 1] = 1
     return dots

@@ -214,6 +214,7 @@ def _crossing_narrow(level, i, work):
     dark = work.dark_level[i]
     light = work.light_level[i]
     half = 0.5 * (light + dark)
+    # the missing part of a plateau lies beyond the visible one
     lowest = half - (UNREACHED * (light - dark) if work.wall[i] > 0.0 else 0.0)
     highest = half + (UNREACHED * (light - dark) if work.gap[i] > 0.0 else 0.0)
     if lowest <= level <= highest:

@@ -113,6 +113,7 @@ def look_at_mask(mask, width, xs, ys, directions, n, clear):
         y = np.int64(ys[i])
         if 5 <= x < width - 5 and 5 <= y < height - 5:
             nx, ny = out(np.int64(directions[i]))
+            # unsigned: no index counts from the end
             across = np.uint64(ny * stride + nx)
             here = np.uint64((y + 1) * stride + x + 1)
             dark = flat[here - across] & flat[here - across - across]
@@ -133,6 +134,7 @@ def gather(grey, mask, xs, ys, directions, n, work, places):
         x = np.int64(xs[i])
         y = np.int64(ys[i])
         if 5 <= x < width - 5 and 5 <= y < height - 5:
+            # unsigned: no index counts from the end
             at = np.uint64(places[0, i])
             step = np.uint64(places[1, i])
             there = at

@@ -129,6 +129,7 @@ def _compare(work, count, taps, reach):
     width = int(NARROW * (count / COURSE) ** WIDER)
     width = min(max(width, NARROWEST), WIDEST)
     size = 2 * width + 1
+    # value in the middle of a fitted parabola: weights a - b j^2
     second = width * (width + 1.0) * size / 3.0
     fourth = second * (3.0 * width * width + 3.0 * width - 1.0) / 5.0
     scale = 1.0 / (size * fourth - second * second)

@@ -182,6 +182,7 @@ def _least_squares(
         slopes = _slopes(corners, lens, poses, known=known)
         normal = slopes.T @ slopes
         right = slopes.T @ errors.ravel()
+        # known parameters have no slope and stay
         scale = np.maximum(np.diag(normal), 1e-12)
         before = cost
         while damping < _MOST_DAMPING:

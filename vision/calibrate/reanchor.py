@@ -111,6 +111,7 @@ def reanchor(
     owner = np.repeat([one.id for one in known], [len(one.corners_m()) for one in known])
     ideal = calibration.undistort_points(pixels)
     homography, agrees = robust_homography(ideal, places)
+    # a marker is used as a whole or not at all
     used_ids = {one.id for one in known if agrees[owner == one.id].all()}
     used = np.isin(owner, sorted(used_ids))
     if len(used_ids) < LEAST_MARKERS:

@@ -145,6 +145,7 @@ def png_bytes(sheet: Sheet) -> bytes:
         raise MarkerError(f"a picture of {size[0]}x{size[1]} pixels cannot be written as PNG")
     raw = data.tobytes()
     resolution = round(1000.0 * dots_per_mm)
+    # any chunk may follow signature (8 bytes) and header chunk (25)
     return raw[:33] + _chunk(b"pHYs", struct.pack(">IIB", resolution, resolution, 1)) + raw[33:]
 
 

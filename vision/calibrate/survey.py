@@ -237,6 +237,7 @@ def robust_homography(
         if candidate is None:
             continue
         distances = np.linalg.norm(_errors(candidate, pixels, places), axis=1)
+        # the set fits by construction; take the others' median
         median = float(np.sort(distances)[4 + (n - 4) // 2 - (n == 4)])
         if median < best_median:
             best, best_median = candidate, median

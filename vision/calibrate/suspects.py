@@ -130,6 +130,7 @@ def _agreed(views: Sequence[BoardView], estimate: Estimate) -> tuple[SeenThrough
         if best is None or trimmed < best[0]:
             best = trimmed, lens
     lens = estimate(views) if best is None else best[1]
+    # widen to all that agree: a half's residuals are smaller than usual
     for _ in range(2):
         found = _all_px(views, lens)
         usual_px = float(np.median(np.sort(found)[:half]))

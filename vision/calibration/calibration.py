@@ -160,6 +160,7 @@ class Calibration:
         homography = self.plane_from_pixel(height_m)
         if self.lens.model == STRAIGHT:
             return _apply(homography, _points(points_px), self._front)
+        # imported late: a plan to scale needs no compiled code
         from vision.calibration.calibration_kernels import plane_from_image
 
         points = np.array(_points(points_px), order="C")
@@ -211,6 +212,7 @@ class Calibration:
         raw = _points(points_px)
         if self.lens.model == STRAIGHT:
             return raw.copy()
+        # imported late: a plan to scale needs no compiled code
         from vision.calibration.calibration_kernels import undistort_all
 
         return undistort_all(np.array(raw, order="C"), self.lens)

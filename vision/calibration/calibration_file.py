@@ -179,6 +179,7 @@ def _build(nodes: Mapping[str, yaml.Node], name: str) -> Calibration:
             else "brown",
         )
     except CalibrationError as error:
+        # an error of the whole calibration starts with its key
         key = str(error).split(":", 1)[0].split(" ", 1)[0]
         where = f"{_where(name, nodes[key])}: " if key in nodes else ""
         raise CalibrationError(f"{where}{error}") from error

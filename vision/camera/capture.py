@@ -66,6 +66,7 @@ class Capture:
         if not opened:
             capture.release()
             raise self._refused()
+        # the sensor's own pixels, as for pictures
         capture.set(cv2.CAP_PROP_ORIENTATION_AUTO, 0)
         self._capture = capture
         self._rate = RateMeter()

@@ -270,6 +270,7 @@ def _edges_of_side(
     length = np.sqrt(dx * dx + dy * dy)
     if length == 0.0:
         return
+    # clockwise on the screen: outwards is left of the direction of travel
     nx, ny = dy / length, -dx / length
     count = len(out_points)
     half = int(np.floor(reach_px / _STEP_PX + 0.5))

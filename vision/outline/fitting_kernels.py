@@ -239,6 +239,7 @@ def _search_edges(border, cracks, round_cost, budget, tolerance, limits, prices,
         if round_cost < HUGE and lost > area_beside_circle(
             border.x, border.y, NONE, border.n, work.circle, limits.free
         ):
+            # the circle alone covers the border better
             return 0, False
         sound = lost <= budget
         bent = again + 1 < looks and any_bent_line(border, outline, edges, spread, spare)

@@ -90,6 +90,7 @@ def partition(border, outline, skip, costs, tolerance, prices, limit, radius, ro
         cost = least
         if sharpest >= CORNER or edges < 2:
             break
+        # no corner to begin at: repeat from a found break
         sharpest = CORNER
         again = outline.breaks[edges // 2]
         for t in range(m):

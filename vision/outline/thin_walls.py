@@ -50,6 +50,7 @@ def keep_thin_walls(
     if not (fine or holes.any()):
         return fitted
     cracks = np.diff(borders.starts)
+    # a strip has two cracks for a pixel of length
     area = np.bincount(borders.owner, borders.area, len(cracks))
     length = np.bincount(borders.owner, cracks, len(cracks))
     walls = (2.0 * area / np.maximum(length, 1.0))[borders.owner]

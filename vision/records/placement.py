@@ -121,6 +121,7 @@ class Placement:
         lengths = []
         for line in (rectified, points):
             steps = np.hypot(*(np.roll(line, -1, axis=0) - line).T)
+            # a border's last step would lead to the next border's first point
             steps[starts[1:][starts[1:] > starts[:-1]] - 1] = 0.0
             total = np.concatenate([[0.0], np.cumsum(steps)])
             lengths.append(total[starts[1:]] - total[starts[:-1]])

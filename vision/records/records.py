@@ -84,6 +84,7 @@ def build_objects(
     outlines = _Outlines.of(fitted, ends, bent, placement)
     border_kind = fitted.border_kind.tolist()
     starts = fitted.edge_starts.tolist()
+    # in metres the picture's edge is not the bounds' edge
     in_pixels = placement.calibration is None
     outline: dict[int, Record] = {}
     holes: dict[int, list[tuple[Record, ...]]] = {}

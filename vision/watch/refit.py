@@ -83,6 +83,7 @@ class KnownScene:
         unseen = unseen or hidden_by_lens(calibration, scene.bounds, extract)
         hidden = {o.records for o in unseen.objects}
         boxes = _boxes_of(scene.objects, calibration)
+        # unseen ground belongs to no picture, and stays
         found = zip(scene.objects, boxes, strict=True)
         kept = tuple(_NOWHERE if o.records in hidden else b for o, b in found)
         return cls(scene, calibration, kept)

@@ -217,6 +217,7 @@ class Link:
         if not self._is_sound(kind, length):
             self._add(REJECTED)
             if reliable and ahead == 0:
+                # nonsense in a whole frame stays nonsense
                 self.frames.expected = self.frames.expected + 1 & 255
                 self._ack_due = True
             return

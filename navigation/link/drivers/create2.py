@@ -117,7 +117,7 @@ class Create2Driver:
             self._order((0, 0), now_s)
             return FILL + bytes([0, START])
         if self._is_silent(now_s) and now_s - self._burst_s >= SILENT_S:
-            return self._second_burst(now_s)  # # a stalled line joins both bursts
+            return self._second_burst(now_s)  # a stalled line joins both bursts
         return self._speeds(now_s)
 
     def _is_to_be_greeted(self, now_s: float) -> bool:
@@ -209,7 +209,7 @@ class Create2Driver:
         elif self._mode < MODE_SAFE and self._was_asked(now_s):
             heard.held = NO_SAFE_MODE if self._charger == 0 else STAYS
         if heard.held is not None:
-            return  # # no odometry: it does not drive, and moves of its own accord
+            return  # no odometry: it does not drive, and moves of its own accord
         left, right = (wheel.direction(now_s) for wheel in self._wheels)
         if not self._odometry.count(packets[LEFT], packets[RIGHT], now_s, (left, right)):
             heard.damaged += 1

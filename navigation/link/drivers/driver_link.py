@@ -25,7 +25,7 @@ class DriverLink(SerialLink):
         *,
         clock: Callable[[], float] = time.monotonic,
     ) -> None:
-        # # its port comes and goes with the process
+        # its port comes and goes with the process
         super().__init__(port, LINE_BAUD, clock=clock, wait_for_port=True)
         self._word_now = word
 

@@ -43,7 +43,7 @@ class LentPort:
         try:
             _data, descriptors, _flags, _from = socket.recv_fds(self._lender, 16, 4)
         except OSError:
-            return False  # # nothing came, or the daemon has gone, which its sentinel says
+            return False  # nothing came, or the daemon has gone, which its sentinel says
         if not descriptors:
             return False
         self.close()

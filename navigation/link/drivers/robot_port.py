@@ -59,7 +59,7 @@ class RobotPort:
         """Close it."""
         port, self._port = self._port, None
         if port is not None:
-            # # a port that has hung up may fail to close
+            # a port that has hung up may fail to close
             with contextlib.suppress(*PORT_FAULTS):
                 port.close()
 

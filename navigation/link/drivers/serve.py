@@ -129,7 +129,7 @@ class _Loop:
         try:
             return sentinel in select.select(watched, [], [], LONGEST_WAIT_S)[0]
         except OSError:
-            return False  # # the robot's port has just gone: the next turn closes it
+            return False  # the robot's port has just gone: the next turn closes it
 
     def turn(self) -> None:
         """Read everything, decide once, send everything due."""
@@ -165,7 +165,7 @@ class _Loop:
         until_s = time.monotonic() + FAREWELL_S
         while time.monotonic() < until_s:
             self.turn()
-            time.sleep(LONGEST_WAIT_S)  # # a port has no event for "all sent"
+            time.sleep(LONGEST_WAIT_S)  # a port has no event for "all sent"
 
     def close(self) -> None:
         """Close both ports; remove the link if it is still ours."""

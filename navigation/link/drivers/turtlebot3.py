@@ -105,7 +105,7 @@ class Turtlebot3Driver:
             packets.append(_write(BEAT, bytes([self._beat])))
         if self._torque_is_due:
             self._torque_is_due = False
-            self._asked_s = now_s  # # the board reads its motors before it is asked again
+            self._asked_s = now_s  # the board reads its motors before it is asked again
             packets.append(_write(TORQUE[0], b"\1"))
         if now_s - self._asked_s >= ASK_S:
             self._asked_s = now_s

@@ -74,6 +74,7 @@ def find_run(known, place, place_bits, s, left, right):
                 a, b = (left, right) if way == 1 else (right, left)
                 q = p
                 while True:
+                    # no chain's last link is proved: no walk leaves its chain
                     link = q if way == 1 else q - 1
                     if link < 0 or not proved[link]:
                         break

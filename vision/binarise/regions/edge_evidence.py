@@ -105,6 +105,7 @@ def leaves_out(look: GreyPicture, level: float, side: Literal["dark", "light"]) 
 
     if not clear_steps(0.0):
         return False
+    # artefacts of compression, and a floor's pattern, have a smaller share of the light
     calming = look.calming()
     grey, noise = look.grey_after(calming), look.noise * calming.left
     apart = faint_edges_apart(grey, noise, side, BLOCK_PX) >= FEWEST_CLEAR
@@ -167,6 +168,7 @@ class Support:
         """Support for each level (257,), 0 if too little, and the pairs."""
         judge = self.judge
         support, pairs = support_by_level(judge.grey, judge.seen(shut), judge.values, cost, sample)
+        # without pairs, the sum is only rounding
         enough = FAINT * cost * np.maximum(pairs, 1.0)
         return np.where(support >= enough, support, 0.0), pairs
 
@@ -178,6 +180,7 @@ def _classes_at(believed: NDArray[np.float64], counts: NDArray[np.int64]) -> Cla
     below = np.arange(256) < level
     dark, light = _middle(np.where(below, counts, 0)), _middle(np.where(below, 0, counts))
     if believed[math.ceil(0.5 * (dark + light))] < nearly:
+        # one class is really two: only greys next to the level count
         reach = min(level - dark, light - level)
         dark, light = level - reach, level + reach
     return Classes(dark, light, 0.0, float(counts[below].sum() / counts.sum()))

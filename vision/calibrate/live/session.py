@@ -134,6 +134,7 @@ class LiveSession:
         """Take this frame as a view if it fits; return True if so, and the message."""
         self._number += 1
         name = f"view {self._number}"
+        # more markers may be in sight than when the board was found
         again = find_board(frame.image, self._spec, name) if self._is_charuco else None
         view = again if isinstance(again, BoardView) else replace(followed, name=name)
         doubt = self._doubt(view)

@@ -77,6 +77,7 @@ class _Damage:
         self._damaged += is_damaged
         if self._seen >= _DAMAGED_WINDOW:
             much = self._damaged > _DAMAGED_SHARE * self._seen
+            # without its number, which would make a new line for each window
             self.said = "more than 1 % of its pictures are damaged and dropped" if much else ""
             self._seen = self._damaged = 0
 

@@ -100,6 +100,7 @@ def _way(kind, rows, i, after, end):
         return rows[after, 0] - rows[i, 0], rows[after, 1] - rows[i, 1]
     dx = rows[end, 0] - rows[i, 2]
     dy = rows[end, 1] - rows[i, 3]
+    # y down: the angle grows along an arc clockwise on the screen
     if kind[i] == ARC_CCW:
         return dy, -dx
     return -dy, dx

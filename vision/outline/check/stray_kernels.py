@@ -145,6 +145,7 @@ def _beside_border(border, lo, hi, finished, i, after):
             y = rows[i, 3] + rows[i, 4] * math.sin(angle)
         near, here = _find_beside(border, lo, hi, here, x, y)
         if near and ahead > 0.0 and found:
+            # it left the border between two points that lie on it
             return False, first_x, first_y, last_x, last_y
         if near and not found:
             found = True

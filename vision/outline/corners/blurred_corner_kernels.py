@@ -145,6 +145,7 @@ def _measure_edge(border, outline, corners, e, after, lo, hi, blur, deviations):
     joints = outline.joints
     side = 1.0
     if outline.is_arc[e]:
+        # positive to the right of the path, as for a line
         x = joints[e, 0] - row[0]
         y = joints[e, 1] - row[1]
         side = -1.0 if x * corners[e, 3] - y * corners[e, 2] > 0.0 else 1.0

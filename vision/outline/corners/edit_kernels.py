@@ -167,6 +167,7 @@ def _may_be(border, outline, edges, run, kind, line_price, blur, stays):
         return False
     if kind == END:
         return run.untouched and turns_back(outline.shape[i], outline.shape[j], stays)
+    # blur rounds no farther to both sides
     return run.length > 0 and stays[2] - stays[1] <= 2.0 * REACH * blur.sigma
 
 

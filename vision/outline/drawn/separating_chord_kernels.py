@@ -247,6 +247,7 @@ def _begin_stretch(cracks, old, count, e, k, start):
     if k > old.at[e]:
         _on_way(cracks, k, old, e, count, start)
         return True
+    # the edge before may cross the crack at a joint
     return _on_way(cracks, k, old, predecessor(e, count), count, start)
 
 

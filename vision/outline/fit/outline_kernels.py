@@ -54,6 +54,7 @@ def _through_ends(shape, e, x0, y0, x1, y1, ccw, circle):
         circle[1] = cy
         circle[2] = math.sqrt((x0 - cx) ** 2 + (y0 - cy) ** 2)
         return
+    # clockwise on the screen the arc bulges to the left of its chord: (dy, -dx)
     side = -1.0 if ccw else 1.0
     nx = side * dy / chord
     ny = -side * dx / chord

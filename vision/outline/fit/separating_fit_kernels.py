@@ -69,6 +69,7 @@ def lose_fewest(cracks, circle, losses, away):
     least = circle[2] - WITHIN_PX
     for i in range(2 * RADII + 2):
         losses[i] = 0.0
+    # a hole lies within its free pixels
     turn = 0.0
     for k in range(cracks.n):
         turn += (cracks.x[k] - cx) * cracks.free_x[k] + (cracks.y[k] - cy) * cracks.free_y[k]
