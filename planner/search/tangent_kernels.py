@@ -35,11 +35,11 @@ ANGLE = 1e-7
 STEP_RAD = 0.2
 """An arc is proved free in chords around it of at most this angle."""
 SHORTEST_RAD = STEP_RAD / 64.0
-"""Where even a chord of this angle is not free, the arc ends."""
+"""Shortest chord that has to be free for the arc to continue."""
 START, GOAL = 0, 1
 FOUND, NONE, OUT_OF_BUDGET = 0, 1, 2
 CHECK, ENTRY = 60, 10
-"""What a clearance query and an entry in the queue cost, in tangents tried."""
+"""Cost of a clearance query and of an entry in the queue, in tangents tried."""
 
 
 @njit(**BORROWING)

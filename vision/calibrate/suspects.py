@@ -5,7 +5,7 @@ Rules
   steps of Rousseeuw and Van Driessen (1999), which a minority cannot move.
 - A view is judged as it is, mirrored, and turned by half a turn. The lens distinguishes them only
   if its centre is off the picture's.
--
+- Only a ChArUco board shows that all pictures are mirrored (`board`).
 - For two cameras, each view repeatedly joins the better fitting lens (the classification EM of
   Celeux and Govaert 1992). They are two only if left-out views then fit clearly better.
 """

@@ -44,7 +44,7 @@ _ON_LINE_PX = 0.75
 """Largest distance of an edge point from its line: chosen, about `_MAX_ROUGHNESS_PX`. A line
 between a side and a cover's edge has fewer such points than either."""
 _MIN_SINE = 0.1
-"""Of the angle between neighbouring sides."""
+"""Least sine of the angle between neighbouring sides."""
 
 _MAX_ROUGHNESS_PX = 0.7
 

@@ -35,7 +35,7 @@ _HUBER = 2.5
 """Residuals beyond this multiple of their rms weigh less."""
 _MIN_CONTRAST = 12.0
 _LEAST_PIVOT = 1e-12
-"""Of a matrix with a diagonal of ones: less is rounding."""
+"""Least pivot of a matrix with a diagonal of ones: less is rounding."""
 _MAX_MISFIT = 0.3
 """The residuals' rms as a share of the contrast."""
 _BLOCK = 64

@@ -25,7 +25,7 @@ REACTION_S = 0.4
 LEAST_NOISE_PX = 0.25
 """Movement of a picture by lamps, air and the sensor's warmth."""
 _LONGEST_STEP_S = 0.1
-"""Longest time that one frame stands for."""
+"""Longest time that one frame represents."""
 
 
 def step_limit(passed_s: float) -> float:

@@ -29,7 +29,7 @@ from vision.records.unseen import Unseen, blind_of, hidden_by_lens
 from vision.watch.change import Rectangle
 
 _MARGIN_PX = 12
-"""Margin around a change: the profiles across an edge are so long, and a part must have floor."""
+"""Margin around a change: a profile across an edge is this long, and a part must have floor."""
 
 _OBJECT_MARGIN_PX = 6
 _POINTS_AN_ARC = 65

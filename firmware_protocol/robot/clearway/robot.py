@@ -5,7 +5,7 @@ state. Distances are the encoders' micrometres, speeds eighths of mm/s. Memory i
 QUEUE_SIZE waypoints of 16 bytes.
 
 Times are microseconds modulo 2^30 (17.9 minutes); elapsed time is an unsigned difference, so a
-lease lapses while a processor stands still.
+lease lapses while a processor halts.
 
 The twin of ``robot.c``.
 """

@@ -78,7 +78,7 @@ class Create2Driver:
         self._safe_is_due = False
         """The greeting's second burst has not gone out."""
         self._asked_s: float | None = None
-        """When it was ordered into SAFE mode; None where it was left to rest."""
+        """Time of the order into SAFE mode; None if it was left to rest."""
         self._charger, self._mode = 0, MODE_SAFE
         self._feels_a_fault = False
         self._wanted = (0.0, 0.0)
