@@ -124,8 +124,8 @@ def mark_below(grey, bound, mask):
 def noise_sigma(grey):
     """Standard deviation of the noise, from the median absolute second difference.
 
-    The median ignores edges, and a ramp has no second difference. The sample is symmetric, so the
-    picture mirrored, turned or transposed has exactly the same noise.
+    The median ignores edges. The sample is symmetric: the picture mirrored, turned or transposed
+    has the same noise.
     """
     height, width = grey.shape
     counters = np.zeros((2, BINS), np.uint32)

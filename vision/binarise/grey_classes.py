@@ -90,9 +90,9 @@ def _sharpened(
 ) -> Classes:
     """The classes, with the rarer one corrected if most of its pixels are edge.
 
-    In a blurred narrow wall the class's middle lies too near the other class, and its spread looks
-    like uneven light. The level is then where edges are steepest, and the spread that of pixels off
-    edges. ``noise`` is what is left in the histogram ``counts``.
+    A blurred narrow wall's middle lies too near the other class, and its spread looks like uneven
+    light. The level is then where edges are steepest, and the spread that of pixels off edges.
+    ``noise`` is what is left in the histogram ``counts``.
     """
     dark_is_rare = found.dark_share < 0.5
     middle = found.dark if dark_is_rare else found.light

@@ -200,8 +200,8 @@ def _walk_tables(stride):
 def hole_owners(mask, xs, ys, directions, starts, areas):
     """Outline of each border: its own index, or for a hole its object's.
 
-    A hole's first crack is the west crack in its topmost row. The object lies to its left; that run
-    of pixels begins with a west crack that an earlier border walked.
+    A hole's first crack is the west crack in its topmost row; the run of pixels to its left begins
+    with a west crack that an earlier border walked.
     """
     borders = areas.shape[0]
     owners = np.arange(borders)

@@ -69,9 +69,7 @@ def out(direction):
 def locate(grey, xs, ys, directions, n, work, places):
     """Place of every crack, and its profile's value at the obstacle pixel.
 
-    ``places`` (2, k): a crack's obstacle pixel in the picture, and the offset to the free one. This
-    short loop fetches the memory of vertical borders at once; profiles are then read from the
-    cache.
+    ``places`` (2, k): a crack's obstacle pixel in the picture, and the offset to the free one.
     """
     width = grey.shape[1]
     flat_grey = grey.reshape(-1)

@@ -234,7 +234,7 @@ def refuse_part(pictures: Sequence[Image], spec: BoardSpec) -> None:
     """Raise ``CalibrationError`` if the board found is part of a larger chessboard.
 
     The search accepts a part too. Most of the grey pictures must agree, as a shadow may pass for
-    another row; once half show no larger board, the rest are skipped.
+    another row.
     """
     if spec.kind != "chessboard":
         return

@@ -140,8 +140,8 @@ def estimate_lens(
 def estimate_for(views: Sequence[BoardView]) -> Estimate:
     """Estimate of Brown's lens that compares these views.
 
-    It has the terms that all views ask for, two at least: with fewer, good pictures of a wide lens
-    disagree. Raises ``CalibrationError`` if they determine no lens.
+    It has the terms that all views ask for, two at least. Raises ``CalibrationError`` if they
+    determine no lens.
     """
     return partial(fit_lens, terms=max(2, _best_terms(views, "brown", None)))
 

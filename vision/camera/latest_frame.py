@@ -78,8 +78,8 @@ class LatestFrame:
     """Newest frame of a camera, which is opened again when it fails.
 
     ``open_camera`` makes a new, closed camera each time. Use a context manager, or ``start()`` and
-    ``stop()``; without a thread, ``step()`` does one turn. ``news`` may be shared and is notified
-    of every new frame.
+    ``stop()``; without a thread, ``step()``. ``news`` may be shared and is notified of every new
+    frame.
     """
 
     def __init__(

@@ -205,7 +205,7 @@ def normal_equations(
     ``bits`` (n, n) is 1 for light; residuals beyond ``limit`` weigh less (Huber). ``metric`` (2, 2)
     is J J^T of the plane's a, b by raw pixels: a blur round in the picture is not round in the
     plane. The blur is narrow compared with a cell, so only the nearest grid lines matter. Pixels
-    among cells that are alike depend only on light and dark and are summed apart.
+    among alike cells depend only on light and dark and are summed apart.
     """
     out_matrix[:] = 0.0
     out_right[:] = 0.0

@@ -290,8 +290,8 @@ class BorderMemory(NamedTuple):
 class Work(NamedTuple):
     """Memory to fit one border, sized for the longest.
 
-    It is allocated at once, so that everything below is a borrowing kernel
-    (``planner.scene.compile_options``), and in few arrays, as each lengthens compilation.
+    Allocated at once, so that everything below is a borrowing kernel
+    (``planner.scene.compile_options``), in few arrays, as each lengthens compilation.
 
     ``places`` (6, 2 n + 1) float64: the arrays of ``BorderPoints``, then those of ``Cracks``.
     ``trial``: edges finished for a check; ``at`` (n,) int64: of those finally written. ``circle``

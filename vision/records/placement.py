@@ -113,8 +113,7 @@ class Placement:
     ) -> NDArray[np.float64]:
         """Ratio (b,) of each border's length in rectified pixels to its length in the picture.
 
-        A lens shrinks the floor towards its rim, but a fit's tolerance is that of the picture's own
-        pixels.
+        A fit's tolerance is that of the picture's own pixels.
         """
         if self.calibration is None:
             return np.ones(len(starts) - 1)

@@ -41,8 +41,7 @@ def _row_step(height, width, pairs):
 def steps_across_level(grey, level, weak, strong, pairs):
     """Count the pairs across a level, and their weak and strong steps.
 
-    Return ``(all, weak, strong)``: all pairs, those with steps less than ``weak``, and more than
-    ``strong`` grey levels.
+    Return ``(all, weak, strong)``; the latter two by grey levels.
     """
     height, width = grey.shape
     length = min(width - REACH, AT_A_TIME)

@@ -152,8 +152,8 @@ class Judge:
         """Worth of grey values, whose differences are compared.
 
         The root, because light multiplies what the camera sees and its noise grows with the root;
-        the logarithm puts the level of a blurred edge too near its dark side. The least contrast,
-        which means nothing in the dark either, is added before the root.
+        the logarithm puts the level of a blurred edge too near its dark side. The least contrast is
+        added before the root.
         """
         root: NDArray[np.float64] = np.sqrt(
             light + LEAST_CONTRAST + LEAST_CONTRAST_SIGMAS * self.noise

@@ -17,8 +17,8 @@ UDEV: Final = Path("/run/udev/data")
 def list_devices() -> list[tuple[str, str]]:
     """List the V4L2 capture devices of this machine: (path, name).
 
-    A device is listed by its stable path under /dev/v4l/by-id, if any. Nodes without pictures are
-    left out, by udev's word if permission is missing.
+    Paths are stable ones under /dev/v4l/by-id, if any. Nodes without pictures are left out, by
+    udev's word if permission is missing.
     """
     stable = {os.path.realpath(p): p for p in sorted(glob.glob("/dev/v4l/by-id/*"))}
     found = []

@@ -94,8 +94,7 @@ def _ends(rows, i, after):
 def _runs_along(border, lo, hi, finished, i, after, far):
     """True if points lo .. hi lead along all of a line, none farther from it than ``far``.
 
-    This spares most lines a search for each point; arcs fail, as a link between distant points cuts
-    across.
+    This spares most lines a search for each point.
     """
     if finished.kind[i] != LINE or far > STRAY_PX:
         return False

@@ -111,8 +111,7 @@ def touch(a, a_arc, b, b_arc, out):
     """Place where an arc and its neighbour come nearest; out = x, y and the gap (crossing:
     negative).
 
-    Two arcs touch from outside or inside, whichever leaves the smaller gap. Nearly tangent edges
-    have an ill-defined crossing, but a point of contact.
+    Two arcs touch from outside or inside, whichever leaves the smaller gap.
     """
     if a_arc and b_arc:
         dx = b[0] - a[0]

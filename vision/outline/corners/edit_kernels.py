@@ -132,8 +132,8 @@ def _price_of(outline, e, prices):
 def _is_wide(border, p, q, r, costs):
     """True if no line passes within the limit of three points of the border, or of more.
 
-    The line nearest to a triangle's corners is half a height away. The limit is doubled, for points
-    near corners, which blur moves.
+    The line nearest to a triangle's corners is half a height away. The limit is doubled, as blur
+    moves points near corners.
     """
     px, py = border.x, border.y
     ax = px[q] - px[p]

@@ -252,10 +252,7 @@ def _put(cracks, finished, count, e, run, arc, trial, circle, room):
 
 @njit(**LEAF)
 def _take_over(trial, number, at, finished, count, e, run):
-    """Replace a run from edge e on by edge ``at`` of a trial; return the number of edges.
-
-    If the run passes the last edge, the new one comes last.
-    """
+    """Replace a run from edge e on by edge ``at`` of a trial; return the number of edges."""
     fewer = count - run + 1
     passed = max(e + run - count, 0)
     place = e - passed
