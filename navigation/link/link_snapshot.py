@@ -92,8 +92,6 @@ def doubt_of_stop(snapshot: LinkSnapshot) -> str | None:
 
 
 class _OfLink(TypedDict):
-    """Part of a snapshot that needs no report of the robot."""
-
     state: LinkState
     down_reason: str | None
     heard_age_s: float

@@ -112,7 +112,7 @@ class SerialLink:
         self._start_thread(port)
 
     def _start_thread(self, port: serial.Serial | None) -> None:
-        """Start with the open port; without one the thread tries to open it repeatedly."""
+        """Start with the port; without one the thread tries to open it."""
         self._serial = port
         self._wake_out, self._wake_in = os.pipe()
         os.set_blocking(self._wake_out, False)

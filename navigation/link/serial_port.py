@@ -1,7 +1,6 @@
 """Opening of a serial port, or one sentence on why it fails.
 
-A missing, busy or forbidden port may be usable later: a cable is plugged in, another program ends,
-udev sets the permissions. A file that is no serial port never will be.
+A missing, busy or forbidden port may be usable later; a file that is no serial port never will be.
 """
 
 from __future__ import annotations

@@ -124,8 +124,6 @@ class EventLog:
 
 
 class _LimitedFile(io.TextIOBase):
-    """A text file that takes no more lines once it is full."""
-
     def __init__(self, file: Path) -> None:
         self._file = file.open("a", encoding="utf-8")
         self._left = MOST_FILE_BYTES

@@ -129,7 +129,6 @@ class OutsideCalls:
                 return
 
     def _call(self, call: OutsideCall) -> str:
-        """Make a call; return why it failed, empty if it did not."""
         within_s = min(self._within_s, self._ends_s - time.monotonic())
         if within_s <= 0.0:
             return "left out: the run is over"
@@ -159,7 +158,6 @@ def _begin(arguments: Sequence[str], is_asked: bool) -> subprocess.Popen[bytes]:
 
 
 def _kill(process: subprocess.Popen[bytes]) -> None:
-    """End a process and all that it has started."""
     with contextlib.suppress(ProcessLookupError, PermissionError):
         os.killpg(process.pid, signal.SIGKILL)
     with contextlib.suppress(subprocess.TimeoutExpired):

@@ -185,7 +185,7 @@ class Sweep:
 
 
 def _is_death(error: BaseException | None) -> bool:
-    """True if the worker died, not the run: a broken process pool, or a cluster's KilledWorker."""
+    """True if the worker died, not the run."""
     return isinstance(error, BrokenProcessPool) or type(error).__name__ in (
         "KilledWorker",
         "CancelledError",

@@ -1,4 +1,4 @@
-"""Variations of a sweep and their configurations: each robot has its own start and wheels.
+"""Variations of a sweep: each robot has its own start and wheels.
 
 Several robots share the camera's errors. Variation k of a seed is always the same, whatever else
 the sweep is asked for. Units: metres, radians; degrees in configurations.
@@ -118,7 +118,6 @@ def varied(config: Config, v: Variation) -> tuple[Config, dict[str, Config] | No
 
 
 def _body(alone: Config, v: RobotVariation) -> Config:
-    """One robot with its drawn wheels and own seed."""
     assert alone.simulation is not None
     seed = alone.simulation.seed
     simulation = _varied_one(alone, v).simulation

@@ -4,7 +4,7 @@ The wheels' path is laid out along the headings that the camera saw, so that whe
 bend nothing. The rest of the camera's position is the slip; it may grow by the odometry's error,
 and by that of two wrong dates at a changing speed. The heading is treated alike. The newest slip is
 compared with those of the last seconds: a frozen picture, a jump, a drift, a robot that is carried,
-stuck or turned round all show as slip.
+stuck or turned round all show.
 
 The length of the wheels' metre, and their bend, are learned during the run, within bounds. Metres,
 radians, seconds.
@@ -247,7 +247,6 @@ class Agreement:
         )
 
     def _learn(self, here: _Anchor, wheels: WheelMotion) -> None:
-        """Learn the wheels' scale and bend from a stretch without a parting."""
         if self._lesson is None:
             self._lesson = (here, wheels)
             return

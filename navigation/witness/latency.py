@@ -99,7 +99,6 @@ class LatencyEstimate:
         return Latency(self._between(least), max(float(high_s - low_s) / 2.0, STEP_S))
 
     def _between(self, least: int) -> float:
-        """Bottom of the parabola through the least sum and its neighbours."""
         if not 0 < least < len(GRID_S) - 1:
             return float(GRID_S[least])
         before, here, after = self._sums[least - 1 : least + 2]

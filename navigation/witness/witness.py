@@ -1,7 +1,7 @@
 """Both witnesses, fed in order of time, and the evidence of a cycle.
 
-A pose waits until the wheels are known up to its time, which takes a report's interval of 50 ms;
-another rule covers a robot that reports nothing. Metres, radians, seconds.
+A pose waits until the wheels are known up to its time, which takes a report's interval of 50 ms.
+Metres, radians, seconds.
 """
 
 from __future__ import annotations
@@ -118,7 +118,6 @@ class Witness:
     # Inside.
 
     def _compare(self) -> None:
-        """Take every pose up to whose time the wheels are known."""
         if self.wheels.stretch != self._stretch:
             self._stretch = self.wheels.stretch
             self._latency.break_off()

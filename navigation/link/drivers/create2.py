@@ -133,7 +133,6 @@ class Create2Driver:
         return now_s - self._heard_s > SILENT_S
 
     def _rests(self, now_s: float) -> bool:
-        """True if it is left in passive mode to charge."""
         idle = now_s - self._driven_s >= REST_S
         return bool(self._charger & SOCKET or (self._charger & HOME_BASE and idle))
 
@@ -209,7 +208,7 @@ class Create2Driver:
         elif self._mode < MODE_SAFE and self._was_asked(now_s):
             heard.held = NO_SAFE_MODE if self._charger == 0 else STAYS
         if heard.held is not None:
-            return  # no odometry: it does not drive, and moves of its own accord
+            return  # no odometry: it moves of its own accord
         left, right = (wheel.direction(now_s) for wheel in self._wheels)
         if not self._odometry.count(packets[LEFT], packets[RIGHT], now_s, (left, right)):
             heard.damaged += 1
@@ -222,7 +221,6 @@ class Create2Driver:
 
 
 def _fault(packets: dict[int, int]) -> str | None:
-    """Reason given by its sensors for a stop."""
     bumps = packets[BUMPS]
     if bumps & 0b1100:
         return "a wheel hangs in the air: put the robot back on the floor"

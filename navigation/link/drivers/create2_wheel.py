@@ -1,8 +1,7 @@
 """One wheel of a Create 2: the next of its few speeds, and its direction.
 
 - Its controller has steps of 28.5 mm/s and nothing below 11. The orders alternate between two
-  steps; each one's error is carried into the next, so that both wheels, and with them the bend, are
-  right in the mean.
+  steps; each one's error is carried into the next, so that speed and bend are right in the mean.
 - Its encoder senses no direction: the robot counts down while it orders the wheel backwards and up
   otherwise, even if a wheel rolls out from backwards. A wheel keeps its direction until it has
   passed zero: only that gives a count its sign. While only a hand can turn the wheel, counts have
@@ -96,7 +95,6 @@ def _speed_of(number: int) -> float:
 
 
 def _order_of(number: int) -> float:
-    """Middle of the orders of a step."""
     return LEAST_MM_S + (number - 0.5) * STEP_MM_S if number else 0.0
 
 

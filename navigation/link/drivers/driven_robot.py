@@ -168,7 +168,7 @@ class DrivenRobot:
         self._stepped_s, self._report_s = now_s, heard.odometry_s
 
     def _is_time_for_a_step(self, now_s: float) -> bool:
-        """True at each report, and while the last ones' travel is still being dealt out."""
+        """True at each report, and while travel is still being dealt out."""
         heard = self.driver.heard
         if self._stepped_s is None:
             return True
@@ -201,7 +201,6 @@ class DrivenRobot:
         return (left_m_s, right_m_s) if share <= 1.0 else (left_m_s / share, right_m_s / share)
 
     def _of_late(self, now_s: float) -> tuple[int, int]:
-        """Damaged and whole messages in the last ``LOOK_BACK_S``."""
         heard, counts = self.driver.heard, self._counts
         if not counts or now_s - counts[-1][0] >= 0.1:
             counts.append((now_s, heard.damaged, heard.messages))

@@ -30,7 +30,7 @@ class DriverLink(SerialLink):
         self._word_now = word
 
     def snapshot(self) -> LinkSnapshot:
-        """Present state; the driver's sentences come before those about its pseudo-terminal."""
+        """Present state; the driver's sentences come first."""
         snapshot, word = super().snapshot(), self._word_now()
         down = snapshot.down_reason
         if word.silence is not None:

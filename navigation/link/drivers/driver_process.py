@@ -43,8 +43,8 @@ _SPAWN: Final = multiprocessing.get_context("spawn")
 class DriverProcess:
     """A driver and its watcher's thread; the daemon opens ``port``.
 
-    ``name`` is one of `KNOWN_ROBOTS`, ``robot_port`` the robot's port; ``model`` as in
-    `DriverOrder`; ``work`` is the process's work.
+    ``name`` is one of `KNOWN_ROBOTS`; ``model`` as in `DriverOrder`; ``work`` is the process's
+    work.
     """
 
     def __init__(
@@ -203,7 +203,6 @@ class _Process:
         return True
 
     def words(self) -> list[Word | PortLost]:
-        """Everything that it has said since the last call."""
         told: list[Word | PortLost] = []
         try:
             while self._words is not None and self._words.poll():

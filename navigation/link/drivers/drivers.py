@@ -25,6 +25,5 @@ DRIVERS_BY_MODEL: Final[Mapping[str, Callable[[str], RobotDriver]]] = {
 
 
 def new_driver(name: str, model: str | None = None) -> RobotDriver:
-    """Make a driver; ``model`` is one of `KnownRobot.models`, None the first, or for a robot
-    without any."""
+    """Make a driver; ``model`` is one of `KnownRobot.models`, None the first or only one."""
     return DRIVERS[name]() if model is None else DRIVERS_BY_MODEL[name](model)

@@ -3,7 +3,7 @@
 - Lines of text: `D,left,right` orders steps a second, `Q` asks for the steps made. The next
   question waits for the last one's answer or timeout.
 - Each command begins with a zero. It means nothing in text, but ends the binary mode into which a
-  damaged character puts the robot and which text alone would not end.
+  damaged character puts the robot.
 - The first command on an open port also begins with an end of line, so that an order cut off by a
   dead sender spoils nothing.
 - The text has no check: a count that the wheels cannot have made is left out. The robot keeps the

@@ -1,7 +1,6 @@
 """Protocol of a driver: one robot, sans-IO, bytes in and events out.
 
-It reports which robot this is, how far its wheels have turned, what is wrong with it, how full its
-battery is. Metres, seconds, metres a second; forwards is positive on both sides.
+Metres, seconds, metres a second; forwards is positive on both sides.
 """
 
 from __future__ import annotations

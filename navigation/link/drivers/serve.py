@@ -87,7 +87,7 @@ def serve(
 
 
 def _hear_the_end() -> list[int]:
-    """List of the signals that asked for the end; the terminal's are ignored."""
+    """Signals that asked for the end; the terminal's are ignored."""
     came: list[int] = []
     with contextlib.suppress(PermissionError):
         os.setsid()
@@ -153,7 +153,6 @@ class _Loop:
     _port_is_lost = True
 
     def _lose_port(self, fault: str) -> None:
-        """Report once that the daemon must open it again."""
         self._robot.port_closed(fault)
         if not self._port_is_lost:
             self._port_is_lost = True

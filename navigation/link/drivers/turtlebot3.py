@@ -114,7 +114,7 @@ class Turtlebot3Driver:
         return b"".join(packets)
 
     def _steps(self, which: int) -> int:
-        """Whole steps of the next order; a stop takes effect at once."""
+        """Steps of the next order; a stop takes effect at once."""
         wanted = self._wanted[which] * STEP
         if wanted == 0.0:
             self._left_over[which] = 0.0
@@ -135,7 +135,6 @@ class Turtlebot3Driver:
                 self._take(answer, now_s)
 
     def _answers(self) -> Iterator[tuple[int, bytes]]:
-        """Error and data of each whole status packet."""
         buffer = self._buffer
         while (at := buffer.find(HEADER)) >= 0:
             del buffer[:at]

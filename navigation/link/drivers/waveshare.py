@@ -134,7 +134,6 @@ class WaveshareDriver:
             heard.fault = BLIND
 
     def _read(self, line: bytes) -> tuple[float, float] | None:
-        """Wheel speeds in a report; None for other lines."""
         line = line.strip()
         if not line:
             return None

@@ -6,15 +6,14 @@
   only its CLEAN button (`press_clean`) wakes it, no byte.
 - Its speed controller has steps of about 28.5 mm/s. Owners measured that orders from -10 to 10 mm/s
   do nothing, and that all from 11 up to the next step at 40 drive at 39 mm/s.
-- Orders are opcodes with a fixed number of data bytes and no check: after a lost byte the next
-  opcode is taken as data. Streamed sensor frames, one every 15 ms, end with a sum.
+- Orders have no check: after a lost byte the next opcode is taken as data. Streamed sensor frames,
+  one every 15 ms, end with a sum.
 - After Start it is deaf for the 20 ms of a mode change.
 - Encoder counts wrap at 16 bits. The sensors feel no direction: counts decrease while the wheel is
   ordered backwards and increase otherwise, even if a wheel ordered to stop rolls.
 - It charges in passive mode only. On the home base (`dock`), safe and full mode end the charging;
   with the charger's cable plugged in (`plug_in`), safe mode leads to passive.
-- A reinserted battery, or a reset, causes three seconds of text in which it hears nothing; then it
-  is off.
+- After a reset or a new battery it hears nothing for three seconds of text; then it is off.
 
 Bytes are big-endian; speeds in mm/s; metres and seconds elsewhere.
 """
@@ -185,7 +184,7 @@ class Create2Twin:
                 self._enter(OpenInterfaceMode.PASSIVE)
 
     def _enter(self, mode: OpenInterfaceMode) -> None:
-        """Enter a mode; every change stops the wheels."""
+        """Change the mode, which stops the wheels."""
         self.mode = mode
         self._wanted = [0, 0]
 
@@ -266,7 +265,6 @@ class Create2Twin:
 
 
 def _turned(ordered_mm_s: int) -> float:
-    """Speed of the wheel, rounded to the controller's steps."""
     number = math.floor((abs(ordered_mm_s) - LEAST_MM_S) / STEP_MM_S) + 1
     if number <= 0:
         return 0.0

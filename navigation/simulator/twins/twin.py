@@ -44,7 +44,7 @@ class Twin(Protocol):
         """Take bytes from the line."""
 
     def step(self, now_s: float, left_ticks: int, right_ticks: int) -> WheelSpeeds:
-        """Let a few milliseconds pass with these encoder counts; return the motors' orders."""
+        """Let ``STEP_S`` pass with these encoder counts; return the motors' orders."""
         ...
 
     def bytes_to_send(self, now_s: float) -> bytes:
