@@ -56,7 +56,7 @@ REFUSED_S: Final = 8.0
 
 
 class HostConnection:
-    """One robot at the other end of one line.
+    """One robot on one line.
 
     ``rng`` gives session numbers; ``baud`` paces the output, if not None; ``expected_boot_id`` is a
     journalled mission's boot.
@@ -215,7 +215,7 @@ class HostConnection:
         return now_s - self._heard_s
 
     def why_down(self, now_s: float) -> str | None:
-        """Reason why no order can be given; None if frames pass both ways."""
+        """Reason why no order can be given, if any."""
         if self.state.is_up:
             return self._hearing.why_deaf
         if self.state in (LinkState.CLOSED, LinkState.REFUSED):

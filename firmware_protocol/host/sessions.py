@@ -98,7 +98,7 @@ class HostSessions:
         return now_s - self._foreign_s < FOREIGN_S
 
     def hello_due(self, now_s: float) -> bool:
-        """True if HELLO is due now; the next interval is longer by half."""
+        """True if HELLO is due now; lengthens the interval by half."""
         if now_s < self._hello_s:
             return False
         self._hello_s = now_s + self._wait_s

@@ -42,7 +42,7 @@ class Upload:
 
     @property
     def blocked(self) -> bool:
-        """True if nothing more can be sent before the robot drives: full queue or all sent."""
+        """True if nothing more can be sent before the robot drives."""
         return self.accepted == self._next > 0 and self.next_batch() is None
 
     def hold_back(self, count: int) -> None:
@@ -89,7 +89,7 @@ class Upload:
         return None
 
     def next_batch(self) -> Waypoints | None:
-        """Next frame's waypoints; None if the queue is full or all released are sent."""
+        """Next frame's waypoints; None if none can be sent."""
         end = min(self._next + BATCH, self._limit, self.released)
         full = end - self._next == BATCH or end == self.released
         # a partly filled frame costs the line more than it brings

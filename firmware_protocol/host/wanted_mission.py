@@ -35,7 +35,7 @@ class WantedMission:
         return self.upload
 
     def follow(self, upload: Upload, status: Status, credit: int, everything: bool) -> str | None:
-        """Follow the mission by a report; return a sentence if it is void by it.
+        """Follow the mission by a report; return a sentence if that voids it.
 
         ``everything``: the report follows every frame sent.
         """

@@ -98,7 +98,7 @@ class RobotController:
         self.robot.emergency_stop(reason)
 
     def stand(self) -> None:
-        """Stop without a ramp, for a robot whose wheels are out of reach; START drives again."""
+        """Stop without a ramp, for wheels out of reach; START drives again."""
         if self.robot.state == RUN:
             self.robot.pause()
         self.robot.freeze()

@@ -93,7 +93,7 @@ class Borders:
         return len(self.pieces.solid)
 
     def distances(self, points: FloatArray) -> tuple[FloatArray, IntArray]:
-        """Return each point's (n, 2) exact distance to the nearest border, and that primitive."""
+        """Exact distance of points (n, 2) to the nearest primitive, and that primitive."""
         return box_tree_kernels.nearest_many(self.tree, points)  # type: ignore[no-any-return]
 
     def signed_distances(self, points: FloatArray) -> FloatArray:
@@ -187,7 +187,7 @@ def _equal(box: FloatArray) -> float:
 
 
 def _free_box(flat: Primitives) -> FloatArray:
-    """Rectangle of the bounds' walls, or else the box of all borders grown by its diagonal."""
+    """Rectangle of the walls, or else all borders' box grown by its diagonal."""
     walls = border_kernels.walls_box(flat.data, flat.owner)
     if walls[0] <= walls[2]:
         return np.array(walls)

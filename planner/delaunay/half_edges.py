@@ -76,8 +76,8 @@ class HalfEdges:
     def check(self) -> None:
         """Raise DiagramError if an invariant of Voronoi diagrams is broken.
 
-        Checks twins, cycles, Euler's formula, equidistant vertices, convex cells and, exactly,
-        empty circles. O(n log n).
+        Twins, cycles, Euler's formula, equidistant vertices, convex cells and, exactly, empty
+        circles. O(n log n).
         """
         _check_links(self)
         _check_cycles(self)
@@ -175,7 +175,7 @@ def _check_vertices(d: HalfEdges) -> None:
 
 
 def _check_cover(d: HalfEdges) -> None:
-    """Check that the vertices' triangles cover the sites' hull once: the areas are equal."""
+    """Check that the vertices' triangles cover the sites' hull once, by area."""
     sites, _ = _unit(d)
     corner = sites[d.vertex_sites] - (sites[0] if len(sites) else 0.0)
     a, b, c = corner[:, 0], corner[:, 1], corner[:, 2]

@@ -126,7 +126,7 @@ def _star(tri, ghost, start, ring, outer, slot):
 
 @njit(**LEAF)
 def _free_own(tri, circ, at, p, free_0, free_1):
-    """Free the two triangles of site p: move their contents to two other free ones."""
+    """Move the contents of site p's two triangles to two free ones."""
     tri[free_0], tri[free_1] = DEAD, DEAD
     for own in (16 * p, 16 * p + 8):
         if np.int64(tri[own]) == DEAD:

@@ -138,7 +138,7 @@ def omit_invalid(mesh: Mesh | None, generators: Generators, mode: Mode) -> Agvd:
 
 
 def join_chains(agvd: Agvd) -> Chains:
-    """Join the valid edges into chains of straight links and measure them. O(n log k)."""
+    """Measured chains of straight links along the valid edges. O(n log k)."""
     mesh, borders = agvd.mesh, agvd.borders
     (traced, bent), node_xy = no_chains(), np.empty((0, 2))
     if mesh is not None:

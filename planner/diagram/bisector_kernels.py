@@ -157,7 +157,7 @@ def narrowest(kind, data, left, right, x0, y0, x1, y1, tolerance):
 
 @njit(**LEAF)
 def _tangents_meet(kind, data, left, right, ax, ay, bx, by):
-    """Intersection of the bisector's tangents at a and b, between the two: x, y, found."""
+    """Intersection, between a and b, of the bisector's tangents there: x, y, found."""
     ux, uy, _ = heading(kind, data, left, right, ax, ay)
     vx, vy, _ = heading(kind, data, left, right, bx, by)
     dx, dy = bx - ax, by - ay

@@ -157,7 +157,7 @@ def no_chains() -> tuple[Traced, Bent]:
 
 
 def solve(mesh: Mesh, borders: Borders, spacing: float) -> None:
-    """Solve the vertices, refine where their circles are not empty, and bend the chains."""
+    """Solve the vertices, refine at non-empty circles, and bend the chains."""
     half = 0.5 * spacing
     pieces, tolerances = borders.corners, DiagramTolerances(half, half, borders.equal)
     sag = mesh_kernels.largest_sag(borders.kind, borders.data, half)

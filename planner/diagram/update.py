@@ -73,7 +73,7 @@ def update_diagram(agvd: Agvd, old: Scene, scene: Scene) -> Agvd | None:
 
 
 def match_objects(old: Sequence[SceneObject], new: Sequence[SceneObject]) -> list[int]:
-    """Old object of every new one, or -1; each old one is used at most once."""
+    """Old object of every new one, or -1; each is used at most once."""
     # most share their records with an old object at the same place, or shifted by one
     ahead = _first_other(old, new)
     behind = _first_other(old[ahead:][::-1], new[ahead:][::-1])
@@ -103,7 +103,7 @@ def match_objects(old: Sequence[SceneObject], new: Sequence[SceneObject]) -> lis
 
 
 def _mark(item: SceneObject) -> Hashable:
-    """Key that equal objects share, and hardly any others: hashing all edges takes long."""
+    """Key that hardly any unequal objects share: hashing all edges takes long."""
     record = item.records[0] if item.records else None
     if isinstance(record, ArcRecord | PolygonRecord) and record.edges:
         return record.edges[0]

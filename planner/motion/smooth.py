@@ -213,7 +213,7 @@ def _smooth_leg(points: FloatArray, rules: _Rules) -> FloatArray:
 
 
 def _room(corner: float, cuts: list[_Cut], after: int, length: float) -> float:
-    """Largest reach of a cut to either side before another cut or the leg's end.
+    """Largest reach of a cut to either side.
 
     ``after``: number of the first of the ordered ``cuts`` beyond the corner.
     """
@@ -251,7 +251,7 @@ def _is_wide(
     reach: float,
     rules: _Rules,
 ) -> bool:
-    """True if the curve has the required clearance, or at least that of the piece replaced."""
+    """True if the curve has the clearance of ``rules``."""
     gap = rules.path_clearance(curve).distance
     if gap >= rules.floor or not rules.nearer:
         return gap >= rules.floor

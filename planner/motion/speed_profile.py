@@ -154,7 +154,7 @@ def _with_middle(
 
 
 def _reach_out(lengths: FloatArray, limits: FloatArray, reach: FloatArray) -> FloatArray:
-    """Each cell's limit, lowered to that of any slower cell whose own ``reach`` includes it."""
+    """Each cell's limit, lowered to that of any slower cell that reaches it."""
     first = np.searchsorted(lengths, lengths[:-1] - reach, side="right") - 1
     last = np.searchsorted(lengths, lengths[1:] + reach, side="left")
     return polyline_kernels.reach_out(limits, first, last)  # type: ignore[no-any-return]

@@ -149,7 +149,7 @@ class CutPath:
                 self.stops.append(self._standing_at(int(vertex)))
 
     def _add_tight_bends(self) -> None:
-        """Add stops until no bend between them is too tight; shorter legs have fewer vertices."""
+        """Add stops until no bend between them is too tight."""
         tightest = self._tightest()
         done = self.stops[:1]
         ahead = self.stops[:0:-1]
@@ -172,7 +172,7 @@ class CutPath:
         return (1.0 + ROUNDING) / self.limits.turning_radius
 
     def too_tight(self, leg: Stretch) -> tuple[float, float, float] | None:
-        """Place where the leg is tighter than the turning radius, and the radius there; or None."""
+        """Place and radius of the leg's bend below the turning radius, if any."""
         if self.limits.turning_radius == 0.0 or not len(leg.lengths):
             return None
         at = np.concatenate([[0.0], leg.breaks(), leg.lengths[-1:]])
@@ -261,7 +261,7 @@ class CutPath:
         return step
 
     def chord_tolerance(self) -> float:
-        """Largest distance of the waypoints' chords from the path that loses no clearance."""
+        """Largest distance of chords from the path that loses no clearance."""
         rounding = 1e-9 * self.path.robot_radius
         return max(min(self.limits.chord_tolerance, self.slack), rounding)
 
@@ -318,7 +318,7 @@ class CutPath:
 def _integral(
     knots: FloatArray, values: FloatArray, area: FloatArray, at: FloatArray
 ) -> FloatArray:
-    """Integral up to ``at`` of values linear between knots; ``area`` is that up to each knot."""
+    """Integral up to ``at`` of values linear between knots, ``area`` up to each knot."""
     cell = np.clip(np.searchsorted(knots, at, side="right") - 1, 0, len(knots) - 2)
     width = knots[cell + 1] - knots[cell]
     gone = at - knots[cell]

@@ -60,7 +60,7 @@ def continued(borders: Borders, last: FloatArray, start: Vec, goal: Vec, need: f
 
 
 def _nearest(line: FloatArray, lengths: FloatArray, place: Vec, least: float) -> float:
-    """Length along the line, at least ``least``, at its nearest point to the place."""
+    """Length, at least ``least``, of the line's nearest point to the place."""
     a, step = line[:-1], np.diff(line, axis=0)
     squared = np.maximum((step**2).sum(axis=1), 1e-300)
     part = np.clip(((np.array(place) - a) * step).sum(axis=1) / squared, 0.0, 1.0)
@@ -78,7 +78,7 @@ def _joined(
     towards: float,
     need: float,
 ) -> float:
-    """Length at which a place joins the line: a few of its distances ahead, if clear."""
+    """Length at which a place joins the line, ahead if clear."""
     (near,) = points_at(line, lengths, np.array([at]))
     reach = min(MERGE * math.dist(near, place), abs(towards - at))
     for part in (1.0, 0.5, 0.25):

@@ -42,7 +42,7 @@ class WayOut:
 def way_out(
     borders: Borders, name: str, place: Vec, radius: float, margin: float, units: str = ""
 ) -> WayOut | None:
-    """Shortest straight path out of the margin; None if none is short enough."""
+    """Shortest straight path out of the margin, if short enough."""
     need, reach = radius + margin, REACH * (radius + margin)
     standing, which = box_tree_kernels.nearest(borders.tree, *place, np.inf)
     fx, fy = primitive_kernels.foot(borders.kind, borders.data, which, *place)
@@ -66,8 +66,7 @@ def way_out(
 def _shortest(
     borders: Borders, place: Vec, away: float, least: float, reach: float, need: float, keep: float
 ) -> Vec | None:
-    """End of the shortest straight line out that keeps ``keep``, preferably in a direction near
-    ``away``."""
+    """End of the shortest line out that keeps ``keep``, preferably near direction ``away``."""
     turn = np.arange(DIRECTIONS)
     angle = away + (turn + 1) // 2 * np.where(turn % 2 == 1, 1.0, -1.0) * math.tau / DIRECTIONS
     steps = np.geomspace(least, reach, DISTANCES) if least < reach else np.array([least])

@@ -45,7 +45,7 @@ class Blocked:
 def explain(
     borders: Borders, chains: Chains, blocked: Blocked, radius: float, units: str = ""
 ) -> NoPath | None:
-    """Narrowest place of the widest path; None if the chains have no path for any robot."""
+    """Narrowest place of the widest path; None if there is no path for any robot."""
     found = widest_way(borders, chains, blocked.stations)
     if found is None:
         return None

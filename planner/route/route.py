@@ -219,7 +219,7 @@ def _best_order(
 def plan_leg(leg: Leg, alternatives: int = 0, *, chains_only: bool = False) -> Ways:
     """Return the paths of :func:`_plan_leg`, the same in both directions.
 
-    Planning begins at the end with more room, a choice that turns and moves with the scene.
+    Planning begins at the end with more room, which turns and moves with the scene.
     """
     apart = leg.room[0] - leg.room[1]
     even = abs(apart) <= ROUNDING * leg.borders.extent
@@ -344,7 +344,7 @@ def _others_than(
 
 
 def _staying(leg: Leg, last: FloatArray, found: Ways, alternatives: int) -> Ways:
-    """The paths found, preceded by the continued last path if that is as good."""
+    """The paths found, after the continued last path if that is as good."""
     borders, need = leg.borders, leg.need
     way = continued(borders, last, leg.start, leg.goal, need)
     lines = found.lines

@@ -73,7 +73,7 @@ def _proved(
 def best_cut(
     borders: Borders, ways: FloatArray, first: IntArray, need: float, preference: float
 ) -> FloatArray:
-    """The cheapest of the paths after straight cuts, which may pass obstacles on another side."""
+    """The cheapest path after straight cuts, which may change sides of obstacles."""
     best: FloatArray = taut_kernels.best_cut(
         borders.tree, ways, first, need, need * (1.0 + ROOM * preference), DETOUR * preference,
         borders.equal,
@@ -87,6 +87,6 @@ def judge(borders: Borders, way: FloatArray, need: float, preference: float) -> 
 
 
 def certain(borders: Borders, lines: Lines, need: float) -> FloatArray | None:
-    """Polyline of the first route, close enough to the bisectors to keep ``need``, or None."""
+    """Polyline of the first route, near enough to the bisectors to keep ``need``, or None."""
     ways, first = finish(borders, lines, need, 1.0)
     return ways if len(first) > 1 else None

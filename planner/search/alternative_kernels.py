@@ -168,7 +168,7 @@ def _passes(way, chain):
 
 @njit(**BORROWING)
 def _bar_told(table, told, entry, way, at, barred, to_cost):
-    """Bar continuations of earlier routes that share entry and first ``at`` steps with ``way``."""
+    """Bar continuations of routes that share entry and first ``at`` steps with ``way``."""
     routes, steps = table.routes, table.steps
     for t in range(len(told)):
         k = told[t]
@@ -184,7 +184,7 @@ def _bar_told(table, told, entry, way, at, barred, to_cost):
 
 @njit(**OWNING, inline="always")
 def _first_routes(query, start, goal, wanted):
-    """Put the cheapest route and those within one chain into a new table; also return the work."""
+    """New table with the cheapest route and those within one chain; also the work."""
     least = np.full(wanted, np.inf)
     none = np.int64(0)
     table = Table(

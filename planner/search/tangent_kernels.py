@@ -163,7 +163,7 @@ def _tangent(discs, i, si, j, sj, out):
 
 @njit(**BORROWING)
 def _reach(tree, discs, i, side, a, most, floor):
-    """Angle, at most ``most``, that the way can follow round disc i from direction a."""
+    """Angle up to ``most`` that the way can follow round disc i from direction a."""
     cx, cy, r = discs[i, 0], discs[i, 1], discs[i, 2]
     if discs[i, 4] < TAU:
         last = discs[i, 3] + (discs[i, 4] if side > 0 else 0.0)

@@ -89,8 +89,7 @@ class ClockEstimate:
         return self._offset_s + self.drift * (host_s - self._mean_s)
 
     def error_s(self, host_s: float) -> float:
-        """Largest possible error of ``offset_s``, whatever the line does; infinity before the
-        first.
+        """Largest possible error of ``offset_s``; infinity before the first exchange.
 
         Half of the best round trip, and possible drift since.
         """
@@ -110,7 +109,7 @@ class ClockEstimate:
         return now_s + _short_us(robot_us - self.robot_us(now_s)) / 1e6
 
     def is_in_doubt(self, robot_us: int, now_s: float) -> bool:
-        """True if a report of the robot's clock, just received, does not fit the estimate."""
+        """True if a report just received does not fit the estimate."""
         if not self.ready:
             return False
         late_s = now_s - self.host_s(robot_us, now_s)

@@ -10,7 +10,7 @@ TAKEN_OVER: Final = "another host has taken the robot over"
 
 
 def why_refused(major: int, schema: int, ours: int) -> str | None:
-    """Reason why a robot of this version and schema is unusable; None if it is usable."""
+    """Reason why a robot of this version and schema is unusable, if so."""
     if major == VERSION and schema == ours:
         return None
     older = "the robot's firmware or this program, whichever is older"

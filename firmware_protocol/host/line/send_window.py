@@ -30,7 +30,7 @@ class RttEstimate:
         self._backoff = 1.0
 
     def add(self, rtt_s: float) -> None:
-        """Take a round trip of a frame that was sent once only (Karn's rule)."""
+        """Take a round trip of a frame sent only once (Karn's rule)."""
         if self.samples == 0:
             self.smoothed_s, self.variation_s = rtt_s, rtt_s / 2.0
         else:

@@ -124,7 +124,7 @@ class Estimate:
 
     @micropython.native
     def _find_shift(self, seen: bytearray, at: int, angle: int, begin: int, share: int) -> bool:
-        """Leave in ``_shift`` the pose seen plus the motion since, minus the pose; True if near."""
+        """Leave in ``_shift`` the seen pose, moved up to now, minus the pose; True if near."""
         past, shift = self._past, self._shift
         near = True
         for i in range(2):

@@ -174,7 +174,7 @@ class Follower:
 
     @micropython.native
     def _next_leg(self, after: int) -> bool:
-        """Look at the leg to the waypoint there; True if the line bends too much to be driven.
+        """Look at the leg to the waypoint there; True if the line bends too much.
 
         A short leg keeps the last direction.
         """

@@ -201,7 +201,7 @@ def _is_on_bisector(kind, data, left, right, x, y, rho, tolerance):
 
 @njit(**LEAF)
 def _is_straight(kind, data, left, right, ax, ay, bx, by, tolerance):
-    """True if the middle of a straight bisector's link is equally near to both of its pieces."""
+    """True if a straight bisector's link has its middle equally near to both pieces."""
     x, y = 0.5 * (ax + bx), 0.5 * (ay + by)
     gap = distance(kind, data, left, x, y) - distance(kind, data, right, x, y)
     return abs(gap) <= 4.0 * tolerance
