@@ -1,8 +1,8 @@
 """The wire: messages, framing, and both ends of the serial link, sans-IO.
 
-``docs/protocol.md`` has the bits and the reasons. A host needs ``HostConnection``, ``Mission`` and
-``Waypoint``; a robot ``RobotConnection`` and ``RobotController``, which wrap ``robot/clearway``;
-``firmware/`` holds the same robot in C99.
+``docs/protocol.md`` has the bits and the reasons. Hosts need ``HostConnection``, ``Mission``,
+``Waypoint``; robots ``RobotConnection`` and ``RobotController``, which wrap ``robot/clearway``;
+``firmware/`` is the same robot in C99.
 """
 
 from firmware_protocol.host.connection import HostConnection

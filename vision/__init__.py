@@ -1,11 +1,11 @@
 """Global Vision: from a picture to a scene and robot poses.
 
-``__init__.pyi`` lists the public names. They are imported on first use: a module that needs one
-part does not pay for the others' compiled kernels.
+The public names (``__init__.pyi``) are imported on first use, so no part pays for the others'
+kernels.
 
 - `camera` delivers frames; `calibrate` makes the `calibration` that maps them to the floor.
 - `pipeline` turns a picture into a scene: `binarise`, then `borders`, `outline` (or `paper`) and
-  `records`; `doubts` adds remarks about the whole scene, `errors` has ``PictureError``.
+  `records`; `doubts` adds remarks, `errors` has ``PictureError``.
 - `watch` finds what changed between two pictures; `markers` finds and follows robots.
 - `joined` unites several cameras over one arena; `quality` measures what a camera delivers.
 """

@@ -2,9 +2,9 @@
 
 Rules and units
 - A scene is in pixels, centres at integers, y down; its bounds are the picture's edges.
-- With a calibration, edge points are mapped to the floor before the fit, into rectified pixels
-  of the nominal size, each border shrunk to its size in the picture, so that tolerances stay in
-  pixels. Records are in metres, y up, inside the caller's bounds.
+- With a calibration, the fit works on the floor, in rectified pixels of the nominal size, each
+  border shrunk to its size in the picture, so that tolerances stay in pixels; records are in
+  metres, y up.
 """
 
 from __future__ import annotations
@@ -52,18 +52,16 @@ def extract(
     bounds: Bounds | Sequence[float] | NDArray[np.float64] | None = None,
     ignore: NDArray[np.bool_] | Sequence[tuple[float, float, float]] | None = None,
 ) -> Scene:
-    """Extract a picture's minimum geometric structure: obstacles as records P, S, C, A, L.
+    """Extract a picture's obstacles as records P, S, C, A, L.
 
-    ``image`` (h, w), (h, w, 1), (h, w, 3) BGR or (h, w, 4) BGRA, uint8, uint16 or plain sequences
-    of whole numbers, is never changed. ``mode`` is ``exact`` or ``paper``, the paper's recipe
+    ``image`` (h, w), (h, w, 1), (h, w, 3) BGR or (h, w, 4) BGRA, uint8, uint16 or sequences of
+    whole numbers, is never changed. ``mode`` is ``exact`` or ``paper``, the paper's recipe
     verbatim. ``polarity`` is the side of the level that is obstacle; ``method`` and ``threshold``
-    find the level (see ``vision.binarise.binarise``); a threshold alone is method ``fixed``.
-    ``calibration`` and ``bounds`` (in metres, or x_min, y_min, x_max, y_max) make a scene in
-    metres; objects wholly outside are dropped, with a remark. If nothing is left, or far too much
-    is found, a remark says so (see ``vision.doubts``). ``ignore`` marks pixels that are not
-    obstacles: (h, w) bool, or discs (x, y, radius) in pixels. Raises ``PictureError`` for an
-    unusable picture or option, and if no pixel is free. Thread-safe. O(pixels) to threshold, then
-    O(border pixels).
+    find the level (``vision.binarise.binarise``). ``calibration`` and ``bounds`` (in metres, or
+    x_min, y_min, x_max, y_max) make a scene in metres; objects wholly outside are dropped, with a
+    remark. ``vision.doubts`` adds remarks. ``ignore`` marks pixels that are not obstacles: (h, w)
+    bool, or discs (x, y, radius) in pixels. Raises ``PictureError`` for an unusable picture or
+    option, and if no pixel is free. Thread-safe. O(pixels) to threshold, then O(border pixels).
     """
     for name, word in (("mode", mode), ("polarity", polarity), ("method", method)):
         of_kind(name, word, str)
@@ -113,7 +111,6 @@ def _refuse(
     calibration: PixelsToFloor | None,
     bounds: Bounds | Sequence[float] | NDArray[np.float64] | None,
 ) -> None:
-    """Raise ``PictureError`` for options that are unknown or contradict each other."""
     if mode not in ("exact", "paper"):
         raise PictureError(f"mode {mode!r}: must be exact or paper")
     if bounds is not None and calibration is None:
@@ -153,8 +150,6 @@ def _scene(
 
 
 class _StopWatch:
-    """Wall time of the stages, in milliseconds."""
-
     def __init__(self) -> None:
         self._times: dict[str, float] = {}
         self._begin = self._last = perf_counter()

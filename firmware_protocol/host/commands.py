@@ -1,8 +1,7 @@
 """The host's wishes as commands: one at a time, until STATUS reports its outcome.
 
-A wish stays until the robot answers; START retries for a moment while a lease or a pose is on its
-way. A session's end gives up every command in flight: after a lost link only a new wish moves the
-robot.
+START retries for a moment while a lease or a pose is on its way. After a lost link only a new wish
+moves the robot.
 """
 
 from __future__ import annotations
@@ -25,11 +24,11 @@ from firmware_protocol.wire.messages import (
 )
 
 RETRY_S: Final = 0.5
-"""A command that was acknowledged but not answered in STATUS is given again after this."""
+"""Time after which an acknowledged command that STATUS does not answer is sent again."""
 START_PATIENCE_S: Final = 1.0
 START_RETRY_S: Final = 0.05
 _MAY_COME: Final = (CommandResult.NO_LEASE, CommandResult.NO_POSE, CommandResult.WRONG_INDEX)
-"""Refusals of START that may pass in a moment: no lease, no pose, or a robot not yet at rest."""
+"""Refusals of START that may pass: no lease, no pose, or a robot not yet at rest."""
 
 Command: TypeAlias = Pause | Clear | Start | ResetEstop
 
@@ -42,14 +41,14 @@ class _Outstanding:
 
 
 class Commands:
-    """The user's wishes and the command awaiting its answer."""
+    """The user's wishes, and the command awaiting its answer."""
 
     def __init__(self) -> None:
         self._reset = False
         self._pause = False
         self._clear = False
         self._start_s: float | None = None
-        """When START was asked for, None while it is not wanted."""
+        """Time of the wish to start, if any."""
         self._start_again_s = -math.inf
         self._number = 0
         self._waiting: _Outstanding | None = None
@@ -87,7 +86,7 @@ class Commands:
     def next(
         self, status: Status, upload: Upload | None, all_acknowledged: bool, now_s: float
     ) -> Command | None:
-        """The command to send next, the most urgent wish first; it counts as sent."""
+        """Next command, the most urgent wish first; it counts as sent."""
         waiting = self._waiting
         overdue = waiting is not None and all_acknowledged and now_s - waiting.sent_s > RETRY_S
         if waiting is not None and not overdue:

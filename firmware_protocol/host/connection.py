@@ -1,8 +1,7 @@
 """The host's end of the link, sans-IO: bytes in, events out, one frame at a time out.
 
-- ``receive_bytes`` and ``tick`` take the time; ``next_event`` returns what happened;
-  ``bytes_to_send`` returns at most one frame, paced to the baud rate, so that at most one waits in
-  the operating system and no queue delays an emergency stop.
+- ``receive_bytes`` and ``tick`` take the time; ``next_event`` returns events; ``bytes_to_send``
+  returns at most one frame, paced to the baud rate, so that no queue delays an emergency stop.
 - Orders (``upload``, ``start``, ``pause``, ``clear``, ``reset_estop``) are wishes, sent until
   STATUS confirms them. Lease and pose are sent once; a newer one replaces an unsent one.
 - After a lost link the robot is at rest and drives again only on a new ``start``.
@@ -51,16 +50,16 @@ from firmware_protocol.wire.messages import (
 from firmware_protocol.wire.mission import Mission
 
 SILENCE_S: Final = 0.5
-"""The link is lost after this time without a frame of the session."""
+"""Silence of the session after which the link is lost."""
 REFUSED_S: Final = 8.0
-"""Time for which a refusal is believed: two more requests may get lost."""
+"""Time for which a refusal is believed: two requests may get lost."""
 
 
 class HostConnection:
-    """One robot at the other end of one line.
+    """One robot on one line.
 
-    ``rng`` gives session numbers; ``baud`` paces the output, None does not; ``expected_boot_id`` is
-    a journalled mission's boot.
+    ``rng`` gives session numbers; ``baud`` paces the output, if not None; ``expected_boot_id`` is a
+    journalled mission's boot.
     """
 
     def __init__(
@@ -85,7 +84,7 @@ class HostConnection:
         self._bytes_s = -math.inf
         self._refused_s = -math.inf
         self._taken = False
-        """True if another host has the robot, and had it when the link was lost."""
+        """True if another host had the robot when the link was lost."""
 
     def open(self, now_s: float) -> None:
         """Ask for a robot on the open port. LocalError if it was open already."""
@@ -103,8 +102,8 @@ class HostConnection:
     def upload(self, mission: Mission, now_s: float, start: bool = True) -> None:
         """Replace the mission: stop under control, clear, send, and (``start``) drive.
 
-        A mission that the robot already holds (same id, same waypoints) continues. LocalError for
-        the id of a void mission: part of it may have been driven.
+        A mission that the robot already holds continues. LocalError for the id of a void mission:
+        part of it may have been driven.
         """
         upload = self._mission.give(mission)
         self._out.commands.want_mission()
@@ -144,7 +143,7 @@ class HostConnection:
         """Send a lease once: the control loop lived at ``now_s``. ``odometry``: may drive without
         poses.
 
-        It expires ``ttl_s`` later by the robot's clock, whatever its delay.
+        It expires ``ttl_s`` later by the robot's clock.
         """
         self._out.freshest.give_lease(lease_of(ttl_s, permit, pose_age_s, odometry), now_s)
 
@@ -167,11 +166,11 @@ class HostConnection:
 
     @property
     def upload_state(self) -> Upload | None:
-        """Progress of the mission meant for the robot; None without one."""
+        """Progress of the robot's mission; None without one."""
         return self._mission.upload
 
     def next_event(self) -> Event | None:
-        """The oldest unread event, or None."""
+        """Return the oldest unread event, or None."""
         return self._events.popleft() if self._events else None
 
     @property
@@ -188,12 +187,12 @@ class HostConnection:
     def leaving_estop(self) -> bool:
         """True if the robot is to leave its emergency stop and has not answered.
 
-        Until then its reports mean the old stop; afterwards ESTOP is a new one.
+        Until then reports mean the old stop.
         """
         return self._out.commands.reset_wanted
 
     def why_no_permit(self, now_s: float) -> str | None:
-        """Why no lease can be given, as a sentence; None if one can."""
+        """Reason why no lease can be given; None if one can."""
         return self._out.clock.why_unknown(now_s)
 
     @property
@@ -203,7 +202,7 @@ class HostConnection:
 
     @property
     def pose_captured_s(self) -> float:
-        """Capture time of the last pose sent, to measure its delay."""
+        """Capture time of the last pose sent."""
         return self._out.freshest.pose_captured_s
 
     @property
@@ -216,7 +215,7 @@ class HostConnection:
         return now_s - self._heard_s
 
     def why_down(self, now_s: float) -> str | None:
-        """Why no order can be given, as a sentence; None if frames pass both ways."""
+        """Reason why no order can be given, if any."""
         if self.state.is_up:
             return self._hearing.why_deaf
         if self.state in (LinkState.CLOSED, LinkState.REFUSED):
@@ -382,7 +381,6 @@ class HostConnection:
         self.counters.sessions += 1
 
     def _drop_session(self) -> None:
-        """Give up orders in flight; the robot stops, and only a new start moves it."""
         ended = self._out.commands.give_up()
         if ended is not None:
             self._events.append(ended)

@@ -1,4 +1,4 @@
-"""Events of the host's end of the link, in order, through ``next_event``."""
+"""Events of the host's end of the link."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from firmware_protocol.wire.messages import CommandResult, MessageType, ResetCau
 
 @dataclass(frozen=True, slots=True)
 class LinkChanged:
-    """The link's state changed; ``reason`` is a plain sentence."""
+    """The link's state changed, with the reason."""
 
     old: LinkState
     new: LinkState

@@ -1,8 +1,8 @@
 """Lease and pose: each sent once; a newer one replaces a waiting one.
 
-Both carry a time of the robot's clock, so that they age alike on the line, in buffers and in the
-robot. A lease gets the earliest date within the clock's bound, a pose the best estimate. Nothing is
-sent while that bound exceeds ``ERROR_MAX_S``. Seconds of the host's clock.
+Both carry a time of the robot's clock, so that they age everywhere. A lease gets the earliest date
+within the clock's bound, a pose the best estimate. Nothing is sent while that bound exceeds
+``ERROR_MAX_S``. Seconds of the host's clock.
 """
 
 from __future__ import annotations
@@ -14,9 +14,9 @@ from firmware_protocol.host.line.clock_sync import ClockEstimate
 from firmware_protocol.wire.messages import Lease, LeaseFlag, PoseFix
 
 ERROR_MAX_S: Final = 0.05
-"""At 0.5 m/s a pose dated wrong by so much is 25 mm off; leases get shorter by as much."""
+"""At 0.5 m/s a pose dated so wrong is 25 mm off; leases get shorter by as much."""
 _POSE_KEPT_S: Final = 0.5
-"""The robot takes no older ones."""
+"""Largest age that the robot accepts."""
 
 
 class Freshest:
@@ -25,7 +25,7 @@ class Freshest:
     def __init__(self) -> None:
         self.pose_captured_s = -math.inf
         self.stale = 0
-        """Number of poses and leases that were too old to be sent."""
+        """Poses and leases too old to be sent."""
         self._lease: tuple[Lease, float] | None = None
         self._pose: tuple[PoseFix, float] | None = None
 
@@ -71,6 +71,6 @@ class Freshest:
 
 
 def lease_of(ttl_s: float, permit: bool, pose_age_s: float, odometry: bool) -> Lease:
-    """A lease in the terms of the control loop."""
+    """Lease in the terms of the control loop."""
     flags = LeaseFlag.PERMIT * permit | LeaseFlag.ODOMETRY * odometry
     return Lease(ttl_s, LeaseFlag(flags), pose_age_s)

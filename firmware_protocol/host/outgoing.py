@@ -1,9 +1,8 @@
 """Output of the host's end: at most one frame at a time, the most urgent first.
 
 An emergency stop passes every queue and the line's pace. Otherwise HELLO, while no robot answers;
-its challenge returned, until it is verified; else lease, pose and the clock's question, each sent
-once; then commands and waypoints, which the window keeps until acknowledged. Seconds of the host's
-monotonic clock.
+its challenge returned, until verified; else lease, pose and the clock's question; then commands and
+waypoints. Seconds of the host's monotonic clock.
 """
 
 from __future__ import annotations
@@ -45,14 +44,14 @@ class Outgoing:
         self.window = SendWindow(0)
         self.commands = Commands()
         self.nonce: int | None = None
-        """The robot's challenge that is to be answered."""
+        """The robot's unanswered challenge."""
         self.estop_wanted = False
-        """True if an emergency stop waits for its confirmation."""
+        """True if an emergency stop awaits confirmation."""
         self._sessions, self._counters = sessions, counters
         self._estop_s = -math.inf
 
     def want_estop(self) -> None:
-        """Stop at once, until confirmed; wishes that would move the robot again are void."""
+        """Stop at once, until confirmed; wishes that would move the robot are void."""
         self.estop_wanted = True
         self._estop_s = -math.inf
         self.commands.want_reset(False)
@@ -78,7 +77,7 @@ class Outgoing:
         return b"" if frame is None else self._account(encode_frame(frame, Sender.HOST), now_s)
 
     def deadline_s(self, now_s: float) -> float:
-        """The time to ask again if nothing arrives."""
+        """Time to ask again if nothing arrives."""
         soon = [now_s + 0.02]
         if self.pace.ready_s > now_s:
             soon.append(self.pace.ready_s)
@@ -133,7 +132,7 @@ class Outgoing:
         return self._frame(Hello(SCHEMA_HASH)) if self._sessions.hello_due(now_s) else None
 
     def _next_confirm(self, state: LinkState, now_s: float) -> WireFrame | None:
-        """The challenge returned; HELLO again if it, or the robot's report, was lost."""
+        """Return the challenge; HELLO again if it, or the robot's report, was lost."""
         if self.nonce is None:
             return self._next_hello(state, now_s)
         nonce, self.nonce = self.nonce, None

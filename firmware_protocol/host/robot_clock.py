@@ -1,4 +1,4 @@
-"""The robot's clock over one connection: questions, answers, doubts and resets.
+"""The robot's clock over one connection.
 
 ``clock_sync`` makes the ``estimate``, ``sync_schedule`` times the questions. Seconds of the host's
 monotonic clock.
@@ -15,18 +15,18 @@ from firmware_protocol.wire.messages import Status, TimeSync, TimeSyncReply
 
 
 class RobotClock:
-    """The clock of one robot, over one line."""
+    """Clock of one robot, over one line."""
 
     def __init__(self, pace: LinePace) -> None:
         self.estimate = ClockEstimate()
         self.jumps = 0
-        """Number of times that one of the clocks has jumped."""
+        """Jumps of either clock."""
         self._asking_s = pace.wire_s(wire_bytes(TimeSync.LAYOUT.size))
         self._answering_s = pace.wire_s(wire_bytes(TimeSyncReply.LAYOUT.size))
         self._schedule = SyncSchedule()
 
     def next_question(self, now_s: float) -> TimeSync | None:
-        """The question that is due, which then counts as sent, or None."""
+        """Question that is due, which then counts as sent, or None."""
         return self._schedule.next_question(now_s)
 
     def take(self, answer: TimeSyncReply, now_s: float) -> None:
@@ -45,7 +45,7 @@ class RobotClock:
             self._schedule.doubt()
 
     def new_session(self) -> None:
-        """Void the answers on their way; ask quickly again."""
+        """Void the answers on their way; ask again quickly."""
         self._schedule.begin_again()
 
     def new_boot(self) -> None:
@@ -54,7 +54,7 @@ class RobotClock:
         self._schedule.begin_again()
 
     def why_unknown(self, now_s: float) -> str | None:
-        """Why no lease can be dated by it, as a sentence; None if one can."""
+        """Reason why no lease can be dated; None if one can."""
         error_s = self.estimate.error_s(now_s)
         if error_s <= ERROR_MAX_S:
             return None

@@ -1,13 +1,13 @@
 """The host's sessions: their numbers, the times of HELLO, and other hosts on the line.
 
-- A session's number is random, never one of the last sixteen: this distinguishes late frames of
-  our own sessions from a stranger's.
+- A session's number is random, never one of the last sixteen, which distinguishes our late frames
+  from a stranger's.
 - HELLO is repeated at intervals that grow by half, until the robot reports in the session; to a
   robot of another schema every few seconds.
-- A stranger's HELLO is not yet its session: the robot answers it and stays with ours. Only the
-  robot's messages in an open session show that another host has returned the challenge.
-- That host has the robot while the robot hears it: while the count of frames in STATUS grows. This
-  host is silent meanwhile, then takes the robot back.
+- The robot answers a stranger's HELLO and stays with ours. Only its messages in an open session
+  show that another host has returned the challenge.
+- That host has the robot while the count of frames in STATUS grows. This host is silent meanwhile,
+  then takes the robot back.
 - Seconds of the host's monotonic clock.
 """
 
@@ -25,11 +25,11 @@ from firmware_protocol.wire.messages import MessageType, Status
 HELLO_FIRST_S: Final = 0.05
 HELLO_LAST_S: Final = 0.5
 HELLO_REFUSED_S: Final = 3.0
-"""A robot of another schema is asked this often."""
+"""Interval of HELLO to a robot of another schema."""
 FOREIGN_S: Final = 2.5
-"""A host that has the robot is heard by it at least once a second, with TIMESYNC."""
+"""Silence of another host, which sends TIMESYNC once a second, before the robot is free."""
 STRAY_TOLD_S: Final = 1.0
-"""Stray HELLOs are reported no more often than this."""
+"""Least interval of reports on stray HELLOs."""
 _REMEMBERED: Final = 16
 _OPENING: Final = (MessageType.HELLO_ACK, MessageType.CHALLENGE)
 """Messages of the robot in a session that is not open."""
@@ -41,7 +41,7 @@ class HostSessions:
     def __init__(self, rng: random.Random) -> None:
         self.present = 0
         self.stray_hellos = 0
-        """Number of answers of the robot to a HELLO that was none of ours."""
+        """Answers of the robot to HELLOs that were none of ours."""
         self._rng = rng
         self._own: deque[int] = deque(maxlen=_REMEMBERED)
         self._told_hellos = 0
@@ -49,7 +49,7 @@ class HostSessions:
         self._foreign_s = -math.inf
         self._foreign: int | None = None
         self._frames: int | None = None
-        """Number of frames that the robot had taken at its last report in that session."""
+        """Frames that the robot had taken at its last report in that session."""
         self._hello_s = 0.0
         self._wait_s = HELLO_FIRST_S
 
@@ -79,13 +79,13 @@ class HostSessions:
         try:
             frames = Status.unpack(frame.payload).counters.frames
         except RemoteError:
-            return  # another schema's: its session is known, its count is not
+            return  # another schema's: its count is unknown
         if self._frames not in (None, frames):
             self._foreign_s = now_s
         self._frames = frames
 
     def stray_is_news(self, now_s: float) -> bool:
-        """True, once, if a stray HELLO has come that the user should hear of."""
+        """True, once, if a stray HELLO is news to the user."""
         more = self.stray_hellos != self._told_hellos
         self._told_hellos = self.stray_hellos
         if not more or now_s - self._told_s < STRAY_TOLD_S:
@@ -98,7 +98,7 @@ class HostSessions:
         return now_s - self._foreign_s < FOREIGN_S
 
     def hello_due(self, now_s: float) -> bool:
-        """True if HELLO is due now; the next interval is longer by half."""
+        """True if HELLO is due now; lengthens the interval by half."""
         if now_s < self._hello_s:
             return False
         self._hello_s = now_s + self._wait_s

@@ -1,11 +1,9 @@
 """The states of the host's end of the link, as a table: ``TRANSITIONS[state, event]``.
 
 CLOSED: no port. HELLO: asking for a robot. VERIFY: a robot has answered; its mission is compared
-with ours. STREAM: up. DRAIN: up, the robot has the whole mission and executes it. LINK_LOST: it was
-up and fell silent; asking again. REBOOTED: up, but the robot's memory is gone; its mission is void
-until a new one is given. REFUSED: a robot of another version or schema has answered and is asked
-every few seconds. A pair missing from the table means a mistake of this program, whatever a robot
-sends.
+with ours. STREAM: up. DRAIN: up, the robot has the whole mission. LINK_LOST: it fell silent; asking
+again. REBOOTED: up, but the robot's memory is gone; its mission is void. REFUSED: a robot of
+another version or schema has answered. A missing pair is a mistake of this program.
 """
 
 from __future__ import annotations
@@ -55,7 +53,7 @@ class LinkEvent(Enum):
 
 
 _EMPTIED: Final = (LinkState.DRAIN, LinkState.REBOOTED)
-"""States that the end of a mission turns into one in which the next may be sent."""
+"""States that a mission's end turns into STREAM."""
 _UP: Final = (LinkState.STREAM, LinkState.DRAIN, LinkState.REBOOTED)
 _ASKING: Final = (LinkState.HELLO, LinkState.LINK_LOST, LinkState.REFUSED)
 

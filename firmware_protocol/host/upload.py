@@ -1,9 +1,9 @@
 """The upload of a mission: the waypoints to send next, and a comparison with the robot's.
 
 The robot's reports are the truth: accepted waypoints are never sent again, lost ones are. Each
-report's fingerprints of the accepted and the executed waypoints are compared with the mission's; a
-difference ends the mission with a sentence. A mission may be released in parts: unreleased
-waypoints are not sent, and a robot that has driven all it has waits at the last one.
+report's fingerprints of accepted and executed waypoints are compared with the mission's; a
+difference ends it. A mission may be released in parts: unreleased waypoints are not sent, and the
+robot waits at its last one.
 """
 
 from __future__ import annotations
@@ -14,8 +14,8 @@ from firmware_protocol.wire.messages import Status, StatusFlag, Waypoints
 from firmware_protocol.wire.mission import Mission
 
 BATCH: Final = 5
-"""Waypoints a frame. Six would fit, bring 4 % more waypoints a second, and cost every frame
-behind them 1.4 ms of waiting; see benchmarks/results/link.md."""
+"""Waypoints a frame. Six bring 4 % more waypoints a second and cost every frame behind them 1.4 ms;
+see benchmarks/results/link.md."""
 
 
 class Upload:
@@ -24,14 +24,14 @@ class Upload:
     def __init__(self, mission: Mission) -> None:
         self.mission = mission
         self.released = len(mission)
-        """Number of its waypoints that may be sent; what was sent cannot be taken back."""
+        """Number of its waypoints that may be sent."""
         self.on_robot = False
         """True if the robot has reported this mission's id."""
         self.accepted = 0
         self.executed = 0
         self.done = False
         self.announced = False
-        """True once the user has been informed that the robot has everything."""
+        """True once the user knows that the robot has everything."""
         self._next = 0
         self._limit = 0
 
@@ -42,7 +42,7 @@ class Upload:
 
     @property
     def blocked(self) -> bool:
-        """True if nothing more can be sent before the robot drives: full queue or all sent."""
+        """True if nothing more can be sent before the robot drives."""
         return self.accepted == self._next > 0 and self.next_batch() is None
 
     def hold_back(self, count: int) -> None:
@@ -59,7 +59,7 @@ class Upload:
         self._limit = 0
 
     def see_ack(self, accept_next: int, credit: int) -> None:
-        """Take an acknowledgement; a number beyond what was sent is an old mission's."""
+        """Take an acknowledgement; a number beyond the sent ones is an old mission's."""
         if self.on_robot and accept_next <= self._next:
             self.accepted = max(self.accepted, accept_next)
             self._limit = accept_next + credit
@@ -67,7 +67,7 @@ class Upload:
     def see_status(self, status: Status, credit: int, all_acknowledged: bool) -> str | None:
         """Compare with a report; return a sentence if the mission cannot continue.
 
-        ``all_acknowledged``: the robot had every frame sent when it made the report.
+        ``all_acknowledged``: the report follows every frame sent.
         """
         if status.mission != self.mission.id:
             if self.on_robot:
@@ -89,7 +89,7 @@ class Upload:
         return None
 
     def next_batch(self) -> Waypoints | None:
-        """The next frame's waypoints; None if the queue is full or all released are sent."""
+        """Next frame's waypoints; None if none can be sent."""
         end = min(self._next + BATCH, self._limit, self.released)
         full = end - self._next == BATCH or end == self.released
         # a partly filled frame costs the line more than it brings

@@ -1,7 +1,7 @@
 """The mission meant for the robot: given, followed to its end, or void.
 
-It is void once the robot may lack what was sent: after a reboot, an emergency stop, or a report of
-other waypoints. Its id is not reused: part of it may have been driven.
+It is void after a reboot, an emergency stop, or a report of other waypoints. Its id is not reused:
+part of it may have been driven.
 """
 
 from __future__ import annotations
@@ -35,9 +35,9 @@ class WantedMission:
         return self.upload
 
     def follow(self, upload: Upload, status: Status, credit: int, everything: bool) -> str | None:
-        """Follow the mission by a report; return a sentence if it is void by it.
+        """Follow the mission by a report; return a sentence if that voids it.
 
-        ``everything``: the robot had every frame sent when it made the report.
+        ``everything``: the report follows every frame sent.
         """
         was_done = upload.done
         void = upload.see_status(status, credit, everything)
@@ -54,7 +54,7 @@ class WantedMission:
         return None
 
     def void(self, reason: str) -> None:
-        """Make the mission void: it cannot continue."""
+        """Make the mission void."""
         assert self.upload is not None
         self._tell(MissionVoid(self.upload.mission.id, reason))
         self._void_ids.append(self.upload.mission.id)

@@ -24,10 +24,7 @@ class Identity:
 
 
 class RobotConnection:
-    """Reader of the host's bytes for a controller, and reporter of its state.
-
-    ``link`` reads and answers, in whole numbers.
-    """
+    """Reader of the host's bytes for a controller, and reporter of its state, by ``link``."""
 
     def __init__(self, identity: Identity, controller: RobotController) -> None:
         self.identity = identity
@@ -44,7 +41,7 @@ class RobotConnection:
             pass  # a board spreads this over its rounds
 
     def next_frame(self, now_s: float) -> bytes:
-        """The most urgent due frame, empty if none is; call when the line is free."""
+        """Return the most urgent due frame, empty if none is; call when the line is free."""
         size = self.link.next_frame(self._pass_time(now_s))
         return bytes(self.link.frame[:size]) if size else b""
 

@@ -1,8 +1,8 @@
 """The robot's decisions in SI units and on a clock without an end; sans-IO.
 
-``clearway.robot``, shared with MicroPython boards, decides. Seconds and metres become its whole
-numbers: microseconds modulo 2^30, micrometres, eighths of mm/s. Time is the robot's own clock,
-passed in; distances are metres, as the wheel encoders measure them.
+``clearway.robot`` decides. Seconds and metres become its whole numbers: microseconds modulo 2^30,
+micrometres, eighths of mm/s. Time is the robot's clock, passed in; distances are the wheel
+encoders'.
 """
 
 from __future__ import annotations
@@ -28,12 +28,12 @@ from firmware_protocol.wire.messages import RobotState, StopReason
 from firmware_protocol.wire.values import UM_PER_M
 
 LEAP_UM: Final = 1 << 20
-"""1 m; wheels travel no further in a cycle."""
+"""1 m, the most that wheels travel in a cycle."""
 STRIDE_US: Final = 1 << 28
-"""4.5 minutes. The robot's clock has come round after 17.9, and then an earlier lease would look
-young: time passes for it no faster than this."""
+"""4.5 minutes, the most that passes at once: after 17.9 the robot's clock comes round, and an
+earlier lease would look young."""
 EIGHTHS_PER_M: Final = 8_000
-"""Speeds inside are eighths of mm/s."""
+"""Eighths of mm/s, the unit of speeds inside."""
 
 
 class WheelSpeeds(NamedTuple):
@@ -53,10 +53,7 @@ class ReportedPose(NamedTuple):
 
 
 class RobotController:
-    """All decisions of the robot; one :meth:`step` per control cycle (100 a second).
-
-    ``robot`` makes them, in whole numbers.
-    """
+    """All decisions of the robot; one :meth:`step` per control cycle (100 a second)."""
 
     def __init__(self, settings: DriveSettings | None = None) -> None:
         self.settings = settings or DriveSettings()
@@ -87,7 +84,7 @@ class RobotController:
         """Decide for a cycle that ended at ``now_s``, without checking the lease or moving the
         wheels.
 
-        For robots that report several cycles at once: call :meth:`tick` first.
+        For robots that report several cycles at once, after :meth:`tick`.
         """
         self.robot.follow(_us(now_s) & TIME, *self._travelled(left_m, right_m))
 
@@ -101,7 +98,7 @@ class RobotController:
         self.robot.emergency_stop(reason)
 
     def stand(self) -> None:
-        """Stop without a ramp, for a robot whose wheels are out of reach; START drives again."""
+        """Stop without a ramp, for wheels out of reach; START drives again."""
         if self.robot.state == RUN:
             self.robot.pause()
         self.robot.freeze()
@@ -169,7 +166,7 @@ class RobotController:
         return numbers[at] | numbers[at + 1] << 16
 
     def _travelled(self, left_m: float, right_m: float) -> tuple[int, int]:
-        """The wheels' travel since the last cycle; more than a leap counts as one."""
+        """Travel of the wheels since the last cycle, at most a leap."""
         now_um = round(left_m * UM_PER_M), round(right_m * UM_PER_M)
         before_um, self._wheels_um = self._wheels_um or now_um, now_um
         left_um, right_um = now_um[0] - before_um[0], now_um[1] - before_um[1]

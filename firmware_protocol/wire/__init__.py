@@ -1,4 +1,4 @@
-"""Contents of the wire: framing, messages and their numbers, independent of both ends.
+"""The wire: framing, messages and their numbers, independent of both ends.
 
 - `framing` turns bytes into frames and back; `crc` is each frame's check.
 - `messages` reads a frame's payload: `host_messages` or `robot_messages`.

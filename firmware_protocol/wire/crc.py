@@ -10,7 +10,7 @@ from __future__ import annotations
 from typing import Final
 
 CHECK_VALUE: Final = 0xE3069283
-"""``crc32c(b"123456789")``, as listed in the catalogue of parametrised CRCs (CRC-32/ISCSI)."""
+"""``crc32c(b"123456789")``, from the catalogue of parametrised CRCs (CRC-32/ISCSI)."""
 
 _POLYNOMIAL: Final = 0x82F63B78
 

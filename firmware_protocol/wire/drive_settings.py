@@ -6,19 +6,19 @@ from dataclasses import dataclass
 from typing import Final
 
 WHEEL_MAX_MM_S: Final = 2_000
-"""Highest speed of driving and of turning, each: their eighths of mm/s fit 16 bits together."""
+"""Highest speed of driving, and of turning: their eighths of mm/s together fit 16 bits."""
 
 LEAST_WHEEL_MAX_MM_S: Final = 200
-"""Wheels that do not turn below this cannot bring a robot to a place."""
+"""Wheels that turn only above this bring a robot to no place."""
 
 
 @dataclass(frozen=True, slots=True)
 class DriveSettings:
     """A robot's size and abilities.
 
-    Every value > 0, but ``least_wheel_m_s`` may be 0, for wheels that turn at any speed. The
-    firmware clips to a track of 1 m, a speed of 2 m/s, turning that gives the wheels 2 m/s, 15
-    rad/s2, 8 m/s2, lookahead of 1 m and 0.5 s, a deviation of 2 m, and a least speed of 0.2 m/s.
+    Every value > 0, but ``least_wheel_m_s`` may be 0. The firmware clips to a track of 1 m, a speed
+    of 2 m/s, turning that gives the wheels 2 m/s, 15 rad/s2, 8 m/s2, lookahead of 1 m and 0.5 s, a
+    deviation of 2 m, and a least speed of 0.2 m/s.
     """
 
     track_m: float = 0.12
@@ -31,9 +31,9 @@ class DriveSettings:
     lookahead_s: float = 0.15
     max_deviation_m: float = 0.15
     least_wheel_m_s: float = 0.01
-    """The slowest that a wheel at rest is sure to turn; what is slower is driven in pulses of it.
-    No robot is driven straight more slowly than 10 mm/s (``CRAWL``), and pulses of that turn one
-    whose wheels are 120 mm apart by half of what its heading may be off: so it costs nothing."""
+    """The slowest that a wheel at rest is sure to turn; slower orders become pulses of it. Pulses
+    of 10 mm/s (``CRAWL``) turn a robot with wheels 120 mm apart by half of its heading's tolerance:
+    they cost nothing."""
 
     def whole_numbers(self) -> tuple[int, ...]:
         """``cw_settings`` of the firmware: um, then mm, mrad and ms, each in its range."""

@@ -36,7 +36,7 @@ FLAG_NAK: Final = 0x02
 _KNOWN_FLAGS: Final = FLAG_RELIABLE | FLAG_NAK
 _HEADER: Final = Struct("<BBHBBBB")
 _FROZEN_TYPES: Final = frozenset((0x01, 0x81))
-"""HELLO and HELLO_ACK are read from any version, so that a mismatch can be reported."""
+"""HELLO and HELLO_ACK are read from any version, to report a mismatch."""
 
 
 class Sender(IntEnum):
@@ -68,7 +68,7 @@ class WireFrame:
 
 @dataclass(slots=True)
 class ParserCounters:
-    """A parser's counts since it was made, by kind of fault."""
+    """Counts of a parser, by kind of fault."""
 
     bytes: int = 0
     frames: int = 0
@@ -202,4 +202,4 @@ class FrameParser:
 
 
 _DIRECTION_CRC: Final = {sender: crc32c(bytes([sender])) for sender in Sender}
-"""The running CRC after the direction byte; it is the first byte covered."""
+"""The running CRC after the direction byte."""

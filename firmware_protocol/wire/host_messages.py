@@ -1,6 +1,6 @@
-"""Messages of the host. SI units outside; each message packs and checks its payload.
+"""Messages of the host. SI units; each packs and checks its payload.
 
-``unpack`` raises RemoteError for an invalid payload.
+``unpack`` raises RemoteError for an invalid one.
 """
 
 from __future__ import annotations
@@ -76,9 +76,8 @@ class Waypoint:
     """One target: its place, the speed to pass it, and the precision.
 
     ``heading_rad`` counts only at a stop (flag STOP or END); None is any. ``acceptance_m`` is the
-    radius within which the point counts as reached; at a stop the tolerance of the position, 0 for
-    the robot's own. ``dwell_s`` is the time to stand still. Ranges: |x|, |y| < 2147 m, speed to 65
-    m/s, acceptance to 6.5 m, dwell to 25.5 s.
+    radius within which the point is reached, at a stop the tolerance, 0 for the robot's own.
+    Ranges: |x|, |y| < 2147 m, speed to 65 m/s, acceptance to 6.5 m, dwell to 25.5 s.
     """
 
     x_m: float
@@ -126,7 +125,7 @@ class Waypoint:
 
 @dataclass(frozen=True, slots=True)
 class Waypoints:
-    """Up to six consecutive waypoints of a mission, as the wire's 16-byte records."""
+    """Up to six consecutive waypoints of a mission, as 16-byte records."""
 
     mission: int
     first: int
@@ -250,7 +249,7 @@ class ResetEstop:
 class Lease:
     """Sign that the control loop is alive; with PERMIT the robot may drive for ``ttl_s``.
 
-    ``ttl_s`` counts from ``issued_us`` of the robot's clock, modulo 2**32; ``pose_age_s`` was the
+    ``ttl_s`` counts from ``issued_us`` of the robot's clock, modulo 2**32; ``pose_age_s`` is the
     pose's age then.
     """
 

@@ -1,8 +1,7 @@
 """All messages: reading a frame's payload, the schema's hash, the emergency stop's frame.
 
 - ``pack()`` gives a payload, ``unpack(payload)`` reads one; the header is framing's.
-- A message made here checks its ranges (LocalError); one from the wire is checked before it is
-  trusted (RemoteError). Integers are little-endian.
+- A message checks its ranges: LocalError, from the wire RemoteError. Integers are little-endian.
 - Host messages have types below 0x80, robot messages from 0x80 on.
 """
 
@@ -97,11 +96,11 @@ RELIABLE: Final = frozenset(
         MessageType.RESET_ESTOP,
     )
 )
-"""The types that are numbered, acknowledged and sent again until they arrive."""
+"""Types that are numbered, acknowledged and sent again until they arrive."""
 
 
 def read_message(frame: WireFrame) -> Message:
-    """The message in a frame; RemoteError for an unknown type or content."""
+    """Read the message in a frame; RemoteError for an unknown type or content."""
     message = MESSAGES.get(known(MessageType, frame.kind))
     if message is None:
         raise RemoteError(f"{MessageType(frame.kind).name} carries no message")
@@ -115,10 +114,10 @@ def schema_text() -> str:
 
 
 SCHEMA_HASH: Final = crc32c(schema_text().encode())
-"""Both ends must have the same; a robot with another is refused with a sentence."""
+"""Equal at both ends; a robot with another is refused."""
 
 ESTOP_FRAME: Final = encode_frame(WireFrame(MessageType.ESTOP, 0), Sender.HOST)
-"""Constant and without a session: 15 bytes that a robot can match in its interrupt."""
+"""Constant, without a session: 15 bytes that a robot can match in its interrupt."""
 
 __all__ = [
     "ESTOP_FRAME",

@@ -1,8 +1,8 @@
 """A mission: waypoints with an id, and the fingerprints of its beginnings.
 
 The prefix CRC of n waypoints is the CRC-32C over the mission id (u32, little-endian) and the first
-n 16-byte records. The robot computes it over the accepted and, separately, the executed waypoints;
-equality with the host's proves that none was lost, doubled or reordered.
+n 16-byte records. The robot computes it over the accepted and the executed waypoints: none was
+lost, doubled or reordered.
 """
 
 from __future__ import annotations
@@ -24,7 +24,7 @@ def mission_seed(mission: int) -> int:
 class Mission:
     """Waypoints of a mission as records; ``id`` is in [1, 2**32), unused before on this robot.
 
-    The last waypoint gets the END flag, on which the robot reports the mission done.
+    The last waypoint gets the END flag.
     """
 
     def __init__(self, mission_id: int, waypoints: Sequence[Waypoint]) -> None:

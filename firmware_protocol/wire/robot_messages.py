@@ -1,6 +1,6 @@
-"""Messages of the robot. SI units outside; each message packs and checks its payload.
+"""Messages of the robot. SI units; each packs and checks its payload.
 
-``unpack`` raises RemoteError for an invalid payload.
+``unpack`` raises RemoteError for an invalid one.
 """
 
 from __future__ import annotations
@@ -51,7 +51,7 @@ class HelloAck:
     prefix_crc: int
     """CRC over the mission id and the accepted waypoints, see ``mission``."""
     exec_crc: int
-    """The same over the executed waypoints, in the order in which they were executed."""
+    """The same over the executed waypoints, in order."""
 
     TYPE: ClassVar[MessageType] = MessageType.HELLO_ACK
     LAYOUT: ClassVar[Struct] = Struct("<BBIIIBBHBBIIIII")
@@ -165,7 +165,7 @@ class RobotCounters:
 
 @dataclass(frozen=True, slots=True)
 class Status:
-    """State of the robot, 20 times a second; cumulative, so losing one does no harm."""
+    """State of the robot, 20 times a second; cumulative: losing one does no harm."""
 
     time_us: int
     boot_id: int

@@ -14,9 +14,9 @@ from firmware_protocol.wire.errors import LocalError, RemoteError
 
 UM_PER_M: Final = 1_000_000
 HEADING_FREE: Final = -32768
-"""A heading that means: any."""
+"""Heading that means any."""
 NO_POSE_MS: Final = 0xFFFF
-"""A pose age that means: there has been no pose."""
+"""Pose age that means none."""
 _RADIAN: Final = 10_000
 _HALF_TURN: Final = 31_416
 
@@ -63,14 +63,14 @@ def heading_from_wire(wire: int) -> float | None:
 
 
 def clamped(value: float, scale: float, high: int) -> int:
-    """A clamped time, where excess does not matter; infinity becomes the highest value."""
+    """Time clamped to ``high``, where excess does not matter."""
     if math.isnan(value) or value < 0.0:
         raise LocalError(f"time {value}: must be >= 0")
     return high if value * scale >= high else round(value * scale)
 
 
 def unpack_exactly(what: str, layout: Struct, payload: bytes) -> tuple[int, ...]:
-    """The fields of a payload; RemoteError if its size differs."""
+    """Fields of a payload; RemoteError if its size differs."""
     if len(payload) != layout.size:
         raise RemoteError(f"{what} of {len(payload)} bytes: must have {layout.size}")
     return layout.unpack(payload)
@@ -88,5 +88,5 @@ def known(enum: type[_Known], value: int) -> _Known:
 
 
 def saturated(value: float, high: int) -> int:
-    """The nearest integer within plus and minus ``high``, for reports, not orders."""
+    """Nearest integer within plus and minus ``high``, for reports, not orders."""
     return max(-high, min(high, round(value)))

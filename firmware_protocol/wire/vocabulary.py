@@ -74,7 +74,7 @@ STOP_SENTENCES: Final = {
     StopReason.DISARMED: "it disarmed itself after a long silence",
     StopReason.ESTOP_RESET: "the emergency stop was reset",
 }
-"""Plain words for every reason, to be read after "the robot is stopped because"."""
+"""Plain words for every reason, after "the robot is stopped because"."""
 
 
 class ResetCause(IntEnum):

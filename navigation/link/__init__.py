@@ -1,9 +1,9 @@
 """The serial line to a robot.
 
-- `serial_port` opens the port, or says in one sentence why it cannot.
+- `serial_port` opens the port, or says in one sentence why it cannot; `port_faults` are the errors
+  of one that breaks while it is open.
 - `serial_link` owns it in a thread of its own, around the sans-IO `HostConnection`.
-- `port_faults` are the errors of a port that breaks while it is open.
-- `parts_of_missions` sends a long mission in parts, as the robot has space for them.
-- `link_snapshot` is the state of line and robot at one moment, which the control loop reads.
+- `parts_of_missions` sends a long mission in parts.
+- `link_snapshot` is the state of line and robot at one moment.
 - `drivers/` serves robots that speak another maker's protocol.
 """

@@ -1,7 +1,4 @@
-"""State of the link and the robot at one moment, read off the host's end of the line.
-
-Seconds; a snapshot never changes.
-"""
+"""State of the link and the robot at one moment, read off the host's end of the line. Seconds."""
 
 from __future__ import annotations
 
@@ -27,13 +24,13 @@ class LinkSnapshot:
     """State of link and robot; ages are those at the time of the snapshot.
 
     ``down_reason`` is None while the link is up, else a plain sentence. ``status`` is the robot's
-    last report, None before the first. ``mission_id``, ``accepted``, ``executed`` and
-    ``mission_done`` are the robot's; ``mission_id`` is None if it holds none. ``moving`` is True in
-    RUN and until the robot is at rest after it. ``no_permit`` says why the robot cannot be given a
-    lease, None if it can; ``standing_reason`` says why the robot is not running, None while it is
-    in RUN. ``leaving_estop``: the robot was ordered out of its emergency stop and has not answered;
-    its report is the old stop. ``clock_offset_s`` is the robot's clock minus the host's, wrong by
-    at most ``clock_error_s``; with it ``status_taken_s`` is when the robot took ``status``, in host
+    last report, None before the first. ``mission_id`` (None if it holds none), ``accepted``,
+    ``executed`` and ``mission_done`` are the robot's. ``moving`` is True in RUN and until the robot
+    is at rest after it. ``no_permit`` says why the robot cannot be given a lease, None if it can;
+    ``standing_reason`` says why the robot is not running, None while it is in RUN.
+    ``leaving_estop``: the robot was ordered out of its emergency stop and has not answered; its
+    report is the old stop. ``clock_offset_s`` is the robot's clock minus the host's, wrong by at
+    most ``clock_error_s``; with it ``status_taken_s`` is when the robot took ``status``, in host
     seconds. All three are None before the clock is known. ``fault`` says why a robot is in its
     emergency stop or, behind a driver, what is wrong with it, and ``remark`` what people should
     know although it drives. ``stands``: True if a robot behind a driver reports rest; None for our
@@ -70,7 +67,7 @@ class LinkSnapshot:
 
 
 FRESH_S: Final = 0.5
-"""A robot reports 20 times a second; what it said longer ago is not known of now."""
+"""Age from which a report, one of 20 a second, is not known of now."""
 
 
 def is_at_rest(snapshot: LinkSnapshot) -> bool:
@@ -95,8 +92,6 @@ def doubt_of_stop(snapshot: LinkSnapshot) -> str | None:
 
 
 class _OfLink(TypedDict):
-    """Part of a snapshot that needs no report of the robot."""
-
     state: LinkState
     down_reason: str | None
     heard_age_s: float

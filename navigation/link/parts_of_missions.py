@@ -16,7 +16,7 @@ def give_mission(
 
 
 def release_mission(host: HostConnection, mission_id: int, count: int) -> None:
-    """Let the first ``count`` waypoints be sent, if the host still has this mission."""
+    """Release the first ``count`` waypoints, if the host still has this mission."""
     upload = host.upload_state
     if upload is not None and upload.mission.id == mission_id:
         upload.release(count)

@@ -1,7 +1,7 @@
 """The thread that alone owns the serial port, around the sans-IO ``HostConnection``.
 
-- Any thread may queue orders; the emergency stop bypasses the queue. A snapshot and the events go
-  out; only this thread touches the port or the connection.
+- Any thread may queue orders; the emergency stop bypasses the queue. Only this thread touches the
+  port or the connection.
 - The thread sends no lease of its own: a control loop that hangs stops the robot.
 - A broken port is closed, its reason reported, and the same path opened again with growing pauses.
   Seconds are those of ``clock``; metres and radians.
@@ -48,8 +48,8 @@ class SerialLink:
 
     ``clock`` gives monotonic seconds, also for pose capture times; ``rng`` gives session numbers;
     ``expected_boot_id`` is the boot of a journalled mission. ``wait_for_port``: wait for a port
-    that is not ready at opening, like one that breaks later; the snapshot says so. Needs Linux:
-    ``NeedsLinuxError`` on other systems.
+    that is not ready at opening, like one that breaks later. Needs Linux: ``NeedsLinuxError`` on
+    other systems.
     """
 
     def __init__(
@@ -94,7 +94,7 @@ class SerialLink:
         self._late_s = 0.0
         self._measured_s = -math.inf
         self.capture_to_wire_s: deque[float] = deque(maxlen=LATENCIES_KEPT)
-        """Ages of the pose fixes when they were written to the port, seconds, the newest last."""
+        """Ages of the pose fixes when written to the port, seconds, the newest last."""
 
     # Life.
 
@@ -112,7 +112,7 @@ class SerialLink:
         self._start_thread(port)
 
     def _start_thread(self, port: serial.Serial | None) -> None:
-        """Start with the open port; without one the thread tries to open it repeatedly."""
+        """Start with the port; without one the thread tries to open it."""
         self._serial = port
         self._wake_out, self._wake_in = os.pipe()
         os.set_blocking(self._wake_out, False)
@@ -314,7 +314,6 @@ class SerialLink:
                 return
 
     def _measure_pose(self) -> None:
-        """Record a picture's age once for each pose fix written."""
         captured_s = self._host.pose_captured_s
         if captured_s > self._measured_s:
             self._measured_s = captured_s
@@ -362,7 +361,7 @@ class SerialLink:
         self._reopen_s = self._clock() + self._reopen_wait_s
         port, self._serial = self._serial, None
         if port is not None:
-            # a port that has hung up cannot be closed in order either
+            # a port that has hung up may fail to close
             with contextlib.suppress(*PORT_FAULTS):
                 port.close()
 
@@ -378,7 +377,7 @@ class SerialLink:
         self._resets_published = self._resets_taken
 
     def _start(self, now_s: float) -> None:
-        # without a mission there is nothing to start: it may have become void
+        # the mission may have become void
         with contextlib.suppress(LocalError):
             self._host.start(now_s)
 

@@ -1,7 +1,6 @@
 """Opening of a serial port, or one sentence on why it fails.
 
-A missing, busy or forbidden port may be usable later: a cable is plugged in, another program ends,
-udev sets the permissions. A file that is no serial port never will be.
+A missing, busy or forbidden port may be usable later; a file that is no serial port never will be.
 """
 
 from __future__ import annotations
@@ -17,11 +16,11 @@ from navigation.link.port_faults import PORT_FAULTS
 
 
 class PortError(ValueError):
-    """Error: a serial port cannot be used; the message says which and why."""
+    """Unusable serial port; the message says which and why."""
 
 
 class PortNotReadyError(PortError):
-    """Error: a serial port cannot be used now, but is worth waiting for."""
+    """Serial port that cannot be used now, but is worth waiting for."""
 
 
 NEVER: Final = frozenset(

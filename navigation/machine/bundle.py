@@ -108,7 +108,6 @@ def _newest_recording(folder: Path) -> Iterator[tuple[str, str | bytes]]:
 def _file(
     name: str, file: Path, clean: Callable[[str], str] = without_secrets
 ) -> Iterator[tuple[str, str]]:
-    """A text file without its secrets; nothing if it cannot be read."""
     text = _text(file)
     if text is not None:
         yield name, clean(text)

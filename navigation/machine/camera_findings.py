@@ -1,6 +1,6 @@
 """Findings on a camera for a run, each a sentence with advice.
 
-Every limit has its reason beside it. Grey levels, pixels, seconds, metres; shares are of one.
+Grey levels, pixels, seconds, metres; shares are of one.
 """
 
 from __future__ import annotations
@@ -54,7 +54,7 @@ class CameraMeasurements:
     speed_m_s: float | None = None
     stale_s: float = 0.2
     any_size: bool = False
-    """Nobody asked for a size: whichever the source has is right."""
+    """True if no size was requested: the source's own is right."""
 
     @property
     def exposure_ms(self) -> float | None:
@@ -101,7 +101,6 @@ def _rate(judged: CameraMeasurements) -> Iterator[Finding]:
 
 
 def _faster(judged: CameraMeasurements) -> str:
-    """Advice for a faster camera: another format, a shorter exposure, a smaller picture."""
     asked = judged.asked
     best = rank_modes(judged.modes, asked.size_px, asked.rate_hz)
     reaches = best and best[0].rate_hz is not None and best[0].rate_hz >= REACHES * asked.rate_hz
@@ -261,7 +260,7 @@ def _markers(judged: CameraMeasurements) -> Iterator[Finding]:
 
 
 def _smear(judged: CameraMeasurements) -> Iterator[Finding]:
-    """Smear of a marker at the robot's full speed, if all of its causes are known."""
+    """Smear of a marker at the robot's full speed, if known."""
     exposure_ms, speed_m_s = judged.exposure_ms, judged.speed_m_s
     if exposure_ms is None or speed_m_s is None or judged.metres_per_pixel is None:
         return

@@ -30,11 +30,11 @@ from vision.camera.v4l2.modes import rank_modes
 
 
 class SectionError(ValueError):
-    """A section cannot be put into a file; the message says why, with advice."""
+    """A section that cannot be put into a file; the message says why, with advice."""
 
 
 def best_section(judged: CameraMeasurements, source: str | int) -> dict[str, Any]:
-    """Return the keys of ``camera`` and their values, as plain data."""
+    """Return the keys of ``camera`` and their values."""
     asked, quality = judged.asked, judged.quality
     section: dict[str, Any] = {
         "source": source,

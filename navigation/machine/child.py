@@ -1,7 +1,7 @@
 """Helper processes that end with this one, whatever ends it.
 
-A child that only obeys an order to end would outlive a killed parent and continue useless work. So
-it watches its parent itself.
+A child that only obeys an order to end would outlive a killed parent. So it watches its parent
+itself.
 """
 
 from __future__ import annotations
@@ -15,9 +15,9 @@ from multiprocessing.connection import wait
 from multiprocessing.context import SpawnContext, SpawnProcess
 
 FRESH: SpawnContext = multiprocessing.get_context("spawn")
-"""Makes fresh processes: a fork would copy OpenCV's and the kernels' threads in mid-work."""
+"""Maker of fresh processes: a fork would copy OpenCV's and the kernels' threads in mid-work."""
 ORPHANED = 1
-"""The exit code of a child whose parent has ended."""
+"""Exit code of a child whose parent has ended."""
 
 
 def start_child(work: Callable[..., None], *arguments: object) -> SpawnProcess:

@@ -63,6 +63,6 @@ class SpareDescriptors:
                 return
 
     def close(self) -> None:
-        """Close all of them."""
+        """Close all."""
         while self.release():
             pass

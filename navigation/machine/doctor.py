@@ -1,7 +1,7 @@
 """Checks of this machine before a run: one finding a line, each with advice.
 
-A check examines one thing, changes nothing and gets its inputs as arguments. `fail`: a run cannot
-work; `warn`: it may disappoint. Sizes in MB are 10^6 bytes.
+A check changes nothing and gets its inputs as arguments. `fail`: a run cannot work; `warn`: it may
+disappoint. Sizes in MB are 10^6 bytes.
 """
 
 from __future__ import annotations
@@ -84,7 +84,6 @@ def _requirement(line: str) -> tuple[str, str]:
 
 
 def _numbers(version: str) -> tuple[int, ...]:
-    """Release part of a version, without trailing zeros."""
     numbers = [int(n) for n in re.findall(r"\d+", re.split(r"[a-z+]", version)[0])]
     while numbers and numbers[-1] == 0:
         numbers.pop()
@@ -204,7 +203,7 @@ PORT_TAKERS = {
         " again",
     ),
 }
-"""Programs that take serial ports for their own devices: what they do, and what to do."""
+"""Programs that take serial ports for their own devices: what they do, and the cure."""
 
 
 def check_port_takers(running: Iterable[str]) -> Iterator[Finding]:

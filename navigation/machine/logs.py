@@ -27,7 +27,7 @@ from navigation.mission.mission import State
 Level: TypeAlias = Literal["debug", "info", "warning", "error"]
 LEVELS: Final[tuple[Level, ...]] = ("debug", "info", "warning", "error")
 PRIORITY: Final[dict[Level, int]] = {"debug": 7, "info": 6, "warning": 4, "error": 3}
-"""syslog's, which the journal uses too."""
+"""Priorities of syslog, which the journal uses too."""
 
 MOST_FILE_BYTES: Final = 10_000_000
 EVENTS: Final = {
@@ -76,7 +76,7 @@ class EventLog:
         self._least = LEVELS.index(level)
         self._priorities = priorities
         self.trouble = ""
-        """Why the last event could not be written; empty where it was."""
+        """Reason why the last event could not be written, or empty."""
         self._name = "the log"
 
     @classmethod
@@ -124,8 +124,6 @@ class EventLog:
 
 
 class _LimitedFile(io.TextIOBase):
-    """A text file that takes no more lines once it is full."""
-
     def __init__(self, file: Path) -> None:
         self._file = file.open("a", encoding="utf-8")
         self._left = MOST_FILE_BYTES

@@ -44,7 +44,8 @@ NO_PROGRAM: Final = 127
 MOST_REASON: Final = 200
 
 _PYTHON: Final = (sys.executable, "-I", "-S")
-"""Without the environment's settings and the packages around it: it starts in milliseconds."""
+"""Python without the environment's settings and the packages around it: it starts in
+milliseconds."""
 _BECOME: Final = f"""\
 import os, signal, sys
 signal.signal(signal.SIGPIPE, signal.SIG_DFL)
@@ -54,12 +55,12 @@ try:
 except OSError as error:
     os._exit({NO_PROGRAM})
 """
-"""Python ignores these two signals, and a program would inherit that."""
+"""Python ignores these two signals, which a program would inherit."""
 
 
 @dataclass(frozen=True, slots=True)
 class OutsideCall:
-    """One call: a command's arguments, or a URL with the JSON that it gets."""
+    """A command's arguments, or a URL with the JSON that it gets."""
 
     command: tuple[str, ...] = ()
     url: str = ""
@@ -82,7 +83,7 @@ class OutsideCalls:
         self._waiting: queue.Queue[OutsideCall | None] = queue.Queue(MOST_WAITING)
         self._news: deque[str] = deque(maxlen=MOST_NEWS)
         self._ends_s = math.inf
-        """When the last call has to be over; infinite until the end."""
+        """End of the last call; infinite until the end."""
         self._thread = threading.Thread(target=self._run, name="outside calls", daemon=True)
 
     def __enter__(self) -> OutsideCalls:
@@ -128,7 +129,6 @@ class OutsideCalls:
                 return
 
     def _call(self, call: OutsideCall) -> str:
-        """Make a call; return why it failed, empty if it did not."""
         within_s = min(self._within_s, self._ends_s - time.monotonic())
         if within_s <= 0.0:
             return "left out: the run is over"
@@ -150,7 +150,7 @@ class OutsideCalls:
 
 
 def _begin(arguments: Sequence[str], is_asked: bool) -> subprocess.Popen[bytes]:
-    """Start a process in a group of its own; only one of ours is read, what it says is short."""
+    """Start a process in a group of its own; only one of ours is read, as its output is short."""
     ours = subprocess.PIPE if is_asked else subprocess.DEVNULL
     return subprocess.Popen(
         arguments, stdin=ours, stdout=subprocess.DEVNULL, stderr=ours, start_new_session=True
@@ -158,7 +158,6 @@ def _begin(arguments: Sequence[str], is_asked: bool) -> subprocess.Popen[bytes]:
 
 
 def _kill(process: subprocess.Popen[bytes]) -> None:
-    """End a process and all that it has started."""
     with contextlib.suppress(ProcessLookupError, PermissionError):
         os.killpg(process.pid, signal.SIGKILL)
     with contextlib.suppress(subprocess.TimeoutExpired):

@@ -1,10 +1,10 @@
 """One HTTP POST, as a process of its own: names, certificates and servers may take any time.
 
-`outside_calls.py` runs this file and ends it when its time is over. Standard input has JSON with
-``url`` and ``body``, so that no list of processes shows the address, whose path may be a key.
-Exits 0 if the server has taken it, else 1 with the reason on standard error. A redirection is not
-followed: the configuration names the address that is called. Uses the standard library alone, so
-that Python starts it without the packages around it.
+`outside_calls.py` runs this file. Standard input has JSON with ``url`` and ``body``, so that no
+list of processes shows the address, whose path may be a key. Exits 0 if the server has taken it,
+else 1 with the reason on standard error. A redirection is not followed: the configuration names the
+address that is called. The standard library alone is used, so that Python starts without the
+packages around it.
 """
 
 from __future__ import annotations

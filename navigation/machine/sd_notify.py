@@ -1,12 +1,11 @@
 """Reports to systemd: ready, stopping, and that every stage of the program still works.
 
 Rules
-- A message is one datagram, sent without waiting: a full socket loses a message, never stops a
-  robot's loop.
+- A message is one datagram, sent without waiting: a full socket loses it, never stops a robot's
+  loop.
 - WATCHDOG=1 is sent only if every stage has turned since the last one. STATUS names a hanging
   stage, and systemd restarts the program after its time.
 - An assignment is always one line: outside text can set no other.
-- Without systemd (no NOTIFY_SOCKET) nothing is sent.
 
 The protocol: sd_notify(3). Units: seconds.
 """
@@ -25,7 +24,7 @@ KEEPALIVES_A_PERIOD: Final = 4
 """systemd advises at least two; four leave room for one stage that is slow once."""
 MOST_CHARACTERS: Final = 2000
 SAID_AFTER: Final = 0.5
-"""A stage that has not turned for this part of the period is named."""
+"""Part of the period after which a stage that has not turned is named."""
 
 
 class Notifier:
@@ -36,7 +35,7 @@ class Notifier:
         self._socket: socket.socket | None = None
         if not address:
             return
-        # an @ means the zero byte that begins a name in the abstract namespace
+        # an @ is the zero byte of a name in the abstract namespace
         self._address = "\0" + address[1:] if address.startswith("@") else address
         self._socket = socket.socket(socket.AF_UNIX, socket.SOCK_DGRAM | socket.SOCK_CLOEXEC)
         self._socket.setblocking(False)

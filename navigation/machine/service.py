@@ -21,7 +21,7 @@ NAME: Final = "clearway"
 WATCHDOG_S: Final = 40
 """Four times the longest that a stage waits between two attempts at a lost camera."""
 START_S: Final = 900
-"""The first start compiles the kernels; on a small machine that takes minutes."""
+"""Longest first start, which compiles the kernels: minutes on a small machine."""
 BAD_CONFIGURATION: Final = 78
 
 UNIT_FOLDER: Final = Path("etc/systemd/system")
@@ -31,7 +31,7 @@ SYMLINK: Final = "clearway-robot"
 
 
 class ServiceError(ValueError):
-    """A service cannot be installed; the message says why."""
+    """A service that cannot be installed; the message says why."""
 
 
 @dataclass(frozen=True, slots=True)

@@ -1,8 +1,8 @@
 """The simulated arena: its geometry, its camera and its robot.
 
 - `settings` turns the configuration into the robot's settings.
-- `arena` holds the obstacles; `happenings` changes them during a run.
-- `picture/` shows them to the camera.
+- `arena` holds the obstacles; `happenings` changes them during a run; `picture/` shows them to the
+  camera.
 - `drive_model` moves wheels and odometry; `twins/` are the robots that order the wheels, one of
   them on an `emulated_processor`.
 - `robot` puts a twin at the other end of a line in real time (`own_time`, `slowing_clock`);

@@ -1,8 +1,7 @@
 """Ground truth of the simulated arena: the true places of the obstacles.
 
-Only the simulator and the report use it; vision and planning see pictures. Distances come straight
-from the records, without the planner's kernels, so the report judges the planner independently.
-Units: metres, y up.
+Only the simulator and the report use it. Distances come straight from the records, without the
+planner's kernels, so the report judges the planner independently. Units: metres, y up.
 """
 
 from __future__ import annotations
@@ -212,7 +211,6 @@ def _between_chord_and_arc(edge: Arc, points: FloatArray) -> BoolArray:
         return in_disc
     middle_rad = start_rad + sweep_rad / 2
     towards = np.array([math.cos(middle_rad), math.sin(middle_rad)])
-    # The chord is perpendicular to the direction of the arc's middle.
     chord = edge.radius * math.cos(sweep_rad / 2)
     beyond_chord: BoolArray = off @ towards > chord
     return in_disc & beyond_chord

@@ -1,8 +1,7 @@
 """True motion of a differential-drive robot: slow motors, wrong wheels, slip, coarse encoders.
 
-An order in the dead zone does nothing, one from rest must also overcome the stiction, and orders
-may have steps. The motors' controller regulates what the encoders measure; true wheel radii and
-slip decide the motion on the floor. Metres, radians, seconds; the random generator is passed in.
+The motors' controller regulates what the encoders measure; true wheel radii and slip decide the
+motion on the floor. Metres, radians, seconds; the random generator is passed in.
 """
 
 from __future__ import annotations
@@ -35,9 +34,9 @@ class DriveModel:
     """The robot's body. ``*_scale`` is a wheel's true radius over the nominal one.
 
     ``slip`` is the standard deviation of the share of each wheel's travel lost or gained, changing
-    over about ``slip_time_s``; ``ticks_per_m`` is the encoders' resolution. A turning wheel stops
-    at orders below ``dead_zone_m_s``; one at rest needs an order larger by the share ``stiction``.
-    Orders are rounded towards zero to whole ``step_m_s``; 0: not rounded.
+    over about ``slip_time_s``. A turning wheel stops at orders below ``dead_zone_m_s``; one at rest
+    needs an order larger by the share ``stiction``. Orders are rounded towards zero to whole
+    ``step_m_s``; 0: not rounded.
     """
 
     track_m: float = 0.12
@@ -63,7 +62,7 @@ class DriveModel:
 
 
 class _Wheel:
-    """One wheel, which follows its motor and slips; keeps the constants of every step."""
+    """A wheel that follows its motor and slips; keeps the constants of every step."""
 
     def __init__(self, model: DriveModel, scale: float, rng: np.random.Generator) -> None:
         self.speed_m_s = 0.0
@@ -104,13 +103,13 @@ class _Wheel:
 
 
 class Drive:
-    """The moving robot; :meth:`step` it in steps of at most a few milliseconds."""
+    """The moving robot; :meth:`step` it by at most a few milliseconds."""
 
     def __init__(self, model: DriveModel, pose: TruePose, rng: np.random.Generator) -> None:
         self.model = model
         self.put_down(pose)
         self.has_power = True
-        """True if the motors have power; without it the wheels run down, whatever is ordered."""
+        """Power of the motors; without it the wheels run down, whatever is ordered."""
         self._left = _Wheel(model, model.left_scale, rng)
         self._right = _Wheel(model, model.right_scale, rng)
 

@@ -5,7 +5,7 @@ little-endian integers, packed. Request: u32 microseconds to run, i16 and i16 en
 right) to make meanwhile, u8 flags (bit 0: reset first), u16 count, count bytes for the UART.
 Answer: u8 PWM left, u8 PWM right, u8 bit 0 powered, bit 1 left backwards, bit 2 right backwards;
 u32 cycle of the last power-off, u32 cycle now; u16 count, count bytes from the UART. The cycles
-wrap after 268 s; they are unwrapped here if power-offs are read within that time.
+wrap after 268 s and are unwrapped here, if power-offs are read within that time.
 """
 
 from __future__ import annotations
@@ -18,9 +18,9 @@ from typing import NamedTuple
 
 CLOCK_HZ = 16_000_000
 FULL_SPEED_M_S = 0.8
-"""A wheel's speed at full PWM, as the firmware believes too."""
+"""A wheel's speed at full PWM, as in the firmware."""
 TICK_M = 250e-6
-"""A wheel's travel from one encoder step to the next."""
+"""A wheel's travel per encoder step."""
 _CYCLES_WRAP = 1 << 32
 _REQUEST = struct.Struct("<IhhBH")
 _ANSWER = struct.Struct("<BBBIIH")
@@ -37,7 +37,7 @@ class Motors(NamedTuple):
     right_m_s: float
     powered: bool
     off_s: float
-    """When the power was last taken from the motors, in the emulated processor's time."""
+    """Last power-off of the motors, in the emulated processor's time."""
     now_s: float
 
 

@@ -1,7 +1,6 @@
 """Scripted events in the simulated arena: robots drive past, obstacles come and go.
 
-The configuration fixes everything beforehand; times count from the beginning of the run. Units:
-metres, radians, seconds.
+Times count from the beginning of the run. Units: metres, radians, seconds.
 """
 
 from __future__ import annotations
@@ -72,7 +71,7 @@ def tracks_of(config: Config) -> dict[int, ScriptedTrack]:
 
 
 def arenas_over_time(config: Config, arena: SimulatedArena) -> list[tuple[float, SimulatedArena]]:
-    """Return the arena with its present obstacles, each from its time after the beginning on.
+    """The arena with its present obstacles, each from its time after the beginning.
 
     The first begins at 0. Raises ``SceneError`` for an unreadable record.
     """
@@ -88,7 +87,7 @@ def object_of(section: SimulatedObstacleSection, arena: SimulatedArena) -> Scene
     try:
         scene = read_scene_text(f"#@ clearway.scene/1\n#@ units m\n{section.record}\n", "record")
     except SceneError as error:
-        # errors cite a place in a file; this record comes from none
+        # the record has no place in a file to cite
         raise SceneError(re.sub(r"^record:\d+:\d+: ", "", str(error))) from None
     if len(scene.objects) != 1:
         raise SceneError(f"must be one record, not {len(scene.objects)}")

@@ -99,7 +99,7 @@ class FaultyLine:
         self._frame = bytearray()
         self._kept = b""
         self.held = bytearray()
-        """Bytes that a stall keeps back; without any, :meth:`carry` of nothing is nothing."""
+        """Bytes that a stall keeps back."""
         per_frame = (spec.dup, spec.swap, spec.span)
         self._by_frame = any(rate > 0.0 for rate in per_frame)
 

@@ -1,8 +1,8 @@
 """Progress of a simulated robot's time, and waiting for it.
 
-A simulated robot falls behind on a busy processor and catches up in a burst. Pictures, dated by the
-clock, must not show an earlier place: whatever asks for the pose waits until the robot has caught
-up. Seconds of a monotonic clock.
+On a busy processor a simulated robot falls behind and catches up in a burst. Pictures, dated by the
+clock, must not show an earlier place: readers of the pose wait until the robot has caught up.
+Seconds of a monotonic clock.
 """
 
 from __future__ import annotations
@@ -11,11 +11,11 @@ import math
 import threading
 
 BEHIND_MAX_S = 0.5
-"""A machine that slept longer than this does not make the robot jump: the rest is let go."""
+"""Longest time made up after the machine slept; the rest is skipped."""
 
 
 class OwnTime:
-    """Time advanced step by step by the robot's thread; any thread may wait for it."""
+    """Time advanced by the robot's thread; any thread may wait for it."""
 
     def __init__(self, step_s: float) -> None:
         self._step_s = step_s
@@ -66,7 +66,7 @@ class OwnTime:
     def wait_for(self, now_s: float) -> None:
         """Wait until the robot's time has stopped or is less than a step behind ``now_s``.
 
-        A wait ends after ``BEHIND_MAX_S`` in any case.
+        Ends after ``BEHIND_MAX_S`` in any case.
         """
         with self._changed:
             # same sum as in next_step_s: with other rounding, each would wait for the other

@@ -1,9 +1,8 @@
 """A simulated robot in real time: a twin behind a line, on simulated wheels.
 
-The twin is our own robot, another maker's, or an emulated one (`twins`). A thread steps twin and
-wheels and carries bytes to and from a pseudo-terminal like a UART: at the line's pace and with its
-faults. The host opens :attr:`SimulatedRobot.port` with pyserial, like a cable. True pose and track
-are for the simulated camera and the report.
+A thread steps twin and wheels and carries bytes to and from a pseudo-terminal like a UART: at the
+line's pace and with its faults. The host opens :attr:`SimulatedRobot.port` with pyserial, like a
+cable.
 
 The fault ``reset`` boots the processor again; ``freeze`` stops it: the motors keep their last
 order, and the UART keeps RING_BYTES from the host.
@@ -44,7 +43,7 @@ TRACK_EVERY: Final = 10
 """Steps to a row of the track: 20 ms."""
 READ_BYTES: Final = 4096
 RING_BYTES: Final = 256
-"""The size of a small processor's receive buffer."""
+"""Receive buffer of a small processor."""
 FASTEST_BAUD: Final = 4_000_000
 LONGEST_WAIT_S: Final = 0.1
 END_S: Final = 2.0
@@ -55,10 +54,10 @@ class SimulatedRobot:
     """A robot on a new pseudo-terminal, or on an existing serial port; a context manager.
 
     ``pose`` is (x_m, y_m, heading_rad) at the start; ``twin`` is our own robot by default; ``baud``
-    paces the line, by default as the twin does (infinity: at once); ``rng`` drives the robot's
-    motion and faults. PortError if ``port`` cannot be opened, FaultSpecError for faults that this
-    line cannot have, NeedsLinuxError on other systems. When the twin's platform ends, the robot
-    stops and its line is silent.
+    paces the line, by default as the twin does (infinity: at once); ``rng`` drives motion and
+    faults. PortError if ``port`` cannot be opened, FaultSpecError for faults that this line cannot
+    have, NeedsLinuxError on other systems. When the twin's platform ends, the robot stops and its
+    line is silent.
     """
 
     def __init__(
@@ -76,7 +75,7 @@ class SimulatedRobot:
         require_linux("a simulated robot on a line")
         self.twin: Twin = twin or ClearwayTwin(model=model)
         self.held = threading.Lock()
-        """Held during each step, and by any thread that looks at the twin or touches it."""
+        """Held during each step, and by any thread that reads or changes the twin."""
         self._clock = clock
         self._faults = faults or FaultSpec()
         if not self.twin.has_frames:
@@ -173,7 +172,7 @@ class SimulatedRobot:
         return min(self._time.since_s, self._unread_since_s)
 
     def bump(self, pressed: bool = True) -> None:
-        """Touch or release its bumper, or its emergency stop if it has one."""
+        """Touch or release its bumper, or its emergency stop."""
         with self.held:
             self.twin.bump(pressed)
 
@@ -201,7 +200,7 @@ class SimulatedRobot:
         self._time.begin(self._start_s)
 
     def switched_off(self) -> None:
-        """Switch off: it is driven by no thread."""
+        """Switch off."""
         self._time.end()
         self._unread_since_s = math.inf
 
@@ -269,7 +268,7 @@ class SimulatedRobot:
         try:
             return os.read(self._fd, READ_BYTES)
         except OSError:
-            return b""  # no bytes, or the other end has hung up: a robot ignores both
+            return b""  # no bytes, or the other end hung up: a robot ignores both
 
     def _write(self, data: bytes) -> None:
         self._unsent = (self._unsent + data)[-READ_BYTES:]
@@ -288,7 +287,6 @@ class SimulatedRobot:
             self._unread_since_s = now_s
 
     def _waits_in_the_line(self) -> bool:
-        """True if the pseudo-terminal holds bytes that the host has not read."""
         if self._slave < 0:
             return False
         import fcntl  # only Unix has them
@@ -317,4 +315,4 @@ def wait_until_due(robots: Sequence[SimulatedRobot], wait_s: float) -> None:
     try:
         select.select(robots, [], [], wait_s)
     except (*PORT_FAULTS, ValueError):  # a closed line is not a file
-        time.sleep(wait_s)  # only the next step is left to wait for
+        time.sleep(wait_s)

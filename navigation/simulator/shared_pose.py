@@ -1,7 +1,7 @@
-"""Pose of a simulated robot in another process, through a small file.
+"""Pose of a simulated robot for another process's simulated camera, through a small file.
 
-It shows the robot to another process's simulated camera. One process writes it often, any may read;
-a reading during a writing is repeated. Metres and radians.
+One process writes it often, any may read; a reading during a writing is repeated. Metres and
+radians.
 
 Either process may end, be killed and return, and the file may be cut, replaced or deleted. So it is
 never mapped (cutting a mapped file kills its reader), no writer empties it, each access looks the
@@ -23,7 +23,7 @@ _TRIES: Final = 100
 
 
 class PoseFileError(ValueError):
-    """The file cannot be used; the message says which and why."""
+    """Unusable file; the message says which and why."""
 
 
 class PoseWriter:
@@ -86,7 +86,7 @@ class PoseReader:
             raise self._without_pose(error.strerror or str(error)) from None
 
     def read(self) -> tuple[float, float, float]:
-        """Last written pose of the robot; PoseFileError if there is none."""
+        """Last written pose; PoseFileError if there is none."""
         why = "no pose has been written into it"
         for _ in range(_TRIES):
             try:

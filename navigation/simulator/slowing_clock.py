@@ -1,9 +1,9 @@
 """Clock of a simulated world in real time: it follows the wall and waits for late parts.
 
 On one busy computer, camera, robots and program fall behind differently: late reports and pictures
-make the program conclude that a robot was carried. So the simulation owns the clock. Each part
-states since when it has had unfinished work; the clock passes that by at most the part's slack. On
-a slow computer the whole world slows evenly, and no reader of the clock notices.
+make the program conclude that a robot was carried. So each part states since when it has had
+unfinished work; the clock passes that by at most the part's slack. On a slow computer the whole
+world slows evenly.
 
 A part without progress for ``PATIENCE_S`` while others read the clock hangs, and is not waited for:
 robots notice a hanging program as in the real world, by a lapsed lease. A computer that sleeps, or
@@ -27,7 +27,7 @@ READS_SLACK_S: Final = 0.1
 LONGEST_GAP_S: Final = 0.1
 """The clock is read more often than this unless the whole program is suspended."""
 SHARED_VALUES: Final = 3
-"""Values that two processes share: the seconds lost, and until when each one's parts let time
+"""Values shared by two processes: the seconds lost, and until when each one's parts let time
 pass."""
 
 
@@ -65,7 +65,7 @@ class SlowingClock:
             until_s = self._until_s()
             if wall_s - lost_s > until_s:
                 lost_s = wall_s - max(until_s, self._now_s)
-                # concurrent writes of two processes lose nothing: the next reading repeats it
+                # of two processes' concurrent writes none is lost: the next reading repeats it
                 self._shared[0] = max(self._shared[0], lost_s)
             self._now_s = max(self._now_s, wall_s - lost_s)
             if threading.get_ident() == self._reader:

@@ -1,6 +1,6 @@
 """True places of obstacles and robots, known only to a simulation.
 
-The report judges a run by them; nothing that drives the robot asks. Units: metres, radians, seconds
+The report judges a run by them; nothing that drives the robot reads them. Metres, radians, seconds
 of the world's clock.
 """
 
@@ -33,7 +33,7 @@ class TrueRobot(Protocol):
 class Truth:
     """The driven robot, and arena and other robots over the time since ``began_s``.
 
-    ``arenas``: each from its time after the beginning on; the first from 0.
+    ``arenas``: each from its time after the beginning; the first from 0.
     """
 
     arenas: list[tuple[float, SimulatedArena]]
@@ -48,7 +48,7 @@ class Truth:
         return self.arenas[0][1]
 
     def track(self) -> FloatArray:
-        """True track of the robot: (n, 4) of the clock's seconds, x_m, y_m, heading_rad."""
+        """Track of the robot: (n, 4) of the clock's seconds, x_m, y_m, heading_rad."""
         return self.robot.track()
 
     def track_clearance(self, track: FloatArray) -> float:

@@ -1,8 +1,8 @@
 """Host, line, robot and floor in virtual time: no threads, no port, no waiting.
 
-All of the real loop but the operating system: the host's end, a line paced to its baud rate with
-faults both ways, the robot's end, its controller at 100 steps a second, the moving robot, a camera
-with noise and delay, and a control loop that gives leases. Twenty seconds take about one.
+The host's end, a line paced to its baud rate with faults both ways, the robot's end, its controller
+at 100 steps a second, the moving robot, a camera with noise and delay, and a control loop that
+gives leases.
 """
 
 from __future__ import annotations
@@ -37,7 +37,7 @@ class PacedLine:
         self._bytes: deque[tuple[float, bytes]] = deque()
         self._free_s = 0.0
         self.arrives_s = math.inf
-        """When the next bytes arrive; infinity where none are on their way."""
+        """Arrival of the next bytes; infinity if none are on their way."""
 
     def free(self, now_s: float) -> bool:
         """True if the sender may put the next byte."""
@@ -79,7 +79,7 @@ class Knobs:
 
     cable: bool = True
     to_robot: bool = True
-    """True if the host's bytes get through the cable; the robot's always do."""
+    """Passage of the host's bytes through the cable; the robot's always pass."""
     camera: bool = True
     lease: bool = True
     permit: bool = True
@@ -196,7 +196,7 @@ class VirtualLoop:
             self.to_host.put(arrived, now_s)
 
     def _bytes_of_robot(self, now_s: float, robot_s: float) -> None:
-        """Return the robot's next frame; either way its controller watches the lease."""
+        """Send the robot's next frame; either way its controller watches the lease."""
         if not self.to_host.free(now_s):
             self.robot.controller.tick(robot_s)
             return

@@ -1,4 +1,4 @@
-"""Hands a sweep's runs to processes or a cluster, in virtual time, and collects their rows.
+"""A sweep's runs in processes or a cluster, in virtual time, and their rows.
 
 Rules
 - A variation's row is always the same, whatever worker runs it, when, and among how many.
@@ -58,9 +58,9 @@ class Row:
     noise_grey: float = 0.0
     blur_px: float = 0.0
     robot: str = ""
-    """Name of the robot that the row is of, if there are several."""
+    """Name of the row's robot, if there are several."""
     least_gap_m: float | None = None
-    """Gap between the two bodies that came nearest in the run, if there are several robots."""
+    """Least gap between two bodies in the run, if there are several robots."""
 
 
 Work: TypeAlias = Callable[[Config, Variation], tuple[Row, ...]]
@@ -109,10 +109,10 @@ def _row(report: Report, v: RobotVariation, robot: str, least_gap_m: float | Non
 
 
 class Sweep:
-    """Hands variations to workers and collects rows, even if workers die.
+    """Distributor of variations to workers and collector of rows, even if workers die.
 
-    ``open_executor`` makes the executor, and a new one after it broke; ``work`` is `run_rows`, or
-    in tests another function with the same arguments.
+    ``open_executor`` makes the executor, and a new one after it broke; ``work`` is `run_rows`, or a
+    test's substitute.
     """
 
     def __init__(
@@ -185,7 +185,7 @@ class Sweep:
 
 
 def _is_death(error: BaseException | None) -> bool:
-    """True if the worker died, not the run: a broken process pool, or a cluster's KilledWorker."""
+    """True if the worker died, not the run."""
     return isinstance(error, BrokenProcessPool) or type(error).__name__ in (
         "KilledWorker",
         "CancelledError",

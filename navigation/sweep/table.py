@@ -117,8 +117,7 @@ class Spread:
 @dataclass(frozen=True, slots=True)
 class Summary:
     """Summary of a sweep: number of runs, number of rows by outcome (one row per robot and run),
-    and the measures.
-    """
+    and the measures."""
 
     runs: int
     states: dict[str, int]

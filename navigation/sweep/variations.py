@@ -1,4 +1,4 @@
-"""Variations of a sweep and their configurations: each robot has its own start and wheels.
+"""Variations of a sweep: each robot has its own start and wheels.
 
 Several robots share the camera's errors. Variation k of a seed is always the same, whatever else
 the sweep is asked for. Units: metres, radians; degrees in configurations.
@@ -31,14 +31,13 @@ START_DEG: Final = 30.0
 MOST_SPREAD: Final = 16.0
 """A wheel's error is then 0.48: a configuration takes less than 0.5."""
 APART_M: Final = 0.02
-"""Between two bodies at their starts, or what the configuration leaves where that is less."""
+"""Least gap between two bodies at their starts, or the configured one if that is less."""
 HALVINGS: Final = 10
-"""Number of tries; after these the start has moved by a few hundredths of a millimetre and
-stays."""
+"""Number of tries; the last one moves the start by hundredths of a millimetre."""
 
 
 class SweepError(ValueError):
-    """A sweep cannot be made; the message says why."""
+    """A sweep that cannot be made; the message says why."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -119,7 +118,6 @@ def varied(config: Config, v: Variation) -> tuple[Config, dict[str, Config] | No
 
 
 def _body(alone: Config, v: RobotVariation) -> Config:
-    """One robot with its drawn wheels and own seed."""
     assert alone.simulation is not None
     seed = alone.simulation.seed
     simulation = _varied_one(alone, v).simulation
@@ -188,8 +186,7 @@ def _free_start(
     others: Sequence[tuple[Vec, float]],
 ) -> tuple[float, float]:
     """Move the configured start by the offset (2,), halved until the place is as free as planning
-    requires and as far from other starts, or as the configured one is.
-    """
+    requires and as far from other starts, or as the configured one is."""
     assert config.simulation is not None
     start = config.simulation.start
     assert start is not None

@@ -1,10 +1,10 @@
 """Two witnesses of one motion: the camera's sight, and the wheels' turning.
 
-The robot's reports become a track of its wheels (``wheels``). The camera's poses are compared with
-it: ``latency`` finds the pictures' age, as the shift at which both move alike; ``agreement`` finds
-where they differ by more than both errors allow, and how far they have agreed; ``witness`` feeds
-both and gives one `Evidence` (``evidence``) a cycle. The pilot decides on it:
-`navigation.mission.trust` has the rules.
+The robot's reports become a track of its wheels (``wheels``). ``latency`` finds the pictures' age,
+as the shift at which camera and wheels move alike; ``agreement`` finds where they differ by more
+than both errors allow, and how far they have agreed; ``witness`` feeds both and gives one
+`Evidence` (``evidence``) a cycle. The pilot decides on it: `navigation.mission.trust` has the
+rules.
 
 Nothing here opens anything or reads a clock. Metres, radians, seconds.
 """

@@ -4,7 +4,7 @@ The wheels' path is laid out along the headings that the camera saw, so that whe
 bend nothing. The rest of the camera's position is the slip; it may grow by the odometry's error,
 and by that of two wrong dates at a changing speed. The heading is treated alike. The newest slip is
 compared with those of the last seconds: a frozen picture, a jump, a drift, a robot that is carried,
-stuck or turned round all show as slip.
+stuck or turned round all show.
 
 The length of the wheels' metre, and their bend, are learned during the run, within bounds. Metres,
 radians, seconds.
@@ -26,13 +26,13 @@ ANCHOR_EVERY_S: Final = 0.1
 ANCHORS: Final = 100
 """Ten seconds."""
 OFF_CENTRE_M: Final = 0.005
-"""Distance that a marker may be from the middle between the wheels: a turn moves it around that."""
+"""Distance of a marker from the middle between the wheels: a turn moves it around that."""
 SLACK_RAD: Final = 0.12
 TURN_ERROR: Final = 0.1
 """Relative error of a turn: the distance between the wheels, as floors and tyres change it."""
 LEARNED_OVER_M: Final = 0.25
 STRAIGHT: Final = 0.8
-"""The wheels' metre is learned where the robot got so far of what it drove."""
+"""Share of its driven way that a robot must get for its metre to be learned."""
 METRE_SPREAD: Final = 0.05
 """Standard deviation of an unknown robot's wheels: the radius as measured by hand."""
 METRE_MOST: Final = 0.15
@@ -43,7 +43,7 @@ BEND_SPREAD_RAD_M: Final = 0.2
 BEND_MOST_RAD_M: Final = 0.6
 HEADING_SIGMA_RAD: Final = 0.02
 LATERAL_TURN_RAD: Final = 0.5
-"""Turns of less in a learned stretch leave the bend to be seen."""
+"""Largest turn in a learned stretch that leaves the bend to be seen."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -135,10 +135,10 @@ class Agreement:
         self._last: tuple[tuple[float, float, float], WheelMotion] | None = None
         self._rolled: tuple[float, float, float] | None = None
         self.slip_m, self.slip_rad = (0.0, 0.0), 0.0
-        """Pose of the robot by the camera, less its pose by the wheels."""
+        """Pose by the camera, less that by the wheels."""
         self._anchors: deque[_Anchor] = deque(maxlen=ANCHORS)
         self._table: FloatArray | None = None
-        """The anchors by column; None where one has come since."""
+        """The anchors by column; None once outdated."""
         self._lesson: tuple[_Anchor, WheelMotion] | None = None
 
     def begin_again(self) -> None:
@@ -247,7 +247,6 @@ class Agreement:
         )
 
     def _learn(self, here: _Anchor, wheels: WheelMotion) -> None:
-        """Learn the wheels' scale and bend from a stretch without a parting."""
         if self._lesson is None:
             self._lesson = (here, wheels)
             return

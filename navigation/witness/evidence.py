@@ -1,6 +1,6 @@
 """Evidence of camera and wheels together, once a control cycle.
 
-Metres, radians, seconds; immutable.
+Metres, radians, seconds.
 """
 
 from __future__ import annotations
@@ -9,8 +9,8 @@ from dataclasses import dataclass
 from typing import Final
 
 FREE_LATENCY_S: Final = 0.15
-"""Pictures up to so old are no reason to drive more slowly: a USB camera's 30 to 100 ms and a
-picture's exposure. Before it is measured the latency is taken to lie between 0 and this."""
+"""Age of pictures up to which driving is no slower: a USB camera's 30 to 100 ms and a picture's
+exposure. Before it is measured the latency is taken to lie between 0 and this."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -18,18 +18,18 @@ class Evidence:
     """Evidence of the witnesses; the defaults are for a robot never seen to move."""
 
     parted: str | None = None
-    """The sentence that says how camera and wheels differ, in the cycle that found it."""
+    """Sentence on the difference of camera and wheels, in the cycle that found it."""
     agreed_m: float = 0.0
-    """Distance that the robot has driven since the beginning while both agreed; never falls."""
+    """Distance driven while both agreed; never falls."""
     wheels_rad: float = 0.0
-    """Angle by which the wheels have turned the robot since the beginning, left positive."""
+    """Angle by which the wheels have turned the robot, left positive."""
     camera_rad: float = 0.0
     """Angle by which the camera saw it turn in the same time, as far as it was seen."""
     driven_m: float = 0.0
-    """Distance that the wheels have driven since the beginning, forwards and backwards."""
+    """Distance that the wheels have driven, forwards and backwards."""
     slip_m: tuple[float, float] = (0.0, 0.0)
-    """Place of the robot by the camera, less its place by the wheels, summed up since the
-    beginning: it creeps with the odometry's errors and leaps when the robot is carried."""
+    """Place by the camera, less the place by the wheels, summed up: it creeps with the odometry's
+    errors and leaps when the robot is carried."""
     slip_rad: float = 0.0
     """The same of its heading, in (-pi, pi]."""
     wheels_stand: bool = True
@@ -48,4 +48,4 @@ class Evidence:
 
 
 NO_EVIDENCE: Final = Evidence()
-"""Before anything was seen."""
+"""Evidence before anything was seen."""

@@ -23,7 +23,7 @@ STEP_S: Final = 0.01
 GRID_S: Final[FloatArray] = np.arange(0.0, LONGEST_S + STEP_S / 2, STEP_S)
 WINDOW_S: Final = 0.2
 LONGEST_WINDOW_S: Final = 0.45
-"""Two pictures farther apart than this say too little of when something happened."""
+"""Two pictures farther apart than this show too little of when something happened."""
 SIGMA_M: Final = 0.002
 SIGMA_RAD: Final = 0.02
 """Standard deviations of a window's motion: the camera's noise, and wheels that are off by a few
@@ -35,7 +35,7 @@ SURE: Final = 9.0
 FADE_S: Final = 6.0
 """Seconds of motion after which a window counts a third."""
 NARROW_S: Final = 0.06
-"""Known is a latency whose error is below this."""
+"""Largest error of a known latency."""
 STILL_M: Final = 0.002
 STILL_RAD: Final = 0.01
 """Least motion in a window, at any latency, for it to mean anything."""
@@ -99,7 +99,6 @@ class LatencyEstimate:
         return Latency(self._between(least), max(float(high_s - low_s) / 2.0, STEP_S))
 
     def _between(self, least: int) -> float:
-        """Bottom of the parabola through the least sum and its neighbours."""
         if not 0 < least < len(GRID_S) - 1:
             return float(GRID_S[least])
         before, here, after = self._sums[least - 1 : least + 2]

@@ -19,25 +19,25 @@ from firmware_protocol.wire.messages import Status
 from planner.scene import FloatArray
 
 SPEED_LAG_S: Final = 0.03
-"""The robot's measured speeds are smoothed over 30 ms (``SMOOTHING_US`` of its controller)."""
+"""Smoothing of the robot's measured speeds (``SMOOTHING_US`` of its controller)."""
 LONGEST_GAP_S: Final = 0.35
-"""Reports come every 50 ms; after seven lost ones the motion of the wheels is unknown."""
+"""Gap after which the motion of the wheels is unknown: seven lost reports, one every 50 ms."""
 REDATED_S: Final = 0.02
 """A report that shows the clock's offset to be smaller by more than this puts earlier dates in
 doubt: a new stretch begins."""
 OFFSETS: Final = 20
-"""The least delay of the last second dates the reports: a robot whose clock is slow (0.5 % with a
-ceramic resonator) is followed."""
+"""The least delay of the last second dates the reports, which follows a robot whose clock is slow
+(0.5 % with a ceramic resonator)."""
 KEPT_S: Final = 4.0
 LONGEST_GUESS_S: Final = 0.2
 """Time after the last report for which its speeds are assumed to hold."""
 STANDING_M_S: Final = 0.004
 STANDING_RAD_S: Final = 0.03
-"""Slower wheels stand: one late step of the encoders in a report."""
+"""Speeds below which wheels count as still: one late step of the encoders in a report."""
 
 
 class WheelMotion(NamedTuple):
-    """Motion of the wheels since the stretch began, and their speed at that moment.
+    """Motion of the wheels since the stretch began, and their speed.
 
     ``way_m`` and ``turn_rad`` are signed sums, ``driven_m`` and ``turned_rad`` count every motion
     as positive.
@@ -65,13 +65,13 @@ class WheelTrack:
         self._robot_s = 0.0
         self._knots: deque[tuple[float, WheelMotion]] = deque()
         self._table: FloatArray | None = None
-        """Columns of the knots, as `ways_at` needs them; None where a knot has come since."""
+        """Columns of the knots, for `ways_at`; None once outdated."""
         self.stretch = 0
-        """Counts the stretches without a gap; sums of different stretches cannot be compared."""
+        """Number of stretches without a gap; sums of different stretches cannot be compared."""
         self.turn_rad = 0.0
-        """Angle by which the wheels have turned the robot over all stretches."""
+        """Turn of the robot by its wheels over all stretches."""
         self.driven_m = 0.0
-        """Distance that the wheels have driven over all stretches, forwards and backwards."""
+        """Distance driven over all stretches, forwards and backwards."""
 
     def see(self, status: Status, arrived_s: float) -> None:
         """Take a report; one that is not newer than the last changes nothing."""
@@ -160,10 +160,8 @@ class WheelTrack:
         return np.interp(times_s, knots_s, ways_m), np.interp(times_s, knots_s, turns_rad)
 
     def since(self, time_s: float, now_s: float) -> tuple[float, float]:
-        """Distance and turn of the wheels from a time up to now; zeros if unknown.
-
-        The speeds of the last report are assumed to last for a moment.
-        """
+        """Distance and turn of the wheels from a time to now, the last speeds assumed to last for a
+        moment; zeros if unknown."""
         then = self.at(time_s)
         if then is None:
             return 0.0, 0.0

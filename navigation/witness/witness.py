@@ -1,7 +1,7 @@
 """Both witnesses, fed in order of time, and the evidence of a cycle.
 
-A pose waits until the wheels are known up to its time, which takes a report's interval of 50 ms;
-another rule covers a robot that reports nothing. Metres, radians, seconds.
+A pose waits until the wheels are known up to its time, which takes a report's interval of 50 ms.
+Metres, radians, seconds.
 """
 
 from __future__ import annotations
@@ -19,12 +19,12 @@ from navigation.witness.wheels import WheelTrack
 from vision.markers.markers import RobotPose
 
 LONGEST_LOSS_S: Final = 0.5
-"""Poses farther apart than this are not compared: what happened between them is for the proof."""
+"""Interval beyond which poses are not compared: the proof has to cover it."""
 MOST_WAITING: Final = 60
 UNKNOWN: Final = Latency(FREE_LATENCY_S / 2.0, FREE_LATENCY_S / 2.0)
 """Latency assumed before a motion has shown it."""
 REDATED_S: Final = 0.02
-"""A latency that differs by more from the one compared with makes the comparison begin again."""
+"""Difference of a latency from the one compared with at which the comparison begins again."""
 SLEW_S: Final = 0.005
 """Largest change of the latency that poses are dated by from one picture to the next: less than a
 picture's interval, so that their order stays."""
@@ -85,7 +85,7 @@ class Witness:
     # Outputs.
 
     def latency_s(self) -> float:
-        """Delay to subtract from the next picture's stamp; moves slowly to what is measured."""
+        """Delay to subtract from the next picture's stamp; moves slowly to the measured one."""
         wanted_s = 0.0 if self._measured is None else self._measured.latency_s
         change_s = max(-SLEW_S, min(SLEW_S, wanted_s - self._dated_by_s))
         self._dated_by_s += change_s
@@ -118,7 +118,6 @@ class Witness:
     # Inside.
 
     def _compare(self) -> None:
-        """Take every pose up to whose time the wheels are known."""
         if self.wheels.stretch != self._stretch:
             self._stretch = self.wheels.stretch
             self._latency.break_off()

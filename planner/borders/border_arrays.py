@@ -3,8 +3,7 @@
 Rules and units
 - All lengths are in the scene's units. A piece is a primitive of the scene or a corner point;
   pieces 0 to k - 1 are the primitives, and k to k + c - 1 the corner points.
-- The classes are named tuples, which numba knows: each kernel compiles once per class and takes
-  them at no cost. A call from Python takes some 2 us longer.
+- Kernels take named tuples at no cost.
 """
 
 from __future__ import annotations
@@ -33,7 +32,7 @@ class Tree(NamedTuple):
 class Corners(NamedTuple):
     """The part of :class:`Pieces` that the diagram needs, and the primitives that meet in corners.
 
-    A call that is not inlined passes on every array of a tuple, which slows the hottest loops.
+    A call passes on every array of a tuple, which slows the hottest loops.
     """
 
     kind: NDArray[np.int8]

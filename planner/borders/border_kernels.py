@@ -1,13 +1,11 @@
 """Pieces of a scene: joined from flat primitives, or patched from a slightly different scene.
 
 Rules and units
-- Pieces are those of :class:`planner.borders.border_arrays.Pieces`: the primitives in the order
-  of their objects, the bounds last, then the corner points likewise.
-- Borders are independent: an object's pieces do not depend on other objects, except for their
-  numbers.
+- Pieces are those of :class:`planner.borders.border_arrays.Pieces`: the primitives in the order of
+  their objects, the bounds last, then the corner points likewise.
+- An object's pieces do not depend on other objects, except for their numbers.
 """
 
-# numba infers types; docstrings state them.
 # mypy: allow-untyped-defs
 
 from __future__ import annotations
@@ -105,7 +103,6 @@ def find_pieces(pieces):
 
 @njit(**OWNING, error_model="numpy")
 def _flatten(new):
-    """Owner, border, is_hole and reversed of the new rows, for :func:`join_primitives`."""
     borders = new.borders
     n = len(new.rows)
     owner, border = np.empty(n, np.int32), np.empty(n, np.int32)
@@ -230,7 +227,6 @@ def patch_borders(kept, objects, old, came, fresh):
 
 @njit(**LEAF)
 def _renumber(label, old, out):
-    """Copy the joins of the ``old`` pieces to their places in ``label``; skip -1."""
     following, preceding, before, after = old.following, old.preceding, old.before, old.after
     k = len(out.solid)
     for i in range(len(old.solid)):

@@ -1,15 +1,13 @@
 """Box tree over flat primitives that finds the nearest one.
 
 Rules and units
-- The primitives are those of :mod:`planner.scene.primitive_kernels`; distances are in the
-  scene's units.
-- The tree is an implicit binary tree over the boxes in Morton order: node 1 is the root, node i
-  has children 2i and 2i + 1, and every leaf holds ``LEAF`` primitives. Primitives that span much
-  of the scene (its walls) would bloat every box above them: they are kept in a separate list and
-  tried first, which also gives a good first bound.
+- The primitives are those of :mod:`planner.scene.primitive_kernels`; distances are in the scene's
+  units.
+- The tree is an implicit binary tree over the boxes in Morton order: node 1 is the root, node i has
+  children 2i and 2i + 1, and every leaf holds ``LEAF`` primitives. Primitives that span much of the
+  scene (its walls) would bloat every box above them: a separate list has them, and is tried first.
 """
 
-# numba infers types; docstrings state them.
 # mypy: allow-untyped-defs
 
 from __future__ import annotations
@@ -26,7 +24,7 @@ from planner.scene.primitive_kernels import NONE, box_of, distance, segment_dist
 LEAF = 4
 """Primitives in a leaf of the tree."""
 LARGE = 0.25
-"""A primitive longer than this share of the scene's extent is kept out of the tree."""
+"""Length from which a primitive stays out of the tree, as a share of the scene's extent."""
 
 
 @njit(**BORROWING)
@@ -42,7 +40,7 @@ def _spread(v):
 def morton_codes(boxes):
     """Numbers (n,) that grow along a curve past the middles of boxes (n, 4), and their extent.
 
-    An empty box, (inf, inf, -inf, -inf), has the number 0.
+    An empty box has the number 0.
     """
     x0, y0, x1, y1 = np.inf, np.inf, -np.inf, -np.inf
     for i in range(len(boxes)):

@@ -1,11 +1,9 @@
 """Tests that straight lines keep a distance to every border, stopping at the first nearer one.
 
-Rules and units
-- The answers are those of :func:`planner.borders.box_tree_kernels.segment_clearance` with a
-  bound, but several times faster, as the least distance itself is not computed.
+They are several times faster than :func:`planner.borders.box_tree_kernels.segment_clearance` with a
+bound, as the least distance is not computed.
 """
 
-# numba infers types; docstrings state them.
 # mypy: allow-untyped-defs
 
 from __future__ import annotations
@@ -25,7 +23,7 @@ from planner.scene.shape_kernels import is_beyond
 def blocker(tree, ax, ay, bx, by, keep, guess):
     """Primitive nearer than ``keep`` to the segment a b, or -1.
 
-    ``guess`` is a primitive to try first, or -1: the last line's blocker often blocks the next.
+    ``guess`` is a primitive to try first, or -1.
     """
     kind, data, order, large, boxes = tree
     if guess >= 0 and segment_distance(kind, data, guess, ax, ay, bx, by)[0] < keep:

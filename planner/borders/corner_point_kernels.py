@@ -1,13 +1,12 @@
 """Joins between the primitives of borders, and the corners that need a point of their own.
 
 Rules
-- A piece is a primitive of the scene or a corner point: the end of an open chain, or a corner
-  that the free space goes round. Corners that the free space runs into need no piece: the
-  bisector of their sides reaches them by itself, with generators half a spacing away on either
-  side. If a border crosses itself, its sides change, and all its corners have a point.
+- A piece is a primitive of the scene or a corner point: the end of an open chain, or a corner that
+  the free space goes round. Other corners need none: the bisector of their sides reaches them, with
+  generators half a spacing away on either side. All corners of a border that crosses itself have a
+  point.
 """
 
-# numba infers types; docstrings state them.
 # mypy: allow-untyped-defs
 
 from __future__ import annotations
@@ -35,15 +34,15 @@ from planner.scene.shape_kernels import (
 )
 
 SMOOTH = 1e-3
-"""Sine of the turn below which a joint counts as smooth, so that it needs a corner point."""
+"""Sine of the turn below which a joint is smooth and needs no corner point."""
 
 
 @njit(**OWNING)
 def without_repeats(kind, data, border, backwards, tolerance):
     """Turn degenerate primitives into points, and leave out points at a neighbour's end.
 
-    Segments, circles and arcs shorter than ``tolerance`` have no direction; a repeated vertex is a
-    segment without length. Returns ``kind`` (k,), ``data`` (k, 6) and ``keep`` (k,) bool.
+    Edges shorter than ``tolerance`` have no direction. Returns ``kind`` (k,), ``data`` (k, 6) and
+    ``keep`` (k,) bool.
     """
     n = len(kind)
     out_kind, out = kind.copy(), data.copy()
@@ -73,9 +72,8 @@ def link_borders(kind, data, border, is_hole, backwards, tolerance):
     """Join the primitives of every border.
 
     Returns ``following`` and ``preceding`` (k,) int32, -1 at the ends of open chains; ``solid``
-    (k,) int8: +1 if the solid lies to the left of travel, -1 to the right, 0 if both sides are
-    free; and ``crossed`` (k,) bool: part of a border that crosses itself, whose solid changes
-    sides.
+    (k,) int8 as in :class:`planner.borders.border_arrays.Pieces`; and ``crossed`` (k,) bool: part
+    of a border that crosses itself, whose solid changes sides.
     """
     n = len(kind)
     following = np.full(n, -1, np.int32)
@@ -118,7 +116,6 @@ def link_borders(kind, data, border, is_hole, backwards, tolerance):
 
 @njit(**OWNING)
 def _crosses_itself(kind, data, first, last):
-    """True if two non-adjacent sides of a closed border meet. O(n log n) for most borders."""
     n = last + 1 - first
     if n < 4:
         return False

@@ -1,12 +1,11 @@
 """Generators along borders: their number and places.
 
 Rules
-- Borders have generators only in the ``disc`` (x, y, radius) around the bounds. Beyond the bounds
-  nothing is free, and every free place is nearer to a wall of the bounds than to what is behind.
+- Borders have generators only in the ``disc`` (x, y, radius) around the bounds: every free place is
+  nearer to a wall of the bounds than to anything beyond.
 - A label is the index of a generator's piece, see :mod:`planner.borders.corner_point_kernels`.
 """
 
-# numba infers types; docstrings state them.
 # mypy: allow-untyped-defs
 
 from __future__ import annotations
@@ -21,11 +20,11 @@ from planner.scene.primitive_kernels import CIRCLE, POINT, SEGMENT, TAU
 from planner.scene.shape_kernels import fewest_places, length_of, place_at
 
 AROUND = 4.0
-"""How far beyond the bounds' corners generators are placed, in spacings."""
+"""Distance beyond the bounds' corners that has generators, in spacings."""
 MOST_STEPS = 2.0**53
-"""A piece of more steps than this has places that differ by less than a rounding."""
+"""Steps of a piece whose places differ by less than a rounding."""
 LEAST = 1e-300
-"""Where a quotient's divisor may vanish it is this at least."""
+"""Least divisor of a quotient."""
 
 
 @njit(**OWNING)
@@ -44,7 +43,7 @@ def _is_shown(x, y, disc):
 
 @njit(**LEAF)
 def _shown_straight(data, i, disc):
-    """Part of segment i in the disc: from, to; from > to if there is none."""
+    """Part of segment i in the disc: from > to if there is none."""
     ax, ay = data[i, 0], data[i, 1]
     dx, dy = data[i, 2] - ax, data[i, 3] - ay
     dd = max(dx * dx + dy * dy, LEAST)
@@ -62,7 +61,7 @@ def _shown_round(kind, data, backwards, i, disc, lap):
     """Part of circle or arc i in the disc, which it may enter twice: ``lap`` 0 and 1."""
     dx, dy, r = disc[0] - data[i, 0], disc[1] - data[i, 1], data[i, 2]
     d, reach = math.sqrt(dx * dx + dy * dy), disc[2]
-    # the squared sine of a quarter of the angle that the disc covers
+    # squared sine of a quarter of the angle that the disc covers
     sine2 = (reach * reach - (d - r) ** 2) / max(4.0 * d * r, LEAST)
     if d + r <= reach or sine2 >= 1.0:
         return 0.0, 1.0 - 2.0 * lap
@@ -93,7 +92,6 @@ def _steps(kind, data, i, spacing, at_start, at_end):
 
 @njit(**BORROWING)
 def _shown_steps(kind, data, backwards, i, disc, lap, steps):
-    """First of the ``steps`` of piece i in the disc, and the one after the last."""
     count, lead, step, length = steps
     if kind[i] == SEGMENT:
         first, last = _shown_straight(data, i, disc) if lap == 0 else (1.0, 0.0)
@@ -110,7 +108,7 @@ def _shown_steps(kind, data, backwards, i, disc, lap, steps):
 def count_generators(kind, data, backwards, disc, spacing):
     """Upper bound of the number of generators, as a float: it may be astronomical.
 
-    NaN if a place is not finite: such a border would be lost silently.
+    NaN if a place is not finite.
     """
     total = 0.0
     for i in range(len(kind)):
@@ -119,7 +117,7 @@ def count_generators(kind, data, backwards, disc, spacing):
             return np.nan
         if kind[i] == POINT:
             continue
-        # corner points do not change the step, but may shift its first and last by one
+        # corner points may shift the first and last step by one
         steps = _steps(kind, data, i, spacing, False, False)
         if not steps[0] <= MOST_STEPS:
             return np.nan if np.isnan(steps[0]) else np.inf

@@ -1,8 +1,8 @@
 """Generators: points every delta along the borders of a scene (the paper's section 2.3.1).
 
 Rules and units
-- Everything is in the scene's units. ``delta`` is called ``spacing`` here; it is always less
-  than twice the robot's radius, so that no robot fits between two neighbouring generators.
+- Scene's units. ``delta`` is called ``spacing`` here; it is less than twice the robot's radius, so
+  that no robot fits between two neighbours.
 - A generator has the label of its piece: the primitive it lies on, or the corner point it is.
 """
 
@@ -25,22 +25,22 @@ Mode: TypeAlias = Literal["exact", "paper"]
 BoolArray: TypeAlias = NDArray[np.bool_]
 
 SPACING_PER_RADIUS = 1.0
-"""The spacing chosen where none is given, in robot radii: half of what the method allows."""
+"""The default spacing in robot radii: half of what the method allows."""
 BYTES_EACH = 600
-"""Memory that the diagram takes for a generator: 530 bytes with 600,000 of them."""
+"""Memory of the diagram for a generator: 530 bytes with 600,000 of them."""
 MOST_BYTES = 4e9
-"""Generators whose diagram would take more memory are refused."""
+"""Most memory of a diagram."""
 JOINT = 1e-6
-"""Ends nearer than this share of the scene's extent are one joint."""
+"""Distance of ends that are one joint, as a share of the scene's extent."""
 NO_LENGTH = 1e-13
-"""Edges shorter than this share of the scene's extent are points."""
+"""Length of edges that are points, as a share of the scene's extent."""
 SAME_PLACE = 1e-9
-"""Distances below this share of the scene's extent count as none."""
+"""Distance that counts as none, as a share of the scene's extent."""
 EQUAL = 1e-12
-"""Distances are equal within this share of the scene's extent, and within ``UNITS``."""
+"""Difference of equal distances, as a share of the scene's extent, besides ``UNITS``."""
 UNITS = 4.0
-"""Units in the last place of the largest coordinate by which equal distances may differ: far from
-the origin, as in a map's coordinates, that is much more than the share."""
+"""Units in the last place of the largest coordinate by which equal distances may differ, far from
+the origin."""
 
 
 class HasPrimitives(Protocol):
@@ -56,11 +56,10 @@ class Borders:
     """All borders as pieces, how they join, and a box tree that finds the nearest.
 
     ``pieces`` are the k primitives and then the c corner points; ``corners`` is their part for the
-    diagram's kernels; ``tree`` the first argument of every query of
-    :mod:`planner.borders.box_tree_kernels`. ``object_boxes`` (o, 4) and ``span`` (o, 2) are every
-    object's box and range of primitives; ``closed`` finds the objects around a place. ``box`` is
-    x_min, y_min, x_max, y_max of the free space, and ``extent`` its larger side. Places up to
-    ``equal`` apart are equal.
+    diagram's kernels; ``tree`` is for :mod:`planner.borders.box_tree_kernels`. ``object_boxes`` (o,
+    4) and ``span`` (o, 2) are every object's box and range of primitives; ``closed`` finds the
+    objects around a place. ``box`` is x_min, y_min, x_max, y_max of the free space, and ``extent``
+    its larger side. Places up to ``equal`` apart are equal.
     """
 
     pieces: Pieces
@@ -94,7 +93,7 @@ class Borders:
         return len(self.pieces.solid)
 
     def distances(self, points: FloatArray) -> tuple[FloatArray, IntArray]:
-        """Return each point's (n, 2) exact distance to the nearest border, and that primitive."""
+        """Exact distance of points (n, 2) to the nearest primitive, and that primitive."""
         return box_tree_kernels.nearest_many(self.tree, points)  # type: ignore[no-any-return]
 
     def signed_distances(self, points: FloatArray) -> FloatArray:
@@ -154,7 +153,7 @@ def gather_borders(scene: HasPrimitives, mode: Mode = "exact") -> Borders:
     flat = scene.primitives()
     box = _free_box(flat)
     extent = extent_of(box)
-    # a scene's arrays are read-only, for which numba would compile the kernels again
+    # a scene's arrays are read-only: numba would compile the kernels again
     kind, data, owner, border, is_hole, backwards = (
         np.array(array)
         for array in (flat.kind, flat.data, flat.owner, flat.border, flat.is_hole, flat.reversed)
@@ -188,11 +187,7 @@ def _equal(box: FloatArray) -> float:
 
 
 def _free_box(flat: Primitives) -> FloatArray:
-    """Rectangle of the bounds' walls, or else a generous one.
-
-    The generous one, as for a scene's text, is the box of all borders grown by its diagonal on
-    every side.
-    """
+    """Rectangle of the walls, or else all borders' box grown by its diagonal."""
     walls = border_kernels.walls_box(flat.data, flat.owner)
     if walls[0] <= walls[2]:
         return np.array(walls)
@@ -207,7 +202,7 @@ def _free_box(flat: Primitives) -> FloatArray:
 def count_generators(borders: Borders, spacing: float) -> float:
     """Upper bound of the generators that :func:`place_generators` makes.
 
-    Infinite if they are too many to count, NaN if a border has a place that is not finite.
+    Infinite if too many to count, NaN if a place is not finite.
     """
     k, pieces = borders.primitive_count, borders.pieces
     most = generator_kernels.count_generators(
@@ -224,7 +219,7 @@ def disc_around(borders: Borders, spacing: float) -> tuple[float, float, float]:
 def place_generators(borders: Borders, spacing: float) -> Generators:
     """Place generators at most ``spacing`` apart on every border in the disc around the bounds.
 
-    Raises ``ValueError`` if their diagram would take more memory than ``MOST_BYTES``.
+    Raises ``ValueError`` beyond ``MOST_BYTES`` of memory.
     """
     k, pieces = borders.primitive_count, borders.pieces
     room = count_generators(borders, spacing)

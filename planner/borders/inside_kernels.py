@@ -1,16 +1,14 @@
 """Objects that contain a place: rays over closed borders, and an index that skips most of them.
 
 Rules and units
-- A place lies in an object if a rightward ray from it crosses the object's closed borders, those
-  with a ``solid`` side, an odd number of times (even-odd, holes included).
+- A place lies in an object if a rightward ray crosses the object's closed borders, those with a
+  ``solid`` side, an odd number of times.
 - The index holds the closed borders' primitives border by border and object by object, close ones
   next to each other. Every aligned block of 1, 2, 4, ... primitives has its box and the y of its
-  ends. A block beside the ray is not crossed. A block wholly to the right is crossed an odd number
-  of times if its ends lie on both sides of the ray. Only blocks around the place are opened:
-  O(log n) of n for most borders.
+  ends. A block wholly to the right is crossed an odd number of times if its ends lie on both sides
+  of the ray; others are opened: O(log n) for most borders.
 """
 
-# numba infers types; docstrings state them.
 # mypy: allow-untyped-defs
 
 from __future__ import annotations
@@ -27,13 +25,13 @@ from planner.scene.primitive_kernels import FIRST, LAST, box_of
 from planner.scene.shape_kernels import crosses_ray, end_of
 
 RAYS = (0.0, 0.31830988618, -0.43429448190)
-"""Where rays are cast, in parts of the clearance: no two of them graze joints at once."""
+"""Heights of the rays, in parts of the clearance: no two graze joints at once."""
 
 
 SAME_SIDE = 1.0 - 1e-9
-"""So much of a place's clearance is surely free of borders."""
+"""Share of a place's clearance that is surely free of borders."""
 MOST = 2
-"""Number of the three rays that decide: one that grazes a joint is outvoted."""
+"""Number of the three rays that decide."""
 
 
 class ClosedBorders(NamedTuple):
@@ -41,7 +39,7 @@ class ClosedBorders(NamedTuple):
 
     ``blocks`` (b, 8) are x_min, y_min, x_max, y_max, and the y at which the block's first border is
     entered and left, and its last one if that is another. Blocks of 2 ** l primitives begin at
-    ``level[l]``. ``none`` (0,) is an empty array of votes.
+    ``level[l]``. ``none`` (0,) is empty.
     """
 
     order: NDArray[np.int32]
@@ -71,7 +69,6 @@ def _closed_runs(pieces):
 
 @njit(**OWNING)
 def _in_order(kind, data, runs, objects):
-    """Sort the runs object by object, both by their boxes' place in the plane."""
     m = len(runs)
     boxes, around = np.empty((m, 4)), np.empty((objects, 4))
     around[:, :2], around[:, 2:] = np.inf, -np.inf
@@ -129,7 +126,6 @@ def index_closed(pieces):
 
 @njit(**OWNING)
 def _fill_boxes(pieces, order, level, blocks):
-    """Write the box of every block, first those of one primitive, then those of two blocks."""
     for p in range(len(order)):
         box_of(pieces.kind, pieces.data, np.int64(order[p]), blocks[p])
     top = len(level) - 2
@@ -168,7 +164,7 @@ def _fill_heights(pieces, order, begin, end, level, blocks):
 def _ray(kind, data, closed, x, y, only, votes):
     """True if one ray finds (x, y) in object ``only``, or in any object if ``only`` < 0.
 
-    Each such object gets one of the ``votes`` (objects,), unless that array is empty.
+    Each such object gets one of the ``votes`` (objects,), unless empty.
     """
     order, owner, level, blocks, _ = closed
     n, tier = len(order), len(level) - 2
@@ -207,8 +203,7 @@ def _ray(kind, data, closed, x, y, only, votes):
 def in_object(kind, data, closed, x, y, reach, only=-1):
     """True if (x, y), ``reach`` away from every border, lies in an object, by even-odd.
 
-    Only object ``only`` counts if it is >= 0. Rays at three heights within reach outvote one that
-    grazes a joint.
+    Only object ``only`` counts if it is >= 0. Of three rays, two outvote one that grazes a joint.
     """
     votes = 0
     for j in range(3):
@@ -237,10 +232,7 @@ def vote(kind, data, closed, x, y, reach, objects):
 
 @njit(**OWNING)
 def signed_distances(tree, closed, box, points):
-    """Distance of every point (n, 2), negative in an object and out of the ``box``.
-
-    A point within the previous one's clearance lies on the same side of every border.
-    """
+    """Distance of every point (n, 2), negative in an object and out of the ``box``."""
     kind, data = tree.kind, tree.data
     out = np.empty(len(points))
     last_x, last_y, near, solid = 0.0, 0.0, -1.0, False

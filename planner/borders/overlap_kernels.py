@@ -1,11 +1,10 @@
 """Pairs of objects that meet, or of which one lies within the other.
 
 Rules and units
-- Everything is in the scene's units; borders that come within ``tolerance`` meet.
+- Scene's units; borders within ``tolerance`` meet.
 - Objects are compared only if their boxes overlap.
 """
 
-# numba infers types; docstrings state them.
 # mypy: allow-untyped-defs
 
 from __future__ import annotations
@@ -22,7 +21,7 @@ from planner.scene.primitive_kernels import (
 from planner.scene.shape_kernels import meet, place_on
 
 MEET, WITHIN = 1, 2
-"""How two objects are related: their borders meet, or the first lies inside the second."""
+"""Relations of two objects: their borders meet, or the first lies inside the second."""
 
 
 @njit(**OWNING)
@@ -49,8 +48,8 @@ def _related(kind, data, closed, boxes, span, a, b, tolerance):
 def related_objects(kind, data, closed, boxes, span, tolerance):
     """Pairs of objects that meet or lie within: rows (n, 3) a, b, how; a within b.
 
-    O(o log o) for o objects whose boxes overlap few others', plus the product of two objects'
-    primitives for each overlapping pair.
+    O(o log o) for o objects whose boxes overlap few others', plus the product of each such pair's
+    primitives.
     """
     o = len(boxes)
     order = np.argsort(boxes[:, 0])

@@ -33,8 +33,8 @@ def fewer_vertices(
     """Indices of vertices, including first and last, whose chords stay near the polyline.
 
     Every skipped vertex lies within ``tolerance`` of its chord; no chord spans more than
-    ``spacing`` along the polyline if a vertex lies closer. Greedy, by doubling and halving each
-    chord's reach: O(n log n) for chords that skip many vertices.
+    ``spacing`` if a vertex lies closer. Greedy, by doubling and halving each chord's reach: O(n log
+    n).
     """
     along = arc_lengths(points) if lengths is None else lengths
     return kernels.fewer_vertices(  # type: ignore[no-any-return]

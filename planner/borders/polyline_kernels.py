@@ -3,7 +3,6 @@
 Units are the polyline's.
 """
 
-# numba infers types; docstrings state them.
 # mypy: allow-untyped-defs
 
 from __future__ import annotations

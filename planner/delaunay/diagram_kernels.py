@@ -1,11 +1,8 @@
 """Voronoi diagram's arrays from a triangulation, and a proof of them.
 
-Rules
-- Triangulations are those of :func:`planner.delaunay.insertion_kernels.triangulate`.
-- Edges without length, between vertices of cocircular sites, are included and flagged.
+Edges without length, between vertices of cocircular sites, are included and flagged.
 """
 
-# numba infers types; docstrings state them.
 # mypy: allow-untyped-defs
 
 from __future__ import annotations
@@ -28,9 +25,9 @@ from planner.delaunay.triangle_kernels import (
 from planner.scene.compile_options import LEAF, OWNING
 
 VERTEX_TOLERANCE = 1e-11
-"""A vertex with a larger error bound, in parts of the scene or its circle, is computed again."""
+"""Error bound, in parts of the scene or its circle, from which a vertex is computed again."""
 TURNED, NOT_EMPTY, WRONG_FLAG, NOT_CONVEX = 1, 2, 3, 4
-"""What `certify` may find: at a vertex, at an edge, at an edge, at a half-edge."""
+"""Faults that `certify` finds: at a vertex, at an edge, at an edge, at a half-edge."""
 
 
 @njit(**LEAF)
@@ -61,8 +58,7 @@ def _label(order, alias):
 def finite_vertices(w, xy, ghost, exponent, tri, circ, label):
     """Finite triangles' centres (m, 2) and sites (m, 3); each triangle's spare gets its row.
 
-    A centre whose error bound exceeds VERTEX_TOLERANCE of the scene or its circle is recomputed by
-    expansions.
+    A centre beyond VERTEX_TOLERANCE is recomputed by expansions.
     """
     vertices = np.empty((2 * ghost, 2))
     vertex_sites = np.empty((2 * ghost, 3), np.int32)
@@ -194,9 +190,9 @@ def certify(sites, vertex_sites, origin, before, cell, flat):
     """Check a diagram's circles exactly; return (0, 0) or the first fault and its place.
 
     Each vertex's sites turn left; no site beyond an edge lies inside the circle of the vertex
-    before it, and it lies on it exactly if the edge is flagged as without length; the unbounded
-    cells' sites form a convex ring. By Delaunay's lemma all circles are then empty, if the
-    vertices' triangles cover the hull once.
+    before it, and on it only if the edge is flagged as without length; the unbounded cells' sites
+    form a convex ring. By Delaunay's lemma all circles are then empty, if the triangles cover the
+    hull once.
     """
     n = sites.shape[0]
     xy = np.empty(2 * n + 2)

@@ -1,14 +1,12 @@
 """Exact arithmetic: sums of floats, and products of whole numbers.
 
 Rules
-- An expansion is an array: the number of terms, then the terms, least first; their sum is its
-  exact value (Shewchuk 1997, "Adaptive precision floating-point arithmetic and fast robust
-  geometric predicates"). Callers pass the working space: nothing here allocates.
+- An expansion is an array: the number of terms, then the terms, least first; their sum is its exact
+  value (Shewchuk 1997). Nothing here allocates.
 - Whole numbers have up to 58 bits. A sum of their products is four limbs of 29 bits, least first,
-  the last one signed: enough for differences of nearby sites, and far faster than expansions.
+  the last one signed: far faster than expansions.
 """
 
-# numba infers types; docstrings state them.
 # mypy: allow-untyped-defs
 
 from __future__ import annotations
@@ -19,9 +17,9 @@ from numba import njit
 from planner.scene.compile_options import LEAF
 
 WHOLE_LIMIT = 2.0**57
-"""Differences are scaled below this, so that two parts add up to at most 58 bits."""
+"""Limit of scaled differences, so that two parts add up to at most 58 bits."""
 NOT_WHOLE = -(1 << 62)
-"""A difference that has more bits than that."""
+"""A difference of more bits."""
 LIMB = (1 << 29) - 1
 """A limb's 29 bits."""
 SPLITTER = 134_217_729.0

@@ -2,10 +2,9 @@
 
 Rules
 - Edge j is the half-edges 2 j and 2 j + 1; the twin of half-edge e is e ^ 1.
-- A half-edge runs from its `origin` to its twin's, with the site `cell` on its left, where x
-  points right and y up; `next` and `prev` go counter-clockwise around that cell. An origin of
-  -1 is at infinity; a half-edge that ends there has as `next` the one by which the same cell
-  returns, so every cell is a closed cycle.
+- A half-edge runs from its `origin` to its twin's, with the site `cell` on its left, where x points
+  right and y up; `next` and `prev` go counter-clockwise around that cell. An origin of -1 is at
+  infinity; `next` passes over it, so every cell is a closed cycle.
 - Edges without length (`zero_length`) connect the vertices of cocircular sites; the sites beside
   them are not neighbours.
 """
@@ -32,17 +31,16 @@ _FAULTS = {
 
 
 class DiagramError(AssertionError):
-    """A broken invariant of a Voronoi diagram; the message gives the invariant and its place."""
+    """A broken invariant of a Voronoi diagram; the message gives it and its place."""
 
 
 @dataclass(frozen=True, slots=True)
 class HalfEdges:
     """Voronoi diagram with n sites, m vertices, k edges. Made by `planner.voronoi`.
 
-    sites (n, 2); vertices (m, 2), the finite ones, in the sites' unit; vertex_sites (m, 3), the
-    rows of each vertex's sites, counter-clockwise; origin, next, prev, cell (2 k,), see the file's
-    head; zero_length (k,); representative (n,), the row that represents coincident sites and has
-    their cell.
+    sites (n, 2); vertices (m, 2), the finite ones; vertex_sites (m, 3), the rows of each vertex's
+    sites, counter-clockwise; origin, next, prev, cell (2 k,); zero_length (k,); representative
+    (n,), the row of coincident sites that has their cell.
     """
 
     sites: NDArray[np.float64]
@@ -78,8 +76,8 @@ class HalfEdges:
     def check(self) -> None:
         """Raise DiagramError if an invariant of Voronoi diagrams is broken.
 
-        Checks twins, cycles, Euler's formula, equidistant vertices, convex cells and, with the
-        kernel's exact predicates, empty circles. O(n log n).
+        Twins, cycles, Euler's formula, equidistant vertices, convex cells and, exactly, empty
+        circles. O(n log n).
         """
         _check_links(self)
         _check_cycles(self)
@@ -98,7 +96,6 @@ def _require(holds: bool | np.bool_, message: str) -> None:
 
 
 def _check_links(d: HalfEdges, simple: bool = True) -> None:
-    """Check indices, twins and cycles; `simple`: two cells share one edge only."""
     n, m, h = len(d.sites), len(d.vertices), len(d.origin)
     e = np.arange(h)
     _require(h % 2 == 0, f"{h} half-edges: must be even")
@@ -134,7 +131,6 @@ def _check_links(d: HalfEdges, simple: bool = True) -> None:
 
 
 def _check_cycles(d: HalfEdges) -> None:
-    """Check that each cell is one cycle, and Euler's formula with infinity as a vertex."""
     cells = np.flatnonzero(d.representative == np.arange(len(d.sites)))
     label, jump = np.arange(len(d.next)), d.next.astype(np.int64)
     for _ in range(max(len(d.next), 1).bit_length()):
@@ -170,7 +166,6 @@ def read_sites(sites: NDArray[np.float64], exponent: int) -> NDArray[np.float64]
 
 
 def _check_vertices(d: HalfEdges) -> None:
-    """Check that each vertex is equidistant to its sites."""
     sites, vertices = _unit(d)
     distance = np.hypot(*np.moveaxis(sites[d.vertex_sites] - vertices[:, None], 2, 0))
     spread = distance.max(axis=1, initial=0.0) - distance.min(axis=1, initial=np.inf)
@@ -180,7 +175,7 @@ def _check_vertices(d: HalfEdges) -> None:
 
 
 def _check_cover(d: HalfEdges) -> None:
-    """Check that the vertices' triangles cover the sites' hull once: the areas are equal."""
+    """Check that the vertices' triangles cover the sites' hull once, by area."""
     sites, _ = _unit(d)
     corner = sites[d.vertex_sites] - (sites[0] if len(sites) else 0.0)
     a, b, c = corner[:, 0], corner[:, 1], corner[:, 2]
@@ -192,7 +187,6 @@ def _check_cover(d: HalfEdges) -> None:
 
 
 def _check_convex(d: HalfEdges) -> None:
-    """Check that each cell's finite edges turn left, within the vertices' accuracy."""
     _, vertices = _unit(d)
     h = len(d.origin)
     e = np.arange(h)

@@ -3,24 +3,19 @@
 The method. Sites are inserted one at a time; a new site removes the Voronoi vertices whose empty
 circle it enters and puts its own cell in their place. Topology comes first (Sugihara and Iri 1992):
 the removed vertices must form a non-empty tree, and each touched cell must meet that tree in one
-connected piece. `insert` enforces this with one rule; whatever the numbers say, the result is a
-sphere's triangulation. Numbers only choose among the legal moves, and choose correctly: every
-doubtful sign is computed exactly.
-
-The order is that of :mod:`planner.delaunay.site_order_kernels`: along a curve, coarse to fine.
+connected piece. `insert` enforces this with one rule: whatever the numbers say, the result is a
+sphere's triangulation. Doubtful signs are computed exactly
+(:mod:`planner.delaunay.predicate_kernels`). The order is that of
+:mod:`planner.delaunay.site_order_kernels`.
 
 The arrays. A Voronoi vertex is a triangle of three sites, counter-clockwise in x right, y up;
 `ghost`, the site at infinity, closes the sphere. ``tri`` holds the triangles as in
-``triangle_kernels.py``. circ[4t : 4t + 4] is the vertex: x, y, and the squared radii below which a
+``triangle_kernels.py``. circ[4t: 4t + 4] is the vertex: x, y, and the squared radii below which a
 site is surely inside and above which it is surely outside. Anything between, and any NaN, as for
-all ghosts, is decided exactly. Site i owns the triangles 2i and 2i + 1; sites are numbered along
-the curve, so neighbours in the plane are neighbours in memory.
-
-Exact arithmetic. Coordinates are scaled by a power of two to at most 1 and rounded to multiples of
-2^-268; doubtful signs are those of :mod:`planner.delaunay.predicate_kernels`.
+all ghosts, is decided exactly. Site i owns the triangles 2i and 2i + 1. Coordinates are scaled by a
+power of two to at most 1 and rounded to multiples of 2^-268.
 """
 
-# numba infers types; docstrings state them.
 # mypy: allow-untyped-defs
 
 from __future__ import annotations
@@ -74,8 +69,7 @@ def _locate(w, xy, ghost, tri, t, px, py):
     """Triangle (as 8 t) that p removes, or -1 - site if p coincides with that site.
 
     An exact visibility walk, which cannot circle in a Delaunay triangulation. If it does, all
-    triangles are tried; if p removes none, the walk's last one is returned, as the removed tree is
-    never empty.
+    triangles are tried; if p removes none, the walk's last one is returned.
     """
     n_slots = tri.shape[0] // 8
     for _ in range(n_slots + 1):
@@ -157,8 +151,7 @@ def _first_triangle(w, xy, n, ghost, tri, circ):
 def circle_band(px, py, ax, ay, a_square, a_sum, bx, by, b_square, b_sum):
     """Circle through p and the sites at a and b from it: x, y, and its squared radii.
 
-    A site is surely inside below the first radius and outside above the second. ``a_square`` and
-    ``a_sum`` are the sums of a's coordinates' squares and magnitudes.
+    ``a_square`` and ``a_sum`` are the sums of a's coordinates' squares and magnitudes.
 
     The error of a circle through p, a, b with A = a - p, B = b - p, sums of magnitudes s and t,
     squares la and lb, determinant d and centre p + C, |C| <= c is to first order E <= u (7 (la t +
@@ -187,7 +180,7 @@ def circle_band(px, py, ax, ay, a_square, a_sum, bx, by, b_square, b_sum):
 def _walk(xy, tri, circ, t, px, py, limit):
     """Walk from triangle t towards p: the triangle, and True if p surely lies in its circle.
 
-    Plain arithmetic, at most ``limit`` steps; :func:`_locate` resolves doubtful cases.
+    At most ``limit`` steps; :func:`_locate` resolves doubtful cases.
     """
     found = False
     for _ in range(limit):
@@ -221,8 +214,8 @@ def _grow_removed(w, xy, ghost, tri, circ, t, p, space):
     """Removed tree, from triangle t outwards, its rim counter-clockwise.
 
     Returns the numbers of removed triangles, of half-edges on the rim, and of circles with p on
-    them. ``space[3]`` holds the triangles, ``space[1]`` the rim's half-edges on the kept side,
-    ``space[2]`` the sites where they end.
+    them. ``space[3]`` holds the triangles, ``space[1]`` the rim's kept half-edges, ``space[2]`` the
+    sites where they end.
     """
     stamp, rim, rim_site, gone, stack = space[0], space[1], space[2], space[3], space[4]
     px, py = xy[2 * p], xy[2 * p + 1]
@@ -255,7 +248,6 @@ def _grow_removed(w, xy, ghost, tri, circ, t, p, space):
             depth += 1
             e = t + next_side(k)
             continue
-        # a rim's site is the end of the kept half-edge
         rim_site[n_rim] = tri[t + previous_side(k)]
         rim[n_rim] = o
         n_rim += 1
@@ -316,9 +308,9 @@ def _fill(xy, tri, circ, p, n_gone, n_rim, space):
 def _insert(w, xy, ghost, tri, circ, alias, todo, start, space):
     """Work of :func:`insert`, with ``space`` (5, 2 ghost + 8) uint32.
 
-    Topology first: a triangle joins the removed tree only through an edge, and only if its far
-    corner is not yet on the tree's rim. So the removed part stays a disc with every corner once on
-    its rim: it is a tree, and each touched cell meets it in one piece. A refused triangle is kept.
+    A triangle joins the removed tree only through an edge, and only if its far corner is not yet on
+    the tree's rim. So the removed part stays a disc with every corner once on its rim: a tree that
+    each touched cell meets in one piece.
     """
     ties = 0
     given = start.shape[0]
@@ -348,7 +340,7 @@ def _insert(w, xy, ghost, tri, circ, alias, todo, start, space):
 
 @njit(**OWNING, error_model="numpy")
 def insert(w, xy, ghost, tri, circ, alias, todo, start):
-    """Insert the sites ``todo`` into tri and circ; see the file's head for the arrays.
+    """Insert the sites ``todo`` into tri and circ.
 
     alias[i] becomes the site that i coincides with. The search for ``todo[j]`` begins at triangle
     ``start[j]`` if given, otherwise where the last one ended. Returns the number of times that a
@@ -364,8 +356,8 @@ def triangulate(sites, room):
     """Triangulation of (n, 2) finite float64 sites, with space for ``room`` more.
 
     Returns status (0: done, 1: all sites on one line, the rest is not set), order (n,), the row of
-    every site, xy, tri, circ and alias (see the file's head; the ghost is site n + room), the
-    exponent that scales xy back, and the number of times that a site lay on a circle.
+    every site, xy, tri, circ and alias (the ghost is site n + room), the exponent that scales xy
+    back, and the number of times that a site lay on a circle.
     """
     n = sites.shape[0]
     ghost = n + room

@@ -1,12 +1,11 @@
 """Exact signs of determinants: left or right, inside or outside.
 
-The method. Plain determinants decide within their error bound; otherwise differences that fit a
-lattice are multiplied as integers, the rest as expansions (Shewchuk 1997). Coordinates are at most
-1 and multiples of 2^-268, so that no product of four differences underflows. The working space `w`
-holds SCRATCH floats.
+Plain determinants decide within their error bound; otherwise differences on a lattice are
+multiplied as integers, the rest as expansions (Shewchuk 1997). Coordinates are at most 1 and
+multiples of 2^-268, so that no product of four differences underflows. The working space `w` holds
+SCRATCH floats.
 """
 
-# numba infers types; docstrings state them.
 # mypy: allow-untyped-defs
 
 from __future__ import annotations
@@ -34,12 +33,12 @@ from planner.scene.compile_options import LEAF
 LATTICE_LIMIT = 29_600
 """12 M^4 < 2^63: in-circle of differences up to M fits a 64-bit integer."""
 UNIT = 2.0**-53
-"""Half an ulp of 1: the relative error of one rounded operation."""
+"""Half an ulp of 1, the relative error of one operation."""
 ORIENT_SLACK = (3.0 + 16.0 * UNIT) * UNIT
 IN_CIRCLE_SLACK = (10.0 + 96.0 * UNIT) * UNIT
 """Error bounds of the plain determinants (Shewchuk 1997, ccwerrboundA and iccerrboundA)."""
 UNDERFLOW = 1e-280
-"""Determinants smaller than this may have lost digits to underflow."""
+"""Determinants below which digits may be lost to underflow."""
 SCRATCH = 5247
 """Room for the expansions of `_in_circle_exact`, the longest of 1,536 terms."""
 
@@ -110,7 +109,7 @@ def orient(w, ax, ay, bx, by, cx, cy):
     left = (ax - cx) * (by - cy)
     right = (ay - cy) * (bx - cx)
     det = left - right
-    # two factors cannot underflow (see the file's head): zero means zero
+    # two factors cannot underflow: zero means zero
     bound = ORIENT_SLACK * (abs(left) + abs(right))
     if det > bound:
         return 1

@@ -2,14 +2,13 @@
 
 Rules and units
 - Arrays are those of :mod:`planner.delaunay.insertion_kernels`. A site's star becomes a hole,
-  which is filled ear by ear: three consecutive corners whose circle holds no other corner
-  (decided exactly) are a triangle of the new triangulation (Devillers 2002).
+  filled ear by ear: three consecutive corners whose circle holds no other corner are a new triangle
+  (Devillers 2002).
 - Site i owns the triangles 2 i and 2 i + 1, which must be free when it is inserted again: the
-  removal frees two of the star's, and moves any triangles in the site's own two there.
+  removal moves triangles from there.
 - A site on the convex hull is not removed; the caller then triangulates again.
 """
 
-# numba infers types; docstrings state them.
 # mypy: allow-untyped-defs
 
 from __future__ import annotations
@@ -38,7 +37,7 @@ def _circle(px, py, ax, ay, bx, by):
 def _find_ear(w, xy, ring, m, circle):
     """First corner of a hole that forms an empty-circle triangle with its neighbours, or -1.
 
-    ``circle`` (4,) becomes the ear's, see `_circle`.
+    ``circle`` (4,) becomes the ear's.
     """
     before = m - 1
     for i in range(m):
@@ -82,7 +81,6 @@ def _place(tri, at, s, a, b, c, outer_a, outer_b, outer_c):
 
 @njit(**LEAF)
 def _move(tri, circ, at, old, new):
-    """Move the triangle in slot ``old`` to slot ``new``."""
     for k in range(3):
         site, o = np.int64(tri[old + k]), np.int64(tri[old + 4 + k])
         tri[new + k], tri[new + 4 + k] = site, o
@@ -128,7 +126,7 @@ def _star(tri, ghost, start, ring, outer, slot):
 
 @njit(**LEAF)
 def _free_own(tri, circ, at, p, free_0, free_1):
-    """Free the two triangles of site p: move their contents to two other free ones."""
+    """Move the contents of site p's two triangles to two free ones."""
     tri[free_0], tri[free_1] = DEAD, DEAD
     for own in (16 * p, 16 * p + 8):
         if np.int64(tri[own]) == DEAD:
@@ -202,14 +200,14 @@ def _remove(w, xy, ghost, tri, circ, order, at, circle, space):
 def remove(xy, ghost, tri, circ, gone):
     """Take the sites ``gone`` out of tri and circ; False if one is on the hull.
 
-    If so, or if a hole cannot be filled, the arrays are left unfinished.
+    Or if a hole cannot be filled; the arrays are then unfinished.
     """
     wanted = np.zeros(ghost + 1, np.bool_)
     for g in gone:
         wanted[g] = True
     at = np.full(ghost + 1, -1, np.int64)
     _find_stars(tri, wanted, at)
-    # every other site first, then every other one of the rest: keeps stars small longest
+    # every other site first, then every other one of the rest: keeps stars small
     step = 2
     order = np.empty(len(gone), np.int64)
     count = 0

@@ -1,11 +1,9 @@
 """Order of the sites for insertion, along a Hilbert curve and coarse to fine; and their scale.
 
-The order. Sites are sorted along a Hilbert curve, crowded cells again within themselves (the
-quaternary tree with buckets of Ohya, Iri and Murota 1984), and inserted coarse to fine: every 64th,
-every 16th, every 4th, all. Each site's search starts where the last one ended.
+Crowded cells of the curve are sorted again within themselves (Ohya, Iri and Murota 1984); every
+64th site comes first, then every 16th, every 4th, all.
 """
 
-# numba infers types; docstrings state them.
 # mypy: allow-untyped-defs
 
 from __future__ import annotations
@@ -20,10 +18,9 @@ from planner.scene.compile_options import LEAF, OWNING
 COARSENING = 4
 """Ratio of a round's sites to the sites before it."""
 TINY = 2.0**-215
-"""Scaled coordinates below this are rounded to multiples of 2^-268, see
-:mod:`planner.delaunay.predicate_kernels`."""
+"""Scaled coordinates below which they are rounded to multiples of 2^-268."""
 CROWD = 12
-"""A cell of the curve with more sites than this is sorted within itself."""
+"""Sites of a cell of the curve above which it is sorted within itself."""
 
 
 @njit(**LEAF)
@@ -65,7 +62,7 @@ def _sort_run(sites, order, lo, hi, keyed, spare, counts):
     while (1 << (2 * levels)) < 4 * n and levels < 15:
         levels += 1
     cells = 1 << levels
-    # halved, so that neither the side nor its inverse can overflow
+    # halved, so that neither the side nor its inverse overflows
     per_x = 0.5 * cells / (0.5 * side)
     if per_x == np.inf:
         per_x = 1e308

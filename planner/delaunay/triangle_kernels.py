@@ -14,7 +14,6 @@ Rules
              \  /
 """
 
-# numba infers types; docstrings state them.
 # mypy: allow-untyped-defs
 
 from __future__ import annotations

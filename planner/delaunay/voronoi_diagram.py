@@ -4,9 +4,9 @@ Rules
 - Sites are rows of an (n, 2) array, in any unit, read as x right, y up. A cell's border runs
   counter-clockwise in that sense (clockwise on the screen for pictures, y down).
 - Coincident sites share one cell; `representative` names the first row of each group.
-- Four or more sites on one empty circle: their common vertex appears once per triangle of some
-  triangulation of them, joined by edges without length, which are flagged. Which triangulation
-  is not defined; the flags, and all else, are exact.
+- The common vertex of four or more sites on one empty circle appears once per triangle of some
+  triangulation of them, joined by edges without length, which are flagged. All but the choice of
+  triangulation is exact.
 - Coordinates are read to 2^-268 of the largest: sites closer than that coincide.
 """
 
@@ -25,14 +25,14 @@ from planner.shared.arguments import as_numbers
 Arrays: TypeAlias = tuple[NDArray[Any], ...]
 
 LARGEST = 1e150
-"""Coordinates beyond this would have vertices outside float64's range."""
+"""Coordinates beyond which vertices leave float64's range."""
 MOST_SITES = 130_000_000
-"""More half-edges than this many sites have would not fit 32-bit numbers."""
+"""Sites whose half-edges fit 32-bit numbers."""
 
 
 @dataclass(frozen=True, slots=True)
 class DiagramArrays:
-    """Voronoi diagram as raw arrays (which the caller may change); see `voronoi_arrays`."""
+    """Voronoi diagram as raw, writable arrays; see `voronoi_arrays`."""
 
     vertices: NDArray[np.float64]
     vertex_sites: NDArray[np.int32]
@@ -45,8 +45,7 @@ def voronoi(sites: ArrayLike) -> HalfEdges:
     """Compute the Voronoi diagram of `sites` as half-edges.
 
     Sites: (n, 2) finite numbers of at most 1e150, n >= 0; a sequence or an array, which is not
-    changed. Collinear, coincident and cocircular sites are allowed. Linear time on average; safe to
-    call from several threads, and releases the interpreter lock.
+    changed. Linear time on average; thread-safe, and releases the interpreter lock.
 
     Raises ValueError if the shape is wrong or a coordinate is not finite or too large.
 
@@ -73,9 +72,7 @@ def voronoi(sites: ArrayLike) -> HalfEdges:
 def voronoi_arrays(sites: ArrayLike) -> DiagramArrays:
     """Compute the Voronoi diagram of `sites` as edges only, for hot paths.
 
-    Arrays as of `HalfEdges`, and edges (k, 4): site on the left, site on the right, vertex it comes
-    from, vertex it goes to; -1 is at infinity. zero_length (k,) marks edges between vertices that
-    coincide exactly. Input, errors and method as in `voronoi`.
+    Arrays as of `HalfEdges` and its ``edges``. Input, errors and method as in `voronoi`.
     """
     return DiagramArrays(*_compute(_checked(sites), linked=False)[:5])
 
@@ -112,7 +109,7 @@ def _compute(points: NDArray[np.float64], linked: bool) -> Arrays:
 
 
 def _on_one_line(points: NDArray[np.float64]) -> Arrays:
-    """Diagram of sites on one line: parallel edges from infinity to infinity."""
+    """Parallel edges from infinity to infinity."""
     n = len(points)
     exponent = int(np.frexp(np.abs(points).max(initial=0.0))[1])
     scaled = read_sites(points, exponent)

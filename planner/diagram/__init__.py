@@ -6,5 +6,5 @@
 - ``chains/`` traces chains along the valid edges and bends them onto the bisectors.
 - ``agvd.py`` is the interface, with its kernels in ``agvd_kernels.py``; ``diagram_arrays.py``
   defines the arrays that kernels share; ``bisectors.py`` names the curves of edges.
-- ``update.py`` and ``update_kernels.py`` change the diagram if a few objects differ.
+- ``update.py`` and ``update_kernels.py`` change it if a few objects differ.
 """

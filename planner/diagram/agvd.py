@@ -2,10 +2,10 @@
 
 Rules and units
 - ``mode="paper"`` omits the edges between generators of one object, as the paper does.
-- ``mode="exact"`` omits only those within one piece of a border, so that the free space inside
-  a U, or in a room whose wall is one object, keeps its diagram.
-- A chain is a maximal run of valid edges; its ends are nodes. Its clearances are exact: they are
-  distances to the borders, not to the generators.
+- ``mode="exact"`` omits only those within one piece of a border, so that the free space inside a U,
+  or in a room whose wall is one object, keeps its diagram.
+- A chain is a maximal run of valid edges between nodes. Its clearances are exact distances to the
+  borders.
 """
 
 from __future__ import annotations
@@ -37,8 +37,7 @@ from planner.scene import FloatArray, IntArray
 class Agvd:
     """Generators, their diagram, and its valid edges.
 
-    The rest is made from the ``mesh`` on demand. There is no mesh if all generators are on one
-    line.
+    There is no ``mesh`` if all generators are on one line.
     """
 
     borders: Borders
@@ -83,8 +82,8 @@ class Agvd:
     def vertices_proved(self, radius: float) -> tuple[int, int]:
         """Number of proved exact vertices at least ``radius`` wide, and number of all such.
 
-        The others are near-singular: their pieces are almost parallel there, or touch. They stay
-        where they were sampled, and the chain links to them are measured, not proved.
+        The others, whose pieces are almost parallel or touch, stay where they were sampled; links
+        to them are measured, not proved.
         """
         if self.mesh is None:
             return 0, 0
@@ -139,7 +138,7 @@ def omit_invalid(mesh: Mesh | None, generators: Generators, mode: Mode) -> Agvd:
 
 
 def join_chains(agvd: Agvd) -> Chains:
-    """Join the valid edges into chains of straight links and measure them. O(n log k)."""
+    """Measured chains of straight links along the valid edges. O(n log k)."""
     mesh, borders = agvd.mesh, agvd.borders
     (traced, bent), node_xy = no_chains(), np.empty((0, 2))
     if mesh is not None:
@@ -169,7 +168,6 @@ def mesh_chains(mesh: Mesh, borders: Borders, spacing: float) -> Chains:
 
 
 def _measured(borders: Borders, bent: Bent, ends: IntArray, node_xy: FloatArray) -> Chains:
-    """Measure the chains, and a single-point chain for every centre that lies on none."""
     points, pieces, first, proved = bent
     lonely: FloatArray = kernels.lonely_centres(
         borders.pieces, borders.tree, borders.closed, borders.box, points, 1e-7 * borders.extent

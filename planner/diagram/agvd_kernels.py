@@ -6,7 +6,6 @@ Rules
   between a corner point and its own sides.
 """
 
-# numba infers types; docstrings state them.
 # mypy: allow-untyped-defs
 
 from __future__ import annotations
@@ -61,8 +60,7 @@ def is_end(pieces, p, q, tolerance):
 def lonely_centres(pieces, tree, closed, box, points, tolerance):
     """Free centres of circles and arcs that have no other border as near, and lie on no chain.
 
-    Rows (n, 3): x, y and clearance. Within one such border no place is equidistant to two others,
-    but the clearance is greatest at the centre: the route between two places leads over it.
+    Rows (n, 3): x, y and clearance. The clearance is greatest there.
     """
     data, solid = pieces.data, pieces.solid
     out = np.empty((len(solid), 3))
@@ -86,7 +84,6 @@ def lonely_centres(pieces, tree, closed, box, points, tolerance):
         for j in range(n):
             if abs(out[j, 0] - x) + abs(out[j, 1] - y) <= tolerance:
                 alone = False
-        # nor inside another object
         d, _ = nearest(tree, x, y, np.inf)
         if alone and not in_object(pieces.kind, data, closed, x, y, d):
             out[n, 0], out[n, 1], out[n, 2] = x, y, d

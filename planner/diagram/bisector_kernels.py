@@ -3,13 +3,12 @@
 Rules and units
 - A vertex of three different pieces is where their distances agree: Newton's method on
   ``distance_i(x) - rho = 0``, whose rows are the unit normals, started at the sampled vertex.
-- At a turning point an edge passes from a primitive to that primitive's own corner point: both
-  have the same foot, Newton's rows coincide, and the search follows the primitive's normal instead.
+- At a turning point an edge passes from a primitive to its own corner point: both have the same
+  foot, and the search follows the primitive's normal.
 - All other places of a chain are slid onto the bisector of the two pieces beside them.
 - Left and right are those of ``cross(along, left - right) > 0`` in the scene's coordinates.
 """
 
-# numba infers types; docstrings state them.
 # mypy: allow-untyped-defs
 
 from __future__ import annotations
@@ -25,13 +24,13 @@ from planner.scene.primitive_kernels import foot, grown
 from planner.scene.shape_kernels import normal_at
 
 STEPS = 40
-"""Newton steps; four were enough on random scenes, near-parallel borders take more."""
+"""Newton steps; four suffice on random scenes, near-parallel borders take more."""
 SINGULAR = 1e-7
-"""Least determinant of two differences of unit normals that Newton's step divides by."""
+"""Least determinant of two differences of unit normals for Newton's step."""
 FLAT = 2e-3
-"""Normals that differ by less do not define a bisector well enough to slide onto it."""
+"""Difference of normals below which a bisector is too ill-defined to slide onto."""
 HALVINGS = 20
-"""How often one link is halved at most; its bulge falls by four with each."""
+"""Most halvings of a link; its bulge falls by four with each."""
 
 
 @njit(**LEAF, forceinline=True)
@@ -158,7 +157,7 @@ def narrowest(kind, data, left, right, x0, y0, x1, y1, tolerance):
 
 @njit(**LEAF)
 def _tangents_meet(kind, data, left, right, ax, ay, bx, by):
-    """Intersection of the bisector's tangents at a and b, between the two: x, y, found."""
+    """Intersection, between a and b, of the bisector's tangents there: x, y, found."""
     ux, uy, _ = heading(kind, data, left, right, ax, ay)
     vx, vy, _ = heading(kind, data, left, right, bx, by)
     dx, dy = bx - ax, by - ay
@@ -174,7 +173,6 @@ def _tangents_meet(kind, data, left, right, ax, ay, bx, by):
 
 @njit(**LEAF)
 def _keeps(tree, ax, ay, bx, by, need):
-    """True if the straight line from a to b stays ``need`` away from all borders."""
     _, _, which = segment_clearance(tree, ax, ay, bx, by, need)
     return which < 0
 
@@ -185,9 +183,8 @@ def follow(tree, points, pairs, need, flatness, tolerance, exact):
 
     ``pairs`` (n, 2) are the pieces beside each link, -1 if the link is straight. A link is halved
     on its bisector while its straight line is nearer than ``need`` to a border or bulges by more
-    than ``flatness``. If ``exact`` is finite, a line nearer than that is replaced by the corner of
-    the bisector's tangents, if that keeps it: between two borders that bulge towards one another,
-    the tangent at the narrowest place is nowhere nearer. Returns points and pairs.
+    than ``flatness``. A line nearer than a finite ``exact`` is replaced by the corner of the
+    bisector's tangents, if that keeps it. Returns points and pairs.
     """
     kind, data = tree.kind, tree.data
     n = len(points)

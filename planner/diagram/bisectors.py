@@ -1,8 +1,6 @@
 """Exact curves of a roadmap's edges: lines, parabolas, hyperbolas and ellipses.
 
-Rules and units
-- An edge runs along bisectors, each of two pieces of the borders; everything is in the scene's
-  units.
+An edge runs along bisectors, each of two pieces of the borders; scene's units.
 """
 
 from __future__ import annotations
@@ -28,9 +26,9 @@ class Piece:
     """Part of an edge: the bisector of the pieces ``left`` and ``right`` of the borders.
 
     ``curve`` is "line", "parabola", "hyperbola", or "ellipse" (between a circle and what lies
-    inside it); "straight" if the bisector could not be proved and the straight line between the
-    ends was measured instead. ``left`` and ``right`` index ``Borders.kind`` and ``Borders.data``,
-    as seen from ``start`` to ``end``.
+    inside it); "straight" if the bisector is unproved and the straight line between the ends was
+    measured. ``left`` and ``right`` index ``Borders.kind`` and ``Borders.data``, as seen from
+    ``start`` to ``end``.
     """
 
     curve: Curve
@@ -79,7 +77,6 @@ def edge_curve(borders: Borders, pieces: Sequence[Piece], flatness: float) -> Fl
 
 
 def _curve(borders: Borders, left: int, right: int, at: FloatArray) -> Curve:
-    """Curve of the bisector of two pieces, seen from a place on it."""
     round_left, round_right = _radius(borders, left, at), _radius(borders, right, at)
     if round_left is None and round_right is None:
         return "line"

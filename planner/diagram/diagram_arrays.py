@@ -1,10 +1,8 @@
 """Arrays about the diagram that kernels share: its mesh, its vertices, its chains.
 
 Rules and units
-- All places and clearances except ``FlatMesh.xy`` are in the scene's units. Triangles and
-  half-edges are named as in :mod:`planner.delaunay.insertion_kernels`; there are t slots for
-  triangles, two for each site.
-- The classes are tuples of arrays, as in :mod:`planner.borders.border_arrays`.
+- Scene's units, except ``FlatMesh.xy``. Triangles and half-edges are named as in
+  :mod:`planner.delaunay.insertion_kernels`; there are t slots for triangles, two for each site.
 """
 
 from __future__ import annotations
@@ -50,7 +48,7 @@ class MeshSites(NamedTuple):
 
 
 class Triangles(NamedTuple):
-    """State of every triangle, which is a vertex of the sampled diagram.
+    """State of every triangle, a vertex of the sampled diagram.
 
     ``seen`` (t, 3) are the sites it was computed for, ``at`` (t, 2) its circle's centre. ``place``
     (t, 2), ``rho`` (t,) and ``state`` (t,) are the vertex on the borders themselves, its clearance

@@ -2,8 +2,7 @@
 
 Rules and units
 - The sampled topology is a proposal. Its vertices are solved on their pieces, and each must be
-  proved by an empty circle; otherwise generators are added at the feet around it. These share the
-  empty circle of an exact vertex, so the proposal becomes right where it was wrong. Parts that they
+  proved by an empty circle; otherwise generators are added at the feet around it. Parts that they
   do not touch are not solved again.
 - Clearances below half the spacing are not refined: no robot of the radius gets there.
 - Only its maker changes a mesh, and only until it is passed on.
@@ -36,17 +35,17 @@ from planner.diagram.diagram_arrays import (
 from planner.scene import FloatArray, IntArray
 
 ROUNDS = 6
-"""Most rounds in which generators are added; one or two were enough on random scenes."""
+"""Most rounds of adding generators; one or two suffice on random scenes."""
 DOUBTS = 2
-"""In how many rounds vertices that could not be solved ask for generators, too."""
+"""Rounds in which unsolved vertices ask for generators, too."""
 ROOM = 0.125
-"""Room for generators to add, as a share of those there are."""
+"""Capacity for generators to add, as a share of those present."""
 ROWS = {
     "tri": (16, DEAD), "circ": (8, np.nan), "label": (1, 0), "refined": (1, 0), "also": (1, -1),
     "seen": (2, DEAD), "at": (2, np.nan), "place": (2, 0.0), "rho": (2, 0.0), "state": (2, 0),
     "side": (2, 0), "mask": (2, 0), "stale": (2, 0),
 }  # fmt: skip
-"""The mesh's arrays that grow with it: rows for each site there is room for, and their filling."""
+"""The mesh's arrays that grow with it: rows per site, and their filling."""
 
 
 @dataclass(slots=True)
@@ -55,11 +54,9 @@ class Mesh:
 
     ``xy``, ``tri``, ``circ``, ``alias`` are as in :mod:`planner.delaunay.insertion_kernels`,
     ``label`` and ``also`` as in :mod:`planner.diagram.mesh_kernels`; ``refined`` marks sites added
-    at feet around vertices; ``used`` sites are taken, of which ``vacant`` were removed again. Per
-    triangle: its centre ``at`` and the sites ``seen`` that it was computed for; ``place``, ``rho``,
-    ``state`` as in :mod:`planner.diagram.vertex_kernels`; ``side``, free or not; ``mask``, its
-    valid edges. ``traced`` are the last chains, and ``bent`` their geometry; chains through
-    ``stale`` triangles must be traced and bent again.
+    at feet around vertices; ``used`` sites are taken, of which ``vacant`` were removed again. The
+    arrays of triangles are those of :class:`planner.diagram.diagram_arrays.Triangles`. ``traced``
+    are the last chains, and ``bent`` their geometry.
     """
 
     xy: FloatArray
@@ -113,7 +110,7 @@ def make_mesh(generators: Generators) -> Mesh | None:
     if n < 3:
         return None
     if not np.isfinite(generators.sites).all():
-        raise ValueError("generators: must be finite")  # the kernel would write out of bounds
+        raise ValueError("generators: must be finite")
     traced, bent = no_chains()
     status, order, xy, tri, circ, alias, exponent, _ = insertion_kernels.triangulate(
         generators.sites, room
@@ -160,10 +157,7 @@ def no_chains() -> tuple[Traced, Bent]:
 
 
 def solve(mesh: Mesh, borders: Borders, spacing: float) -> None:
-    """Solve the vertices, refine where their circles are not empty, and bend the chains.
-
-    Changes the mesh, including ``traced`` and ``bent``.
-    """
+    """Solve the vertices, refine at non-empty circles, and bend the chains."""
     half = 0.5 * spacing
     pieces, tolerances = borders.corners, DiagramTolerances(half, half, borders.equal)
     sag = mesh_kernels.largest_sag(borders.kind, borders.data, half)

@@ -1,16 +1,14 @@
 """Queries on the generators' triangulation: circles' centres, the free part, the nearest piece.
 
 Rules and units
-- A mesh is the result of :func:`planner.delaunay.insertion_kernels.triangulate`: sites ``xy``,
-  triangles ``tri``, circles ``circ``, in units of ``up``, a power of two. Triangles are named by
-  8 t and half-edges by 8 t + k, as there.
-- ``label`` is every site's piece. One of several coincident sites is in the mesh; ``also`` leads
-  from it to the next one, and -1 ends the list.
-- No point of a border is further than ``half`` from a site of its own piece, along the border
-  (half a spacing; at most 0.4 radii on round pieces).
+- A mesh is the result of :func:`planner.delaunay.insertion_kernels.triangulate`, in units of
+  ``up``, a power of two.
+- ``label`` is every site's piece. Of coincident sites one is in the mesh; ``also`` leads to the
+  next one, -1 ends the list.
+- No point of a border is further than ``half`` from a site of its own piece, along the border (half
+  a spacing; at most 0.4 radii on round pieces).
 """
 
-# numba infers types; docstrings state them.
 # mypy: allow-untyped-defs
 
 from __future__ import annotations
@@ -37,15 +35,15 @@ from planner.scene.primitive_kernels import NONE, distance, is_round
 
 FREE, BLOCKED, PENDING = 1, 2, 3
 LOOSE = 1e-9
-"""A centre whose circle's band is wider than this share of it is computed again exactly."""
+"""Width of a circle's band, as a share of it, above which its centre is computed again."""
 
 
 @njit(**OWNING, error_model="numpy")
 def link_coincident(alias, label, count):
     """``also`` (count,) int32: the next site at the same place, -1 at the end.
 
-    The least ``label`` is swapped to the first site: if two borders coincide, the same one
-    represents both everywhere, in whatever order the sites were inserted.
+    The least ``label`` is swapped to the first site: of coincident borders the same one represents
+    both everywhere.
     """
     also = np.full(count, -1, np.int32)
     for p in range(count):
@@ -62,9 +60,9 @@ def link_coincident(alias, label, count):
 def find_changed(mesh, circ, triangles, changed, w):
     """Write the centres of new ``triangles`` into their ``at``, in the scene's units.
 
-    ``seen`` holds the sites for which a row of ``at`` was computed. A row is NaN if its triangle
-    does not exist or reaches infinity. Changed triangles get ``state`` and ``side`` 0 and become
-    ``stale``. Writes the changed rows and returns their number. ``w`` is working space.
+    A row is NaN if its triangle does not exist or reaches infinity. Changed triangles get ``state``
+    and ``side`` 0 and become ``stale``. Writes the ``changed`` rows and returns their number. ``w``
+    is working space.
     """
     xy, tri, up, ghost = mesh.xy, mesh.tri, mesh.up, len(mesh.label)
     seen, at, state, side = triangles.seen, triangles.at, triangles.state, triangles.side
@@ -111,10 +109,9 @@ def _is_joined(xy, up, tri, at, i, k, j, limit):
 def mark_sides(mesh, triangles, changed, pieces, closed, box, half, queue):
     """Mark the changed triangles FREE (in the bounds and in no object) or BLOCKED.
 
-    ``closed`` is the index of :mod:`planner.borders.inside_kernels`. A Voronoi edge that stays
-    further than ``half`` a spacing from its generators crosses no border, so all vertices joined by
-    such edges lie on one side. If none of them is marked yet, only the one with the largest circle
-    is tested. ``queue`` (2 ghost,) is working space.
+    ``closed`` is the index of :mod:`planner.borders.inside_kernels`. A Voronoi edge further than
+    ``half`` a spacing from its generators crosses no border, so all vertices joined by such edges
+    lie on one side. ``queue`` (2 ghost,) is working space.
     """
     xy, tri, up, at, side = mesh.xy, mesh.tri, mesh.up, triangles.at, triangles.side
     limit = half**2 * (1.0 + 1e-9)
@@ -189,8 +186,8 @@ def insert_sites(xy, circ, sites, down, todo, places, labels, where, refined):
     ones.
 
     With ``places``, the sites are new, lie there, have these ``labels``, and are ``refined`` or
-    not; ``down`` scales the places. A site that coincides with others is appended to their list,
-    and is superfluous if one of them is of the same piece.
+    not; ``down`` scales the places. A site that coincides with others of the same piece is
+    superfluous.
     """
     tri, label, alias, also = sites.tri, sites.label, sites.alias, sites.also
     for j in range(len(places)):
@@ -238,15 +235,13 @@ def largest_sag(kind, data, half):
 def nearest_piece(mesh, pieces, t, x, y, bound, half, but_a=NONE, but_b=NONE, but_c=NONE):
     """Distance to and number of the primitive nearest to (x, y), if nearer than ``bound``.
 
-    Otherwise (bound, -1). Skips the primitives ``but_a``, ``but_b`` and ``but_c``. ``mesh`` is a
-    :class:`planner.diagram.diagram_arrays.FlatMesh`; ``t`` a triangle to start from, without a site
-    at infinity.
+    Otherwise (bound, -1). Skips the primitives ``but_a``, ``but_b`` and ``but_c``. ``t`` is a
+    triangle to start from, without a site at infinity.
 
     If a primitive is nearer, the site nearest to its foot is its own or its corner's and within
     ``half`` of it, and so nearer to (x, y) than the root of bound^2 + half^2 + sag bound: on a
     round piece of radius R the chord s to that site adds s^2 bound / R, and ``sag`` is the largest
-    s^2 / R. The sites in a disc are connected in the triangulation of all, so only those few are
-    visited.
+    s^2 / R. The sites in a disc are connected in the triangulation, so only those are visited.
     """
     xy, tri, label, also, stamp, queue, up, sag = mesh
     kind, data, before, after = pieces.kind, pieces.data, pieces.before, pieces.after
@@ -305,8 +300,7 @@ def nearest_piece(mesh, pieces, t, x, y, bound, half, but_a=NONE, but_b=NONE, bu
 def ordinary(xy, ghost, exponent, tri, circ, alias, used, mask, vacant):
     """The sites' own diagram as arrays of :class:`~planner.delaunay.voronoi_diagram.DiagramArrays`.
 
-    Also returns the edges that are valid by ``mask`` (2 ghost,). The ``vacant`` sites are left out
-    and the others renumbered.
+    Also returns the edges that are valid by ``mask`` (2 ghost,). The ``vacant`` sites are left out.
     """
     w = np.empty(SCRATCH)
     tri = tri.copy()

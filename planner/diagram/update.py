@@ -1,11 +1,10 @@
 """Diagram of a scene that differs from the last one by a few objects, without a rebuild.
 
 Rules and units
-- Objects in both scenes, at any place in the list, keep their generators and all of the diagram
-  that nothing new comes near. Other generators are removed or added, and the diagram is solved
-  there only.
+- Objects in both scenes keep their generators and the diagram that nothing new comes near;
+  elsewhere generators are removed or added, and the diagram is solved.
 - The result equals that of a build from scratch, up to the order of nodes and edges and the points
-  of the edges' polylines. If the bounds or most objects change, it is built from scratch.
+  of the edges' polylines.
 """
 
 from __future__ import annotations
@@ -42,14 +41,14 @@ from planner.scene import (
 )
 
 MOST = 0.34
-"""More changed objects than this share are a scene to be built from scratch."""
+"""Share of changed objects from which a scene is built from scratch."""
 
 
 def update_diagram(agvd: Agvd, old: Scene, scene: Scene) -> Agvd | None:
     """Diagram of ``scene`` from that of ``old``; None if it must be built from scratch.
 
-    Finds the objects added, removed or moved; ``agvd`` itself does not change. O(n) copies and
-    scans for n generators, and the work of building for the changes.
+    ``agvd`` itself does not change. O(n) copies and scans for n generators, and the work of
+    building for the changes.
     """
     mesh = agvd.mesh
     if mesh is None or old.bounds != scene.bounds:
@@ -74,7 +73,7 @@ def update_diagram(agvd: Agvd, old: Scene, scene: Scene) -> Agvd | None:
 
 
 def match_objects(old: Sequence[SceneObject], new: Sequence[SceneObject]) -> list[int]:
-    """Old object of every new one, or -1; each old one is used at most once."""
+    """Old object of every new one, or -1; each is used at most once."""
     # most share their records with an old object at the same place, or shifted by one
     ahead = _first_other(old, new)
     behind = _first_other(old[ahead:][::-1], new[ahead:][::-1])
@@ -104,7 +103,7 @@ def match_objects(old: Sequence[SceneObject], new: Sequence[SceneObject]) -> lis
 
 
 def _mark(item: SceneObject) -> Hashable:
-    """Key that equal objects share, and hardly any others: hashing all edges takes long."""
+    """Key that hardly any unequal objects share: hashing all edges takes long."""
     record = item.records[0] if item.records else None
     if isinstance(record, ArcRecord | PolygonRecord) and record.edges:
         return record.edges[0]
@@ -112,7 +111,6 @@ def _mark(item: SceneObject) -> Hashable:
 
 
 def _first_other(old: Sequence[SceneObject], new: Sequence[SceneObject]) -> int:
-    """Number of objects at the beginning of both that share records and holes."""
     n = 0
     for a, b in zip(old, new, strict=False):
         if a is not b and not (a.records is b.records and a.holes is b.holes):
@@ -131,7 +129,6 @@ def _flatten(scene: Scene, came: list[int]) -> NewBorders:
 
 
 def _fits_memory(agvd: Agvd, new: NewBorders) -> bool:
-    """True if there is memory for the new borders' generators."""
     backwards, disc = np.zeros(len(new.kind), np.bool_), disc_around(agvd.borders, agvd.spacing)
     backwards[new.turned] = True
     most = count_generators(new.kind, new.rows, backwards, disc, agvd.spacing)
@@ -141,10 +138,6 @@ def _fits_memory(agvd: Agvd, new: NewBorders) -> bool:
 def _change_borders(
     agvd: Agvd, old_objects: int, kept: list[int], new: NewBorders
 ) -> tuple[Borders, IntArray, FloatArray, IntArray, FloatArray]:
-    """The scene's borders, and the other results of :func:`border_kernels.change_borders`.
-
-    The ``new`` borders are joined, the ``kept`` objects' pieces copied.
-    """
     old = agvd.borders
     pieces, found, *rest = border_kernels.change_borders(
         np.array(kept, np.int64), old_objects, old.pieces, old.object_boxes, new,

@@ -1,11 +1,10 @@
 """Parts of a solved mesh that a change of objects touches.
 
 Rules and units
-- Everything is in the scene's units. A place is touched if an added or removed object reaches
-  into its circle, or may lie around it: judged by the objects' boxes, generously.
+- Scene's units. A place is touched if the box of an added or removed object reaches into its
+  circle, or lies around it.
 """
 
-# numba infers types; docstrings state them.
 # mypy: allow-untyped-defs
 
 from __future__ import annotations
@@ -17,7 +16,7 @@ from planner.delaunay.triangle_kernels import DEAD
 from planner.scene.compile_options import LEAF, OWNING
 
 SLACK = 1e-9
-"""Circles count as larger by this share."""
+"""Share by which circles count as larger."""
 
 
 @njit(**LEAF)
@@ -30,7 +29,6 @@ def _reaches(boxes, b, x, y, r):
 
 @njit(**LEAF)
 def _mark_inside(boxes, at, inside):
-    """Set in ``inside`` (n,) the places ``at`` (n, 2) that are in one of the boxes."""
     for b in range(len(boxes)):
         x0, y0, x1, y1 = boxes[b, 0], boxes[b, 1], boxes[b, 2], boxes[b, 3]
         for i in range(len(at)):
@@ -70,11 +68,11 @@ def _forget_touched(boxes, triangles, inside, traced, bent, proved):
 
 @njit(**LEAF)
 def _doubtful_sites(sites, forgotten, added, around, doubtful, goes):
-    """Mark sites added around a forgotten vertex: the reason for them may be gone.
+    """Mark sites added around a forgotten vertex, and next to those: the reason for them may be
+    gone.
 
-    So may that for sites added next to them: where borders are nearer than the spacing, added sites
-    decide what is found. Sets ``goes`` (ghost,), initially False like ``added`` and ``doubtful``
-    (ghost + 1,); ``around`` (n,) is working space.
+    Sets ``goes`` (ghost,), initially False like ``added`` and ``doubtful`` (ghost + 1,); ``around``
+    (n,) is working space.
     """
     tri, alias, _, refined, _, used = sites
     any_added = False
@@ -159,12 +157,9 @@ def _unlink_sites(sites, new_label, doubtful, stands, gone, quiet, heirs):
 def unlink(boxes, new_label, sites, triangles, traced, bent):
     """Find the sites of removed pieces in a mesh.
 
-    The mesh is given by its sites, triangles and chains, see :mod:`planner.diagram.diagram_arrays`.
     Everything that reaches into the ``boxes`` (b, 4) of changes is to be computed again, without
-    the sites added around it. ``new_label`` gives each piece's new number, -1 for removed ones.
-    Returns the sites to remove inside the triangulation, those to remove outside it, and those to
-    insert because their representative goes; the chains' pieces (p, 2) by new numbers, and flags
-    (p,) of their links still proved.
+    the sites added around it. ``new_label`` and the sites returned are as in :func:`_unlink_sites`;
+    then come the chains' pieces (p, 2) by new numbers, and flags (p,) of their links still proved.
     """
     n, ghost, used, pieces = len(triangles.seen), len(sites.alias), sites.used, bent.pieces
     proved = bent.proved.copy()
@@ -182,7 +177,6 @@ def unlink(boxes, new_label, sites, triangles, traced, bent):
     )
     new_pieces = np.empty_like(pieces)
     for p in range(len(pieces)):
-        # -1 where a chain ends stays -1
         new_pieces[p, 0] = new_label[pieces[p, 0]]
         new_pieces[p, 1] = new_label[pieces[p, 1]]
     return gone[:n_gone], quiet[:n_quiet], heirs[:n_heirs], new_pieces, proved

@@ -3,13 +3,12 @@
 Rules and units
 - A triangle's vertex is equally far from its three sites' pieces. Its ``mask`` holds bit k if the
   Voronoi edge opposite its site k is valid.
-- A vertex with two valid edges between the same two pieces is a passage: it decides nothing and
-  is not solved. All other vertices with a valid edge are.
-- Each vertex must be proved by its empty circle. If a border lies inside, the sampling got the
-  topology wrong and is refined at the feet around that circle.
+- A vertex with two valid edges between the same two pieces is a passage, and is not solved. All
+  others with a valid edge are.
+- If a border lies inside a vertex's circle, the sampling got the topology wrong and is refined at
+  the feet around that circle.
 """
 
-# numba infers types; docstrings state them.
 # mypy: allow-untyped-defs
 
 from __future__ import annotations
@@ -28,19 +27,19 @@ from planner.scene.compile_options import LEAF, OWNING
 from planner.scene.primitive_kernels import ARC, NONE, POINT, distance, foot
 
 TURN_TRIES = 4
-"""Pieces tried opposite a turning point: the sampled one, then whichever lies nearer."""
+"""Pieces tried opposite a turning point: the sampled one, then whichever is nearer."""
 MANY = 8
-"""If more than one triangle in this many changed, all are searched for vertices to solve."""
+"""One changed triangle in this many, beyond which all are searched for vertices."""
 WAITING, DONE = 0x80, 3
 """In a mask while edges are marked: the triangle waits; its edges seen from across, shifted."""
 NEAR, PROVED_NEAR = 4.0, 16.0
-"""How far a vertex may lie from where it was sampled, in half spacings; and a turning point whose
-circle is known to be empty: where a border leaves its tangent slowly, samples tell it late."""
+"""Largest distance of a vertex from its sample, in half spacings; and of a turning point with an
+empty circle, which samples show late where a border leaves its tangent slowly."""
 EVERY_EDGE = np.bool_(False)
 """Edges within one object may be valid, too."""
 UNUSED, EXACT, KEPT, INTRUDED = 0, 1, 2, 3
-"""What is known of a vertex: nothing; that it is equidistant to its pieces and its circle is
-empty; that near-parallel pieces left it as sampled; that a border lies inside its circle."""
+"""State of a vertex: unknown; equidistant to its pieces with an empty circle; left as sampled by
+near-parallel pieces; with a border inside its circle."""
 
 
 @njit(**LEAF)
@@ -48,7 +47,7 @@ def _mark_valid(tri, label, triangles, changed, pieces, tolerance, between):
     """Set bit k in the ``mask`` of free triangles if the edge opposite site k is valid.
 
     With ``between``, only edges between two objects are valid. Only the ``changed`` triangles'
-    edges are examined; they may change the masks of their neighbours.
+    edges are examined.
     """
     side, mask, owner = triangles.side, triangles.mask, pieces.owner
     for i in changed:
@@ -94,8 +93,7 @@ def is_passage(mask, a, b, c):
 def _is_corner(kind, data, a, b, x, y, relevant, tolerance):
     """True if two pieces are equally far from (x, y) because both feet are one corner.
 
-    They are so all around it, and have no vertex there. Within ``tolerance`` of such a place a foot
-    moves by the root of that.
+    Within ``tolerance`` of such a place a foot moves by the root of that.
     """
     ax, ay = foot(kind, data, a, x, y)
     bx, by = foot(kind, data, b, x, y)
@@ -106,7 +104,6 @@ def _is_corner(kind, data, a, b, x, y, relevant, tolerance):
 
 @njit(**LEAF, forceinline=True)
 def _meeting(pieces, a, b, c, x, y, tolerances):
-    """Place equally far from three pieces, and not by one corner of two: x, y, found."""
     kind, data, half, tolerance = pieces.kind, pieces.data, tolerances.half, tolerances.equal
     reach = 4.0 * half + distance(kind, data, a, x, y)
     qx, qy, found = meet_three(kind, data, a, b, c, x, y, reach, tolerance)
@@ -140,7 +137,7 @@ def _turning(mesh, pieces, t, a, b, c, x, y, tolerances):
         if empty:
             break
         if is_end(pieces, corner, i, tolerance):
-            # the corner's other side is nearer all along this one's normal
+            # the corner's other side is nearer along this normal
             found = False
             break
         c = i
@@ -213,7 +210,6 @@ def _choose(tri, label, changed, mask, state, wanted, todo):
     """Choose the vertices to solve among the changed triangles and their neighbours, in order.
 
     Writes them into ``todo`` (t,) and returns their number. ``wanted`` (t,) bool is False at first.
-    All others with valid edges are solved already, or passages.
     """
     n = len(mask)
     some = MANY * len(changed) < n
@@ -276,7 +272,7 @@ def _solve(mesh, pieces, triangles, todo, doubt, tolerances, bad):
             if doubt:
                 _, which = nearest_piece(mesh, pieces, t, x, y, far, half, a, b, c)
             if which < 0 and far - r > 4.0 * tolerance:
-                # or the nearest of them has: a circle reached through it to what is behind
+                # or the nearest of them has: a circle reached through it
                 which = a
                 if distance(kind, data, b, x, y) == r:
                     which = b
@@ -311,8 +307,8 @@ def solve_vertices(mesh, circ, pieces, triangles, closed, box, doubt, tolerances
     Updates the changed triangles (:func:`mark_changed`), then writes ``place``, ``rho`` (the exact
     clearance) and ``state`` of every UNUSED vertex among them and their neighbours. Returns the
     sites missing around non-empty circles of relevant clearance: places (e, 2), labels (e,) and a
-    triangle near each (e,); also where pieces did not meet because one of them is nearer than its
-    sites or, with ``doubt``, because another one is.
+    triangle near each (e,); also where pieces did not meet because one is nearer than its sites or,
+    with ``doubt``, another is.
     """
     tri, label = mesh.tri, mesh.label
     at, xy, rho = triangles.at, triangles.place, triangles.rho

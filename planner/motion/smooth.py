@@ -1,13 +1,10 @@
-"""Rounds a path's corners inside the free corridor, and proves the clearance again.
+"""Rounded corners of a path inside the free corridor, with the clearance proved again.
 
-A parabola cuts each corner, tangent to the path at both ends (a quadratic Bezier curve: its control
-point is where the tangents meet). The sharpest corners come first. A cut begins with the greatest
-length that adjacent cuts allow, and is halved until the exact clearance of the new piece suffices;
-if even the shortest fails, the corner stays. For a robot with a turning radius, cuts are arcs of at
-least that radius; a corner without room for one is turned on the spot. Nothing is sampled: the
-given callable measures the whole new polyline against every border.
-
-Units are the scene's.
+A parabola cuts each corner, tangent to the path at both ends (a quadratic Bezier curve). The
+sharpest corners come first. A cut begins with the greatest length that adjacent cuts allow, and is
+halved until the exact clearance of the new piece suffices; if even the shortest fails, the corner
+stays. For a robot with a turning radius, cuts are arcs of at least that radius; a corner without
+room for one is turned on the spot. Units are the scene's.
 """
 
 from __future__ import annotations
@@ -46,7 +43,7 @@ ROUNDING = 1e-12
 
 
 class SmoothError(ValueError):
-    """The path cannot be smoothed as asked; the message says why."""
+    """A path that cannot be smoothed as asked; the message says why."""
 
 
 class LeastClearance(Protocol):
@@ -59,7 +56,7 @@ class LeastClearance(Protocol):
 
     @property
     def at(self) -> Vec:
-        """Point of the polyline with this clearance."""
+        """Place of this clearance."""
         ...
 
 
@@ -68,7 +65,7 @@ class Measured(Protocol):
 
     @property
     def radius(self) -> float:
-        """Radius of the robot."""
+        """The robot's radius."""
         ...
 
     def path_clearance(self, polyline: FloatArray, /) -> LeastClearance:
@@ -124,7 +121,7 @@ def round_corners(
 ) -> Path:
     """Return the planned path with rounded corners, as ``clearway plan`` prints and times it.
 
-    ``path`` is of ``roadmap.plan``, ``prefer`` and ``margin`` are as there. A preference for
+    ``prefer`` and ``margin`` are as in ``roadmap.plan``, the source of ``path``. A preference for
     clearance keeps all of the path's least clearance, one for length only the radius and margin;
     between them a part of the difference may go. ``turning_radius`` is the robot's tightest bend.
     Length and clearances are measured again, also of the alternatives, which keep all of theirs.
@@ -236,9 +233,9 @@ def _smooth_leg(points: FloatArray, rules: _Rules) -> FloatArray:
 
 
 def _room(corner: float, cuts: list[_Cut], after: int, length: float) -> float:
-    """Largest reach of a cut to either side before another cut or the leg's end.
+    """Largest reach of a cut to either side.
 
-    ``after`` is the number of the first of the ordered ``cuts`` that begins beyond the corner.
+    ``after``: number of the first of the ordered ``cuts`` beyond the corner.
     """
     room = min(corner, length - corner)
     if after > 0:
@@ -275,7 +272,7 @@ def _is_wide(
     reach: float,
     rules: _Rules,
 ) -> bool:
-    """True if the curve has the required clearance, or at least that of the piece replaced."""
+    """True if the curve has the clearance of ``rules``."""
     gap = rules.path_clearance(curve).distance
     if gap >= rules.floor or not rules.nearer:
         return gap >= rules.floor

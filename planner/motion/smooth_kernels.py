@@ -8,7 +8,6 @@ Rules and units
   or if it would be longer than the piece it replaces.
 """
 
-# numba infers types; docstrings state them.
 # mypy: allow-untyped-defs
 
 from __future__ import annotations
@@ -23,14 +22,13 @@ from planner.scene.compile_options import BORROWING, OWNING
 MOST = 256
 """Chords of a curve."""
 PARALLEL = 1e-9
-"""Sine of the turn below which two tangents do not meet."""
+"""Sine of the turn below which tangents count as parallel."""
 BEND_SPARE = 0.05
-"""An arc is so much wider than the tightest that is asked for."""
+"""An arc is this part wider than the tightest allowed."""
 
 
 @njit(**BORROWING)
 def _place(points, lengths, i, at):
-    """Place at a length along link i."""
     step = lengths[i + 1] - lengths[i]
     t = (at - lengths[i]) / step if step > 0.0 else 0.0
     x, y = points[i, 0], points[i, 1]

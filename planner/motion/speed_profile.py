@@ -37,7 +37,7 @@ class SpeedProfile:
     """Position over time along a leg: ``times`` and ``speeds`` (n,) at ``lengths`` (n,).
 
     The acceleration is constant between two entries; ``area`` is the integral of the position over
-    time. The robot drives the average of this profile over ``window_s``.
+    time. The robot drives the average of this over ``window_s``.
     """
 
     lengths: FloatArray
@@ -85,7 +85,7 @@ class SpeedProfile:
         return times
 
     def _cell(self, time_s: FloatArray) -> tuple[IndexArray, FloatArray, FloatArray]:
-        """For each time, its cell's index, the time since the cell began, the acceleration."""
+        """Each time's cell, the time since it began, the acceleration."""
         clamped = np.minimum(np.maximum(time_s, 0.0), self.times[-1])
         cell = np.searchsorted(self.times, clamped, side="right") - 1
         cell = np.minimum(cell, len(self.times) - 2)
@@ -154,7 +154,7 @@ def _with_middle(
 
 
 def _reach_out(lengths: FloatArray, limits: FloatArray, reach: FloatArray) -> FloatArray:
-    """Each cell's limit, lowered to that of any slower cell whose own ``reach`` includes it."""
+    """Each cell's limit, lowered to that of any slower cell that reaches it."""
     first = np.searchsorted(lengths, lengths[:-1] - reach, side="right") - 1
     last = np.searchsorted(lengths, lengths[1:] + reach, side="left")
     return polyline_kernels.reach_out(limits, first, last)  # type: ignore[no-any-return]

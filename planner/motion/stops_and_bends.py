@@ -1,11 +1,10 @@
-"""A path cut into legs at the robot's stops, with the limits that apply between them.
+"""A path cut into legs at the robot's stops, with the limits between them.
 
 - A corner of the path becomes a bend that leaves it by ``chord_tolerance``. The heading turns
-  evenly from t before to t after it, ``EVEN`` of t = tolerance / tan(turn / 4) (at most half way
-  to the next corner), and is averaged ``ease`` before and after, so that the curvature grows and
-  falls evenly. The speed keeps the angular rate and the lateral and angular acceleration. Where it
-  would be a crawl, or the bend tighter than the turning radius, a robot that can turn on the spot
-  stops.
+  evenly from t before to t after it, ``EVEN`` of t = tolerance / tan(turn / 4) (at most half way to
+  the next corner), and is averaged ``ease`` before and after, so that the curvature grows and falls
+  evenly. The speed keeps the angular rate and the lateral and angular acceleration. Where it would
+  be a crawl, or the bend tighter than the turning radius, a robot that can turn on the spot stops.
 - Lengths are measured along a leg, from 0, in the scene's units.
 """
 
@@ -33,7 +32,7 @@ CRAWL = 0.25
 ROUNDING = 1e-6
 """A bend is as wide as the turning radius within this part of it."""
 EVEN = 0.75
-"""A corner turned evenly over so much of t, and then averaged, leaves it no further."""
+"""A corner turned evenly over this part of t, and then averaged, leaves the path no further."""
 ANGULAR_SHARE = 0.5
 """The part of the angular acceleration for bends that begin and end; the rest for the speed's."""
 _CELLS_PER_SPACING = 16
@@ -91,7 +90,7 @@ class Stretch:
 
 @dataclass(frozen=True, slots=True)
 class Stop:
-    """A place of rest: a station, a sharp corner or one of both ends."""
+    """A place of rest: a station, a sharp corner or an end."""
 
     vertex: int
     station: int | None
@@ -153,7 +152,7 @@ class CutPath:
                 self.stops.append(self._standing_at(int(vertex)))
 
     def _add_tight_bends(self) -> None:
-        """Add stops until no bend between them is too tight; shorter legs have fewer vertices."""
+        """Add stops until no bend between them is too tight."""
         tightest = self._tightest()
         done = self.stops[:1]
         ahead = self.stops[:0:-1]
@@ -176,7 +175,7 @@ class CutPath:
         return (1.0 + ROUNDING) / self.limits.turning_radius
 
     def too_tight(self, leg: Stretch) -> tuple[float, float, float] | None:
-        """Place where the leg is tighter than the turning radius, and the radius there; or None."""
+        """Place and radius of the leg's bend below the turning radius, if any."""
         if self.limits.turning_radius == 0.0 or not len(leg.lengths):
             return None
         at = np.concatenate([[0.0], leg.breaks(), leg.lengths[-1:]])
@@ -219,8 +218,6 @@ class CutPath:
         """Half-width of the heading's averaging that keeps every bend within the tolerance.
 
         Averaging moves an even bend of curvature k by k ease^2 / 6: a quarter of the tolerance.
-        Where the tolerance alone sets the turning length before and after a corner, the half-width
-        equals it.
         """
         turned = turns != 0.0
         curvature = np.abs(turns[turned]) / spread[turned]
@@ -267,7 +264,7 @@ class CutPath:
         return step
 
     def chord_tolerance(self) -> float:
-        """Largest distance of the waypoints' chords from the path that loses no clearance."""
+        """Largest distance of chords from the path that loses no clearance."""
         rounding = 1e-9 * self.path.robot_radius
         return max(min(self.limits.chord_tolerance, self.slack), rounding)
 
@@ -285,8 +282,7 @@ class CutPath:
             clearances = np.interp(nodes, leg.lengths, leg.clearances)
         else:
             clearances = self.exact_clearance(points_at(leg.points, leg.lengths, nodes))
-        # clearance falls at most by the distance driven: this is the least that both ends allow
-        # between
+        # clearance falls at most by the distance driven: the least that both ends allow
         least = 0.5 * (clearances[:-1] + clearances[1:] - np.diff(nodes))
         spare = least - self.path.robot_radius
         room = limits.slow_clearance - self.path.robot_radius
@@ -306,7 +302,7 @@ class CutPath:
         return speed, np.minimum(gentle, limits.acceleration)
 
     def waypoint_lengths(self, leg: Stretch) -> FloatArray:
-        """Lengths along the leg of its waypoints, including both ends."""
+        """Lengths along the leg of its waypoints, both ends included."""
         spacing = min(self.limits.spacing, float(leg.lengths[-1]) / _LEAST_WAYPOINTS)
         marks = np.concatenate([leg.lengths, leg.forced])
         fine = np.unique(marks)
@@ -328,7 +324,7 @@ class CutPath:
 def _integral(
     knots: FloatArray, values: FloatArray, area: FloatArray, at: FloatArray
 ) -> FloatArray:
-    """Integral up to ``at`` of values linear between knots; ``area`` is that up to each knot."""
+    """Integral up to ``at`` of values linear between knots, ``area`` up to each knot."""
     cell = np.clip(np.searchsorted(knots, at, side="right") - 1, 0, len(knots) - 2)
     width = knots[cell + 1] - knots[cell]
     gone = at - knots[cell]
@@ -339,7 +335,7 @@ def _integral(
 
 
 def speed_cells(leg: Stretch, spacing: float) -> FloatArray:
-    """(n,) ends of the cells of constant speed limit, from 0 to the leg's length."""
+    """Ends (n,) of the cells of constant speed limit, from 0 to the leg's length."""
     length = float(leg.lengths[-1])
     wanted = math.ceil(min(length / spacing, _MOST_CELLS) * _CELLS_PER_SPACING - 1e-6)
     count = min(max(wanted, _LEAST_CELLS), _MOST_CELLS)

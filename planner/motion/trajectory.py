@@ -1,8 +1,7 @@
 """Timed waypoints along a path: place, heading, speed and time.
 
-- The waypoints lie on the path. The straight lines between them leave it by at most
-  ``chord_tolerance`` and by its clearance beyond the robot's radius, so they are as free of
-  collisions as the path.
+- The waypoints lie on the path. The lines between them leave it by at most ``chord_tolerance`` and
+  its clearance beyond the robot's radius, so they are as free of collisions.
 - Corners slow the robot, or stop it and turn it on the spot (``stops_and_bends.py``).
 - Between two stops the speed keeps its limits with bounded jerk (``speed_profile.py``).
 - The robot stops at stations with a heading, to turn, or with a dwell.
@@ -33,13 +32,13 @@ from planner.shared.arguments import as_float, as_list, of_kind
 from planner.shared.numbers import wrap_angle
 
 HEADING_TOLERANCE_RAD = 1e-6
-"""Headings nearer than this are equal: far below what any robot can hold."""
+"""Headings nearer than this are equal: far below a robot's accuracy."""
 MOST_WAYPOINTS = 1_000_000
 """A path that needs more is a mistake in the units of its limits."""
 
 
 class TrajectoryError(ValueError):
-    """The path cannot be timed with these limits; the message says why."""
+    """A path that cannot be timed with these limits; the message says why."""
 
 
 def default_limits(robot_radius: float) -> Limits:

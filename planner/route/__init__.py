@@ -1,4 +1,4 @@
-"""From a request to a path: preferences, margin, the taut line, and reasons for a refusal.
+"""From a request to a path, or the reasons for a refusal.
 
 - ``plan_request.py`` parses the request, ``margin.py`` leads out of the margin.
 - ``route.py`` plans each leg over the chains; ``taut.py``, ``taut_kernels.py`` and

@@ -1,14 +1,13 @@
 """The shortest way along a route: a funnel through the free corridor around it.
 
 Rules and units
-- A corridor is the free space around a route, up to the borders. Its shortest way that keeps
-  ``keep`` off them is taut: straight, and around corners.
+- The corridor's shortest way that keeps ``keep`` off its borders is taut: straight, and around
+  corners.
 - A portal is a line across the corridor through a place of the route, ``keep`` off both borders;
   without room for it, the place alone.
 - Left and right are those of ``cross(along, left - right) > 0``.
 """
 
-# numba infers types; docstrings state them.
 # mypy: allow-untyped-defs
 
 from __future__ import annotations
@@ -24,9 +23,9 @@ from planner.scene.compile_options import BORROWING, OWNING
 from planner.scene.primitive_kernels import foot, grown, is_round
 
 DENSER = 12
-"""How often a link is halved at most for its feet to turn slowly enough."""
+"""Most halvings of a link for its feet to turn slowly enough."""
 TURNS_RAD = (0.2, 0.05)
-"""How far a border's foot may turn from one portal to the next: tried in this order."""
+"""Most that a border's foot may turn between portals: tried in this order."""
 
 
 @njit(**BORROWING)
@@ -65,7 +64,6 @@ def _turns_little(a, b, round_left, round_right, least_cosine):
 
 @njit(**BORROWING)
 def _roundness(kind, data, piece, keep):
-    """Bulge of a chord around a piece, relative to one around a point."""
     if is_round(kind[piece]):
         return 1.0 + data[piece, 2] / keep
     return 1.0
@@ -135,8 +133,8 @@ def _side(ax, ay, bx, by, cx, cy):
 def between(gates, sx, sy, gx, gy):
     """Range of portals that the way from s to g must pass: first, last + 1.
 
-    Portals that s has passed or lies on, and those beyond g, are left out: a route's first portals
-    often lie behind its start, which retraction moved sideways.
+    Portals that s has passed or lies on, and those beyond g, are left out: retraction moved the
+    route's start sideways.
     """
     first, last = 0, len(gates)
     while first < last:
@@ -190,7 +188,6 @@ def funnel(gates, sx, sy, gx, gy):
         if turned < 0:
             i += 1
             continue
-        # restart the funnel at this corner
         if m < len(out) and (out[m - 1, 0] != px or out[m - 1, 1] != py):
             out[m, 0], out[m, 1] = px, py
             m += 1
@@ -206,8 +203,8 @@ def pull_taut(tree, points, pairs, keep, need, tolerance):
     """Taut polyline along a route; empty unless proved, against all borders, to keep ``need``.
 
     ``pairs`` (n, 2) are the pieces left and right of each link, -1 where unknown: there the route
-    itself is kept, except its ends, where a station lies in the first or last disc. Where there is
-    room the way keeps ``keep`` >= ``need``, plus the bulge of chords between portals.
+    itself is kept, except its ends, where a station lies in the first or last disc. The way keeps
+    ``keep`` >= ``need``, plus the bulge of chords between portals, where there is room.
     """
     lo, hi = 0, len(points) - 1
     while lo <= hi and pairs[lo, 0] < 0:

@@ -1,10 +1,11 @@
 """Hysteresis between plans: a repeated request keeps the last path unless another is better.
 
 Rules and units
-- Noise decides between paths of equal cost: without memory the plan would jump between them.
+- Without memory, noise would make the plan jump between paths of equal cost.
 - The last path, continued from the robot's place, remains the answer while it keeps the required
   clearance and no other way is cheaper by more than ``STAY``; if it is blocked, the same holds for
-  the cheapest path on the same sides of the obstacles. Lengths are in the scene's units.
+  the cheapest path on the same sides of the obstacles.
+- Lengths are in the scene's units.
 """
 
 from __future__ import annotations
@@ -32,7 +33,7 @@ MERGE = 4.0
 def last_legs(path: Path | NoPath | None, count: int) -> list[FloatArray | None]:
     """The path's last ``count`` stretches between stations, with leading None for missing ones.
 
-    A refusal has none. Stretches match from the end, as passed stations are not requested again.
+    Stretches match from the end, as passed stations are not requested again.
     """
     legs: list[FloatArray | None] = [None] * count
     if isinstance(path, Path):
@@ -43,8 +44,8 @@ def last_legs(path: Path | NoPath | None, count: int) -> list[FloatArray | None]
 def continued(borders: Borders, last: FloatArray, start: Vec, goal: Vec, need: float) -> FloatArray:
     """The last path (n, 2) between its places nearest to the start and the goal, joined to both.
 
-    The ends join it at a small angle if ``need`` is kept there, else straight across. The result
-    need not keep ``need``.
+    The ends join it at a small angle if ``need`` is kept there, else straight across. The
+    result need not keep ``need``.
     """
     lengths = arc_lengths(last)
     begin = _nearest(last, lengths, start, 0.0)
@@ -59,7 +60,7 @@ def continued(borders: Borders, last: FloatArray, start: Vec, goal: Vec, need: f
 
 
 def _nearest(line: FloatArray, lengths: FloatArray, place: Vec, least: float) -> float:
-    """Length along the line, at least ``least``, at its nearest point to the place."""
+    """Length, at least ``least``, of the line's nearest point to the place."""
     a, step = line[:-1], np.diff(line, axis=0)
     squared = np.maximum((step**2).sum(axis=1), 1e-300)
     part = np.clip(((np.array(place) - a) * step).sum(axis=1) / squared, 0.0, 1.0)
@@ -77,7 +78,7 @@ def _joined(
     towards: float,
     need: float,
 ) -> float:
-    """Length at which a place joins the line: a few of its distances ahead, if clear."""
+    """Length at which a place joins the line, ahead if clear."""
     (near,) = points_at(line, lengths, np.array([at]))
     reach = min(MERGE * math.dist(near, place), abs(towards - at))
     for part in (1.0, 0.5, 0.25):
@@ -98,7 +99,7 @@ def preferred(
 ) -> FloatArray:
     """The last path, one of the ``ways`` on the same sides of the obstacles, or else the first.
 
-    ``ways`` are the paths found, the best first, and ``last`` the last path continued.
+    ``ways`` are the paths found, the best first; ``last`` is the last path continued.
     """
     most = _cost(borders, ways[0], need, preference) * (1.0 + STAY)
     if is_kept(borders, last, need):

@@ -4,8 +4,8 @@ Rules and units
 - The radius is mandatory, the margin a wish. A station that keeps only the radius is left, or
   reached, on the shortest straight line that ends where both are kept, and is nowhere nearer to a
   border than the station; if there is none, nowhere nearer than the radius.
-- Such a line is at most ``REACH`` radii and margins long: the margin is given up nowhere else.
-  Lengths are in the scene's units.
+- The line is at most ``REACH`` radii and margins long: the margin is given up nowhere else. Lengths
+  are in the scene's units.
 """
 
 from __future__ import annotations
@@ -28,7 +28,7 @@ DIRECTIONS = 64
 DISTANCES = 32
 """Distances tried in each, from the least that can do to the farthest."""
 HALVINGS = 30
-"""Number of times that the last step to where the margin is kept is halved."""
+"""Halvings of the last step to where the margin is kept."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -42,7 +42,7 @@ class WayOut:
 def way_out(
     borders: Borders, name: str, place: Vec, radius: float, margin: float, units: str = ""
 ) -> WayOut | None:
-    """Shortest straight path out of the margin; None if none is short enough."""
+    """Shortest straight path out of the margin, if short enough."""
     need, reach = radius + margin, REACH * (radius + margin)
     standing, which = box_tree_kernels.nearest(borders.tree, *place, np.inf)
     fx, fy = primitive_kernels.foot(borders.kind, borders.data, which, *place)
@@ -66,10 +66,7 @@ def way_out(
 def _shortest(
     borders: Borders, place: Vec, away: float, least: float, reach: float, need: float, keep: float
 ) -> Vec | None:
-    """End of the shortest straight line out that keeps ``keep``.
-
-    Among equal lines, directions near ``away`` come first.
-    """
+    """End of the shortest line out that keeps ``keep``, preferably near direction ``away``."""
     turn = np.arange(DIRECTIONS)
     angle = away + (turn + 1) // 2 * np.where(turn % 2 == 1, 1.0, -1.0) * math.tau / DIRECTIONS
     steps = np.geomspace(least, reach, DISTANCES) if least < reach else np.array([least])

@@ -29,7 +29,8 @@ class Blocked:
     """Absence of a path for a disc of radius ``need`` from ``start`` to ``goal``.
 
     ``stations`` are all requested ones, in order. ``reason`` says why the disc cannot be at one of
-    them, None if the path is at fault. ``names`` name both ends; ``remarks`` report uncertainty.
+    them, None if the path is at fault. ``names`` are those of both ends; ``remarks`` report
+    uncertainty.
     """
 
     start: Vec
@@ -44,7 +45,7 @@ class Blocked:
 def explain(
     borders: Borders, chains: Chains, blocked: Blocked, radius: float, units: str = ""
 ) -> NoPath | None:
-    """Narrowest place of the widest path; None if the chains have no path for any robot."""
+    """Narrowest place of the widest path; None if there is no path for any robot."""
     found = widest_way(borders, chains, blocked.stations)
     if found is None:
         return None
@@ -106,7 +107,7 @@ def widest_way(
 
 @dataclass(frozen=True, slots=True)
 class NamedStation:
-    """A named station, its nearest primitive, the distance to it, and if an object is there."""
+    """A station, its nearest primitive, the distance to it, and if an object is there."""
 
     name: str
     at: Vec

@@ -10,7 +10,7 @@ from planner.scene import Vec
 from planner.shared.arguments import as_float, as_list, brief, one_of
 
 PREFERENCES = {"length": 0.0, "balanced": 0.5, "clearance": 1.0}
-"""The names of ``prefer`` and the numbers they stand for."""
+"""Numbers of the names of ``prefer``."""
 
 MOST_ALTERNATIVES = 1_000_000
 """More are refused: their routes would take gigabytes."""
@@ -32,7 +32,7 @@ class Request:
     relaxed: bool = False
 
     def in_order(self, order: Sequence[int]) -> Request:
-        """Return the same request with its vias in another order."""
+        """The same request with its vias in another order."""
         if tuple(order) == tuple(range(len(order))):
             return self
         picked = (0, *(i + 1 for i in order), len(self.stations) - 1)

@@ -1,8 +1,8 @@
 """From a request to a path: attach the stations, search the chains, prove the answer.
 
 Rules and units
-- Routes over the roadmap's chains are made taut (``taut.py``). The shortest path that keeps the
-  radius need not follow a chain: a search over tangents finds it (``tangent_search.py``).
+- Routes over the roadmap's chains are made taut (``taut.py``). The shortest path need not follow a
+  chain: a search over tangents finds it (``tangent_search.py``).
 - The exact distance of every answer to every border is at least the radius and the margin.
 """
 
@@ -40,11 +40,11 @@ obstacles none was better for 1.5, eleven were worse for 1.1."""
 SPARE_ROUTES = 2
 """Routes made taut for every alternative wanted, so that the best of them are found."""
 MOST_ROUTES = 512
-"""At most this number of routes is compared, or what the alternatives wanted take."""
+"""Most routes compared, unless the alternatives wanted take more."""
 TAUT_POINTS = 200_000
-"""Points of routes that are made taut for them at most: about 0.2 s."""
+"""Most points of routes that are made taut for them: about 0.2 s."""
 AS_WIDE = 1e-9
-"""Routes whose clearances differ by so small a part of them are equally wide."""
+"""Routes whose clearances differ by this part of them are equally wide."""
 OTHERS = 3
 """Paths looked at besides the best for one on the sides of the last one."""
 SECOND_OPINION = 4_000_000
@@ -66,7 +66,7 @@ class Ways:
 class Leg:
     """Task from one station to the next for a disc of radius ``need``.
 
-    ``room`` is the distance of both stations from the borders.
+    ``room``: both stations' distances from the borders.
     """
 
     borders: Borders
@@ -100,7 +100,7 @@ def plan_request(
     """Answer a request on measured chains, for a disc of ``radius``.
 
     ``chains_only`` trusts the chains if they have no path, as the paper does. ``near`` is the last
-    answer, see ``hysteresis.py``. ``unknown`` marks uncertain obstacles, which a refusal names.
+    answer (``hysteresis.py``). A refusal names uncertain obstacles, those in ``unknown``.
     """
     need = radius + request.margin
     asked = request
@@ -146,8 +146,7 @@ def _stand(
 ) -> tuple[Request, list[str], NoPath | Blocked | None]:
     """Request from places that keep the margin, remarks on that, and a refusal or None.
 
-    Only stations of a ``relaxed`` request may lie within the margin, see
-    :mod:`planner.route.margin`.
+    Only stations of a ``relaxed`` request may lie within the margin (:mod:`planner.route.margin`).
     """
     need = radius + request.margin
     what = "the radius and margin" if request.margin > 0.0 else "the radius"
@@ -179,7 +178,7 @@ def _stand(
 def _from_stations(
     asked: Request, leg: int, lines: tuple[FloatArray, ...]
 ) -> tuple[FloatArray, ...]:
-    """Extend the leg's lines to the stations themselves, if those lie within the margin."""
+    """Extend the leg's lines to those stations that lie within the margin."""
     begin, end = asked.stations[leg : leg + 2]
     out = []
     for line in lines:
@@ -202,10 +201,7 @@ def _others(legs: list[Ways]) -> Iterator[list[FloatArray]]:
 def _best_order(
     borders: Borders, network: Network, request: Request, need: float, *, chains_only: bool
 ) -> tuple[int, ...]:
-    """Order of the vias that makes the path shortest, with the legs planned as usual.
-
-    The requested order, if no order reaches all of them.
-    """
+    """Order of the vias that makes the path shortest; the requested one if no order reaches all."""
     stations = request.stations
     matrix = np.zeros((len(stations), len(stations)))
     for i in range(len(stations)):
@@ -223,7 +219,7 @@ def _best_order(
 def plan_leg(leg: Leg, alternatives: int = 0, *, chains_only: bool = False) -> Ways:
     """Return the paths of :func:`_plan_leg`, the same in both directions.
 
-    Planning begins at the end with more room, a choice that turns and moves with the scene.
+    Planning begins at the end with more room, which turns and moves with the scene.
     """
     apart = leg.room[0] - leg.room[1]
     even = abs(apart) <= ROUNDING * leg.borders.extent
@@ -236,7 +232,7 @@ def plan_leg(leg: Leg, alternatives: int = 0, *, chains_only: bool = False) -> W
 
 
 def _certified(leg: Leg, found: Ways) -> Ways:
-    """Keep the paths with exact clearance ``need`` over their whole length."""
+    """Keep the paths with exact clearance ``need``."""
     least = leg.need - ROUNDING * leg.borders.extent
     proved = tuple(
         line
@@ -252,7 +248,7 @@ def _plan_leg(leg: Leg, alternatives: int, *, chains_only: bool) -> Ways:
     Each further one passes some obstacle on another side than all before. At preference 0 the first
     is the shortest of all; up to 1, a corridor's shortest that keeps ``1 + ROOM * preference``
     radii off the borders where there is room; at 1 the widest route, the cheapest of those equally
-    wide within ``AS_WIDE``. Empty if there is no path.
+    wide within ``AS_WIDE``.
     """
     borders, start, goal, need = leg.borders, leg.start, leg.goal, leg.need
     if start == goal:
@@ -267,7 +263,7 @@ def _plan_leg(leg: Leg, alternatives: int, *, chains_only: bool) -> Ways:
     if not found and chains_only:
         return Ways(())
     if not found:
-        # the chains may lack paths this wide: a bounded second opinion by another method
+        # the chains may lack paths this wide: a bounded second opinion
         exact = shortest_way(borders, start, goal, need, budget=SECOND_OPINION)
         if exact.way is None:
             return Ways((), () if exact.certain else (UNSURE,))
@@ -284,8 +280,7 @@ def _plan_leg(leg: Leg, alternatives: int, *, chains_only: bool) -> Ways:
 def _routes(leg: Leg, alternatives: int) -> Ways:
     """Paths over different chains, the preferred one first; some may be shifts of others.
 
-    The first may be cut short to another side of an obstacle. Alternatives are the cheapest routes,
-    taut and sorted.
+    The first may be cut short to another side of an obstacle.
     """
     borders, network, need, preference = leg.borders, leg.network, leg.need, leg.preference
     floor = need - ROUNDING * borders.extent
@@ -349,7 +344,7 @@ def _others_than(
 
 
 def _staying(leg: Leg, last: FloatArray, found: Ways, alternatives: int) -> Ways:
-    """The paths found, preceded by the continued last path if that is as good."""
+    """The paths found, after the continued last path if that is as good."""
     borders, need = leg.borders, leg.need
     way = continued(borders, last, leg.start, leg.goal, need)
     lines = found.lines
@@ -362,7 +357,7 @@ def _staying(leg: Leg, last: FloatArray, found: Ways, alternatives: int) -> Ways
 def _distinct(
     borders: Borders, ways: Sequence[FloatArray], alternatives: int
 ) -> tuple[FloatArray, ...]:
-    """The first path, and up to ``alternatives`` others that are no shift of a path before them."""
+    """The first path, and up to ``alternatives`` others that are no shift of one before."""
     if not alternatives:
         return tuple(ways[:1])
     places = anchors(borders)

@@ -1,8 +1,6 @@
-"""From routes over the chains to polylines: taut, cut short, and proved.
+"""From routes over the chains to proved polylines: taut and cut short.
 
-Rules and units
-- Every answer is proved, see ``taut_kernels.py``.
-- A preference above 0 asks for more clearance than needed, where there is room.
+A preference above 0 asks for more clearance than needed, where there is room.
 """
 
 from __future__ import annotations
@@ -18,9 +16,9 @@ from planner.search.chain_search import DETOUR, ROUNDING, Lines
 ROOM = 2.0
 """Radii of clearance kept on top of the first, where there is room, per unit of preference."""
 TIGHT = 1e-9
-"""A bend exactly as wide as needed is followed in chords that take so much of the radius."""
+"""A bend exactly as wide as needed is followed in chords that take this part of the radius."""
 WIDE = 1e-6
-"""The widest path's polyline may be narrower than the path itself by so much of its clearance."""
+"""The widest path's polyline may be narrower than the path by this part of its clearance."""
 FLATNESS = 0.02
 """Largest distance of a path from the bisector it follows, in radii, where there is room."""
 
@@ -75,7 +73,7 @@ def _proved(
 def best_cut(
     borders: Borders, ways: FloatArray, first: IntArray, need: float, preference: float
 ) -> FloatArray:
-    """The cheapest of the paths after straight cuts, which may pass obstacles on another side."""
+    """The cheapest path after straight cuts, which may change sides of obstacles."""
     best: FloatArray = taut_kernels.best_cut(
         borders.tree, ways, first, need, need * (1.0 + ROOM * preference), DETOUR * preference,
         borders.equal,
@@ -89,6 +87,6 @@ def judge(borders: Borders, way: FloatArray, need: float, preference: float) -> 
 
 
 def certain(borders: Borders, lines: Lines, need: float) -> FloatArray | None:
-    """Polyline of the first route, close enough to the bisectors to keep ``need``, or None."""
+    """Polyline of the first route, near enough to the bisectors to keep ``need``, or None."""
     ways, first = finish(borders, lines, need, 1.0)
     return ways if len(first) > 1 else None

@@ -1,13 +1,11 @@
 """From routes to polylines: taut, cut short, judged, on flat arrays.
 
 Rules and units
-- Every polyline is proved to keep ``need`` exactly from all borders.
-- A straight line is accepted if its exact distance from all borders is at least that required.
-- A way's points are fixed: if both ends of a line are nearer to a border than wished, the line may
-  be as near as they are, but never nearer than needed.
+- Every polyline and every cut is proved to keep its clearance exactly from all borders.
+- If both ends of a line are nearer to a border than wished, the line may be as near as they are,
+  but never nearer than needed.
 """
 
-# numba infers types; docstrings state them.
 # mypy: allow-untyped-defs
 
 from __future__ import annotations
@@ -25,9 +23,9 @@ from planner.scene.compile_options import BORROWING, OWNING
 from planner.scene.primitive_kernels import NONE, grown
 
 UNEQUAL = 1e-2
-"""What corners may be short of, in parts of what is equal: rounding."""
+"""Shortfall of corners by rounding, in parts of what is equal."""
 FOLD = 0.25
-"""A way never turns back within so much of what it needs, where it can go straight on."""
+"""A way that can go straight on never turns back within this part of what it needs."""
 
 
 @njit(**OWNING)
@@ -48,8 +46,8 @@ def certain(tree, points, pairs, need, flatness, tolerance, rounding):
 def unfolded(tree, way, reach, tolerance):
     """The way (n, 2) without turns back by more than a right angle before or after ``reach``.
 
-    A way may overshoot slightly where it enters or changes a chain. A turn stays if the straight
-    line past it would be narrower than the way there.
+    A way may overshoot slightly where it enters or changes a chain. A turn stays if the line past
+    it would be narrower.
     """
     out = np.empty((len(way), 2))
     m = 0

@@ -4,6 +4,6 @@
   stations, ``route_search_kernels.py`` searches and lays out a route, ``alternative_kernels.py``
   the k cheapest; ``chain_search.py`` is their interface.
 - ``tangent_search.py`` with ``tangent_kernels.py`` finds the exact shortest path.
-- ``homotopy.py`` with ``homotopy_kernels.py`` distinguishes paths by the sides they take.
+- ``homotopy.py`` with ``homotopy_kernels.py`` distinguishes paths by their sides.
 - ``tour.py`` with ``tour_kernels.py`` orders the stations.
 """

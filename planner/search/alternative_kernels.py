@@ -1,17 +1,15 @@
 """The k cheapest routes over the chains without a loop, on flat arrays.
 
 Rules and units
-- Method: Yen (1971). Leave each route once at each node, for the cheapest continuation that no
-  earlier route takes. Nodes before it are shut, so no route meets a node twice. A route that left
-  another is left only from there on (Lawler 1972).
-- A continuation is sought only once nothing else can be cheaper: it costs at least the first step
-  plus the least rest from there. Nothing dearer than the ``wanted`` cheapest answers is sought.
-- Two such routes are never shifts of one another: the chains are the free space shrunk, and in a
-  graph, ways without a step back and forth are shifts only if equal.
+- Yen (1971): leave each route once at each node, for the cheapest continuation that no earlier
+  route takes. Nodes before it are shut, so no route meets a node twice. A route that left another
+  is left only from there on (Lawler 1972).
+- A continuation costs at least the first step plus the least rest, and is sought only once nothing
+  else can be cheaper, nor beyond the ``wanted`` cheapest answers.
+- Two such routes are never shifts of one another: the chains are the free space shrunk.
 - Entries, gates and steps are those of :mod:`planner.search.route_search_kernels`.
 """
 
-# numba infers types; docstrings state them.
 # mypy: allow-untyped-defs
 
 from __future__ import annotations
@@ -36,13 +34,13 @@ from planner.search.route_search_kernels import (
 )
 
 BEYOND = 1.0 + 1e-9
-"""Costs are known but for rounding: this multiple of the limit is surely beyond it."""
+"""Multiple of the limit that is surely beyond it, in spite of rounding."""
 COST, ENTRY, EXIT, BEGIN, END, LEFT, KIND = 0, 1, 2, 3, 4, 5, 6
-"""Columns of a route: what it costs, its gates, its steps' place among all steps, after how many
-steps it left another, -1 at its gate, and its kind."""
+"""Columns of a route: cost, gates, its steps' place among all steps, after how many steps it left
+another, -1 at its gate, and kind."""
 ANSWER, LOOP, SOUGHT = 0.0, 1.0, 2.0
-"""A route; one that passes a station of its own on the way, which is left like others and no
-answer; and where one was left: its steps up to there, and what a way on costs at least."""
+"""A route; one that passes a station of its own, left like others and no answer; and where one was
+left, with the least cost onwards."""
 
 
 class Query(NamedTuple):
@@ -149,10 +147,7 @@ def _shut_repeats(access, cost, rounding):
 
 @njit(**BORROWING)
 def _bar_own(where, cost, barred):
-    """Bar the steps over a station's own chain if it is on one only.
-
-    A route over all of it passes the station: a loop.
-    """
+    """Bar the steps over a station's own chain if it is on one only."""
     own = -1
     for i in range(len(where)):
         if cost[2 * i] < np.inf or cost[2 * i + 1] < np.inf:
@@ -173,10 +168,7 @@ def _passes(way, chain):
 
 @njit(**BORROWING)
 def _bar_told(table, told, entry, way, at, barred, to_cost):
-    """Bar continuations of earlier routes that share entry and first ``at`` steps with ``way``.
-
-    That is their next step, or the gate they leave by.
-    """
+    """Bar continuations of routes that share entry and first ``at`` steps with ``way``."""
     routes, steps = table.routes, table.steps
     for t in range(len(told)):
         k = told[t]
@@ -192,7 +184,7 @@ def _bar_told(table, told, entry, way, at, barred, to_cost):
 
 @njit(**OWNING, inline="always")
 def _first_routes(query, start, goal, wanted):
-    """Put the cheapest route and those within one chain into a new table; also return the work."""
+    """New table with the cheapest route and those within one chain; also the work."""
     least = np.full(wanted, np.inf)
     none = np.int64(0)
     table = Table(
@@ -294,7 +286,7 @@ def _leave(query, table, told, pick, most, work, budget):
 def _seek(query, table, told, row, most):
     """Add the cheapest continuation from where a route was left; also return the work.
 
-    Only if it costs less than ``most``.
+    It must cost less than ``most``.
     """
     graph, ends = query.graph, query.graph.chains.ends
     routes = table.routes

@@ -2,11 +2,9 @@
 
 Rules and units
 - Chains and links are those of :mod:`planner.search.chain_graph_kernels`.
-- Retraction leads straight away from the nearest border until a second one is as near, and then
-  onto the chain.
+- Retraction leads away from the nearest border until a second one is as near, and onto the chain.
 """
 
-# numba infers types; docstrings state them.
 # mypy: allow-untyped-defs
 
 from __future__ import annotations
@@ -23,7 +21,7 @@ from planner.scene.primitive_kernels import foot, point_to_segment
 from planner.search.chain_graph_kernels import Gates
 
 SHRINKS = 60
-"""Steps of the shrinking ball; it took at most 12 on random scenes."""
+"""Most steps of the shrinking ball; 12 suffice on random scenes."""
 
 
 @njit(**BORROWING)
@@ -99,8 +97,7 @@ def nearest_links(points, first, x, y, count):
 def _to_ends(graph, chain, link, part, out):
     """Write cost and clearance from a place inside a chain to its first and last point.
 
-    Clearance is monotone along a proved link, so a part is as wide as its narrower end. The access
-    includes the place's own clearance.
+    Clearance is monotone along a proved link. The access includes the place's own.
     """
     first, rho, gap, proved = (
         graph.chains.first,

@@ -1,13 +1,13 @@
 """The roadmap's chains as a graph with costs, and shortest distances, on flat arrays.
 
 Rules and units
-- Chains are numbered as in :func:`planner.diagram.chains.trace_kernels.trace_chains`; chain c's
-  points are ``points[first[c] : first[c + 1]]``, and link i leads from point i to point i + 1.
+- Chain c's points are ``points[first[c] : first[c + 1]]``
+  (:func:`planner.diagram.chains.trace_kernels.trace_chains`); link i leads from point i to point i
+  + 1.
 - A gate is a way onto the roadmap's nodes: ``node``, its cost, and its clearance.
-- Costs are lengths, possibly weighted where the clearance is small; never negative.
+- Costs are lengths, weighted where the clearance is small; never negative.
 """
 
-# numba infers types; docstrings state them.
 # mypy: allow-untyped-defs
 
 from __future__ import annotations
@@ -27,7 +27,7 @@ NEAREST = 1e-12
 
 
 class ChainGraph(NamedTuple):
-    """The chains as a graph with costs.
+    """The chains as a graph.
 
     ``cost`` (p,) of the link from each point, ``total`` (c,) of every chain; node n has the chains
     ``leaving[around[n] : around[n + 1]]``, as chain * 2 + end.
@@ -54,9 +54,9 @@ class Gates(NamedTuple):
 
 
 class GateCosts(NamedTuple):
-    """``node`` and ``cost`` (2 m,) over a station's gates to both ends of their chains.
+    """``node`` and ``cost`` (2 m,) of a station's gates to both ends of their chains.
 
-    The cost is infinite if a way is too narrow.
+    A way too narrow costs infinity.
     """
 
     node: NDArray[np.int32]
@@ -65,7 +65,7 @@ class GateCosts(NamedTuple):
 
 @njit(**OWNING)
 def price_chains(chains, nodes, radius, weight):
-    """Compute the :class:`ChainGraph` fields of chains that meet in this number of ``nodes``.
+    """Compute the :class:`ChainGraph` fields of chains between ``nodes`` nodes.
 
     A link costs its length times 1 + weight * radius / clearance.
     """
@@ -105,7 +105,7 @@ def push(keys, items, size, key, item):
 
 @njit(**BORROWING)
 def pop(keys, items, size):
-    """Take the least of ``size`` entries: key, item."""
+    """Take the least of ``size`` entries."""
     key, item = keys[0], items[0]
     last_key, last_item = keys[size - 1], items[size - 1]
     i, n = 0, size - 1
@@ -125,7 +125,7 @@ def pop(keys, items, size):
 
 @njit(**OWNING)
 def pushed(keys, items, size, key, item):
-    """Put an item into the heap, grown if full, and return the heap."""
+    """Put an item into the heap, grown if full."""
     if size == len(keys):
         keys, items = grown(keys, 2 * size + 8), grown(items, 2 * size + 8)
     push(keys, items, size, key, item)
@@ -136,8 +136,8 @@ def pushed(keys, items, size, key, item):
 def costs_from(graph, floor, start, goal):
     """Cheapest cost from the start's gates to every node (n,), inf if unreachable.
 
-    Dijkstra; ``start`` and ``goal`` are :class:`GateCosts`. The search ends at the goal's first
-    gate, if any; farther nodes get the farthest cost reached, a lower bound.
+    Dijkstra over :class:`GateCosts`, as far as the goal's first gate, if any; farther nodes get the
+    farthest cost reached, a lower bound.
     """
     around, leaving, cost = graph.around, graph.leaving, graph.total
     ends, clearance = graph.chains.ends, graph.chains.clearance

@@ -2,7 +2,7 @@
 
 Rules and units
 - Stations attach inside a chain, by retraction (:mod:`planner.search.attach_kernels`).
-- A path costs its length, and more where it is narrow; clearances are exact.
+- Clearances are exact.
 """
 
 from __future__ import annotations
@@ -37,7 +37,7 @@ ROUNDING = 1e-9
 
 @dataclass(frozen=True, slots=True)
 class Network:
-    """The chains, and as ``graph`` the costs of links and chains and the chains at each node."""
+    """The chains, and their costs as ``graph``."""
 
     chains: Chains
     graph: ChainGraph
@@ -107,9 +107,9 @@ def cheapest_routes(
 ) -> tuple[Lines, int]:
     """The ``wanted`` cheapest routes without a loop that keep ``floor``, the cheapest first.
 
-    Fewer only if no more exist, if the ``budget`` of steps over chains is spent, or if the others
-    are more than ``dearest`` times as dear as the first. The second value is the work, above
-    ``budget`` only if spent.
+    Fewer if no more exist, if the ``budget`` of steps over chains is spent, or if the others are
+    more than ``dearest`` times as dear as the first. The second value is the work, above ``budget``
+    only if spent.
     """
     *found, work = alternative_kernels.cheapest_routes(
         network.graph, floor, start, goal, wanted, ROUNDING * borders.extent, budget, dearest

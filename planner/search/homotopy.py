@@ -1,9 +1,9 @@
-"""Sides on which a path passes the obstacles: distinct paths are no shifts of one another.
+"""Sides on which a path passes the obstacles.
 
 Method: parallel rays lead from one place of each obstacle to infinity. The rays that a path
 crosses, in order and with directions, after cancelling neighbours that undo each other, are a word
-of the free group over the obstacles. Two paths with the same ends can be shifted into each other
-without crossing an obstacle exactly if their words are equal.
+of the free group over the obstacles. Paths with the same ends shift into each other without
+crossing an obstacle exactly if their words are equal.
 """
 
 from __future__ import annotations

@@ -1,10 +1,8 @@
 """The obstacles' rays that a way crosses, in order, on flat arrays.
 
-Rules and units
-- Rays and their order at the same x are those of :func:`planner.search.homotopy.word`.
+Rays and their order at the same x are those of :func:`planner.search.homotopy.word`.
 """
 
-# numba infers types; docstrings state them.
 # mypy: allow-untyped-defs
 
 from __future__ import annotations
@@ -42,7 +40,6 @@ def anchors(kind, data, owner, count):
 
 @njit(**LEAF)
 def _first_behind(places, x):
-    """Number of the places, sorted by x, before x."""
     low, high = 0, len(places)
     while low < high:
         middle = (low + high) // 2
@@ -55,7 +52,7 @@ def _first_behind(places, x):
 
 @njit(**OWNING)
 def word(places, way):
-    """Reduced word of a way (m, 2) among ``places`` from :func:`anchors`: (l,) int32."""
+    """Reduced word (l,) int32 of a way (m, 2) among ``places`` from :func:`anchors`."""
     letters = np.empty(32, np.int32)
     met = np.empty((len(places), 2))
     m = 0

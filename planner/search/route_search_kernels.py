@@ -2,14 +2,12 @@
 
 Rules and units
 - Chains and links are those of :mod:`planner.search.chain_graph_kernels`.
-- A station's entries come from :func:`planner.search.attach_kernels.attach`
-  (:class:`planner.search.chain_graph_kernels.Gates`); gate 2 i + end leads over entry i to that
-  end of its chain.
-- A laid route is points (n, 2) and pairs (n, 2): the pieces left and right of the link to the
-  next point, -1 if the link is straight.
+- Gate 2 i + end leads over a station's entry i (:class:`planner.search.chain_graph_kernels.Gates`)
+  to that end of its chain.
+- A laid route is points (n, 2) and pairs (n, 2): the pieces left and right of the link to the next
+  point, -1 if the link is straight.
 """
 
-# numba infers types; docstrings state them.
 # mypy: allow-untyped-defs
 
 from __future__ import annotations
@@ -75,7 +73,7 @@ def search(graph, ahead, floor, start, goal, shut, barred, most):
     A* over chains of clearance ``floor`` or more; ``ahead`` (n,) is each node's least cost to the
     goal (:func:`costs_from`). Steps ``barred`` (2 chains,) and ways of cost ``most`` or more are
     excluded. Returns the cost, infinity without a way, both gates, the chains in order as chain * 2
-    + starting end, and the work: steps examined, plus the equivalent of clearing the nodes.
+    + starting end, and the work: steps examined, plus clearing the nodes.
     """
     around, leaving, total = graph.around, graph.leaving, graph.total
     ends, clearance = graph.chains.ends, graph.chains.clearance
@@ -140,7 +138,7 @@ def left_to(graph, floor, start, goal):
 
 @njit(**BORROWING)
 def _add(line, pair, m, x, y, left, right):
-    """Write one point and the pair of its link; a repeated point takes the later link."""
+    """Write a point and the pair of its link; a repeated point takes the later link."""
     if m > 0 and line[m - 1, 0] == x and line[m - 1, 1] == y:
         m -= 1
     line[m, 0], line[m, 1] = x, y
@@ -280,7 +278,7 @@ def widest_way(graph, start, goal):
 
 @njit(**OWNING)
 def put_behind(line, pair, size, xy, beside):
-    """Append points and pairs to the first ``size``, with spare space."""
+    """Append points and pairs to the first ``size``, grown if full."""
     end = size + len(xy)
     if end > len(line):
         line, pair = grown(line, 2 * end), grown(pair, 2 * end)

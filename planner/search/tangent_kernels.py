@@ -1,13 +1,12 @@
 """The shortest way that keeps a distance: a search over tangents and arcs, on flat arrays.
 
 Rules and units
-- See :mod:`planner.search.tangent_search` for arcs and tangents.
-- A disc is such an arc: centre, radius, and the exposed directions of its border, ``cone`` = first
-  angle and width. Disc 0 is the start and disc 1 the goal, of radius 0.
+- A disc is an arc of :mod:`planner.search.tangent_search`: centre, radius, and the exposed
+  directions of its border, ``cone`` = first angle and width. Disc 0 is the start and disc 1 the
+  goal, of radius 0.
 - A side is +1 for a way counter-clockwise round a disc (angles grow), -1 for clockwise.
 """
 
-# numba infers types; docstrings state them.
 # mypy: allow-untyped-defs
 
 from __future__ import annotations
@@ -34,13 +33,13 @@ from planner.search.chain_graph_kernels import pop, push
 ANGLE = 1e-7
 """Angles nearer than this are equal."""
 STEP_RAD = 0.2
-"""An arc is proved free in chords around it of at most this angle, shorter where it is narrow."""
+"""An arc is proved free in chords around it of at most this angle."""
 SHORTEST_RAD = STEP_RAD / 64.0
-"""Where even a chord of this angle is not free, the arc ends."""
+"""Shortest chord that has to be free for the arc to continue."""
 START, GOAL = 0, 1
 FOUND, NONE, OUT_OF_BUDGET = 0, 1, 2
 CHECK, ENTRY = 60, 10
-"""What a clearance query and an entry in the queue cost, in tangents tried."""
+"""Cost of a clearance query and of an entry in the queue, in tangents tried."""
 
 
 @njit(**BORROWING)
@@ -133,7 +132,6 @@ def discs_around(kind, data, keep, joint, start, goal, longest):
 
 @njit(**BORROWING)
 def _exposed(discs, i, a):
-    """True if direction ``a`` lies in disc i's cone."""
     if discs[i, 4] >= TAU:
         return True
     t = (a - discs[i, 3]) % TAU
@@ -165,7 +163,7 @@ def _tangent(discs, i, si, j, sj, out):
 
 @njit(**BORROWING)
 def _reach(tree, discs, i, side, a, most, floor):
-    """Angle, at most ``most``, that the way can follow round disc i from direction a."""
+    """Angle up to ``most`` that the way can follow round disc i from direction a."""
     cx, cy, r = discs[i, 0], discs[i, 1], discs[i, 2]
     if discs[i, 4] < TAU:
         last = discs[i, 3] + (discs[i, 4] if side > 0 else 0.0)
@@ -228,9 +226,9 @@ def _is_worse(place, p, r, side, a, cost):
 
 @njit(**OWNING, inline="always")
 def _queued(queue, discs, t, reach, longest):
-    """Add the tangents that leave the arc of ``reach`` after item t to the queue.
+    """Queue the tangents that leave the arc of ``reach`` after item t.
 
-    Only if the direct way from their ends to the goal is shorter than ``longest``.
+    Only if the way through their ends straight to the goal is shorter than ``longest``.
     """
     item, keys, items, made, size = queue
     gx, gy = discs[GOAL, 0], discs[GOAL, 1]
@@ -296,7 +294,7 @@ def shortest(tree, discs, floor, longest, budget):
 
     A* over tangents (the tangent graph of Liu and Arimoto 1992), made and proved against all
     borders when taken from the queue, with clearance ``floor``. Returns the outcome (FOUND, NONE if
-    no way is shorter, OUT_OF_BUDGET after the work of trying ``budget`` tangents), the length, the
+    no way is shorter, OUT_OF_BUDGET after the work of ``budget`` tangents), the length, the
     tangents in order (n, 6): disc, side and angle left, disc, side and angle met, and the work
     done.
     """

@@ -3,8 +3,8 @@
 Rules and units
 - The borders, moved outwards by the clearance, leave arcs around corners and round borders; the
   path consists of such arcs and their common tangents.
-- The answer is a polyline whose chords lie outside the arcs, so it keeps the clearance, proved
-  against all borders. It exceeds the path by less than ``CHORD_RAD ** 2 / 12`` of its arcs.
+- The answer's chords lie outside the arcs, so it keeps the clearance, as proved. It exceeds the
+  path by less than ``CHORD_RAD ** 2 / 12`` of its arcs.
 """
 
 from __future__ import annotations
@@ -21,7 +21,7 @@ from planner.scene import FloatArray, Vec
 from planner.search import tangent_kernels
 
 CHORD_RAD = 0.05
-"""An arc's chords turn by at most so much; below the least turn that smoothing rounds."""
+"""An arc's chords turn by at most this; below the least turn that smoothing rounds."""
 FINER = (1.0, 0.25, 0.0625)
 """Parts of ``CHORD_RAD`` tried in turn, where chords outside an arc come too near to others."""
 SPARE = 1e-9
@@ -52,8 +52,8 @@ def shortest_way(
 ) -> Shortest:
     """Find the shortest path from start to goal that keeps ``keep``, if shorter than ``longest``.
 
-    The path may be as near to a border as a station is by rounding. The work is bounded by
-    ``budget`` tangents tried, ``BUDGET`` if None.
+    The path may be as near to a border as a station is by rounding. ``budget`` is the most tangents
+    tried, ``BUDGET`` if None.
     """
     ends = np.array([start, goal])
     standing = float(borders.distances(ends)[0].min())
@@ -83,7 +83,6 @@ def shortest_way(
 
 
 def _polyline(discs: FloatArray, tangents: FloatArray, chord_rad: float) -> FloatArray:
-    """The tangents, and chords around the arcs between them, turning at most ``chord_rad``."""
     points = [discs[tangent_kernels.START, None, :2]]
     for arrived, left in pairwise(tangents):
         disc, side, a = int(arrived[3]), arrived[4], arrived[5]

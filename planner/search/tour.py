@@ -1,7 +1,7 @@
 """The order in which to visit stations: exact for up to 15, a good one above.
 
 Exact: dynamic programming over subsets (Held and Karp 1962). Above: cheapest insertion, then 2-opt
-and Or-opt moves until none helps, repeated from shaken tours, always the same, so that equal input
+and Or-opt moves until none helps, repeated from shaken tours with a fixed seed, so that equal input
 gives equal answers.
 """
 
@@ -16,7 +16,7 @@ from planner.scene import FloatArray
 from planner.search import tour_kernels
 
 EXACT_STATIONS = 15
-"""Inner stations up to which the order is the best there is."""
+"""Inner stations up to which the order is exact."""
 SHAKES = 24
 """New starts of the local search, each from the best tour with a double bridge (Martin, Otto
 and Felten 1991)."""
@@ -26,7 +26,7 @@ _GAIN = 1e-12
 
 
 class TourError(ValueError):
-    """The distances cannot be used; the message says why."""
+    """Unusable distances; the message says why."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -42,12 +42,11 @@ class Tour:
 
 
 def best_tour(distances: ArrayLike) -> Tour:
-    """Return the order that makes the path shortest.
+    """Return the order that makes the path from station 0 to station m - 1 shortest.
 
-    ``distances`` (m, m) are from each station to each other, >= 0, infinity if there is no path; it
-    need not be symmetric. The path begins at station 0 and ends at station m - 1. ``cost`` is
-    infinite if no order is possible. Raises :class:`TourError` on anything else. O(n^2 2^n) to 15
-    inner stations, then O(n^3) or so.
+    ``distances`` (m, m) from each station to each other are >= 0, infinity if there is no path, and
+    need not be symmetric. ``cost`` is infinite if no order is possible. Raises :class:`TourError`
+    on anything else. O(n^2 2^n) to 15 inner stations, then O(n^3) or so.
     """
     matrix = _checked(distances)
     if len(matrix) - 2 <= EXACT_STATIONS:

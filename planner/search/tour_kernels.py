@@ -3,7 +3,6 @@
 Rules are those of :func:`planner.search.tour.best_tour`.
 """
 
-# numba infers types; docstrings state them.
 # mypy: allow-untyped-defs
 
 from __future__ import annotations
@@ -16,10 +15,9 @@ from planner.scene.compile_options import BORROWING, OWNING
 
 @njit(**OWNING)
 def held_karp(distance):
-    """The cheapest order (Held and Karp 1962): O(n^2 2^n) for n inner stations.
+    """The cheapest order (Held and Karp 1962) and its cost: O(n^2 2^n) for n inner stations.
 
-    ``distance`` (m, m); the first and last station stay. Returns the order of the inner stations,
-    and the cost.
+    ``distance`` (m, m); the first and last station stay.
     """
     m = distance.shape[0]
     n = m - 2
@@ -65,7 +63,7 @@ def held_karp(distance):
 
 @njit(**BORROWING)
 def tour_cost(distance, tour):
-    """Sum of the distances along ``tour``, ends included."""
+    """Length of ``tour``, ends included."""
     total = 0.0
     for k in range(tour.shape[0] - 1):
         total += distance[tour[k], tour[k + 1]]

@@ -1,14 +1,13 @@
-"""Black and white: the pixels that are obstacle, with the method and the reason.
+"""The pixels that are obstacle, with the method and the reason.
 
 Rules and units
-- Grey values are 0 .. 255, obstacles dark, after ``as_grey``: 16 bits are scaled by the brightest
-  pixel, and light obstacles are turned into dark ones.
-- A pixel is obstacle where its grey value lies below the level.
-- Methods: ``otsu`` (one level, from the histogram), ``fixed`` (the caller's), ``adaptive``
-  (the mean of the neighbourhood), ``background`` (division by a fitted surface of the light).
+- Grey values are 0 .. 255, obstacles dark: 16 bits are scaled by the brightest pixel, light
+  obstacles turned into dark ones.
+- A pixel below the level is obstacle.
+- Methods: ``otsu`` (one level, from the histogram), ``fixed`` (the caller's), ``adaptive`` (the
+  mean of the neighbourhood), ``background`` (division by a fitted surface of the light).
 - ``auto`` takes one level in even light and divides by the light otherwise.
-- ``Binary.grey`` is what the mask was made from, with one level for the whole picture;
-  sub-pixel edges are measured in it.
+- ``Binary.grey`` has one level for the whole picture; sub-pixel edges are measured in it.
 """
 
 from __future__ import annotations
@@ -59,16 +58,16 @@ from vision.shared.scratch import Room
 
 MOST_UNEVEN = 0.125
 """Largest spread of free pixels in even light, as a share of the contrast: chosen, the darkest, of
-two such spreads, stay half as far from the level as they would without. In uneven light this is the
-least distance between one level and a class."""
+two such spreads, stay half as far from the level as they would without. In uneven light, the least
+distance between level and class."""
 SURELY_EVEN = 0.5 / SIGMAS
-"""The same where noise, or the glow around light obstacles, hides the edges that are left out:
-derived, no free pixel comes as far as the level then."""
+"""The same where noise, or the glow around light obstacles, hides edges that are left out: derived,
+no free pixel comes near the level then."""
 LIT_SHARE = 0.95
-"""Place in its histogram of the best lit part of a picture without edges: chosen."""
+"""Place in its histogram of the best lit part of an edgeless picture: chosen."""
 MOSTLY = 0.65
 """Share of dark pixels beyond which polarity ``auto`` takes the light ones for obstacles: chosen,
-two thirds, for an arena has more free space than obstacles."""
+an arena has more free space than obstacles."""
 
 
 def binarise(
@@ -82,10 +81,10 @@ def binarise(
 ) -> Binary:
     """Decide for every pixel if it is obstacle.
 
-    ``threshold`` (0 .. 255, or 0 .. 65535 for 16 bits) is the level of method ``fixed``: pixels of
-    dark obstacles lie below it, of light ones at it or above. Pixels of ``ignore`` (h, w) are
-    always free. ``room`` holds the mask, which is valid until ``room`` is used again. Raises
-    ``PictureError`` if no pixel is free or an option is wrong. O(pixels).
+    ``threshold`` (0 .. 255, or 0 .. 65535 for 16 bits) is the level of method ``fixed``: dark
+    obstacles lie below it, light ones not. Pixels of ``ignore`` (h, w) are always free. ``room``
+    holds the mask, which is valid until ``room`` is used again. Raises ``PictureError`` if no pixel
+    is free or an option is wrong.
     """
     if method not in METHODS:
         raise PictureError(f"method {method!r}: must be one of {', '.join(METHODS)}")
@@ -113,7 +112,6 @@ def binarise(
         width = grey.shape[1]
         binary.mask[1:-1, 1 : width + 1][ignore] = 0
         binary = replace(binary, by_level=False)
-    # a free pixel in the first row saves looking at the others
     first_row = binary.inside[0]
     if first_row[0] and first_row.all() and cv2.countNonZero(binary.mask) == grey.size:
         raise PictureError(
@@ -125,10 +123,8 @@ def binarise(
 
 
 def warm_up(polarity: Polarity = "dark") -> None:
-    """Compile, or load, the kernels for uneven light, noise and thin walls.
-
-    A run's first shadow must not wait for seconds.
-    """
+    """Compile or load the kernels for uneven light, noise and thin walls: a shadow in a run must
+    not wait."""
     ground = np.full((96, 128), 200.0)
     ground[20:60, 20:50] = 40.0
     ground[30:33, 70:120] = 40.0
@@ -149,7 +145,7 @@ def warm_up(polarity: Polarity = "dark") -> None:
 
 
 def _side(grey: NDArray[Any], polarity: Polarity) -> tuple[Literal["dark", "light"], str]:
-    """Side of the level that obstacles lie on: the rarer one if ``polarity`` is ``auto``."""
+    """Side of the level that obstacles lie on; ``auto`` takes the rarer one."""
     if polarity != "auto":
         return polarity, ""
     look = GreyPicture(grey)
@@ -197,9 +193,7 @@ def _by_otsu(look: GreyPicture, classes: Classes | None, side: Literal["dark", "
 
 
 def _auto(look: GreyPicture, classes: Classes | None, side: Literal["dark", "light"]) -> Binary:
-    """One level in even light, otherwise the level or division that edges support best."""
     if classes is not None and look.fine is not None:
-        # such structure has no plateaus, by which edges are judged
         return _fine(look, classes, side)
     too_fine = unresolved_structure(look, classes, side)
     if too_fine is not None:
@@ -211,7 +205,7 @@ def _auto(look: GreyPicture, classes: Classes | None, side: Literal["dark", "lig
     uneven = math.inf if classes is None else unevenness(look, classes, side)
     if uneven > MOST_UNEVEN:
         even = None
-    # noise, and the glow around light obstacles, hide edges that a level leaves out
+    # noise, and the glow around light obstacles, hide left-out edges
     sure = uneven <= SURELY_EVEN
     surely = sure or (side == "dark" and look.noise < CALM_NOISE)
     if (
@@ -224,13 +218,11 @@ def _auto(look: GreyPicture, classes: Classes | None, side: Literal["dark", "lig
     support = Support(look, side, even=even is not None)
     best, across = support.best_level(look.counts, even)
     if across < FEWEST:
-        # a sample may miss pixels this rare
         support = Support(look, side, 2 * look.grey.size, even is not None)
         best, _ = support.best_level(look.counts, even)
     why = f"uneven light: free pixels spread by {spread:.0f} grey levels"
     judged = [(support.judge.real(one), 1.0) for one in _divided(look, side, why)]
-    # a division wins with slightly less, as it measures edges nearer to half-way; so does the level
-    # of even light, which is half-way too and leaves the picture unchanged
+    # a division, or the level of even light, wins with slightly less: both lie nearer to half-way
     for each in dict.fromkeys(one for one in (even, best) if one is not None):
         level = (_even if each is even else _level)(look.apart(), each, side)
         as_good = 1.0 / NEARLY_ALL if each is even and sure else NEARLY_ALL
@@ -254,7 +246,6 @@ def _even(look: GreyPicture, classes: Classes, side: Literal["dark", "light"]) -
 
 
 def _fine(look: GreyPicture, classes: Classes, side: Literal["dark", "light"]) -> Binary:
-    """Binarise walls of a few pixels, at a level that noise rarely pushes their pixels across."""
     if SIGMAS * look.noise <= 0.5 * classes.contrast:
         return _even(look, classes, side)
     level = classes.level + look.noise
@@ -279,21 +270,19 @@ def _level(look: GreyPicture, classes: Classes, side: Literal["dark", "light"]) 
 
 
 def _uniform(look: GreyPicture, side: Literal["dark", "light"]) -> Binary:
-    """Make a picture without contrast all free or all obstacle."""
     mean = float(cv2.mean(look.grey)[0])
     why = f"no contrast: every pixel is within noise of {mean:.0f}"
     return _all_alike(look, side, mean, why)
 
 
 def _edgeless(look: GreyPicture, side: Literal["dark", "light"]) -> Binary:
-    """Make a picture without sudden changes all free or all obstacle, by its best-lit part."""
+    """Make an edgeless picture all free or all obstacle, by its best-lit part."""
     running = np.cumsum(look.counts)
     lit = float(np.searchsorted(running, LIT_SHARE * running[-1]))
     return _all_alike(look, side, lit, f"no edges: the light runs up to {lit:.0f} and is uneven")
 
 
 def _unresolved(look: GreyPicture, side: Literal["dark", "light"], found: Unresolved) -> Binary:
-    """Make ground whose walls and ways run together all obstacle."""
     why = (
         "walls and ways may be too fine for the picture: the ground's grey varies by "
         f"{found.spread:.0f} levels from pixel to pixel, more than noise does, so that all of it "
@@ -337,7 +326,6 @@ def _adaptive(look: GreyPicture, classes: Classes | None, side: Literal["dark", 
 
 
 def _best_divided(look: GreyPicture, side: Literal["dark", "light"]) -> Binary:
-    """Picture divided by the light, as requested, at the level with the better edges."""
     found = _divided(look, side, "asked for")
     if len(found) == 1:
         return found[0]
@@ -350,8 +338,8 @@ def _best_divided(look: GreyPicture, side: Literal["dark", "light"]) -> Binary:
 def _divided(look: GreyPicture, side: Literal["dark", "light"], why: str) -> list[Binary]:
     """Picture divided by the light, at the level between its classes.
 
-    In noise there is a second mask, at the level half-way to pixels that stand out of it. Each mask
-    has its own memory.
+    In noise a second mask uses the level half-way to significantly darker pixels. Each mask has its
+    own memory.
     """
     light, top = light_surface(look.grey, side), 0.0
     if side == "light":

@@ -1,7 +1,7 @@
 """Histogram and noise of a picture's grey values, from a sample.
 
-Grey values are 0 .. 255, integer or floating point. At most about ``SAMPLE`` pixels, spread evenly
-over the picture, are read; for the noise, ``SAMPLED`` rows and columns.
+Grey values are 0 .. 255, integer or floating point. About ``SAMPLE`` evenly spread pixels are read;
+for the noise, ``SAMPLED`` rows and columns.
 """
 
 # mypy: allow-untyped-defs
@@ -16,25 +16,21 @@ from numba import njit
 from planner.scene.compile_options import LEAF, OWNING
 
 SAMPLE = 32768
-"""Pixels looked at, about: chosen, a share of one in a hundred is known to a twentieth of
+"""Pixels in a sample, about: chosen, a share of one in a hundred is known to a twentieth of
 itself."""
 SAMPLED = math.isqrt(SAMPLE // 4)
-"""Rows, and columns, in which the noise is looked at, about: derived, two differences at each of
-their crossings are half as many as the pixels, and their median is known to one part in a hundred.
-"""
+"""Rows, and columns, in which noise is measured, about: derived, two differences at each crossing
+are half as many as the pixels; their median is known to one part in a hundred."""
 SIGMAS = 6.0
-"""How far what is no noise stands out of it, in standard deviations: derived, noise alone does so
-twice in 10^9."""
+"""Standard deviations by which a signal exceeds noise: derived, noise does so twice in 10^9."""
 REACH = 4
-"""Pixels from one end of a step to the other: chosen, the width of an edge that a lens in focus
-blurs."""
+"""Pixels from one end of a step to the other: chosen, an edge of a lens in focus."""
 AT_A_TIME = 128
-"""Pixels of a row that are looked at together: indifferent, for time."""
+"""Pixels of a row compared together: indifferent, for time."""
 BINS = 2048
-"""Second differences that are kept distinct: derived, there can be 2,040 quarters."""
+"""Distinct second differences: derived, there can be 2,040 quarters."""
 PARTS = np.int64(4)
-"""Second differences of what is no whole grey value are counted by such parts of a grey level:
-chosen."""
+"""Parts of a grey level in which fractional second differences are counted: chosen."""
 # typed, so that no sum changes its type: defined.
 ONE = np.uint32(1)
 # defined.
@@ -49,7 +45,7 @@ FIRST, LAST = np.int64(0), np.int64(256)
 def sampled_histogram(grey):
     """Histogram of the sampled pixels, (256,) int64."""
     height, width = grey.shape
-    # four counters a value, so that runs of equal grey do not wait for each other
+    # four counters a value, so that equal greys do not wait for each other
     counters = np.zeros((4, 256), np.uint32)
     rows, columns = sample_steps(height, width)
     for y in range(0, height, rows):
@@ -59,7 +55,7 @@ def sampled_histogram(grey):
 
 @njit(**LEAF)
 def sample_steps(height, width):
-    """Step in rows and in columns between sampled pixels."""
+    """Steps in rows and columns between sampled pixels."""
     step = max(1, height * width // SAMPLE)
     rows = 1
     while rows * rows < step:
@@ -69,11 +65,10 @@ def sample_steps(height, width):
 
 @njit(**LEAF)
 def count_greys(line, columns, counters):
-    """Add every ``columns``-th pixel of a line to the counters (4, 256)."""
-    # zero for integers, which need no rounding
+    """Add every ``columns``-th pixel to the counters (4, 256)."""
+    # 0 for integers
     half = line.dtype.type(0.5)
     first, second, third, fourth = counters
-    # unsigned, so that no index counts from the end
     step = np.uint64(columns)
     end = np.uint64(line.shape[0])
     together = np.uint64(max(0, line.shape[0] - 3 * columns))
@@ -91,7 +86,7 @@ def count_greys(line, columns, counters):
 
 @njit(**OWNING)
 def summed(counters):
-    """Sum the counters into a histogram (256,) int64."""
+    """Histogram (256,) int64 of the counters."""
     histogram = np.empty(256, np.int64)
     for v in range(256):
         histogram[v] = np.int64(counters[0, v]) + counters[1, v] + counters[2, v] + counters[3, v]
@@ -129,9 +124,8 @@ def mark_below(grey, bound, mask):
 def noise_sigma(grey):
     """Standard deviation of the noise, from the median absolute second difference.
 
-    The median ignores edges, and a ramp has no second difference. Rows and columns count alike, and
-    the sample is symmetric, so the picture mirrored, turned or transposed has the same noise, to
-    the last bit.
+    The median ignores edges. The sample is symmetric: the picture mirrored, turned or transposed
+    has the same noise.
     """
     height, width = grey.shape
     counters = np.zeros((2, BINS), np.uint32)
@@ -143,7 +137,7 @@ def noise_sigma(grey):
         total += _count_row(grey, first, columns, counters)
         if last != first:
             total += _count_row(grey, last, columns, counters)
-    # integer grey values have integer differences, others are counted in quarters
+    # integers have integer differences; others count in quarters
     parts = np.int64(1) if grey.dtype.type(0.5) == 0 else PARTS
     seen = 0
     for i in range(BINS):
@@ -159,7 +153,6 @@ def noise_sigma(grey):
 
 @njit(**LEAF)
 def _count_row(grey, y, columns, counters):
-    """Count second differences at every ``columns``-th pixel of a row, and mirrored."""
     height, width = grey.shape
     here = grey[y]
     total = 0
@@ -199,8 +192,7 @@ def count_bends(before, here, behind, first, step, length, counters):
 def steepest_level(grey, least):
     """Mean grey value at the steepest steps, or -1 if no step reaches ``least`` grey levels.
 
-    A symmetric edge is steepest half-way. Steps weigh by their third power, so that gentler ones
-    hardly count.
+    A step weighs by its third power.
     """
     height, width = grey.shape
     rows, _ = sample_steps(height, width)
@@ -222,8 +214,7 @@ def steepest_level(grey, least):
 def flat_histogram(grey, most):
     """Histogram of the sampled pixels that are not edges, (256,) int64.
 
-    Across each, in either direction, the grey value changes by at most ``most``: plateaus, and the
-    ridges of structure too thin for one.
+    Across each, grey changes by at most ``most`` in either direction: plateaus and ridges.
     """
     height, width = grey.shape
     histogram = np.zeros(256, np.int64)
@@ -242,7 +233,7 @@ def flat_histogram(grey, most):
 def plateau_share(histogram, level, dark, middle, reach):
     """Share of a class's pixels within ``reach`` of its ``middle``; 1 for an empty class.
 
-    The class lies below ``level`` if ``dark``, otherwise above. ``histogram`` is (256,).
+    The class lies below ``level`` if ``dark``, else above.
     """
     every = 0.0
     near = 0.0
@@ -259,8 +250,8 @@ def plateau_share(histogram, level, dark, middle, reach):
 def halve_histogram(histogram):
     """Halves of a histogram (256,) with the least variance within them (Otsu, 1979).
 
-    Return ``(dark, light, dark_share, between, variance)``: the halves' means, the dark one's
-    share, the variance between the means, and the whole variance.
+    Return ``(dark, light, dark_share, between, variance)``: means, the dark half's share, the
+    variance between the halves, and the whole.
     """
     total, whole, squares = 0.0, 0.0, 0.0
     for v in range(256):
@@ -294,7 +285,6 @@ def split_histogram(histogram, noise, least):
     ``(found, dark, light, light_spread, dark_share)``: the classes' medians, the light one's
     quartile distance as a normal distribution's sigma, and the dark one's share.
     """
-    # number of darker pixels, and the sums of their values and squared values
     sums = np.zeros((257, 3))
     for v in range(256):
         n = np.float64(histogram[v])
@@ -350,7 +340,6 @@ def split_histogram(histogram, noise, least):
 
 @njit(**OWNING)
 def _quantile(histogram, first, last, share):
-    """Grey value in first .. last - 1 below which ``share`` of the pixels lie."""
     total = 0.0
     for v in range(first, last):
         total += histogram[v]

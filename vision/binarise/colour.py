@@ -1,12 +1,10 @@
 """Obstacles that differ from the floor in colour, though not in grey.
 
 Rules and units
-- A grey picture hides red on green of the same grey, or yellow on white. A pixel is obstacle if
-  any channel differs from the floor to the obstacles' side.
-- The floor's colour is the most frequent one. Light multiplies all channels alike, so a shadow is
-  a multiple of the floor's colour, not a colour of its own.
-- Each pixel counts by its channel farthest from the floor, as in a picture whose floor is one grey
-  everywhere; edges are measured in that picture.
+- A pixel is obstacle if any channel differs from the floor to the obstacles' side.
+- The floor's colour is the most frequent one. Light multiplies all channels alike, so a shadow is a
+  multiple of the floor's colour.
+- Each pixel counts by its channel farthest from the floor; edges are measured in that picture.
 """
 
 from __future__ import annotations
@@ -28,10 +26,10 @@ from vision.errors import PictureError
 from vision.shared.scratch import Room
 
 LEAST_DEPTH = 40.0
-"""Distance from the floor, in grey levels of one channel, that light does not explain: chosen, more
-than lamps and shadows tint a grey floor."""
+"""Grey levels of one channel from the floor that light does not explain: chosen, lamps and shadows
+tint a grey floor less."""
 BIN = 16
-"""Width of a bin of the colours' histogram: chosen, more than the noise of one colour."""
+"""Width of a bin of the colours' histogram: chosen, above one colour's noise."""
 
 
 def binarise_by_colour(
@@ -45,8 +43,8 @@ def binarise_by_colour(
 ) -> Binary:
     """Binarise as ``vision.binarise.binarise.binarise`` does; method ``auto`` sees colours too.
 
-    If colours show more, the method is ``colour`` and the level is a distance from the floor's
-    colour. Raises ``PictureError`` as ``binarise`` does. O(pixels).
+    If colours show more, the method is ``colour`` and the level a distance from the floor's colour.
+    Raises ``PictureError``. O(pixels).
     """
     found = None
     if method == "auto" and threshold is None and image.ndim == 3 and image.shape[2] in (3, 4):
@@ -100,7 +98,6 @@ class _Colours:
 
     @classmethod
     def of(cls, image: NDArray[Any], ignore: NDArray[np.bool_] | None) -> _Colours | None:
-        """Colours of a picture, or None if it is not a usable colour picture."""
         if image.dtype not in (np.uint8, np.uint16) or image.size == 0:
             return None
         picture = image[:, :, :3]
@@ -112,7 +109,7 @@ class _Colours:
         return cls(np.ascontiguousarray(picture), ignore)
 
     def unseen_in(self, binary: Binary | None, side: Literal["dark", "light"]) -> int:
-        """Number of sampled pixels with colours of their own, neither obstacle nor beside one."""
+        """Number of sampled pixels with their own colour, neither obstacle nor beside one."""
         pixels = self.darker if side == "dark" else self.lighter
         if binary is None:
             return int(np.count_nonzero(pixels))
@@ -134,7 +131,7 @@ class _Colours:
 
 
 def _most_frequent(sample: NDArray[np.uint8]) -> NDArray[np.float64]:
-    """Median colour (3,) of pixels near the middle of the fullest bin."""
+    """Median colour (3,) near the middle of the fullest bin."""
     channels = [np.ascontiguousarray(sample[:, :, c]).ravel() for c in range(3)]
     parts = [channel // BIN for channel in channels]
     bins = parts[0] + np.int32(16) * parts[1] + np.int32(256) * parts[2]
@@ -153,8 +150,8 @@ def _most_frequent(sample: NDArray[np.uint8]) -> NDArray[np.float64]:
 def _unexplained(
     sample: NDArray[np.uint8], floor: NDArray[np.float64]
 ) -> tuple[NDArray[np.bool_], NDArray[np.bool_]]:
-    """Masks (h, w) of pixels that light on the floor does not explain: too dark, and too light."""
-    # one channel at a time: sums over an axis of three are slow
+    """Masks (h, w) of pixels too dark and too light for light on the floor."""
+    # one channel at a time, which is faster
     values = [sample[:, :, c].astype(np.float32) for c in range(3)]
     light = [np.float32(value) for value in floor]
     ratios = [(v + 1.0) * (1.0 / (f + 1.0)) for v, f in zip(values, light, strict=True)]
@@ -169,6 +166,6 @@ def _unexplained(
 
 
 def _without_specks(pixels: NDArray[np.bool_]) -> NDArray[np.bool_]:
-    """Keep only what is three pixels wide, unlike noise and fringes of compression."""
+    """Keep only regions three pixels wide, unlike noise and fringes of compression."""
     opened = cv2.morphologyEx(pixels.astype(np.uint8), cv2.MORPH_OPEN, np.ones((3, 3), np.uint8))
     return np.asarray(opened, dtype=np.bool_)

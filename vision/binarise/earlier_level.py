@@ -14,10 +14,7 @@ from vision.binarise.regions.edge_evidence import leaves_out
 
 
 def level_leaves_out(image: NDArray[Any], how: Binarisation) -> bool:
-    """True if ``image`` (h, w) shows clear edges that the level of ``how`` does not separate.
-
-    O(pixels).
-    """
+    """True if ``image`` (h, w) shows clear edges that the level of ``how`` does not separate."""
     image = as_array(image)
     grey, level = as_grey(image), scaled_threshold(how.threshold, image)
     if how.polarity == "light":

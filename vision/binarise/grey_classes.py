@@ -1,6 +1,6 @@
-"""Light and dark: the two classes of a picture's grey values, and how well separated they are.
+"""The two classes of a picture's grey values, and how well separated they are.
 
-Grey values are 0 .. 255, free pixels light and obstacles dark.
+Grey values are 0 .. 255, obstacles dark.
 """
 
 from __future__ import annotations
@@ -28,22 +28,22 @@ from vision.binarise.grey_picture import (
 )
 
 LEAST_CONTRAST_SIGMAS = 5.0
-"""The least contrast of two classes in standard deviations of the noise. Chosen, by
+"""Least contrast of two classes, in standard deviations of the noise. Chosen, by
 ``tests/vision/binarise``."""
 PLATEAU, PLATEAU_SIGMAS = 0.04, 2.0
-"""Largest distance from a class's middle of pixels that blur has left alone: as a share of the
-contrast, and in standard deviations of the noise. Chosen, by ``tests/vision/binarise``."""
+"""Largest distance of unblurred pixels from their class's middle, as a share of the contrast and in
+standard deviations of the noise. Chosen, by ``tests/vision/binarise``."""
 MOST_ON_PLATEAU = 0.7
-"""The share of a class's pixels that do so where the class is what it looks like. Chosen, by
+"""Least share of such pixels in a class that needs no correction. Chosen, by
 ``tests/vision/binarise``."""
 STEEP = 0.25
-"""Least step from pixel to pixel, as a share of the contrast, that is taken for an edge's. Chosen,
-by ``tests/vision/binarise``."""
+"""Least step between pixels that is an edge's, as a share of the contrast. Chosen, by
+``tests/vision/binarise``."""
 
 
 @dataclass(frozen=True, slots=True)
 class Classes:
-    """Two classes of grey values: their middles and spreads, and the share of dark pixels.
+    """Middles and spreads of two classes of grey values, and the share of dark pixels.
 
     ``dark_spread`` is set only where it is not that of all dark pixels.
     """
@@ -66,7 +66,7 @@ class Classes:
 
 
 def classes_of(look: GreyPicture, strongest: float | None = None) -> Classes | None:
-    """Two classes of a picture, seen through a little smoothing if it is noisy."""
+    """Two classes of a picture, smoothed a little if it is noisy."""
     strongest = look.noise if strongest is None else strongest
     if look.fine is not None:
         humps = look.fine
@@ -80,7 +80,7 @@ def classes_of(look: GreyPicture, strongest: float | None = None) -> Classes | N
         found = _sharpened(found, look, counts, look.noise * calming.left)
     if found is None or calming is NO_CALMING:
         return found
-    # the noise's own spread is added, as the unsmoothed picture would have it
+    # add the noise's spread, as the unsmoothed picture has it
     explained = math.hypot(look.noise, found.light_spread)
     return replace(found, light_spread=explained)
 
@@ -90,10 +90,9 @@ def _sharpened(
 ) -> Classes:
     """The classes, with the rarer one corrected if most of its pixels are edge.
 
-    Blur leaves hardly a pixel of a narrow wall as dark as the wall is: the class's middle lies too
-    near the other class, and its spread looks like uneven light. The level is then where edges are
-    steepest, and the spread that of pixels off edges. ``counts`` is the classes' histogram,
-    ``noise`` the noise left in it.
+    A blurred narrow wall's middle lies too near the other class, and its spread looks like uneven
+    light. The level is then where edges are steepest, and the spread that of pixels off edges.
+    ``noise`` is what is left in the histogram ``counts``.
     """
     dark_is_rare = found.dark_share < 0.5
     middle = found.dark if dark_is_rare else found.light
@@ -124,8 +123,7 @@ def _sharpened(
 def split_classes(histogram: NDArray[np.int64], noise: float) -> Classes | None:
     """Two classes of a histogram (256,), or None if there is only one.
 
-    Minimum error thresholding (Kittler and Illingworth, 1986) copes with a class of one pixel in a
-    thousand; no class is narrower than the noise and a grey level.
+    Minimum error (Kittler and Illingworth, 1986) copes with a class of one pixel in a thousand.
     """
     least = max(LEAST_CONTRAST, LEAST_CONTRAST_SIGMAS * noise)
     found, dark, light, spread, dark_share = split_histogram(histogram, noise, least)
@@ -149,10 +147,9 @@ def unevenness(look: GreyPicture, classes: Classes, side: Literal["dark", "light
 def significant_dark(look: GreyPicture, noise: NDArray[np.float32], light: float) -> float | None:
     """Middle of pixels significantly darker than free ones of one grey value, or None.
 
-    ``noise`` (h, w) is the local standard deviation, which a histogram of the whole picture lacks:
-    in little light, noise alone has two classes. Pixels of the smoothed picture count if they
-    exceed the noise by ``SIGMAS``, then if they are nearer to those than to free pixels. None if
-    hardly a pixel does.
+    ``noise`` (h, w) is the local standard deviation: in little light, noise alone has two classes.
+    Smoothed pixels count if they exceed the noise by ``SIGMAS``, then if they are nearer to those
+    than to free ones. None if they are fewer than ``FEWEST``.
     """
     calming = look.calming(float(noise.max()))
     calmed = look.grey_after(calming)

@@ -1,12 +1,11 @@
 """A grey picture, its noise and histogram, and its mask once the level is known.
 
 Rules and units
-- Grey values are 0 .. 255: 8 bits as they are, 16 bits scaled by the brightest pixel; transparent
-  counts as white. Noise is its standard deviation in grey levels.
-- A pixel is obstacle where its grey value lies below the level.
-- Where noise alone could cross the level, a smoothed picture is compared, and dots too small for
-  it are added by their depth. It is not smoothed where that would delete walls or ways of a few
-  pixels (``vision.binarise.humps``).
+- Grey values are 0 .. 255: 16 bits are scaled by the brightest pixel; transparent is white. Noise
+  is its standard deviation.
+- A pixel below the level is obstacle.
+- Where noise alone could cross the level, a smoothed picture is compared and small dots are added
+  by their depth, unless that would delete thin walls (``vision.binarise.humps``).
 """
 
 from __future__ import annotations
@@ -40,34 +39,30 @@ from vision.errors import PictureError
 from vision.shared.scratch import Room
 
 LEAST_CONTRAST = 8.0
-"""Grey levels between light and dark below which nothing is taken for an obstacle. Chosen, by
+"""Grey levels between light and dark below which nothing is an obstacle. Chosen, by
 ``tests/vision/binarise``."""
 FEWEST = 32
-"""Samples from which their mean or middle is believed: chosen, it is known to a sixth of what they
-scatter."""
+"""Least samples of a mean or middle: chosen, it is known to a sixth of their scatter."""
 CALM_NOISE = 0.5 * LEAST_CONTRAST
-"""Noise, in grey levels, from which a picture is smoothed where noise counts: derived, half of the
-least contrast."""
+"""Noise, in grey levels, from which a picture is smoothed: derived, half the least contrast."""
 
 
 @dataclass(frozen=True, slots=True)
 class Calming:
-    """Smoothing: its ``sigma_px``, and the share of white noise that it leaves."""
+    """Smoothing by ``sigma_px``; ``left``: the share of white noise that remains."""
 
     sigma_px: float
     left: float
 
 
 NO_CALMING = Calming(0.0, 1.0)
-"""The picture as it is: defined."""
+"""The picture itself: defined."""
 BINOMIAL = Calming(1.0, 0.2734)
-"""The binomial of 5 x 5 pixels: the Gaussian of its width, in a third of the time; derived, 70 /
-256 of the noise. Of whole grey values ``vision.binarise.smoothing_kernels`` works out no more of it
-than is looked at."""
+"""The binomial of 5 x 5 pixels, in a third of a Gaussian's time: derived, 70 / 256 of the noise."""
 WIDE = Calming(2.0, 0.1411)
 """A Gaussian: derived, it leaves 1 / (2 sqrt(pi) sigma) of the noise."""
 CALMINGS = (NO_CALMING, BINOMIAL, WIDE)
-"""Those that a level is applied after: the first that leaves little enough noise."""
+"""Smoothings, weakest first; a level is applied after the first that leaves little noise."""
 
 
 def calming_of(noise: float) -> Calming:
@@ -81,14 +76,14 @@ def calming_of(noise: float) -> Calming:
 
 
 class GreyPicture:
-    """A grey picture, its noise and its histogram, smoothed on demand."""
+    """A grey picture, its noise and its histogram; smoothed on demand."""
 
     def __init__(self, grey: NDArray[Any], room: Room | None = None) -> None:
         self.grey = grey = read_only(grey)
         self.room = Room() if room is None else room
         self.counts: NDArray[np.int64] = sampled_histogram(grey)
         self._counts_after: dict[Calming, NDArray[np.int64]] = {NO_CALMING: self.counts}
-        # two values only: drawn, not photographed; what looks like noise is texture
+        # two values: drawn, not photographed; apparent noise is texture
         drawn = np.count_nonzero(self.counts) <= 2
         self.noise = 0.0 if drawn else float(noise_sigma(grey))
         self.fine = self._fine_structure()
@@ -96,7 +91,7 @@ class GreyPicture:
             self.noise = min(self.noise, self.fine.within)
 
     def _fine_structure(self) -> Humps | None:
-        """Humps of the histogram, if smoothing would delete the structure behind them."""
+        """Humps of the histogram, if smoothing would delete fine structure."""
         if self.noise < CALM_NOISE:
             return None
         humps = Humps.of(self.counts)
@@ -105,7 +100,7 @@ class GreyPicture:
         return humps if deletes(humps, self.counts_after(BINOMIAL)) else None
 
     def calming(self, noise: float | None = None) -> Calming:
-        """Smoothing after which ``noise``, or the picture's own, hardly crosses a level.
+        """Smoothing for ``noise``, or the picture's own.
 
         ``NO_CALMING`` if it would delete fine structure.
         """
@@ -114,7 +109,7 @@ class GreyPicture:
         return calming_of(self.noise if noise is None else noise)
 
     def apart(self) -> GreyPicture:
-        """The same picture with memory of its own, for a mask to be compared with others."""
+        """The same picture with its own memory, for a mask to be compared with others."""
         other = copy(self)
         other.room = Room()
         return other
@@ -146,9 +141,8 @@ class GreyPicture:
     def mask_below(self, level: float, calming: Calming, noise: float) -> NDArray[np.uint8]:
         """Padded mask (h + 2, w'), 1 where the smoothed picture lies below the level.
 
-        Dots too small for the smoothed picture are added if they stand out of ``noise``. The mask
-        has a margin of zeros and rows of a multiple of eight bytes, and is valid until the room is
-        used again.
+        Dots too small for it are added if they exceed ``noise``. The margin is zero, rows have a
+        multiple of eight bytes; valid until the room is used again.
         """
         height, width = self.grey.shape
         stride = (width + 2 + 7) // 8 * 8
@@ -177,10 +171,9 @@ class Binary:
     """A picture in black and white.
 
     ``mask`` (h + 2, w') uint8: 1 is obstacle, with a margin of free pixels and rows of a multiple
-    of eight bytes. ``grey`` (h, w): obstacles dark, with ``level`` in its values; ``noise``: its
-    standard deviation; ``contrast``: the step between free and obstacle. ``by_level``: the mask is
-    exactly what lies below the level in ``grey``. ``doubtful``: noise alone could have made single
-    pixels despite the most smoothing. ``fine``: it has walls or ways of a few pixels, which
+    of eight bytes. ``grey`` (h, w): obstacles dark, with ``level`` in its values; ``contrast``: the
+    step between free and obstacle. ``by_level``: the mask is exactly ``grey`` below the level.
+    ``doubtful``: noise alone could have made single pixels. ``fine``: it has structure that
     smoothing would delete.
     """
 
@@ -224,7 +217,7 @@ def black_and_white(
     safe = [one for one in CALMINGS if SIGMAS * strongest * one.left <= margin]
     calming = safe[0] if safe else CALMINGS[-1]
     if look.fine is not None and calming is not NO_CALMING:
-        # pixels of noise across the level stay obstacles: none is taken for a speck
+        # crossings of noise stay obstacles: none is taken for a speck
         remarks = (
             f"walls or ways of a few pixels at a contrast of {contrast:.0f}: the picture was not "
             "smoothed, which would delete them, and single pixels of noise may be obstacles",
@@ -269,8 +262,8 @@ def as_array(image: NDArray[Any] | Sequence[Any]) -> NDArray[Any]:
 def as_grey(image: NDArray[Any] | Sequence[Any]) -> NDArray[Any]:
     """Grey values of a picture as (h, w) uint8, or float32 in 0 .. 255 from 16 bits.
 
-    Takes uint8 or uint16 of shape (h, w), (h, w, 1), (h, w, 3) BGR or (h, w, 4) BGRA, where
-    transparent counts as white. Raises ``PictureError`` for anything else. O(pixels).
+    Takes uint8 or uint16, (h, w), (h, w, 1), (h, w, 3) BGR or (h, w, 4) BGRA. Raises
+    ``PictureError`` for anything else. O(pixels).
     """
     image = as_array(image)
     if image.dtype not in (np.uint8, np.uint16):
@@ -295,10 +288,7 @@ def as_grey(image: NDArray[Any] | Sequence[Any]) -> NDArray[Any]:
 
 
 def read_only(grey: NDArray[Any]) -> NDArray[Any]:
-    """The same picture, contiguous and read-only.
-
-    Camera frames are read-only too, and kernels would be compiled again for writable arrays.
-    """
+    """The picture, contiguous and read-only: writable arrays would recompile kernels."""
     shown = np.ascontiguousarray(grey).view()
     shown.setflags(write=False)
     return shown
@@ -307,7 +297,7 @@ def read_only(grey: NDArray[Any]) -> NDArray[Any]:
 def scaled_threshold(threshold: float, image: NDArray[Any]) -> float:
     """Scale a threshold in the values of ``image`` to ``as_grey``'s 0 .. 255.
 
-    Raises ``PictureError`` if it is not a number or not a value that the picture can have.
+    Raises ``PictureError`` if it is no value of the picture.
     """
     top = np.iinfo(image.dtype).max
     is_number = isinstance(threshold, (int, float, np.integer, np.floating))

@@ -1,7 +1,6 @@
-"""The two humps of a picture's histogram, which distinguish fine structure from noise.
+"""Two humps of a picture's histogram distinguish fine structure from noise.
 
-Noise has one hump, smoothed or not. Walls and ways of a few pixels have two, however much their
-grey changes from pixel to pixel; smoothing merges these and deletes the walls.
+Noise has one. Walls and ways of a few pixels have two, which smoothing merges.
 """
 
 from __future__ import annotations
@@ -15,19 +14,19 @@ from numpy.typing import NDArray
 from vision.binarise.binarise_kernels import halve_histogram
 
 TWO_HUMPED = 0.75
-"""Share of a histogram's variance between its halves from which it has two humps: derived, what
-has one hump has at most as much, with grey values that are all equally many."""
+"""Least share of a histogram's variance between two humps: derived, one hump has at most that, with
+all values equally frequent."""
 KEPT = 0.75
-"""Share of the contrast that smoothing keeps at least where it deletes nothing: chosen, walls and
-ways of 3 px keep 0.69 at most, and those of 4 px, which no smoothing deletes, up to 0.79."""
+"""Share of the contrast that harmless smoothing keeps at least: chosen, walls and ways of 3 px keep
+0.69 at most, those of 4 px, which survive, up to 0.79."""
 
 
 @dataclass(frozen=True, slots=True)
 class Humps:
-    """Dark and light half of a histogram: their means, and how far apart they are.
+    """Dark and light half of a histogram.
 
-    ``within``: the standard deviation in the halves, which noise does not exceed; ``apart``: the
-    share of the variance that is between them.
+    ``within``: the standard deviation in the halves; ``apart``: the share of the variance between
+    them.
     """
 
     dark: float

@@ -1,7 +1,6 @@
 """Light on the ground, as a surface over the picture.
 
-Grey values are 0 .. 255. Local light is measured in a thumbnail with one pixel for ``REACH`` of the
-picture's, as light has no sharper edges.
+Local light is measured in a thumbnail, one pixel for ``REACH``: light has no sharper edges.
 """
 
 from __future__ import annotations
@@ -15,11 +14,11 @@ from numpy.typing import NDArray
 from vision.binarise.binarise_kernels import REACH
 
 FREE_LEVEL = 200.0
-"""Grey value that the free floor gets when a picture is divided by its light or seen beside the
-floor's colour: chosen, room above it for noise and for what is lighter."""
+"""Grey value of the free floor in a picture divided by its light or beside the floor's colour:
+chosen, with room above for noise and lighter pixels."""
 WIDEST = 0.33
-"""The shorter side's share that an obstacle takes at most where local light is looked for:
-chosen, a third."""
+"""Largest obstacle, as a share of the shorter side, where local light is measured: chosen, a third.
+"""
 
 
 def light_surface(
@@ -27,9 +26,9 @@ def light_surface(
 ) -> NDArray[np.float32]:
     """Light on the free ground as a quadratic surface, (h, w) float32 >= 1.
 
-    Asymmetric least squares on a thumbnail: pixels below the surface are probably obstacle and
-    weigh little; later, those far below it weigh nothing. With ``side`` light, ``grey`` is the
-    negative, and the surface is that of the picture itself, whose obstacles lie above it.
+    Asymmetric least squares on a thumbnail: pixels below the surface weigh little, later those far
+    below hardly anything. With ``side`` light, ``grey`` is the negative, the surface that of the
+    picture, and obstacles lie above it.
     """
     height, width = grey.shape
     size = (min(48, width), min(36, height))
@@ -41,7 +40,7 @@ def light_surface(
     surface = values
     far = 0.75 if side == "dark" else 1.0 / 0.75
     for round_ in range(16):
-        # six equations instead of one per pixel; a picture one pixel wide leaves some unknown
+        # six equations, not one per pixel; a picture one pixel wide leaves some unknown
         weighted = terms.T * weights
         surface = terms @ np.linalg.lstsq(weighted @ terms, weighted @ values, rcond=None)[0]
         weights = np.where(values > surface, 1.0, 0.03)
@@ -59,13 +58,12 @@ def light_surface(
 def without_light(
     grey: NDArray[Any], side: Literal["dark", "light"]
 ) -> tuple[NDArray[np.uint8], float]:
-    """Picture (h, w) with the same grey, ``FREE_LEVEL``, on all free ground.
+    """Picture (h, w) whose free ground is ``FREE_LEVEL``, and the factor by which noise grows in
+    the weakest light.
 
-    Also return the factor by which its noise grows where light is weakest.
-
-    The picture is divided by a closing: evenly rising or falling light stays as it is, however
-    steep, and only dark structure narrower than a share ``WIDEST`` of the picture is filled. With
-    ``side`` light, ``grey`` is the negative, and an opening removes light obstacles.
+    The picture is divided by a closing: only dark structure narrower than a share ``WIDEST`` is
+    filled, evenly rising light stays. With ``side`` light, ``grey`` is the negative, and an opening
+    removes light obstacles.
     """
     height, width = grey.shape
     camera = grey if side == "dark" else 255 - grey

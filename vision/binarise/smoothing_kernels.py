@@ -1,17 +1,14 @@
-"""A picture smoothed only as far as it is read, and the dots lost in that.
+"""A picture smoothed as far as it is read, and the dots lost in that.
 
 Rules and units
 - Grey values are integers, 0 .. 255, smoothed by the binomial of 5 x 5 pixels; its weights add up
   to 256, and the sums fit in 16 bits.
-- Beyond its edge the picture is mirrored without repeating the edge pixels.
-- Everything is computed a whole row at a time, in two rows of memory.
+- Beyond its edge the picture is mirrored without repeating the edge pixels. -
 - A pixel below the level before smoothing belongs to a dot if it is darker than its surroundings by
   ``SIGMAS`` standard deviations of the noise, alone or smoothed by the binomial of 5 x 5 pixels:
-  two matched filters, for one pixel and for a dot of about four. White noise does so at two pixels
-  in 10^9, and is below the level there more rarely still: less than one in a thousand pictures of
-  640 x 480 pixels has a false dot.
-- Pixels next to something large are its edge and are left to the smoothed picture; so are pixels
-  as dark on two opposite sides: pieces of a line, which is no obstacle where it is long.
+  matched filters for one pixel and for about four. Less than one in a thousand pictures of 640 x
+  480 has a false dot.
+- Pixels next to something large, and pieces of a line, are left to the smoothed picture.
 """
 
 # mypy: allow-untyped-defs
@@ -35,26 +32,24 @@ from vision.binarise.binarise_kernels import (
 )
 from vision.shared.typed_numbers import NONE
 
-# defined: binomial weights in either direction, of the centre, its neighbours and the next but one,
-# typed so that sums stay narrow
+# defined: binomial weights in either direction, typed so that sums stay narrow
 CENTRE, NEXT, NEXT_BUT_ONE = np.uint16(6), np.uint16(4), np.uint16(1)
 # defined: the weights add up to 2 to this power
 WHOLE_BITS = np.uint16(8)
 # defined: half of it, for rounding
 HALF = np.uint16(128)
 MARGIN = 2
-"""Pixels that the smoothing reaches beyond one: defined, of five weights."""
+"""Pixels that the smoothing reaches beyond one: defined."""
 BINOMIAL_LEFT = 0.2734
-"""The share of white noise that the binomial of 5 x 5 pixels leaves: derived, 70 / 256."""
+"""Share of white noise that the binomial leaves: derived, 70 / 256."""
 RING = REACH
-"""How far away the pixels around a dot lie: derived, outside its blurred rim."""
+"""Distance of the pixels around a dot: derived, outside its blurred rim."""
 BESIDE = 0.4
-"""How deep the picture is on both sides of what is no dot, as a share of its own depth: chosen."""
+"""Depth on both sides of a line, as a share of its own: chosen."""
 NEAR = RING + 1
-"""Distance in pixels, in rows and columns: derived, a dot and its rim."""
+"""Reach in pixels, in rows and columns: derived, a dot and its rim."""
 MOST_MARKED = int(0.25 * math.pi * RING**2)
-"""... there are no more marked ones than a dot has: derived, those of a disc that the ring leaves
-room for."""
+"""Most marked pixels there around a dot: derived, a disc inside the ring."""
 
 
 @njit(**OWNING)
@@ -80,7 +75,7 @@ def sum_limit(bound):
 
 @njit(**LEAF)
 def _mirrored(i, count):
-    """Mirror an index up to two beyond the edge into 0 .. count - 1."""
+    """Mirror an index up to two beyond the edge."""
     if count == 1:
         return 0
     i = abs(i)
@@ -119,7 +114,6 @@ def _weigh(a, b, c, d, e, sums):
 
 @njit(**LEAF)
 def _divide(sums, line):
-    """Round a row's sums to smoothed grey values."""
     width = line.shape[0]
     a, b, c = sums[:width], sums[1 : width + 1], sums[2 : width + 2]
     d, e = sums[3 : width + 3], sums[4 : width + 4]
@@ -145,7 +139,7 @@ def compare(sums, limit, out):
 def mark_below_but_dots(grey, bound, mask):
     """Mark where the smoothed picture is ``bound`` or darker; list pixels dark only unsmoothed.
 
-    ``mask`` (h + 2, w') is padded. Return the places that ``dots_left_out`` finds, in one pass.
+    ``mask`` (h + 2, w') is padded. Return the places of ``dots_left_out``, in one pass.
     """
     height, width = grey.shape
     sums = np.empty(width + 2 * MARGIN, np.uint16)
@@ -185,7 +179,6 @@ def dots_left_out(grey, level, mask):
 
 @njit(**LEAF)
 def _list(left_out, first, places, count):
-    """Add a row's left-out pixels to the places; return the new number of places."""
     words = left_out.view(np.uint64)
     for block in range(0, words.shape[0], AT_A_TIME // 8):
         if not _any(words[block : block + AT_A_TIME // 8]):
@@ -201,14 +194,14 @@ def _list(left_out, first, places, count):
 
 @njit(**OWNING)
 def mark_dots(grey, noise, places, mask):
-    """Mark dots among the places with 1 in a padded mask of larger things; return their number."""
+    """Mark dots among the places with 1 in a padded mask; return their number."""
     width = grey.shape[1]
     dots = 0
     for place in places:
         if _is_dot(grey, mask, place // width, place % width, noise):
             places[dots] = place
             dots += 1
-    # only now: a dot's own pixels must not be taken for something large
+    # only now: a dot's pixels must not count as something large
     for i in range(dots):
         mask[places[i] // width + 1, places[i] % width + 1] = 1
     return dots
@@ -216,7 +209,6 @@ def mark_dots(grey, noise, places, mask):
 
 @njit(**LEAF)
 def _find_left_out(line, level, marks, out):
-    """Find the pixels of a row that lie below the level and are not marked."""
     one = np.uint8(1)
     for x in range(line.shape[0]):
         out[x] = np.uint8(line[x] < level) & (marks[x] ^ one)
@@ -260,7 +252,7 @@ def _is_dot(grey, mask, y, x, noise):
 def _is_on_a_line(grey, y, x, ground, depth):
     """True if the picture is about as dark on both sides, as along a joint of the floor."""
     height, width = grey.shape
-    # sixteen places around a dot, outside its rim
+    # sixteen places around a dot
     for i, j in ((0, 4), (2, 4), (3, 3), (4, 2), (4, 0), (4, -2), (3, -3), (2, -4)):
         if min(y, height - 1 - y) < i or min(x, width - 1 - x) < abs(j):
             continue
@@ -273,8 +265,7 @@ def _is_on_a_line(grey, y, x, ground, depth):
 
 @njit(**LEAF)
 def _is_next_to_large(mask, y, x, height, width):
-    """True if more is marked around a pixel than a dot could have."""
-    # most candidates lie on the edge of something: look across it first
+    # most candidates lie on an edge: look across it first
     middle = NEAR // 2
     if y >= NEAR and mask[y + 1 - middle, x + 1] & mask[y + 1 - NEAR, x + 1]:
         return True
@@ -293,7 +284,6 @@ def _is_next_to_large(mask, y, x, height, width):
 
 @njit(**LEAF)
 def _smoothed(grey, y, x):
-    """Smoothed grey value at a pixel; beyond the picture's edge its last pixel is repeated."""
     height, width = grey.shape
     total = 0.0
     for i in range(-2, 3):
@@ -307,7 +297,6 @@ def _smoothed(grey, y, x):
 
 @njit(**LEAF)
 def _weight(away):
-    """Binomial weight at a distance: 1 4 6 4 1 by 16."""
     away = abs(away)
     if away == 0:
         return 0.375

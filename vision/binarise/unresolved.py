@@ -2,11 +2,10 @@
 
 Rules and units
 - Grey values are 0 .. 255, obstacles dark. Walls and ways narrower than a lens's blur merge into a
-  grey that looks like a floor; a twentieth of their contrast remains.
+  floor-like grey with a twentieth of their contrast.
 - White noise is as strong between neighbours as between distant pixels. Blurred structure differs
-  little between neighbours (``BEYOND_NOISE``), but as much from the next pixel but one as from
-  farther ones (``FULL_APART``): it is fine. Light, blots and edges of larger things differ more
-  with the distance.
+  little between neighbours (``BEYOND_NOISE``), but as much over two pixels as over more
+  (``FULL_APART``); light and larger edges differ more with the distance.
 - A floor's own texture is fine too, but has less of the light (``LEAST_SHARE``).
 """
 
@@ -25,38 +24,33 @@ from vision.binarise.grey_classes import Classes, grey_spread
 from vision.binarise.grey_picture import BINOMIAL, FEWEST, LEAST_CONTRAST, GreyPicture
 
 LEAST_SHARE = 0.045
-"""Least standard deviation of the structure, as a share of the light, and of the contrast of plain
-obstacles: chosen, walls of 1 px at a blur of 1 px have 0.058 of the light where they are black,
-0.051 where they are white, and 0.079 of the contrast; cloth has 0.024 of the light
+"""Least standard deviation of the structure, as a share of the light and of the contrast of plain
+obstacles: chosen, walls of 1 px at a blur of 1 px have 0.051 or more, cloth 0.024
 (``benchmarks.vision.regions``)."""
 LEAST = 0.5 * LEAST_CONTRAST
-"""The same in grey levels: derived, two grey values in equal parts have that standard deviation
-where they are the least contrast apart."""
+"""The same in grey levels: derived, two equally frequent values at the least contrast."""
 HINT, HALF = 1.1, 0.5
-"""Least spread of the floor's grey for structure to be looked for, in standard deviations of the
-noise and as a share of the least: chosen, for time. Of noise alone whole grey values spread by up
-to 1.07, and their quartiles are coarse."""
+"""Least spread of the floor's grey for structure to be sought, in standard deviations of the noise
+and as a share of the least: chosen, for time; noise alone spreads whole grey values by up to 1.07.
+"""
 BEYOND_NOISE = 1.15
-"""Least ratio of the changes over two pixels to those over one: chosen, noise alone has 1.07 in a
+"""Least ratio of changes over two pixels to those over one: chosen, noise alone has 1.07 in a
 picture of 500 pixels; walls of 1 px have 1.2 in noise of 10 grey levels."""
 FULL_APART = 1.25
-"""Largest ratio of the changes over ``REACH`` pixels to those over two: chosen, walls of 1 px have
-1.0, pictures of rooms 1.5 to 2."""
+"""Largest ratio of changes over ``REACH`` pixels to those over two: chosen, walls of 1 px have 1.0,
+pictures of rooms 1.5 to 2."""
 APART = 4.0
-"""Least distance between two classes, in standard deviations of the larger one: chosen, two parts
-of one hump are up to 2.7, and a block on unresolved walls 8."""
+"""Least distance between two classes, in standard deviations of the larger one: chosen, parts of
+one hump have 2.7, a block on unresolved walls 8."""
 ALL = 256.0
-"""The level below which all grey values lie: defined."""
+"""Level above all grey values: defined."""
 FINE = 2
-"""Pixels apart over which fine structure changes fully: derived, a wall's width and a way's."""
+"""Pixels over which fine structure changes fully: derived, a wall and a way."""
 
 
 @dataclass(frozen=True, slots=True)
 class Unresolved:
-    """Unresolved structure around a grey of ``middle``, with standard deviation ``spread``.
-
-    It lies below the ``level``.
-    """
+    """Structure around a grey of ``middle``, of standard deviation ``spread``, below ``level``."""
 
     middle: float
     spread: float
@@ -68,8 +62,7 @@ def unresolved_structure(
 ) -> Unresolved | None:
     """Structure too fine for the picture, in the class of most of its pixels.
 
-    None if the class does not have it nearly everywhere, or has no more than a floor's texture.
-    O(pixels) if its grey spreads more than noise does, else O(1).
+    None if it is not in most places, or is no more than a floor's texture.
     """
     ground = _Ground.of(look, classes)
     light = ground.middle if side == "dark" else 255.0 - ground.middle
@@ -91,10 +84,8 @@ def unresolved_structure(
 
 
 class _Ground(NamedTuple):
-    """Grey values that most pixels have, first .. end, their middle and spread.
-
-    ``contrast``: distance to the others' grey, 0 where there are none.
-    """
+    """Range first .. end of most pixels' grey, its middle and spread; ``contrast`` to the others,
+    or 0."""
 
     first: float
     end: float
@@ -113,7 +104,6 @@ class _Ground(NamedTuple):
             else:
                 spread = classes.light_spread
                 left = look.noise * look.calming().left
-                # measured through smoothing, which leaves little fine structure
                 if spread**2 > look.noise**2 + (HINT * left) ** 2 and left < look.noise:
                     spread = grey_spread(counts[math.ceil(level) :])
                 ground = cls(level, ALL, classes.light, spread, contrast)
@@ -127,8 +117,7 @@ class _Ground(NamedTuple):
 def change_over(grey: NDArray[Any], seen: NDArray[np.bool_], apart: int) -> float:
     """Change over ``apart`` pixels, as the standard deviation of white noise that changes as much.
 
-    From a sample: the median second difference, in both directions, around ``seen`` pixels (h, w);
-    0 if there are too few.
+    From a sample: the median second difference around ``seen`` pixels (h, w); 0 if too few.
     """
     every = max(1, math.isqrt(2 * grey.size // SAMPLE))
     along = _bends(grey[::every], seen[::every], apart)
@@ -136,13 +125,13 @@ def change_over(grey: NDArray[Any], seen: NDArray[np.bool_], apart: int) -> floa
     bends = np.sort(np.concatenate([along, across]))
     if len(bends) < FEWEST:
         return 0.0
-    # mean of the middle fifth: integer grey values have few medians
+    # mean of the middle fifth: integers have few medians
     middle = bends[2 * len(bends) // 5 : 3 * len(bends) // 5 + 1].mean()
     return float(middle) / (0.6744898 * math.sqrt(6.0))
 
 
 def _bends(lines: NDArray[Any], seen: NDArray[np.bool_], apart: int) -> NDArray[np.float32]:
-    """Absolute second differences along each line, over ``apart`` pixels around each seen one."""
+    """Absolute second differences along lines, over ``apart`` pixels."""
     if lines.shape[1] <= 2 * apart:
         return np.empty(0, np.float32)
     shown = lines.astype(np.float32)

@@ -1,13 +1,11 @@
 """Contour following along the cracks between obstacle and free pixels, and sub-pixel edges.
 
 Rules and units
-- The mask has one free pixel of margin on every side and rows of a multiple of eight bytes: 1
-  is obstacle, 0 free. Returned coordinates are the picture's own (margin taken off).
-- A crack is the side of an obstacle pixel that faces a free pixel. A border is the closed
-  sequence of cracks around one component (clockwise on the screen) or one hole
-  (counter-clockwise): the obstacle is always on the right. Obstacles are 8-connected, free
-  space is 4-connected. The pixels of the cracks in order, without repetition, are the contour
-  of clockwise 8-connected contour following.
+- The mask has one free pixel of margin on every side and rows of a multiple of eight bytes: 1 is
+  obstacle, 0 free. Returned coordinates are without it.
+- A crack is the side of an obstacle pixel that faces a free pixel. A border is the closed sequence
+  of cracks around one component (clockwise on the screen) or one hole (counter-clockwise): the
+  obstacle is always on the right. Obstacles are 8-connected, free space is 4-connected.
 - A crack's direction is that of the walk: 0 east (the free pixel lies north), 1 south (it lies
   east), 2 west (south), 3 north (west).
 - The search is O(pixels / 8), the rest O(border).
@@ -24,18 +22,18 @@ from planner.scene.compile_options import LEAF, OWNING
 from planner.scene.primitive_kernels import grown
 
 OBSTACLE = np.uint8(1)
-"""Bit 0 of a mask byte: the pixel belongs to an obstacle."""
+"""Bit 0 of a mask byte: obstacle."""
 SEEN = np.uint8(2)
-"""Bit 1 of a mask byte: the west crack of this pixel has been walked."""
+"""Bit 1 of a mask byte: the pixel's west crack has been walked."""
 LOW_BITS = np.uint64(0x0101010101010101)
 BYTE = np.uint64(8)
 LAST_BYTE = np.uint64(56)
 ONE = np.uint64(1)
 TWO = np.uint64(2)
 NORTH, EAST_OF_IT = np.uint64(12), np.uint64(4)
-"""The walk's directions 3 and 1, times four; in the latter the free pixel lies in the east."""
+"""Directions 3 and 1, times four; in the latter the free pixel lies in the east."""
 AT_A_TIME = 32
-"""Words of eight pixels that are looked at for new borders together."""
+"""Words of eight pixels searched together."""
 
 
 @njit(**OWNING)
@@ -44,8 +42,8 @@ def follow_borders(mask, xs, ys, directions):
 
     ``xs``, ``ys``, ``directions`` are scratch space for the cracks; larger arrays are made if
     needed. Returns ``(x, y, direction, starts, area)``: per crack the obstacle pixel and the walk's
-    direction, per border the index of its first crack (one more entry than borders) and the pixels
-    it encloses, negative for a hole.
+    direction, per border its first crack (one more entry than borders) and the pixels it encloses,
+    negative for a hole.
     """
     height, stride = mask.shape
     flat = mask.reshape(-1)
@@ -76,7 +74,7 @@ def follow_borders(mask, xs, ys, directions):
                 x = start - row * stride - 1
                 last, area = _walk(flat, start, x, row - 1, tables, xs, ys, directions, count)
                 while last < 0:
-                    # too little space: walk it again in a larger array
+                    # too little space: walk it again
                     room *= 2
                     xs = grown(xs, room)
                     ys = grown(ys, room)
@@ -110,7 +108,6 @@ def _any_new(words):
 
 @njit(**LEAF)
 def _forget_seen(mask, xs, ys, directions, count):
-    """Remove the walk's marks from the mask."""
     for i in range(count):
         if directions[i] == 3:
             mask[ys[i] + 1, xs[i] + 1] = OBSTACLE
@@ -121,7 +118,6 @@ def _walk(flat, start, x, y, tables, xs, ys, directions, count):
     """Walk one border: ``(end of its cracks, area)``, or -1 if the arrays are too short."""
     move, to_left, to_front, step_x, step_y, turn, seen, area_of_x, begin_left, begin_front = tables
     room = xs.shape[0]
-    # unsigned: no index counts from the end
     at = np.uint64(start)
     begin = at
     left_at = at + begin_left
@@ -129,7 +125,7 @@ def _walk(flat, start, x, y, tables, xs, ys, directions, count):
     state = NORTH
     area = 0
     while count < room:
-        # the walk's direction times four; the two pixels ahead decide the next one
+        # the direction times four; two pixels ahead decide the next
         xs[count] = x
         ys[count] = y
         directions[count] = state >> TWO
@@ -152,13 +148,12 @@ def _walk(flat, start, x, y, tables, xs, ys, directions, count):
 
 @njit(**OWNING)
 def _walk_tables(stride):
-    """Tables for a walk without branches: the step for a direction and the two pixels ahead.
+    """Tables for a walk without branches.
 
-    By direction * 4 + left * 2 + ahead: the move in bytes; the next two pixels to look at, ahead on
-    the left and ahead, relative to the old place, so that they need not wait for the next
-    direction; the move in x and y; the next direction * 4. By direction * 4: the bit to set, the
-    factor of x in the area. Then the first two pixels to look at, from the first one, northwards.
-    Offsets are unsigned and wrap.
+    By direction * 4 + left * 2 + ahead: the move in bytes; the next two pixels to read, on the left
+    and ahead, relative to the old place, so that they need not wait for the next direction; the
+    move in x and y; the next direction * 4. By direction * 4: the bit to set, the factor of x in
+    the area. Then the first two pixels to read, northwards. Offsets are unsigned and wrap.
     """
     ahead = (1, stride, -1, -stride)
     across = (1, 0, -1, 0)
@@ -203,10 +198,10 @@ def _walk_tables(stride):
 
 @njit(**OWNING)
 def hole_owners(mask, xs, ys, directions, starts, areas):
-    """The outline that each border belongs to: its own index, or for a hole its object's.
+    """Outline of each border: its own index, or for a hole its object's.
 
-    A hole's first crack is the west crack in its topmost row. From there the object lies to the
-    left behind the hole; its run of pixels begins with a west crack that an earlier border walked.
+    A hole's first crack is the west crack in its topmost row; the run of pixels to its left begins
+    with a west crack that an earlier border walked.
     """
     borders = areas.shape[0]
     owners = np.arange(borders)
@@ -234,7 +229,7 @@ def hole_owners(mask, xs, ys, directions, starts, areas):
 
 @njit(**OWNING)
 def _ask_for_owners(mask, xs, ys, starts, areas, keys):
-    """Find for every hole the west crack whose border owns it, also in the table of ``keys``."""
+    """Fill the table of ``keys``: for every hole the west crack whose border owns it."""
     borders = areas.shape[0]
     size = keys.shape[0]
     asked = np.full(borders, -1, np.int64)
@@ -259,7 +254,6 @@ def _ask_for_owners(mask, xs, ys, starts, areas, keys):
 
 @njit(**OWNING)
 def _walked_by(stride, xs, ys, directions, starts, keys):
-    """For every west crack in the table of ``keys`` the border that walks it."""
     size = keys.shape[0]
     found = np.full(size, -1, np.int64)
     for b in range(starts.shape[0] - 1):
@@ -278,7 +272,7 @@ def _walked_by(stride, xs, ys, directions, starts, keys):
 
 @njit(**LEAF)
 def count_contour_pixels(xs, ys, starts):
-    """Number of pixels that ``contour_pixels`` gives, except a turn at a border's very end."""
+    """Number of ``contour_pixels``, except a turn at a border's very end."""
     count = 0
     for b in range(starts.shape[0] - 1):
         first = starts[b]
@@ -293,10 +287,10 @@ def count_contour_pixels(xs, ys, starts):
 
 @njit(**OWNING)
 def contour_pixels(xs, ys, starts):
-    """The 8-connected contours: every border's pixels without immediate repetition.
+    """The 8-connected contours ``(x, y, starts)``: every border's pixels without immediate
+    repetition.
 
-    Returns ``(x, y, starts)``; the walk turns round one pixel without leaving it, and revisits
-    pixels where the object is one pixel wide.
+    Pixels repeat where the object is one pixel wide.
     """
     borders = starts.shape[0] - 1
     out_x = np.empty(xs.shape[0], np.int32)

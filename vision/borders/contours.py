@@ -1,10 +1,10 @@
 """The borders of all objects and holes, and their sub-pixel edge points.
 
 Rules and units
-- Pixels, centres at integers, y down; outlines clockwise and holes counter-clockwise as seen
-  on the screen. Obstacles are 8-connected, free space is 4-connected.
-- ``laplacian_border`` is the paper's list L; the walk of ``follow_borders`` visits exactly
-  those of its pixels that bound an object, in the order of clockwise contour following.
+- Pixels, centres at integers, y down; outlines clockwise and holes counter-clockwise as seen on the
+  screen. Obstacles are 8-connected, free space is 4-connected.
+- ``laplacian_border`` is the paper's list L; ``follow_borders`` visits exactly those of its pixels
+  that bound an object, clockwise.
 """
 
 from __future__ import annotations
@@ -25,12 +25,12 @@ from vision.shared.scratch import Room
 LAPLACIAN = np.array([[0, -1, 0], [-1, 4, -1], [0, -1, 0]], dtype=np.float32)
 """The mask M of the paper's section 3.1."""
 STEEPEST = 0.3989
-"""The slope of a step that only the profile's own smoothing made wide: derived, the density of a
-normal distribution of sigma 1 in its middle."""
+"""Slope of an unblurred step in the smoothed profile: derived, a normal distribution's density in
+its middle."""
 LEAST_SLOPE, MOST_SLOPE = 0.05, 0.4
-"""Slopes that are believed: chosen, a blur of 8 px and none."""
+"""Range of slopes: chosen, a blur of 8 px and none."""
 LEAST_VARIANCE = 0.08
-"""Square pixels that light spreads by at least: derived, a pixel's own width has 1 / 12."""
+"""Least variance of light's spread, square pixels: derived, a pixel's own width has 1 / 12."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -65,7 +65,7 @@ class Contours:
 
     @property
     def pixels(self) -> int:
-        """Number of border pixels, counted at each visit of contour following: n of the paper."""
+        """Number of border pixels, counted at each visit: n of the paper."""
         return int(kernels.count_contour_pixels(self.x, self.y, self.starts))
 
     def contours(self) -> tuple[NDArray[np.int32], NDArray[np.int64]]:
@@ -79,9 +79,8 @@ class EdgePoints:
     """Sub-pixel points (k, 2) along every border, and ``starts`` (b + 1,).
 
     ``slope`` is the smoothed profile's mean step at the edge as a share of the contrast;
-    ``crispness`` the share of slanted cracks where black meets white without grey. ``staircase``:
-    sums of the points' deviations times the pixels' staircase, and of the staircase's squares,
-    square pixels (see ``vision.borders.staircase_kernels``).
+    ``crispness`` the share of slanted cracks without grey. ``staircase``: the sums of
+    ``vision.borders.staircase_kernels``, square pixels.
     """
 
     points: NDArray[np.float64]
@@ -97,14 +96,14 @@ class EdgePoints:
 
 
 def blur_of(slope: float) -> float:
-    """The blur (sigma, pixels) of edges whose smoothed profile has this slope."""
+    """Blur (sigma, pixels) of edges whose smoothed profile has this slope."""
     return math.sqrt(max((STEEPEST / slope) ** 2 - 1.0, LEAST_VARIANCE))
 
 
 def laplacian_border(mask: NDArray[np.uint8]) -> NDArray[np.bool_]:
-    """The obstacle pixels of a mask (h, w) where the paper's Laplacian is positive.
+    """Obstacle pixels of a mask (h, w) where the paper's Laplacian is positive.
 
-    Everything outside the picture is free.
+    Everything outside is free.
     """
     padded = cv2.copyMakeBorder(mask, 1, 1, 1, 1, cv2.BORDER_CONSTANT, value=0)
     response = cv2.filter2D(padded, cv2.CV_16S, LAPLACIAN)
@@ -115,10 +114,8 @@ def laplacian_border(mask: NDArray[np.uint8]) -> NDArray[np.bool_]:
 def follow_borders(mask: NDArray[np.uint8], room: Room | None = None) -> Contours:
     """Follow every border of a padded mask (see ``vision.binarise.grey_picture.Binary``).
 
-    The mask is marked meanwhile and restored afterwards. With a ``room`` the borders are valid only
+    The mask is marked meanwhile and restored afterwards. With a ``room`` the borders are valid
     until its next use.
-
-    O(pixels / 8) to find them and O(border) to follow them.
     """
     room = Room() if room is None else room
     likely = max(4096, mask.size // 16)
@@ -133,9 +130,9 @@ def follow_borders(mask: NDArray[np.uint8], room: Room | None = None) -> Contour
 
 
 def locate_edges(binary: Binary, borders: Contours, room: Room | None = None) -> EdgePoints:
-    """Sub-pixel edge points of every border. O(border).
+    """Sub-pixel edge points of every border.
 
-    With a ``room`` they are valid only until its next use.
+    With a ``room`` they are valid until its next use.
     """
     room = Room() if room is None else room
     most = len(borders.x) + 1

@@ -2,18 +2,14 @@
 
 Rules and units
 - Pixel coordinates, pixel centres at integers, y down; grey values as floats.
-- A crack contributes where the border runs more along it than across it. That leaves one point
-  a row or column, and the profile across the crack meets the edge at 45 degrees or more.
-- The profile across the crack is smoothed along itself (Gaussian, sigma 1 px). That is nearly
-  optimal at a noisy edge, and widens the step enough that interpolation through the normal
-  distribution's inverse is exact to a few thousandths of a pixel.
-- The half level is taken from both plateaus beside the edge, averaged over a stretch of the
-  border, so that objects of different darkness and uneven light do not move the edge.
-- In walls or gaps so narrow that a plateau may not be reached, nothing beyond the middle is
-  read: the light is not smoothed, and the given level counts unless the visible part of the
-  plateau shows another.
-- One border at a time: its profiles are gathered from the picture into rows of ``work``, a
-  column a crack, and everything else runs over whole rows, several cracks at once.
+- A crack contributes where the border runs more along it than across it: one point a row or column,
+  and the profile meets the edge at 45 degrees or more.
+- The profile across the crack is smoothed along itself (Gaussian, sigma 1 px). Interpolation
+  through the normal distribution's inverse is then exact to a few thousandths of a pixel.
+- The half level is that of both plateaus beside the edge, averaged along the border: neither
+  darkness nor uneven light moves the edge.
+- In walls or gaps too narrow for a plateau, nothing beyond the middle is read: the light is not
+  smoothed, and the given level counts unless the plateau's visible part shows another. -
 """
 
 # mypy: allow-untyped-defs
@@ -46,31 +42,31 @@ from vision.borders.edge_profile_kernels import (
 from vision.shared.typed_numbers import NO, NONE, ONE, YES
 
 WANDER = 2
-"""How many pixels beside the crack the smoothed crossing may lie."""
+"""Pixels beside the crack at which the smoothed crossing may lie."""
 CRISP = 0.95
-"""Share of the contrast in one step from which an edge counts as drawn without grey."""
+"""Share of the contrast in one step from which an edge is drawn without grey."""
 UNREACHED = 1 / 8
-"""So far from half-way between what is seen of both plateaus, as a share of what lies between
-them, the given level is still believed at a narrow wall: a fifth of the contrast is unseen."""
+"""Distance from half-way between both visible plateaus, as a share of their contrast, up to which
+the given level counts at a narrow wall: a fifth of the contrast is unseen."""
 STRETCH = 64
 """Cracks to either side over which the plateaus are averaged."""
 SAME_GREY = 1e-9
-"""A rounding of grey values."""
+"""Rounding of grey values."""
 
 
 class PlateauRows(NamedTuple):
-    """The rows of one kind of plateau, dark or light; sums run up to every crack."""
+    """Rows of one kind of plateau, dark or light; sums run up to every crack."""
 
     own: FloatArray
     """Every crack's plateau."""
     level: FloatArray
-    """Its stretch's: what is looked for."""
+    """Its stretch's mean."""
     total: FloatArray
-    """The sum of the plateaus."""
+    """Sum of the plateaus."""
     number: FloatArray
-    """How many there are."""
+    """Their number."""
     others: FloatArray
-    """How many of the other kind: without those there is no level either."""
+    """Number of the other kind: without those there is no level."""
 
 
 @njit(**OWNING)
@@ -78,10 +74,10 @@ def edge_points(grey, mask, level, by_level, xs, ys, directions, starts, points)
     """Sub-pixel points of every border, in order.
 
     ``grey`` (h, w), obstacles dark; ``mask`` the padded mask; ``level`` the threshold;
-    ``by_level``: the mask is exactly the pixels below it; ``points`` has space for one more point
-    (k, 2) than there are cracks. Returns ``(points, point_starts, slope, crispness)``: (k, 2)
-    float64, per border the index of its first point, the mean step of the smoothed profile at the
-    edge as a share of the contrast, and the share of slanted cracks with a full step.
+    ``by_level``: the mask is exactly the pixels below it; ``points`` (k, 2) has space for one more
+    than the cracks. Returns ``(points, point_starts, slope, crispness)``: (k, 2) float64, per
+    border its first point, the mean step of the smoothed profile at the edge as a share of the
+    contrast, and the share of slanted cracks with a full step.
     """
     borders = starts.shape[0] - 1
     point_starts = np.empty(borders + 1, np.int64)
@@ -123,7 +119,7 @@ def edge_points(grey, mask, level, by_level, xs, ys, directions, starts, points)
 def _find_crossings(level, n, work, totals):
     """Crossings of the half level by the smoothed profile between the crack's own two pixels.
 
-    ``totals``: the sum and number of slopes, full steps and slanted cracks.
+    ``totals``: sum and number of slopes, of full steps and slanted cracks.
     """
     here = work.profile[BEHIND]
     beside = work.profile[BEHIND + 1]
@@ -164,7 +160,7 @@ def _find_crossings(level, n, work, totals):
 
 @njit(**SUMS)
 def _probit(w):
-    """The inverse normal distribution near its middle, up to a factor; w in [-0.5, 0.5]."""
+    """Inverse normal distribution near its middle, up to a factor; w in [-0.5, 0.5]."""
     w = min(max(w, -0.5), 0.5)
     q = w * w
     return w * (1.0 + q * (1.047198 + q * (2.30291 + q * 6.0)))
@@ -172,7 +168,6 @@ def _probit(w):
 
 @njit(**LEAF, forceinline=True)
 def _place(grey, level, xs, ys, directions, n, work, totals, points, count):
-    """The points of the chosen cracks, in order; returns the next point's number."""
     for i in range(n):
         nx, ny = out(np.int64(directions[i]))
         t = work.crossing[i]
@@ -219,7 +214,7 @@ def _crossing_narrow(level, i, work):
     dark = work.dark_level[i]
     light = work.light_level[i]
     half = 0.5 * (light + dark)
-    # the missing part of a plateau can only lie beyond the visible one
+    # the missing part of a plateau lies beyond the visible one
     lowest = half - (UNREACHED * (light - dark) if work.wall[i] > 0.0 else 0.0)
     highest = half + (UNREACHED * (light - dark) if work.gap[i] > 0.0 else 0.0)
     if lowest <= level <= highest:
@@ -236,7 +231,7 @@ def _crossing_narrow(level, i, work):
 
 @njit(**LEAF)
 def _smoothed(grey, x, y, nx, ny):
-    """The profile across a crack, smoothed at one pixel; the picture extends beyond its edge."""
+    """Profile across a crack, smoothed at one pixel; the picture's edge pixels repeat."""
     height, width = grey.shape
     value = 0.0
     for k in range(-2, 3):
@@ -258,7 +253,6 @@ def find_plateaus(n, work, sums):
     reach = min(STRETCH, (n - 1) // 2)
     dark = PlateauRows(work.dark, work.dark_level, sums[0], sums[1], sums[3])
     light = PlateauRows(work.light, work.light_level, sums[2], sums[3], sums[1])
-    # at first no plateau is too light or too dark
     dark.level[:n] = np.inf
     light.level[:n] = -np.inf
     for _ in range(2):
@@ -271,11 +265,10 @@ def find_plateaus(n, work, sums):
 
 @njit(**LEAF, forceinline=True)
 def _add_up(n, clear, dark, light):
-    """Cumulative sums along the cracks: dark values and their number, light values and their
-    number.
+    """Cumulative sums along the cracks: dark and light values, and their numbers.
 
     Values lighter than the known dark level, or darker than the light one, are left out. Sums of
-    whole and half grey values are exact, and so the same wherever a border begins.
+    whole and half grey values are exact, wherever a border begins.
     """
     a = 0.0
     b = 0.0
@@ -296,11 +289,10 @@ def _add_up(n, clear, dark, light):
 
 @njit(**SUMS)
 def _set_level(begin, end, ahead, behind, around, n, kind):
-    """The means of the stretches of cracks ``begin`` .. ``end`` - 1, dark or light.
+    """Means of the stretches of cracks ``begin`` .. ``end`` - 1, dark or light.
 
-    The stretch of the first one ends before crack ``ahead`` and begins at crack ``behind``;
-    ``around``: past the border's end. One kind at a time: a loop that writes two rows handles one
-    crack at a time.
+    The first stretch ends before crack ``ahead`` and begins at crack ``behind``; ``around``: past
+    the border's end. One kind at a time: a loop that writes two rows is not vectorised.
     """
     cracks = end - begin
     own = kind.own[begin:end]

@@ -1,8 +1,7 @@
 """The light across every crack of a border, and both plateaus beside it.
 
 Rules and units
-- As in ``vision.borders.edge_kernels``. A border's cracks are the columns of ``work``; a row of
-  it is gathered or computed at once.
+- As in ``vision.borders.edge_kernels``.
 """
 
 # mypy: allow-untyped-defs
@@ -18,20 +17,20 @@ from planner.scene import FloatArray
 from planner.scene.compile_options import LEAF, SUMS
 
 REACH = 3
-"""Cracks to either side that tell the border's direction."""
+"""Cracks to either side that give the border's direction."""
 TAP0, TAP1, TAP2 = 0.40261995, 0.24420134, 0.05448868
 """A Gaussian of sigma 1 on five pixels."""
 BEHIND, SAMPLES = 4, 10
 """Pixels of a profile behind its obstacle pixel, and in all."""
 ROWS = SAMPLES + 15
-"""Rows of memory behind a ``Profiles``."""
+"""Rows behind a ``Profiles``."""
 
 
 class Profiles(NamedTuple):
-    """The profiles of a border's cracks and their results: a column a crack."""
+    """Profiles of a border's cracks and their results: a column a crack."""
 
     profile: FloatArray
-    """(SAMPLES, k): grey values, from the obstacle to the free side."""
+    """(SAMPLES, k): grey values, from obstacle to free."""
     middle_x: FloatArray
     """Twice a crack's middle, with REACH cracks more at both ends."""
     middle_y: FloatArray
@@ -51,9 +50,9 @@ class Profiles(NamedTuple):
     """The plateaus of its stretch."""
     light_level: FloatArray
     crossing: FloatArray
-    """Where the light crosses the half level, in pixels from the obstacle pixel."""
+    """Crossing of the half level, in pixels from the obstacle pixel."""
     astray: FloatArray
-    """1 where that lies farther away than between the crack's own two pixels."""
+    """1 where that lies beyond the crack's own two pixels."""
     wall: FloatArray
     """1 where the obstacle is three or four pixels wide."""
     gap: FloatArray
@@ -62,7 +61,7 @@ class Profiles(NamedTuple):
 
 @njit(**LEAF)
 def out(direction):
-    """From a crack's obstacle pixel to its free one, by the walk's direction: x and y."""
+    """Step from a crack's obstacle pixel to its free one: x and y."""
     return (direction & 1) * (2 - direction), (1 - (direction & 1)) * (direction - 1)
 
 
@@ -70,9 +69,7 @@ def out(direction):
 def locate(grey, xs, ys, directions, n, work, places):
     """Place of every crack, and its profile's value at the obstacle pixel.
 
-    ``places`` (2, k): a crack's obstacle pixel in the picture, and the offset to the free one. A
-    vertical border touches a new line of memory at every crack. A short loop fetches many lines at
-    once, and the profiles are then read from the cache.
+    ``places`` (2, k): a crack's obstacle pixel in the picture, and the offset to the free one.
     """
     width = grey.shape[1]
     flat_grey = grey.reshape(-1)
@@ -100,7 +97,7 @@ def locate(grey, xs, ys, directions, n, work, places):
 
 @njit(**LEAF)
 def look_at_mask(mask, width, xs, ys, directions, n, clear):
-    """CLEAR from a mask that was not made from these grey values: three pixels to either side.
+    """Set ``clear`` from a mask not made from these grey values: three pixels to either side.
 
     Not for cracks near the picture's edge.
     """
@@ -124,10 +121,10 @@ def look_at_mask(mask, width, xs, ys, directions, n, clear):
 
 @njit(**LEAF, forceinline=True)
 def gather(grey, mask, xs, ys, directions, n, work, places):
-    """The rest of the profile across every crack.
+    """Gather the rest of the profile across every crack.
 
-    CLEAR is found here if the profile leaves the picture. CROSSING is -1 if the free pixel is
-    outside.
+    ``clear`` is found here if the profile leaves the picture. ``crossing`` is -1 if the free pixel
+    is outside.
     """
     height, width = grey.shape
     flat_grey = grey.reshape(-1)
@@ -159,7 +156,6 @@ def gather(grey, mask, xs, ys, directions, n, work, places):
 
 @njit(**LEAF)
 def _is_clear(mask, x, y, nx, ny, width, height):
-    """Three obstacle pixels on one side and three free ones on the other, near the margin."""
     for k in range(1, 3):
         px = x - k * nx
         py = y - k * ny
@@ -179,7 +175,6 @@ def _is_clear(mask, x, y, nx, ny, width, height):
 def look_along(directions, n, work):
     """Mark cracks that give a point, and slanted parts of the border."""
     for i in range(n):
-        # twice the distance between the cracks' middles
         dx = abs(work.middle_x[i + 2 * REACH] - work.middle_x[i])
         dy = abs(work.middle_y[i + 2 * REACH] - work.middle_y[i])
         upright = directions[i] & 1 == 1
@@ -191,7 +186,7 @@ def look_along(directions, n, work):
 
 @njit(**LEAF, forceinline=True)
 def look_beside(level, by_level, n, work):
-    """The plateaus beside every crack, and the profile smoothed at its two pixels.
+    """Find the plateaus beside every crack, and the profile smoothed at its two pixels.
 
     A plateau is the mean of two pixels; the nearer one if the outer may be at the far side; the
     middle in a narrow wall or gap.
@@ -221,7 +216,7 @@ def look_beside(level, by_level, n, work):
         work.gap[i] = 1.0 if three | four else 0.0
         work.near[i] = TAP0 * here[i] + TAP1 * (a1[i] + b1[i]) + TAP2 * (a2[i] + b2[i])
         work.far[i] = TAP0 * b1[i] + TAP1 * (here[i] + b2[i]) + TAP2 * (a1[i] + b3[i])
-    # the few places where a narrow wall looks wide, at its corners, show no plateau either
+    # where a narrow wall looks wide, at its corners, there is no plateau either
     if 2.0 * _sum(work.wall[:n]) > n:
         work.wall[:n] = 1.0
     if 2.0 * _sum(work.gap[:n]) > n:

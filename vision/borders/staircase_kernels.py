@@ -1,14 +1,13 @@
 """The test for edge points that follow the pixels' staircase in spite of grey.
 
 Rules and units
-- Pixels, centres at integers. A drawing without grey that is blurred afterwards keeps its
-  pixels' steps where they are longer than the blur is wide: its border is the staircase,
-  rounded along itself, and lies up to half a pixel off the drawing.
-- Where points follow each other a column (or a row) apart, a parabola through a stretch of them
-  predicts the middle one. A border drawn between pixels stays on the parabola. A border rounded
-  to pixels follows the rounded parabola, blurred. The two are compared by their squares.
-- Noise favours neither: a stretch that rises by a pixel meets every phase of the staircase
-  alike. A stretch that rises less is not evaluated.
+- Pixels, centres at integers. A drawing without grey keeps its pixels' steps in spite of later blur
+  where they are longer: its border lies up to half a pixel off the drawing.
+- A parabola through a stretch of points a column (or a row) apart predicts the middle one. A border
+  drawn between pixels stays on it; one rounded to pixels follows the rounded parabola, blurred.
+  Squares decide.
+- Noise favours neither: a stretch that rises by a pixel meets every phase of the staircase alike. A
+  stretch that rises less is not evaluated.
 """
 
 # mypy: allow-untyped-defs
@@ -24,25 +23,25 @@ from planner.scene.compile_options import LEAF, OWNING, SUMS
 from planner.scene.primitive_kernels import successor
 
 NARROWEST, WIDEST = 4, 16
-"""Points on either side that a parabola is fitted to, at least and at most: chosen, by
+"""Points on either side of a parabola's middle, at least and at most: chosen, by
 ``tests/vision/borders/test_staircase.py``, over discs of 20 to 200 px."""
 COURSE, WIDER = 28.0, 0.75
-"""Points of a course with the narrowest stretches: derived, the octants of a circle of
-20 px. In wider courses stretches grow by this power of the radius, and a parabola leaves the
-circle by the same everywhere: derived, by w^4 / (8 r^3)."""
+"""Points of a course with the narrowest stretches: derived, the octants of a circle of 20 px. In
+wider courses stretches grow by this power of the radius: derived, a parabola then leaves the circle
+by the same w^4 / (8 r^3)."""
 NARROW = 4.5
-"""Points on either side at such a course, were there no least: chosen, by the same test."""
+"""Points on either side at such a course, without a least: chosen, by the same test."""
 TAILS = 2.5
-"""Standard deviations at which blur along the border is cut off: chosen, 1 % lies beyond."""
+"""Standard deviations at which blur is cut off: chosen, 1 % lies beyond."""
 RISE_PX = 1.0
-"""How much a stretch has to rise: derived, a step."""
+"""Least rise of a stretch: derived, a step."""
 ASTRAY_PX = 0.6
-"""From here on a point is beside a corner: chosen, half a pixel is what rounding does, and a little
-is left for noise."""
+"""Deviation from which a point is beside a corner: chosen, rounding makes half a pixel, noise a
+little."""
 
 ENOUGH = 4.0
-"""Square pixels of the staircase that tell: chosen, a hundred times the variance of points in noise
-of 0.2 px; looking at all borders took a tenth to a fifth of a picture's time, this takes 3 %."""
+"""Square pixels of the staircase that suffice: chosen, a hundred times the variance of points in
+noise of 0.2 px; this takes 3 % of a picture's time, all borders a tenth to a fifth."""
 
 
 @njit(**OWNING)
@@ -51,8 +50,8 @@ def follow_staircase(points, starts, blur):
 
     ``blur``: spread of light at an edge, pixels. Returns the sum of the points' deviation from
     their parabola times the staircase's, and the sum of the latter's squares, square pixels. Their
-    quotient is 0 for drawings with grey, and 1 for those without. The rest is skipped once enough
-    points have been compared. O(points).
+    quotient is 0 for drawings with grey, and 1 without. O(points) at most; it ends once enough are
+    compared.
     """
     longest = 0
     for b in range(starts.shape[0] - 1):
@@ -90,7 +89,7 @@ def follow_staircase(points, starts, blur):
 
 @njit(**LEAF)
 def _first_break(border, axis):
-    """A point where no course continues: its neighbours are not a pixel away on opposite sides."""
+    """Point where no course continues: its neighbours are not a pixel away on opposite sides."""
     n = border.shape[0]
     if n == 0:
         return 0
@@ -123,7 +122,6 @@ def _course(border, axis, begin, most):
 
 @njit(**SUMS)
 def _compare(work, count, taps, reach):
-    """The sums of ``follow_staircase`` over one course, in the first row of ``work``."""
     course = work[0]
     smooth = work[1]
     rounded = work[2]
@@ -131,7 +129,7 @@ def _compare(work, count, taps, reach):
     width = int(NARROW * (count / COURSE) ** WIDER)
     width = min(max(width, NARROWEST), WIDEST)
     size = 2 * width + 1
-    # value in the middle of a parabola through that many points: a sum of weights a - b j^2
+    # value in the middle of a fitted parabola: weights a - b j^2
     second = width * (width + 1.0) * size / 3.0
     fourth = second * (3.0 * width * width + 3.0 * width - 1.0) / 5.0
     scale = 1.0 / (size * fourth - second * second)

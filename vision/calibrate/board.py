@@ -1,10 +1,9 @@
 """Detection of calibration boards, chessboards and ChArUco boards, with sub-pixel corners.
 
 Rules and units
-- Corners are raw pixels, centres at integers. Board points are metres in the board's plane, x
-  along its rows, y up, the first corner at (0, 0).
-- Neighbours bound a corner's refinement window: one that reaches the next corner spoils a far or
-  tilted board (0.41 px instead of 0.18 px rms on real pictures).
+- Corners are raw pixels, centres at integers. Board points are metres in the board's plane, x along
+  its rows, y up, the first corner at (0, 0).
+- Neighbours bound a corner's refinement window (``WINDOW_SHARE``).
 """
 
 from __future__ import annotations
@@ -21,15 +20,14 @@ from vision.camera.camera import Image
 from vision.markers.marker_search import MarkerError, dictionary_by_name, grey_of
 
 WINDOW_SHARE = 0.3
-"""Half the refinement window, as a share of the distance to the nearest corner. A smaller window
-has fewer pixels and more noise, a larger one reaches the next corners of a tilted board: on real
-views left out 0.187 px at 0.2, 0.181 at 0.3, 0.220 at 0.4
-(``python -m benchmarks.camera.boards``)."""
+"""Half the refinement window, as a share of the distance to the nearest corner: chosen, by ``python
+-m benchmarks.camera.boards``. A smaller window has more noise, a larger one reaches the next
+corners of a tilted board: on left-out views 0.187 px at 0.2, 0.181 at 0.3, 0.220 at 0.4."""
 
 _MIN_CHARUCO_CORNERS = 8
 
 MOST_LOOKED_AT = 5
-"""Pictures in which a larger board is looked for, at about 0.1 s each."""
+"""Pictures searched for a larger board, at about 0.1 s each."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -106,7 +104,7 @@ class NoBoard:
 
 
 def find_board(image: Image, spec: BoardSpec, name: str) -> BoardView | NoBoard:
-    """Find the board in a picture that messages call ``name``."""
+    """Find the board in a picture called ``name`` in messages."""
     grey = grey_of(image)
     if min(grey.shape) < 32:
         return NoBoard(name, f"a picture of {grey.shape[1]}x{grey.shape[0]} pixels is too small")
@@ -130,7 +128,7 @@ def _find_chessboard(grey: Image, spec: BoardSpec) -> tuple[FloatArray, FloatArr
     grid = np.asarray(corners, dtype=np.float64).reshape(rows, columns, 2)
     along, down = grid[0, -1] - grid[0, 0], grid[-1, 0] - grid[0, 0]
     if along[0] * down[1] - along[1] * down[0] < 0.0:
-        grid = grid[::-1]  # the board lies face up: rows run clockwise from columns
+        grid = grid[::-1]
     if _first_square_is_light(grey, grid):
         grid = grid[::-1, ::-1]
     return grid.reshape(-1, 2), _board_points(columns, rows, spec.square_m)
@@ -139,7 +137,7 @@ def _find_chessboard(grey: Image, spec: BoardSpec) -> tuple[FloatArray, FloatArr
 def _first_square_is_light(grey: Image, grid: FloatArray) -> bool:
     """True if the inner square at the first corner is lighter than its neighbour.
 
-    Fixes the same first corner in every picture, if the board allows.
+    Fixes the first corner in every picture, if the board allows.
     """
     if grid.shape[0] < 2 or grid.shape[1] < 3:
         return False
@@ -155,17 +153,17 @@ def _find_charuco(grey: Image, spec: BoardSpec) -> tuple[FloatArray, FloatArray]
         raise CalibrationError(str(error)) from error
     marker_m = spec.marker_m if spec.marker_m is not None else spec.square_m / 2.0
     best: tuple[FloatArray, FloatArray] | None = None
-    # Since OpenCV 4.6, boards with even rows begin with the other colour.
+    # since OpenCV 4.6, boards with even rows begin with the other colour
     for legacy in (False, True) if spec.rows % 2 == 0 else (False,):
         board = cv2.aruco.CharucoBoard((spec.columns, spec.rows), spec.square_m, marker_m, book)
         board.setLegacyPattern(legacy)
         corners, ids, *_ = cv2.aruco.CharucoDetector(board).detectBoard(grey)
-        seen: object = ids  # None if nothing was found, despite the stubs
+        seen: object = ids
         if seen is None:
             continue
         if best is None or len(ids) > len(best[0]):
             places = np.asarray(board.getChessboardCorners(), dtype=np.float64).reshape(-1, 3)
-            # OpenCV counts from the outer corner, we from the first inner one
+            # OpenCV counts from the outer corner
             points = (places[np.ravel(ids), :2] - places[0, :2]) * (1.0, -1.0)
             best = np.asarray(corners, dtype=np.float64).reshape(-1, 2), points
     if best is None:
@@ -186,7 +184,7 @@ def _find_charuco(grey: Image, spec: BoardSpec) -> tuple[FloatArray, FloatArray]
 
 
 def _is_mirrored(grey: Image, book: cv2.aruco.Dictionary) -> bool:
-    """True if a mirror shows more markers than the picture; one alone may be chance."""
+    """True if a mirror shows more markers; one alone may be chance."""
     detector = cv2.aruco.ArucoDetector(book)
     mirror = np.ascontiguousarray(grey[:, ::-1])
     counts = [len(detector.detectMarkers(picture)[0]) for picture in (grey, mirror)]
@@ -212,7 +210,7 @@ def refine_corners(grey: Image, corners_px: FloatArray, share: float = WINDOW_SH
         start = corners[chosen].astype(np.float32).reshape(-1, 1, 2)
         found = cv2.cornerSubPix(grey, start, (int(half), int(half)), (-1, -1), stop)
         moved = np.asarray(found, dtype=np.float64).reshape(-1, 2)
-        # A corner that leaves its window has found something else.
+        # a corner that leaves its window has found something else
         kept = np.abs(moved - corners[chosen]).max(axis=1) <= half
         refined[chosen] = np.where(kept[:, None], moved, corners[chosen])
     return refined
@@ -235,9 +233,8 @@ def find_boards(
 def refuse_part(pictures: Sequence[Image], spec: BoardSpec) -> None:
     """Raise ``CalibrationError`` if the board found is part of a larger chessboard.
 
-    The search accepts a part too, with its first corner anywhere. Most of the grey pictures must
-    agree, as a shadow beside a board may pass for another row; once half show no larger board, the
-    rest are skipped.
+    The search accepts a part too. Most of the grey pictures must agree, as a shadow may pass for
+    another row.
     """
     if spec.kind != "chessboard":
         return
@@ -258,7 +255,6 @@ def refuse_part(pictures: Sequence[Image], spec: BoardSpec) -> None:
 
 
 def _larger_board(grey: Image, columns: int, rows: int) -> tuple[int, int] | None:
-    """Size of a board in the picture with one column or row more; None without one."""
     for wider in ((columns + 1, rows), (columns, rows + 1), (columns + 1, rows + 1)):
         if cv2.findChessboardCorners(grey, wider)[0]:
             return wider

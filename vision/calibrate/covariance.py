@@ -5,9 +5,8 @@ Rules and units
   k3). Their covariance is the inverse of the normal matrix without the boards' poses (Schur's
   complement), times the residuals' variance.
 - A picture point's figure is the spread of its undistorted position, in pixels, without the part
-  that a homography of the picture undoes, as placing the camera over an arena fits one: focal
-  length and centre count only where they bend lines. The focal length, which sets heights, has a
-  spread of its own.
+  that a homography undoes, as the arena's does: focal length and centre count only where they bend
+  lines. The focal length has its own spread.
 - Errors alike in all views are invisible here; residuals of left-out views show them.
 """
 
@@ -35,12 +34,13 @@ _TERM_FLAGS = {
 _ROUNDS = (cv2.TERM_CRITERIA_EPS | cv2.TERM_CRITERIA_COUNT, 30, 1e-9)
 _UNDISTORT_ROUNDS = (cv2.TERM_CRITERIA_EPS | cv2.TERM_CRITERIA_COUNT, 50, 1e-10)
 _FOLDED_PX = 0.05
-"""A point that undistorts to another one lies where the lens model folds: unknown there."""
+"""Largest error of undistorting a point; beyond it the lens model folds, and the spread is
+unknown."""
 _LEAST_NOISE_PX = 0.01
-"""Corners are nowhere found better than so; keeps drawings without noise from being certain."""
+"""Least noise of corners; keeps drawings without noise from being certain."""
 _PRIOR_FOCAL, _PRIOR_CENTRE, _PRIOR_TERMS = 0.3, 0.05, (0.3, 0.3, 0.01, 0.01, 0.3)
-"""Spreads of a lens before any picture: focal length and centre as shares of the picture's width,
-and the distortion's terms."""
+"""Spreads of an unknown lens: focal length and centre as shares of the picture's width, and the
+distortion's terms."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -62,7 +62,7 @@ class KnownLens:
     def sigma_px(self, points_px: FloatArray, more: FloatArray | None = None) -> FloatArray:
         """(n,) spread, rms length in pixels, at picture points (n, 2); inf where unknown.
 
-        ``more`` is what further views add to ``normal`` (see ``information``).
+        ``more`` is added to ``normal`` (see ``information``).
         """
         normal = self.normal if more is None else self.normal + more
         slopes, known = self._slopes(points_px)
@@ -134,7 +134,7 @@ def supposed_lens(size: tuple[int, int]) -> KnownLens:
 
 
 def prior_normal(size: tuple[int, int], noise_px: float) -> FloatArray:
-    """Normal matrix before any picture."""
+    """Normal matrix of an unknown lens."""
     width = float(max(size))
     spreads = [_PRIOR_FOCAL * width] * 2 + [_PRIOR_CENTRE * width] * 2 + list(_PRIOR_TERMS)
     return np.diag((noise_px / np.array(spreads)) ** 2)
@@ -184,7 +184,7 @@ def known_lens(
 
 
 def seen_through(lens: KnownLens, view: BoardView) -> FloatArray:
-    """A view's addition to ``normal``, through a lens that may be a guess; 0 without a pose."""
+    """Addition of a view to ``normal``, through any lens; 0 without a pose."""
     found, turn, shift = cv2.solvePnP(
         _space(view), view.corners_px.copy(), lens.camera_matrix, lens.distortion
     )
@@ -204,9 +204,9 @@ def information(
 
 
 def _reduced(slopes: NDArray[Any], terms: int) -> FloatArray:
-    """A view's part of the lens's normal matrix, its pose being free."""
+    """Part of a view in the lens's normal matrix, its pose being free."""
     by_pose, by_lens = slopes[:, :6], slopes[:, 6 : 10 + terms]
-    # turns and metres scaled alike, so that the small matrix is invertible
+    # scaled alike, so that the small matrix is invertible
     scale = np.linalg.norm(by_pose, axis=0)
     by_pose = by_pose / np.where(scale > 0.0, scale, 1.0)
     held = np.linalg.lstsq(by_pose, by_lens, rcond=None)[0]

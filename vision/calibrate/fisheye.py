@@ -1,10 +1,10 @@
 """A fisheye's camera matrix and terms from views of a board, by least squares.
 
 Rules and units
-- OpenCV's model (``vision.calibration.lens_model``), on the angle between a ray and the view, so
-  that corners beside the camera and behind its plane count too.
-- Unknowns are fx, fy, cx, cy, the terms and each view's pose; Levenberg and Marquardt's method
-  with slopes from differences starts from the best of several equidistant lenses.
+- OpenCV's model (``vision.calibration.lens_model``), on angles, so that corners behind the camera's
+  plane count too.
+- Levenberg and Marquardt's method, with slopes from differences, starts from the best of several
+  equidistant lenses.
 """
 
 from __future__ import annotations
@@ -22,12 +22,12 @@ from vision.calibrate.board import BoardView
 from vision.calibration.calibration import CalibrationError, FloatArray
 
 _FOCAL_SHARES = (0.24, 0.33, 0.46, 0.65, 1.0)
-"""First focal lengths, in widths of the picture: from 240 to 57 degrees across it."""
+"""First focal lengths, in picture widths: 240 to 57 degrees across."""
 _MOST_START_RAD = 1.35
-"""Corners farther from the view take no part in a first pose: their tangents outweigh all else."""
+"""Farthest angle of corners in a first pose: their tangents outweigh all else."""
 _START_STEPS, _MOST_STEPS = 5, 60
 _DONE = 1e-7
-"""Share of the sum of squares: if a step reduces it by less, the fit is done."""
+"""Relative reduction of the sum of squares below which the fit is done."""
 _STEP = 1e-6
 _MOST_DAMPING = 1e12
 
@@ -103,7 +103,7 @@ def pose_errors(view: BoardView, camera: FloatArray, terms: FloatArray) -> Float
 def _first_poses(views: Sequence[BoardView], lens: FloatArray) -> FloatArray | None:
     """Poses (v, 6) from each board's homography to the rays; None if one fails.
 
-    Source: Zhang, A flexible new technique for camera calibration (2000), 3.1.
+    Zhang, A flexible new technique for camera calibration (2000), 3.1.
     """
     found = []
     for view in views:
@@ -126,7 +126,7 @@ def _first_poses(views: Sequence[BoardView], lens: FloatArray) -> FloatArray | N
 
 
 def _angle_at(radius: FloatArray, terms: FloatArray) -> FloatArray:
-    """theta where theta_d is ``radius``, from a table; good enough to start."""
+    """Angle theta where theta_d is ``radius``, from a table; good enough to start."""
     angle = np.linspace(0.0, 0.5 * math.pi, 2000)
     seen = np.maximum.accumulate(_theta_d(angle, terms))
     return np.asarray(np.interp(radius, seen, angle, right=math.inf))
@@ -175,7 +175,6 @@ def _slopes(
 def _least_squares(
     corners: _Corners, lens: FloatArray, poses: FloatArray, most_steps: int, *, known: bool = False
 ) -> tuple[FloatArray, FloatArray, FloatArray, float]:
-    """Lens, poses, errors and spread of fx, from a first guess."""
     errors = _errors(corners, lens, poses)
     cost, damping = float((errors**2).sum()), 1e-3
     normal = np.eye(len(lens))
@@ -183,7 +182,7 @@ def _least_squares(
         slopes = _slopes(corners, lens, poses, known=known)
         normal = slopes.T @ slopes
         right = slopes.T @ errors.ravel()
-        # what is known, or moves nothing, has no slope and stays
+        # known parameters have no slope and stay
         scale = np.maximum(np.diag(normal), 1e-12)
         before = cost
         while damping < _MOST_DAMPING:

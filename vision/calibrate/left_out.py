@@ -1,11 +1,9 @@
 """Residuals of views of a board under a lens estimated without them.
 
 Rules and units
-- A view's own pull on the lens would hide its error, so the others' lens judges it; only its
-  pose is fitted.
-- A share of many views is left out at a time (cross-validation in folds): at most ``FOLDS``
-  estimates.
-- Residuals are raw pixels: a corner's vector, a view's rms length.
+- A view's pull on the lens would hide its error; only its pose is fitted.
+- Views are left out in at most ``FOLDS`` parts (cross-validation).
+- Residuals are raw pixels.
 """
 
 from __future__ import annotations
@@ -24,7 +22,7 @@ FOLDS = 10
 
 
 class SeenThrough(Protocol):
-    """The part of a lens that a view needs."""
+    """Part of a lens that a view needs."""
 
     @property
     def camera_matrix(self) -> FloatArray:
@@ -44,10 +42,8 @@ Estimate: TypeAlias = Callable[[Sequence[BoardView]], SeenThrough]
 
 
 def residuals_px(view: BoardView, lens: SeenThrough) -> FloatArray:
-    """(n, 2) corners of the board's best pose under the lens, minus those found.
-
-    Infinite without a pose.
-    """
+    """(n, 2) corners of the board's best pose under the lens, minus those found; inf without
+    one."""
     if lens.model == "fisheye":
         camera = lens.camera_matrix[[0, 1, 0, 1], [0, 1, 2, 2]]
         errors = pose_errors(view, camera, lens.distortion)

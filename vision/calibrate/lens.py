@@ -2,11 +2,9 @@
 
 Rules
 - Brown's model is fitted by Zhang's method in OpenCV, the fisheye's by
-  ``vision.calibrate.fisheye``. The Bayesian information criterion sets the number of terms:
-  undetermined terms do harm outside the pictures.
-- Pictures that do not belong to the others (`suspects`) are named and left out; more than a
-  third of them is an error.
-- An undetermined focal length (all pictures from straight above) is an error.
+  ``vision.calibrate.fisheye``. The Bayesian information criterion sets the number of terms.
+- Foreign pictures (`suspects`) are named and left out; more than a third is an error, and so is an
+  undetermined focal length (all pictures from straight above).
 """
 
 from __future__ import annotations
@@ -32,8 +30,8 @@ _WEAK_FOCAL = 0.01
 _UNKNOWN_FOCAL = 0.1
 _LEAST_TURN_DEG = 8.0
 _GOOD_TURN_DEG = 20.0
-"""The largest angle between two boards' planes: parallel planes do not tell the focal length
-(Zhang 2000, 3.2), and the fit's own spread does not show it where it stopped short."""
+"""Largest angle between two boards' planes: parallel planes do not determine the focal length
+(Zhang 2000, 3.2), and the fit's spread does not show it."""
 
 
 _FIX_K = cv2.CALIB_FIX_K1 | cv2.CALIB_FIX_K2 | cv2.CALIB_FIX_K3
@@ -44,19 +42,18 @@ _TERMS = {
     4: cv2.CALIB_FIX_K3,
     5: 0,
 }
-"""Number of terms (none; k1; k1 k2; k1 k2 p1 p2; all five) and OpenCV's flags for it."""
+"""Number of terms (none; k1; k1 k2; k1 k2 p1 p2; all five) and OpenCV's flags."""
 TERMS = {"brown": tuple(_TERMS), "fisheye": (0, 1, 2, 4)}
-"""Numbers of terms that a model may be fitted with."""
+"""Numbers of terms for each model."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Lens:
-    """``camera_matrix`` (3, 3), ``distortion`` (5,), fisheye's (4,), rms over all corners, what was
-    left out.
+    """``camera_matrix`` (3, 3), ``distortion`` (5,), fisheye's (4,), and rms over all corners.
 
-    ``terms`` is the number of distortion terms; ``used`` the pictures' names and rms; ``remarks``
-    plain sentences; ``left_out_px`` each model's residual on left-out views if models were
-    compared; ``left_out_rms_px`` Brown's, None with too few views.
+    ``terms`` is the number of distortion terms; ``used`` the pictures' names and rms;
+    ``left_out_px`` each model's residual on left-out views if compared; ``left_out_rms_px``
+    Brown's, None with too few views.
     """
 
     size: tuple[int, int]
@@ -143,8 +140,8 @@ def estimate_lens(
 def estimate_for(views: Sequence[BoardView]) -> Estimate:
     """Estimate of Brown's lens that compares these views.
 
-    It has the terms that all views together ask for, two at least: with fewer, good pictures of a
-    wide lens disagree. Raises ``CalibrationError`` if they determine no lens.
+    It has the terms that all views ask for, two at least. Raises ``CalibrationError`` if they
+    determine no lens.
     """
     return partial(fit_lens, terms=max(2, _best_terms(views, "brown", None)))
 
@@ -181,7 +178,6 @@ def _left_out_rms_px(views: Sequence[BoardView], terms: int) -> float | None:
 
 
 def _same_size(views: Sequence[BoardView]) -> tuple[list[BoardView], list[str]]:
-    """Views of the commonest picture size; remarks name the others."""
     sizes = [v.size for v in views]
     common = max(sizes, key=sizes.count) if sizes else (0, 0)
     remarks = [

@@ -1,8 +1,7 @@
 """Choice of Brown's lens model or the fisheye's: the one that predicts unseen views.
 
 Rules
-- A fifth of the views is left out at a time. The lens is fitted to the others; a left-out view
-  gets only a pose. A model that overfits fails there.
+- A fifth of the views is left out at a time and gets only a pose: a model that overfits fails.
 - Brown's stays unless the fisheye's is better by a fiftieth: narrow lenses suit both.
 """
 
@@ -26,7 +25,7 @@ _BETTER = 0.98
 
 
 def choose_lens(views: Sequence[BoardView], terms: int | None = None) -> Lens:
-    """Fit both models and return the one with the smaller residual on left-out views.
+    """Fit both models and return the better one on left-out views.
 
     ``Lens.left_out_px`` has both, rms px, infinite for a model that fits nothing. Raises
     ``CalibrationError`` if neither can be fitted.

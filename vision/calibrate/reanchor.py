@@ -3,10 +3,9 @@
 Rules and units
 - Raw pixels, metres, y up. A marker with a known heading gives its four corners, any other its
   centre, where its diagonals cross.
-- A moved camera has six unknowns, so four points already show a contradiction; with six or more,
-  markers that contradict the others are named and left out.
+- Four points show a contradiction; with six or more, contradicting markers are named and left out.
 - The pose minimises distances in undistorted pixels (Levenberg and Marquardt). A fit worse than
-  ``MOST_RMS_PX`` is refused: a marker was moved, or a place is wrong.
+  ``MOST_RMS_PX`` is refused.
 """
 
 from __future__ import annotations
@@ -31,15 +30,13 @@ from vision.markers.reading import crossing
 MOST_RMS_PX = 2.0
 """Largest rms of a fit: the default of ``safety.camera_moved_px``, at which the robot holds."""
 LEAST_MARKERS = 3
-"""With two markers that disagree it is unknown which one was moved."""
+"""With two markers that disagree, the moved one is unknown."""
 _STEPS = 100
 
 
 @dataclass(frozen=True, slots=True)
 class Anchor:
-    """A floor marker: centre (x, y) and side in metres, and its right side's direction, None if
-    unknown.
-    """
+    """A floor marker: centre and side in metres, and its right side's direction, if known."""
 
     id: int
     place_m: tuple[float, float]
@@ -47,9 +44,8 @@ class Anchor:
     heading_rad: float | None = None
 
     def corners_m(self) -> FloatArray:
-        """Corners (4, 2), clockwise from above, from the upright marker's top left; without a
-        heading only the centre (1, 2).
-        """
+        """Corners (4, 2), clockwise from the upright marker's top left; without a heading the
+        centre."""
         middle = np.array(self.place_m)
         if self.heading_rad is None:
             return middle[None]
@@ -72,8 +68,8 @@ class Residual:
 class Reanchored:
     """The new calibration, each marker's residual, and the picture's shift.
 
-    ``moved_px`` is the median distance of the used markers' seen positions from those by the old
-    calibration; ``missing`` lists unseen anchors.
+    ``moved_px`` is the used markers' median distance from their places by the old calibration;
+    ``missing`` lists unseen anchors.
     """
 
     calibration: Calibration
@@ -169,9 +165,9 @@ def _contradiction(ids: Sequence[int]) -> CalibrationError:
 
 
 def _pose_of(camera: FloatArray, homography: FloatArray) -> tuple[FloatArray, FloatArray]:
-    """Rotation vector and shift, camera from arena, from a homography from pixels to the floor.
+    """Rotation vector and shift, camera from arena, from a homography to the floor.
 
-    Source: Zhang, A flexible new technique for camera calibration (2000), 3.1 and appendix C.
+    Zhang, A flexible new technique for camera calibration (2000), 3.1 and appendix C.
     """
     columns = np.linalg.solve(camera, np.linalg.inv(homography))
     columns /= (np.linalg.norm(columns[:, 0]) + np.linalg.norm(columns[:, 1])) / 2.0
@@ -204,7 +200,6 @@ def _refined(
 
 
 def _pixel_from_arena(pose: tuple[FloatArray, FloatArray], calibration: Calibration) -> FloatArray:
-    """Homography (3, 3) from the floor to undistorted pixels."""
     rotation = np.asarray(cv2.Rodrigues(pose[0])[0], dtype=np.float64)
     columns = np.column_stack([rotation[:, 0], rotation[:, 1], pose[1].reshape(3)])
     return np.asarray(calibration.camera_matrix @ columns)

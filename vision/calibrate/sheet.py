@@ -1,14 +1,12 @@
 """Markers and boards at true size on paper: PDF and PNG.
 
 Rules and units
-- A sheet is dark rectangles (x, y, width, height) in millimetres from its upper left corner,
-  y down, with a line of text and a ruler to check the print.
-- The PDF is written by hand: one page, one filled path (adjacent rectangles of one path show
-  no seams), Helvetica, which every reader has. 1 mm is 72 / 25.4 points.
-- The PDF outlines a marker's forward direction, or a board's first corner and axes, beside the
-  drawing, where no detector takes them for part of it.
-- The PNG holds the drawing alone, in whole pixels a cell, with its resolution (pHYs), so that it
-  too prints at true size.
+- A sheet is dark rectangles (x, y, width, height) in millimetres from its upper left corner, y
+  down, with a text and a ruler.
+- The PDF has one page, one filled path (without seams), Helvetica, which every reader has.
+- It outlines a marker's forward direction, or a board's first corner and axes, beside the drawing,
+  away from detectors.
+- The PNG holds the drawing alone, in whole pixels a cell; its resolution (pHYs) prints true too.
 """
 
 from __future__ import annotations
@@ -29,7 +27,7 @@ Rectangle = tuple[float, float, float, float]
 Arrow = tuple[float, float, float, float, str]
 
 PAPERS_MM = {"a4": (210.0, 297.0), "a3": (297.0, 420.0), "letter": (215.9, 279.4)}
-"""Name of a paper and its (width, height) upright."""
+"""Papers' (width, height) upright."""
 
 _POINTS_PER_MM = 72.0 / 25.4
 _MARGIN_MM = 10.0
@@ -69,7 +67,6 @@ def marker_sheet(marker_id: int, dictionary: str, size_mm: float) -> Sheet:
     dark = _cells(_bits(book, marker_id), cell, cell, cell)
     side = size_mm + 2.0 * cell
     label = f"{dictionary}  id {marker_id}  {size_mm:g} mm (black square)"
-    # forward is the marker's x axis: right on the upright print
     arrow = (side + 1.0, 0.5 * side, _ARROW_MM, 0.0, "forward")
     return Sheet(side, side, cell, dark, label, (arrow,))
 
@@ -108,7 +105,6 @@ def board_sheet(board: BoardSpec) -> Sheet:
 
 
 def _axes(x: float, y: float, size: tuple[float, float]) -> tuple[Arrow, ...]:
-    """Axes beside a board: x along the row, y along the column of its first corner (x, y)."""
     return (
         (size[0] + 1.0, y, _ARROW_MM, 0.0, "x"),
         (x, -1.0, 0.0, -_ARROW_MM, "y"),
@@ -149,7 +145,7 @@ def png_bytes(sheet: Sheet) -> bytes:
         raise MarkerError(f"a picture of {size[0]}x{size[1]} pixels cannot be written as PNG")
     raw = data.tobytes()
     resolution = round(1000.0 * dots_per_mm)
-    # Any chunk may follow signature (8 bytes) and header chunk (25).
+    # any chunk may follow signature (8 bytes) and header chunk (25)
     return raw[:33] + _chunk(b"pHYs", struct.pack(">IIB", resolution, resolution, 1)) + raw[33:]
 
 
@@ -199,7 +195,6 @@ def _foot(sheet: Sheet, width: float, bottom: float) -> list[str]:
 
 
 def _arrow(x: float, y: float, dx: float, dy: float, words: str) -> list[str]:
-    """An arrow from (x, y), y up, with words."""
     length = math.hypot(dx, dy)
     ux, uy = dx / length, dy / length
     tip = x + dx, y + dy
@@ -228,7 +223,7 @@ def _points(value_mm: float) -> str:
 
 
 def _pdf(content: bytes, width: float, height: float) -> bytes:
-    """One page of PDF 1.4 (ISO 32000-1, 7.5: header, body, cross-reference table, trailer)."""
+    """One page of PDF 1.4 (ISO 32000-1, 7.5)."""
     box = f"[0 0 {_points(width)} {_points(height)}]"
     objects = [
         b"<< /Type /Catalog /Pages 2 0 R /ViewerPreferences << /PrintScaling /None >> >>",
@@ -255,5 +250,4 @@ def _pdf(content: bytes, width: float, height: float) -> bytes:
 
 
 def _chunk(kind: bytes, data: bytes) -> bytes:
-    """A PNG chunk: length, type, data and CRC of the last two."""
     return struct.pack(">I", len(data)) + kind + data + struct.pack(">I", zlib.crc32(kind + data))

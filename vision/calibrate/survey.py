@@ -1,11 +1,10 @@
 """The arena's homography from surveyed points or from a board on the floor.
 
 Rules and units
-- A surveyed point is a raw pixel (centres at integers) and its place in the arena, metres,
-  y up. Four are enough; six or more can show a wrong one.
-- The start is the least median of squares over minimal sets (Rousseeuw 1984), which a wrong
-  point does not move; then least squares of the agreeing points. A point far from the fit of all
-  others is left out and named with its distance.
+- A surveyed point is a raw pixel (centres at integers) and its place in metres, y up. Four are
+  enough; six or more can show a wrong one.
+- The start is the least median of squares over minimal sets (Rousseeuw 1984), then least squares of
+  the agreeing points. Others are left out and named.
 - A point's residual comes from the fit without it: its own pull would hide its error.
 """
 
@@ -33,14 +32,14 @@ from vision.calibration.calibration_file import read_text
 
 MIN_POINTS = 4
 CHECKED_POINTS = 6
-"""Least number of points at which one wrong point can be distinguished from the others."""
+"""Least number of points at which a wrong one can be distinguished."""
 
 _OUTLIER_SPREADS = 4.5
 _LEAST_SPREAD_PX = 0.5
 _MOST_SETS = 1500
 _LEAST_AREA = 1e-3
 _RIM_PX = 1.0
-"""A point on the picture's rim may have been read so far outside."""
+"""Distance outside the picture at which a point on its rim may be read."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -108,10 +107,9 @@ def fit_arena(
 ) -> ArenaFit:
     """Fit the calibration to a survey; ``size`` is the picture's (width, height).
 
-    Without a lens only the homography is found; the camera's place stays unknown, unless
-    ``camera_height_m`` gives its height above the picture's middle. With a lens the place follows;
-    a given height corrects it. Raises ``CalibrationError`` for fewer than four points, points in a
-    line, or a mirror.
+    Without a lens the camera's place stays unknown, unless ``camera_height_m`` gives its height
+    above the picture's middle. With a lens, a given height corrects the place. Raises
+    ``CalibrationError`` for fewer than four points, points in a line, or a mirror.
     """
     _check(survey)
     if lens is not None and lens.size != size:
@@ -153,7 +151,7 @@ def fit_arena(
 
 
 _ANY_FLOOR = np.diag([1.0, -1.0, 1.0])
-"""A floor that makes a valid calibration while only its lens is needed."""
+"""A floor for a calibration that needs its lens only."""
 
 
 def _center(
@@ -187,7 +185,6 @@ def _check(survey: Survey) -> None:
 
 
 def _refuse_outside(survey: Survey, size: tuple[int, int]) -> None:
-    """Refuse a pixel outside the picture: it, or the picture's size, is wrong."""
     width, height = size
     for name, (x, y) in zip(survey.names, survey.pixels, strict=True):
         if not (-_RIM_PX <= x <= width - 1 + _RIM_PX and -_RIM_PX <= y <= height - 1 + _RIM_PX):
@@ -219,7 +216,7 @@ def _errors(homography: FloatArray, pixels: FloatArray, places: FloatArray) -> F
 def robust_homography(
     pixels: FloatArray, places: FloatArray
 ) -> tuple[FloatArray, NDArray[np.bool_]]:
-    """The homography from undistorted pixels (n, 2) to places (n, 2), and the agreeing points.
+    """Homography from undistorted pixels (n, 2) to places (n, 2), and the agreeing points.
 
     Fewer than ``CHECKED_POINTS`` all count. Raises ``CalibrationError`` if they determine none or
     contradict one another.
@@ -240,7 +237,7 @@ def robust_homography(
         if candidate is None:
             continue
         distances = np.linalg.norm(_errors(candidate, pixels, places), axis=1)
-        # Points of the set fit by construction; take the others' median.
+        # the set fits by construction; take the others' median
         median = float(np.sort(distances)[4 + (n - 4) // 2 - (n == 4)])
         if median < best_median:
             best, best_median = candidate, median
@@ -264,8 +261,8 @@ def robust_homography(
 def _refuse_mirrored(homography: FloatArray, pixels: FloatArray) -> None:
     """Refuse mirrored or crossed points, which no camera above the arena can see.
 
-    Pixels have y down and the arena y up, so the map reverses the sense of rotation: its Jacobian's
-    determinant, det H / w^3, is negative everywhere.
+    Pixels have y down and the arena y up: the Jacobian's determinant, det H / w^3, is negative
+    everywhere.
     """
     w = pixels @ homography[2, :2] + homography[2, 2]
     senses = np.sign(np.linalg.det(homography) * w)

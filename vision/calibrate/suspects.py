@@ -1,15 +1,13 @@
-"""Views that do not belong to the others: mirrored, upside down, of another camera, or spoiled.
+"""Foreign views: mirrored, upside down, of another camera, or spoiled.
 
 Rules
-- The lens fits the half of the views that agree best: least trimmed squares with the
-  concentration steps of Rousseeuw and Van Driessen (1999), which a minority cannot move.
+- The lens fits the half of the views that agree best: least trimmed squares with the concentration
+  steps of Rousseeuw and Van Driessen (1999), which a minority cannot move.
 - A view is judged as it is, mirrored, and turned by half a turn. The lens distinguishes them only
-  if its centre is off the picture's; otherwise nothing is lost.
-- A chessboard is its own mirror image: nothing shows that all pictures are mirrored. A ChArUco
-  board's markers do (`board`).
+  if its centre is off the picture's.
+- Only a ChArUco board shows that all pictures are mirrored (`board`).
 - For two cameras, each view repeatedly joins the better fitting lens (the classification EM of
-  Celeux and Govaert 1992). They are two only if left-out views then fit clearly better than
-  through one lens; two halves of one camera's pictures do not.
+  Celeux and Govaert 1992). They are two only if left-out views then fit clearly better.
 """
 
 from __future__ import annotations
@@ -29,27 +27,27 @@ _FEW = 6
 """Least number of views at which one half can be distinguished from the other."""
 _BAD_FACTOR, _BAD_PX = 3.0, 0.5
 _DOUBTFUL = 1.25
-"""Real views differ by this factor without any fault."""
+"""Factor by which faultless real views differ."""
 _EXPLAINED = 0.7
-"""An explanation counts if it takes a view's rms to this share: by chance never, at 20 corners."""
+"""Share of a view's rms that an explanation leaves at most: by chance never, at 20 corners."""
 _OWN_LENS_VIEWS = 4
-"""Fewer views fit any lens."""
+"""Least views of a lens of its own; fewer fit any."""
 _PARTINGS = 5
 _TWO_LENSES = 0.9
-"""Two lenses take the rms of views left out to this share: 0.84 for the two very similar cameras
-of the classic stereo set, 0.94 at least for one of them (python -m benchmarks.camera.boards)."""
+"""Share of left-out views' rms that two lenses leave at most: 0.84 for two very similar cameras,
+0.94 at least for one (``python -m benchmarks.camera.boards``)."""
 
 
 @dataclass(frozen=True, slots=True)
 class Suspect:
-    """A view by its index, and the reason why it does not belong."""
+    """A foreign view by its index, and the reason."""
 
     index: int
     reason: str
 
 
 def mirrored(view: BoardView) -> BoardView:
-    """The view in a mirrored picture: left and right exchanged."""
+    """The view in a mirrored picture."""
     corners = view.corners_px * (-1.0, 1.0) + (view.size[0] - 1.0, 0.0)
     return BoardView(view.name, view.size, corners, view.points_m * (-1.0, 1.0))
 
@@ -61,7 +59,7 @@ def upside_down(view: BoardView) -> BoardView:
 
 
 def suspects(views: Sequence[BoardView], estimate: Estimate) -> list[Suspect]:
-    """Views that do not belong to the others, the worst first; none of fewer than four."""
+    """Foreign views, the worst first; none of fewer than four."""
     if len(views) < 4:
         return []
     if len(views) < _FEW:
@@ -83,7 +81,7 @@ def suspects(views: Sequence[BoardView], estimate: Estimate) -> list[Suspect]:
 
 
 def bad_px(usual_px: float) -> float:
-    """Rms from which a view does not belong to others with rms ``usual_px``."""
+    """Rms from which a view is foreign to others with rms ``usual_px``."""
     return max(_BAD_PX, _BAD_FACTOR * usual_px)
 
 
@@ -116,7 +114,6 @@ def _all_px(views: Sequence[BoardView], lens: SeenThrough) -> FloatArray:
 
 
 def _agreed(views: Sequence[BoardView], estimate: Estimate) -> tuple[SeenThrough, float]:
-    """Lens on which most views agree, and their median rms."""
     half = len(views) // 2 + 1
     rng = np.random.default_rng(0)
     best: tuple[float, SeenThrough] | None = None
@@ -133,7 +130,7 @@ def _agreed(views: Sequence[BoardView], estimate: Estimate) -> tuple[SeenThrough
         if best is None or trimmed < best[0]:
             best = trimmed, lens
     lens = estimate(views) if best is None else best[1]
-    # Widen to all that agree: a half's own residuals are smaller than usual.
+    # widen to all that agree: a half's residuals are smaller than usual
     for _ in range(2):
         found = _all_px(views, lens)
         usual_px = float(np.median(np.sort(found)[:half]))

@@ -1,11 +1,10 @@
 """Parts of a picture that show no floor to drive on: a lens folds, or looks sideways.
 
 Rules and units
-- A pixel is blind if no ray within the lens's reach is seen there, if its ray misses the floor,
-  or if it covers more than ``MOST_STRETCH`` nominal pixels of length: an object there would be
-  missed. The mask is grown by ``MARGIN_PX``, so that edges beside it are read where rays are.
-- The same floor as a plan: places within the bounds that no pixel sees, or only a blind one.
-  Places beyond the rim of a picture without a blind pixel are not considered here.
+- A pixel is blind if no ray within the lens's reach is seen there, if its ray misses the floor, or
+  if it covers more than ``MOST_STRETCH`` nominal pixels of length, where objects are missed. The
+  mask is grown by ``MARGIN_PX``, so that edges are read where rays are.
+- A plan shows places within the bounds that no pixel sees, or only a blind one.
 """
 
 from __future__ import annotations
@@ -22,26 +21,25 @@ from planner.scene import Bounds
 from vision.calibration.lens_model import FloatArray
 
 MOST_STRETCH = 30.0
-"""A wall as thick as 30 nominal pixels, 5 cm where a pixel is 2 mm, is one pixel there."""
+"""A wall as thick, 6 cm where a pixel is 2 mm, is one pixel there."""
 BLOCK_PX = 8
-"""Pixels are asked at so wide a step first."""
+"""First step between pixels."""
 MARGIN_PX = 6
-"""Profiles across an edge look 4 px far (``vision.borders.edge_profile_kernels``)."""
+"""Profiles across an edge are 4 px long (``vision.borders.edge_profile_kernels``)."""
 _LOOKS_PX = np.array([(0.0, 0.0), (1.0, 0.0), (0.0, 1.0)])
 _PLAN_PX = 1024
-"""Places along the longer side of a plan, at most."""
+"""Most places along a plan's longer side."""
 _PLAN_MARGIN_PX = 8
-"""The plan's blind part is grown by so much: an outline of it is right to a pixel, and without the
+"""Pixels by which the plan's blind part is grown: its outline is right to a pixel, without the
 teeth of the mask's pixels, which are long on the floor."""
 _REACH = 1e6
 SAME_M = 1e-3
-"""A pixel looks at a place where its own way back to the floor ends as near to it as this."""
+"""Distance from a place within which its pixel's place on the floor is the same."""
 
 
 class Plan(NamedTuple):
     """``blind`` (h, w) of places, row 0 at the top; the first is at ``first_m`` (x, y), the others
-    ``step_m`` apart to the right and down.
-    """
+    ``step_m`` apart."""
 
     blind: NDArray[np.bool_]
     first_m: tuple[float, float]
@@ -71,13 +69,12 @@ class Seeing(Protocol):
 
 @lru_cache(maxsize=16)
 def blind_pixels(calibration: Seeing) -> NDArray[np.bool_] | None:
-    """The mask (h, w), read-only; None if every pixel shows floor. O(pixels / 64), cached."""
+    """The mask (h, w), read-only; None if every pixel shows floor."""
     width, height = calibration.size
     stretch = _stretch(calibration)
     if (stretch <= MOST_STRETCH).all():
         return None
     hidden = ~(stretch <= MOST_STRETCH)
-    # the corners of a block: if they differ, every pixel is computed
     corners = np.stack([hidden[:-1, :-1], hidden[:-1, 1:], hidden[1:, :-1], hidden[1:, 1:]])
     whole = np.kron(corners.all(axis=0), np.ones((BLOCK_PX, BLOCK_PX), np.bool_))
     mixed = np.kron(corners.any(axis=0), np.ones((BLOCK_PX, BLOCK_PX), np.bool_)) & ~whole
@@ -92,7 +89,7 @@ def blind_pixels(calibration: Seeing) -> NDArray[np.bool_] | None:
 
 @lru_cache(maxsize=16)
 def coarsest_pixel_m(calibration: Seeing) -> float:
-    """The greatest length of floor, metres, that a pixel covers that is not blind."""
+    """Greatest length of floor, metres, that a pixel covers that is not blind."""
     stretch = _stretch(calibration)
     return float(stretch[stretch <= MOST_STRETCH].max()) * calibration.metres_per_pixel
 
@@ -119,7 +116,7 @@ def blind_plan(calibration: Seeing, bounds: Bounds) -> Plan | None:
 def is_shown(calibration: Seeing, places_m: FloatArray) -> NDArray[np.bool_]:
     """True for each place (n, 2) on the floor in a part of the picture that is not blind."""
     width, height = calibration.size
-    with np.errstate(all="ignore"):  # places behind the camera or its lens's fold have no pixel
+    with np.errstate(all="ignore"):
         pixels = calibration.image_from_arena(places_m)
     inside = ((pixels > -0.5) & (pixels < (width - 0.5, height - 0.5))).all(axis=1)
     shown = np.zeros(len(places_m), np.bool_)
@@ -138,7 +135,7 @@ def _is_blind(pixels: FloatArray, mask: NDArray[np.bool_]) -> NDArray[np.bool_]:
 
 
 def _stretch(calibration: Seeing) -> FloatArray:
-    """The length that a pixel covers, in nominal pixels, at nodes (r, c); NaN without floor."""
+    """Length that a pixel covers, in nominal pixels, at nodes (r, c); NaN without floor."""
     width, height = calibration.size
     xs = -0.5 + BLOCK_PX * np.arange(math.ceil(width / BLOCK_PX) + 1)
     ys = -0.5 + BLOCK_PX * np.arange(math.ceil(height / BLOCK_PX) + 1)

@@ -6,10 +6,10 @@ Rules and units
 - The arena is in metres, x right, y up, z towards the camera; its floor is z = 0. A calibration
   that mirrors the arena, seen from above, is refused.
 - ``arena_from_pixel`` is the homography from undistorted pixels to the floor.
-- The lens model is Brown's or OpenCV's fisheye model (``vision.calibration.lens_model``).
-  Pixels that no ray within the lens's reach produces, or behind the floor's horizon, are NaN.
-- A point at height h over p is seen where a point of the floor at c + (p - c) H / (H - h) would
-  be, with c the point below the camera and H the camera's height, whatever its tilt.
+- The lens model is Brown's or OpenCV's fisheye model (``vision.calibration.lens_model``). Pixels
+  that no ray within the lens's reach produces, or behind the floor's horizon, are NaN.
+- A point at height h over p looks like the floor's c + (p - c) H / (H - h), with c the point below
+  the camera and H its height.
 """
 
 from __future__ import annotations
@@ -37,17 +37,16 @@ from vision.calibration.lens_model import (
 FloatArray = NDArray[np.float64]
 
 LEAST_SHOWN = 0.5
-"""Least part of a picture that a lens which folds within it must show once: a lens that folds
-earlier is a wrong file."""
+"""Least part of a picture that a folding lens must show once; less is a wrong file."""
 _PLANES_KEPT = 64
-"""Heights whose homographies are remembered: as many as robots have markers, and more."""
+"""Heights whose homographies are kept: more than robots have markers."""
 _MOST_TILT_RAD = math.radians(45.0)
-"""Between the middle of a picture with a horizon in it and the floor's normal: beyond it the camera
-looks along the floor, not at it."""
+"""Most tilt, between the floor's normal and the middle of a picture with a horizon: beyond it the
+camera looks along the floor."""
 
 
 class CalibrationError(ValueError):
-    """A calibration cannot be used, made or read; the message says what and where."""
+    """Error for a calibration that cannot be used, made or read."""
 
     def __init__(self, message: str) -> None:
         super().__init__(printable(message))
@@ -60,9 +59,9 @@ class Calibration:
     ``size`` (width, height) px; ``camera_matrix`` (3, 3) without skew; ``distortion`` (5,) of
     ``lens_model`` ``brown``, fewer are padded, or exactly (4,) of ``fisheye``; ``arena_from_pixel``
     (3, 3), scaled to a last element or a norm of 1; ``camera_center_m`` (x, y, height) in the
-    arena, or None if unknown: then nothing above the floor can be placed. ``lens_rms_px`` and
-    ``arena_rms_m`` are its residuals (None if there were none), ``remarks`` its omissions and
-    weaknesses. Raises ``CalibrationError`` for values that no camera can have.
+    arena, or None: then nothing above the floor can be placed. ``lens_rms_px`` and ``arena_rms_m``
+    are its residuals, if any, ``remarks`` its weaknesses. Raises ``CalibrationError`` for values
+    that no camera can have.
     """
 
     size: tuple[int, int]
@@ -119,7 +118,7 @@ class Calibration:
         size: tuple[int, int],
         camera_center_m: tuple[float, float, float] | None = None,
     ) -> Calibration:
-        """A picture that is a plan to scale: no lens, y up, (0, 0) at its lower left corner."""
+        """Calibration of a plan to scale: no lens, y up, (0, 0) at its lower left corner."""
         try:
             is_scale = math.isfinite(metres_per_pixel) and metres_per_pixel > 0.0
         except TypeError:
@@ -139,7 +138,7 @@ class Calibration:
         camera_from_arena: ArrayLike,
         lens_model: str = "brown",
     ) -> Calibration:
-        """From a camera of known lens and pose; ``camera_from_arena`` is (3, 4), [R | t]."""
+        """Calibration from a camera's lens and pose; ``camera_from_arena`` is (3, 4), [R | t]."""
         camera = np.asarray(camera_matrix, dtype=np.float64)
         pose = _matrix("camera_from_arena", camera_from_arena, (3, 4))
         center = -pose[:, :3].T @ pose[:, 3]
@@ -156,12 +155,12 @@ class Calibration:
     def arena_from_image(self, points_px: ArrayLike, height_m: float = 0.0) -> FloatArray:
         """Raw pixels (n, 2) to metres (n, 2) at ``height_m`` above the floor.
 
-        NaN for pixels that see no floor: the lens folds there, or they lie behind the horizon.
+        NaN where the lens folds or behind the horizon.
         """
         homography = self.plane_from_pixel(height_m)
         if self.lens.model == STRAIGHT:
             return _apply(homography, _points(points_px), self._front)
-        # Imported late: a plan to scale has no lens and needs no compiled code.
+        # imported late: a plan to scale needs no compiled code
         from vision.calibration.calibration_kernels import plane_from_image
 
         points = np.array(_points(points_px), order="C")
@@ -191,7 +190,7 @@ class Calibration:
 
     @property
     def blind(self) -> NDArray[np.bool_] | None:
-        """The pixels (h, w) that show no floor to drive on; None if every pixel does."""
+        """Pixels (h, w) that show no floor to drive on, if any."""
         from vision.calibration.blind import blind_pixels
 
         return blind_pixels(self)
@@ -213,7 +212,7 @@ class Calibration:
         raw = _points(points_px)
         if self.lens.model == STRAIGHT:
             return raw.copy()
-        # Imported late: a plan to scale has no lens and needs no compiled code.
+        # imported late: a plan to scale needs no compiled code
         from vision.calibration.calibration_kernels import undistort_all
 
         return undistort_all(np.array(raw, order="C"), self.lens)
@@ -246,7 +245,6 @@ class Calibration:
         return view
 
     def _parallax(self, height_m: float) -> tuple[FloatArray, float]:
-        """The point below the camera, and (H - h) / H."""
         center = self.camera_center_m
         if center is None:
             raise CalibrationError(
@@ -261,7 +259,7 @@ class Calibration:
 
 
 def nominal_camera_matrix(size: tuple[int, int]) -> FloatArray:
-    """A stand-in for an unknown lens: the picture's centre, a focal length of its longer side."""
+    """Stand-in for an unknown lens: the picture's centre, a focal length of its longer side."""
     width, height = size
     f = float(max(width, height))
     return np.array([[f, 0.0, (width - 1) / 2.0], [0.0, f, (height - 1) / 2.0], [0.0, 0.0, 1.0]])
@@ -272,8 +270,8 @@ def camera_center(
 ) -> tuple[float, float, float]:
     """The camera's (x, y, height) in the arena, from its matrix and the floor's homography.
 
-    Source: Zhang, A flexible new technique for camera calibration (2000): the homography is
-    K [r1 r2 t] up to scale; the rotation is made orthonormal by a singular value decomposition.
+    Zhang, A flexible new technique for camera calibration (2000): the homography is K [r1 r2 t] up
+    to scale; a singular value decomposition makes the rotation orthonormal.
     """
     columns = np.linalg.solve(camera_matrix, np.linalg.inv(arena_from_pixel))
     columns /= (np.linalg.norm(columns[:, 0]) + np.linalg.norm(columns[:, 1])) / 2.0
@@ -286,7 +284,7 @@ def camera_center(
 
 
 def _apply(homography: FloatArray, points: FloatArray, front: float) -> FloatArray:
-    """The points moved; NaN behind the camera, where the third coordinate is not ``front``."""
+    """Move the points; NaN behind the camera, where the third coordinate is not ``front``."""
     moved = points @ homography[:, :2].T + homography[:, 2]
     moved[~(moved[:, 2] * front > 0.0)] = np.nan
     return np.asarray(moved[:, :2] / moved[:, 2:])
@@ -329,7 +327,7 @@ def _scaled(homography: FloatArray) -> FloatArray:
 
 
 def _terms(model: str, distortion: ArrayLike) -> FloatArray:
-    """The lens's terms, checked: Brown's padded to five, the fisheye's exactly four."""
+    """Terms of the lens, checked: Brown's padded to five, the fisheye's exactly four."""
     if model not in MODELS:
         raise CalibrationError(f"lens_model: {str(model)[:24]!r}: must be {' or '.join(MODELS)}")
     given = np.asarray(distortion, dtype=np.float64).reshape(-1)
@@ -342,7 +340,7 @@ def _terms(model: str, distortion: ArrayLike) -> FloatArray:
 
 
 def _sample_of_picture(size: tuple[int, int]) -> FloatArray:
-    """Sample pixels (n, 2) of the picture, its rim included, beginning with the middle."""
+    """Sample pixels (n, 2), with the rim; the middle comes first."""
     width, height = size
     xs, ys = np.linspace(-0.5, width - 0.5, 33), np.linspace(-0.5, height - 0.5, 33)
     grid = np.stack(np.meshgrid(xs, ys), axis=-1).reshape(-1, 2)
@@ -363,7 +361,7 @@ def _refuse_fold(calibration: Calibration) -> None:
 
 
 def _front_of(calibration: Calibration) -> float:
-    """The sign of the homography's third coordinate in front of the camera.
+    """Sign of the homography's third coordinate in front of the camera.
 
     Raises ``CalibrationError`` if y would not point up, or the camera looks along the floor.
     """

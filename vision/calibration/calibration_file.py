@@ -1,8 +1,7 @@
 """Calibrations as YAML files, with errors that name file, line and column.
 
-The keys are those of ``vision.calibration.calibration.Calibration``; ``schema`` names the format. A
-file without ``lens_model`` holds Brown's. Unknown keys are errors, as a misspelt one would be
-ignored for ever.
+Keys are those of ``vision.calibration.calibration.Calibration``; ``schema`` names the format.
+Without ``lens_model`` it is Brown's. Unknown keys are errors.
 """
 
 from __future__ import annotations
@@ -20,10 +19,10 @@ from vision.calibration.calibration import Calibration, CalibrationError, FloatA
 
 SCHEMA = "clearway.calibration/1"
 LENS_SCHEMA = "clearway.lens/1"
-"""Schema of a lens alone: no program drives by it, `clearway calibrate --lens` places it."""
+"""Schema of a lens alone, which `clearway calibrate --lens` places."""
 
 MOST_BYTES = 1 << 24
-"""Bytes of a calibration or a survey that are read at most: a device has no end."""
+"""Most bytes of a file: a device has no end."""
 
 _ROWS = {"camera_matrix": (3, 3), "arena_from_pixel": (3, 3)}
 _REQUIRED = ("schema", "size", "camera_matrix", "distortion", "arena_from_pixel")
@@ -38,7 +37,7 @@ _LENS_HEADER = """\
 # Clearway: a camera's lens, not yet placed above an arena: calibrate --lens FILE --points ...
 """
 _NO_FLOOR = ((1.0, 0.0, 0.0), (0.0, -1.0, 0.0), (0.0, 0.0, 1.0))
-"""Placeholder for the floor of a lens alone; no robot may drive by it."""
+"""Placeholder for the floor of a lens alone."""
 
 
 def save_calibration(calibration: Calibration, path: str | Path) -> None:
@@ -79,7 +78,7 @@ def load_lens(path: str | Path) -> Calibration:
 
 
 def calibration_text(calibration: Calibration) -> str:
-    """The YAML text of a calibration, with floats that read back the same."""
+    """YAML text of a calibration, with floats that read back the same."""
     center = of_kind("calibration", calibration, Calibration).camera_center_m
     values: dict[str, Any] = {
         "schema": SCHEMA,
@@ -103,7 +102,7 @@ def load_calibration(path: str | Path) -> Calibration:
 
 
 def read_text(path: str | Path) -> str:
-    """A small text file, with or without the byte order mark that spreadsheets write.
+    """Read a small text file, with or without a byte order mark.
 
     Raises ``CalibrationError`` if it cannot be read, is not text, or is too long.
     """
@@ -123,9 +122,9 @@ def read_text(path: str | Path) -> str:
 def parse_calibration(
     text: str, name: str = "calibration", *, lens_alone: bool = False
 ) -> Calibration:
-    """A calibration from its YAML text; ``name`` is the file's name in messages.
+    """Calibration from its YAML text; ``name`` is the file's name in messages.
 
-    A file with a lens alone is refused unless ``lens_alone`` is set.
+    A lens alone is refused unless ``lens_alone`` is set.
     """
     try:
         root = yaml.compose(text, Loader=yaml.SafeLoader)
@@ -180,7 +179,7 @@ def _build(nodes: Mapping[str, yaml.Node], name: str) -> Calibration:
             else "brown",
         )
     except CalibrationError as error:
-        # An error that only the whole calibration shows starts with its key.
+        # an error of the whole calibration starts with its key
         key = str(error).split(":", 1)[0].split(" ", 1)[0]
         where = f"{_where(name, nodes[key])}: " if key in nodes else ""
         raise CalibrationError(f"{where}{error}") from error
@@ -226,7 +225,6 @@ def _number(node: yaml.Node, name: str, key: str) -> float:
 
 
 def _numbers(node: yaml.Node, name: str, key: str, length: int | None) -> tuple[float, ...]:
-    """A list of numbers, of any length if ``length`` is None."""
     if not isinstance(node, yaml.SequenceNode):
         raise CalibrationError(f"{_where(name, node)}: {key}: must be a list of numbers")
     if length is not None and len(node.value) != length:

@@ -1,4 +1,4 @@
-"""The compiled loops of ``vision.calibration.calibration``: removing and applying a lens.
+"""Removing and applying a lens.
 
 Raw and undistorted pixels, centres at integers; ``lens`` from
 ``vision.calibration.lens_model.lens_arrays``. NaN for a pixel that no ray within the lens's reach
@@ -18,9 +18,9 @@ from vision.calibration.lens_model import FISHEYE, STRAIGHT, LensArrays, PlaneVi
 
 _MOST_STEPS = 50
 _DONE, _GOOD = 1e-12, 1e-9
-"""Normalised units: where Newton's method stops, and what it must have reached."""
+"""Normalised units: Newton's method stops, and must have reached this."""
 _MOST_OVERSHOOT = 1.02
-"""Of the reach: so far beyond it Brown's Jacobian is still positive definite."""
+"""Brown's Jacobian is still positive definite so far beyond the reach."""
 
 
 @njit(cache=True, nogil=True, fastmath=False)
@@ -41,7 +41,7 @@ def undistort(x_px: float, y_px: float, lens: LensArrays) -> tuple[float, float]
 def _undo_fisheye(
     tx: float, ty: float, terms: NDArray[np.float64], reach: float
 ) -> tuple[float, float]:
-    """Newton's method on theta_d(theta), which grows, kept between bounds that close in."""
+    """Newton's method on theta_d(theta), which grows, between closing bounds."""
     wanted = math.hypot(tx, ty)
     if wanted < _DONE:
         return tx, ty
@@ -159,7 +159,7 @@ def distort_all(points: NDArray[np.float64], lens: LensArrays) -> NDArray[np.flo
 def image_from_plane(
     points: NDArray[np.float64], homography: NDArray[np.float64], front: float, lens: LensArrays
 ) -> NDArray[np.float64]:
-    """Points (n, 2) of a plane to raw pixels; NaN behind the camera and beyond the lens's reach.
+    """Points (n, 2) of a plane to raw pixels; NaN out of sight.
 
     ``homography`` (3, 3) leads to undistorted pixels; its third coordinate has the sign of
     ``front`` in front of the camera.
@@ -185,7 +185,7 @@ def plane_from_image(
 
 @njit(cache=True, nogil=True, fastmath=False)
 def _moved(x: float, y: float, h: NDArray[np.float64], front: float) -> tuple[float, float]:
-    """Through a homography; NaN if the third coordinate lacks the sign of ``front``."""
+    """Move through a homography; NaN if the third coordinate lacks the sign of ``front``."""
     w = h[2, 0] * x + h[2, 1] * y + h[2, 2]
     if not w * front > 0.0:
         return math.nan, math.nan
@@ -194,13 +194,13 @@ def _moved(x: float, y: float, h: NDArray[np.float64], front: float) -> tuple[fl
 
 @njit(cache=True, nogil=True, fastmath=False)
 def seen_at(x_m: float, y_m: float, view: PlaneView) -> tuple[float, float]:
-    """The raw pixel of one point of a plane; NaN out of sight."""
+    """Raw pixel of one point of a plane; NaN out of sight."""
     x, y = _moved(x_m, y_m, view.to_pixel, view.front)
     return distort(x, y, view.lens)
 
 
 @njit(cache=True, nogil=True, fastmath=False)
 def placed_at(x_px: float, y_px: float, view: PlaneView) -> tuple[float, float]:
-    """The point of a plane that one raw pixel shows; NaN if it shows none."""
+    """Point of a plane that one raw pixel shows; NaN if it shows none."""
     x, y = undistort(x_px, y_px, view.lens)
     return _moved(x, y, view.from_pixel, view.front)

@@ -1,16 +1,14 @@
 """Lens models, Brown's and OpenCV's fisheye, and the reach of each.
 
 Rules and units
-- Normalised coordinates x = X / Z, y = Y / Z of the camera, Z along its view; ``r`` their
-  radius.
-- ``brown`` (D. C. Brown, Close-range camera calibration, 1971): up to five terms in OpenCV's
-  order (k1, k2, p1, p2, k3). ``fisheye`` (J. Kannala and S. S. Brandt, A generic camera model,
-  2006, as OpenCV has it): four terms (k1, k2, k3, k4); a ray at the angle theta to the view is
-  seen at the radius theta_d = theta (1 + k1 theta^2 + k2 theta^4 + k3 theta^6 + k4 theta^8).
-- Either is inverted only within a disc of normalised radius ``reach``. In it Brown's Jacobian,
-  which is symmetric, is positive definite: the map is the gradient of a convex function, so no
-  two rays share a pixel. For the fisheye, theta_d grows with theta. Beyond it a lens folds, or
-  looks sideways.
+- Normalised coordinates x = X / Z, y = Y / Z of the camera, Z along its view; ``r`` their radius.
+- ``brown`` (D. C. Brown, Close-range camera calibration, 1971): up to five terms in OpenCV's order
+  (k1, k2, p1, p2, k3). ``fisheye`` (J. Kannala and S. S. Brandt, A generic camera model, 2006, as
+  OpenCV has it): four terms (k1, k2, k3, k4); a ray at the angle theta to the view is seen at the
+  radius theta_d = theta (1 + k1 theta^2 + k2 theta^4 + k3 theta^6 + k4 theta^8).
+- Either is inverted only within a disc of normalised radius ``reach``. In it Brown's symmetric
+  Jacobian is positive definite, so no two rays share a pixel; the fisheye's theta_d grows with
+  theta. Beyond it a lens folds, or looks sideways.
 """
 
 from __future__ import annotations
@@ -26,15 +24,15 @@ FloatArray = NDArray[np.float64]
 MODELS = ("brown", "fisheye")
 MOST_TERMS = {"brown": 5, "fisheye": 4}
 STRAIGHT, BROWN, FISHEYE = 0, 1, 2
-"""Kinds of lens, for kernels to branch on; ``STRAIGHT`` is Brown's model with no term."""
+"""Kinds of lens for kernels; ``STRAIGHT`` is Brown's model with no term."""
 
 LEAST_STRETCH = 1.0 / 30.0
-"""A lens folds where it shrinks a length by more than this against the picture's middle: a thing
-of 30 px is one pixel there, and soon none."""
+"""Least length against the picture's middle before a lens folds: 30 px become one."""
 MOST_ANGLE_RAD = math.radians(89.9)
-"""To the view: a pinhole's picture has no place for 90 degrees. 0.1 degrees are half a pixel."""
+"""Largest angle to the view: a pinhole's picture has no 90 degrees; 0.1 degrees are half a
+pixel."""
 _MOST_RADIUS = 20.0
-"""Brown's model is asked no farther: 87 degrees to the view."""
+"""Brown's model is used no farther: 87 degrees to the view."""
 _ANGLES, _DIRECTIONS = 1801, 48
 
 
@@ -54,8 +52,8 @@ class LensArrays(NamedTuple):
 class PlaneView(NamedTuple):
     """A plane of the arena and its picture, for kernels.
 
-    ``from_pixel`` (3, 3) leads from undistorted pixels to the plane, ``to_pixel`` back; the third
-    coordinate has the sign of ``front`` in front of the camera.
+    ``from_pixel`` (3, 3) leads from undistorted pixels to the plane, ``to_pixel`` back; in front of
+    the camera the third coordinate has the sign of ``front``.
     """
 
     from_pixel: FloatArray
@@ -65,7 +63,7 @@ class PlaneView(NamedTuple):
 
 
 def lens_arrays(model: str, camera_matrix: FloatArray, terms: ArrayLike) -> LensArrays:
-    """The arrays of a lens; ``camera_matrix`` (3, 3), ``terms`` of the model."""
+    """Arrays of a lens; ``camera_matrix`` (3, 3), ``terms`` of the model."""
     k = camera_matrix
     camera = np.array([k[0, 0], k[1, 1], k[0, 2], k[1, 2]])
     given = np.asarray(terms, dtype=np.float64)
@@ -80,14 +78,14 @@ def lens_arrays(model: str, camera_matrix: FloatArray, terms: ArrayLike) -> Lens
 
 
 def folds(lens: LensArrays) -> bool:
-    """True if the lens turns back somewhere, rather than only looking sideways."""
+    """True if the lens turns back somewhere, rather than looking sideways."""
     if lens.model == FISHEYE:
         return math.atan(lens.reach) < MOST_ANGLE_RAD - 1e-9
     return lens.model == BROWN and lens.reach < _MOST_RADIUS
 
 
 def _fisheye_reach_rad(terms: FloatArray) -> float:
-    """The largest angle up to which theta_d grows; a step of 0.05 degrees on the safe side."""
+    """Largest angle up to which theta_d grows; a step of 0.05 degrees on the safe side."""
     k1, k2, k3, k4, _ = terms
     angle = np.linspace(0.0, MOST_ANGLE_RAD, _ANGLES)
     a2 = angle * angle
@@ -96,7 +94,7 @@ def _fisheye_reach_rad(terms: FloatArray) -> float:
 
 
 def _brown_reach(terms: FloatArray) -> float:
-    """The radius of the disc in which the Jacobian's smaller eigenvalue is large enough."""
+    """Radius of the disc in which the Jacobian's smaller eigenvalue is large enough."""
     radii = np.concatenate([np.linspace(0.0, 2.0, 401), np.linspace(2.0, _MOST_RADIUS, 361)[1:]])
     last = _before_the_first(_least_stretch(radii, terms) < LEAST_STRETCH)
     if last == len(radii) - 1:
@@ -106,7 +104,7 @@ def _brown_reach(terms: FloatArray) -> float:
 
 
 def _least_stretch(radii: FloatArray, terms: FloatArray) -> FloatArray:
-    """The smaller eigenvalue of Brown's Jacobian, the least over all directions, (n,)."""
+    """Smaller eigenvalue of Brown's Jacobian, the least over all directions, (n,)."""
     k1, k2, p1, p2, k3 = terms
     turn = np.linspace(0.0, math.tau, _DIRECTIONS, endpoint=False)[:, None]
     x, y = radii * np.cos(turn), radii * np.sin(turn)
@@ -121,5 +119,4 @@ def _least_stretch(radii: FloatArray, terms: FloatArray) -> FloatArray:
 
 
 def _before_the_first(bad: NDArray[np.bool_]) -> int:
-    """The index before the first bad one; the last if there is none."""
     return max(int(np.argmax(bad)) - 1, 0) if bad.any() else len(bad) - 1

@@ -1,9 +1,8 @@
 """Another device's clock converted to ours, from the arrivals of its messages.
 
-A message cannot arrive before it was sent, and some arrive almost at once: the least difference
-between arrival and stamp is the clocks' offset plus the shortest delay. Later arrivals are late by
-the excess. The least is relaxed slowly, as clocks drift. Seconds on both clocks. Source: the
-minimum filter of one-way delays (Moon, Skelly, Towsley 1999).
+The least difference between arrival and stamp is the clocks' offset plus the shortest delay. It is
+relaxed slowly, as clocks drift. Seconds. Source: the minimum filter of one-way delays (Moon,
+Skelly, Towsley 1999).
 """
 
 from __future__ import annotations
@@ -12,7 +11,7 @@ import math
 from typing import Final
 
 DRIFT: Final = 2e-3
-"""Two clocks part by less than this share of the time: a ceramic resonator's 1e-3, twice."""
+"""Largest share of the time by which two clocks part: a ceramic resonator's 1e-3, twice."""
 
 
 class ArrivalClock:

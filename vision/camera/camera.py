@@ -1,12 +1,7 @@
 """Frames and cameras as the rest of Clearway sees them.
 
 Rules and units
-- A ``Frame`` is one picture, uint8, grey (h, w) or BGR (h, w, 3), read-only, with its monotonic
-  time of capture (seconds) and a growing sequence number. With a rolling shutter, the time is that
-  of the last row.
-- A ``Camera`` gives frames: a device, a stream, a file (``vision.camera.sources``) or the
-  simulator. ``state`` says what it does and ``reason`` why.
-- ``vision.camera.latest_frame`` reads a camera in a thread of its own and opens it again.
+- With a rolling shutter, a frame's time of capture is that of the last row. - -
 """
 
 from __future__ import annotations
@@ -27,21 +22,20 @@ SourceState: TypeAlias = Literal["closed", "running", "ended"]
 
 
 class CameraError(ValueError):
-    """Error for a camera that cannot be opened or gives no more pictures, with the reason."""
+    """Error for a camera that cannot be opened or gives no more pictures."""
 
     def __init__(self, message: str) -> None:
         super().__init__(printable(message))
 
 
 class CameraAbsentError(CameraError):
-    """Error for a camera that is unplugged, or not yet plugged in. Looking again costs nothing."""
+    """Error for an unplugged camera. Looking again costs nothing."""
 
 
 class CameraHeldError(CameraError):
-    """Error for a camera that may be there but cannot be opened: another program may hold it.
+    """Error for a camera that cannot be opened: another program may hold it.
 
-    ``seen`` is the source's observation; the message adds ``guess``, the likely holder. A program
-    that knows better, because its own earlier reading hangs, reports ``seen`` and that.
+    ``seen`` is the source's observation; the message adds ``guess``, the likely holder.
     """
 
     def __init__(self, seen: str, guess: str = "") -> None:
@@ -107,14 +101,14 @@ class Camera(Protocol):
     def may_repeat(self) -> bool:
         """True if identical pictures in a row are normal, not a sign of a frozen sensor.
 
-        This holds for files, and for any source without noise to distinguish its pictures.
+        Files, and any source without noise.
         """
 
     def open(self) -> None:
         """Start giving frames; raises ``CameraError`` if it cannot."""
 
     def read(self, timeout_s: float) -> Frame | None:
-        """Return the next frame; None if none came in time or the source ended (see ``state``).
+        """Return the next frame; None if none came in time or the source ended.
 
         Raises ``CameraError`` if the source is lost.
         """
@@ -144,7 +138,7 @@ class RateMeter:
 
 
 def identical(a: Image, b: Image) -> bool:
-    """True if two pictures are the same to the bit; a quick sparse comparison comes first."""
+    """True if two pictures are the same to the bit; a sparse comparison comes first."""
     if a.shape != b.shape:
         return False
     return np.array_equal(a[::16, ::16], b[::16, ::16]) and np.array_equal(a, b)

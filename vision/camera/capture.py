@@ -1,8 +1,6 @@
 """Cameras behind OpenCV's capture: network streams, and the base of video files.
 
-Rules and units
-- A stream that gives no picture for five seconds has failed.
-- Times are seconds on the clock passed in; sizes are (width, height) in pixels.
+A stream without a picture for five seconds has failed. Times are seconds on the clock passed in.
 """
 
 from __future__ import annotations
@@ -27,14 +25,13 @@ from vision.camera.camera import (
 _LONGEST_WAIT_S = 5
 """Below ``WatchLimits.hung_s``."""
 _LONGEST_HOLD_UP_S = 2.0
-"""A picture that its stamp makes older than this has a stamp that cannot be trusted."""
+"""Largest age of a picture by its stamp; beyond it the stamp is not believed."""
 _BURST_S = 1.0
-"""Time after opening in which a stream's frames say nothing of its rate: what its server or FFmpeg
-had kept comes all at once."""
+"""Time after opening in which a stream's kept frames come at once and give no rate."""
 
 
 class Capture:
-    """Base of streams and video files: an OpenCV capture and its frames."""
+    """An OpenCV capture and its frames: base of streams and video files."""
 
     may_repeat = False
 
@@ -69,7 +66,7 @@ class Capture:
         if not opened:
             capture.release()
             raise self._refused()
-        # The sensor's own pixels, as for pictures: a film's turn only says how its camera was held.
+        # the sensor's own pixels, as for pictures
         capture.set(cv2.CAP_PROP_ORIENTATION_AUTO, 0)
         self._capture = capture
         self._rate = RateMeter()
@@ -106,9 +103,8 @@ class Capture:
 class StreamCamera(Capture):
     """RTSP or HTTP stream, through FFmpeg, with bounded waits.
 
-    Its rate is known a second after opening. Pictures of an RTSP stream carry the sender's times
-    (RTP), which date pictures that the network delays. No stream reports the least delay that every
-    picture has.
+    Its rate is known a second after opening. The sender's times (RTP) date pictures of RTSP that
+    the network delays, but for the least delay.
     """
 
     def __init__(self, url: str, clock: Clock) -> None:
@@ -153,16 +149,16 @@ class StreamCamera(Capture):
         return max(self._sender.time_of(stamp_s, arrived_s), arrived_s - _LONGEST_HOLD_UP_S)
 
     def _refused(self) -> CameraError:
-        # many network cameras serve few clients: one that hangs may be the last allowed
+        # many network cameras serve few clients: a hanging one may be the last
         return CameraHeldError(
             f"{self.name}: no stream there, or no answer within {_LONGEST_WAIT_S} s"
         )
 
 
 def without_password(url: str) -> str:
-    """URL for messages: its query keeps only names, its fragment nothing.
+    """URL for messages, without user, password, fragment and the query's values.
 
-    User and password are left out too; a text that is not a URL is unchanged.
+    A text that is not a URL is unchanged.
     """
     if "://" not in url:
         return url
@@ -171,7 +167,6 @@ def without_password(url: str) -> str:
 
 
 def _only_name(part: str) -> str:
-    """One part of a query without its value; a part without a name may itself be a key."""
     if not part:
         return ""
     name, mark, _ = part.partition("=")
@@ -186,6 +181,6 @@ def without_user(url: str) -> str:
     host, slash, path = rest.partition("/")
     port = host.partition(":")[2]
     if "@" not in host and port and not port.isdecimal() and "@" in path:
-        # A password with a slash that should have been written %2F: show nothing of it.
+        # a password with a slash not written %2F: show nothing of it
         host, slash, path = path.rpartition("@")[2].partition("/")
     return f"{scheme}://{host.rpartition('@')[2]}{slash}{path}"

@@ -1,8 +1,7 @@
 """Files as cameras: a picture's pixels, the pace of files, and videos.
 
-Rules and units
-- With ``paced``, files run at their rate: a late reader gets no burst of missed frames.
-- Times are seconds on the clock passed in.
+With ``paced``, files run at their rate: a late reader gets no burst of missed frames. Times are
+seconds on the clock passed in.
 """
 
 from __future__ import annotations
@@ -24,10 +23,10 @@ PICTURE_SUFFIXES = frozenset(
         *(".pbm", ".pgm", ".ppm", ".pnm", ".pam", ".ras"),
     )
 )
-"""Names of files that are taken for pictures; any other file, a GIF too, is tried as a video."""
+"""Suffixes of pictures; any other file, a GIF too, is tried as a video."""
 
 MOST_BYTES = 1 << 30
-"""Bytes of a picture file that are read at most: a device or a sparse file may have no end."""
+"""Most bytes of a picture file: a device or a sparse file may have no end."""
 
 Wait = Callable[[float], object]
 
@@ -37,8 +36,7 @@ def read_picture(path: Path) -> Image:
 
     Pixels are the sensor's, as stored: an EXIF orientation is ignored
     (``vision.camera.picture_turn`` says why), except a TIFF's, which its decoder applies. libpng
-    and libjpeg may write a line to stderr: catching it would take the descriptor away from every
-    other thread.
+    and libjpeg may write to stderr, which other threads share.
     """
     try:
         with path.open("rb") as file:
@@ -76,7 +74,7 @@ class Pace:
         self._due_s = None
 
     def pause(self, pause_s: float) -> None:
-        """Wait, paced or not, for something that is not there yet."""
+        """Wait, paced or not, for a missing file."""
         self._wait(pause_s)
 
     def wait_for_turn(self, rate_hz: float, timeout_s: float) -> float | None:
@@ -92,7 +90,6 @@ class Pace:
         if self._due_s > now_s:
             self._wait(self._due_s - now_s)
             now_s = self.clock()
-        # A late reader does not get the missed frames in a burst.
         self._due_s = max(self._due_s + 1.0 / rate_hz, now_s)
         return now_s
 

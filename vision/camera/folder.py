@@ -3,10 +3,10 @@
 Rules
 - A folder's pictures come in the order of their names; at its end, new pictures named after the
   last are read too.
-- A picture that cannot be read may still be being written: it is tried again for ``PATIENCE_S``,
-  then left out and named in ``reason``. A folder without a readable picture is an error.
-- A single picture is decoded again if its file has changed. While the new one is unreadable or
-  gone, the last good one is shown, and ``reason`` says so.
+- An unreadable picture may be incomplete: it is tried for ``PATIENCE_S``, then left out and named
+  in ``reason``. A folder without a readable picture is an error.
+- A single picture is decoded again if its file has changed. While it is unreadable or gone, the
+  last good one is shown, and ``reason`` says so.
 """
 
 from __future__ import annotations
@@ -17,7 +17,7 @@ from vision.camera.camera import CameraError, Frame, Image, RateMeter, SourceSta
 from vision.camera.files import PICTURE_SUFFIXES, Pace, read_picture
 
 PATIENCE_S = 0.5
-"""Less than a source may stay silent before it counts as stalled."""
+"""Less than the silence that counts as a stall."""
 _BETWEEN_TRIES_S = 0.1
 _PICTURES_HZ = 10.0
 
@@ -95,7 +95,6 @@ class FolderCamera:
         return files
 
     def _find_more(self) -> bool:
-        """True if the list continues, with new pictures or from its beginning."""
         listed = self._list()
         later = [path for path in listed if path > self._files[-1]]
         if later:
@@ -124,7 +123,7 @@ class FolderCamera:
 
 
 class PictureCamera(FolderCamera):
-    """One picture, shown for ever; decoded again only if its file has changed."""
+    """One picture, shown for ever."""
 
     def __init__(self, path: Path, pace: Pace, rate_hz: float | None) -> None:
         super().__init__(path, pace, rate_hz, loop=True)
@@ -152,7 +151,7 @@ class PictureCamera(FolderCamera):
 
 
 def _version(path: Path) -> tuple[int, ...]:
-    """Values that change with a file's content; ``CameraError`` if there is no file."""
+    """Values that change with a file's content; ``CameraError`` without a file."""
     try:
         told = path.stat()
     except OSError as error:

@@ -2,14 +2,12 @@
 
 Rules
 - The latest frame wins; frames not taken in time are counted as dropped.
-- A source that fails, stalls or freezes is closed and opened again with growing pauses, and says so
-  in a plain sentence.
-- A live sensor's noise hardly ever gives the same picture twice. A repeated picture is not passed
-  on, and repetition for a while means that the camera is frozen, whatever times it gives. A source
-  without such noise says `may_repeat`.
+- A source that fails, stalls or freezes is reopened with growing pauses.
+- A live sensor hardly ever gives the same picture twice: a repeated one is not passed on, and
+  repetition means a frozen camera, except for a source with `may_repeat`.
 - A read, an opening or a closing that hangs inside a driver cannot be stopped: its thread and
-  camera are left behind and new ones made, up to `MOST_LEFT_BEHIND`. They may hold the camera: then
-  that is reported, and no other program is blamed.
+  camera are left behind and new ones made, up to `MOST_LEFT_BEHIND`. They may hold the camera: that
+  is reported, and no other program blamed.
 - The clock is passed in; only waiting for a frame takes real time.
 """
 
@@ -35,18 +33,17 @@ CameraState: TypeAlias = Literal[
 ]
 
 MOST_LEFT_BEHIND: Final = 3
-"""Threads that may hang at a time; beyond this number, the next one that hangs is waited for."""
+"""Most hanging threads at a time; the next one that hangs is waited for."""
 
 
 @dataclass(frozen=True, slots=True)
 class WatchLimits:
     """Limits from which a source counts as stalled or frozen, and pauses between openings (s).
 
-    A repeating picture is frozen after ``frozen_s`` and ``frozen_frames`` repetitions: at low bit
-    rates a network camera sends a still arena's noise as no change, nine frames in a row of H.264
-    at 100 kbit/s. ``hung_s`` exceeds the five seconds in which a device or stream may report that
-    nothing comes. An absent camera is looked for every ``absent_pause_s``: that opens nothing, and
-    a robot may be waiting for the plug.
+    A repeating picture is frozen after ``frozen_s`` and ``frozen_frames`` repetitions: H.264 at 100
+    kbit/s repeats a still arena nine times. ``hung_s`` exceeds the five seconds in which a device
+    or stream may report silence. An absent camera is sought every ``absent_pause_s``, which opens
+    nothing.
     """
 
     read_timeout_s: float = 0.5
@@ -61,10 +58,10 @@ class WatchLimits:
 
 @dataclass(frozen=True, slots=True)
 class CameraStatus:
-    """State of a camera; ``reason`` is a plain sentence, empty while all is well.
+    """State of a camera; ``reason`` is empty while all is well.
 
     ``age_s`` is the age of the newest frame, None before the first; ``reopened`` counts further
-    openings of the source. ``each``: the status of each of several cameras, by name.
+    openings. ``each``: the status of several cameras, by name.
     """
 
     state: CameraState
@@ -80,10 +77,9 @@ class CameraStatus:
 class LatestFrame:
     """Newest frame of a camera, which is opened again when it fails.
 
-    ``open_camera`` makes a new, closed camera each time: a read that hangs inside a driver cannot
-    be stopped, so its camera is left behind. Use it as a context manager, or ``start()`` and
-    ``stop()``; without a thread, ``step()`` does one turn of its loop. ``news`` may be shared and
-    is notified of every new frame.
+    ``open_camera`` makes a new, closed camera each time. Use a context manager, or ``start()`` and
+    ``stop()``; without a thread, ``step()``. ``news`` may be shared and is notified of every new
+    frame.
     """
 
     def __init__(
@@ -156,7 +152,7 @@ class LatestFrame:
             return self._frame
 
     def wake(self) -> None:
-        """End the wait of `take`, the present or the next one: there is other news."""
+        """End the present or next wait of `take`."""
         with self._news:
             self._woken = True
             self._news.notify_all()
@@ -201,7 +197,7 @@ class LatestFrame:
 
     def _leave_hung_reader(self) -> None:
         """Replace a reader whose read, open or close has not returned for ``hung_s``."""
-        with self._news:  # any thread may ask for the status: one of them does it
+        with self._news:
             busy_s = self._reader.busy_s(self._clock())
             if busy_s <= self._limits.hung_s:
                 return
@@ -228,11 +224,8 @@ class LatestFrame:
         self._reader = _Reader(self, self._generation)
 
     def _hanging(self) -> list[_Reader]:
-        """Readers left behind that have not returned."""
         now_s = self._clock()
         return [reader for reader in self._left_behind if reader.busy_s(now_s) > 0.0]
-
-    # Called by the reader, from its thread.
 
     def _why_held(self, error: CameraHeldError) -> str:
         """Holder of the camera: this program, if an earlier reading of its own hangs."""
@@ -283,7 +276,7 @@ class _Reader:
     def __init__(self, owner: LatestFrame, generation: int) -> None:
         self.generation = generation
         self.name = ""
-        """Beginning of the sentences about its camera."""
+        """Prefix of messages."""
         self._owner = owner
         self._limits = owner._limits
         self._camera: Camera | None = None
@@ -369,7 +362,7 @@ class _Reader:
             return self._count_repeat(camera, now_s)
         self._same_since_s = None
         if last is not None:
-            self.failures = 0  # it is really alive: the next failure starts with a short pause
+            self.failures = 0  # alive: the next failure starts with a short pause
         self._owner._publish(self, frame, camera.rate_hz, camera.reason)
         return 0.0
 
@@ -386,10 +379,10 @@ class _Reader:
     def _fail(self, reason: str, state: CameraState, absent: bool = False) -> float:
         self.close()
         limits = self._limits
-        # The exponent is bounded: 2.0 ** failures overflows after a night without a camera.
+        # bounded: 2.0 ** failures overflows after a night without a camera
         longest_s = limits.absent_pause_s if absent else limits.longest_pause_s
         pause_s = min(limits.first_pause_s * 2.0 ** min(self.failures, 30), longest_s)
-        # An absent camera cannot fail: plugged in, it starts with a short pause.
+        # no failure: plugged in, it starts with a short pause
         self.failures = 1 if absent else self.failures + 1
         self._due_s = self._owner._clock() + pause_s
         again = f"{reason.rstrip('.')}; trying again in {pause_s:.2g} s"

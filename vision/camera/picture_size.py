@@ -1,8 +1,8 @@
 """The size that a picture claims, from the first bytes of its file.
 
-A file of a hundred bytes can claim gigabytes, and decoding it takes many seconds and all memory for
-nothing. So the size is read, and refused, before decoding. Sources: the PNG, JPEG (T.81), JPEG 2000
-(T.800), GIF89a, BMP, TIFF 6, WebP, AVIF (HEIF), Radiance, Sun raster and Netpbm specifications.
+A file of a hundred bytes can claim gigabytes: the size is read, and refused, before decoding.
+Sources: the PNG, JPEG (T.81), JPEG 2000 (T.800), GIF89a, BMP, TIFF 6, WebP, AVIF (HEIF), Radiance,
+Sun raster and Netpbm specifications.
 """
 
 from __future__ import annotations
@@ -13,11 +13,11 @@ import struct
 _PNG = b"\x89PNG\r\n\x1a\n"
 
 MOST_PIXELS = 1 << 28
-"""A square of 16384: beyond every camera and every scanned plan."""
+"""A square of 16384: beyond every camera and scanned plan."""
 
 
 def oversize(data: bytes) -> str:
-    """Reason why a picture file claims too much to be decoded; empty if not, or unknown."""
+    """Reason why a picture file claims too much; empty if not, or unknown."""
     width, height = picture_size(data) or (0, 0)
     if width * height > MOST_PIXELS:
         return f"a picture of {width} x {height} pixels: must be at most {MOST_PIXELS}"
@@ -70,7 +70,7 @@ def _pair(form: str, data: bytes, at: int) -> tuple[int, int]:
 
 
 def _bmp(data: bytes) -> tuple[int, int]:
-    """OS/2's header of twelve bytes has two-byte sides; elsewhere a negative height runs down."""
+    """OS/2's header of twelve bytes has two-byte sides; a negative height runs down."""
     if struct.unpack_from("<I", data, 14)[0] == 12:
         return _pair("<HH", data, 18)
     width, height = _pair("<ii", data, 18)
@@ -78,7 +78,7 @@ def _bmp(data: bytes) -> tuple[int, int]:
 
 
 def _jpeg(data: bytes) -> tuple[int, int] | None:
-    """Find the frame header: the first of the markers SOF0 to SOF15, except DHT, JPG and DAC."""
+    """Find the frame header: SOF0 to SOF15, except DHT, JPG and DAC."""
     at = 2
     while at + 4 <= len(data):
         if data[at] != 0xFF:
@@ -124,10 +124,7 @@ def _webp(data: bytes) -> tuple[int, int] | None:
 
 
 def _jpeg_2000(data: bytes) -> tuple[int, int] | None:
-    """Segment SIZ at the beginning of the codestream, with or without a file's boxes around it.
-
-    The decoder allocates what the codestream says, not what the box `ihdr` says.
-    """
+    """Segment SIZ of the codestream, by which the decoder allocates, not by the box `ihdr`."""
     at = data.find(b"\xff\x4f\xff\x51")
     if at < 0:
         return None
@@ -142,8 +139,7 @@ def _avif(data: bytes) -> tuple[int, int] | None:
 
 
 def _in_words(head: bytes) -> tuple[int, int] | None:
-    """Netpbm with PFM and PAM, and Radiance, whose headers are text."""
-    # A comment may separate the words of a Netpbm header.
+    """Size in a text header: Netpbm with PFM and PAM, and Radiance."""
     words = re.sub(rb"#[^\n]*\n", b" ", head).split(None, 3)
     if len(words) >= 3 and re.fullmatch(rb"P[1-6Ff]", words[0]):
         sides = words[1:3]

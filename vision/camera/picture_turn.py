@@ -1,14 +1,13 @@
 """The turn that a picture's EXIF orientation asks for: how the camera was held.
 
-- Viewers and ``cv2.imread`` turn a picture accordingly, and coordinates read off a screen are of
-  the turned one.
-- A lens, and a camera's place above an arena, belong to the sensor's own pixels. A camera that
-  looks straight down cannot know how it is held, and writes an orientation at random: cameras and
-  calibrations (``vision.camera.files.read_picture``) leave pictures as stored.
+- Viewers and ``cv2.imread`` turn a picture accordingly.
+- A lens, and a camera's place above an arena, belong to the sensor's own pixels, and a camera that
+  looks down writes a random orientation: ``vision.camera.files.read_picture`` leaves pictures as
+  stored.
 
 Orientations are those of EXIF 2.32, 4.6.4: 1 as stored, 2 mirrored, 3 upside down, 4 mirrored
-upside down, 5 transposed, 6 to be turned by 90 degrees clockwise, 7 transposed the other way, 8 to
-be turned by 90 degrees counter-clockwise.
+upside down, 5 transposed, 6 to be turned 90 degrees clockwise, 7 transposed the other way, 8
+counter-clockwise.
 """
 
 from __future__ import annotations
@@ -26,7 +25,7 @@ _SHORT = 3
 def orientation(data: bytes) -> int:
     """Orientation 1 .. 8 of a JPEG, PNG or WebP file; 1 if it has none, or an invalid one.
 
-    A TIFF's tag is not read: its decoder has already turned the picture.
+    A TIFF's decoder has already turned the picture.
     """
     try:
         told = _of_exif(_exif(data))
@@ -47,7 +46,6 @@ def turned(image: NDArray[Any], orientation: int) -> NDArray[Any]:
 
 
 def _exif(data: bytes) -> bytes:
-    """EXIF of a file, from its byte order on; empty if there is none."""
     if data.startswith(b"\xff\xd8"):
         return _in_jpeg(data)
     if data.startswith(b"\x89PNG"):
@@ -84,7 +82,6 @@ def _in_chunks(data: bytes, at: int, wanted: bytes, order: str) -> bytes:
 
 
 def _of_exif(exif: bytes) -> int:
-    """Value of the tag in the first directory; 1 if absent."""
     if exif[:4] not in (b"II*\0", b"MM\0*"):
         return 1
     order = "<" if exif[:2] == b"II" else ">"

@@ -1,9 +1,8 @@
 """Remark on a rate other than the requested one, without a new sentence for each picture.
 
 Rules
-- A rate is too slow or too fast if it is off by more than a tenth, and right again if it is off by
-  at most a twentieth.
-- While it is off, the sentence keeps its number for a minute, unless the rate becomes right.
+- A rate is wrong if it is off by more than a tenth, and right again within a twentieth.
+- While it is wrong, the sentence keeps its number for a minute.
 """
 
 from __future__ import annotations
@@ -24,7 +23,7 @@ class RateRemark:
         self._said_s = 0.0
 
     def of(self, rate_hz: float, now_s: float) -> str:
-        """Return the remark at ``now_s``, for the rate measured lately (0.0: not yet known)."""
+        """Return the remark at ``now_s`` for a measured rate (0.0: not yet known)."""
         wanted_hz = self._wanted_hz
         if wanted_hz is None or rate_hz <= 0.0:
             return self._said

@@ -1,10 +1,10 @@
 """The newest frames of several cameras, as if they were one.
 
 Rules
-- Each camera has its own `LatestFrame`: one that hangs, freezes or is unplugged delays no other.
-  A frame's ``source`` is the camera's name here.
-- Any camera's picture wakes the waiting caller; if several have one, they take turns.
-- They run as a whole while any of them does; a camera's trouble is reported with its name.
+- Each camera has its own `LatestFrame`, so none delays another. A frame's ``source`` is the
+  camera's name here.
+- If several have a picture, they take turns.
+- They run while any of them does; a camera's trouble is reported with its name.
 """
 
 from __future__ import annotations
@@ -37,7 +37,7 @@ class SeveralFrames:
 
     @property
     def turns(self) -> int:
-        """Count that grows while any thread works; one camera that hangs shows in its status."""
+        """Count that grows while any thread works."""
         return sum(one.turns for one in self._each.values())
 
     def start(self) -> None:
@@ -76,7 +76,7 @@ class SeveralFrames:
         return False
 
     def wake(self) -> None:
-        """End the wait of `take`, the present or the next one: there is other news."""
+        """End the present or next wait of `take`."""
         with self._news:
             self._woken = True
             self._news.notify_all()

@@ -2,7 +2,7 @@
 
 - A number or ``/dev/...`` is a V4L2 device (a stable path such as ``/dev/v4l/by-id/...`` survives
   replugging), ``rtsp://`` and ``http(s)://`` are streams, anything else is a file or a folder.
-- Rates are frames a second; sizes are (width, height) in pixels.
+- Rates are frames a second; sizes (width, height) in pixels.
 """
 
 from __future__ import annotations
@@ -49,11 +49,10 @@ def camera_for(
     """Return the camera that a source names, closed.
 
     ``rate_hz`` and ``size`` are requested of a device; the rate paces a file (default: the video's
-    own, 10 Hz for pictures). ``loop`` begins a file again at its end; a single picture is shown for
-    ever. ``paced=False`` gives a file's frames as fast as they are read. ``wait`` pauses for a
-    number of seconds. ``device`` sets a device's format and controls, and ``known``, one object for
-    all cameras of a run, finds it again under another name after a replug. Raises ``CameraError``
-    if the source cannot be opened.
+    own, 10 Hz for pictures). ``loop`` repeats a file; ``paced=False`` gives its frames as fast as
+    they are read. ``wait`` pauses for seconds. ``device`` sets a device's format and controls, and
+    ``known``, one for all cameras of a run, finds it after a replug. Raises ``CameraError`` if the
+    source cannot be opened.
     """
     text = str(source).strip()
     shown = without_password(text)

@@ -1,14 +1,12 @@
 """Distance between two cameras' outlines on the floor that both see.
 
 Rules and units
-- Each camera's picture is binarised, and its own calibration puts the sub-pixel edge points on the
-  floor, in metres. Every point of the one, well inside the common view, is measured from the line
-  through the other's two nearest points.
-- The median counts, so a few edges that only one camera sees (a shadow, the side of something high)
-  do not. Something high near the middle leans away from each camera, so its upper edges differ
-  although both calibrations are right; the limit must allow for that.
-- If both cameras have fewer than ``LEAST_POINTS`` edge points in the common view, the answer is
-  unknown; if only one has, they contradict each other once the other has twice as many.
+- Each camera's sub-pixel edge points are put on the floor, in metres. Every point well inside the
+  common view is measured from the line through the other camera's two nearest points.
+- The median counts, so a few edges that only one camera sees do not. Something high leans away from
+  each camera, so its upper edges differ; the limit must allow for that.
+- If both cameras have fewer than ``LEAST_POINTS`` in the common view, the answer is unknown; if
+  only one has, they contradict each other once the other has twice as many.
 """
 
 from __future__ import annotations
@@ -26,13 +24,13 @@ from vision.errors import PictureError
 from vision.joined.floor_plan import FloorPlan
 
 LEAST_POINTS: Final = 60
-"""Edge points in what both cameras see: chosen, the outline of something of 20 pixels."""
+"""Least edge points in the common view: chosen, an outline of 20 pixels."""
 MOST_POINTS: Final = 1500
 """Most points of each camera; of more every second, third, ... is taken."""
 INSIDE_PX: Final = 8.0
-"""So far inside both pictures, so that an edge of the one can be in the other at all."""
+"""Distance inside both pictures at which one's edge can be in the other."""
 FARTHEST_M: Final = 0.25
-"""Largest distance of a point from its partner; farther away there is none."""
+"""Largest distance of a point from its partner."""
 
 
 def edge_points_m(
@@ -59,8 +57,8 @@ def outlines_apart_m(
     """Median distance of two cameras' edge points where both see the floor, in metres.
 
     ``points`` (k, 2) and ``others`` (n, 2) come from `edge_points_m`. The larger of both
-    directions; if one has too few points in the common view, ``FARTHEST_M`` if the other has twice
-    enough, else None. O(k n) for ``MOST_POINTS`` at most.
+    directions; with too few points of one, ``FARTHEST_M`` if the other has twice enough, else None.
+    O(k n), at most ``MOST_POINTS``.
     """
     here, there = (_in_both(plan, one, other, each) for each in (points, others))
     if min(len(here), len(there)) < LEAST_POINTS:
@@ -70,7 +68,6 @@ def outlines_apart_m(
 
 
 def _in_both(plan: FloorPlan, one: int, other: int, points: FloatArray) -> FloatArray:
-    """Points well inside what both cameras see, at most about ``MOST_POINTS``."""
     if not len(points):
         return points
     at = np.rint(plan.calibration.image_from_arena(points)).astype(int)

@@ -3,15 +3,12 @@
 Rules and units
 - The plan shows the floor from straight above: square pixels of the finest camera's scale, y down,
   the arena's bounds and a rim of ``MARGIN_PX``. Its own calibration turns its pixels into metres.
-- Each pixel is shown by the camera with the least error there, if any sees it. The error is that of
-  an edge in the camera's pixels, and that of height: seen from the side, things lean away from the
-  camera, by the height times distance over height of the camera. Between equal cameras the seam is
-  the bisector of their feet; a camera that looks closer keeps its own part.
-- So the pixel over an obstacle's foot shows that obstacle, or one in front of it, and never the
-  floor behind it. An obstacle on the seam is one region of one picture, and its edges are fitted
-  through both cameras' points: nothing is matched, cut or joined afterwards.
-- A pixel that no camera sees, or only where its lens is blind, is unknown. This is a share, so that
-  the border of unknown ground is straight to a fraction of a pixel.
+- The camera with the least error shows each pixel: that of an edge in its picture, and that of
+  height, as things lean away by their height times distance over height of the camera.
+- So the pixel over an obstacle's foot shows that obstacle, or one in front of it, never the floor
+  behind it. An obstacle on the seam is one region, fitted through both cameras' points.
+- A pixel that no camera sees, or only a blind one, is unknown. This is a share, so that the border
+  of unknown ground is straight to a fraction of a pixel.
 """
 
 from __future__ import annotations
@@ -35,20 +32,21 @@ from vision.calibration.calibration import (
 from vision.camera.camera import Image
 
 MARGIN_PX: Final = 12
-"""Around the bounds: the profiles across an edge look so far."""
+"""Rim around the bounds: profiles across an edge reach so far."""
 RIM_PX: Final = 3.0
-"""So near to its picture's rim a camera sees nothing: lenses and profiles end there."""
+"""Distance from its picture's rim within which a camera sees nothing: lenses and profiles end
+there."""
 EDGE_PX: Final = 0.1
 """Error of an edge in a camera's picture; `python -m benchmarks.outlines` has less."""
 UNEVEN_M: Final = 0.01
-"""Height that things on a floor have at least: chosen, a strip of wood."""
+"""Least height of things on a floor: chosen, a strip of wood."""
 MOST_PX: Final = 12_000_000
-"""Most pixels of a plan; a larger one has larger pixels."""
+"""Most pixels of a plan, by larger ones."""
 DARKEST_FOR_GAIN: Final = 30.0
 LEAST_FOR_GAIN: Final = 200
-"""Pixels that two pictures must have in common, before their light is compared."""
+"""Least common pixels of two pictures whose light is compared."""
 GAIN_STEP: Final = 5
-"""Every fifth pixel, both ways, is enough for a median."""
+"""Step between pixels, both ways: enough for a median."""
 
 Shares: TypeAlias = NDArray[np.float32]
 Owners: TypeAlias = NDArray[np.int8]
@@ -57,7 +55,7 @@ Rectangle: TypeAlias = tuple[int, int, int, int]
 
 @dataclass(frozen=True, slots=True, eq=False)
 class CameraPart:
-    """One camera's part: the pixels within ``box`` (x, y, width, height) where ``mask`` is set."""
+    """Part of one camera: the pixels within ``box`` (x, y, width, height) where ``mask`` is set."""
 
     box: Rectangle
     mask: NDArray[np.uint8]
@@ -76,10 +74,10 @@ class CameraPart:
 class FloorPlan:
     """The floor of an arena under several cameras, made by `FloorPlan.of`.
 
-    ``calibration`` is the plan's own, ``cameras`` are the cameras' in their order. ``depth_px`` (n,
-    h, w): how far inside each camera's picture a pixel lies, in pixels of the plan, below 0
-    outside; ``error_m`` (n, h, w): the camera's error there, infinite where it sees nothing.
-    ``maps``: places of the plan's pixels in each camera's picture, for ``cv2.remap``.
+    ``calibration`` is the plan's own, ``cameras`` are the cameras'. ``depth_px`` (n, h, w): depth
+    of a pixel inside each camera's picture, in pixels of the plan, below 0 outside; ``error_m`` (n,
+    h, w): the camera's error, infinite where it sees nothing. ``maps``: places of the plan's pixels
+    in each picture, for ``cv2.remap``.
     """
 
     calibration: Calibration
@@ -98,11 +96,9 @@ class FloorPlan:
     ) -> FloorPlan:
         """Plan of the floor within ``bounds`` (metres) under these cameras.
 
-        ``names`` are the cameras' in messages; pixels are at least ``least_m``, for callers that
-        only need to know what is seen.
-
-        Raises ``CalibrationError`` without a camera, or if one sees nothing of the bounds. O(pixels
-        x cameras).
+        ``names`` are the cameras' in messages; pixels are at least ``least_m``. Raises
+        ``CalibrationError`` without a camera, or if one sees nothing of the bounds. O(pixels x
+        cameras).
         """
         if not cameras:
             raise CalibrationError("a floor plan needs a camera")
@@ -137,7 +133,7 @@ class FloorPlan:
     def unknown(self, live: Sequence[bool]) -> Shares | None:
         """Share of each pixel (h, w) that no live camera sees; None if all is seen.
 
-        The rim repeats the shares at the bounds: unseen ground beyond them does not count.
+        The rim repeats the shares at the bounds.
         """
         rim = MARGIN_PX
         depth = np.full(self.depth_px.shape[1:], -1.0, np.float32)
@@ -154,14 +150,14 @@ class FloorPlan:
         return np.asarray((a > inside_px) & (b > inside_px))
 
     def seen_by(self, index: int, picture: Image) -> Image:
-        """One camera's grey picture (h, w) mapped onto the plan; black where it sees nothing."""
+        """Map one camera's grey picture onto the plan (h, w); black where it sees nothing."""
         return np.asarray(cv2.remap(picture, *self.maps[index], cv2.INTER_LINEAR), dtype=np.uint8)
 
     def gains(self, pictures: Sequence[Image | None]) -> FloatArray:
         """Factor for each camera's greys that makes the same floor equally light.
 
-        ``pictures``: grey, None if missing. From the pixels that two cameras both see, for all
-        pairs at once (least squares of the logarithms); 1 for cameras without overlap.
+        ``pictures``: grey, None if missing. From the pixels of all pairs of cameras (least squares
+        of the logarithms); 1 without overlap.
         """
         there = [i for i, picture in enumerate(pictures) if picture is not None]
         thin = np.s_[::GAIN_STEP, ::GAIN_STEP]
@@ -185,7 +181,7 @@ class FloorPlan:
     def picture(self, pictures: Sequence[Image | None], owners: Owners, gains: FloatArray) -> Image:
         """Picture of the plan (h, w): each pixel from its owner, others mirrored from beside them.
 
-        ``pictures``: the cameras' grey pictures; the owners of pixels must have one.
+        ``pictures`` are grey; the owners of pixels must have one.
         """
         canvas = np.zeros(owners.shape, np.uint8)
         for index, picture in enumerate(pictures):
@@ -239,7 +235,7 @@ class FloorPlan:
 def _mirror_into(canvas: Image, uncovered: NDArray[np.bool_]) -> None:
     """Fill unseen pixels with the mirror image of seen ones beside them.
 
-    This continues the light, and the noise that a level is judged by.
+    This continues light and noise.
     """
     if not uncovered.any() or uncovered.all():
         return
@@ -262,7 +258,6 @@ def _mirror_into(canvas: Image, uncovered: NDArray[np.bool_]) -> None:
 
 
 def _plan_of(bounds: Bounds, metres_per_pixel: float) -> Calibration:
-    """Calibration of a picture of the floor within bounds and margin."""
     coarsest = (bounds.width * bounds.height / MOST_PX) ** 0.5
     s = max(metres_per_pixel, coarsest)
     width = int(np.ceil(bounds.width / s)) + 2 * MARGIN_PX
@@ -277,10 +272,9 @@ def _plan_of(bounds: Bounds, metres_per_pixel: float) -> Calibration:
 def _view(
     camera: Calibration, floor: FloatArray, plan: Calibration
 ) -> tuple[Shares, Shares, tuple[NDArray[np.int16], NDArray[np.uint16]]]:
-    """Depth of floor points inside the camera's picture, its error there, and the map."""
     width, height = plan.size
     shape = (height, width)
-    with np.errstate(all="ignore"):  # places behind the camera or its lens's fold have no pixel
+    with np.errstate(all="ignore"):
         seen = camera.image_from_arena(floor)
     right, low = camera.size[0] - 0.5, camera.size[1] - 0.5
     x, y = seen.T
@@ -299,7 +293,7 @@ def _view(
     x_grid, y_grid = x.reshape(shape), y.reshape(shape)
     (xv, xu), (yv, yu) = np.gradient(x_grid), np.gradient(y_grid)
     with np.errstate(all="ignore"):
-        zoom = np.sqrt(np.abs(xu * yv - xv * yu)).reshape(-1)  # camera pixels in one of the plan's
+        zoom = np.sqrt(np.abs(xu * yv - xv * yu)).reshape(-1)
         depth = (rim - RIM_PX) / zoom
         pixel_m = plan.metres_per_pixel / zoom
     depth = np.where(np.isfinite(depth), depth, -1e6)

@@ -1,15 +1,13 @@
 """One pose from several cameras' views of a robot's marker, each picture at its own time.
 
 Rules and units
-- Metres, radians, seconds. Each sighting of the marker makes a pose for its own time; other
-  cameras' recent sightings are brought to that time by velocity.
-- Poses are weighted by the inverse of their covariance (Bar-Shalom, Estimation with applications
-  to tracking and navigation, 2001, 8.3.3): errors of an edge in the picture, of the camera's
-  calibration and of the marker's height, and how far the robot may have left its velocity since. A
-  camera that looks from the side is sure across its line of sight and not along it.
-- If two cameras see the marker farther apart than the limit, twice in a row, that is reported;
-  which of them is right is unknown.
-- A pose older than the last one is not given: two cameras' pictures may overtake each other.
+- Metres, radians, seconds. Each sighting makes a pose for its own time; velocity brings other
+  cameras' recent sightings to it.
+- Poses are weighted by the inverse of their covariance (Bar-Shalom, Estimation with applications to
+  tracking and navigation, 2001, 8.3.3): errors of an edge in the picture, of the calibration and of
+  the marker's height, and how far the robot may have left its velocity since.
+- If two cameras see the marker farther apart than the limit, twice in a row, that is reported.
+- A pose older than the last is dropped.
 """
 
 from __future__ import annotations
@@ -26,18 +24,18 @@ from vision.markers.marked_robot import MarkedRobot, RobotPose
 from vision.markers.tracking import wrap
 
 CORNER_PX: Final = 0.05
-"""Least error of a whole marker's place in the picture; `python -m benchmarks.markers` measures
-less. One that is partly covered reports a larger one (``RobotPose.corner_error_px``)."""
+"""Least error of a marker's place in the picture; `python -m benchmarks.markers` measures less. A
+partly covered one reports more (``RobotPose.corner_error_px``)."""
 UNKNOWN_FLOOR_PX: Final = 0.25
-"""Error of a calibration without a residual of its own: chosen, a careful survey's."""
+"""Error of a calibration without a residual: chosen, a careful survey's."""
 HEIGHT_M: Final = 0.002
 """Error of a marker's measured height: chosen, a ruler's."""
 TOGETHER_S: Final = 0.12
-"""Older sightings take no part: three pictures, and one late, at 30 a second."""
+"""Largest age of sightings merged: three pictures, and one late, at 30 a second."""
 SETTLED: Final = 10
-"""Sightings after which a track's velocity can be trusted."""
+"""Sightings after which a track's velocity is settled."""
 SPEED_M_S: Final = 0.01
-"""Error of a velocity from a track; the filter's own figure after ten sightings."""
+"""Error of a track's velocity; the filter's figure after ten sightings."""
 TURN_RAD_S: Final = 0.05
 
 
@@ -45,22 +43,21 @@ TURN_RAD_S: Final = 0.05
 class _Seen:
     """A sighting, its position's covariance (2, 2) in m^2, and its heading's variance.
 
-    ``pose`` has the velocity of the camera that has followed the marker for longest: a new track's
-    is still far off.
+    ``pose`` has the velocity of the longest track: a new one's is far off.
     """
 
     pose: RobotPose
     covariance: FloatArray
     heading_variance: float
     count: int
-    """Sightings by this camera in a row: its velocity is settled after some."""
+    """Sightings by this camera in a row."""
 
 
 class PoseFusion:
     """Fusion of the cameras' sightings into one pose for each robot.
 
-    ``cameras`` in their order with their ``names``; ``robots`` whose markers are searched;
-    ``apart_m``: greatest distance allowed between two cameras' poses of one marker.
+    ``cameras`` with their ``names``; ``robots`` whose markers are searched; ``apart_m``: greatest
+    distance allowed between two cameras' poses.
     """
 
     def __init__(
@@ -99,7 +96,6 @@ class PoseFusion:
         return tuple(fused)
 
     def _note(self, camera: int, pose: RobotPose) -> _Seen:
-        """Keep a sighting, with the velocity of the camera that has followed for longest."""
         seen = self._seen[pose.id]
         before = seen.get(camera)
         goes_on = before is not None and pose.captured_s - before.pose.captured_s <= TOGETHER_S
@@ -112,7 +108,7 @@ class PoseFusion:
         return seen[camera]
 
     def forget(self, camera: int) -> None:
-        """Forget a lost camera's sightings, which say nothing any more."""
+        """Forget a lost camera's sightings."""
         for seen in self._seen.values():
             seen.pop(camera, None)
         self.contradictions, self._suspects = {}, {}
@@ -140,7 +136,6 @@ class PoseFusion:
         return np.asarray(covariance), heading
 
     def _compare(self, camera: int, pose: RobotPose) -> None:
-        """Compare with other cameras' sightings of the same marker at the same time."""
         together = False
         for other, seen in self._seen[pose.id].items():
             away_s = pose.captured_s - seen.pose.captured_s
@@ -166,17 +161,14 @@ class PoseFusion:
 
 
 def _together(one: RobotPose, other: RobotPose) -> bool:
-    """True if two sightings are near enough in time to be merged."""
     return abs(one.captured_s - other.captured_s) <= TOGETHER_S
 
 
 def _spread_m(away_s: float) -> float:
-    """Distance that a robot may be from its predicted place after a time."""
     return SPEED_M_S * abs(away_s) + 0.5 * away_s * away_s
 
 
 def _fused(newest: _Seen, others: Sequence[_Seen]) -> RobotPose:
-    """Newest sighting merged with other cameras' recent ones, at its time."""
     pose = newest.pose
     weight = np.linalg.inv(newest.covariance)
     total, place = weight, weight @ np.array([pose.x, pose.y])

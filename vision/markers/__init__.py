@@ -2,10 +2,10 @@
 
 - `marker_search` finds quadrilaterals with a code in a picture, unrefined.
 - `marker_corners` (loops in `marker_kernels`) fits and intersects a marker's sides.
-- `marker_pattern` fits the whole known pattern: `marker_place_kernels` calls
-  `marker_pattern_kernels` for the fit and `marker_agreement_kernels` for the check.
-- `marked_robot` converts between a marker's pose and its robot's.
-- `sighting` sees one robot's marker in a picture, `tracking` makes a track of its sightings.
-- `markers` runs all of this for known robots, frame after frame; `reading` reads every marker
-  in a single picture.
+- `marker_pattern` describes the fit of the whole pattern: `marker_place_kernels` calls
+  `marker_pattern_kernels` for it and `marker_agreement_kernels` for the check.
+- `marked_robot`: a marker's pose and its robot's.
+- `sighting` finds one robot's marker, `tracking` makes a track of its sightings.
+- `markers` does this for known robots, frame after frame; `reading` reads every marker in a
+  picture.
 """

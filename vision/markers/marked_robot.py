@@ -1,10 +1,9 @@
-"""A robot with a marker on its back: both poses, and the area its body hides.
+"""A robot with a marker on its back: both poses, and the area it hides.
 
-- A pose is in the arena: metres, y up, heading counter-clockwise in (-pi, pi]. The marker's
-  x axis runs from its top left to its top right corner (as printed upright); with
-  ``marker_yaw_rad = 0`` its right side is towards the robot's front.
-- Pixels are raw, centres at integers; corners in the order top left, top right, bottom right,
-  bottom left of the upright marker.
+- A pose is in the arena: metres, y up, heading counter-clockwise in (-pi, pi]. The marker's x axis
+  runs from its top left to its top right corner (as printed upright); with ``marker_yaw_rad = 0``
+  its right side is towards the robot's front.
+- Pixels are raw, centres at integers; corners clockwise from the upright marker's top left.
 """
 
 from __future__ import annotations
@@ -49,10 +48,10 @@ class MarkedRobot:
 class RobotPose:
     """Pose and velocity of a robot at ``captured_s``.
 
-    ``corners_px`` (4, 2) raw pixels; ``residual_m``: the marker corners' rms distance from the
-    square fitted to them. ``before_frame_s``: time from the exposure of the marker's rows to the
-    frame's time, its last row's (a rolling shutter). ``corner_error_px``: standard error of the
-    marker's worst corner, larger if partly covered.
+    ``corners_px`` (4, 2) raw pixels; ``residual_m``: the corners' rms distance from the fitted
+    square. ``before_frame_s``: time from the exposure of the marker's rows to the frame's (a
+    rolling shutter). ``corner_error_px``: standard error of the worst corner, larger if partly
+    covered.
     """
 
     id: int
@@ -101,9 +100,8 @@ def body_discs_px(
 ) -> FloatArray:
     """Discs (k, 3) of x, y, radius in raw pixels that cover a robot's body in the picture.
 
-    The body is a cylinder from the floor to ``top_height_m``: each layer appears as a disc a little
-    farther from the picture's foot than the one below. No discs if the lens shows no layer whole:
-    an unseen body is unknown ground.
+    The body is a cylinder from the floor to ``top_height_m``. No discs if the lens shows neither
+    end whole: an unseen body is unknown ground.
     """
     x, y = (pose.x, pose.y) if isinstance(pose, RobotPose) else pose[:2]
     outline = _DISC * body_radius_m + (x, y)
@@ -111,7 +109,7 @@ def body_discs_px(
     floor, top = floor or top, top or floor
     if floor is None or top is None:
         return np.empty((0, 3))
-    # Discs half a radius apart leave less than 4 % of a radius uncovered between them.
+    # discs half a radius apart leave less than 4 % of a radius uncovered
     length = math.dist(top[:2], floor[:2])
     count = 1 if length < 0.5 else 1 + math.ceil(length / max(0.5 * min(floor[2], top[2]), 1.0))
     share = np.linspace(0.0, 1.0, count)[:, None] if count > 1 else np.ones((1, 1))
@@ -130,4 +128,3 @@ def _seen_disc(outline_px: FloatArray) -> tuple[float, float, float] | None:
 
 _TURNS = np.linspace(0.0, math.tau, 16, endpoint=False)
 _DISC = np.vstack([[(0.0, 0.0)], np.column_stack([np.cos(_TURNS), np.sin(_TURNS)])])
-"""A unit disc's middle and points around it."""

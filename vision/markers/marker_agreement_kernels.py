@@ -1,6 +1,6 @@
 """Agreement of a placed pattern with its pixels: cells, sides, and corners' error.
 
-Pattern coordinates, pixels (n, 3) and ``state`` (13,) are as in `marker_pattern_kernels`.
+Coordinates and arrays are those of `marker_pattern_kernels`.
 """
 
 from __future__ import annotations
@@ -22,29 +22,28 @@ from vision.markers.marker_pattern_kernels import (
 )
 
 NOT_READ = 0.0
-"""How well the cells read where they do not, or no pattern was fitted."""
+"""Score of cells that do not read, or without a fitted pattern."""
 LEAST_READ = 0.65
-"""How well each cell has to read that is asked: 1 as printed, 0.5 halfway to the other. One that is
-wrong reads at 0 (``test_following.py``)."""
+"""Least score of each cell: 1 as printed, 0.5 halfway, 0 wrong (``test_following.py``)."""
 
 _CORE = 0.3
-"""Of a cell, to each side of its middle, in which it is read: the rest may be blurred."""
+"""Share of a cell, to each side of its middle, that is read: the rest may be blurred."""
 _SIDE_PX = 1.2
-"""How far from a side its edge is felt."""
+"""Distance from a side at which its edge shows."""
 _SIDE_ENDS = 0.3
-"""Cells left out at each end of a side: what covers a corner is beside its sides' edges."""
+"""Cells left out at each end of a side, where a corner may be covered."""
 _LEAST_SHIFT_PX = 0.06
-"""By how much a side lies beside the pattern's at least where something covers it: chosen, of
-markers that nothing covers none is off by 0.05."""
+"""Least distance of a side from the pattern's where something covers it: chosen, without a cover
+none is off by 0.05."""
 _SHIFT_ERRORS = 0.5
-"""The same in standard errors of the corners: derived, a side that is off draws the whole pattern
-to itself, whose corners are then off by up to six times what is left between them."""
+"""The same in standard errors of the corners: derived, a side that is off draws the pattern to
+itself, whose corners are then off by up to six times the rest."""
 _LEAST_MISFIT = 0.03
-"""Of the contrast, by which a printed marker's pixels differ from the pattern at least: chosen, by
-markers without noise (``test_covered_side.py``)."""
+"""Least share of the contrast by which pixels differ from the pattern: chosen, by markers without
+noise (``test_covered_side.py``)."""
 _ALIKE = 1.5
-"""How much larger errors are than those of as many independent pixels: what covers a part of the
-pattern differs from it everywhere. Chosen (``test_covered_side.py``)."""
+"""Factor on errors of independent pixels, as a cover differs everywhere. Chosen
+(``test_covered_side.py``)."""
 
 
 @njit(cache=True, nogil=True, fastmath=False)
@@ -76,8 +75,8 @@ def sides_agree(
 ) -> bool:
     """True if each side's edge is where the fitted pattern has it, within the errors.
 
-    A cover over a whole side has as straight an edge, but the inner cells' edges hold the pattern
-    in place. One least-squares step moves each side alone.
+    A cover over a whole side has as straight an edge, but the inner cells hold the pattern. One
+    least-squares step moves each side alone.
     """
     cells = len(bits)
     per_px_u = pixel_length(state[0], state[1], metric)
@@ -145,8 +144,8 @@ def worst_cells(
 ) -> tuple[float, float]:
     """Score of the worst cell within the border, and of the worst of all cells and the light rim.
 
-    1 if a cell is as light, or as dark, as the fit has it there, 0.5 halfway, 0 if it is the other
-    or has no pixel to be read by.
+    1 if a cell is as light, or as dark, as fitted, 0.5 halfway, 0 if it is the other or has no
+    pixel.
     """
     cells = len(bits)
     light = np.zeros((cells + 2, cells + 2))

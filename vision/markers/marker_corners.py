@@ -1,19 +1,14 @@
 """A marker's corners to a few hundredths of a pixel: its four sides, fitted and intersected.
 
 Rules and units
-- Raw pixels, centres at integers. Corners run clockwise on the screen, as the detector gives
-  them; a marker is darker than its surroundings.
-- Profiles across each side's edge locate the change of grey (the centroid of the gradient); a
-  total least squares line through these points is the side. It uses the whole side, so it is far
-  better than a search for each corner.
-- Points are undistorted before the fit: a lens bends a long side by more than the accuracy
-  sought. A wide lens stretches undistorted pixels at its rim, unevenly by direction, so lines are
-  fitted in a frame where the marker's corners lie as in the raw picture: a pixel's error is one
-  pixel everywhere.
-- A cover over part of a side has no edge on its line: the line follows the points that most agree
-  on, and a covered corner is where two lines meet, with an error that grows with the cover. A
-  side a third covered, or without a straight edge, is refused: its corner would be invented. A
-  cover from end to end looks like a side; only the cells inside reveal it
+- Raw pixels, centres at integers. Corners run clockwise on the screen, as the detector gives them;
+  a marker is darker than its surroundings.
+- Profiles across each side locate its edge (the centroid of the gradient); a total least squares
+  line through these points is the side, far better than a search for each corner.
+- Points are undistorted before the fit. A wide lens stretches undistorted pixels unevenly, so lines
+  are fitted in a frame where the corners lie as in the raw picture.
+- The line follows the points that most agree on, not a cover over part of a side; a covered corner
+  is where two lines meet, with a larger error. Only the cells inside reveal a cover from end to end
   (``vision.markers.marker_pattern``).
 """
 
@@ -75,7 +70,7 @@ def refine_quad(
     """Fit and intersect the sides of one marker, or give the reason to refuse it.
 
     ``grey`` (h, w); ``corners_px`` (4, 2) raw pixels, good to a few; ``cells`` along a side with
-    the black border, which bounds a profile's reach inwards.
+    the black border.
     """
     seen_px = np.array(corners_px, dtype=np.float64, order="C")
     ideal = np.empty((4, 2))
@@ -93,7 +88,7 @@ def why_refused(became: int, roughness_px: float) -> Refused:
 
 
 def warm_up() -> None:
-    """Compile or load the kernels: the first frame must not wait for seconds."""
+    """Compile or load the kernels: the first frame must not wait."""
     square = np.array([(8.0, 8.0), (24.0, 8.0), (24.0, 24.0), (8.0, 24.0)])
     blank = np.zeros((32, 32), dtype=np.uint8)
     blank.setflags(write=False)

@@ -1,5 +1,5 @@
-"""Compiled loops of ``vision.markers.marker_corners``: edge points, lines along a marker's sides,
-and their corners.
+"""Edge points, lines along a marker's sides, and their corners, for
+``vision.markers.marker_corners``.
 
 Raw pixels, centres at integers; ``lens`` as in ``vision.calibration.lens_model``.
 """
@@ -14,44 +14,42 @@ import planner.scene.compile_options  # noqa: F401 (chooses how kernels are comp
 from vision.calibration.calibration_kernels import distort, undistort
 from vision.calibration.lens_model import STRAIGHT, LensArrays
 
-_ENDS = 0.1  # share of a side left out at each end, where the neighbouring side's blur reaches
+_ENDS = 0.1  # share of a side left out at each end, where the next side's blur reaches
 _STEP_PX = 0.5
 _MIN_CONTRAST = 12.0
 _OUTLIER_MADS = 4.0
 
 _ROUNDS = 3
 _MOST_ROUNDS = 6
-"""Where a corner is covered the detector's lies many pixels off: sides are looked for again from
-where they meet, until they rest."""
+"""Rounds in which sides are searched again from where they meet: the detector's covered corners lie
+many pixels off."""
 _RESTS_PX = 0.5
-"""A corner that moves less is at rest: profiles reach six times as far."""
+"""Largest movement of a corner at rest: profiles reach six times as far."""
 _MIN_SEEN = 0.7
-"""Share of a side's profiles that must show its edge, on one line: a strip over half a side has an
-edge that is as straight and as long, and nothing says which of both is the marker's."""
+"""Share of a side's profiles that must show its edge, on one line: a strip over half a side has as
+straight and long an edge."""
 _FIRST_SEEN = 0.2
-"""The same in the first rounds, from where the detector has the corners: derived, a corner 10 px
-off leaves a third of a side within the reach of its profiles."""
+"""The same in the first rounds: derived, a corner 10 px off leaves a third of a side within
+reach."""
 _LEAST_SCATTER_PX = 0.05
-"""Of edge points, where a drawn picture has less: what is left of a pixel's own shape."""
+"""Least scatter of edge points, of a drawn picture: a pixel's own shape."""
 _ALIKE = 1.5
-"""How much larger errors are than those of as many independent points: derived, profiles are a
-pixel apart, and each pixel is in two of them."""
+"""Factor on errors of independent points: derived, each pixel is in two profiles."""
 _NEARLY_ALL = 0.9
-"""Share of a side's edge points on a line from which no other line is tried: indifferent, the
-rest are outliers of it."""
+"""Share of a side's edge points on a line from which no other is tried: indifferent."""
 _STATIONS = 8
-"""Profiles of a side through which, two by two, lines are tried: derived, of those seen five are
-left where a side just counts as seen."""
+"""Profiles of a side through which, two by two, lines are tried: derived, five are left where a
+side just counts as seen."""
 _ON_LINE_PX = 0.75
-"""How far an edge point on a line lies from it at most: chosen, about `_MAX_ROUGHNESS_PX`. A line
-between a side and the edge of what covers half of it has fewer such points than either."""
+"""Largest distance of an edge point from its line: chosen, about `_MAX_ROUGHNESS_PX`. A line
+between a side and a cover's edge has fewer such points than either."""
 _MIN_SINE = 0.1
-"""Of the angle between two neighbouring sides."""
+"""Least sine of the angle between neighbouring sides."""
 
 _MAX_ROUGHNESS_PX = 0.7
 
 FITTED, AT_EDGE, FOLDED, HIDDEN, PARALLEL, APART, ROUGH, NO_FLOOR, UNREAD = range(9)
-"""What became of a quadrilateral; the last two only where its pattern is laid on a floor."""
+"""Outcomes of a quadrilateral; the last two only for a pattern on a floor."""
 
 
 @njit(cache=True, nogil=True, fastmath=False)
@@ -64,9 +62,9 @@ def fit_quad(
 ) -> tuple[int, float, float]:
     """Intersect a marker's four sides in ``out_ideal`` (4, 2), undistorted.
 
-    ``seen_px`` (4, 2) are raw corners, good to a few pixels (a covered one less), clockwise on the
-    screen. Returns the outcome, the edge points' rms distance from the sides, and the worst
-    corner's standard error, pixels.
+    ``seen_px`` (4, 2) are raw corners, good to a few pixels, clockwise on the screen. Returns the
+    outcome, the edge points' rms distance from the sides, and the worst corner's standard error,
+    pixels.
     """
     side_px = 0.0
     for i in range(4):
@@ -79,7 +77,7 @@ def fit_quad(
     for turn in range(_MOST_ROUNDS):
         if turn >= _ROUNDS and moved < _RESTS_PX:
             break
-        # The detector may be a pixel or two off: look wide first, then close.
+        # the detector may be a pixel or two off: look wide first, then close
         reach_px = min(4.0 if turn == 0 else 3.0, widest)
         if not _is_inside(corners, reach_px, grey):
             return AT_EDGE, roughness_px, error_px
@@ -110,7 +108,6 @@ def fit_quad(
 
 @njit(cache=True, nogil=True, fastmath=False)
 def _is_inside(corners: NDArray[np.float64], reach_px: float, grey: NDArray[np.uint8]) -> bool:
-    """True if profiles of ``reach_px`` stay in the picture."""
     height, width = grey.shape
     for i in range(4):
         x, y = corners[i, 0], corners[i, 1]
@@ -130,8 +127,8 @@ def _frame_at(
 ) -> bool:
     """Homography from undistorted to raw corners, and its inverse; False without one.
 
-    Each is two homographies of a unit square, one inverted (Heckbert, Fundamentals of texture
-    mapping and image warping, 1989).
+    Each joins two homographies of a unit square (Heckbert, Fundamentals of texture mapping and
+    image warping, 1989).
     """
     first, second = np.empty((3, 3)), np.empty((3, 3))
     if not (_from_square(ideal, first) and _from_square(corners, second)):
@@ -146,7 +143,6 @@ def _frame_at(
 
 @njit(cache=True, nogil=True, fastmath=False)
 def _from_square(quad: NDArray[np.float64], out: NDArray[np.float64]) -> bool:
-    """Homography from the unit square to a quadrilateral (4, 2)."""
     sx = quad[0, 0] - quad[1, 0] + quad[2, 0] - quad[3, 0]
     sy = quad[0, 1] - quad[1, 1] + quad[2, 1] - quad[3, 1]
     ax, ay = quad[1, 0] - quad[2, 0], quad[1, 1] - quad[2, 1]
@@ -217,9 +213,9 @@ def fit_sides(
 ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
     """Fit the four sides of the quadrilateral ``corners`` (4, 2), which must lie inside ``grey``.
 
-    ``frame`` (3, 3) is the homography of undistorted pixels in which lines are fitted. Returns
-    lines (4, 6) there, a, b, c, rms with a x + b y = c and the standard errors at both ends, and
-    each side's (4,) share of profiles with an edge on its line.
+    ``frame`` (3, 3) maps undistorted pixels to where lines are fitted. Returns lines (4, 6) there,
+    a, b, c, rms with a x + b y = c and the standard errors at both ends, and each side's (4,) share
+    of profiles with an edge on it.
     """
     lines = np.zeros((4, 6))
     seen = np.zeros(4)
@@ -248,7 +244,7 @@ def fit_sides(
         for i in range(count):
             x, y = undistort(points[side, i, 0], points[side, i, 1], lens)
             w = frame[2, 0] * x + frame[2, 1] * y + frame[2, 2]
-            use[i] = use[i] and w == w  # a pixel without a ray is NaN
+            use[i] = use[i] and w == w
             points[side, i, 0] = (frame[0, 0] * x + frame[0, 1] * y + frame[0, 2]) / w
             points[side, i, 1] = (frame[1, 0] * x + frame[1, 1] * y + frame[1, 2]) / w
         if use.sum() < 4:
@@ -274,7 +270,7 @@ def _edges_of_side(
     length = np.sqrt(dx * dx + dy * dy)
     if length == 0.0:
         return
-    # Corners run clockwise on the screen, so outwards is left of the direction of travel.
+    # clockwise on the screen: outwards is left of the direction of travel
     nx, ny = dy / length, -dx / length
     count = len(out_points)
     half = int(np.floor(reach_px / _STEP_PX + 0.5))
@@ -318,8 +314,7 @@ def _bilinear(grey: NDArray[np.uint8], x: float, y: float) -> float:
 def _most_in_line(points: NDArray[np.float64], use: NDArray[np.bool_]) -> NDArray[np.bool_]:
     """Mask of the edge points near the best line through two of a few of them.
 
-    A cover over part of a side has its own edges, on no line with the rest (Fischler and Bolles,
-    Random sample consensus, 1981, with all pairs instead of random ones).
+    Fischler and Bolles, Random sample consensus, 1981, with all pairs.
     """
     chosen = np.flatnonzero(use)
     stations = min(_STATIONS, len(chosen))
@@ -354,7 +349,7 @@ def _fit_line(
 ) -> int:
     """Fit one line by total least squares without outliers; return the number of points on it.
 
-    ``use`` becomes the points fitted.
+    ``use`` becomes those fitted.
     """
     in_line = _most_in_line(points, use)
     if in_line.sum() < 4:
@@ -399,7 +394,7 @@ def _errors_at(
 ) -> None:
     """Write a fitted line's standard errors at a side's two ends to ``out_line[4:]``.
 
-    They come from a regression, so they are larger at a covered end.
+    A regression makes them larger at a covered end.
     """
     a, b = out_line[0], out_line[1]
     along = points[:, 0] * b - points[:, 1] * a

@@ -1,17 +1,13 @@
 """A marker's place from all of its pixels: the best fit of its known pattern.
 
 Rules and units
-- The four sides (``vision.markers.marker_corners``) locate a marker; its inner cells have as
-  many edges again. The whole pattern, blurred as the picture is, is fitted to the grey values by
-  least squares (Gauss-Newton), the best estimate in white noise.
+- After its sides (``vision.markers.marker_corners``), a marker's whole pattern, blurred, is fitted
+  to the grey values by least squares (Gauss-Newton).
 - The unknowns are an affine map from the arena's plane at the marker's height to the pattern's
-  cells, the blur, and dark and light as planes, since light is uneven. Perspective and lens come
-  from the calibration, not from a small marker.
-- Pixels that disagree (dirt, a cable) weigh less; a picture unlike the pattern gives no result,
-  and the marker is refused.
-- The inner cells' edges check the sides. If a side is off the pattern by more than its error, or
-  a third covered, or the marker is cut tightly, only the inner cells are fitted; all must read
-  right, and the error is that fit's.
+  cells, the blur, and dark and light as planes. Perspective and lens come from the calibration.
+- Pixels that disagree (dirt, a cable) weigh less; a marker unlike the pattern is refused.
+- If a side is off the pattern by more than its error, or a third covered, or the marker is cut
+  tightly, only the inner cells are fitted, and all must read right.
 """
 
 from __future__ import annotations

@@ -1,4 +1,4 @@
-"""Compiled fit of ``vision.markers.marker_pattern``: a marker's known pattern to its pixels.
+"""Fit of a marker's known pattern to its pixels (``vision.markers.marker_pattern``).
 
 Pattern coordinates u, v are in cells from the upright marker's top left corner, v down.
 """
@@ -14,31 +14,32 @@ from numpy.typing import NDArray
 import planner.scene.compile_options  # noqa: F401 (chooses how kernels are compiled and kept)
 
 UNKNOWNS = 13
-"""u = p0 a + p1 b + p2, v = p3 a + p4 b + p5; the blur, pixels; three numbers for the dark,
-three for the contrast, each a plane over the marker."""
+"""u = p0 a + p1 b + p2, v = p3 a + p4 b + p5; the blur, pixels; dark and contrast, each a plane of
+three."""
 LEAST_PIXELS = 8 * UNKNOWNS
 """Fewer say too little."""
 
 EDGE_PX, _BLUR_PX = 1.2, 2.5
-"""Beyond the border's edge the rim is looked at so far out, and within it no floor is felt."""
+"""Distance outside the border's edge at which the rim is read, and inside at which it no longer
+shows."""
 _LEAST_LIGHT = 0.8
-"""Of the contrast that a rim of paper shows at least."""
+"""Least share of the contrast of a paper rim."""
 _START_BLUR_PX = 0.8
 _LEAST_BLUR_PX = 0.25
 _MOST_BLUR_CELLS = 0.45
 _MOST_STEPS = 12
 _DONE_CELLS, _RESTS_CELLS = 1e-3, 2e-3
-"""A step after which none is made, and one that still counts as at rest. With 2e-5 the error of 150
-rendered markers of 25 to 100 px is the same, 0.0059 px rms, and takes two steps more."""
+"""Step that ends the fit, and one that still counts as at rest. With 2e-5 the error of 150 rendered
+markers of 25 to 100 px is the same, 0.0059 px rms."""
 _HUBER = 2.5
-"""Residuals beyond this multiple of their own rms weigh less."""
+"""Residuals beyond this multiple of their rms weigh less."""
 _MIN_CONTRAST = 12.0
 _LEAST_PIVOT = 1e-12
-"""Of a matrix with a diagonal of ones: what is less is rounding."""
+"""Least pivot of a matrix with a diagonal of ones: less is rounding."""
 _MAX_MISFIT = 0.3
 """The residuals' rms as a share of the contrast."""
 _BLOCK = 64
-"""Pixels whose products are summed at a time."""
+"""Pixels summed at a time."""
 
 
 @njit(cache=True, nogil=True, fastmath=False)
@@ -60,7 +61,6 @@ def settle_pattern(
     dark, light = _quantile(grey, 0.15), _quantile(grey, 0.85)
     state[6:] = 0.0
     state[6], state[7], state[10] = _START_BLUR_PX, dark, light - dark
-    # number of cells that a pixel spans, along u and v
     per_px = max(pixel_length(state[0], state[1], metric), pixel_length(state[3], state[4], metric))
     most_blur_px = max(_MOST_BLUR_CELLS / per_px, _LEAST_BLUR_PX)
     matrix, step = np.empty((UNKNOWNS, UNKNOWNS)), np.empty(UNKNOWNS)
@@ -71,7 +71,7 @@ def settle_pattern(
         limit = _HUBER * rms
         if not solve(matrix, step):
             return False
-        # A step over more than a cell would land on the next grid line.
+        # a step over more than a cell would land on the next grid line
         size = 0.0
         for j in range(6):
             size = max(size, abs(step[j]))
@@ -91,7 +91,7 @@ def has_light_rim(
 ) -> bool:
     """True if the rim is paper along each side.
 
-    A marker may be cut tightly; the floor beside it is not part of the pattern.
+    A marker may be cut tightly.
     """
     beyond = EDGE_PX / cell_px
     inside = np.zeros(256, dtype=np.int64)
@@ -104,7 +104,7 @@ def has_light_rim(
         outmost = max(off_u, off_v)
         if outmost < -0.5:
             inside[grey] += 1
-        elif outmost > beyond and min(off_u, off_v) <= 0.0:  # along a side, not at its corners
+        elif outmost > beyond and min(off_u, off_v) <= 0.0:
             side = (0 if u < 0.0 else 1) if off_u > off_v else (2 if v < 0.0 else 3)
             sides[side, grey] += 1
     dark, paper = _quantile(inside, 0.15), _quantile(inside, 0.95)
@@ -134,7 +134,6 @@ def inner_pixels(
 
 @njit(cache=True, nogil=True, fastmath=False)
 def _quantile(counts: NDArray[np.int64], share: float) -> float:
-    """Quantile of grey values by their counts (256,), linear between two values."""
     place = share * (counts.sum() - 1)
     first = math.floor(place)
     below = above = -1
@@ -156,7 +155,7 @@ def _quantile(counts: NDArray[np.int64], share: float) -> float:
 def solve(matrix: NDArray[np.float64], right: NDArray[np.float64]) -> bool:
     """Solve a symmetric system in place by Cholesky's factors, scaled to a diagonal of ones.
 
-    False if not positive definite to rounding: some unknown is not seen.
+    False if not positive definite to rounding.
     """
     count = len(right)
     scale = np.empty(count)
@@ -205,9 +204,8 @@ def normal_equations(
 
     ``bits`` (n, n) is 1 for light; residuals beyond ``limit`` weigh less (Huber). ``metric`` (2, 2)
     is J J^T of the plane's a, b by raw pixels: a blur round in the picture is not round in the
-    plane, seen from the side or through a wide lens. The Gaussian blur is narrow compared with a
-    cell, so only the nearest grid line of each direction matters. Pixels whose surrounding cells
-    are alike depend only on light and dark, so they are summed apart.
+    plane. The blur is narrow compared with a cell, so only the nearest grid lines matter. Pixels
+    among alike cells depend only on light and dark and are summed apart.
     """
     out_matrix[:] = 0.0
     out_right[:] = 0.0
@@ -275,7 +273,7 @@ def _add_products(
 ) -> None:
     """Sum the products of ``count`` pixels' derivatives with each other and with the errors.
 
-    The last two rows are errors and weights; ``weighted`` is scratch space for one row.
+    The last two rows are errors and weights; ``weighted`` is scratch space.
     """
     for j in range(UNKNOWNS):
         total = 0.0
@@ -338,7 +336,6 @@ def pixel_length(p: float, q: float, metric: NDArray[np.float64]) -> float:
 
 @njit(cache=True, nogil=True, fastmath=False)
 def _cell(bits: NDArray[np.float64], column: int, row: int) -> float:
-    """Value of a cell; the marker's rim is light."""
     if column < 0 or row < 0 or column >= len(bits) or row >= len(bits):
         return 1.0
     return float(bits[row, column])

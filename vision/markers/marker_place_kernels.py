@@ -1,4 +1,4 @@
-"""Compiled steps from a picture and a quadrilateral to a marker's place and reading score.
+"""From a picture and a quadrilateral to a marker's place and reading score.
 
 Raw pixels, centres at integers; ``view`` is the arena's plane at the marker's height, in metres.
 Corners in the order top left, top right, bottom right, bottom left of the upright marker; a
@@ -33,21 +33,21 @@ from vision.markers.marker_pattern_kernels import (
 )
 
 NO_SIDES = math.inf
-"""The standard error of corners that are no sides' but a guess."""
+"""Standard error of corners that are a guess."""
 
 _RIM_PX = 3.0
 _RIM_CELLS = 0.75
-"""How far around the marker pixels are used: the rim is light for a cell at least."""
+"""Distance around the marker in which pixels are used: the rim is light for a cell at least."""
 MOST_PIXELS = 12_000
-"""In the box around a marker: more are thinned out. From 200 px on the centre stays within 0.01 px
-(``test_marker_pattern.py``)."""
+"""Most pixels in the box around a marker; more are thinned out. From 200 px on the centre stays
+within 0.01 px (``test_marker_pattern.py``)."""
 _MAX_MOVE_PX = 1.5
-"""How far the whole pattern's corners lie from where its sides meet at most: chosen."""
+"""Largest distance of the whole pattern's corners from where its sides meet: chosen."""
 _MAX_MOVE_CELLS = 0.5
-"""How far the inner pattern's middle lies from that of the corners it began at: derived, beyond
-half a cell the next cell's edges are nearer."""
+"""Largest move of the inner pattern's middle: derived, beyond half a cell the next cell's edges are
+nearer."""
 _STRETCH_PX = 24
-"""Along a row or column, on which a pixel's place is a cubic's: within 1e-4 px of a wide lens's own
+"""Stretch of a row or column in which a pixel's place is a cubic's: within 1e-4 px of a wide lens's
 (``test_marker_pattern.py``)."""
 
 
@@ -62,8 +62,7 @@ def follow_marker(
 ) -> tuple[float, float]:
     """Reading score, 0 for unread, of a marker expected at x, y, heading, side in metres.
 
-    Also its worst corner's standard error, pixels. Its corners ``out_m`` and ``out_px`` (4, 2) are
-    as in `see_marker`.
+    Also its worst corner's standard error, pixels. Its corners are as in `see_marker`.
     """
     x, y, heading, side = marker
     c, s = 0.5 * side * math.cos(heading), 0.5 * side * math.sin(heading)
@@ -94,9 +93,9 @@ def see_marker(
 ) -> tuple[int, float, float]:
     """Find the corners of a marker near ``guess_px`` (4, 2), which is good to a few pixels.
 
-    The pattern at the marker's sides or, if hidden, near the guess gives them: ``out_m`` (4, 2) in
-    the plane, ``out_px`` (4, 2). Returns the outcome, the sides' roughness and the worst corner's
-    standard error in pixels.
+    The pattern at the sides or, if hidden, near the guess gives ``out_m`` (4, 2) in the plane, and
+    ``out_px`` (4, 2). Returns the outcome, the sides' roughness and the worst corner's standard
+    error in pixels.
     """
     near_m = np.empty((4, 2))
     became, roughness_px, error_px = _sides_on_floor(grey, guess_px, len(bits), view, near_m)
@@ -143,7 +142,6 @@ def _sides_on_floor(
 def _seen_corners(
     corners_m: NDArray[np.float64], view: PlaneView, out_px: NDArray[np.float64]
 ) -> None:
-    """Project four corners of the plane into ``out_px`` (4, 2)."""
     for i in range(4):
         out_px[i, 0], out_px[i, 1] = seen_at(corners_m[i, 0], corners_m[i, 1], view)
 
@@ -159,10 +157,9 @@ def place_pattern(
 ) -> tuple[bool, float, float]:
     """Write the corners of the pattern near ``corners_m`` (4, 2) to ``out_m``.
 
-    ``sides_error_px`` is the worst corner's standard error, or `NO_SIDES`. Sides that disagree with
-    the inner cells' edges mean a cover over a whole side or a tightly cut marker: then the inner
-    cells alone give place and error. Returns True if the pattern is there, its cells' score, and
-    the worst corner's standard error, pixels.
+    ``sides_error_px`` is the worst corner's standard error, or `NO_SIDES`. If sides disagree with
+    the inner cells, these alone give place and error. Returns True if the pattern is there, its
+    cells' score, and the worst corner's standard error, pixels.
     """
     cells = len(bits)
     center, unit_m = _middle(corners_m)
@@ -202,7 +199,7 @@ def _place_inner(
 ) -> tuple[bool, float, float]:
     """Corners of the pattern whose cells lie near ``state``; the rest as `place_pattern`.
 
-    ``unit`` is the marker's middle and size in metres. Every cell within the border must be right.
+    ``unit`` is the marker's middle and size in metres.
     """
     cells = len(bits)
     center, unit_m = unit
@@ -211,7 +208,6 @@ def _place_inner(
         return False, NOT_READ, NO_SIDES
     corners_of(state, cells, center, unit_m, out_m)
     (x, y), placed_unit_m = _middle(out_m)
-    # a side is root two times a corner's distance from the middle
     moved_cells = math.hypot(x - center[0], y - center[1]) * cells / (math.sqrt(2.0) * unit_m)
     code, read = worst_cells(pixels, bits, state, cell_px)
     is_there = placed_unit_m > 0.0 and code >= LEAST_READ and moved_cells <= _MAX_MOVE_CELLS
@@ -220,7 +216,6 @@ def _place_inner(
 
 @njit(cache=True, nogil=True, fastmath=False)
 def _middle(corners_m: NDArray[np.float64]) -> tuple[tuple[float, float], float]:
-    """Middle of the corners, and their mean distance from it."""
     x = y = unit_m = 0.0
     for i in range(4):
         x, y = x + 0.25 * corners_m[i, 0], y + 0.25 * corners_m[i, 1]
@@ -240,7 +235,7 @@ def _affine(
 ) -> None:
     """Affine map from the corners, in units around their centre, to the pattern's.
 
-    Least squares; the centre is the corners' mean, so its shift is the pattern's middle.
+    Least squares; the centre is the corners' mean.
     """
     aa = ab = bb = 0.0
     au = av = bu = bv = 0.0
@@ -292,11 +287,11 @@ def marker_pixels(
     cells: int,
     cell_px: float,
 ) -> NDArray[np.float64]:
-    """Rows (n, 3) of a, b, grey value: the pixels on the marker and its rim, at most the bound.
+    """Rows (n, 3) of a, b, grey value: the pixels on the marker and its rim.
 
     a, b are a pixel's place in the plane, in units of the marker's size around its centre;
     ``state`` begins with the affine map from there to the pattern. No rows if part of the marker is
-    out of the picture; part of the rim may be.
+    out of the picture.
     """
     center, unit_m = _middle(corners_m)
     rim = min(_RIM_PX / cell_px, _RIM_CELLS)
@@ -333,12 +328,12 @@ def collect_pixels(
     cells: int,
     rim: float,
 ) -> NDArray[np.float64]:
-    """Rows (n, 3) of a, b, grey value: the pixels of ``box`` on the marker or its rim.
+    """Rows as of `marker_pixels` within ``box``.
 
     ``box`` is x0, y0, x1, y1 with the ends included, inside ``grey``; ``place`` the centre's x, y
     and the unit; ``pattern_from_plane`` (6,) the first guess, ``rim`` a width in cells. Every nth
-    pixel of a row is taken, shifted by one in the next row, so that edges are crossed at all
-    places. No rows if part of the box shows no floor.
+    pixel of a row is taken, shifted by one in the next row. No rows if part of the box shows no
+    floor.
     """
     x0, y0, x1, y1 = box
     every = (x1 - x0 + 1) * (y1 - y0 + 1) // MOST_PIXELS + 1
@@ -381,8 +376,8 @@ def collect_pixels(
 def _cubics(count: int) -> tuple[float, NDArray[np.int64], NDArray[np.float64]]:
     """Interpolate a function of ``count`` pixels in a row from a few values.
 
-    Returns the nodes' distance in pixels, with nodes at both ends, and for each pixel the first of
-    its four nodes and their weights (4,): Lagrange's cubics.
+    Returns the nodes' distance in pixels, and for each pixel the first of its four nodes and their
+    weights (4,): Lagrange's cubics.
     """
     stretches = (count - 1) // _STRETCH_PX + 1
     step = max(count - 1, 1) / (3.0 * stretches)

@@ -17,11 +17,11 @@ from vision.camera.camera import Image
 
 
 class MarkerError(ValueError):
-    """Unusable marker, dictionary or robot settings; the message gives the reason."""
+    """Error for an unusable marker, dictionary or robot setting."""
 
 
 def grey_of(image: Image) -> Image:
-    """A picture as grey (h, w)."""
+    """Picture as grey (h, w)."""
     if image.ndim == 2:
         return image
     return cv2.cvtColor(image, cv2.COLOR_BGR2GRAY).astype(np.uint8, copy=False)
@@ -47,7 +47,7 @@ def dictionary_by_name(name: str) -> cv2.aruco.Dictionary:
 def find_markers(image: Image, dictionary: str) -> list[tuple[int, FloatArray]]:
     """Find every marker of a dictionary in one picture: (id, corners (4, 2) raw pixels), unrefined.
 
-    For single pictures without a calibration; ``MarkerTracker`` tracks robots.
+    ``MarkerTracker`` tracks robots.
     """
     book = dictionary_by_name(dictionary)
     parameters = cv2.aruco.DetectorParameters()
@@ -55,7 +55,7 @@ def find_markers(image: Image, dictionary: str) -> list[tuple[int, FloatArray]]:
 
 
 def finder_of(book: cv2.aruco.Dictionary, window: int, constant: float) -> cv2.aruco.ArucoDetector:
-    """A detector with one threshold window; a high constant keeps noise from becoming contours."""
+    """Detector with one threshold window; a high constant keeps noise from becoming contours."""
     parameters = cv2.aruco.DetectorParameters()
     parameters.adaptiveThreshWinSizeMin = window
     parameters.adaptiveThreshWinSizeMax = window

@@ -3,12 +3,10 @@
 Rules and units
 - Poses, markers and pixels are as in `marked_robot`.
 - Position and heading come from the homography, corrected for the marker's height: under an
-  overhead camera a marker's two poses in space are hardly distinguishable.
-- With a rolling shutter a pose has the time of its marker's rows, and the track's velocity moves
-  the corners there; otherwise a moving marker is sheared.
-- Each robot is sought at its expected place: its marker is fitted there (`sighting`), then
-  searched for around it. Only missing robots cause a search of the whole picture. A marker that
-  has jumped is not a robot.
+  overhead camera a marker's two poses in space look alike.
+- With a rolling shutter a pose has the time of its marker's rows.
+- Each robot's marker is fitted at its expected place (`sighting`), then searched for around it,
+  then in the whole picture. A marker that has jumped is not a robot.
 """
 
 from __future__ import annotations
@@ -56,13 +54,13 @@ __all__ = [
 ]
 
 _COARSE_SIDE_PX = 24.0
-"""A marker is still decoded at this size, so a picture is searched no finer than needed."""
+"""Side at which a marker is still decoded: a picture is searched no finer."""
 
 _DOUBLES_EVERY = 6
-"""A whole picture costs as much as ten looks: every fifth of a second it is searched for markers
-that are there twice."""
+"""Frames from one search of the whole picture for doubled markers to the next: it costs ten
+looks."""
 _APART_SIZES = 1.0
-"""Two sightings nearer to each other than a marker's side are one marker, seen by two recipes."""
+"""Sightings of one marker are nearer to each other than its side."""
 _LOST_SEARCH_S = 1.0
 _LOST_SEARCH_EVERY = 3
 
@@ -70,9 +68,8 @@ _LOST_SEARCH_EVERY = 3
 class MarkerTracker:
     """Finder of known robots' markers in frame after frame.
 
-    ``dictionary`` is an OpenCV name such as ``DICT_4X4_50`` or ``DICT_APRILTAG_36h11``,
-    ``rolling_shutter_s`` the time from the first row's exposure to the last row's, which is the
-    frame's.
+    ``dictionary`` is OpenCV's name, ``rolling_shutter_s`` the time from the first row's exposure to
+    the last row's, which is the frame's.
     """
 
     def __init__(
@@ -107,12 +104,12 @@ class MarkerTracker:
         self._first_s: float | None = None
         self._frames = 0
         self.refusals: tuple[str, ...] = ()
-        """Why markers seen in the last frame were not taken for robots."""
+        """Reasons why markers in the last frame were not robots."""
         self.strangers: frozenset[int] = frozenset()
-        """Ids of markers that belong to no robot, as the last search of a whole picture saw."""
+        """Ids of markers of no robot in the last search of a whole picture."""
         self.doubles: dict[int, tuple[Pose, ...]] = {}
-        """Places of robots' markers that were seen in several places of one picture, in both of the
-        last two searches of a whole picture."""
+        """Places of robots' markers seen in several places of one picture, in both of the last two
+        searches of a whole picture."""
         self._suspects: frozenset[int] = frozenset()
         self._searches = 0
 
@@ -121,8 +118,8 @@ class MarkerTracker:
     ) -> tuple[RobotPose, ...]:
         """Return the poses of the robots seen in this frame, ordered by id.
 
-        ``tell`` gets each pose at once, before the search for the next robot. Raises
-        ``MarkerError`` for a frame whose size is not the calibration's.
+        ``tell`` gets each pose at once. Raises ``MarkerError`` for a frame whose size is not the
+        calibration's.
         """
         grey = self._grey_of(frame)
         self._frames += 1
@@ -161,7 +158,7 @@ class MarkerTracker:
                 f"{fits[0]} x {fits[1]}"
             )
         grey = grey_of(frame.image)
-        grey.setflags(write=False)  # like a grey frame: kernels are compiled for one kind
+        grey.setflags(write=False)
         return grey
 
     def unseen_ms(self, robot_id: int, now_s: float) -> float | None:
@@ -182,7 +179,7 @@ class MarkerTracker:
         return tuple(said)
 
     def _worth_searching(self, missing: list[int], now_s: float) -> bool:
-        """True within a second of the loss, then now and then: a search costs ten times a look."""
+        """True within a second of the loss, then for every third frame."""
         first_s = now_s if self._first_s is None else self._first_s
         last_s = [self._tracks[i].last_s for i in missing]
         latest_s = max(first_s if t is None else t for t in last_s)
@@ -213,7 +210,6 @@ class MarkerTracker:
         return None
 
     def _window(self, robot: MarkedRobot, now_s: float) -> tuple[int, int, int, int] | None:
-        """Part of the picture (x0, y0, x1, y1) with all possible places of a robot."""
         track = self._tracks[robot.id]
         expected = track.predict(now_s - self._late_s[robot.id])
         if expected is None or track.last_s is None:
@@ -236,7 +232,6 @@ class MarkerTracker:
     def _look_for_doubles(
         self, everywhere: dict[int, list[Sighting]], found: dict[int, Sighting]
     ) -> None:
-        """Note markers in several places, once two searches in a row have found them there."""
         places = {}
         for robot_id, sightings in everywhere.items():
             known = [found[robot_id]] if robot_id in found else []
@@ -254,9 +249,9 @@ class MarkerTracker:
     ) -> dict[int, list[Sighting]]:
         """Find every robot's sightings in the whole picture, by another recipe each time.
 
-        Sightings already ``found`` in it are not examined again.
+        Sightings ``found`` there are skipped.
         """
-        # where the picture is coarsest: a wide lens shows its rim many times smaller
+        # where the picture is coarsest: a wide lens shrinks its rim
         least_m = min(robot.marker_size_m for robot in self._robots.values())
         smallest = least_m / coarsest_pixel_m(self._calibration)
         factor = 2 if smallest >= 2.0 * _COARSE_SIDE_PX and min(grey.shape) > 1 else 1
@@ -297,7 +292,6 @@ class MarkerTracker:
         return self._markers[robot.id].look(grey, quad_px, moves, refusals)
 
     def _believe(self, sighting: Sighting, frame_s: float, refusals: list[str]) -> RobotPose | None:
-        """The pose at the time at which its marker's middle row was exposed."""
         rows_after = self._calibration.size[1] - 1 - float(sighting.corners_px[:, 1].mean())
         before_s = self._late_s[sighting.id] = self._row_s * rows_after
         now_s = frame_s - before_s
@@ -325,7 +319,6 @@ class MarkerTracker:
 
 
 def _is_there(quad_px: FloatArray, known: Sighting | None) -> bool:
-    """True if a quadrilateral's middle lies within the known marker."""
     if known is None:
         return False
     middle = known.corners_px.mean(axis=0)

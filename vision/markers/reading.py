@@ -2,12 +2,11 @@
 
 Rules and units
 - Corners (4, 2) are raw pixels, centres at integers, clockwise from the upright marker's top left
-  one, where the fitted sides meet (``vision.markers.marker_corners``); with a calibration the
-  whole pattern is fitted (``vision.markers.marker_pattern``). If a side is hidden or not straight,
-  with a calibration the cells too, the detector's corners stay; ``remark`` says why.
+  one, where the fitted sides meet (``vision.markers.marker_corners``) or, with a calibration, of
+  the whole pattern (``vision.markers.marker_pattern``). If the fit fails, the detector's stay;
+  ``remark`` says why.
 - A dictionary is OpenCV's by name or a file in its format (``nmarkers``, ``markersize``,
-  ``marker_0`` ...). Small ones begin larger ones: in a search of all, a marker belongs to the
-  smallest that has it.
+  ``marker_0`` ...). In a search of all, a marker belongs to the smallest of a family.
 
 For moving robots use :class:`vision.MarkerTracker`.
 """
@@ -39,23 +38,22 @@ from vision.markers.marker_search import (
 from vision.markers.sighting import nearest_square
 
 _CELL_PX = 8
-"""Side of a cell in the upright picture that a marker is read from again."""
+"""Side of a cell in the upright picture from which a marker is read again."""
 _LEAST_AGREEMENT = 0.9
-"""Share of the cells that must be as the dictionary has them, in a search through all: OpenCV
-corrects more, which among thousands of markers finds one in many a rectangle."""
+"""Least share of right cells in a search of all: OpenCV corrects more, which among thousands of
+markers finds one in many a rectangle."""
 _SAME_PLACE = 0.25
-"""Two readings nearer to each other than this part of a side are of one marker."""
+"""Readings of one marker are nearer to each other than this share of a side."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Marker:
     """A marker in a picture; ``agreement`` is its share of right cells.
 
-    ``pose`` is (x, y, heading) in metres and radians, ahead being the upright marker's right, as
-    for a :class:`vision.MarkedRobot` without a turn; ``size_m`` is the mean side. Both are None
-    without a calibration. ``remark`` is empty if the corners are refined; ``error_px`` is then the
-    worst one's standard error, larger if covered. A cover over a whole side looks like a side; only
-    a calibration reveals it.
+    ``pose`` is (x, y, heading) in metres and radians, ahead being the upright marker's right;
+    ``size_m`` is the mean side. Both are None without a calibration. ``remark`` is empty if the
+    corners are refined; ``error_px`` is then the worst one's standard error, larger if covered.
+    Only a calibration reveals a cover over a whole side.
     """
 
     id: int
@@ -156,13 +154,11 @@ def _books(dictionary: str | Path | None) -> Iterator[tuple[str, cv2.aruco.Dicti
 
 
 def _count_in(name: str) -> int:
-    """Number of markers in a dictionary by its name; 0 if not given."""
     count = re.search(r"\dX\d_(\d+)$", name)
     return int(count[1]) if count else 0
 
 
 def _smallest(name: str, marker_id: int) -> str:
-    """Smallest dictionary with the same beginning that has the marker."""
     family = re.sub(r"_\d+$", "", name)
     alike = [one for one in dictionary_names() if re.sub(r"_\d+$", "", one) == family]
     return min((one for one in alike if _count_in(one) > marker_id), key=_count_in, default=name)

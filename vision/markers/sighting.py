@@ -2,9 +2,8 @@
 
 Rules and units
 - Poses, markers and pixels are as in `marked_robot`; a frame's rows are ``row_s`` seconds apart.
-- Following needs no search: sides and pattern are fitted at the expected place, and every cell
-  and the light rim must read right there. Decoding, which corrects wrong cells, is less strict. A
-  robot that cannot be followed is searched for.
+- Following fits sides and pattern at the expected place, where every cell and the light rim must
+  read right.
 - A marker of the wrong size, not square, or with misread cells is not a robot.
 """
 
@@ -55,7 +54,7 @@ class RobotMarker:
         object.__setattr__(self, "_pixel_m", self.calibration.metres_per_pixel)
 
     def follow(self, grey: Image, expected: Pose, moves: Velocity) -> Sighting | None:
-        """The marker at its expected pose, if certainly there."""
+        """Sighting of the marker at its expected pose, if certainly there."""
         view = self.calibration.plane_view(self.robot.marker_height_m)
         corners, corners_px = np.empty((4, 2)), np.empty((4, 2))
         square = (*expected, self.robot.marker_size_m)
@@ -67,7 +66,7 @@ class RobotMarker:
     def look(
         self, grey: Image, quad_px: FloatArray, moves: Velocity, refusals: list[str]
     ) -> Sighting | None:
-        """A quadrilateral (4, 2) with the marker's code as a sighting, unless impossible."""
+        """Sighting from a quadrilateral (4, 2) with the marker's code, unless impossible."""
         view = self.calibration.plane_view(self.robot.marker_height_m)
         corners, corners_px = np.empty((4, 2)), np.empty((4, 2))
         became, roughness_px, error_px = see_marker(
@@ -80,7 +79,7 @@ class RobotMarker:
         return self._sighting(corners, corners_px, error_px, moves, refusals)
 
     def at(self, corners_px: FloatArray, moves: Velocity, refusals: list[str]) -> Sighting | None:
-        """A sighting from a marker's known corners (4, 2), unless it cannot be the robot's."""
+        """Sighting from a marker's known corners (4, 2), unless it cannot be the robot's."""
         corners = self.calibration.arena_from_image(corners_px, self.robot.marker_height_m)
         if not np.isfinite(corners).all():
             refusals.append(f"marker {self.robot.id}: it lies where no floor is seen")
@@ -95,7 +94,6 @@ class RobotMarker:
         moves: Velocity,
         refusals: list[str],
     ) -> Sighting | None:
-        """The robot's pose by its marker's corners, unless they are not its square's."""
         corners_px.setflags(write=False)
         if self.row_s != 0.0:
             corners = self._at_one_time(corners, corners_px[:, 1], moves)
@@ -114,7 +112,6 @@ class RobotMarker:
         return Sighting(self.robot.id, pose, corners_px, residual_m, error_px)
 
     def _at_one_time(self, corners: FloatArray, rows_px: FloatArray, moves: Velocity) -> FloatArray:
-        """Corners (4, 2) when the marker's middle row was exposed."""
         late_s = self.row_s * (rows_px - rows_px.mean())
         right, up = (corners - corners.mean(axis=0)).T
         turn = moves.turn_rate_rad_s
@@ -123,10 +120,8 @@ class RobotMarker:
 
 
 def nearest_square(corners: FloatArray) -> tuple[complex, complex, float]:
-    """The square nearest to an upright marker's four corners (4, 2), equally weighted.
-
-    Its centre, its side as a complex number in the direction ahead, and the rms distance.
-    """
+    """Square nearest to an upright marker's corners (4, 2): centre, side as a complex number in the
+    direction ahead, and rms distance."""
     points = [complex(x, y) for x, y in corners.tolist()]
     center = sum(points) / 4.0
     pairs = [(point - center, unit) for point, unit in zip(points, _UNIT_CORNERS, strict=True)]
@@ -135,7 +130,7 @@ def nearest_square(corners: FloatArray) -> tuple[complex, complex, float]:
 
 
 def warm_up() -> None:
-    """Compile or load the kernels: the first frame must not wait for seconds."""
+    """Compile or load the kernels: the first frame must not wait."""
     blank = np.zeros((32, 32), dtype=np.uint8)
     blank.setflags(write=False)
     plan = Calibration.from_scale(1.0, (32, 32))

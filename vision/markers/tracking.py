@@ -2,11 +2,10 @@
 
 Rules and units
 - Metres, radians, seconds; time comes with the sightings. Headings are unwrapped inside.
-- The reported position and heading are the measured ones: a filter would add lag. The velocity
-  comes from a Kalman filter of constant velocity with white acceleration, one an axis.
-- A new track needs ``confirm`` consistent sightings. A sighting that no robot can have reached is
-  refused; ``confirm`` consistent ones in a row mean that the robot was carried, and the track
-  restarts there.
+- Reported position and heading are the measured ones: a filter would add lag. The velocity comes
+  from a Kalman filter of constant velocity with white acceleration, one an axis.
+- A new track needs ``confirm`` consistent sightings. A sighting out of reach is refused;
+  ``confirm`` consistent ones in a row restart the track there: the robot was carried.
 """
 
 from __future__ import annotations
@@ -19,7 +18,7 @@ Pose = tuple[float, float, float]
 
 @dataclass(frozen=True, slots=True)
 class TrackLimits:
-    """Limits of a robot's motion between two sightings, and the filter's trust in them.
+    """Limits of a robot's motion between two sightings.
 
     ``slack_m`` and ``slack_rad`` allow for noise; ``position_noise_m`` and ``heading_noise_rad``
     are a sighting's standard deviations, the accelerations the motion's. A track unseen for
@@ -48,9 +47,9 @@ class Velocity:
 
 
 class VelocityFilter:
-    """A Kalman filter of (value, rate) for one axis, with irregular steps.
+    """Kalman filter of (value, rate) for one axis, with irregular steps.
 
-    Source: Bar-Shalom, Estimation with applications to tracking and navigation (2001), 6.3.
+    Bar-Shalom, Estimation with applications to tracking and navigation (2001), 6.3.
     """
 
     def __init__(self, noise: float, acceleration: float) -> None:
@@ -89,7 +88,7 @@ class MarkerTrack:
         self.limits = limits
         self.last_s: float | None = None
         self.refused = 0
-        """Number of sightings in a row that were impossible jumps."""
+        """Impossible jumps in a row."""
         self._pose: Pose | None = None
         self._x = VelocityFilter(limits.position_noise_m, limits.acceleration_m_s2)
         self._y = VelocityFilter(limits.position_noise_m, limits.acceleration_m_s2)
@@ -112,7 +111,7 @@ class MarkerTrack:
     def offer(self, pose: Pose, time_s: float) -> Velocity | None:
         """Take a sighting: the velocity there if believed, None if not (yet).
 
-        A sighting not newer than the last is refused.
+        None if not newer than the last.
         """
         if self.last_s is not None and time_s <= self.last_s:
             return None
@@ -138,7 +137,6 @@ class MarkerTrack:
         )
 
     def _vote(self, pose: Pose, time_s: float) -> Velocity | None:
-        """Count consistent sightings that do not fit the track."""
         before = self._candidate
         self._candidate = (pose, time_s)
         fits = (
@@ -162,7 +160,7 @@ class MarkerTrack:
     def _accept(self, pose: Pose, time_s: float, dt_s: float) -> Velocity:
         self._x.update(pose[0], dt_s)
         self._y.update(pose[1], dt_s)
-        # The filter's heading runs on past pi: give it the nearest turn.
+        # the filter's heading runs on past pi: give it the nearest turn
         heading = self._turn.value
         self._turn.update(heading + wrap(pose[2] - heading), dt_s)
         self._settle(pose, time_s)

@@ -1,14 +1,13 @@
 """Lines, arcs and circles from edge points, border by border.
 
 1. `limit_kernels`: limits on what an outline may miss, from the picture's noise, blur and greys.
-2. `canonical_frame_kernels`: turns each border, so that mirrored borders get mirrored outlines.
+2. `canonical_frame_kernels`: turns each border, so that mirrored ones get mirrored outlines.
 3. `whole_circle_kernels`: finds borders that are one circle.
-4. `seed_kernels` and `partition_kernels`: possible breaks, and the cheapest partition at some of
-them.
+4. `seed_kernels` and `partition_kernels`: possible breaks, and the cheapest partition.
 5. `corners/`: corners, wall ends and fillets where edges meet, with the prices and fits of `fit/`.
-6. `drawn/`: the same for pictures without grey, whose outlines must separate the pixels.
+6. `drawn/`: outlines that separate the pixels of pictures without grey.
 7. `check/`: checks every outline against its border; `thin_walls` keeps walls that a fit would cut.
 
-`fitting` runs them (`fitting_kernels`), with the types of `outline_types` and the memory of `work`,
-and returns `fitted_borders`.
+`fitting` (`fitting_kernels`) runs them, with the types of `outline_types` and the memory of `work`,
+into `fitted_borders`.
 """

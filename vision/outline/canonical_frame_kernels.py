@@ -1,11 +1,11 @@
 """A canonical frame, in which mirrored or turned borders are fitted alike.
 
 Rules and units
-- A search along a border that takes the best place it finds may answer differently for the mirror
-  image, where it runs the other way. So a left-handed border is transposed: x and y are exchanged
-  and its order is reversed, which keeps it clockwise. Finished edges are transposed back.
-- A border's first point depends on the picture's rows. A fit begins where the border is farthest
-  from its centroid, turned to the east, so that ties are decided alike however a border is turned.
+- A search along a border may answer differently for the mirror image. So a left-handed border is
+  transposed: x and y are exchanged and its order is reversed, which keeps it clockwise. Finished
+  edges are transposed back.
+- A fit begins where the border is farthest from its centroid, turned to the east, so that ties are
+  decided alike however a border is turned.
 - ``border``, ``cracks``, ``place`` and ``finished``: see ``vision.outline.outline_types``.
 """
 
@@ -23,23 +23,21 @@ from vision.outline.outline_types import CanonicalPlace
 from vision.shared.typed_numbers import NONE
 
 APART = 7
-"""A border's share between points that are compared: chosen, no usual symmetry has it."""
+"""Share of a border between compared points: chosen, no usual symmetry has it."""
 NEITHER = 1e-10
-"""A skewness below this share of what it could be is rounding: indifferent, thousands of sums
-round by 1e-12 in all. The border is its own mirror image then."""
+"""Relative skewness of a mirror-symmetric border: indifferent, thousands of sums round by 1e-12 in
+all."""
 
 STEPS = 2.0**20
-"""Parts of a pixel to which points are rounded: chosen, a power of two, exact. What is equal but
-for its place in the picture stays equal, and ties are decided alike everywhere; without grey a
-point is the middle between two pixels, but for what the smoothing's weights lack of one."""
+"""Parts of a pixel to which points are rounded: chosen, a power of two, exact. Equal shapes stay
+equal everywhere in the picture, and ties are decided alike."""
 
 
 @njit(**SUMS)
 def bring_into_place(points, away, border):
     """Write a border's points (n, 2) so that it is right-handed and begins far in the east.
 
-    The first point is the farthest from the centroid, turned to the east; it is the origin.
-    ``away`` (n + 1,) is scratch space.
+    Its first point is the origin. ``away`` (n + 1,) is scratch space.
     """
     px = border.x
     py = border.y
@@ -78,7 +76,6 @@ def bring_into_place(points, away, border):
         xx, xy, yx, yy = -yx, -yy, xx, xy
     share = 1.0 / STEPS
     for part in range(2):
-        # first the points from ``first`` to the end, then the rest; transposed, both run backwards
         behind = part == 1
         if transposed:
             low = first + 1 if behind else 0
@@ -102,8 +99,7 @@ def bring_into_place(points, away, border):
 def is_left_handed(away, n, farthest):
     """True if the squared distances from the centroid rise more steeply than they fall.
 
-    The test is a third moment of their course along the border. Turning the border or moving its
-    first point does not change it; mirroring changes its sign.
+    A third moment along the border: only mirroring changes its sign.
     """
     step = n // APART + 1
     skew = 0.0
@@ -123,8 +119,7 @@ def is_left_handed(away, n, farthest):
 def bring_cracks_along(border, cracks, place):
     """Bring the border's cracks into the same frame, beginning with the crack at the origin.
 
-    Its obstacle pixel becomes the origin of both: fractions of pixels are exact, and a shift by
-    whole pixels changes nothing. Returns the new place.
+    Its obstacle pixel becomes the origin of both. Returns the new place.
     """
     qx = cracks.x
     qy = cracks.y
@@ -178,7 +173,6 @@ def _begin_at(px, py, n, first):
 
 @njit(**LEAF)
 def _turn(px, py, n, turns):
-    """Turn by ``turns`` quarters, from east to south."""
     for _ in range(turns):
         for k in range(2 * n + 1):
             px[k], py[k] = -py[k], px[k]
@@ -186,7 +180,6 @@ def _turn(px, py, n, turns):
 
 @njit(**LEAF)
 def _transpose(px, py, n):
-    """Exchange x and y of a border's points and reverse their order."""
     for k in range((n + 1) // 2):
         other = n - 1 - k
         px[k], py[k], px[other], py[other] = py[other], px[other], py[k], px[k]
@@ -221,7 +214,6 @@ def put_edges_back(finished, count, place):
         kind[i], kind[other] = kind[other], kind[i]
         for c in range(6):
             rows[i, c], rows[other, c] = rows[other, c], rows[i, c]
-    # every edge begins where its successor did
     x = rows[count - 1, 0]
     y = rows[count - 1, 1]
     for i in range(count - 1, 0, -1):

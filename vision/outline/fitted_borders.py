@@ -30,7 +30,7 @@ class FittedBorders:
 
     ``border_kind`` (b,): POLYGON, CIRCLE or TINY. ``edge_starts`` (b + 1,). ``kind`` (k,): LINE,
     ARC_CW or ARC_CCW. ``data`` (k, 6): first point x, y; centre x, y and radius of an arc or
-    circle; the whole border's rms deviation in pixels.
+    circle; the border's rms deviation in pixels.
     """
 
     border_kind: NDArray[np.int8]
@@ -39,7 +39,7 @@ class FittedBorders:
     data: NDArray[np.float64]
 
     def stretched(self, stretches: NDArray[np.float64]) -> FittedBorders:
-        """The same with each border's coordinates times a factor (b,); deviations stay pixels."""
+        """The same with each border's coordinates times a factor (b,); deviations stay."""
         data = self.data.copy()
         data[:, :5] *= np.repeat(stretches, np.diff(self.edge_starts))[:, None]
         return FittedBorders(self.border_kind, self.edge_starts, self.kind, data)

@@ -1,8 +1,7 @@
 """Lines, arcs and circles through sub-pixel edge points; every decision by residual.
 
-Rules and units
-- Pixels (or rectified pixels), y down. The tolerance follows the picture's noise, the steepness of
-  its edges, and whether it was drawn without grey.
+Pixels (or rectified pixels), y down. The tolerance follows the picture's noise, the steepness of
+its edges, and whether it was drawn without grey.
 """
 
 from __future__ import annotations
@@ -23,13 +22,13 @@ from vision.outline.outline_types import CrackPixels, Prices
 from vision.outline.work import make_fitted, memory_for
 
 SMOOTHING = 0.5311
-"""The noise left by the profile's five-pixel Gaussian: derived, 1 / sqrt(2 sqrt(pi)) at sigma 1."""
+"""Noise left by the profile's five-pixel Gaussian: derived, 1 / sqrt(2 sqrt(pi)) at sigma 1."""
 CALM_PX = 0.12
-"""Deviation that costs nothing in a picture with grey (chosen); half of it where noise moves points
-much: it would hide true corners there, and hardly spares a false one."""
+"""Free deviation in a picture with grey (chosen); half of it in noise, where it would hide true
+corners."""
 STAIRCASE_PX = 0.5
-"""Deviation that costs nothing in a picture of black and white only, or blurred after it was one:
-derived, a pixel's centre is no farther off the border that it was rounded from."""
+"""Free deviation in a picture of black and white only, or blurred afterwards: derived, a pixel's
+centre is no farther off its border."""
 
 
 class Tolerance(NamedTuple):
@@ -37,8 +36,8 @@ class Tolerance(NamedTuple):
 
     ``crisp``: the picture has no grey at its edges; ``spread_px``: the noise of a point.
     ``blur_px``: spread of light at an edge (sigma). ``guard_px``: distance from a corner within
-    which blur bends the border; points nearer take no part in a fit. ``trim_px``: the same while
-    corners are being searched.
+    which blur bends the border, and points take no part in a fit. ``trim_px``: the same while
+    corners are sought.
     """
 
     crisp: bool
@@ -56,7 +55,7 @@ class Tolerance(NamedTuple):
 
 
 def tolerance_of(edges: EdgePoints, noise: float, contrast: float) -> Tolerance:
-    """The tolerance for a picture's noise (grey levels), contrast and edges."""
+    """Tolerance for a picture's noise (grey levels), contrast and edges."""
     spread = SMOOTHING * noise / (edges.slope * max(contrast, 1.0))
     sigma = float(np.hypot(KNOWN_PX, spread))
     crisp = edges.crispness if edges.crispness > 0.3 else 0.0
@@ -79,8 +78,7 @@ def tolerance_of(edges: EdgePoints, noise: float, contrast: float) -> Tolerance:
 def staircase_share(edges: EdgePoints, sigma_px: float) -> float:
     """Share of the pixels' staircase left at edges with grey: 0 .. 1.
 
-    The staircase counts only if it lowers the sum of squares, as in a fit, by more than one more
-    line would have to save.
+    It counts only if it saves more than one more line must.
     """
     common, whole = edges.staircase
     saved = (2.0 * common - whole) / sigma_px**2
@@ -102,8 +100,8 @@ def fit_edges(
 ) -> FittedBorders:
     """Partition every border into lines and arcs, or take it for a circle. O(points).
 
-    ``separate``: the points are the picture's own, a drawing without grey, and every border's edges
-    must separate its obstacle pixels from the free ones beside them.
+    ``separate``: the picture is a drawing without grey, and every border's edges must separate its
+    obstacle pixels from free ones.
     """
     count = len(starts) - 1
     known = len(borders.x) if separate else 0

@@ -1,18 +1,17 @@
 """Lines, arcs and circles through the sub-pixel points of every border.
 
 Rules and units
-- Points (k, 2) float64 in pixels (or rectified pixels), y down, border after border, each a
-  closed sequence. The types passed between kernels: ``vision.outline.outline_types``.
+- Points (k, 2) float64 in pixels (or rectified pixels), y down, border after border. Types:
+  ``vision.outline.outline_types``.
 - A border is tested for a circle (``vision.outline.whole_circle_kernels``), broken into edges
   (``vision.outline.partition_kernels``), and these are joined
-  (``vision.outline.corners.joint_kernels``). They must then cover the border
+  (``vision.outline.corners.joint_kernels``). They must cover the border
   (``vision.outline.check.area_lost_kernels``) or, without grey, separate its pixels
   (``vision.outline.drawn.separating_chord_kernels``).
-- An outline that still leaves its border, or a part of it out, is replaced by chords from
-  border point to border point (``vision.outline.check.stray_kernels``).
-- A kernel without ``forceinline`` or ``fastmath`` inherits it from its first caller to be
-  compiled. ``fit_borders`` inlines all but rarely called kernels: a call copies nine numbers
-  per array, which costs small borders a fifth of their time.
+- Chords between border points replace an outline that still strays
+  (``vision.outline.check.stray_kernels``).
+- A kernel without ``forceinline`` or ``fastmath`` inherits it from its first caller to be compiled.
+  ``fit_borders`` inlines all but rarely called kernels.
 """
 
 # mypy: allow-untyped-defs
@@ -62,23 +61,20 @@ from vision.outline.whole_circle_kernels import circle_of_all, cut_circle, write
 from vision.shared.typed_numbers import NONE, ONE
 
 FEWEST = 10
-"""Points of the smallest border that is fitted: chosen."""
+"""Least points of a fitted border: chosen."""
 LOOKS = 2
-"""Times that a border is broken into edges (defined): the second time by more careful rules, where
-the first did not find edges that cover it."""
+"""Searches for a border's edges (defined): the second by more careful rules, if the first ones do
+not cover it."""
 STRICTER_BY = 0.1
-"""Without grey: the share of a deviation that costs as much then: chosen."""
+"""Factor on a deviation of equal cost then, without grey: chosen."""
 CALMER_BY, FINER_BY = 0.25, 0.4
-"""With grey: by how much less deviation is free then, and by how much nearer to each other the
-places are where the border may break: chosen."""
+"""Factors on the free deviation and on the distance of possible breaks then, with grey: chosen."""
 ROUNDER_BY = 0.85
-"""With grey: by how much cheaper an arc is then: chosen. It is no dearer than two chords that pass
-for it."""
+"""Factor on an arc's price then, with grey: chosen, no dearer than two chords."""
 NO_BLUR = 0.0
 """Without grey no corner is rounded: defined."""
 HELD_AREA = 400
-"""Pixels from which an object drawn again covers its own, whether or not it is round:
-indifferent."""
+"""Pixels from which an object drawn again must cover its own, even if round: indifferent."""
 
 
 @njit(**LEAF, forceinline=True)
@@ -88,8 +84,8 @@ def fit_borders(
     """Write lines, arcs and circles of every border into ``fitted``; returns the number of edges.
 
     ``budgets``, ``pixels`` (b,): see ``vision.outline.limit_kernels.allow_losses``;
-    ``crack_pixels``: the borders' cracks if edges must separate every crack's pixels, else none;
-    ``memory``: sized for the longest border.
+    ``crack_pixels``: the borders' cracks if edges must separate their pixels, else none;
+    ``memory``: for the longest border.
 
     Per border: POLYGON, CIRCLE or TINY and its first edge. Per edge: LINE, ARC_CW or ARC_CCW and a
     row (6,) of the edge's first point x, y, then cx, cy, r of an arc, and the whole border's rms
@@ -157,9 +153,9 @@ def share_out(memory):
 def _fit_border(
     border, cracks, place, budget, held, tolerance, limits, prices, work, finished
 ):  # fmt: skip
-    """Write one border's edges, or its circle, moved to ``place``: its kind, and their number.
+    """Write one border's edges or circle, moved to ``place``; return its kind, and their number.
 
-    ``budget``: area that the edges may lose; ``held``: the budget binds a single circle too.
+    ``budget``: area that they may lose; ``held``: it binds a single circle too.
     """
     costs = Costs(
         limits.crisp,
@@ -175,9 +171,8 @@ def _fit_border(
     sound = False
     one_circle = cracks.n > 0 and nearly
     if one_circle:
-        # a search would not see the pixels that it loses: the last check does
+        # only the last check sees the pixels that it loses
         edges = cut_circle(border, work.circle, work.outline)
-    # a circle no dearer than the fewest lines is not compared with other edges
     elif round_cost > FEWEST_LINES * prices.line + limits.expected * border.n:
         edges, sound = _search_edges(
             border, cracks, round_cost, budget, tolerance, limits, prices, work
@@ -193,7 +188,7 @@ def _fit_border(
     _move(finished, edges, place)
     put_edges_back(finished, edges, place)
     if edges < FEWEST_LINES and not _any(finished.kind, edges):
-        # two lines enclose nothing: the border is too small and keeps its pixels' outline
+        # two lines enclose nothing: the border keeps its pixels' outline
         return TINY, NONE
     return POLYGON, edges
 
@@ -202,14 +197,13 @@ def _fit_border(
 def _search_edges(border, cracks, round_cost, budget, tolerance, limits, prices, work):
     """Break a border into edges, and a second time if they do not cover it.
 
-    Returns their number, 0 if the border's circle, of cost ``round_cost``, beats them; and whether
-    they are known to cover it.
+    Returns their number, 0 if its circle, of cost ``round_cost``, beats them; and True if they
+    certainly cover it.
     """
     outline = work.outline
     spare = work.room.numbers[6]
     crisp = limits.crisp
     spread = tolerance.spread_px
-    # in noise a second look finds nothing
     looks = LOOKS if crisp or spread <= QUIET_PX else 1
     finer = Prices(prices.line, prices.arc if crisp else ROUNDER_BY * prices.arc, prices.circle)
     radius = work.circle[2] if round_cost < HUGE else 0.0
@@ -232,7 +226,7 @@ def _search_edges(border, cracks, round_cost, budget, tolerance, limits, prices,
                 border, outline, edges, limits, tolerance.blur_px, costs, prices, work.room
             )
         if cracks.n > 0 and not _any(outline.is_arc, edges):
-            # straight sides lose area at their corners, which the last check sees
+            # straight sides lose area at corners: the last check sees it
             break
         if crisp:
             if budget >= pass_between_pixels(
@@ -260,7 +254,7 @@ def _search_edges(border, cracks, round_cost, budget, tolerance, limits, prices,
 def _finish_drawn(border, cracks, edges, budget, one_circle, work, finished):
     """Write edges that separate the pixels of a border without grey; returns their number.
 
-    ``one_circle``: the edges are arcs of the circle that the border nearly is; 0 if they stay that.
+    ``one_circle``: the edges are arcs of one circle; 0 if they stay that.
     """
     outline = work.outline
     room = work.room
@@ -288,7 +282,6 @@ def _finish_drawn(border, cracks, edges, budget, one_circle, work, finished):
 
 @njit(**LEAF, inline="always")
 def _finish_grey(border, edges, sound, budget, tolerance, limits, work, finished):
-    """Write edges that cover their border, or chords; returns their number."""
     outline = work.outline
     review = work.review
     room = work.room
@@ -305,7 +298,6 @@ def _finish_grey(border, edges, sound, budget, tolerance, limits, work, finished
 
 @njit(**LEAF)
 def _any(flags, count):
-    """True if any of the first ``count`` is not 0."""
     for i in range(count):  # noqa: SIM110 (numba knows no generators)
         if flags[i]:
             return True
@@ -314,7 +306,6 @@ def _any(flags, count):
 
 @njit(**LEAF)
 def _any_line(kinds, count):
-    """True if any of the first ``count`` edges is a line."""
     for e in range(count):  # noqa: SIM110 (numba knows no generators)
         if kinds[e] == LINE:
             return True
@@ -323,7 +314,6 @@ def _any_line(kinds, count):
 
 @njit(**LEAF)
 def _move(finished, count, place):
-    """Move finished edges from the border's origin to the picture's."""
     data = finished.rows
     for i in range(count):
         data[i, 0] += place.x

@@ -19,26 +19,26 @@ from vision.outline.fit.outline_kernels import KNOWN_PX, STRAY_PX
 from vision.outline.outline_types import OutlineLimits
 
 QUIET_PX, NOISY_PX = 0.1, 0.2
-"""From where to where in the noise of a point a picture counts as noisy: chosen."""
+"""Noise of a point between which a picture becomes noisy: chosen."""
 LOUD_PX = 0.5 * (QUIET_PX + NOISY_PX)
-"""From here on noise outweighs what little blur does: derived, half-way."""
+"""Noise that outweighs what little blur does: derived, half-way."""
 CRISP_TANGENT_PX = 0.3
-"""Without grey, by how much two smoothly joined edges may miss or cross each other: chosen. With
-grey no more than ``KNOWN_PX``, noise aside."""
+"""Largest miss of two smoothly joined edges without grey: chosen. With grey ``KNOWN_PX``, noise
+aside."""
 CUT_PX = 0.7
-"""Blur's worth of a missing corner pixel: chosen, the sides still meet where they would with it."""
+"""Blur's worth of a missing corner pixel: chosen, the sides still meet there."""
 MOST_PX = 1.0
-"""How far an edge may leave a border without noise: defined, the pixel that is promised. At a tip,
-too: what is farther off is none."""
+"""Largest distance of an edge from a border without noise: defined, the pixel that is promised, at
+a tip too."""
 CALM_LOSS_PX = 0.02
-"""Deviation that does not count as area lost: chosen."""
+"""Deviation that is no lost area: chosen."""
 CHORD_PX = 0.2
-"""How far a chord of a ragged stretch may leave its border points: chosen."""
+"""Largest distance of a ragged stretch's chord from its border points: chosen."""
 CRISP_CHORD_PX = 0.34
-"""The same without grey: indifferent, no farther than half a pixel along the axis at 45 degrees."""
+"""The same without grey: indifferent, half a pixel along the axis at 45 degrees."""
 LOSS_SHARE, LEAST_LOSS = 0.0035, 1.0
-"""Area that an object's edges may lose, as a share of its own, and in pixels: defined,
-the promise of the page on outlines."""
+"""Area that an object's edges may lose, as a share of its own, and in pixels: defined, the promise
+of the page on outlines."""
 
 
 @njit(**LEAF)
@@ -67,7 +67,6 @@ def limits_of(tolerance, exact):
 
 @njit(**LEAF)
 def _expected_cost(dead_zone, sigma, spread):
-    """Mean cost of a point from noise alone: the mean square of a normal deviation's excess."""
     if spread <= 0.0:
         return 0.0
     a = dead_zone / spread
@@ -78,9 +77,9 @@ def _expected_cost(dead_zone, sigma, spread):
 
 @njit(**OWNING)
 def allow_losses(point_starts, areas, owners, pixels, budgets):
-    """Fill each border's ``budgets``, and ``pixels``, those of its object without its holes.
+    """Fill each border's ``budgets``, and ``pixels``, its object's without holes.
 
-    An object may lose a share of its pixels, divided among its borders by their points.
+    An object's loss is divided among its borders by their points.
     """
     borders = areas.shape[0]
     lengths = np.zeros(borders, np.int64)

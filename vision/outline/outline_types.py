@@ -3,9 +3,7 @@
 Rules and units
 - Pixels (or rectified pixels), y down, about the border's own origin (see
   ``vision.outline.canonical_frame_kernels``).
-- Tuples of arrays and numbers, which cost a kernel nothing. Arrays are C-contiguous, and may be
-  longer than the part in use, which numbers beside them give. The maker of a tuple holds its
-  arrays.
+- Arrays are C-contiguous, and may be longer than the part in use, which numbers beside them give.
 """
 
 from __future__ import annotations
@@ -20,7 +18,7 @@ class BorderPoints(NamedTuple):
     """One border's points, a closed sequence, or the middles of its cracks.
 
     ``x``, ``y`` (2 n + 1,) float64: the ``n`` points twice and the first once more, so that a
-    stretch lo .. hi may run past the border's end once.
+    stretch may run past the border's end once.
     """
 
     x: NDArray[np.float64]
@@ -29,7 +27,7 @@ class BorderPoints(NamedTuple):
 
 
 class Cracks(NamedTuple):
-    """One border's cracks, each between an obstacle pixel and a free one.
+    """One border's cracks.
 
     ``x``, ``y`` (2 n + 1,) float64: the middles of the ``n`` cracks, twice as in ``BorderPoints``;
     ``free_x``, ``free_y``: from there to the free pixel's centre. ``n`` is 0 if edges need not
@@ -44,7 +42,7 @@ class Cracks(NamedTuple):
 
 
 class CrackPixels(NamedTuple):
-    """The cracks of all borders, as in ``vision.borders.contours.Borders``.
+    """Cracks of all borders, as in ``vision.borders.contours.Contours``.
 
     ``x``, ``y`` (k,): the obstacle pixels; ``direction`` (k,): the free one's; ``starts`` (borders
     + 1,).
@@ -59,7 +57,7 @@ class CrackPixels(NamedTuple):
 class CanonicalPlace(NamedTuple):
     """Original position of a border that was moved into its canonical frame.
 
-    ``transposed``: x and y were exchanged, after ``turns`` quarter turns; ``x``, ``y``: its origin
+    ``transposed``: x and y were exchanged before ``turns`` quarter turns; ``x``, ``y``: its origin
     after both.
     """
 
@@ -70,12 +68,12 @@ class CanonicalPlace(NamedTuple):
 
 
 class Outline(NamedTuple):
-    """The edges of one border during the fit; their number is passed beside it.
+    """Edges of one border during the fit; their number is passed beside it.
 
     ``breaks`` (edges,) int64: each edge's first point; it ends at the next one's. ``is_arc``,
     ``is_fillet`` (edges,) bool. ``shape`` (edges, 5) float64: x, y, ux, uy of a line or cx, cy, r
     of a circle, and the rms deviation last. ``joints`` (edges, 2) float64: the edge's beginning.
-    ``ranges`` (edges, 2) int64: the first point of its fit, and the one behind the last. ``fresh``
+    ``ranges`` (edges, 2) int64: first point of its fit, and the one behind the last. ``fresh``
     (edges, 2) bool: the edge was fitted again, its break moved; ``moved`` (edges,) int64: the new
     break.
     """
@@ -91,7 +89,7 @@ class Outline(NamedTuple):
 
 
 class FinishedEdges(NamedTuple):
-    """Edges in their written form (see ``vision.outline.fit.outline_kernels``).
+    """Edges as written (see ``vision.outline.fit.outline_kernels``).
 
     ``kind`` (k,) int8: LINE, ARC_CW or ARC_CCW. ``rows`` (k, 6) float64: the first point x, y, the
     centre and radius of an arc, and the rms deviation. ``at`` (k,) int64: the edge's first point or
@@ -118,9 +116,8 @@ class Review(NamedTuple):
 class Costs(NamedTuple):
     """Cost of a point's deviation: ((deviation - dead_zone) / sigma)^2 beyond the dead zone.
 
-    ``crisp``: deviations are along the pixels' axis, as without grey; ``dead_zone``, ``sigma`` and
-    ``worst``, the largest deviation allowed, in pixels; ``expected``: a point's mean cost from
-    noise alone.
+    ``crisp``: deviations are along the pixels' axis; ``dead_zone``, ``sigma`` and ``worst``, the
+    largest allowed, in pixels; ``expected``: a point's mean cost from noise alone.
     """
 
     crisp: bool
@@ -139,11 +136,11 @@ class Prices(NamedTuple):
 
 
 class OutlineLimits(NamedTuple):
-    """Limits on what a picture's edges may miss, in pixels (``vision.outline.limit_kernels``).
+    """Limits on what edges may miss, in pixels (``vision.outline.limit_kernels``).
 
     ``crisp``: without grey. ``worst``: largest distance of a point from its edge, ``round_worst``:
     from a whole circle. ``seeds``: distance of the first chords from the border. ``skip``: points
-    left out at both ends of a stretch in the search, ``guard``: pixels in a fit. ``corner_blur``:
+    left out at a stretch's ends in the search, ``guard``: pixels in a fit. ``corner_blur``:
     rounding of a corner; ``tangent``: gap allowed between smoothly joined edges. ``free``:
     deviation that loses no area, ``allowed``: the most that an edge may have; ``chord``: distance
     of a chord from its points. ``expected`` as in ``Costs``.
@@ -164,7 +161,7 @@ class OutlineLimits(NamedTuple):
 
 
 class Search(NamedTuple):
-    """The state of the search for the cheapest partition; m seeds, the first repeated as the last.
+    """State of the search for the cheapest partition; m seeds, the first repeated as the last.
 
     ``position`` (m + 1,) int64: the seeds' points from the first break on; ``rest``, ``best`` (m +
     1,) float64: least cost of the edges from there on, and least known cost up to there; ``came``
@@ -179,7 +176,7 @@ class Search(NamedTuple):
 
 
 class StretchFit(NamedTuple):
-    """The fit of the search's last stretch.
+    """Fit of the search's last stretch.
 
     ``sums`` as in ``vision.outline.fit.moment_kernels``; ``line`` (4,), ``circle`` (3,) float64;
     ``near`` (2, k) float64: scratch space for points.
@@ -194,8 +191,8 @@ class StretchFit(NamedTuple):
 class Blur(NamedTuple):
     """Effect of blur on a border, in pixels.
 
-    ``sigma``: of the light and the pixel's own width together; ``half_variance``: an arc's shift
-    inwards times its radius, square pixels; ``guard``: distance to which a corner is rounded.
+    ``sigma``: with the pixel's own width; ``half_variance``: an arc's shift inwards times its
+    radius, square pixels; ``guard``: distance to which a corner is rounded.
     """
 
     sigma: float
@@ -204,15 +201,15 @@ class Blur(NamedTuple):
 
 
 class EdgeChange(NamedTuple):
-    """A possible change between two edges that stay: just their corner, or one edge.
+    """A possible change between two edges that stay: their corner, or one edge.
 
-    ``rows`` (3, 8) float64: the edge before, between and behind, as in ``Outline.shape``;
+    ``rows`` (3, 8) float64: the edges before, between and behind, as in ``Outline.shape``;
     ``joints`` (2, 8): x, y of both ends of the one between; ``corners`` (2, 8): see
     ``vision.outline.corners.blurred_corner_kernels``; ``meeting`` (8,): the crossing of both that
     stay (``vision.outline.corners.fillet_kernels.set_corner``). ``stays`` (4,) int64: first point
-    and point behind the last of each edge that stays, unchanged; ``points`` (4,) int64: the first
-    point compared, the first of the edge between, those behind both. ``deviations`` (2 n + 1,):
-    scratch space.
+    and point behind the last of each edge that stays; ``points`` (4,) int64: the first point
+    compared, the first of the edge between, those behind both. ``deviations`` (2 n + 1,): scratch
+    space.
     """
 
     rows: NDArray[np.float64]
@@ -227,9 +224,9 @@ class EdgeChange(NamedTuple):
 class EdgeRun(NamedTuple):
     """Edges that an edit might replace: ``length`` of them between ``before`` and ``behind``.
 
-    ``spare``: edges that the outline can do without; ``untouched``: it is as partitioned;
-    ``convex``: all edges turn to one side, and not too far; ``bent``: they are surely not one line.
-    ``price``: theirs; ``saved``: at most that plus the cost of their points and those beside them.
+    ``spare``: edges that the outline can spare; ``untouched``: it is as partitioned; ``convex``:
+    edges turn to one side, not too far; ``bent``: surely not one line. ``price``: theirs;
+    ``saved``: at most that plus the cost of points beside them.
     """
 
     before: int
@@ -244,7 +241,7 @@ class EdgeRun(NamedTuple):
 
 
 class Edits(NamedTuple):
-    """The best edit behind each edge, which replaces the edges that follow it.
+    """The best edit behind each edge.
 
     ``sums`` (2 n + 1,) float64: current cost of the points up to each one. ``saved`` (edges,)
     float64: the saving; ``run`` (edges,) int64: number of edges replaced; ``kind`` (edges,) int64:
@@ -261,11 +258,10 @@ class Edits(NamedTuple):
 
 
 class Scratch(NamedTuple):
-    """Scratch space for each step; nothing in it is kept for the next.
+    """Scratch space for each step.
 
     ``numbers`` (7, 2 n + 1) float64, ``indices`` (7, 2 n + 1) int64, ``flags`` (5, 2 n + 1) bool: a
-    step takes rows of them under names of its own. ``pairs`` (n + 1, 2) int64, ``table`` (2 n, 8)
-    float64.
+    step names its rows. ``pairs`` (n + 1, 2) int64, ``table`` (2 n, 8) float64.
     """
 
     numbers: NDArray[np.float64]
@@ -276,10 +272,9 @@ class Scratch(NamedTuple):
 
 
 class BorderMemory(NamedTuple):
-    """All memory for one border, shared out by ``vision.outline.fitting_kernels.share_out``.
+    """Memory for one border, shared out by ``vision.outline.fitting_kernels.share_out``.
 
-    Few arrays, as a call from Python unpacks each. ``most``: the largest number of points, plus
-    one.
+    ``most``: the largest number of points, plus one.
     """
 
     most: int
@@ -295,9 +290,8 @@ class BorderMemory(NamedTuple):
 class Work(NamedTuple):
     """Memory to fit one border, sized for the longest.
 
-    It is allocated at once, so that everything below is a borrowing kernel
-    (``planner.scene.compile_options``), and in few arrays, because each one passed lengthens a
-    kernel's compilation: 60 separate arrays took a third of the eye's compile time.
+    Allocated at once, so that everything below is a borrowing kernel
+    (``planner.scene.compile_options``), in few arrays, as each lengthens compilation.
 
     ``places`` (6, 2 n + 1) float64: the arrays of ``BorderPoints``, then those of ``Cracks``.
     ``trial``: edges finished for a check; ``at`` (n,) int64: of those finally written. ``circle``
@@ -314,7 +308,7 @@ class Work(NamedTuple):
 
 
 class Fitted(NamedTuple):
-    """Output arrays for all borders' edges, one border after the other.
+    """Output arrays for all borders' edges.
 
     ``border_kind`` (b,) int8, ``edge_starts`` (b + 1,) int64, ``kind`` (k,) int8 and ``rows`` (k,
     6) float64 as in ``vision.outline.fitted_borders``.

@@ -1,9 +1,9 @@
 """The cheapest partition of a border into edges that break at some of its seeds.
 
 Rules and units
-- ``border``, ``outline``, ``costs``, ``search`` and ``fit``: see ``vision.outline.outline_types``.
-- A partition costs the sum of its lines' and arcs' costs plus their ``prices`` (see
-  ``vision.outline.fit.edge_prices``): a minimum description length, which the best one minimises.
+- Types: ``vision.outline.outline_types``.
+- A partition costs the sum of its edges' costs and ``prices`` (see
+  ``vision.outline.fit.edge_prices``): a description length.
 """
 
 # mypy: allow-untyped-defs
@@ -25,34 +25,32 @@ from vision.outline.seed_kernels import seed_breaks, snap_seeds, turn_at
 from vision.shared.typed_numbers import NONE
 
 FAILED = 4.0
-"""A stretch between two seeds that is no line costs as many: chosen."""
+"""Cost of a stretch between seeds that is no line, in lines: chosen."""
 NEAR_MISS = 1.6
-"""Share of the worst deviation up to which an arc is worth turning between the pixels: chosen."""
+"""Share of the worst deviation up to which an arc is turned between the pixels: chosen."""
 SPAN = 160
 """Most seeds in one stretch: indifferent, a bound on the work."""
 CORNER = 1.2
 """Turn in radians from which a seed is surely a corner: chosen, a cap of 10 px radius turns by
-0.6, and a staircase turns sharply by itself."""
+0.6."""
 FAILURES = 3
-"""A stretch that has failed so often with one end is not extended further: chosen, it only spares
-work."""
+"""Failures of stretches from one end after which none is extended: chosen, to spare work."""
 ANY, BENT, NOTHING = np.int64(0), np.int64(1), np.int64(2)
-"""What a stretch may be: defined, a line or an arc, an arc, neither."""
+"""Possible shapes of a stretch: defined, a line or an arc, an arc, neither."""
 ROUNDING = 1e-9
-"""A partition begun elsewhere may cost as much, but for the order of its sums: indifferent."""
+"""Rounding of costs by the order of sums: indifferent."""
 ROUND_SEEDS = 12
-"""Most seeds on a border that is nearly a circle and no polygon: indifferent, it only
-spares work. Such a border turns evenly, and a break beside an arc moves to its place when the edges
-are fitted."""
+"""Most seeds on a border that is nearly a circle and no polygon: indifferent, to spare work, as
+breaks beside arcs move when edges are fitted."""
 
 
 @njit(**LEAF)
 def partition(border, outline, skip, costs, tolerance, prices, limit, radius, room):
-    """Seeds, then the cheapest partition that breaks at some of them: (edges, cost).
+    """Find seeds, then the cheapest partition at some of them: (edges, cost).
 
     ``tolerance``: largest distance of the chords between seeds from the border; ``skip``: points
-    left out at the ends of a stretch. Partitions that cost ``limit`` or more are not sought: no
-    edges then. If that is a circle's cost, ``radius`` is the circle's, otherwise 0.
+    left out at the ends of a stretch. No edges if all cost ``limit`` or more; ``radius`` is the
+    circle's if that is its cost, otherwise 0.
     """
     n = border.n
     longest = _longest_line(n, radius, costs.worst, skip)
@@ -92,7 +90,7 @@ def partition(border, outline, skip, costs, tolerance, prices, limit, radius, ro
         cost = least
         if sharpest >= CORNER or edges < 2:
             break
-        # no corner to begin at: repeat from a break that the search found
+        # no corner to begin at: repeat from a found break
         sharpest = CORNER
         again = outline.breaks[edges // 2]
         for t in range(m):
@@ -105,12 +103,11 @@ def partition(border, outline, skip, costs, tolerance, prices, limit, radius, ro
 def _best_partition(border, outline, seeds, start, skip, costs, prices, limit, longest, room):
     """The cheapest partition of a closed border into lines and arcs that break at seeds.
 
-    The first break is seed number ``start``. Fills the outline's ``breaks`` (in order along the
-    border, starting there) and ``is_arc``; returns the number of edges and the cost: no edges, and
-    the limit, if all partitions cost that much.
+    Fills the outline's ``breaks`` (in order, from seed number ``start``) and ``is_arc``; returns
+    the number of edges and the cost: no edges, and the limit, if all partitions cost that much.
 
-    Dynamic programming. Stretches that fail are not extended far. The rest of the border costs at
-    least a line or an arc; a path that exceeds ``limit`` with it is dropped.
+    Dynamic programming. The rest of the border costs at least a line or an arc; a path that exceeds
+    ``limit`` with it is dropped.
     """
     m = seeds.shape[0]
     indices = room.indices
@@ -137,7 +134,6 @@ def _best_partition(border, outline, seeds, start, skip, costs, prices, limit, l
 
 @njit(**LEAF)
 def _extend(border, search, m, i, skip, costs, prices, fit):
-    """Try longer and longer stretches from seed i, and note the ends they reach more cheaply."""
     position = search.position
     best = search.best
     failed = 0
@@ -181,7 +177,6 @@ def _extend(border, search, m, i, skip, costs, prices, fit):
 
 @njit(**LEAF)
 def _write_partition(n, search, m, outline):
-    """Write the cheapest partition's edges in order; returns their number."""
     edges = 0
     j = m
     while j > 0:
@@ -213,10 +208,8 @@ def _longest_line(n, radius, worst, guard):
 
 @njit(**LEAF)
 def _least_rest(search, m, longest, prices):
-    """Fill the search's ``rest``: the least cost of the edges from every seed on.
-
-    No line has more than ``longest`` points.
-    """
+    """Fill ``rest``: the least cost of the edges from every seed on, of at most ``longest`` points
+    a line."""
     position = search.position
     rest = search.rest
     rest[m] = 0.0
@@ -227,7 +220,6 @@ def _least_rest(search, m, longest, prices):
 
 @njit(**LEAF)
 def _trim(length, guard):
-    """Number of points to leave out at each end of a stretch."""
     if length >= 3 * guard + 4:
         return guard
     if length >= 6:
@@ -251,11 +243,9 @@ def _what_seeds_allow(border, a, b, position, i, j, shift, worst):
             far = max(far, abs((px[k] - x0) * dy - (py[k] - y0) * dx))
     if far <= ASTRAY * worst * chord:
         return ANY
-    # the circle through both ends and the middle
     c = (a + b) // 2
     mx, my, r = circle_of_three(px[c] - x0, py[c] - y0, dx, dy)
     if chord < r:
-        # a line, or the points are too close together to define a circle
         return BENT
     for s in range(i, j):
         # the seeds, and half-way between them
@@ -274,7 +264,7 @@ def _what_seeds_allow(border, a, b, position, i, j, shift, worst):
 
 @njit(**LEAF)
 def _stretch(border, a, b, may_be, costs, bound, prices, fit):
-    """The cheaper of a line and an arc through points a .. b - 1: (cost, is_arc)."""
+    """Cheaper of a line and an arc through points a .. b - 1: (cost, is_arc)."""
     px, py = border.x, border.y
     crisp = costs.crisp
     dead_zone, sigma, worst = costs.dead_zone, costs.sigma, costs.worst
@@ -299,7 +289,7 @@ def _stretch(border, a, b, may_be, costs, bound, prices, fit):
             )  # fmt: skip
             if not crisp or again == 1 or not prices.arc < bent < HUGE:
                 break
-            # the staircase alone may have turned the fit: let it pass between the pixels
+            # the staircase may have turned the fit: let it pass between the pixels
             separate_circle(px, py, a, b, circle, fit.near)
     if bent < straight:
         return bent, True

@@ -1,7 +1,6 @@
 """Seeds: possible breaks of a border into edges.
 
-Rules and units
-- ``border``: see ``vision.outline.outline_types``. Seeds are the indices of its points, ascending.
+Seeds are the indices of points of a ``border`` (``vision.outline.outline_types``), ascending.
 """
 
 # mypy: allow-untyped-defs
@@ -23,8 +22,7 @@ SNAP = 4
 def seed_breaks(border, tolerance, is_seed, away, stack):
     """Mark generous breaks: split at the farthest point until chords lie within tolerance.
 
-    The first point is one: it lies farthest out (see ``vision.outline.canonical_frame_kernels``).
-    ``away`` (n,) and ``stack`` (n + 1, 2) are scratch space.
+    The first point is one, farthest out. ``away`` (n,) and ``stack`` (n + 1, 2) are scratch space.
     """
     px = border.x
     py = border.y
@@ -96,7 +94,6 @@ def _around(k, n):
 
 @njit(**LEAF)
 def _bulge(border, k, reach):
-    """Distance of point k from the chord of its neighbours ``reach`` points away."""
     px = border.x
     py = border.y
     n = border.n
@@ -114,7 +111,7 @@ def _bulge(border, k, reach):
 def snap_seeds(border, seeds, reach):
     """Move every seed to the strongest bulge nearby, less than half-way to the next seed.
 
-    They stay ascending; one that passes the border's first point changes its place.
+    They stay ascending.
     """
     n = border.n
     m = seeds.shape[0]

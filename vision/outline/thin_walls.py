@@ -1,12 +1,11 @@
 """Thin walls that fitted outlines cut short, and that keep their pixels' outline.
 
 Rules and units
-- Pixels, y down. A wall of a few pixels lies within the blur of both its sides: edges that fit well
-  may still leave out pixels, and a path would lead through there.
-- Only objects thinner than ``THIN_PX``: from wider ones an edge leaves out less than a wall
-  (``vision.outline.check``). In pictures whose histogram holds fine structure
-  (``vision.binarise.humps``) all of them; in drawings without grey and noisy pictures only those
-  beside holes narrower than ``NARROW_PX``, as a lone bar is no wall beside a passage.
+- Pixels, y down. A wall of a few pixels lies within the blur of both its sides: well fitting edges
+  may leave out pixels, and a path would lead through.
+- Only objects thinner than ``THIN_PX``. In pictures with fine structure (``vision.binarise.humps``)
+  all of them; in drawings without grey and noisy pictures only those beside holes narrower than
+  ``NARROW_PX``.
 """
 
 from __future__ import annotations
@@ -25,18 +24,18 @@ from vision.outline.fitted_borders import ARC_CCW, CIRCLE, LINE, TINY, FittedBor
 Place: TypeAlias = Callable[[NDArray[np.float64]], NDArray[np.float64]]
 
 THIN_PX = 4.5
-"""Mean width of an object from which it is no thin wall: chosen, outlines cut pieces off walls of
-up to 4 px, and none off those of 6 px (``python -m benchmarks.vision.fine``)."""
+"""Least mean width of an object that is no thin wall: chosen, outlines cut pieces off walls of up
+to 4 px, and none off those of 6 px (``python -m benchmarks.vision.fine``)."""
 NARROW_PX = 2.0 * THIN_PX
-"""Mean width of a hole from which it is no narrow way: chosen, of walls and ways of 6 px blur and
-noise give the ways up to 2 px more (``python -m benchmarks.vision.fine --cells 81``)."""
+"""Least mean width of a hole that is no narrow way: chosen, blur and noise widen ways by up to 2 px
+(``python -m benchmarks.vision.fine --cells 81``)."""
 MOST_LOST = 0.25
-"""The share of its width that a wall loses at most on one side: derived, half of it remains."""
+"""Largest share of its width that a wall loses on one side: derived, half of it remains."""
 MOST_WORK = 20_000_000
-"""Pixels times edges of one border that are compared: chosen, some 50 ms. Beyond that it keeps its
-pixels' outline unseen, which leaves nothing out."""
+"""Most pixels times edges of one border compared: chosen, some 50 ms. Beyond that it keeps its
+pixels' outline."""
 SAG_PX = 0.02
-"""Distance by which the polyline of an arc may leave it: indifferent."""
+"""Distance of an arc from its polyline: indifferent."""
 
 
 def keep_thin_walls(
@@ -44,8 +43,8 @@ def keep_thin_walls(
 ) -> FittedBorders:
     """``fitted``, with the pixels' outline for thin walls that it cuts short.
 
-    ``place`` takes pixels (n, 2) to the edges' coordinates. ``fine``: all thin walls count, not
-    only those beside narrow passages. O(cracks * edges) of those, at most ``MOST_WORK`` a border.
+    ``place`` takes pixels (n, 2) to the edges' coordinates. ``fine``: all thin walls count.
+    O(cracks * edges), at most ``MOST_WORK`` a border.
     """
     holes = borders.owner != np.arange(len(borders.owner))
     if not (fine or holes.any()):
@@ -90,7 +89,7 @@ def _cuts_short(
 
 
 def _polyline(fitted: FittedBorders, b: int) -> NDArray[np.float64]:
-    """The outline of border b, (n, 2), its arcs as chords."""
+    """Polyline (n, 2) of border b."""
     first, last = int(fitted.edge_starts[b]), int(fitted.edge_starts[b + 1])
     rows, kinds = fitted.data[first:last], fitted.kind[first:last]
     if fitted.border_kind[b] == CIRCLE:
@@ -108,7 +107,6 @@ def _polyline(fitted: FittedBorders, b: int) -> NDArray[np.float64]:
 
 
 def _arc(circle: NDArray[np.float64], begin: float, sweep: float) -> NDArray[np.float64]:
-    """Points of an arc, without its first and last."""
     x, y, radius = circle.tolist()
     step = 2.0 * math.acos(1.0 - min(SAG_PX / radius, 0.5))
     angles = begin + sweep * np.linspace(0.0, 1.0, 2 + math.ceil(abs(sweep) / step))[1:-1]

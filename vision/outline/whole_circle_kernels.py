@@ -1,8 +1,6 @@
 """Borders that are one circle, and circles cut into arcs.
 
-Rules and units
-- ``border``, ``cracks``, ``costs``, ``outline`` and ``finished``: see
-  ``vision.outline.outline_types``; ``circle`` (3,): cx, cy, r, pixels.
+Types: ``vision.outline.outline_types``; ``circle`` (3,): cx, cy, r, pixels.
 """
 
 # mypy: allow-untyped-defs
@@ -34,27 +32,25 @@ from vision.outline.limit_kernels import LOUD_PX, MOST_PX
 from vision.shared.typed_numbers import NONE, ONE
 
 LEAST_LOST = 1.0
-"""A pixel lost does not cut a circle into arcs, whatever its border may lose: defined."""
+"""Loss that does not cut a circle into arcs, whatever its budget: defined, a pixel."""
 INWARDS = 0.31
-"""Blur moves the half-way level of a circle inwards by half its variance over the radius; a blur
-that is read off profiles along rows and columns, which meet a circle aslant, looks so much wider
-that it is less than a third (measured). Less with noise, and nothing from ``LOUD_PX`` on. Fillets'
-own measure of the same (``half_variance`` in ``vision.outline.corners.fillet_kernels``) gives more:
-nearer for most circles, but 0.08 px too much at a radius of 5 px and a blur of 1.5 px."""
+"""Shift of a circle inwards by blur, as a share of its variance over the radius: measured; half in
+theory, but profiles that meet a circle aslant see a wider blur. Less with noise, none from
+``LOUD_PX`` on. ``vision.outline.corners.fillet_kernels.half_variance`` gives more: nearer for most
+circles, but 0.08 px too much at a radius of 5 px and a blur of 1.5 px."""
 ROUGH = 64
-"""Points that tell most other shapes from a circle: indifferent, it only spares work."""
+"""Points that distinguish most shapes from a circle: indifferent, to spare work."""
 THIRDS = np.int64(3)
-"""Arcs that a circle is cut into where it does not separate its pixels: derived, each turns by
-less than half a circle."""
+"""Arcs of a circle that does not separate its pixels: derived, each is less than half of it."""
 
 
 @njit(**LEAF, inline="always")
 def circle_of_all(border, cracks, costs, budget, held, price, circle, near):
-    """The circle through a whole border: its cost with its price, and whether it nearly fits.
+    """Find the circle through a whole border: its cost and price, and True if it nearly fits.
 
-    The cost is HUGE if the border is no circle. Without grey a circle that loses at most ``budget``
-    pixels is accepted at any cost. It nearly fits if it runs beside every point but loses more, and
-    the object is ``held`` to its budget. ``near`` (2, n) is scratch space.
+    The cost is HUGE if there is none. Without grey a circle that loses at most ``budget`` pixels is
+    accepted at any cost. It nearly fits if it runs beside every point but loses more, and the
+    object is ``held`` to its budget. ``near`` (2, n) is scratch space.
     """
     px = border.x
     py = border.y
@@ -79,7 +75,7 @@ def circle_of_all(border, cracks, costs, budget, held, price, circle, near):
         return price + cost, False
     fitted = circle[2]
     if cracks.n > 0:
-        # squared costs let a few far points pull, but a pixel is either lost or not
+        # a few far points pull squared costs, but a pixel is lost or not
         lost = lose_fewest(cracks, circle, near[0], near[1])
         worst = MOST_PX
     else:

@@ -1,8 +1,4 @@
-"""The memory in which borders are fitted, one after the other.
-
-Rules and units
-- Sizes are in points or cracks; a border never has more edges than those.
-"""
+"""The memory in which borders are fitted, one after the other."""
 
 from __future__ import annotations
 
@@ -14,8 +10,7 @@ from vision.outline.fit.separating_fit_kernels import RADII
 from vision.outline.outline_types import BorderMemory, Fitted
 
 LEAST = RADII + 1
-"""The shortest border that there is memory for: defined, whole circles are given their radius in
-it."""
+"""Shortest border of the memory: defined, whole circles get their radius in it."""
 
 
 class _Kept(threading.local):

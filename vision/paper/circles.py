@@ -3,8 +3,7 @@
 Rules and units
 - Contours are in whole pixels; the centre is their centroid and the radius their mean distance from
   it, so the circle runs through the pixels' centres.
-- The test is the paper's. Noise breaks it, and it accepts a small octagon; the exact mode fits
-  circles to sub-pixel points and compares residuals: ``vision.outline.fitting``.
+- Noise breaks the test, and it accepts a small octagon.
 """
 
 from __future__ import annotations
@@ -17,10 +16,10 @@ from numpy.typing import NDArray
 from vision.paper.corner_kernels import is_digital_circle
 
 SLACK_PX = 0.25
-"""The paper's "threshold value": the border pixels of a filled disc lie up to a pixel inside
-its circle, and their mean radius is not that of the best circle, but near it."""
+"""The paper's "threshold value": a filled disc's border pixels lie up to a pixel inside its
+circle."""
 FEWEST = 8
-"""Pixels of the smallest contour that can be distinguished from a dot."""
+"""Pixels of the smallest contour that is no dot."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -32,7 +31,7 @@ class DigitalCircle:
 
 
 def digital_circle(contour: NDArray[np.int32], slack_px: float = SLACK_PX) -> DigitalCircle | None:
-    """Circle of which the closed contour (n, 2) is the digital image, or None. O(n).
+    """Circle whose digital image the closed contour (n, 2) is, or None. O(n).
 
     ``slack_px`` widens the half pixel of equation 14.
     """

@@ -83,9 +83,9 @@ def strongest_apart(values, starts, k, threshold):
 def is_digital_circle(xs, ys, first, last, slack):
     """Sauer's condition, equation 14, for the contour pixels first .. last - 1.
 
-    Return ``(accepted, x_m, y_m, r)`` with the centroid and the mean radius. The condition bounds
-    the circle within half a pixel in y; where the circle is steeper than 45 degrees x and y change
-    places, as in Sauer's octants. ``slack`` widens the half pixel.
+    Return ``(accepted, x_m, y_m, r)`` with the centroid and the mean radius. The circle passes
+    within half a pixel in y, or in x where it is steeper than 45 degrees. ``slack`` widens the half
+    pixel.
     """
     n = last - first
     x_m = 0.0

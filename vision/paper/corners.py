@@ -2,8 +2,8 @@
 
 Rules and units
 - Contours are the ordered border pixels of ``vision.borders.contours``, whole pixels, closed.
-- The defaults are the paper's. They lie on the digital line's own floor (a perfect digital line
-  reaches 0.105), so ``extract`` uses residuals where it may: see ``vision.outline.fitting``.
+- The defaults are the paper's; a perfect digital line reaches 0.105, so ``extract`` uses residuals
+  where it may (``vision.outline.fitting``).
 """
 
 from __future__ import annotations

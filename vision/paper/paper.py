@@ -1,14 +1,13 @@
-"""The paper's recipe to the letter, sections 3.1 to 3.3, as a documented reference.
+"""The paper's recipe to the letter, sections 3.1 to 3.3.
 
 Rules and units
-- Pixels, centres at integers, y down; vertices are border pixels, as in the paper, so a record runs
-  half a pixel inside the obstacle's edge.
+- Pixels, centres at integers, y down; vertices are border pixels, so a record runs half a pixel
+  inside the edge.
 - Border pixels come from the Laplacian; contours run clockwise, 8-connected. Corners are where
   lambda_S exceeds 0.1 with k = 7, at least k apart; the same vertices approximate arcs; a circle
   passes Sauer's test.
-- The recipe leaves two cases open. A contour with fewer than three corners keeps pixels about k
-  apart as vertices, so that no obstacle is lost. Anything smaller than the region of support is a
-  point, a segment, or its own pixels.
+- Our addition: a contour with fewer than three corners keeps pixels about k apart as vertices, and
+  the smallest are points, segments, or their own pixels.
 """
 
 from __future__ import annotations
@@ -60,7 +59,7 @@ def _record(contour: NDArray[np.int32], corner: NDArray[np.bool_], *, clockwise:
     reach = int(np.ptp(contour, axis=0).max())
     if reach == 0:
         return PointRecord((float(contour[0, 0]), float(contour[0, 1])))
-    if len(contour) <= 2 * reach + 2:  # no longer than a line there and back
+    if len(contour) <= 2 * reach + 2:
         straight = straight_line(list(dict.fromkeys(map(tuple, contour.tolist()))))
         if straight is not None:
             return straight
@@ -73,7 +72,7 @@ def _record(contour: NDArray[np.int32], corner: NDArray[np.bool_], *, clockwise:
         chosen = np.unique(np.arange(count) * len(contour) // count)
     vertices = contour[chosen].astype(np.float64)
     points = [(float(x), float(y)) for x, y in vertices]
-    # where it is one pixel wide the contour passes a pixel twice, there and back
+    # where it is one pixel wide the contour passes a pixel twice
     points = [here for i, here in enumerate(points) if here != points[i - 1]]
     if len(points) < 2:
         return PointRecord((float(vertices[0, 0]), float(vertices[0, 1])))
@@ -91,7 +90,6 @@ def _record(contour: NDArray[np.int32], corner: NDArray[np.bool_], *, clockwise:
 
 
 def _rms_distance(contour: NDArray[np.int32], chosen: NDArray[np.int64]) -> float:
-    """Rms distance of the contour's pixels from the sides between its chosen pixels."""
     n = len(contour)
     points = contour.astype(np.float64)
     side = np.searchsorted(chosen, np.arange(n), side="right") - 1

@@ -1,8 +1,7 @@
 """Quality of a camera's pictures, measured for some seconds.
 
 `watching` gathers the data of each picture. `timing` then judges arrival times, `light` noise,
-flicker and clipping, and `focus` the sharpness of edges, part by part. Nothing here knows the
-camera's abilities or settings.
+flicker and clipping, and `focus` the sharpness of edges, part by part.
 """
 
 from vision.quality.watching import Quality, Watching

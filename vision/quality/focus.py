@@ -2,8 +2,8 @@
 
 Rules and units
 - An edge's blur is the sigma, in pixels, of the Gaussian that makes it from a step: the step's
-  height over its steepest slope times sqrt(2 pi). Lens, motion, sensor and JPEG all add to it.
-- A tile without a clear edge cannot be judged, and is reported so.
+  height over its steepest slope times sqrt(2 pi).
+- A tile without a clear edge is not judged.
 - From 3 pixels on, noise cuts off the edge's ends, and the blur is larger than reported.
 - A blur of at most `SHARP_PX` is in focus.
 """
@@ -21,17 +21,17 @@ from planner.scene import FloatArray
 from vision.camera.camera import Image
 
 SHARP_PX: Final = 1.5
-"""A marker's cell of 6 pixels keeps its plateau up to here: 4 sigma of its border fit into it."""
+"""A marker's cell of 6 pixels keeps its plateau up to here, 4 sigma of its border."""
 LEAST_STEP: Final = 40.0
 """Grey levels; less is a shadow or texture."""
 REACH_PX: Final = 10
-"""Half the length of the profile across an edge: a blur of up to 4 pixels has its ends in it."""
+"""Half the length of the profile across an edge: room for a blur of 4 pixels."""
 STEP_PX: Final = 0.25
 AVERAGED_PX: Final = 1.0 / math.sqrt(12.0)
 """Blur that averaging the slopes over a pixel adds."""
 TILES: Final = (8, 6)
 MOST_EDGES: Final = 60
-"""Edge pixels that are looked at in a tile."""
+"""Most edge pixels of a tile."""
 LEAST_EDGES: Final = 8
 
 
@@ -43,24 +43,24 @@ class Focus:
 
     @property
     def judged(self) -> float:
-        """The share of tiles that can be judged."""
+        """Share of tiles that can be judged."""
         return float(np.mean(np.isfinite(self.blur_px)))
 
     @property
     def sharp(self) -> float | None:
-        """The share of the judged tiles that are in focus; None if none is judged."""
+        """Share of the judged tiles in focus; None if none is judged."""
         known = self.blur_px[np.isfinite(self.blur_px)]
         return float(np.mean(known <= SHARP_PX)) if len(known) else None
 
     @property
     def median_px(self) -> float | None:
-        """The median blur of the judged tiles."""
+        """Median blur of the judged tiles."""
         known = self.blur_px[np.isfinite(self.blur_px)]
         return float(np.median(known)) if len(known) else None
 
 
 def focus_of(image: Image, mask: Image | None = None) -> Focus:
-    """The blur of a grey picture's tiles; only edges within ``mask`` count."""
+    """Blur of a grey picture's tiles; only edges within ``mask`` count."""
     smooth = cv2.GaussianBlur(image, (0, 0), 1.5)
     edges = cv2.Canny(smooth, 30, 90, L2gradient=True)
     if mask is not None:
@@ -87,7 +87,7 @@ def focus_of(image: Image, mask: Image | None = None) -> Focus:
 
 
 def blur_along(image: Image, corners_px: FloatArray) -> float | None:
-    """The blur of a quadrilateral's sides, such as a marker's (4, 2); None if too few are clear."""
+    """Blur of a quadrilateral's sides, such as a marker's (4, 2); None if too few are clear."""
     points, normals = [], []
     for begin, end in zip(corners_px, np.roll(corners_px, -1, axis=0), strict=True):
         side = end - begin
@@ -99,7 +99,7 @@ def blur_along(image: Image, corners_px: FloatArray) -> float | None:
 
 
 def blur_across(image: Image, points: FloatArray, normals: FloatArray) -> float:
-    """The median blur of the edges at points (n, 2), across them; NaN if too few are clear."""
+    """Median blur of the edges at points (n, 2), across them; NaN if too few are clear."""
     lengths = np.hypot(normals[:, 0], normals[:, 1])
     keep = lengths > 0.0
     points, normals = points[keep], normals[keep] / lengths[keep, None]
@@ -117,14 +117,13 @@ def blur_across(image: Image, points: FloatArray, normals: FloatArray) -> float:
 
 
 def _sigma_of(profile: FloatArray) -> float:
-    """The blur of one step; NaN if the profile is not one, as it turns or is too low."""
+    """Blur of one step; NaN if the profile turns or is too low."""
     middle = len(profile) // 2
     if profile[-1] < profile[0]:
         profile = -profile
     slopes = np.convolve(np.diff(profile) / STEP_PX, np.ones(4) / 4.0, mode="same")
     near = slice(middle - 8, middle + 8)
     peak = near.start + int(np.argmax(slopes[near]))
-    # The plateaus: from the peak outwards to where the slope first flattens.
     rest = 0.05 * slopes[peak]
     left, right = peak, peak
     while left > 0 and slopes[left - 1] > rest:

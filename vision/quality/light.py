@@ -1,11 +1,11 @@
 """Noise, flicker and clipping of a camera's pictures.
 
 Rules and units
-- Grey levels 0..255. Noise is the standard deviation of an unchanging pixel, from the
-  differences of consecutive pictures; movement is left out by its size.
-- Lamps on the mains flicker at twice its frequency, far above the picture rate. The search is
-  for a wave of exactly 100 or 120 Hz at the pictures' times, row by row, as a rolling shutter
-  shows it as bands. A wave that is motionless in the pictures cannot be seen.
+- Grey levels 0..255. Noise is the standard deviation of an unchanging pixel, from the differences
+  of consecutive pictures; movement is left out by its size.
+- Lamps on the mains flicker at twice its frequency, far above the picture rate. The search is for a
+  wave of 100 or 120 Hz at the pictures' times, row by row: a rolling shutter shows bands. A wave
+  motionless in the pictures is unseen.
 """
 
 from __future__ import annotations
@@ -24,11 +24,11 @@ WHITE: Final = 250
 BLACK: Final = 5
 FLICKERS_HZ: Final = (100.0, 120.0)
 BESIDE_HZ: Final = (-1.3, -0.7, 0.7, 1.3)
-"""Offsets from a lamp's frequency at which none flickers: what is there is noise and motion."""
+"""Offsets from a lamp's frequency at which only noise and motion are."""
 CLEAR: Final = 4.0
 """Factor by which flicker exceeds its neighbours."""
 LEAST_CYCLES: Final = 2.0
-"""Least number of beats between flicker and pictures within the time watched."""
+"""Least number of beats between flicker and pictures in the time watched."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -53,7 +53,7 @@ def noise_of(differences: list[Image]) -> float | None:
     counts = np.zeros(256)
     for difference in differences:
         counts += np.bincount(difference.ravel(), minlength=256)[:256]
-    # A rounded difference d is one of d - 1/2 .. d + 1/2: the share up to a level gives sigma.
+    # a rounded difference d is one of d - 1/2 .. d + 1/2: the share up to a level gives sigma
     shares = np.cumsum(counts) / counts.sum()
     level = int(np.searchsorted(shares, 0.6))
     inside = float(shares[level])
@@ -94,7 +94,6 @@ def flicker_of(times_s: FloatArray, rows: FloatArray) -> Flicker:
 
 
 def _beat_hz(frequency_hz: float, rate_hz: float) -> float:
-    """Apparent frequency of a flicker at a rate of pictures."""
     if rate_hz <= 0.0:
         return 0.0
     return abs(math.remainder(frequency_hz, rate_hz))
@@ -106,7 +105,7 @@ def _amplitude(times_s: FloatArray, changes: FloatArray, frequency_hz: float) ->
 
 
 def clipped_of(image: Image, mask: Image | None = None) -> tuple[float, float]:
-    """The shares of pixels within a mask that are clipped to white and to black."""
+    """Shares of pixels within a mask that are clipped to white and to black."""
     whole = float(np.count_nonzero(mask)) if mask is not None else float(image.size)
     if whole == 0.0:
         return 0.0, 0.0

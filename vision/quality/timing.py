@@ -1,10 +1,10 @@
 """Timing of pictures: their rate, its jitter, and their age at arrival.
 
 Rules and units
-- Seconds; a rate is pictures a second. ``stamps_s`` are the times of exposure as far as the
-  source knows them, ``arrivals_s`` the times at which the program had the picture.
-- The period is the slope of the stamps over the pictures' numbers; a gap counts as its number
-  of periods.
+- Seconds; ``stamps_s`` are the times of exposure as the source knows them, ``arrivals_s`` those at
+  which the program had the picture.
+- The period is the slope of the stamps over the pictures' numbers; a gap counts as its number of
+  periods.
 """
 
 from __future__ import annotations
@@ -20,8 +20,8 @@ from planner.scene import FloatArray
 class Timing:
     """Rate and regularity of some pictures.
 
-    ``jitter_s`` is the standard deviation of the stamps about an even rhythm, ``longest_gap_s``
-    the longest time between two stamps, ``delay_s`` the median time from stamp to arrival.
+    ``jitter_s`` is the stamps' standard deviation about an even rhythm, ``longest_gap_s`` the
+    longest time between two, ``delay_s`` the median time from stamp to arrival.
     """
 
     pictures: int
@@ -35,7 +35,7 @@ class Timing:
 
 
 def timing_of(stamps_s: FloatArray, arrivals_s: FloatArray) -> Timing | None:
-    """The timing of pictures in order, shapes (n,); None for fewer than three."""
+    """Timing of pictures in order, shapes (n,); None for fewer than three."""
     if len(stamps_s) < 3 or stamps_s[-1] <= stamps_s[0]:
         return None
     steps = np.diff(stamps_s)
@@ -59,7 +59,6 @@ def even_times(stamps_s: FloatArray) -> FloatArray:
 
 
 def _numbers(stamps_s: FloatArray) -> FloatArray:
-    """The pictures' numbers, from their distances in periods."""
     steps = np.diff(stamps_s)
     period_s = float(np.median(steps))
     if period_s <= 0.0:

@@ -1,7 +1,4 @@
-"""Observation of a camera for some seconds; keeps the data to judge it, not the pictures.
-
-Grey or colour pictures; seconds of the frames' clock.
-"""
+"""Observation of a camera for some seconds; keeps data, not pictures."""
 
 from __future__ import annotations
 
@@ -20,10 +17,10 @@ from vision.quality.light import Flicker, clipped_of, flicker_of, noise_of
 from vision.quality.timing import Timing, even_times, timing_of
 
 NOISE_EVERY: Final = 5
-"""Differences of each fifth pair are enough, and some of them are of moving things."""
+"""Step between pairs compared: some show moving things."""
 MOST_DIFFERENCES: Final = 40
 BANDS: Final = 240
-"""Number of groups of rows: flicker's bands are tens of rows high."""
+"""Most groups of rows: flicker's bands are tens of rows high."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -49,7 +46,7 @@ class Quality:
     """Mean grey level, 0..255."""
     white: float
     black: float
-    """Shares of pixels, of the arena where a mask was given, that are clipped."""
+    """Clipped shares of pixels, of the arena if a mask was given."""
     focus: Focus
     markers: tuple[SeenMarker, ...]
 
@@ -67,7 +64,7 @@ class Watching:
         self._is_still = True
 
     def add(self, frame: Frame, arrived_s: float) -> None:
-        """Add one picture, in order. A picture of another size restarts the collection."""
+        """Add one picture, in order; one of another size restarts the collection."""
         grey = grey_of(frame.image)
         last = self._last
         if last is not None and last.shape != grey.shape:
@@ -99,7 +96,7 @@ class Watching:
             return None
         stamps_s = np.array(self._stamps_s)
         timing = timing_of(stamps_s, np.array(self._arrivals_s))
-        # Pictures without any noise repeat one file and do not describe a sensor.
+        # pictures without any noise repeat one file
         is_live = timing is not None and not self._is_still
         fits = self._mask is not None and self._mask.shape == grey.shape
         mask = self._mask if fits else None

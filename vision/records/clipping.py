@@ -14,11 +14,11 @@ import math
 from planner.scene import Arc, CircleRecord, Edge, PolygonRecord, Segment, Vec
 
 STRAY_PX = 0.01
-"""A border so little beyond the edge is only rounded."""
+"""Distance beyond the edge that is rounding."""
 CIRCLE_STRAY_PX = 0.5
-"""A circle that passes the edge by no more than half a pixel is still seen whole."""
+"""Distance beyond the edge at which a circle still counts as whole."""
 SAME = 1e-9
-"""So near to a side of the bounds a point lies on it; so short an edge is none."""
+"""Distance of a point on a side of the bounds; a shorter edge is none."""
 
 
 def clip_circle(
@@ -65,7 +65,6 @@ def _clip(edges: tuple[Edge, ...], bounds: tuple[float, float, float, float]) ->
 
 
 def _clip_at(edges: tuple[Edge, ...], axis: int, limit: float, sign: float) -> tuple[Edge, ...]:
-    """Part of the outline where ``sign * (coordinate - limit) <= 0``."""
     kept: list[Edge] = []
     for edge in edges:
         places = [edge.start, *_crossings(edge, axis, limit), edge.end]
@@ -90,7 +89,7 @@ def _between(end: Vec, start: Vec) -> list[Edge]:
 
 
 def _crossings(edge: Edge, axis: int, limit: float) -> list[Vec]:
-    """Points where an edge meets a side of the bounds, in its order, exactly on that side."""
+    """Points where an edge meets a side of the bounds, in its order."""
     if isinstance(edge, Segment):
         a, b = edge.start[axis] - limit, edge.end[axis] - limit
         if a * b >= 0.0:
@@ -120,7 +119,7 @@ def _piece(edge: Edge, start: Vec, end: Vec) -> Edge:
 def _turn_to(arc: Arc, place: Vec) -> float:
     """Angle from an arc's start to a place, in the arc's direction: 0 .. 2 pi.
 
-    Pixels, y down: the angle falls along an arc that is counter-clockwise on the screen.
+    y down: the angle falls along a counter-clockwise arc.
     """
     begin = math.atan2(arc.start[1] - arc.center[1], arc.start[0] - arc.center[0])
     there = math.atan2(place[1] - arc.center[1], place[0] - arc.center[0])

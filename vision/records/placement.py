@@ -1,8 +1,7 @@
 """Coordinates of a picture's records: its own pixels, or metres on the floor.
 
-Rules and units
-- Rectified pixels are metres divided by the nominal pixel, y down as in the picture, so fits see
-  the same orientation and tolerances either way.
+Rectified pixels are metres divided by the nominal pixel, y down as in the picture, so fits see the
+same orientation and tolerances.
 """
 
 from __future__ import annotations
@@ -29,7 +28,7 @@ from vision.errors import PictureError
 from vision.records.unseen import blind_of
 
 _MILD = 0.2
-"""A fifth more or less than nominal is no matter for tolerances, which are chosen no finer."""
+"""Difference from nominal that does not matter: a fifth, as tolerances are chosen no finer."""
 
 
 class PixelsToFloor(Protocol):
@@ -64,7 +63,7 @@ class Placement:
     ) -> Placement:
         """Pixels without a calibration; otherwise metres inside the bounds or the seen ground.
 
-        Raises ``PictureError`` if the calibration is not one, or is for pictures of another size.
+        Raises ``PictureError`` for a calibration of another size, or for none.
         """
         width, height = size
         if calibration is not None and not hasattr(calibration, "arena_from_image"):
@@ -114,8 +113,7 @@ class Placement:
     ) -> NDArray[np.float64]:
         """Ratio (b,) of each border's length in rectified pixels to its length in the picture.
 
-        A lens shows a length of floor smaller towards its rim, but a fit's tolerance there is still
-        that of the picture's own pixels.
+        A fit's tolerance is that of the picture's own pixels.
         """
         if self.calibration is None:
             return np.ones(len(starts) - 1)
@@ -159,7 +157,6 @@ def ignored_pixels(
 
 
 def _as_bounds(bounds: Bounds | Sequence[float] | NDArray[np.float64]) -> Bounds:
-    """Bounds from themselves, or from x_min, y_min, x_max, y_max."""
     if isinstance(bounds, Bounds):
         return bounds
     try:

@@ -3,7 +3,7 @@
 Rules and units
 - Edges are those of ``vision.outline.fitted_borders.FittedBorders``, in the scene's coordinates or
   in pixels; areas are in pixels, and cracks are counted.
-- For some dozen edges whole arrays take ten times as long: the number of calls counts.
+- For some dozen edges whole arrays take ten times as long.
 """
 
 # mypy: allow-untyped-defs

@@ -4,9 +4,8 @@ Rules and units
 - Coordinates are pixels, y down, or metres, y up, from rectified pixels by a ``Placement``; an
   arc's turn is as seen on the screen and needs no change.
 - An outline comes first, then the borders of its holes in their order.
-- P: a single pixel. S: pixels in one straight line, one pixel wide. A: pixels in one curved
-  line, one pixel wide. C: a circle. L: anything else; a tiny object's border is exactly its
-  pixels' outline.
+- P: a pixel. S, A: a straight or curved line, one pixel wide. C: a circle. L: anything else; a tiny
+  object's border is its pixels' outline.
 """
 
 from __future__ import annotations
@@ -41,7 +40,7 @@ from vision.records.record_kernels import look_at_borders
 from vision.records.thin_curves import chain_edges, open_chain
 
 SPECK_AREA = 4
-"""Pixels of the largest border that counts as noise, where there is so much of it."""
+"""Pixels of the largest border that counts as noise."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -55,7 +54,7 @@ class Specks:
 def find_specks(borders: Contours, noise: float, contrast: float) -> Specks:
     """Borders of at most ``SPECK_AREA`` pixels that noise could have made.
 
-    If noise cannot cross the level, a single pixel is an obstacle (P), and stays.
+    None if noise cannot cross the level: a single pixel is an obstacle (P).
     """
     if noise <= 0.0 or 0.5 * contrast >= SIGMAS * noise:
         return Specks(frozenset(), ())
@@ -75,7 +74,7 @@ def build_objects(
     placement: Placement,
     skip: frozenset[int] = frozenset(),
 ) -> tuple[SceneObject, ...]:
-    """Objects of the scene in the order of their first pixel. O(records)."""
+    """Objects of the scene in the order of their first pixel."""
     bounds = placement.bounds
     limits = (bounds.x_min, bounds.y_min, bounds.x_max, bounds.y_max)
     ends, bent, stray, thin = look_at_borders(
@@ -166,7 +165,7 @@ class _Outlines:
 
 
 def tiny_record(borders: Contours, border: int, placement: Placement) -> Record:
-    """P, S, or the pixels' own outline as L, for an object too small for a fit."""
+    """P, S, or the pixels' outline as L, for an object too small for a fit."""
     thin = thin_record(borders, border, placement)
     if thin is not None:
         return thin
@@ -208,7 +207,6 @@ def _curved_line(chain: list[tuple[int, int]], placement: Placement) -> ArcRecor
 
 
 def _placed(points: Sequence[tuple[float, float]], placement: Placement) -> list[Vec]:
-    """Convert points of the picture to the scene's coordinates."""
     there = placement.rectified(np.array(points, dtype=np.float64))
     there = there * np.array([placement.scale, placement.y_scale])
     return [(x, y) for x, y in there.tolist()]

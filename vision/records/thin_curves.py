@@ -2,8 +2,7 @@
 
 Rules and units
 - The chain's points are its pixels' centres, in order, in rectified pixels, y down.
-- Pixels side by side are neighbours; diagonal ones only if no pixel joins them. An open chain has
-  two ends and no branches.
+- Pixels side by side are neighbours; diagonal ones only if no pixel joins them.
 - One arc if every pixel's centre lies within ``NEAR_PX`` of it, otherwise a polyline.
 """
 
@@ -20,15 +19,16 @@ from vision.outline.fit.shape_kernels import fit_circle, refine_circle
 
 Pixel = tuple[int, int]
 NEAR_PX = 0.75
-"""Largest distance of a drawn curve's pixels from it: half a pixel's diagonal, and a little."""
+"""Largest distance of a drawn curve's pixels: half a pixel's diagonal, and a little."""
 FEWEST = 5
-"""Pixels of the shortest chain whose bend can be distinguished from rounding."""
+"""Pixels of the shortest chain whose bend is no rounding."""
 BESIDE = ((1, 0), (0, 1), (-1, 0), (0, -1))
 ACROSS = ((1, 1), (-1, 1), (-1, -1), (1, -1))
 
 
 def open_chain(pixels: list[Pixel]) -> list[Pixel] | None:
-    """Pixels in order from one end to the other, or None if they are not an open chain."""
+    """Pixels in order from end to end, or None if they are no open chain, with two ends and no
+    branches."""
     if len(pixels) < FEWEST:
         return None
     links = _links(set(pixels))
@@ -52,7 +52,6 @@ def open_chain(pixels: list[Pixel]) -> list[Pixel] | None:
 
 
 def _links(there: set[Pixel]) -> dict[Pixel, list[Pixel]]:
-    """Neighbours of every pixel: beside it, or diagonal if no pixel joins them."""
     links: dict[Pixel, list[Pixel]] = {}
     for x, y in there:
         links[x, y] = [(x + dx, y + dy) for dx, dy in BESIDE if (x + dx, y + dy) in there]
@@ -90,7 +89,6 @@ def _onto(x: float, y: float, cx: float, cy: float, radius: float) -> Vec:
 
 
 def _corners(points: NDArray[np.float64], first: int, last: int) -> list[int]:
-    """Vertices that keep the polyline from first to last within NEAR_PX of every point."""
     found: list[int] = []
     stack = [(first, last)]
     while stack:

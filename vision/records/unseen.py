@@ -2,11 +2,11 @@
 
 Rules
 - A plan of the ground gives the unseen share of each pixel: a lens folds or looks sideways there
-  (``vision.calibration.blind``), no camera looks there, or the one that did is lost
-  (``vision.joined.floor_plan``). It is outlined like any picture and added to the scene's objects
-  with a sentence that gives the reason: robots do not drive on unseen ground.
-- A picture has neither edges nor obstacles where it shows no ground: a lens's blind pixels get the
-  picture's middle grey before a level is sought.
+  (``vision.calibration.blind``), or no working camera looks there (``vision.joined.floor_plan``).
+  It is outlined like any picture and added to the scene's objects: robots do not drive on unseen
+  ground.
+- A lens's blind pixels get the picture's middle grey before a level is sought, so that they show
+  neither edges nor obstacles.
 """
 
 from __future__ import annotations
@@ -23,8 +23,8 @@ from planner.scene import Bounds, Scene, SceneObject
 from vision.errors import PictureError
 
 _BLUR_PX = 3.0
-"""Sigma of the blur of a lens's plan, whose blind part is grown by more than twice that: its
-outline needs few edges."""
+"""Sigma of the blur of a lens's plan: its outline needs few edges; the blind part is grown by more
+than twice that."""
 _MOST_KNOWN = 16
 
 
@@ -51,7 +51,7 @@ def without_blind(image: NDArray[Any], blind: NDArray[np.bool_]) -> NDArray[Any]
     A picture of another size is returned as it is. Raises ``PictureError`` if no pixel is seen.
     """
     if image.shape[:2] != blind.shape:
-        return image  # not the calibration's size, which its placement reports
+        return image  # its placement reports the calibration's size
     if blind.all():
         raise PictureError("the picture shows no ground: the lens folds all over it")
     filled = image.copy()
@@ -73,7 +73,7 @@ def unseen_ground(
 def hidden_by_lens(calibration: object, bounds: Bounds, outline: Callable[..., Scene]) -> Unseen:
     """Ground in the bounds that a camera's lens hides; ``outline`` is ``vision.extract``.
 
-    Raises ``PictureError`` if nothing within the bounds is seen. Made once, then remembered.
+    Raises ``PictureError`` if nothing within the bounds is seen. Cached.
     """
     blind = blind_of(calibration)
     if blind is None or not hasattr(calibration, "blind_plan"):

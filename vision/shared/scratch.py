@@ -1,9 +1,8 @@
 """Memory reused from one picture to the next.
 
 Rules and units
-- Fresh pages cost more than many a pass over them, so large arrays that a picture's scene does not
-  keep come from a room. An array keeps its contents until the same name is taken again; no part of
-  it may be handed out.
+- Large arrays that a scene does not keep come from a room: fresh pages are slow. An array keeps its
+  contents until the same name is taken again; no part of it may be handed out.
 - Every thread has its own.
 """
 

@@ -1,8 +1,7 @@
 """Typed numbers and answers that kernels take.
 
-Rules
-- Numba compiles a kernel, with everything below it, again for every literal that it is passed (see
-  ``planner.scene.compile_options``). These are ordinary numbers to it.
+Numba compiles a kernel again for every literal that it is passed (see
+``planner.scene.compile_options``), but not for these.
 """
 
 from __future__ import annotations

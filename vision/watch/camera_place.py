@@ -2,14 +2,13 @@
 
 Rules and units
 - Fixed points are the configured floor markers; if fewer than ``LEAST_POINTS`` are seen, the
-  corners of ``vision.watch.fixed_points`` too. They are learned from one picture and watched from
-  the next on; a point that trembles is left out.
-- The camera has moved when more than half of the visible points have moved. A single point kicked
-  away or covered is reported as such.
+  corners of ``vision.watch.fixed_points`` too. They are learned from one picture; a point that
+  trembles is left out.
+- The camera has moved when more than half of the visible points have. A single moved or covered
+  point is reported.
 - Markers with configured places must be seen there when they are learned: otherwise the camera was
   moved unwatched, or its place is unclear, which holds the robot as well.
-- A sentence changes only with its content: it is shown, logged and recorded. Raw pixels, metres,
-  seconds of the frames.
+- A sentence changes only with its content. Raw pixels, metres, seconds of the frames.
 """
 
 from __future__ import annotations
@@ -35,15 +34,14 @@ from vision.watch.fixed_points import (
 )
 
 LEAST_POINTS = 3
-"""With two that disagree it is unknown which one has moved."""
+"""With two that disagree the moved one is unknown."""
 LEARNED_FRAMES = 30
 LEARN_AGAIN_S = 2.0
-"""Between two searches for markers that were lost; a search takes some 20 ms."""
+"""Pause between searches for lost markers; a search takes some 20 ms."""
 MOST_NOISE_PX = 0.3
-"""Largest noise of one point, along each axis; corners in a picture with noise of 2.5 grey levels
-have 0.03."""
+"""Largest noise of one point, along each axis; corners at 2.5 grey levels of noise have 0.03."""
 _SAID_AGAIN = 0.25
-"""A movement that has changed by this part, and by half a pixel, is said again."""
+"""Relative change of a movement, besides half a pixel, that is reported again."""
 _NAMED = 4
 _NO_DISCS = np.empty((0, 3))
 
@@ -68,23 +66,23 @@ class PlaceSettings:
 
 @dataclass(frozen=True, slots=True)
 class PlaceReport:
-    """A frame's findings on the camera's place; sentences without a cause are empty."""
+    """A frame's findings; sentences without a cause are empty."""
 
     moved: str = ""
     """The camera has moved."""
     lost: str = ""
-    """More than half of the fixed points are not seen: it has moved far, or they are hidden."""
+    """More than half of the fixed points are unseen: it has moved far, or they are hidden."""
     remarks: tuple[str, ...] = ()
     """Single points that moved or vanished, and a camera that cannot be watched."""
     moved_px: float | None = None
-    """Distance from their places that more than half of the points reach in this frame."""
+    """Distance from their places that more than half of the points reach."""
 
 
 NOTHING_KNOWN = PlaceReport()
 
 
 def said_together(reports: Iterable[PlaceReport]) -> PlaceReport:
-    """Join several cameras' reports: each one that has moved or is lost counts."""
+    """Join several cameras' reports: each that has moved or is lost counts."""
     reports = tuple(reports)
     return PlaceReport(
         "; ".join(one.moved for one in reports if one.moved),
@@ -95,9 +93,9 @@ def said_together(reports: Iterable[PlaceReport]) -> PlaceReport:
 
 
 class CameraPlace:
-    """Watch that learns the fixed points of one picture and follows them in all later ones.
+    """Watch that learns the fixed points of one picture and follows them.
 
-    ``began_s`` is the moment its sentences count from; ``name`` is set for one of several cameras.
+    Its sentences count from ``began_s``; ``name`` is set for one of several cameras.
     """
 
     def __init__(
@@ -112,7 +110,7 @@ class CameraPlace:
         self._calibration, self._settings = calibration, settings
         self._meter: PointMeter | None = None
         self._zero: FloatArray = np.empty((0, 2))
-        """Readings of `PointMeter` for points in their places: not 0 if learned elsewhere."""
+        """Readings for points in their places: not 0 if learned elsewhere."""
         self._learned: list[Readings] | None = []
         self._began_s = self._last_s = began_s
         self._misplaced = False
@@ -132,7 +130,7 @@ class CameraPlace:
     ) -> PlaceReport:
         """Measure a frame (h, w); robots cover ``discs`` (k, 3), as far as known.
 
-        With ``may_learn`` the robots' places are known, and the first frame's points are learned.
+        ``may_learn``: the robots' places are known, so points may be learned.
         """
         settings = self._settings
         if settings.limit_px <= 0.0:
@@ -158,10 +156,8 @@ class CameraPlace:
         self._measure_noise(readings)
         report = self._report(most, away)
         if self._misplaced and not report.moved and not report.lost:
-            self._meter, self._tried_s = None, -np.inf  # it is back: all markers count again
+            self._meter, self._tried_s = None, -np.inf
         return report
-
-    # Learning.
 
     def _reset(self, count: int, noise_px: float = LEAST_NOISE_PX) -> None:
         limit_px = max(self._settings.limit_px, 1e-9)
@@ -177,7 +173,7 @@ class CameraPlace:
         away = np.hypot(*offsets[placed].T)
         in_place = len(away) > 0 and of_most(away) <= self._settings.limit_px
         misplaced = len(away) >= LEAST_POINTS and not in_place
-        if self._meter is not None and len(away) < LEAST_POINTS:  # what was learned is better
+        if self._meter is not None and len(away) < LEAST_POINTS:  # the learned ones are better
             return
         seen_ids = set(_marker_ids(points))
         self._unseen_ids = tuple(sorted({m.id for m in self._settings.markers} - seen_ids))
@@ -199,7 +195,6 @@ class CameraPlace:
             self._each.begin_moved(now_s)
 
     def _why_unclear(self, away_px: FloatArray, is_clear: bool) -> str:
-        """Reason why too few surveyed markers are seen to locate the camera; empty if clear."""
         surveyed = sum(one.place_m is not None for one in self._settings.markers)
         if is_clear or (not len(away_px) and surveyed < LEAST_POINTS):
             return ""
@@ -211,7 +206,6 @@ class CameraPlace:
         )
 
     def _floor_markers(self, grey: Image) -> tuple[list[FixedPoint], FloatArray]:
-        """Markers in the picture, and the offset (n, 2) of each from its configured place."""
         wanted = {one.id: one.place_m for one in self._settings.markers}
         if not wanted:
             return [], np.empty((0, 2))
@@ -225,7 +219,6 @@ class CameraPlace:
     def _offsets(
         self, points: Sequence[FixedPoint], expected: Sequence[tuple[float, float] | None]
     ) -> FloatArray:
-        """Offsets (n, 2) of markers from their configured places, NaN without one."""
         offsets = np.full((len(points), 2), np.nan)
         for i, (point, place) in enumerate(zip(points, expected, strict=True)):
             if place is not None:
@@ -237,7 +230,7 @@ class CameraPlace:
         if self._learned is None or self._meter is None:
             return
         if self._camera.sums[0] > 0.0 or self._lost.sums[0] > 0.0:
-            self._learned = []  # whatever moves now is not noise
+            self._learned = []  # movement now is not noise
             return
         self._learned.append(readings)
         if len(self._learned) < LEARNED_FRAMES:
@@ -259,8 +252,6 @@ class CameraPlace:
         )
         self._meter, self._zero = PointMeter(kept), self._zero[steady]
         self._reset(len(kept))
-
-    # Reporting.
 
     def _report(self, most_px: float | None, away_px: FloatArray | None = None) -> PlaceReport:
         remarks = []
@@ -307,7 +298,7 @@ class CameraPlace:
         if before is not None:
             change_px = abs(size_px - before[0])
             if size_px < limit_px or change_px <= max(0.5, _SAID_AGAIN * before[0]):
-                return  # on its way back, or as far away as reported
+                return
         which = [p for p, px in zip(self.points, away_px, strict=True) if px > limit_px]
         size_mm = 1000.0 * size_px * self._calibration.metres_per_pixel
         when = self._into_the_run(self._camera.since_s[0])
@@ -356,7 +347,6 @@ class CameraPlace:
 
 
 def _marker_point(grey: Image, marker: Marker) -> FixedPoint | None:
-    """Floor marker as a fixed point; None at the picture's edge."""
     from_diagonals = crossing(marker.corners_px)
     side_px = float(np.linalg.norm(marker.corners_px[1] - marker.corners_px[0]))
     half_px = max(4, min(MARKER_HALF_PX, round(0.5 * side_px)))
@@ -368,7 +358,6 @@ def _marker_ids(points: Sequence[FixedPoint]) -> list[int]:
 
 
 def _listed(points: Sequence[FixedPoint]) -> str:
-    """List floor markers by number and corners by place; long lists are cut short."""
     markers = ", ".join(map(str, _marker_ids(points)[:_NAMED]))
     corners = [p.name.removeprefix(CORNER) for p in points if p.marker_id is None]
     said = f"floor marker{'s' * (len(_marker_ids(points)) > 1)} {markers}" if markers else ""

@@ -2,16 +2,14 @@
 
 Rules and units
 - Pixels are raw, centres at integers; rectangles are (x, y, width, height).
-- Cells of a few pixels are compared with a reference: the mean of what was seen there before. The
-  threshold follows the frame's own noise, edges may tremble a little, and a change of the light as
-  a whole is divided out.
-- The reference never creeps towards the picture, or something slow enough would be absorbed
-  unreported. After the first frames of a place it changes only where a change was
-  reported.
-- Ground under a robot is unknown. ``background`` keeps what was last seen there, so that an
-  obstacle beside or below a robot is not lost. Ground never seen is filled from around it until the
-  robot drives off, and reported then if it differs.
-- A change is reported when it was seen in two frames in a row.
+- Cells of a few pixels are compared with a reference, the mean of earlier ones. The threshold
+  follows the frame's noise, edges may tremble a little, and a change of the whole light is divided
+  out.
+- After the first frames of a place the reference changes only where a change was reported, or
+  something slow would be absorbed.
+- Ground under a robot is unknown: ``background`` keeps its last picture. Ground never seen is
+  filled from around it until the robot drives off.
+- A change is reported after two frames in a row.
 """
 
 from __future__ import annotations
@@ -38,15 +36,15 @@ _NOISE_FACTOR = 5.5
 _REFRESH_GAIN = 0.1
 _RIM_CELLS = 2
 _SPARSE = 23
-"""Every 23rd cell answers for a median; a prime, so that all columns take part."""
+"""Every 23rd cell is in a median's sample; a prime, so that all columns take part."""
 
 
 @dataclass(frozen=True, slots=True)
 class ChangeLimits:
     """Limits of a change: ``least_contrast`` grey levels, ``least_cells`` connected cells.
 
-    ``tremor`` is the share of the local contrast that an edge may differ by: 0.15 allows a shake of
-    about half a pixel.
+    ``tremor`` is the share of the local contrast that an edge may differ by; 0.15 is a shake of
+    half a pixel.
     """
 
     least_contrast: float = 6.0
@@ -58,8 +56,8 @@ class ChangeLimits:
 class Change:
     """Rectangles in which something was added, removed or moved.
 
-    ``first``: the first frame. ``relit``: the background was taken over at another exposure, so
-    that all its grey values differ.
+    ``first``: the first frame. ``relit``: the background is at another exposure, so that all its
+    grey values differ.
     """
 
     rectangles: tuple[Rectangle, ...]
@@ -96,9 +94,9 @@ class SceneWatcher:
         """Compare a frame; return the change, or None.
 
         ``image`` (h, w) or (h, w, 3) uint8; ``bodies`` (k, 3): x, y, radius of the discs that
-        robots cover, ``markers.body_discs_px``. None means that a robot's place is unknown: the
-        frame is not judged, as the robot itself would look like an obstacle. The first frame, and
-        one of another size, is a change of everything.
+        robots cover, ``markers.body_discs_px``. With None, for an unknown place, the frame is not
+        judged: the robot would look like an obstacle. The first frame, and one of another size, is
+        a change of everything.
         """
         if bodies is None:
             return None
@@ -139,7 +137,7 @@ class SceneWatcher:
         height, width = image.shape[0] // n, image.shape[1] // n
         part = image[: height * n, : width * n]
         small = np.asarray(part)
-        # Repeated halving is vectorised and seven times as fast as one step.
+        # repeated halving is vectorised and seven times as fast as one step
         while n > 1:
             n //= 2
             size = (width * n, height * n)
@@ -151,7 +149,6 @@ class SceneWatcher:
         return self._covered_in(self._reference.shape, discs)
 
     def _covered_in(self, shape: tuple[int, ...], discs: NDArray[np.float64]) -> _Mask:
-        """Mask of cells, 255 where a disc touches one."""
         mask = np.zeros(shape, np.uint8)
         n = self._cell_px
         for x, y, radius in discs:
@@ -167,7 +164,7 @@ class SceneWatcher:
         return mask
 
     def _gain(self, cells: _Cells, covered: _Mask) -> float:
-        """Gain of the whole picture's light: the median of a few thousand cells' ratios."""
+        """Gain of the whole picture's light: the median ratio of a few thousand cells."""
         now, before = cells.ravel()[::_SPARSE], self._reference.ravel()[::_SPARSE]
         usable = (before > _DARKEST_FOR_GAIN) & (covered.ravel()[::_SPARSE] == 0)
         if np.count_nonzero(usable) < 16:
@@ -196,7 +193,7 @@ class SceneWatcher:
             self._pending_frames = 0
             return None
         self._pending_frames += 1
-        # Something fast overlaps nothing of the last frame, but is there all the same.
+        # something fast overlaps nothing of the last frame, but is there
         if self._pending_frames < 3:
             near = cv2.dilate(before, np.ones((5, 5), np.uint8))
             met = np.zeros(count, dtype=np.bool_)
@@ -209,7 +206,7 @@ class SceneWatcher:
     def _average(self, cells: _Cells, covered: _Mask, changed: _Mask, gain: float) -> None:
         """Take unchanged cells into the reference's mean, while it is young.
 
-        Later only ground that a robot uncovered is young, and every fourth frame is enough.
+        Later only uncovered ground is young, and every fourth frame is enough.
         """
         self._frames += 1
         if self._frames > _AVERAGED_FRAMES and self._frames % 4 != 0:
@@ -225,7 +222,7 @@ class SceneWatcher:
     def _reveal(self, image: Image, covered: _Mask, changed: _Mask) -> None:
         """Replace filled pixels by real ones where the floor is seen for the first time.
 
-        A difference from the filling is reported like any other change.
+        A difference is a change like any other.
         """
         if not self._unseen.any():
             return
@@ -238,14 +235,13 @@ class SceneWatcher:
     def _adopt(
         self, image: Image, cells: _Cells, covered: _Mask, confirmed: _Mask, gain: float
     ) -> Change:
-        """Take over the changed parts and report them."""
         size = 2 * _RIM_CELLS + 1
         region = cv2.dilate(confirmed, np.ones((size, size), np.uint8)).astype(np.uint8)
         rectangles = self._rectangles(region, image)
         region[covered > 0] = 0
         relit = abs(gain - 1.0) > _REFRESH_GAIN
         if relit:
-            # The light has changed since: one picture must not mix two exposures.
+            # the light has changed: one picture must not mix two exposures
             region[covered == 0] = 255
             self._reference *= np.float32(gain)
             if self._background is not None:
@@ -271,7 +267,7 @@ class SceneWatcher:
         found = []
         for x, y, w, h, _ in stats[1:count].tolist():
             x0, y0 = x * n, y * n
-            # The last whole cell covers the pixels behind it too.
+            # the last whole cell covers the pixels behind it too
             x1 = width if x + w == region.shape[1] else (x + w) * n
             y1 = height if y + h == region.shape[0] else (y + h) * n
             found.append((x0, y0, x1 - x0, y1 - y0))
@@ -292,13 +288,11 @@ class SceneWatcher:
         self._background[rows, columns][chosen] = source[chosen]
 
     def _pixels_of(self, mask: _Mask, shape: tuple[int, ...]) -> _Mask:
-        """Turn a mask of cells into one of pixels; the last cells reach the end of the shape."""
         rows = np.minimum(np.arange(shape[0]) // self._cell_px, mask.shape[0] - 1)
         columns = np.minimum(np.arange(shape[1]) // self._cell_px, mask.shape[1] - 1)
         return mask[np.ix_(rows, columns)]
 
     def _measure_tolerance(self) -> None:
-        """Set the change that an edge's tremor may cause: a share of each cell's contrast."""
         box = np.ones((3, 3), np.uint8)
         contrast = cv2.morphologyEx(self._reference, cv2.MORPH_GRADIENT, box)
         self._tolerance = (contrast * np.float32(self._limits.tremor)).astype(np.float32)
@@ -313,8 +307,7 @@ def _median(values: _Cells) -> float:
 def _fill(image: Image, hidden: _Mask) -> Image:
     """Copy of the picture with hidden pixels filled from around them.
 
-    Each connected part gets the median of a ring around it, which is floor: an obstacle that ends
-    at the ring would otherwise be continued below the robot.
+    Each connected part gets the median of a ring around it, which is floor.
     """
     filled = image.copy()
     count, labels, stats, _ = cv2.connectedComponentsWithStats(hidden, connectivity=8)

@@ -5,11 +5,10 @@ Rules and units
 - Page's test (Continuous inspection schemes, 1954) sums the logarithms of the two cases' likelihood
   ratios, never below 0. At ``THRESHOLD`` it has moved, back at 0 it has not. Movement began when
   the sum left 0.
-- One frame counts so little that ``REACTION_S`` of them must agree, however far off they are: a
-  flash or a hand in a few pictures moves nothing.
+- Frames must agree for ``REACTION_S``, however far off: a flash moves nothing.
 - By Lorden's bound (Procedures for reacting to a change in distribution, 1971) the mean number of
-  frames between false alarms is at least exp(``THRESHOLD``): with 30 a second, ten years, if the
-  noise of frames is independent and at most ``noise_px``.
+  frames between false alarms is at least exp(``THRESHOLD``): ten years at 30 a second, if their
+  noise is independent and at most ``noise_px``.
 """
 
 from __future__ import annotations
@@ -24,13 +23,13 @@ from vision.calibration.calibration import FloatArray
 THRESHOLD = 23.0
 REACTION_S = 0.4
 LEAST_NOISE_PX = 0.25
-"""Lamps, air and the sensor's own warmth move a picture by so much without a pattern."""
+"""Movement of a picture by lamps, air and the sensor's warmth."""
 _LONGEST_STEP_S = 0.1
-"""However long no frame came, the next is one frame."""
+"""Longest time that one frame represents."""
 
 
 def step_limit(passed_s: float) -> float:
-    """Most that one frame adds to the sum, or takes off it."""
+    """Most that one frame adds to the sum, or subtracts."""
     return THRESHOLD * min(max(passed_s, 0.0), _LONGEST_STEP_S) / REACTION_S
 
 
@@ -43,7 +42,7 @@ class DriftTest:
         self.sums: FloatArray = np.zeros(count)
         self.moved: NDArray[np.bool_] = np.zeros(count, dtype=np.bool_)
         self.since_s: FloatArray = np.full(count, math.nan)
-        """When each began to move; NaN for one that has not."""
+        """Beginning of each movement; NaN without one."""
 
     def begin_moved(self, since_s: float) -> None:
         """Mark all as moved already."""
@@ -52,7 +51,7 @@ class DriftTest:
     def update(self, away_px: FloatArray, passed_s: float, now_s: float) -> None:
         """Take a frame's distances (n), ``passed_s`` after the last frame.
 
-        NaN is unknown, inf farther away than can be measured.
+        NaN is unknown, inf too far to measure.
         """
         slope = 0.5 * self.limit_px / self.noise_px**2
         steps = slope * (away_px - 0.75 * self.limit_px)
@@ -68,6 +67,6 @@ class DriftTest:
 def of_most(away_px: FloatArray) -> float:
     """Greatest distance that more than half of the distances (n) reach, n > 0.
 
-    A camera moves all points; movement of fewer than half of them does not count here.
+    A camera moves all points.
     """
     return float(np.sort(away_px)[(len(away_px) + 1) // 2 - 1])

@@ -2,11 +2,10 @@
 
 Rules and units
 - Raw pixels, centres at integers. A point is a small patch of the picture: a floor marker, or a
-  corner of something at the arena's border or beyond; corners farther inside are taken only if
-  there are too few at the border.
+  corner at the arena's border or beyond; corners farther inside only if these are too few.
 - A patch is found where its normalised correlation is highest, to a fraction of a pixel by a
-  parabola, whatever the light. A patch found nowhere is not seen, which is not the same as moved.
-- A patch that looks like another place nearby is no fixed point: it would be found there.
+  parabola, whatever the light.
+- A patch that looks like another place nearby is no fixed point.
 """
 
 from __future__ import annotations
@@ -25,22 +24,22 @@ from vision.camera.camera import Image
 CORNER = "at "
 """Beginning of the corners' names; the place in metres follows."""
 MOST_CORNERS = 12
-"""More cost time and say nothing new: a camera has six ways to move."""
+"""More cost time and show nothing new: a camera has six ways to move."""
 HALF_PX, MARKER_HALF_PX = 12, 16
 NEAR_PX, WIDE_PX = 8, 48
-"""Reach of the search for a patch: in every frame, and now and then where it is not there."""
+"""Reach of the search for a patch: in every frame, and now and then for lost ones."""
 LEAST_LIKENESS = 0.7
-"""Least likeness of a patch and the picture: a corner in noise of 2.5 grey levels has 0.99, half
+"""Least likeness of a patch and the picture: a corner at 2.5 grey levels of noise has 0.99, half
 covered 0.5."""
 MOST_LIKENESS = 0.85
-"""Largest likeness of a patch and any other place that it might be taken for."""
+"""Largest likeness of a patch and another place."""
 _LEAST_SPREAD = 8.0
 """Grey levels: a patch without contrast shows noise."""
 _CANDIDATES, _QUALITY = 200, 0.05
 _BORDER_SHARE = 0.08
-"""Part of the arena's shorter side: anything nearer to the border counts as at the border."""
+"""Share of the arena's shorter side within which a corner is at the border."""
 _APART = 12
-"""Corners are at least this part of the picture's longer side apart."""
+"""Least distance of corners: this part of the picture's longer side."""
 _SMOOTHING_PX = 1.5
 _RIVAL_PX = 4
 
@@ -55,7 +54,7 @@ class FixedPoint:
     place_px: tuple[float, float]
     patch: Image
     corner_px: tuple[int, int]
-    """The patch's upper left pixel in the picture that it was taken from."""
+    """The patch's upper left pixel in its picture."""
     marker_id: int | None = None
 
 
@@ -63,7 +62,7 @@ class FixedPoint:
 class Readings:
     """One frame: ``moved_px`` (n, 2) from each point's first place, NaN if not seen.
 
-    ``covered`` (n): a robot is over the point, so nothing is known of it.
+    ``covered`` (n): a robot hides the point.
     """
 
     moved_px: FloatArray
@@ -93,7 +92,7 @@ def point_at(
 def corners_of(
     grey: Image, discs: FloatArray, calibration: Calibration, bounds: Bounds
 ) -> list[FixedPoint]:
-    """Corners that are fixed points, at most ``MOST_CORNERS``, first those at the border.
+    """Corners that are fixed points, at most ``MOST_CORNERS``, those at the border first.
 
     Robots cover ``discs`` (k, 3) x, y, radius. O(pixels).
     """
@@ -138,7 +137,6 @@ def _is_unlike_its_neighbours(grey: Image, point: FixedPoint) -> bool:
 
 
 def _covered(places: FloatArray, half_px: float, discs: FloatArray) -> _Flags:
-    """Mask of places (n, 2) whose patches a disc touches."""
     if not len(discs):
         return np.zeros(len(places), dtype=np.bool_)
     apart = np.hypot(*(places[:, None, :] - discs[None, :, :2]).transpose(2, 0, 1))
@@ -148,7 +146,6 @@ def _covered(places: FloatArray, half_px: float, discs: FloatArray) -> _Flags:
 def _likeness(
     grey: Image, point: FixedPoint, moved: tuple[int, int], reach_px: int
 ) -> tuple[NDArray[np.float32], tuple[int, int]]:
-    """Correlation at every place within reach, and the first of these places."""
     side = len(point.patch)
     x0, y0 = point.corner_px[0] + moved[0] - reach_px, point.corner_px[1] + moved[1] - reach_px
     left, up = max(0, x0), max(0, y0)
@@ -193,7 +190,7 @@ class PointMeter:
     def measure(self, grey: Image, discs: FloatArray) -> Readings:
         """Measure each point's movement since it was learned; robots cover ``discs`` (k, 3).
 
-        Each frame searches farther away for one of the lost points.
+        Each frame searches farther away for one lost point.
         """
         moved = np.full((len(self.points), 2), np.nan)
         covered = _covered(self._places, HALF_PX, discs)

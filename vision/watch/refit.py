@@ -5,9 +5,8 @@ Rules and units
   metres.
 - Each changed rectangle grows until it cuts no known object. Its content is extracted again at the
   scene's own level; everything else keeps its records, to the bit, and its id.
-- There is no answer where that cannot be trusted (uneven light, half of the picture changed, an
-  object that leaves its part, edges that the scene's level does not separate, as a faint
-  obstacle's), and the caller extracts the whole picture.
+- Where that cannot be trusted (uneven light, half of the picture changed, an object that leaves its
+  part, edges that the level does not separate), the caller extracts the whole picture.
 """
 
 from __future__ import annotations
@@ -30,7 +29,7 @@ from vision.records.unseen import Unseen, blind_of, hidden_by_lens
 from vision.watch.change import Rectangle
 
 _MARGIN_PX = 12
-"""Around what changed: the profiles across an edge look so far, and a part must have floor."""
+"""Margin around a change: a profile across an edge is this long, and a part must have floor."""
 
 _OBJECT_MARGIN_PX = 6
 _POINTS_AN_ARC = 65
@@ -40,7 +39,7 @@ _POINTS_A_LINE = 9
 """A lens bends a straight edge in the picture."""
 
 _MOST_SHARE = 0.5
-"""Share of the picture, beyond which the whole picture is as quick."""
+"""Share of the picture beyond which all of it is as quick."""
 
 _Box = tuple[int, int, int, int]
 _NOWHERE: _Box = (0, 0, 0, 0)
@@ -67,10 +66,7 @@ class _Part:
 
 @dataclass(frozen=True, slots=True)
 class KnownScene:
-    """A scene in metres, and the pixels that hold each of its objects.
-
-    Boxes of objects that stay are never computed again.
-    """
+    """A scene in metres, and the pixels that hold each of its objects."""
 
     scene: Scene
     calibration: Calibration
@@ -87,7 +83,7 @@ class KnownScene:
         unseen = unseen or hidden_by_lens(calibration, scene.bounds, extract)
         hidden = {o.records for o in unseen.objects}
         boxes = _boxes_of(scene.objects, calibration)
-        # unseen ground belongs to no picture, and stays whatever changes there
+        # unseen ground belongs to no picture, and stays
         found = zip(scene.objects, boxes, strict=True)
         kept = tuple(_NOWHERE if o.records in hidden else b for o, b in found)
         return cls(scene, calibration, kept)
@@ -95,8 +91,8 @@ class KnownScene:
     def refitted(self, image: Image, rectangles: Sequence[Rectangle]) -> KnownScene | None:
         """Scene of ``image``, which differs in ``rectangles`` only; None if all must be extracted.
 
-        ``border_pixels``, ``timings_ms`` and ``remarks`` are those of the parts fitted again:
-        earlier ones would pile up over a long run. O(pixels and border pixels of the parts).
+        ``border_pixels``, ``timings_ms`` and ``remarks`` are those of the parts. O(pixels of the
+        parts).
         """
         scene, size = self.scene, (image.shape[1], image.shape[0])
         how = scene.binarisation
@@ -149,7 +145,6 @@ def _joined(scene: Scene, kept: Sequence[SceneObject], found: Sequence[Scene]) -
     for fresh in found:
         for name, ms in fresh.timings_ms.items():
             laps[name] = laps.get(name, 0.0) + ms
-    # an empty part is no remark on the arena
     said = [r for fresh in found for r in fresh.remarks if r not in doubts_about(fresh)]
     joined = replace(
         scene,
@@ -162,7 +157,6 @@ def _joined(scene: Scene, kept: Sequence[SceneObject], found: Sequence[Scene]) -
 
 
 def _boxes_of(objects: Sequence[SceneObject], calibration: Calibration) -> tuple[_Box, ...]:
-    """Pixels x0, y0, x1, y1 (ends excluded) that hold each object."""
     if not objects:
         return ()
     outlines = [outline_points(obj) for obj in objects]
@@ -225,7 +219,6 @@ def _parts(
 
 
 def _leaves(box: _Box, part: _Box, size: tuple[int, int]) -> bool:
-    """True if an object reaches a part's edge that is not the picture's own."""
     width, height = size
     return (
         (box[0] <= part[0] and part[0] > 0)

@@ -1,12 +1,11 @@
 """The robot's clock as seen by the host: offset and drift from round trips, with a bound.
 
-Each exchange gives the four times of NTP (RFC 5905). Of the last exchanges those with a round trip
-near the shortest are trusted; a regression with decaying weights gives offset and drift. No
-exchange shows how its round trip splits between the directions, so the offset is known to about
-half a round trip: the bound ``error_s``. If an exchange contradicts it, a clock has jumped, and the
+Each exchange gives the four times of NTP (RFC 5905). A regression with decaying weights over those
+with a round trip near the shortest gives offset and drift. The offset is known to about half a
+round trip: the bound ``error_s``. If an exchange contradicts it, a clock has jumped, and the
 estimate restarts.
 
-The robot counts microseconds modulo 2**32 (71.6 minutes); they are unrolled here.
+The robot counts microseconds modulo 2**32 (71.6 minutes).
 """
 
 from __future__ import annotations
@@ -19,12 +18,12 @@ from typing import Final
 WRAP_US: Final = 1 << 32
 _KEPT: Final = 32
 _TRUST_S: Final = 0.002
-"""Exchanges this much slower than the fastest are not used."""
+"""Excess over the fastest exchange at which one is not used."""
 _DECAY_S: Final = 30.0
 _DRIFT_MAX: Final = 1e-3
-"""A thousand parts in a million: a ceramic resonator's worst."""
+"""A ceramic resonator's worst drift."""
 DOUBT_S: Final = 0.03
-"""A report that is so much later than it should be may come from a clock that has jumped."""
+"""Delay of a report from which a clock may have jumped."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -33,7 +32,7 @@ class _Sample:
     offset_s: float
     round_trip_s: float
     error_s: float
-    """The true offset was no further away than this, then."""
+    """Largest error of the offset then."""
 
 
 class ClockEstimate:
@@ -41,7 +40,7 @@ class ClockEstimate:
 
     def __init__(self) -> None:
         self.jumps = 0
-        """Number of times that a clock has jumped."""
+        """Jumps of either clock."""
         self._samples: deque[_Sample] = deque(maxlen=_KEPT)
         self._mean_s = 0.0
         self._offset_s = 0.0
@@ -68,8 +67,7 @@ class ClockEstimate:
         """Take one exchange: host sent, robot received, robot answered, host received.
 
         ``wire_s`` is the least time of question and answer on the line, in seconds: it corrects the
-        offset; the bound holds without it. If an exchange took less, the line's rate means nothing
-        (USB), and the correction shrinks with it.
+        offset, but less if an exchange took less (USB). The bound holds without it.
         """
         received_s = self._unrolled(received_us, now_s)
         answered_s = received_s + ((answered_us - received_us) % WRAP_US) / 1e6
@@ -87,14 +85,13 @@ class ClockEstimate:
         self._fit()
 
     def offset_s(self, host_s: float) -> float:
-        """The robot's clock minus the host's at host time ``host_s``."""
+        """Robot's clock minus the host's at host time ``host_s``."""
         return self._offset_s + self.drift * (host_s - self._mean_s)
 
     def error_s(self, host_s: float) -> float:
-        """Largest possible error of ``offset_s``, whatever the line does; infinity before the
-        first.
+        """Largest possible error of ``offset_s``; infinity before the first exchange.
 
-        Half of the best round trip, and the clocks' possible drift since.
+        Half of the best round trip, and possible drift since.
         """
         offset_s = self.offset_s(host_s)
         errors_s = [
@@ -104,7 +101,7 @@ class ClockEstimate:
         return min(errors_s, default=math.inf)
 
     def robot_us(self, host_s: float) -> int:
-        """The robot's clock at that time of the host, modulo 2**32."""
+        """Robot's clock at that host time, modulo 2**32."""
         return round((host_s + self.offset_s(host_s)) * 1e6) % WRAP_US
 
     def host_s(self, robot_us: int, now_s: float) -> float:
@@ -112,21 +109,19 @@ class ClockEstimate:
         return now_s + _short_us(robot_us - self.robot_us(now_s)) / 1e6
 
     def is_in_doubt(self, robot_us: int, now_s: float) -> bool:
-        """True if a report of the robot's clock, just received, does not fit the estimate."""
+        """True if a report just received does not fit the estimate."""
         if not self.ready:
             return False
         late_s = now_s - self.host_s(robot_us, now_s)
         return not -self.error_s(now_s) <= late_s <= self.error_s(now_s) + DOUBT_S
 
     def _forget_what_contradicts(self, sample: _Sample, now_s: float) -> None:
-        """Restart if an exchange contradicts the earlier ones: a clock has jumped."""
         apart_s = abs(sample.offset_s - self.offset_s(now_s))
         if self.ready and apart_s > sample.error_s + self.error_s(now_s):
             self._samples.clear()
             self.jumps += 1
 
     def _unrolled(self, robot_us: int, now_s: float) -> float:
-        """The robot's clock without wraps, nearest to the expected time."""
         if not self.ready:
             return robot_us / 1e6
         expected_us = round((now_s + self.offset_s(now_s)) * 1e6)
@@ -155,5 +150,5 @@ class ClockEstimate:
 
 
 def _short_us(difference_us: int) -> int:
-    """The shorter difference of two clocks modulo 2**32."""
+    """Shorter difference of two clocks modulo 2**32."""
     return (difference_us + WRAP_US // 2) % WRAP_US - WRAP_US // 2

@@ -10,7 +10,7 @@ TAKEN_OVER: Final = "another host has taken the robot over"
 
 
 def why_refused(major: int, schema: int, ours: int) -> str | None:
-    """Why a robot of this version and schema is unusable; None if it is usable."""
+    """Reason why a robot of this version and schema is unusable, if so."""
     if major == VERSION and schema == ours:
         return None
     older = "the robot's firmware or this program, whichever is older"
@@ -23,7 +23,7 @@ def why_refused(major: int, schema: int, ours: int) -> str | None:
 
 
 def why_silent(count: ParserCounters, no_byte_s: float | None) -> str:
-    """The most likely reason; ``no_byte_s``: time without any byte, None if some arrive."""
+    """Most likely reason for silence; ``no_byte_s``: time without any byte, None if some arrive."""
     if no_byte_s is not None:
         return (
             f"no byte has come from the robot for {no_byte_s:.1f} s: "

@@ -1,8 +1,7 @@
 """Evidence that the robot hears what it is sent, from the counts in its reports.
 
-If a wire is broken in one direction, the robot reports but obeys nothing. STATUS has the number of
-whole frames taken: while that stays the same although frames are sent, it does not hear. Seconds of
-the host's monotonic clock.
+With one broken wire, the robot reports but obeys nothing: the number of frames taken in STATUS
+stays the same although frames are sent. Seconds of the host's monotonic clock.
 """
 
 from __future__ import annotations
@@ -12,28 +11,28 @@ from typing import Final
 from firmware_protocol.wire.messages import RobotCounters
 
 DEAF_S: Final = 1.0
-"""The lease runs out after half of it, so the robot is at rest when this is reported."""
+"""The lease ends after half of it: the robot is at rest when this is reported."""
 DEAF_FRAMES: Final = 8
 """A line that loses one frame in two loses this many in a row once in 256 times."""
 
 
 class Hearing:
-    """Tracker of the robot's count; give it each frame sent and each report received."""
+    """Tracker of the robot's count."""
 
     def __init__(self) -> None:
         self.why_deaf: str | None = None
-        """A plain sentence where the robot does not hear; None where it does."""
+        """A sentence if the robot does not hear, else None."""
         self._counts: RobotCounters | None = None
         self._heard_s = 0.0
         self._sent = 0
 
     def begin(self, now_s: float) -> None:
-        """Begin with a robot that has answered: it hears."""
+        """Begin with a robot that has answered."""
         self._counts, self._heard_s, self._sent = None, now_s, 0
         self.why_deaf = None
 
     def sent(self) -> None:
-        """Count one more frame on its way to the robot."""
+        """Count one frame sent."""
         self._sent += 1
 
     def report(self, counts: RobotCounters, now_s: float) -> None:

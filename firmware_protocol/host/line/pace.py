@@ -1,4 +1,4 @@
-"""Transmission time of bytes, and the time the line is free, so that at most one frame waits.
+"""Transmission time of bytes, so that at most one frame waits for the line.
 
 Bytes in the operating system cannot be taken back; an emergency stop would wait behind them.
 Seconds; 10 bits a byte.

@@ -1,10 +1,10 @@
 """The send window with go-back-N, and the round-trip times behind its timeout.
 
-- Reliable frames carry consecutive sequence numbers modulo 256; the robot takes them in order
-  only and acknowledges with the next number expected.
+- Reliable frames carry sequence numbers modulo 256; the robot takes them in order and acknowledges
+  with the next number expected.
 - At most ``window`` bytes of the wire may be unacknowledged; a NAK or a timeout sends all again
   from the oldest on.
-- Sequence numbers start at 0 in every session. Time is passed in, in seconds.
+- Sequence numbers start at 0 in every session. Seconds.
 """
 
 from __future__ import annotations
@@ -30,7 +30,7 @@ class RttEstimate:
         self._backoff = 1.0
 
     def add(self, rtt_s: float) -> None:
-        """Take a round trip of a frame that was sent once only (Karn's rule)."""
+        """Take a round trip of a frame sent only once (Karn's rule)."""
         if self.samples == 0:
             self.smoothed_s, self.variation_s = rtt_s, rtt_s / 2.0
         else:
@@ -67,7 +67,7 @@ class PendingFrame:
 
 
 class SendWindow:
-    """The sender's half: reliable frames in flight and those to send next."""
+    """Reliable frames in flight and those to send next."""
 
     def __init__(self, window_bytes: int) -> None:
         self.window_bytes = window_bytes
@@ -76,7 +76,7 @@ class SendWindow:
         self._next_sequence = 0
         self._pending: deque[PendingFrame] = deque()
         self._sent = 0
-        """The count of those of ``_pending``, from the left, that are in flight."""
+        """Number of ``_pending``, from the left, in flight."""
         self._timer_s = 0.0
         self._quiet_until_s = 0.0
 
@@ -87,7 +87,7 @@ class SendWindow:
 
     @property
     def next_sequence(self) -> int:
-        """The number that the receiver expects once it has everything."""
+        """Number that the receiver expects once it has everything."""
         return self._next_sequence
 
     @property
@@ -126,7 +126,7 @@ class SendWindow:
     def acknowledge(self, expected: int, now_s: float) -> int:
         """Take the receiver's next number; return the number of frames acknowledged.
 
-        A number of no frame in flight (a late frame's) changes nothing.
+        A number of no frame in flight changes nothing.
         """
         in_flight = [frame.sequence for frame in self._pending if frame.sent_s is not None]
         ends = [(sequence + 1) % SEQUENCE_MODULUS for sequence in in_flight]
@@ -155,7 +155,7 @@ class SendWindow:
             self._go_back(now_s)
 
     def deadline_s(self) -> float | None:
-        """The time of the timeout; None while nothing is in flight."""
+        """Time of the timeout; None while nothing is in flight."""
         return self._timer_s + self.rtt.timeout_s if self._sent else None
 
     def _go_back(self, now_s: float) -> None:

@@ -1,8 +1,7 @@
 """Times of the host's questions for the robot's clock.
 
-Eight quick ones, then one a second, and one at once if a report does not fit the estimate. An
-answer counts once, however late: its round trip shows its worth. Seconds of the host's monotonic
-clock.
+Eight quick ones, then one a second, and one at once if a report does not fit. An answer counts
+once, however late. Seconds of the host's monotonic clock.
 """
 
 from __future__ import annotations
@@ -17,11 +16,11 @@ FAST_S: Final = 0.1
 SLOW_S: Final = 1.0
 FAST_COUNT: Final = 8
 _KEPT: Final = 32
-"""Questions whose answers are waited for, the newest."""
+"""Most questions that await an answer."""
 
 
 class SyncSchedule:
-    """The questions of one connection."""
+    """Questions of one connection."""
 
     def __init__(self) -> None:
         self._asked_s = -math.inf
@@ -30,7 +29,7 @@ class SyncSchedule:
         self._doubted = False
 
     def next_question(self, now_s: float) -> TimeSync | None:
-        """The question that is due, which then counts as sent, or None."""
+        """Question that is due, which then counts as sent, or None."""
         fast = self._count < FAST_COUNT or self._doubted
         if now_s - self._asked_s < (FAST_S if fast else SLOW_S):
             return None
@@ -52,7 +51,7 @@ class SyncSchedule:
         self._doubted = True
 
     def begin_again(self) -> None:
-        """Ask quickly, and ignore earlier answers: the clock may be another one."""
+        """Ask quickly, and ignore earlier answers: the clock may be another."""
         self._count = 0
         self._asked_s = -math.inf
         self._sent = {}

@@ -18,7 +18,7 @@ FULL_RPM = 70
 FULL_SPEED_MM_S = 124  # with wheels of 34 mm
 NM_PER_TENTH = 29_671  # travel for a tenth of a degree
 SETTINGS = Settings(track_um=89_000, max_speed_mm_s=100, max_turn_mrad_s=1800)
-ORDER_US = 20_000  # its processors share a line: no more orders than it carries
+ORDER_US = 20_000  # its processors share a line
 
 
 class Board:

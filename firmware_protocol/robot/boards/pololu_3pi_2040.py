@@ -1,7 +1,7 @@
 """Pololu 3pi+ 2040, over its library pololu_3pi_2040_robot; the line is its USB port.
 
-Copy this file as main.py beside the folder clearway: see docs/micropython.md. The Standard Edition
-has 30:1 motors; for Turtle (75:1) and Hyper (15:1) change the two numbers below.
+Copy this file as main.py beside the folder clearway: see docs/micropython.md. For Turtle (75:1) and
+Hyper (15:1) change the two numbers below, the Standard Edition's (30:1).
 """
 
 import gc

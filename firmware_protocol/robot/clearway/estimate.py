@@ -1,11 +1,10 @@
 """The robot's pose: wheel odometry, corrected by camera poses that are already old.
 
-- Odometry moves the estimate at every step; a short history records it without the corrections.
-- The wheels' motion since a fix is added to it, and a quarter of the difference from the estimate
-  is taken over.
+- Odometry moves the estimate at every step; a short history records it uncorrected.
+- The wheels' motion since a fix is added to it; a quarter of the difference is taken over.
 - Unequal wheels turn the robot as it drives: that drift is learnt from the fixes.
 - Micrometres; the heading, 2^32 a turn, is kept in two halves, the upper of which is the angle used
-  everywhere else. The history has 16 bits each: 256 um, 2^16 a turn, 256 us.
+  elsewhere. The history has 16 bits each: 256 um, 2^16 a turn, 256 us.
 
 The twin of ``estimate.c``.
 """
@@ -19,16 +18,16 @@ from .wire import get_place
 DRIFT_MAX = 419904
 """Angle per micrometre, times 1024: 0.6 rad/m, wheels that differ by 7 % on 0.12 m."""
 TRAVEL_MAX = 1 << 29
-"""537 m. What the wheels have travelled since the last fix is counted no further: a cycle's travel
-more, 1 m at most, still is below 2^30. No drift is learnt from such a distance."""
+"""537 m, the most travel counted since the last fix: with a cycle's, 1 m at most, it stays below
+2^30. No drift is learnt from it."""
 HISTORY = 9
 HISTORY_STEP = 156
 """40 ms."""
 JUMP_UM = 150000
 JUMP_SHIFT = 11
-"""A heading of 32 bits that is shifted by this is compared with JUMP_UM too: 0.45 rad."""
+"""Shift of a heading of 32 bits that compares it with JUMP_UM: 0.45 rad."""
 JUMPS_BELIEVED = 5
-"""Fixes in a row that are far off, at which the robot was moved by hand."""
+"""Far-off fixes in a row that mean a robot moved by hand."""
 TIME = 0x3FFFFFFF
 """Times are microseconds modulo 2^30."""
 X, Y, TOP, LOW = 0, 1, 2, 3
@@ -41,7 +40,7 @@ class Estimate:
         self.pose = array("i", (0, 0, 0, 0))
         """x and y in micrometres; the heading's upper and lower half."""
         self._moved = array("i", (0, 0, 0, 0))
-        """The same without any correction; x and y modulo 2^24."""
+        """The same uncorrected; x and y modulo 2^24."""
         self.known = False
         self.fix_recent = False
         self.fix_us = 0
@@ -84,9 +83,9 @@ class Estimate:
 
     @micropython.native
     def correct(self, seen: bytearray, at: int, angle: int, seen_us: int) -> bool:
-        """Take a camera pose of that time; False if it was not used.
+        """Take a camera pose of that time; False if unused.
 
-        Its place is at ``seen[at]``, the heading an angle of 2^16 a turn.
+        Its place is at ``seen[at]``, the heading 2^16 a turn.
         """
         past, begin = self._past, 0
         since = short((seen_us >> 8) - past[3])
@@ -125,7 +124,7 @@ class Estimate:
 
     @micropython.native
     def _find_shift(self, seen: bytearray, at: int, angle: int, begin: int, share: int) -> bool:
-        """Leave in ``_shift`` the pose seen plus the motion since, minus the pose; True if near."""
+        """Leave in ``_shift`` the seen pose, moved up to now, minus the pose; True if near."""
         past, shift = self._past, self._shift
         near = True
         for i in range(2):
@@ -149,7 +148,7 @@ class Estimate:
 
     @micropython.native
     def _before(self, i: int, begin: int, share: int) -> int:
-        """The wheels' motion up to the camera's picture."""
+        """Motion of the wheels up to the camera's picture."""
         before = self._past[begin + i]
         if share:
             before += scale(short(self._past[begin - 4 + i] - before), share)

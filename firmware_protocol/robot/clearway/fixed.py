@@ -1,13 +1,12 @@
 """Whole-number geometry for processors without floating point.
 
-It has the same sums, products and shifts as ``fixed.c``, in the same order, so that both robots can
-be compared bit by bit.
+It has the sums, products and shifts of ``fixed.c``, in the same order, to the bit.
 
 - Places are micrometres. Angles are 2^16 a turn; a heading is kept in two such halves.
 - Parts of a whole are of 16384, signed, or of 65536, unsigned.
 - A vector between two places is in quarters: 4 um, so that the line's whole range fits.
-- For places within a kilometre every step stays below 2^30: MicroPython on a 32-bit board then
-  needs no heap for a number.
+- For places within a kilometre every step stays below 2^30: MicroPython then needs no heap for a
+  number.
 """
 
 from array import array
@@ -15,7 +14,7 @@ from array import array
 from .native import micropython
 
 VECTOR = array("i", (0, 0))
-"""The vector that ``turn`` and ``measure`` take, and leave there."""
+"""The vector of ``turn`` and ``measure``."""
 
 
 @micropython.native
@@ -46,7 +45,7 @@ def short(a: int) -> int:
 
 @micropython.native
 def word(a: int) -> int:
-    """The lower 32 bits as a signed number. Small ones are unchanged; others take heap."""
+    """The lower 32 bits as a signed number; large ones take heap."""
     if -0x3FFFFFFF <= a <= 0x3FFFFFFF:
         return a
     a &= 0xFFFFFFFF
@@ -55,7 +54,7 @@ def word(a: int) -> int:
 
 @micropython.native
 def aside(angle: int) -> int:
-    """Distance of an angle from 0, either way round."""
+    """Distance of an angle from 0."""
     angle &= 0xFFFF
     return 0x10000 - angle if angle & 0x8000 else angle
 
@@ -72,8 +71,8 @@ def root(square: int) -> int:
     return found
 
 
-# Odd polynomials, z (c0 - z^2 (c1 - z^2 c2)) with z of 65536, fitted for the least maximum error:
-# the sine of a quarter turn, and the arc tangent as a part of an eighth of a turn.
+# odd polynomials, z (c0 - z^2 (c1 - z^2 c2)) with z of 65536, of least maximum error: the sine of a
+# quarter turn, and the arc tangent as a part of an eighth of a turn
 
 
 @micropython.native

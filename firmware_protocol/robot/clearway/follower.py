@@ -1,9 +1,8 @@
 """The follower: drives a robot with two wheels along its queued waypoints.
 
-- Between waypoints: pure pursuit (Coulter, 1992) of the polyline through them; beyond a stop
-  the last line is extended, so that the robot runs straight into its target.
-- Speed: at every waypoint ahead at most its own, zero at stops, sharp corners and the queue's
-  end, and in between no more than the brakes allow.
+- Between waypoints: pure pursuit (Coulter, 1992) of their polyline, extended beyond a stop.
+- Speed: at every waypoint ahead at most its own, zero at stops, sharp corners and the queue's end,
+  and what the brakes allow.
 - The robot turns on the spot at a corner sharper than TURN_ENTER. At a stop it settles, drives the
   last millimetres if needed, turns to the heading asked for, and dwells.
 - Lengths are counts of 64 um and end at 2 m (FAR), angles are 2^16 a turn, speeds eighths of mm/s.
@@ -23,10 +22,10 @@ from .waypoints import FAR, WaypointQueue, begin_leg, leg_length
 from .wire import HEADING_FREE, WAYPOINT_BYTES, get_i16, get_place, get_u16
 
 TRACK, TURN, SETTLE, DOCK, ALIGN, DWELL = 0, 1, 2, 3, 4, 5
-"""The phases of reaching a waypoint: follow the line; turn on the spot towards it; stand until the
-pose is sure; drive the last millimetres; turn to the final heading; stand as long as asked."""
+"""Phases of reaching a waypoint: follow the line; turn on the spot towards it; stand until the pose
+is sure; drive the last millimetres; turn to the final heading; dwell."""
 NO_TROUBLE, OFF_PATH, STUCK = 0, 1, 2
-"""Why it gives up: too far from the line, or no progress."""
+"""Reasons to give up: too far from the line, or no progress."""
 
 TURN_ENTER = 8344
 """0.8 rad: a sharper corner is taken standing."""
@@ -37,19 +36,18 @@ TURN_EXIT = 417
 STANDING = 20 * 8
 CRAWL = 10 * 8
 PASS_RADIUS = 5000 // 64
-"""A waypoint without a radius of its own counts as passed within this distance."""
+"""Distance within which a waypoint without a radius is passed."""
 START_RADIUS = 20000 // 64
-"""The first waypoint after START counts as passed within this distance: a plan begins where the
-robot stood a moment ago."""
+"""The same for the first waypoint after START: a plan begins where the robot stood a moment ago."""
 SHORT = 1000 // 64
-"""A line shorter than this has no direction."""
+"""Length below which a line has no direction."""
 NOWHERE = 128 // 64
-"""A line shorter than this is none."""
+"""Length below which a line is none."""
 
 STOP_TOLERANCE, TURNED_TOLERANCE = 2000 // 64, 3000 // 64
 SETTLE_US = 250000
 STOOD_UM = 1000
-"""A robot that travels further while it settles does not stand: 4 mm/s. One late step of both
+"""Travel while settling above which the robot does not stand: 4 mm/s. One late step of both
 encoders, 250 um, is no movement."""
 CLEARLY = 2000
 """Micrometres that count as the travel of wheels that clearly turn."""
@@ -66,9 +64,9 @@ SIDEWAYS, DOCKED = 900 // 64, 700 // 64
 MOST_SPIN = 2000 * 8
 MOST_BEND = 0x7FFF
 MOST_MM_S = 4000
-"""A waypoint's speed is believed up to here, so that its square stays below 2^30."""
+"""Limit of a waypoint's speed, so that its square stays below 2^30."""
 NO_LIMIT = 1 << 29
-"""More than the square of any speed."""
+"""Above the square of any speed."""
 ANY_DISTANCE = 0xFFFF
 
 
@@ -83,10 +81,10 @@ class Follower:
         self.spin = 0
         self.trouble = NO_TROUBLE
         self.dt_us = 0
-        """The length of the cycle that :meth:`step` or :meth:`halt` is called for."""
+        """Length of the cycle of :meth:`step` or :meth:`halt`."""
         self.phase = TRACK
         self._bend = 0
-        """Spin over speed, times 16384: as steered last."""
+        """Spin over speed, times 16384, as steered last."""
         self._attempts = 0
         self._first = True
         self._docking = False
@@ -105,12 +103,12 @@ class Follower:
         self._remaining = 0
         self._beside = 0
         self._stood_um = 0
-        """Travelled while standing."""
+        """Travel while standing."""
         self._still_us = 0
         self._progress_us = 0
         self._progress = array("H", (0, 0, 0))
         self._off = 0
-        """The bearing of the pursued point."""
+        """Bearing of the pursued point."""
         self._aim = array("i", (0, 0))
 
     def begin(self) -> None:
@@ -138,7 +136,6 @@ class Follower:
         self._docking = False
 
     def _leave(self, at: int) -> None:
-        """Begin the line to the next waypoint at this executed one."""
         data = self._queue.data
         self._from[0] = get_place(data, at)
         self._from[1] = get_place(data, at + 4)
@@ -177,9 +174,9 @@ class Follower:
 
     @micropython.native
     def _next_leg(self, after: int) -> bool:
-        """Look at the leg to the waypoint there; True if the line bends too much to be driven.
+        """Look at the leg to the waypoint there; True if the line bends too much.
 
-        A short leg keeps the direction of the one before.
+        A short leg keeps the last direction.
         """
         was_short = self._length < SHORT
         leg = after // WAYPOINT_BYTES
@@ -212,8 +209,7 @@ class Follower:
     def _approach(self, square: int, distance: int) -> int:
         """Speed towards a stop, from the square of the speed the brakes allow.
 
-        The square root alone would arrive with a jerk that slow motors cannot follow, so near the
-        stop the speed is four times the distance left, a second.
+        Near the stop it is four times the distance left, a second: the root alone would jerk.
         """
         speed = root(square) << 3
         return distance << 1 if distance < speed >> 1 else speed
@@ -228,7 +224,6 @@ class Follower:
 
     @micropython.native
     def _pass_waypoints(self) -> int:
-        """Number of waypoints passed; leaves the view at the next one."""
         queue, data = self._queue, self._queue.data
         passed = 0
         while passed < queue.count:
@@ -256,10 +251,7 @@ class Follower:
 
     @micropython.native
     def _steer(self, begin: int) -> int:
-        """Find the pursued point and the bend to it; return the allowed speed.
-
-        Leaves the point's bearing in ``_off``.
-        """
+        """Find the pursued point, its bearing ``_off`` and the bend; return the allowed speed."""
         queue, data, aim = self._queue, self._queue.data, self._aim
         at = queue.at(begin)
         found = False
@@ -295,7 +287,6 @@ class Follower:
 
     @micropython.native
     def _bend_to(self, distance: int) -> int:
-        """Pure pursuit: the bend is twice the bearing's sine over the distance."""
         bend = self._set.track * sine(aside(self._off))
         if distance:
             bend //= distance
@@ -396,10 +387,8 @@ class Follower:
 
     @micropython.native
     def halt(self) -> int:
-        """Run one cycle of a controlled stop: slow down, along the line while there is one.
-
-        Returns the number of waypoints executed.
-        """
+        """Run one cycle of a controlled stop, along the line if any; return the waypoints
+        executed."""
         executed = 0
         if self.speed <= 0 or self.phase != TRACK:
             self._move(0, 0)
@@ -412,7 +401,7 @@ class Follower:
 
     @micropython.native
     def step(self, ahead_um: int) -> int:
-        """Run one cycle of driving; return the number of waypoints executed. Sets ``trouble``.
+        """Run one cycle of driving; return the waypoints executed. Sets ``trouble``.
 
         ``ahead_um``: the wheels' travel, CLEARLY if they clearly turn.
         """
@@ -450,5 +439,5 @@ class Follower:
 
 @micropython.native
 def smooth(speed: int, travel_um: int, share: int) -> int:
-    """A measured speed, drawn to this cycle's travel, 30 ms smooth; 17/64 is 8 over 30."""
+    """Measured speed, drawn to this cycle's travel, 30 ms smooth; 17/64 is 8 over 30."""
     return clip(speed + (travel_um * 17 >> 6) - scale(speed, share), 0x7FFF)

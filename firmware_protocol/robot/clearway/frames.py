@@ -25,7 +25,7 @@ HELLO_ACK, CHALLENGE, ACK, STATUS, TIMESYNC_REPLY = 129, 130, 144, 145, 162
 RX_WINDOW = 248
 """Two full frames of waypoints, and less than a receive ring of 256 bytes."""
 OF_ROBOT = (0x068A, 0x1D9C)
-"""The CRC, inverted, of the byte that is not sent: its lower and upper half."""
+"""CRC, inverted, of the byte that is not sent: its lower and upper half."""
 
 
 class Frames:
@@ -115,7 +115,7 @@ class Frames:
         return self._end(put_halves(self.frame, 10, self._robot.numbers, 2))
 
     def time(self, session: int, host: bytearray, then: bytearray, clock: bytearray) -> int:
-        """TIMESYNC_REPLY: the host's time, ours when its question came, and ours now."""
+        """TIMESYNC_REPLY: the host's time, and ours when its question came and now."""
         self._begin(TIMESYNC_REPLY, session, 0)
         at = self._put_bytes(10, host)
         at = self._put_bytes(at, then)

@@ -1,10 +1,9 @@
 """The robot's end of the line: bytes in, decisions through ``robot``, frames out.
 
-- ``receive`` takes any bytes in any portions and acts on whole frames at once.
-- ``next_frame`` gives one frame at a time, by urgency: a board needs one transmit buffer, and
-  nothing waits behind a queue.
-- HELLO asks for a session, which opens when the host returns the CHALLENGE's number. Until then
-  the present session continues: a stray HELLO changes nothing, and a recording opens nothing.
+- ``receive`` takes bytes in any portions and acts on whole frames at once.
+- ``next_frame`` gives one frame at a time, by urgency: no queue, one transmit buffer.
+- HELLO asks for a session, which opens when the host returns the CHALLENGE's number. Until then the
+  present session continues: a stray HELLO or a recording changes nothing.
 - A frame counts only in the present session; HELLO, CONFIRM and ESTOP need none.
 - Reports give the present state, so that a lost frame loses nothing.
 
@@ -37,15 +36,15 @@ HELLO, CONFIRM, WAYPOINTS, START, PAUSE, CLEAR, RESET_ESTOP = 1, 2, 16, 17, 18, 
 LEASE, POSE, TIMESYNC, ESTOP_TYPE = 32, 33, 34, 46
 HELLO_ACK = 129
 LENGTHS = b"\x0a\x02\x06\x02"
-"""The payloads' bytes, of START to RESET_ESTOP."""
+"""Payload bytes of START to RESET_ESTOP."""
 ORDERS = b"\x09\x0e\x04"
-"""The same of LEASE to TIMESYNC."""
+"""Payload bytes of LEASE to TIMESYNC."""
 RELIABLE, NAK = 1, 2
 STATUS_INTERVAL_US = 50000
 STATUS_SPACING_US = 10000
-"""A change is reported at once, but no more often than this; a stop without waiting."""
+"""Least interval of reports of changes; a stop is reported at once."""
 NAK_INTERVAL_US = 3000
-"""The robot complains no more often, so that a burst of noise cannot fill the line."""
+"""Least interval of complaints, so that noise cannot fill the line."""
 ESTOP_FRAME = b"\x00\x03\x10\x2e\x01\x01\x01\x01\x01\x05\xa2\x48\xb2\x50\x00"
 # the CRC, inverted, as low and high half: of the unsent byte, and over a sound frame
 OF_HOST = (0xE9DD, 0x6620)
@@ -69,10 +68,10 @@ class Link:
         self.frame = self.frames.frame
         self.count = array("H", bytes(16))
         self.turns = 0
-        """The times that the clock, which is modulo 2^30, has come round, modulo 4."""
+        """Turns of the clock, which is modulo 2^30, modulo 4."""
         self.session = 0
         self.nonce = array("H", (boot_id & 0xFFFF, boot_id >> 16 & 0xFFFF))
-        """The number that a host has to give back; made from boot and clock, one after another."""
+        """Number that a host has to return, made from boot and clock."""
         self._buffer = bytearray(MAX_DECODED)
         self._crc = array("H", (0, 0))
         self._encoded = 0
@@ -218,7 +217,7 @@ class Link:
         if not self._is_sound(kind, length):
             self._add(REJECTED)
             if reliable and ahead == 0:
-                # nonsense in a whole frame stays nonsense if sent again
+                # nonsense in a whole frame stays nonsense
                 self.frames.expected = self.frames.expected + 1 & 255
                 self._ack_due = True
             return
@@ -240,7 +239,6 @@ class Link:
             self.frames.expected = self.frames.expected + 1 & 255
 
     def _is_sound(self, kind: int, length: int) -> bool:
-        """True if a host's message of this type has valid content."""
         if kind == WAYPOINTS:
             return self._waypoints_are_right(length)
         if START <= kind <= RESET_ESTOP:
@@ -278,7 +276,6 @@ class Link:
         return frame[at + 3] == 0x80 and not (frame[at] or frame[at + 1] or frame[at + 2])
 
     def _act(self, kind: int) -> bool:
-        """Act on a sound message; False if it cannot be taken now."""
         frame, robot = self._buffer, self.robot
         if kind == WAYPOINTS:
             return robot.accept(frame, 8)
@@ -304,7 +301,7 @@ class Link:
         return True
 
     def _is_recent(self, at: int) -> bool:
-        """True if a time of 32 bits is at most 9 minutes old, or a second ahead."""
+        """True if a 32-bit time is at most 9 minutes old, or a second ahead."""
         self._write_clock()
         low = get_u16(self._clock, 0) - get_u16(self._buffer, at)
         high = get_u16(self._clock, 2) - get_u16(self._buffer, at + 2) + (low >> 16) & 0xFFFF

@@ -1,7 +1,7 @@
-"""MicroPython's module, for its decorators; under CPython one whose decorators do nothing.
+"""MicroPython's module for its decorators, or one whose decorators do nothing.
 
-MicroPython recognises only the exact ``@micropython.native``: modules with functions that run in
-every control cycle import the name from here.
+MicroPython recognises only the exact ``@micropython.native``: modules with functions of every
+control cycle import it from here.
 """
 
 try:

@@ -3,7 +3,7 @@
 A board is an object with these methods, none of which waits:
 
 - ``read(buffer)``: puts arrived bytes into the buffer; returns their number
-- ``can_write()``, ``write(view)``: one frame at a time; the view is untouched until it can again
+- ``can_write()``, ``write(view)``: one frame; the view is untouched until it can again
 - ``travel_um(side)``: the wheel's (0 left, 1 right) travel since the last call
 - ``drive(left, right, powered)``: speeds in eighths of mm/s; forward is positive on both sides
 - ``stop_pressed()``: True if a button asks for a stop
@@ -38,8 +38,7 @@ class Program:
 
     def _read_clock(self) -> int:
         """Read the clock. A jump back by over half a turn is a wrap; a smaller one, a clock set
-        back.
-        """
+        back."""
         now_us = self._clock_us() & TIME
         if self._now_us - now_us > TIME >> 1:
             self.link.turns = self.link.turns + 1 & 3
@@ -66,7 +65,7 @@ class Program:
         late = now_us - self._stepped_us & TIME
         if robot.hurry or late >= CONTROL_US:
             if late >= CONTROL_US:
-                # do not make up for a long delay of the processor
+                # do not make up for a long delay
                 behind = late > 10 * CONTROL_US
                 self._stepped_us = now_us if behind else self._stepped_us + CONTROL_US & TIME
             left_um = max(-LEAP_UM, min(LEAP_UM, board.travel_um(0)))

@@ -1,10 +1,9 @@
 """Pulses for wheels that do not turn below a least speed: slower orders become pulses of it.
 
 - A pulse begins when a wheel owes its travel of PULSE_US at the least speed, and ends when it owes
-  nothing. So it is long enough to break a wheel loose, and ordered and driven travel always differ
-  by less than a pulse and a cycle.
-- The left wheel is half a pulse ahead: a robot turning on the spot turns by one wheel's pulse at a
-  time, half of what both would turn it by.
+  nothing. It breaks a wheel loose, and ordered and driven travel differ by less than a pulse and a
+  cycle.
+- The left wheel is half a pulse ahead, so that turns on the spot have half the step.
 - An order of zero is zero at once, and so is any slow order while the robot stops.
 
 Speeds are eighths of mm/s; what a wheel owes is in those times microseconds. The twin of
@@ -16,7 +15,7 @@ from array import array
 from .native import micropython
 
 PULSE_US = 25000
-"""It lasts three control cycles, in which a wheel breaks loose."""
+"""Three control cycles, in which a wheel breaks loose."""
 
 
 class WheelPulses:

@@ -1,11 +1,11 @@
 """The robot's decisions: queue, states, lease, emergency stop and the follower.
 
-``Robot`` is independent of the line: ``link`` feeds it checked messages, whose bytes stay in place,
-and ``frames`` reports its state. Distances are micrometres, as the wheel encoders measure them,
-speeds eighths of mm/s. Memory is bounded: QUEUE_SIZE waypoints of 16 bytes.
+``link`` feeds ``Robot`` checked messages, whose bytes stay in place, and ``frames`` reports its
+state. Distances are the encoders' micrometres, speeds eighths of mm/s. Memory is bounded:
+QUEUE_SIZE waypoints of 16 bytes.
 
 Times are microseconds modulo 2^30 (17.9 minutes); elapsed time is an unsigned difference, so a
-processor that stood still finds its lease lapsed.
+lease lapses while a processor halts.
 
 The twin of ``robot.c``.
 """
@@ -49,23 +49,23 @@ END_FLAG = 2
 PERMIT, ODOMETRY = 1, 2
 
 LEASE_MAX_MS = 500
-"""However long a lease the host asks for, the robot stops this long after it."""
+"""Longest lease, whatever the host asks for."""
 AHEAD_US = 20000
-"""A host may think the robot's clock so far ahead of what it is."""
+"""Largest error of the host's idea of the robot's clock."""
 DISARM_US = 2000000
-"""After this time without a lease the robot leaves HOLD for IDLE."""
+"""Time without a lease after which HOLD becomes IDLE."""
 POSE_STALE_US = 500000
 NEVER_US = 65535000
-"""A pose of that age is none any more: STATUS has 16 bits for it."""
+"""Largest age of a pose: STATUS has 16 bits for it."""
 NO_POSE_MS = 0xFFFF
 NO_TIME = -1
 DT_MAX_US = 60000
-"""A cycle that took longer moves the commands no further than this."""
+"""Longest cycle by which commands move."""
 SMOOTHING_US = 30000
 MOVING = 2
-"""A slower robot does not move: a quarter of a millimetre a second."""
+"""Speed below which a robot is at rest: a quarter of a millimetre a second."""
 TURNING = 72
-"""9 mm/s: one late step of both encoders reads as 8.3; from here on the wheels clearly turn."""
+"""9 mm/s, from which the wheels clearly turn: one late step of both encoders reads as 8.3."""
 # places of the halves of 32-bit numbers, in the order of STATUS and HELLO_ACK
 MISSION, ACCEPT_NEXT, EXEC_NEXT, PREFIX_CRC, EXEC_CRC = 0, 2, 4, 6, 8
 
@@ -80,11 +80,11 @@ class Robot:
         self.state = BOOT
         self.reason = BOOTED
         self.news = False
-        """Something that STATUS should report soon; the sender of STATUS sets it back."""
+        """Something for STATUS to report soon; its sender sets it back."""
         self.alarm = False
-        """The same for a stop, which it should tell at once."""
+        """The same for a stop, to report at once."""
         self.hurry = False
-        """The robot begins to brake: its next cycle is due at once."""
+        """Braking begins: the next cycle is due at once."""
         self.now_us = 0
         self.left = 0
         self.right = 0
@@ -154,8 +154,8 @@ class Robot:
     def accept(self, data: bytearray, at: int) -> bool:
         """Queue checked records (mission, first index, count, records); False if it is full.
 
-        Each index is taken once and in order. Useless records (another mission, a later index) are
-        dropped; STATUS shows the host the next waypoint.
+        Each index is taken once and in order; records of another mission or a later index are
+        dropped.
         """
         if not self._is_mission(data, at) or self.state == ESTOP:
             return True
@@ -212,7 +212,7 @@ class Robot:
     def start(self, data: bytearray, at: int) -> int:
         """START: mission and the next waypoint's index; a result.
 
-        Drives if every condition holds; otherwise the result names the one that fails.
+        The result names a condition that fails.
         """
         if self.state == RUN and self._is_mission(data, at):
             return OBEYED
@@ -260,7 +260,7 @@ class Robot:
     def lease(self, data: bytearray, at: int) -> bool:
         """LEASE: prolong or withdraw the permit to drive.
 
-        False for one that expired on its way, or is older than the present one.
+        False for one expired, or older than the present one.
         """
         issued_us = get_time(data, at)
         ttl_ms = min(get_u16(data, at + 4), LEASE_MAX_MS)
@@ -349,7 +349,7 @@ class Robot:
         """Decide for a cycle that ended at ``now_us``, without checking the lease or moving the
         wheels.
 
-        A robot that gets several cycles at once follows each, and turns its wheels after the last.
+        A robot that gets several cycles at once follows each.
         """
         follower = self.follower
         across = right_um - left_um
@@ -425,7 +425,7 @@ class Robot:
 
 @micropython.native
 def cycle_us(now_us: int, last_us: int) -> int:
-    """Length of a cycle for moving the commands, at most DT_MAX_US; 0 for the first."""
+    """Length of a cycle that moves the commands, at most DT_MAX_US; 0 for the first."""
     return 0 if last_us == NO_TIME else min(now_us - last_us & TIME, DT_MAX_US)
 
 
@@ -439,7 +439,7 @@ def _count(halves: "array[int]", at: int) -> None:
 
 @micropython.native
 def _compare(a: "array[int]", at: int, b: "array[int]", begin: int) -> int:
-    """The sign of a - b."""
+    """Sign of a - b."""
     if a[at + 1] != b[begin + 1]:
         return 1 if a[at + 1] > b[begin + 1] else -1
     return 0 if a[at] == b[begin] else 1 if a[at] > b[begin] else -1

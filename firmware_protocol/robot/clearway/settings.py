@@ -7,8 +7,7 @@ same expressions.
 HEADING_TOLERANCE = 62
 """6 mrad, 2^16 a turn."""
 AIM_MS = 16
-"""A little more than half of a pulse of three cycles. A heading that is nearer than half a pulse of
-one wheel is the nearest that there is."""
+"""Above half of a pulse of three cycles: no heading is nearer than half a pulse of one wheel."""
 
 
 class Settings:
@@ -35,7 +34,7 @@ class Settings:
         self.max_deviation = max_deviation_mm * 1000 // 64
         self.track = track_um // 64
         self.perimeter = hundredths * 31416 // 6400
-        """The way of a wheel in a turn on the spot."""
+        """Travel of a wheel in a full turn on the spot."""
         self.min_spin = hundredths // 128 + 1
         self.max_spin_mm_s = max_turn_mrad_s * hundredths // 20000
         self.spin_brake_mm_s2 = turn_acceleration_mrad_s2 * hundredths // 20000
@@ -47,8 +46,8 @@ class Settings:
         self.turning_per_spin = 64000000 // track_um
         """256 times mrad/s for an eighth of mm/s of spin."""
         self.least_wheel = least_wheel_mm_s * 8
-        """A wheel that is slower is driven in pulses of this."""
+        """Least speed of a wheel; slower orders become pulses of it."""
         angle_per_um = (683565276 + track_um // 2) // track_um
         half_a_pulse = least_wheel_mm_s * AIM_MS * angle_per_um >> 16
         self.heading_tolerance = max(HEADING_TOLERANCE, half_a_pulse)
-        """The distance from the heading asked for at which the robot may stand, 2^16 a turn."""
+        """Tolerance of the final heading, 2^16 a turn."""

@@ -1,13 +1,13 @@
 """Access to the REPL: a button held at boot, and a moment for Ctrl-C.
 
-A program that runs as main.py takes the USB line or starts a watchdog that cannot be stopped, and
-would lock its owner out. So a board's file asks here first.
+A program in main.py takes the USB line or starts an unstoppable watchdog, and would lock its owner
+out.
 """
 
 import time
 
 WINDOW_MS = 1500
-"""The time for Ctrl-C at every start; ``mpremote`` and Thonny send it several times."""
+"""Time for Ctrl-C at every start; ``mpremote`` and Thonny send it several times."""
 STEP_MS = 50
 
 
@@ -26,7 +26,7 @@ def boot_pin_held() -> bool:
 
 
 def may_start(held, window_ms: int = WINDOW_MS) -> bool:  # type: ignore[no-untyped-def]
-    """False if ``held()`` says that a person holds the button during the window.
+    """False if ``held()`` during the window.
 
     Ctrl-C in the window raises ``KeyboardInterrupt``, which leads to the REPL.
     """

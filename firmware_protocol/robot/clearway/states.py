@@ -33,7 +33,7 @@ TRANSITIONS = (  # from BOOT, IDLE, RUN, HOLD, ESTOP
 
 
 def state_after(state: int, event: int) -> int:
-    """State after an event; ``ValueError`` for one that cannot happen in it."""
+    """State after an event; ``ValueError`` for one that cannot happen."""
     after = TRANSITIONS[event][state]
     if after == NEVER:
         raise ValueError(EVENTS[event] + ": cannot happen to a robot in " + STATES[state])

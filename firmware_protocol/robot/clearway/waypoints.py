@@ -1,7 +1,6 @@
 """The waypoints to be executed: the line's records, unchanged.
 
-A leg between waypoints is measured once, when queued, not in every control cycle that looks ahead
-along it.
+A leg between waypoints is measured once, when queued.
 """
 
 from array import array
@@ -12,7 +11,7 @@ from .wire import WAYPOINT_BYTES, get_place
 
 QUEUE_SIZE = 32
 FAR = 32000
-"""Lengths are counts of 64 um and end here, at 2 m: further than any brake or look ahead."""
+"""Longest length, in counts of 64 um: 2 m, further than any brake or look ahead."""
 
 
 class WaypointQueue:
@@ -23,7 +22,7 @@ class WaypointQueue:
         self.lengths = array("H", bytes(2 * QUEUE_SIZE))
         """By place in the ring: the length of the leg from the waypoint before, if that waited."""
         self.directions = array("H", bytes(2 * QUEUE_SIZE))
-        """The direction of the same leg."""
+        """Its direction."""
         self.head = 0
         self.count = 0
 

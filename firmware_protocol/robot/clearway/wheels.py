@@ -3,7 +3,7 @@
 from array import array
 
 MOST_COUNTS = 2000
-"""Between two control cycles: no wheel of these robots turns so fast."""
+"""Largest count between two control cycles of these robots."""
 
 
 class Odometer:

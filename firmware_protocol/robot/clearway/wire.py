@@ -1,7 +1,6 @@
 """Numbers of the line in bytes, and its check, as in ``docs/protocol.md``.
 
-A 32-bit number that is not a place is kept as two 16-bit halves in an array. CRC-32C works byte by
-byte with a table of halves.
+A 32-bit number that is not a place is two 16-bit halves in an array.
 """
 
 from array import array

@@ -32,7 +32,7 @@ BUMPS, CLIFFS, CHARGER, CHARGE, CAPACITY, MODE = 7, (9, 10, 11, 12), 34, 25, 26,
 LEFT, RIGHT = 43, 44
 SIZES: Final = {BUMPS: 1, **dict.fromkeys(CLIFFS, 1), CHARGER: 1, MODE: 1, CHARGE: 2, CAPACITY: 2,
                 LEFT: 2, RIGHT: 2}  # fmt: skip
-"""Sizes of the packets that are streamed, in their order."""
+"""Sizes of the streamed packets, in their order."""
 BODY: Final = len(SIZES) + sum(SIZES.values())
 HEADER: Final = bytes([19, BODY])
 MODE_SAFE: Final = 2
@@ -42,23 +42,23 @@ RESTS: Final = "is on its charger and rests: it charges until it is to drive"
 STAYS: Final = "stays in its passive mode on its charger: take it off, and it drives"
 NO_SAFE_MODE: Final = "has left its safe mode (a bad cable?) and is asked back"
 BOOTS: Final = b"bl-start"
-"""The first words of a robot whose battery has just been put in."""
+"""First words of a robot whose battery has just been put in."""
 FILL: Final = bytes(4)
 """Zeros are no order, and end one that lost a byte before the next begins."""
 CYCLE_S: Final = 0.03
 """Duration of an order while it drives: two turns of the robot's own 15 ms."""
 REPEAT_S: Final = 0.05
 SILENT_S: Final = 0.3
-"""Frames come every 15 ms: twenty missing ones, and it is greeted again."""
+"""Silence after which it is greeted again: twenty frames of 15 ms."""
 GREET_S: Final = 1.0
 SETTLE_S: Final = 0.05
-"""Between the greeting's bursts: more than the 20 ms that a change of mode takes."""
+"""Pause between the greeting's bursts: more than the 20 ms of a change of mode."""
 REST_S: Final = 5.0
-"""A robot on its home base rests after this time without an order to drive."""
+"""Time without an order to drive after which a robot on its home base rests."""
 AWAKE_S: Final = 120.0
-"""It would sleep after five minutes: a robot that rests is greeted so often."""
+"""Interval of greeting a robot that rests: it would sleep after five minutes."""
 LOST_MODE_S: Final = 0.2
-"""A robot that was just ordered into SAFE mode may report the old one for a frame or two."""
+"""Time for which a robot just ordered into SAFE mode may report the old one."""
 
 
 class Create2Driver:
@@ -78,7 +78,7 @@ class Create2Driver:
         self._safe_is_due = False
         """The greeting's second burst has not gone out."""
         self._asked_s: float | None = None
-        """When it was ordered into SAFE mode; None where it was left to rest."""
+        """Time of the order into SAFE mode; None if it was left to rest."""
         self._charger, self._mode = 0, MODE_SAFE
         self._feels_a_fault = False
         self._wanted = (0.0, 0.0)
@@ -117,7 +117,7 @@ class Create2Driver:
             self._order((0, 0), now_s)
             return FILL + bytes([0, START])
         if self._is_silent(now_s) and now_s - self._burst_s >= SILENT_S:
-            return self._second_burst(now_s)  # a stalled line has joined both bursts
+            return self._second_burst(now_s)  # a stalled line joins both bursts
         return self._speeds(now_s)
 
     def _is_to_be_greeted(self, now_s: float) -> bool:
@@ -133,7 +133,6 @@ class Create2Driver:
         return now_s - self._heard_s > SILENT_S
 
     def _rests(self, now_s: float) -> bool:
-        """True if it is left in passive mode to charge."""
         idle = now_s - self._driven_s >= REST_S
         return bool(self._charger & SOCKET or (self._charger & HOME_BASE and idle))
 
@@ -209,7 +208,7 @@ class Create2Driver:
         elif self._mode < MODE_SAFE and self._was_asked(now_s):
             heard.held = NO_SAFE_MODE if self._charger == 0 else STAYS
         if heard.held is not None:
-            return  # no odometry: it does not drive, and moves of its own accord
+            return  # no odometry: it moves of its own accord
         left, right = (wheel.direction(now_s) for wheel in self._wheels)
         if not self._odometry.count(packets[LEFT], packets[RIGHT], now_s, (left, right)):
             heard.damaged += 1
@@ -222,7 +221,6 @@ class Create2Driver:
 
 
 def _fault(packets: dict[int, int]) -> str | None:
-    """Reason given by its sensors for a stop."""
     bumps = packets[BUMPS]
     if bumps & 0b1100:
         return "a wheel hangs in the air: put the robot back on the floor"

@@ -1,8 +1,7 @@
 """One wheel of a Create 2: the next of its few speeds, and its direction.
 
 - Its controller has steps of 28.5 mm/s and nothing below 11. The orders alternate between two
-  steps; each one's error is carried into the next, so that both wheels, and with them the bend, are
-  right in the mean.
+  steps; each one's error is carried into the next, so that speed and bend are right in the mean.
 - Its encoder senses no direction: the robot counts down while it orders the wheel backwards and up
   otherwise, even if a wheel rolls out from backwards. A wheel keeps its direction until it has
   passed zero: only that gives a count its sign. While only a hand can turn the wheel, counts have
@@ -22,8 +21,8 @@ MOST_MM_S: Final = 500
 FASTEST_STEP: Final = 17
 """495 mm/s; what lies above is cut at 500."""
 LAG_S: Final = 0.05
-"""In which a wheel comes nearer to its order by a factor of e; twice or half of it serves as well
-(`test_a_create_s_wheels_may_lag_otherwise`)."""
+"""Time in which a wheel comes nearer to its order by a factor of e; twice or half of it serves as
+well (`test_a_create_s_wheels_may_lag_otherwise`)."""
 AT_REST_MM_S: Final = 0.5
 """A wheel that rolled out to this speed moves by 0.03 mm more."""
 NEVER: Final = frozenset(
@@ -42,7 +41,7 @@ class Create2Wheel:
         self._order = 0.0
         self._ordered_s = -math.inf
         self._speed = 0.0
-        """At the moment of the last order."""
+        """Speed at the last order."""
 
     def next_order(self, wanted_mm_s: float) -> int:
         """Order of the step nearest to the speed plus the remainder; sends nothing."""
@@ -63,9 +62,7 @@ class Create2Wheel:
         self._order = driven(order_mm_s)
 
     def direction(self, now_s: float) -> int:
-        """Direction: 1 forwards, -1 backwards, 0 at rest: anything that turns it now is not the
-        robot.
-        """
+        """Direction: 1 forwards, -1 backwards, 0 at rest, if only a hand can turn it."""
         speed = self._speed_at(now_s)
         if abs(speed) < AT_REST_MM_S:
             speed = self._order
@@ -98,7 +95,6 @@ def _speed_of(number: int) -> float:
 
 
 def _order_of(number: int) -> float:
-    """Middle of the orders of a step."""
     return LEAST_MM_S + (number - 0.5) * STEP_MM_S if number else 0.0
 
 

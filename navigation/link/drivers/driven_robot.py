@@ -1,7 +1,7 @@
 """The robot's end of our wire on one side, a robot's own protocol on the other; sans-IO.
 
-- Waypoints, lease and camera fixes come over the wire. The firmware's own code follows them here
-  from the robot's odometry, one step for each report of the wheels.
+- The firmware's own code follows the wire's waypoints here from the robot's odometry, one step for
+  each report of the wheels.
 - A robot that does not report is out of reach: its wheels are ordered to stop, and the wire is
   silent like a pulled cable. The host waits, keeps the mission, and starts it again.
 - A bumper, a cliff or a wheel in the air is an emergency stop on the robot: only a person ends it.
@@ -23,10 +23,10 @@ from navigation.link.drivers.standing import Standing
 from navigation.link.drivers.word_of_robot import Word, remark_of, silence_of
 
 FRESH_S: Final = 0.25
-"""Wheels that have not reported for longer are driven no further: at 0.3 m/s 75 mm."""
+"""Age from which wheels without a report are driven no further: at 0.3 m/s 75 mm."""
 CYCLE_S: Final = 0.01
 DEALT_OUT_S: Final = 1.0
-"""Travel that came later than that is dealt out over the last second."""
+"""Longest time over which late travel is dealt out."""
 DEALING: Final = 1.2
 """Factor by which a wheel is believed to exceed its highest speed."""
 LOOK_BACK_S: Final = 3.0
@@ -52,9 +52,9 @@ class DrivenRobot:
         self._opened_s = 0.0
         self._stepped_s: float | None = None
         self._report_s: float | None = None
-        """When the report came that the last step knew of."""
+        """Arrival of the newest report known to the last step."""
         self._given = (0.0, 0.0)
-        """The travel that the controller knows of."""
+        """Travel known to the controller."""
         self._messages = 0
         self._fresh_bytes = 0
         self._counts: deque[tuple[float, int, int]] = deque()
@@ -97,7 +97,7 @@ class DrivenRobot:
             self._wire.receive_bytes(data, now_s)
 
     def bytes_to_host(self, now_s: float) -> bytes:
-        """Every frame that is due."""
+        """Due frames."""
         frames = []
         while self._answers and (frame := self._wire.next_frame(now_s)):
             frames.append(frame)
@@ -168,10 +168,7 @@ class DrivenRobot:
         self._stepped_s, self._report_s = now_s, heard.odometry_s
 
     def _is_time_for_a_step(self, now_s: float) -> bool:
-        """True at each report, and while the last ones' travel is still being dealt out.
-
-        A second report of the same moment is dealt out with the next one.
-        """
+        """True at each report, and while travel is still being dealt out."""
         heard = self.driver.heard
         if self._stepped_s is None:
             return True
@@ -204,7 +201,6 @@ class DrivenRobot:
         return (left_m_s, right_m_s) if share <= 1.0 else (left_m_s / share, right_m_s / share)
 
     def _of_late(self, now_s: float) -> tuple[int, int]:
-        """Number of damaged and whole messages in the last seconds."""
         heard, counts = self.driver.heard, self._counts
         if not counts or now_s - counts[-1][0] >= 0.1:
             counts.append((now_s, heard.damaged, heard.messages))

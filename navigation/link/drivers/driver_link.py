@@ -12,7 +12,7 @@ from navigation.link.link_snapshot import LinkSnapshot
 from navigation.link.serial_link import SerialLink
 
 LINE_BAUD: Final = 1_000_000
-"""The wire to the driver's process is a pseudo-terminal, which is no slower than that."""
+"""Baud of the wire to the driver's process, a pseudo-terminal, which is no slower."""
 
 
 class DriverLink(SerialLink):
@@ -25,12 +25,12 @@ class DriverLink(SerialLink):
         *,
         clock: Callable[[], float] = time.monotonic,
     ) -> None:
-        # its port comes and goes with the process, which may be restarting
+        # its port comes and goes with the process
         super().__init__(port, LINE_BAUD, clock=clock, wait_for_port=True)
         self._word_now = word
 
     def snapshot(self) -> LinkSnapshot:
-        """Present state; the driver's sentences come before those about its pseudo-terminal."""
+        """Present state; the driver's sentences come first."""
         snapshot, word = super().snapshot(), self._word_now()
         down = snapshot.down_reason
         if word.silence is not None:

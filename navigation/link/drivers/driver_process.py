@@ -2,7 +2,7 @@
 
 The wire's port is a link in its own folder that stays the same over restarts; the daemon's serial
 link opens it like a cable. The robot's own port is opened here and lent to the process. The thread
-does nothing else, so that nothing delays it.
+does nothing else.
 """
 
 from __future__ import annotations
@@ -43,8 +43,8 @@ _SPAWN: Final = multiprocessing.get_context("spawn")
 class DriverProcess:
     """A driver and its watcher's thread; the daemon opens ``port``.
 
-    ``name`` is one of `KNOWN_ROBOTS`, ``robot_port`` the robot's port; ``model`` as in
-    `DriverOrder`; ``work`` is the process's work.
+    ``name`` is one of `KNOWN_ROBOTS`; ``model`` as in `DriverOrder`; ``work`` is the process's
+    work.
     """
 
     def __init__(
@@ -84,7 +84,7 @@ class DriverProcess:
             if time.monotonic() > until_s or self._watcher is None or not self._watcher.is_alive():
                 self.stop()
                 raise PortNotReadyError(f"the driver of the {self._title} has not started")
-            time.sleep(0.01)  # the pace of looking for it
+            time.sleep(0.01)
 
     def end(self) -> None:
         """Begin to end it; `stop` waits for it."""
@@ -191,7 +191,6 @@ class _Process:
         self._order.link.unlink(missing_ok=True)
 
     def close(self) -> None:
-        """Kill it and forget its ends."""
         self.kill()
         self._forget_ends()
 
@@ -204,7 +203,6 @@ class _Process:
         return True
 
     def words(self) -> list[Word | PortLost]:
-        """Everything that it has said since the last call."""
         told: list[Word | PortLost] = []
         try:
             while self._words is not None and self._words.poll():

@@ -23,9 +23,9 @@ from navigation.link.drivers.word_of_robot import Word
 BEAT_MISSED_S: Final = 0.2
 """A turn of the driver's loop takes a few milliseconds; it waits 5 ms at most."""
 START_S: Final = 30.0
-"""A machine that is busy takes its time to start a process; until its first beat it has no port."""
+"""Longest start of a process on a busy machine; until its first beat it has no port."""
 AGAIN_S: Final = 0.1
-"""Before a process that has ended is started again."""
+"""Pause before a process that has ended is started again."""
 LEAVE_S: Final = 1.0
 LAST_WORDS_S: Final = 1.0
 
@@ -39,10 +39,10 @@ class Drives(Protocol):
         ...
 
     def start(self) -> str | None:
-        """Start a new one; return the reason if that fails, else None."""
+        """Start a new one; return the reason if that fails."""
 
     def runs(self) -> bool:
-        """True while there is one, if only to be buried."""
+        """True while there is one, even one about to end."""
         ...
 
     def how_it_ended(self) -> str:

@@ -21,11 +21,9 @@ DRIVERS: Final[Mapping[str, Callable[[], RobotDriver]]] = {
 DRIVERS_BY_MODEL: Final[Mapping[str, Callable[[str], RobotDriver]]] = {
     "waveshare": WaveshareDriver,
 }
-"""Those that have to know which of the maker's robots it is."""
+"""Drivers that have to know which of the maker's robots it is."""
 
 
 def new_driver(name: str, model: str | None = None) -> RobotDriver:
-    """Make a driver; ``model`` is one of `KnownRobot.models`, None the first, or for a robot
-    without any.
-    """
+    """Make a driver; ``model`` is one of `KnownRobot.models`, None the first or only one."""
     return DRIVERS[name]() if model is None else DRIVERS_BY_MODEL[name](model)

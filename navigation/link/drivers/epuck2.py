@@ -3,7 +3,7 @@
 - Lines of text: `D,left,right` orders steps a second, `Q` asks for the steps made. The next
   question waits for the last one's answer or timeout.
 - Each command begins with a zero. It means nothing in text, but ends the binary mode into which a
-  damaged character puts the robot and which text alone would not end.
+  damaged character puts the robot.
 - The first command on an open port also begins with an end of line, so that an order cut off by a
   dead sender spoils nothing.
 - The text has no check: a count that the wheels cannot have made is left out. The robot keeps the
@@ -24,16 +24,16 @@ from navigation.link.drivers.wheel_odometry import WheelOdometry
 
 CYCLE_S: Final = 0.02
 PATIENCE_S: Final = 0.1
-"""An answer that has not come by then is lost; Bluetooth takes some 40 ms."""
+"""Time after which an answer is lost; Bluetooth takes some 40 ms."""
 REPEAT_S: Final = 0.1
 ASK_S: Final = 5.0
-"""For its battery; who it is, every second until it has said so."""
+"""Interval of asking for its battery."""
 WHO_S: Final = 1.0
 LONGEST: Final = 256
 STEPS: Final = re.compile(rb"q,(-?\d+),(-?\d+)")
 BATTERY: Final = re.compile(rb"b,\d+ \((\d+)%\)")
 OTHERS: Final = re.compile(rb"[a-pr-z](,.*)?|HW version.*|.*WELCOME.*|.*the EPFL.*|z,.*|g .*")
-"""Lines that are the robot's, too."""
+"""Other lines of the robot."""
 
 
 class Epuck2Driver:

@@ -1,7 +1,7 @@
 """The robot's port in the driver's process: a descriptor that the daemon lends and shares.
 
-The daemon opens the port and keeps its own descriptor: a driver that hangs or dies takes away
-nothing needed to stop the robot. A broken port is returned by reporting it.
+The daemon keeps its own descriptor: a driver that hangs or dies takes away nothing needed to stop
+the robot.
 """
 
 from __future__ import annotations
@@ -89,7 +89,7 @@ class LentPort:
         try:
             self._unsent = self._unsent[os.write(self._descriptor, self._unsent) :]
         except BlockingIOError:
-            return  # the line takes nothing now
+            return
         except OSError as error:
             self._break(error.strerror or str(error))
 

@@ -59,7 +59,6 @@ def _greet(
     clock: Callable[[], float],
     wait: Callable[[float], None],
 ) -> tuple[Heard, int, float]:
-    """Report heard by one driver, number of bytes, and waiting time."""
     driver, port = DRIVERS[name](), RobotPort(path, baud)
     began_s, came = clock(), 0
     if not port.open(began_s):

@@ -1,8 +1,6 @@
 """Protocol of a driver: one robot, sans-IO, bytes in and events out.
 
-A driver keeps no clock and opens nothing. It answers four questions: which robot this is, how far
-its wheels have turned, what is wrong with it, how full its battery is. Metres, seconds, metres a
-second; forwards is positive on both sides.
+Metres, seconds, metres a second; forwards is positive on both sides.
 """
 
 from __future__ import annotations
@@ -20,16 +18,16 @@ class Heard:
     identity: str | None = None
     """Description of the robot that answers; None until it has."""
     left_m: float = 0.0
-    """Distance that each wheel has travelled since the driver was first opened."""
+    """Travel of each wheel since the driver was first opened."""
     right_m: float = 0.0
     odometry_s: float | None = None
-    """When the newest travel came; None before the first."""
+    """Arrival of the newest travel; None before the first."""
     fault: str | None = None
-    """Why the robot must not drive, to be read after its name; None while it may."""
+    """Reason why the robot must not drive, to be read after its name; None while it may."""
     held: str | None = None
-    """Why it cannot be driven now although it answers, which may pass; None while it can."""
+    """Reason why it cannot be driven now although it answers, which may pass; None while it can."""
     remark: str | None = None
-    """A remark for people on a robot that may be driven, to be read after its name."""
+    """Remark on a robot that may be driven, to be read after its name."""
     battery: float | None = None
     """Charge, from 0 to 1."""
     messages: int = 0
@@ -37,7 +35,7 @@ class Heard:
     damaged: int = 0
     """Messages that were lost in part, or did not fit."""
     stranger: str | None = None
-    """A name of `KNOWN_ROBOTS` whose words these seem to be."""
+    """Name of `KNOWN_ROBOTS` that these words suggest."""
 
 
 class RobotDriver(Protocol):
@@ -53,7 +51,7 @@ class RobotDriver(Protocol):
         """Take bytes from the robot, in any portion, with anything in between."""
 
     def drive(self, left_m_s: float, right_m_s: float) -> None:
-        """Set the wheels' speeds from now on; both zero is a stop."""
+        """Set the wheels' speeds; both zero is a stop."""
 
     def clear_fault(self) -> None:
         """Let it drive again on a person's word; a fault that persists returns."""

@@ -14,7 +14,7 @@ from navigation.link.drivers.standing import Standing
 from navigation.link.drivers.word_of_robot import Word
 
 SAID_AFTER_S: Final = 0.7
-"""A robot that brakes and reports is heard to stand by then."""
+"""Time by which a robot that brakes and reports is heard to be at rest."""
 
 
 class RobotHalt:

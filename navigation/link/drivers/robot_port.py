@@ -59,7 +59,7 @@ class RobotPort:
         """Close it."""
         port, self._port = self._port, None
         if port is not None:
-            # a port that has hung up cannot be closed in order either
+            # a port that has hung up may fail to close
             with contextlib.suppress(*PORT_FAULTS):
                 port.close()
 
@@ -95,7 +95,7 @@ class RobotPort:
             return
         number = self.fileno()
         if number is not None and not select.select([], [number], [], 0)[1]:
-            return  # the line takes nothing now
+            return
         try:
             self._unsent = self._unsent[self._port.write(self._unsent) or 0 :]
         except PORT_FAULTS as error:

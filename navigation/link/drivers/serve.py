@@ -2,9 +2,9 @@
 
 It makes a pseudo-terminal for our wire and a link with a lasting name to it; the robot's own port
 is lent to it. Each turn that did its whole work is a heartbeat. It ends when asked, or when the
-program that started it has ended in any manner: the robot is stopped first. The folder of its link
-belongs to that program, and is removed here only if that has ended. Ctrl-C and Ctrl-Z in a terminal
-do not reach it; if the daemon hangs, its lease runs out.
+program that started it has ended in any manner: the robot is stopped first. The link's folder is
+removed here only if that has ended. Ctrl-C and Ctrl-Z in a terminal do not reach it; if the daemon
+hangs, its lease runs out.
 """
 
 from __future__ import annotations
@@ -51,7 +51,7 @@ class DriverOrder:
     link: Path
     """Place of the link to our wire's pseudo-terminal."""
     model: str | None = None
-    """Which of the maker's robots it is, where the driver has to know."""
+    """The maker's robot, where the driver has to know."""
 
 
 Work: TypeAlias = "Callable[[DriverOrder, Connection, socket.socket, ctypes.c_double], None]"
@@ -87,7 +87,7 @@ def serve(
 
 
 def _hear_the_end() -> list[int]:
-    """List of the signals that asked for the end; the terminal's are ignored."""
+    """Signals that asked for the end; the terminal's are ignored."""
     came: list[int] = []
     with contextlib.suppress(PermissionError):
         os.setsid()
@@ -153,7 +153,6 @@ class _Loop:
     _port_is_lost = True
 
     def _lose_port(self, fault: str) -> None:
-        """Report once that the daemon must open it again."""
         self._robot.port_closed(fault)
         if not self._port_is_lost:
             self._port_is_lost = True

@@ -15,7 +15,7 @@ STILL_M: Final = 0.001
 STILL_S: Final = 0.2
 """Together 5 mm/s, which is less than most wheels can be driven at."""
 FRESH_S: Final = 0.25
-"""A report that is older says nothing about the present."""
+"""Age from which a report says nothing about the present."""
 
 
 class Standing:

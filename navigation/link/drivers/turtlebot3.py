@@ -6,8 +6,8 @@
   second.
 - Speeds have steps of 1 cm/s and 0.01 rad/s. The remainder goes into the next order, so that the
   mean speed is right.
-- The board looks for its motors only at its start; motors that lost power wake without torque.
-  Both are faults; the torque returns when a person re-arms the robot.
+- The board looks for its motors only at its start; motors that lost power wake without torque. Both
+  are faults; the torque returns when a person re-arms the robot.
 
 Little-endian; metres and seconds elsewhere.
 """
@@ -27,7 +27,7 @@ BOARD: Final = 200
 READ, WRITE, STATUS = 2, 3, 0x55
 HEADER: Final = bytes((0xFF, 0xFF, 0xFD, 0x00))
 LONGEST: Final = 64
-"""Longest part of an answer after its length: nothing longer is ever asked for."""
+"""Longest part of an answer after its length."""
 WHO, STATE, BEAT, CHARGE, TRAVEL, SPEEDS = (0, 7), (18, 1), 19, (46, 4), (136, 8), 150
 TORQUE: Final = (149, 2)
 """Addresses in the board's table, with a length where it is read, which identifies the answer."""
@@ -48,7 +48,7 @@ NO_TORQUE: Final = (
     "battery; re-arming switches it on"
 )
 CYCLE_S: Final = 0.02
-"""The board renews its table so often."""
+"""Interval in which the board renews its table."""
 BEAT_S: Final = 0.1
 ASK_S: Final = 1.0
 """Interval of the questions for its identity, its motors, their torque and its battery."""
@@ -114,7 +114,7 @@ class Turtlebot3Driver:
         return b"".join(packets)
 
     def _steps(self, which: int) -> int:
-        """Whole steps of the next order; a stop takes effect at once."""
+        """Steps of the next order; a stop takes effect at once."""
         wanted = self._wanted[which] * STEP
         if wanted == 0.0:
             self._left_over[which] = 0.0
@@ -135,7 +135,6 @@ class Turtlebot3Driver:
                 self._take(answer, now_s)
 
     def _answers(self) -> Iterator[tuple[int, bytes]]:
-        """Error and data of each whole status packet."""
         buffer = self._buffer
         while (at := buffer.find(HEADER)) >= 0:
             del buffer[:at]

@@ -8,7 +8,6 @@
 - Reports hold speeds, not counts. The travel is their integral over the time between them; reports
   that arrive together share it. A robot that reports only zeros while driven has no encoders, and
   may be at full power: it is stopped.
-- Wheel speeds in m/s.
 
 Metres and seconds.
 """
@@ -37,10 +36,11 @@ HUNDREDTHS_V: Final = 100.0
 MAIN_TYPES: Final[Mapping[str, int]] = {"rasp_rover": 1, "ugv_rover": 2, "ugv01": 3}
 """The robot's number in command 900, by its model."""
 TYPE_S: Final = 0.5
-"""The command may be lost, and an ESP32 that starts again has forgotten it: it is repeated."""
+"""Interval of repeating the command: it may be lost, and an ESP32 that starts again has forgotten
+it."""
 DRIVEN_M_S: Final = 0.03
 BLIND_S: Final = 0.5
-"""A wheel that is ordered faster than that for this time has turned by hundreds of pulses."""
+"""Time in which a wheel ordered faster than that turns by hundreds of pulses."""
 BLIND: Final = (
     "its wheels are driven, and it counts nothing: it has no encoders (a WAVE ROVER), robot.model "
     "names another robot, or its motors have no power"
@@ -134,7 +134,6 @@ class WaveshareDriver:
             heard.fault = BLIND
 
     def _read(self, line: bytes) -> tuple[float, float] | None:
-        """Wheel speeds in a report; None for other lines."""
         line = line.strip()
         if not line:
             return None
@@ -146,7 +145,7 @@ class WaveshareDriver:
             self.heard.damaged += 1
             return None
         if not isinstance(told, dict) or told.get("T") != REPORT:
-            return None  # an echo, or the answer to somebody else
+            return None
         speeds = _number(told, "L"), _number(told, "R")
         most = 2.0 * self.robot.wheel_m_s
         if any(speed is None or abs(speed) > most for speed in speeds):

@@ -1,8 +1,7 @@
 """Travel of two wheels from the counts of two encoders, through wraps, resets and damage.
 
-On a line without a strong check, only counts that the wheels could have reached are believed.
-Others are left out; if the counts stay there, they are a new beginning: the robot was switched off
-and on.
+Counts that the wheels could not have reached are left out; if the counts stay there, they are a new
+beginning: the robot was switched off and on.
 """
 
 from __future__ import annotations
@@ -13,7 +12,7 @@ SLACK: Final = 1.5
 """Factor by which a wheel may seem to exceed its highest speed: late reports come in twos."""
 SLACK_M: Final = 0.01
 DOUBTS: Final = 3
-"""Counts that are far off this many times in a row are a new beginning."""
+"""Number of counts far off in a row that make a new beginning."""
 
 
 class WheelOdometry:

@@ -1,7 +1,7 @@
 """Sentences for people about a robot with a fault.
 
-A sentence says what is seen on the port, and what to check. It changes only with its cause, so that
-a log has it once.
+A sentence says what is seen, and what to check. It changes only with its cause, so that a log has
+it once.
 """
 
 from __future__ import annotations

@@ -4,6 +4,5 @@
 - `drawing`: floor, obstacles and robots, painted as the lens shows them, with light and blur.
 - `timed_camera`: times of exposure and delivery; `camera`: frames of the arena at those times, with
   noise; `knocked_camera`: several of these, one after each knock.
-- `boards`: pictures of a calibration board, for trying out a calibration without one;
-  `held_board`: a camera that sees such a board moved by hand.
+- `boards`: pictures of a calibration board; `held_board`: a camera that sees one moved by hand.
 """

@@ -1,11 +1,10 @@
 r"""Pictures of a calibration board under the simulated camera, like a person's.
 
-A ChArUco board on a stiff sheet is held over the arena at several heights and tilts, then laid on
-the floor at a known place. Finally twelve discs lie on surveyed places, and their centres are
-measured. `clearway calibrate` estimates the camera from this, so a simulated run need not know the
-truth:
+A ChArUco board is held over the arena at several heights and tilts, then laid on the floor. Finally
+twelve discs lie on surveyed places, and their centres are measured. `clearway calibrate` estimates
+the camera from this, so a simulated run need not know the truth:
 
-    python -m navigation.simulator.picture.boards configs/simulation.yaml FOLDER
+python -m navigation.simulator.picture.boards configs/simulation.yaml FOLDER
     clearway calibrate FOLDER/board_*.png --squares 8x6 --square-mm 100 --marker-mm 75 \
         --dictionary DICT_5X5_100 --points FOLDER/survey.csv -o configs/simulation_calibration.yaml
 """
@@ -44,7 +43,7 @@ PAPER_WHITE, PAPER_BLACK = 225.0, 30.0
 class PrintedBoard:
     """A ChArUco board: squares across and down, their side and the markers', the family.
 
-    A chessboard of that many squares if ``dictionary`` is empty.
+    A chessboard if ``dictionary`` is empty.
     """
 
     columns: int = 8
@@ -147,7 +146,7 @@ def flat_pose(x_m: float, y_m: float) -> BoardPose:
 def held_poses(
     painter: BoardPainter, bounds: Bounds, board: PrintedBoard, count: int
 ) -> Iterator[BoardPose]:
-    """Yield poses of a board held over the arena, throughout the picture and in all tilts."""
+    """Yield poses of a board over the arena, throughout the picture and in all tilts."""
     width, height = board.size_m
     rng = np.random.default_rng(count)
     found = 0
@@ -167,10 +166,7 @@ def held_poses(
 def board_pictures(
     config: Config, board: PrintedBoard, count: int = 24
 ) -> Iterator[tuple[str, Image]]:
-    """Yield names and pictures: ``count`` of the held board, one with it on the floor.
-
-    On the floor its lower left corner lies on ``FLOOR_AT_M``.
-    """
+    """Yield names and pictures: ``count`` of the held board, one with it on the floor."""
     painter, bounds, rng = _painter(config, board, Scene("m", Bounds(*config.arena.bounds_m), ()))
     for index, pose in enumerate(held_poses(painter, bounds, board, count)):
         yield f"board_{index:02d}.png", painter.picture(pose, rng)
@@ -180,7 +176,7 @@ def board_pictures(
 def survey_picture(config: Config, board: PrintedBoard) -> tuple[Image, FloatArray]:
     """Return a picture of discs on the floor, and their centres' surveyed places (n, 2).
 
-    Places are row by row from the lower left; the board is not in the picture.
+    Places are row by row from the lower left.
     """
     bounds = Bounds(*config.arena.bounds_m)
     columns = np.linspace(bounds.x_min, bounds.x_max, SURVEY_GRID[0] + 2)[1:-1]
@@ -239,7 +235,7 @@ SURVEY_DISC_M = 0.02
 
 
 def main() -> None:
-    """Write the pictures and the survey; see the module's text."""
+    """Write the pictures and the survey."""
     config, folder = load_config(sys.argv[1]), Path(sys.argv[2])
     folder.mkdir(parents=True, exist_ok=True)
     for name, picture in board_pictures(config, PrintedBoard()):

@@ -1,8 +1,7 @@
 """The simulated overhead camera: pictures of the arena and its robots, 30 a second.
 
-It gives `vision.camera.camera.Frame` like any camera; nothing shows that they are simulated. Dark
-obstacles lie flat on a light, unevenly lit floor. A robot is an upright cylinder with its marker on
-top, in perspective through a distorting lens. Lens blur and sensor noise follow.
+Dark obstacles lie flat on a light, unevenly lit floor. A robot is an upright cylinder with its
+marker on top, in perspective through a distorting lens. Lens blur and sensor noise follow.
 
 For speed, floor and obstacles are drawn once; a waiting frame gets a window of ready-made noise,
 then the robots' patches. `captured_s` is the moment of exposure, which the robots' true poses
@@ -38,20 +37,20 @@ TruePose: TypeAlias = tuple[float, float, float]
 PoseNow: TypeAlias = Callable[[], TruePose]
 
 NOISE_MARGIN_PX = 128
-"""The noise bank is this much larger than a picture, so that windows of it all differ."""
+"""The noise bank is this much larger than a picture, so that windows of it differ."""
 FLOOR_MARKER_RADII = 0.95
 """Radius of the disc that a floor marker covers, in sides of the marker: a white cell surrounds
 it."""
 NOISY_PX = 64
-"""Average number of pixels that noise changes at which no two pictures are ever the same: one
-without any comes once in e^64."""
+"""Average number of pixels that noise changes at which pictures never repeat: one without any comes
+once in e^64."""
 
 
 @dataclass(frozen=True, slots=True)
 class SimulatedBody:
     """A robot to draw: marker, body and pose at any moment.
 
-    One that ``lies`` is a marker on the floor: it belongs to the arena and never moves.
+    One that ``lies`` is a marker on the floor and never moves.
     """
 
     marker_id: int
@@ -108,13 +107,13 @@ class SimulatedCamera(TimedCamera["_Floor"]):
         return self._with_robots(prepared, [body.pose_now() for body in self._bodies])
 
     def set_scene(self, scene: Scene) -> None:
-        """Show another scene from the next frame on; any thread may call."""
+        """Show another scene from the next frame; any thread may call."""
         background = self._drawn(scene)
         with self._lock:
             self._background = background
 
     def follow(self, scenes: Sequence[tuple[float, Scene]]) -> None:
-        """Draw other scenes now, and show each from its moment of the clock on."""
+        """Draw other scenes now, and show each from its moment of the clock."""
         drawn = [(from_s, self._drawn(scene)) for from_s, scene in scenes]
         with self._lock:
             self._to_come = sorted(drawn, key=lambda item: item[0])
@@ -188,7 +187,6 @@ def _noise_bank(
 
 
 def _changed_px(noise: NDArray[np.uint8], size_px: tuple[int, int]) -> float:
-    """Average number of pixels of a picture that the noise changes."""
     width, height = size_px
     share = np.count_nonzero(noise) / noise[0].size  # no pixel gets brighter and darker
     return float(share * width * height)
@@ -208,7 +206,7 @@ def _lying_at(marker: FloorMarkerSection) -> PoseNow:
 
 
 Driven: TypeAlias = Sequence[tuple[RobotSection, PoseNow]]
-"""The robots that are driven, and where each is seen."""
+"""The driven robots, and their poses."""
 
 
 def make_camera(
@@ -224,8 +222,8 @@ def make_camera(
     """Make the simulated camera of a configuration, after a ``knock`` if given.
 
     ``others`` give the pose of each of ``config.other_robots``, None if absent; by default none is
-    drawn. ``scenes`` replace the arena's, each from its moment of the clock on. Raises
-    ``ValueError`` without a section ``simulation`` and for another number of robots.
+    drawn. ``scenes`` replace the arena's, each from its moment of the clock. Raises ``ValueError``
+    without a section ``simulation`` and for another number of robots.
     """
     pinhole = pinhole_of(config, knock)
     assert config.simulation is not None
@@ -247,7 +245,7 @@ def bodies_of(
 ) -> list[SimulatedBody]:
     """All bodies in the arena with a marker; arguments as for `make_camera`.
 
-    Raises ``ValueError`` if the number of other robots differs from the configuration's.
+    Raises ``ValueError`` for another number of other robots than configured.
     """
     robot = config.robot
     seen: list[tuple[MarkerSection, PoseNow, float]] = [

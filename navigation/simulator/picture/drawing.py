@@ -36,14 +36,14 @@ FloatImage: TypeAlias = NDArray[np.float32]
 FLOOR_SAMPLES, ROBOT_SAMPLES = 4, 3
 """Samples a pixel and side: the floor is drawn once, robots in every frame."""
 FLOOR_PASSES, ROBOT_PASSES = 8, 1
-"""Passes, each with the samples shifted by a part of a sample: outlines are right to
-1 / (2 samples passes) of a pixel, 0.016 for the floor."""
+"""Passes, each with the samples shifted by a part of a sample: outlines are right to 1 / (2 samples
+passes) of a pixel, 0.016 for the floor."""
 LIGHT_GREY, DARK_GREY = 205.0, 45.0
 """Floor and obstacles, or the other way round."""
 BODY_TOP_GREY, BODY_SIDE_GREY = 95.0, 65.0
 MARKER_WHITE, MARKER_BLACK = 230.0, 25.0
 OUTLINE_STEP_PX = 1.0
-"""Outlines are drawn with chords of about this length: an arc of 20 px is 0.006 px off."""
+"""Length of an outline's chords: an arc of 20 px is 0.006 px off."""
 SUBPIXEL_BITS = 8
 PATCH_MARGIN_PX = 4
 RAY_STEP_PX = 4
@@ -54,7 +54,7 @@ FAR = 1e6
 """A ray that meets nothing that is drawn."""
 
 _NO_MAP = np.empty(0, dtype=np.float32)
-"""Tells OpenCV's remap that the first map holds x and y."""
+"""Empty second map of OpenCV's remap: the first holds x and y."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -147,7 +147,7 @@ class RobotPainter:
         self._top, self._texel_m = _top_texture(marker, radius_m, marker_size_m, sample_m)
         self._plane_from_ray = pinhole.plane_from_ray(height_m)
         self._drawn: tuple[object, _Layers | None] = None, None
-        """Pose and layers that were drawn last: most robots of several stand still."""
+        """Pose and layers drawn last: most robots of several are at rest."""
         turns = np.linspace(0.0, math.tau, 128, endpoint=False)
         rim = radius_m * np.column_stack([np.cos(turns), np.sin(turns)])
         self._rims = np.concatenate(
@@ -351,7 +351,7 @@ def _light(width: int, height: int, fall: float) -> FloatImage:
 
 
 def blurred(image: FloatImage, sigma_px: float) -> FloatImage:
-    """Return the picture with the lens's blur; unchanged for a sigma of 0."""
+    """Return the picture with the lens's blur."""
     if sigma_px == 0.0:
         return image
     return np.asarray(cv2.GaussianBlur(image, (0, 0), sigma_px))

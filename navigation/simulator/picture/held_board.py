@@ -31,14 +31,14 @@ from vision.camera.camera import CameraError, Clock, Frame, RateMeter, SourceSta
 MOVE_S: Final = 0.7
 REST_S: Final = 1.1
 MOVING_SAMPLES: Final = 2
-"""Samples a pixel and side of a board that moves; it is never measured."""
+"""Samples a pixel and side of a moving board; it is never measured."""
 
 
 class HeldBoardCamera:
     """Camera with a hand-held board; `vision.camera.camera.Camera` describes the members.
 
-    ``clock`` gives monotonic seconds, ``wait`` lets them pass; ``seed`` makes it repeatable.
-    ``asked`` gives the requested pose of the board, None for no request.
+    ``clock`` gives monotonic seconds, ``wait`` lets them pass. ``asked`` gives the requested pose
+    of the board, or None.
     """
 
     name = "simulated camera and board"
@@ -116,7 +116,6 @@ class HeldBoardCamera:
         return Frame(noisy, captured_s, self._sequence - 1, self.name)
 
     def _picture(self, passed_s: float) -> FloatImage:
-        """The board at a moment: it rests at a place, then moves to the next."""
         number, within_s = divmod(passed_s, REST_S + MOVE_S)
         stage = 2 * int(number) + (within_s > REST_S)
         if stage != self._stage:

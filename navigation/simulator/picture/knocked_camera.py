@@ -1,7 +1,7 @@
 """A simulated camera that is knocked: another one with the new pose replaces it.
 
-The configuration lists the knocks. Each pose has a camera of its own, drawn before the run; the
-clock decides which one gives the next picture. Seconds of the clock.
+Each pose has a camera of its own, drawn before the run; the clock decides which one gives the next
+picture. Seconds of the clock.
 """
 
 from __future__ import annotations

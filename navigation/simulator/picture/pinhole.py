@@ -162,7 +162,7 @@ def fisheye_distort(in_camera: FloatArray, terms: FloatArray) -> FloatArray:
 def fisheye_undistort(distorted: FloatArray, terms: FloatArray) -> FloatArray:
     """Invert `fisheye_distort` to rays (n, 2); NaN beyond its rim.
 
-    Looks the angle up in a table of the curve, then makes three of Newton's steps.
+    A table of the curve gives the angle, then Newton's method refines it.
     """
     angles, seen = _fisheye_curve(terms)
     radius = np.hypot(distorted[:, 0], distorted[:, 1])
@@ -192,9 +192,9 @@ def _fisheye_curve(terms: FloatArray) -> tuple[FloatArray, FloatArray]:
 
 
 def pinhole_of(config: Config, knock: SimulatedKnockSection | None = None) -> Pinhole:
-    """Make the simulated camera of a configuration with a section ``simulation``.
+    """Make the simulated camera of a configuration, after a ``knock`` if given.
 
-    With a ``knock``, it has the pose after it.
+    Raises ``ValueError`` without a section ``simulation``.
     """
     if config.simulation is None:
         raise ValueError("the configuration has no section 'simulation'")

@@ -1,7 +1,4 @@
-"""Times of a simulated camera: exposure and delivery of its pictures.
-
-Subclasses draw the picture. Seconds of the clock that is passed in.
-"""
+"""Times of a simulated camera: exposure and delivery of its pictures, in the clock's seconds."""
 
 from __future__ import annotations
 
@@ -35,7 +32,7 @@ class TimedCamera(ABC, Generic[_Prepared]):
         self._state: SourceState = "closed"
         self._next_s = 0.0
         self.late_since_s = math.inf
-        """When the next picture is to be exposed, or the one that its reader has in hand was."""
+        """Exposure of the next picture, or of the one that its reader has in hand."""
         self._sequence = 0
 
     @property

@@ -1,4 +1,4 @@
-"""The robot with our own firmware: the robot's end in Python, stepped a hundred times a second.
+"""The robot with our own firmware: the robot's end in Python, stepped every 2 ms.
 
 It boots when made, and again at each processor reset. Metres, seconds.
 """

@@ -1,20 +1,19 @@
 """Twin of an iRobot Create 2, from its Open Interface specification.
 
-- Modes are off, passive, safe and full. Off, it hears only Start; only safe and full drive. In safe
-  mode a wheel drop or a cliff stops the wheels and leads to passive.
+- Modes are off, passive, safe and full. Off, it hears only Start and reset; only safe and full
+  drive. In safe mode a wheel drop or a cliff stops the wheels and leads to passive.
 - No watchdog: the wheels keep the last order. In passive mode it sleeps after five minutes; then
   only its CLEAN button (`press_clean`) wakes it, no byte.
 - Its speed controller has steps of about 28.5 mm/s. Owners measured that orders from -10 to 10 mm/s
   do nothing, and that all from 11 up to the next step at 40 drive at 39 mm/s.
-- Orders are opcodes with a fixed number of data bytes and no check: after a lost byte the next
-  opcode is taken as data. Streamed sensor frames, one every 15 ms, end with a sum.
+- Orders have no check: after a lost byte the next opcode is taken as data. Streamed sensor frames,
+  one every 15 ms, end with a sum.
 - After Start it is deaf for the 20 ms of a mode change.
 - Encoder counts wrap at 16 bits. The sensors feel no direction: counts decrease while the wheel is
   ordered backwards and increase otherwise, even if a wheel ordered to stop rolls.
 - It charges in passive mode only. On the home base (`dock`), safe and full mode end the charging;
   with the charger's cable plugged in (`plug_in`), safe mode leads to passive.
-- A reinserted battery, or a reset, causes three seconds of text in which it hears nothing; then it
-  is off, and all begins again.
+- After a reset or a new battery it hears nothing for three seconds of text; then it is off.
 
 Bytes are big-endian; speeds in mm/s; metres and seconds elsewhere.
 """
@@ -39,7 +38,7 @@ LEAST_MM_S, STEP_MM_S, STEP_ADDS_MM_S = 11, 28.5, 10.5
 DEAF_S: Final = 0.020
 BOOT_S: Final = 3.0
 BOOT_TEXT: Final = b"bl-start\r\n2007-05-14-1715-L   \r\nRDK by iRobot!\r\n"
-"""Text that a processor writes on the line when it starts, in a protocol of its own."""
+"""Text on the line when the processor starts, in a protocol of its own."""
 BATTERY_MAH: Final = (2_050.0, 2_696)
 CHARGE_MA: Final = 1_250
 NOT_CHARGING, FULL_CHARGING = 0, 2
@@ -55,7 +54,7 @@ DATA_BYTES: Final = {
 }  # fmt: skip
 """By opcode; those whose length is in their first byte are `COUNTED`."""
 COUNTED: Final = {140: 2, 148: 1, 149: 1}
-"""By opcode: how many bytes there are up to the count, the count with them."""
+"""By opcode: number of data bytes up to and with the count."""
 
 
 class OpenInterfaceMode(IntEnum):
@@ -100,7 +99,7 @@ class Create2Twin:
         self._out = bytearray()
 
     def press_clean(self, now_s: float) -> None:
-        """Press the button on top, which wakes it."""
+        """Press the button on top."""
         self.asleep = False
         self._heard_s = now_s
 
@@ -132,7 +131,7 @@ class Create2Twin:
     def _take(self, value: int, now_s: float) -> None:
         order = self._order
         if not order and value not in DATA_BYTES and value not in COUNTED:
-            return  # no order begins with this byte
+            return
         order.append(value)
         length = self._length()
         if length is None or len(order) < length:
@@ -145,7 +144,6 @@ class Create2Twin:
             self._obey(opcode, data, now_s)
 
     def _length(self) -> int | None:
-        """Length of the order that has begun; None if unknown yet."""
         order = self._order
         if order[0] in DATA_BYTES:
             return 1 + DATA_BYTES[order[0]]
@@ -186,7 +184,7 @@ class Create2Twin:
                 self._enter(OpenInterfaceMode.PASSIVE)
 
     def _enter(self, mode: OpenInterfaceMode) -> None:
-        """Enter a mode; every change stops the wheels."""
+        """Change the mode, which stops the wheels."""
         self.mode = mode
         self._wanted = [0, 0]
 
@@ -267,7 +265,6 @@ class Create2Twin:
 
 
 def _turned(ordered_mm_s: int) -> float:
-    """Speed of the wheel, rounded to the controller's steps."""
     number = math.floor((abs(ordered_mm_s) - LEAST_MM_S) / STEP_MM_S) + 1
     if number <= 0:
         return 0.0

@@ -1,9 +1,8 @@
 """The robot with its real firmware: an emulated microcontroller, in lockstep with the robot's time.
 
 Bytes go to the emulated UART at its true baud rate; the motor outputs drive the wheels, whose
-travel turns the emulated encoders. The robot's settings are compiled into its firmware. A reset
-pulls the processor's reset line. While the robot is frozen its clock and watchdog stop, and the
-motors keep their last order.
+travel turns the emulated encoders. The robot's settings are compiled in. While the robot is frozen
+its clock and watchdog stop, and the motors keep their last order.
 """
 
 from __future__ import annotations
@@ -19,8 +18,7 @@ from navigation.simulator.twins.twin import STEP_S, Body
 
 
 class EmulatedTwin:
-    """The robot on an emulator, started by ``command``, that speaks as :mod:`emulated_processor`
-    says.
+    """The robot on the emulator that ``command`` starts (:mod:`emulated_processor`).
 
     EmulatorError if it cannot be started, and from :meth:`step` when it has ended.
     """

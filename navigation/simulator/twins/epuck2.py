@@ -118,7 +118,6 @@ class Epuck2Twin:
 
 
 def _numbers(line: str) -> list[int]:
-    """Up to two numbers from the second character on, up to the first unreadable one."""
     found: list[int] = []
     rest = line[1:]
     while len(found) < 2 and (match := re.match(r",\s*([+-]?\d+)", rest)):

@@ -189,7 +189,6 @@ class Turtlebot3Twin:
 
 
 def _motor(speed_m_s: float) -> float:
-    """Motor speed for an order: whole steps, towards zero."""
     return max(-337, min(337, math.trunc(speed_m_s / MOTOR_STEP_M_S))) * MOTOR_STEP_M_S
 
 

@@ -10,7 +10,7 @@ from typing import Final, NamedTuple, Protocol
 from firmware_protocol.robot.controller import WheelSpeeds
 
 ON_FOR_S: Final = 60.0
-"""Time for which a robot has been switched on when a program finds it."""
+"""Time since a robot was switched on when a program finds it."""
 STEP_S: Final = 0.002
 """Step of a twin's time, in real time."""
 
@@ -22,7 +22,7 @@ class Body(NamedTuple):
     ticks_per_m: float
     """The resolution of the encoders."""
     wheel_m_s: float
-    """The fastest that a wheel turns."""
+    """A wheel's highest speed."""
 
 
 class Twin(Protocol):
@@ -30,7 +30,7 @@ class Twin(Protocol):
 
     body: Body
     has_frames: bool
-    """True if its line carries Clearway's own frames, which faults may double, swap and cut."""
+    """True if its line carries Clearway's frames, which faults may double, swap and cut."""
 
     @property
     def baud(self) -> float:
@@ -44,7 +44,7 @@ class Twin(Protocol):
         """Take bytes from the line."""
 
     def step(self, now_s: float, left_ticks: int, right_ticks: int) -> WheelSpeeds:
-        """Let a few milliseconds pass with these encoder counts; return the motors' orders."""
+        """Let ``STEP_S`` pass with these encoder counts; return the motors' orders."""
         ...
 
     def bytes_to_send(self, now_s: float) -> bytes:
@@ -52,10 +52,10 @@ class Twin(Protocol):
         ...
 
     def bump(self, pressed: bool) -> None:
-        """Touch or release its bumper, or its emergency stop; nothing without either."""
+        """Touch or release its bumper, or its emergency stop, if it has one."""
 
     def lift(self, lifted: bool) -> None:
-        """Take the wheels off the floor, or put them back; nothing if it has no sensor for it."""
+        """Take the wheels off the floor, or put them back, for its sensor if it has one."""
 
     def close(self) -> None:
         """End its processes outside this one, even during a step."""

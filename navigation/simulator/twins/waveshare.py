@@ -11,7 +11,7 @@
 - Watchdog: the wheels stop without a speed order for the heartbeat's time, 3,000 ms unless 136 sets
   another.
 - A report is 1001 with the wheels' speeds in the last turn of the program's loop: whole encoder
-  pulses over its 10 ms, so a slow wheel reports nothing in one turn and much in the next.
+  pulses over its 10 ms, so a slow wheel reports nothing or much.
 - A robot without encoders (``has_encoders``) reports zeros; if it is taken for one with encoders,
   its regulator runs at full power.
 - It starts with two seconds of text; its UART keeps 256 bytes of what arrives meanwhile.
@@ -184,7 +184,6 @@ class WaveshareTwin:
         return self._kinds[self.main_type]
 
     def _turned(self, ordered: float) -> float:
-        """Speed of a wheel, regulated by the supposed pulse value, or by the power."""
         kind = self._kind
         if not kind.is_regulated:
             speed = ordered / FULL_POWER * FASTEST_M_S

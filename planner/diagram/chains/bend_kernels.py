@@ -1,16 +1,15 @@
 """Bending of a chain's run onto its bisector, by halving until its links are short and straight.
 
 Rules and units
-- A run leads from one station of a chain to the next along the bisector of one pair of pieces,
-  see :mod:`planner.diagram.chains.chain_kernels`. It consists of sampled links; places are written.
-- Places are inserted where the straight line would bulge or be too long. They are slid onto the
-  bisector from the run's sampled vertices, and each is proved by its own empty circle. A place that
-  does not slide, as at a hairpin's turn, stays as sampled, unproved, if the run is wide on both
-  sides of it: a chord would not be as narrow as the turn.
+- A run leads from one station of a chain to the next along the bisector of one pair of pieces, see
+  :mod:`planner.diagram.chains.chain_kernels`.
+- Places are inserted where the straight line bulges or is too long, slid onto the bisector from the
+  run's sampled vertices, and proved by empty circles. A place that does not slide, as at a
+  hairpin's turn, stays as sampled, unproved, if the run is wide on both sides of it: a chord is not
+  as narrow as the turn.
 - Left and right are as in :mod:`planner.diagram.bisector_kernels`.
 """
 
-# numba infers types; docstrings state them.
 # mypy: allow-untyped-defs
 
 from __future__ import annotations
@@ -28,13 +27,13 @@ from planner.scene.compile_options import LEAF
 from planner.scene.primitive_kernels import NONE, POINT, SEGMENT, distance, foot, point_to_segment
 
 BULGE = 0.1
-"""How far a link may leave its bisector, in half spacings (5 % of the spacing)."""
+"""Largest distance of a link from its bisector, in half spacings."""
 LONG = 1.0
-"""A link's length in parts of the clearance at its start, where that is more than a spacing."""
+"""Longest link in parts of the clearance at its start, if that exceeds a spacing."""
 HALVINGS = 30
-"""How often a run is halved at most."""
+"""Most halvings of a run."""
 HALF_AT_MOST = 0.75
-"""A half of a line's part of it, at most: what slides elsewhere is another branch's."""
+"""Largest half of a line, as its part: anything farther is on another branch."""
 
 
 class ChainPoints(NamedTuple):
@@ -80,7 +79,7 @@ class ChainStations(NamedTuple):
 class Stack(NamedTuple):
     """Places ahead in a run, the nearest last.
 
-    ``place`` (d, 2), the sampled ``link`` (d,) there, ``bare``: no sampled vertices lead there, and
+    ``place`` (d, 2), the sampled ``link`` (d,) there, ``bare``: no sampled vertices lead there,
     ``rough``: it stayed as sampled.
     """
 
@@ -137,7 +136,7 @@ def _is_between(kind, data, left, right, a, m, b, half, tolerance):
     mx, my = m
     bx, by = b
     near = 16.0 * half * half
-    # a ring that begins and ends at or near a returns there: distant places are not judged
+    # a ring that ends at or near a returns there: distant places are not judged
     span = 9.0 * ((bx - ax) ** 2 + (by - ay) ** 2)
     tx, ty, _ = heading(kind, data, left, right, mx, my)
     dx, dy = mx - ax, my - ay
@@ -158,7 +157,7 @@ def _across(kind, data, left, right, x, y):
     """Place and direction of the line along which the two pieces are nearest, as seen there.
 
     It runs through the centres of two round pieces or points, or through one and square to a
-    segment. Between two segments it has no direction, as their bisector is narrowest at its ends.
+    segment. Between two segments it has no direction.
     """
     if kind[left] == SEGMENT and kind[right] == SEGMENT:
         return x, y, 0.0, 0.0
@@ -172,10 +171,7 @@ def _across(kind, data, left, right, x, y):
 
 @njit(**LEAF)
 def _narrowest_between(kind, data, left, right, ax, ay, bx, by, tolerance):
-    """Narrowest place of the bisector between a and b, if inside: x, y, found.
-
-    There the feet lie opposite each other: on the line across both pieces, halfway.
-    """
+    """Narrowest place of the bisector between a and b, if inside: x, y, found."""
     mx, my = 0.5 * (ax + bx), 0.5 * (ay + by)
     reach = (bx - ax) ** 2 + (by - ay) ** 2
     px, py, ux, uy = _across(kind, data, left, right, mx, my)
@@ -197,7 +193,6 @@ def _narrowest_between(kind, data, left, right, ax, ay, bx, by, tolerance):
 
 @njit(**LEAF)
 def _is_on_bisector(kind, data, left, right, x, y, rho, tolerance):
-    """True if a place at clearance rho is as near to both pieces as to anything."""
     return (
         abs(distance(kind, data, left, x, y) - rho) <= 4.0 * tolerance
         and abs(distance(kind, data, right, x, y) - rho) <= 4.0 * tolerance
@@ -206,10 +201,7 @@ def _is_on_bisector(kind, data, left, right, x, y, rho, tolerance):
 
 @njit(**LEAF)
 def _is_straight(kind, data, left, right, ax, ay, bx, by, tolerance):
-    """True if the middle of a straight bisector's link is equally near to both of its pieces.
-
-    It is not if the link passes the end of one of them.
-    """
+    """True if a straight bisector's link has its middle equally near to both pieces."""
     x, y = 0.5 * (ax + bx), 0.5 * (ay + by)
     gap = distance(kind, data, left, x, y) - distance(kind, data, right, x, y)
     return abs(gap) <= 4.0 * tolerance
@@ -220,8 +212,7 @@ def _halve(pieces, at, link, tolerances, run, line, stack, top):
     """Choose the place to halve a link, if it has to be halved.
 
     Tries the sampled vertex in the middle of the run, then the middle of the line. Returns split,
-    astray, as_sampled, x, y and the sampled link there. A link that ought to be halved and cannot
-    be is ``astray``: a chord, not the bisector.
+    astray (a chord that cannot be halved), as_sampled, x, y and the sampled link there.
     """
     half, tolerance, bare = tolerances.half, tolerances.equal, stack.bare
     kind, data, left, right = pieces.kind, pieces.data, run.left, run.right
@@ -242,7 +233,7 @@ def _halve(pieces, at, link, tolerances, run, line, stack, top):
         px, py = x, y
         x, y, split = slide_between(kind, data, left, right, x, y, tolerance)
         if guess == 0 and (x - px) ** 2 + (y - py) ** 2 > 16.0 * half * half:
-            # at a hairpin's turn: the place it slid to is before or behind it
+            # at a hairpin's turn: the place is before or behind it
             split, astray = False, True
             if line.is_wide:
                 break
@@ -259,12 +250,11 @@ def _halve(pieces, at, link, tolerances, run, line, stack, top):
             split = split and (bx - x) ** 2 + (by - y) ** 2 <= reach
             astray = line.is_long or wanted or not slid
         if split:
-            # only sampled vertices are in order among themselves
             bare[top] = guess == 1
             bare[top - 1] |= guess == 1
             break
     if astray and not split and line.is_wide and is_sampled and not bare[top - 1]:
-        # the route around may be narrow where the chord is not: keep it as sampled
+        # the route around may be narrower than the chord: keep it as sampled
         q = middle
         x, y, split, as_sampled = at[link[q] >> 3, 0], at[link[q] >> 3, 1], True, True
         bare[top] = False
@@ -275,8 +265,8 @@ def _halve(pieces, at, link, tolerances, run, line, stack, top):
 def _add_place(mesh, pieces, tolerances, room, run, near, x, y, is_rough, counts):
     """Write a place of a run and, if its circle is not empty, the missing sites.
 
-    ``near`` is a triangle near it; ``counts`` are the numbers of points and missing sites. Returns
-    both updated, the latter -1 if space ran out.
+    ``near`` is a triangle near it; ``counts``, of points and missing sites, are returned updated,
+    the latter -1 if space ran out.
     """
     n, missing = counts
     out, extra = room.out, room.missing
@@ -308,8 +298,7 @@ def _add_place(mesh, pieces, tolerances, room, run, near, x, y, is_rough, counts
 def bend_run(mesh, pieces, triangles, link, end, tolerances, room, s, counts):
     """Write the places of the run after station s, without the stations.
 
-    ``end`` is the link behind the chain's last; ``counts`` are the numbers of points and missing
-    sites. Returns both updated, -1 if space ran out.
+    ``end`` is the link behind the chain's last; ``counts`` as in :func:`_add_place`.
     """
     n, missing = counts
     kind, data = pieces.kind, pieces.data
@@ -343,7 +332,6 @@ def bend_run(mesh, pieces, triangles, link, end, tolerances, room, s, counts):
             stack.rough[top] = as_sampled
             top += 1
             continue
-        # the link from a to b is short and straight enough
         top -= 1
         near = link[q_b if q_b < end else q_a] & ~7
         out.pieces[n - 1, 0], out.pieces[n - 1, 1] = left, right
@@ -353,7 +341,7 @@ def bend_run(mesh, pieces, triangles, link, end, tolerances, room, s, counts):
         whole = not (split or astray)
         if straight and not is_long:
             whole = _is_straight(kind, data, left, right, ax, ay, bx, by, tolerance)
-        # a line that leaves or arrives against the bisector's direction does not follow it
+        # a line against the bisector's direction does not follow it
         whole &= dx * ux + dy * uy >= -tolerance and dx * vx + dy * vy >= -tolerance
         out.ahead[n - 1] = whole
         if falls < -1e-9 and grows > 1e-9:

@@ -1,7 +1,6 @@
 """Bends the chains onto their bisectors into newly allocated arrays.
 
-The kernel is called from here, not from another kernel that makes the arrays: compiled as a part of
-that, it took 1.3 times as long.
+Compiled as a part of a kernel that makes the arrays, bending takes 1.3 times as long.
 """
 
 from __future__ import annotations
@@ -40,8 +39,8 @@ def bend_chains(
 
     Chain c has the links ``first[c]`` to ``first[c + 1]`` of
     :func:`planner.diagram.chains.trace_kernels.trace_chains`; ``first`` need not begin at 0, and
-    the longest chain has ``longest`` links. ``known`` runs, see
-    :mod:`planner.diagram.chains.kept_run_kernels`, are not bent again. Returns the chains, and the
+    the longest chain has ``longest`` links. ``known`` runs
+    (:mod:`planner.diagram.chains.kept_run_kernels`) are not bent again. Returns the chains, and the
     missing sites as :func:`planner.diagram.vertex_kernels.solve_vertices` does.
     """
     chains, most = len(first) - 1, longest + 1

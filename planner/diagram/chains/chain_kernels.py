@@ -7,7 +7,6 @@ Rules and units
 - Left and right are as in :mod:`planner.diagram.bisector_kernels`.
 """
 
-# numba infers types; docstrings state them.
 # mypy: allow-untyped-defs
 
 from __future__ import annotations
@@ -31,7 +30,7 @@ from planner.scene.primitive_kernels import NONE, distance
 
 @njit(**LEAF)
 def solve_rings(mesh, pieces, triangles, node, tolerances):
-    """Slide the nodes of closed runs, so far passages, onto their bisectors."""
+    """Slide the nodes of closed runs onto their bisectors."""
     tri, label, kind, data = mesh.tri, mesh.label, pieces.kind, pieces.data
     at, xy, rho, state = triangles.at, triangles.place, triangles.rho, triangles.state
     half, _, tolerance = tolerances
@@ -56,7 +55,7 @@ def _order_turns(pieces, at, link, half, stations, last):
 
     If the left border turns from A to its corner P and then the right one from its corner Q to B,
     with P Q between, but the places are in reverse order, A B is between. Sampling only confuses
-    near places: a long run may well end behind its beginning.
+    near places.
     """
     kind, data = pieces.kind, pieces.data
     place, pair, run = stations.place, stations.sides, stations.run
@@ -134,9 +133,8 @@ def bend(mesh, pieces, triangles, first, link, tolerances, known, room):
     """Bend the chains onto their bisectors, with the narrowest place of every run.
 
     Fills ``room``, a :class:`planner.diagram.chains.bend_kernels.BendRoom`; a link is proved if
-    both its points are and it follows their bisector. ``known`` runs, see
-    :mod:`planner.diagram.chains.kept_run_kernels`, are not bent again. Returns the numbers of
-    points and missing sites, -1 if space ran out.
+    both its points are and it follows their bisector. Returns the numbers of points and missing
+    sites, -1 if space ran out.
     """
     out, stations = room.out, room.stations
     place, sides = stations.place, stations.sides
@@ -195,10 +193,9 @@ def trace_again(mesh, pieces, triangles, old, bent, tolerances):
 def measure_chains(tree, points, proved, first, ends, nodes):
     """Measure chains whose narrowest places are among their points.
 
-    A proved link is as wide as its narrower end; any other is measured as a straight line against
-    the borders. Returns the ``points`` (p, 3) as places (p, 2) and clearances (p,), ``gap``,
-    ``step`` per point, ``length``, ``clearance`` per chain, and the clearances of the ``nodes`` in
-    the chains' ``ends`` (c, 2).
+    A proved link is as wide as its narrower end; others are measured. Returns the ``points`` (p, 3)
+    as places (p, 2) and clearances (p,), ``gap``, ``step`` per point, ``length``, ``clearance`` per
+    chain, and the clearances of the ``nodes`` in the chains' ``ends`` (c, 2).
     """
     p, c = len(points), len(first) - 1
     xy, rho = np.empty((p, 2)), np.empty(p)

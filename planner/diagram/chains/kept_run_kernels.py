@@ -1,13 +1,11 @@
 """Unchanged runs of chains: the same bisector between the same two places.
 
 Rules
-- A run follows the bisector of one pair of pieces from one station to the next, see
-  :mod:`planner.diagram.chains.chain_kernels`. The curve and its proof depend on nothing else
-  while nothing comes near: if its ends are equal to the last bit, so are the points between.
+- A run's curve and proof depend on nothing else while nothing comes near: if its ends are equal to
+  the last bit, so are the points between.
 - Only proved links are taken, in either direction.
 """
 
-# numba infers types; docstrings state them.
 # mypy: allow-untyped-defs
 
 from __future__ import annotations

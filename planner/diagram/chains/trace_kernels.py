@@ -3,13 +3,12 @@
 Rules
 - A chain runs from node to node; nodes are vertices with one or three valid edges. A closed run
   without a node gets one at one of its vertices.
-- Triangles and half-edges are named as in :mod:`planner.delaunay.insertion_kernels`. A chain is
-  its links: the half-edges crossed from inside, in order.
-- Chains that pass no stale triangle and none whose valid edges changed are kept; they come first,
-  in their old order. Only the rest of the mesh is traced.
+- A chain is its links: the half-edges (:mod:`planner.delaunay.insertion_kernels`) crossed from
+  inside, in order.
+- Chains that pass no stale triangle and none whose valid edges changed are kept, first and in their
+  old order.
 """
 
-# numba infers types; docstrings state them.
 # mypy: allow-untyped-defs
 
 from __future__ import annotations
@@ -84,7 +83,6 @@ def trace_chains(tri, mask, stale, old):
 
 @njit(**OWNING, error_model="numpy", inline="always")
 def _split_chains(mask, stale, old):
-    """The unchanged chains, and the triangles where any other chain may pass."""
     old_mask, old_node, old_ends, old_first, old_link = old
     n, known = len(mask), len(old_mask)
     changed = np.empty(n, np.bool_)

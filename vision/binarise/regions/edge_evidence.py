@@ -1,19 +1,13 @@
 """The level that a picture's edges support, and the obstacles that the chosen level leaves out.
 
 Rules and units
-- Grey values are 0 .. 255, obstacles dark. Light multiplies what the camera sees, so a step in the
-  dark is worth more: steps are compared by the square root of the picture's own values, whichever
-  side obstacles are on. The logarithm would suit light alone, and puts the level of a blurred edge
-  too near its dark side.
-- Light that changes over many pixels makes no edge, however strong: nothing supports a shadow's
-  rim or a lamp's fall-off as a border.
-- No level suits both obstacles of 40 and of 180 on a floor of 215, or objects in full light and in
-  a shadow of 70 %.
-- Edges neither in nor near the mask are searched again for their best levels. A region below one
-  of these is an obstacle too if it touches nothing of the mask, and its border is sharp and exceeds
-  the noise: a shadow's rim is soft.
-- In uneven light and on a floor with a pattern of its own it needs a share of the light too
-  (``judge.py``).
+- Grey values are 0 .. 255, obstacles dark. Steps are compared by the square root of the picture's
+  own values (``Judge.worth``): a step in the dark is worth more.
+- Light that changes over many pixels makes no edge: nothing supports a shadow's rim as a border. -
+- Edges outside the mask's surroundings are searched again for their best levels. A region below one
+  is an obstacle too if it touches nothing of the mask, and its border is sharp and exceeds the
+  noise.
+- In uneven light and on a patterned floor it needs a share of the light too (``judge.py``).
 """
 
 from __future__ import annotations
@@ -54,36 +48,30 @@ from vision.binarise.regions.judge import (
 )
 
 FIRST_PAIRS = SAMPLE // 2
-"""Pairs of pixels that are looked at first; more where few of them lie across the level. Derived,
-two pixels make one."""
+"""Pairs of pixels read first; more where few lie across the level. Derived, two pixels make one."""
 WEAK_STEP, STRONG_STEP = 0.35, 1.3
-"""Steps, as shares of the contrast, that are less or more than the classes make. Chosen, by
+"""Steps, as shares of the contrast, that are too weak or too strong for the classes. Chosen, by
 ``tests/vision/binarise``."""
 FEW = 0.2
-"""Share of weak pairs up to which a level follows edges: a blurred edge's foot, noise. Chosen, by
-``tests/vision/binarise``."""
+"""Share of weak pairs up to which a level follows edges. Chosen, by ``tests/vision/binarise``."""
 FEW_STRONG = 0.04
-"""The same of steps that are too strong: joints of a floor have many more edges than what is far
-darker and stands on it, and no plain picture has such steps. Chosen, by
-``tests/vision/binarise``."""
+"""The same of strong pairs: joints of a floor have far more edges than dark objects on it. Chosen,
+by ``tests/vision/binarise``."""
 CLEAR_SIGMAS = SIGMAS * math.sqrt(2.0)
-"""A step off the level that is an edge of its own, in standard deviations of a pixel: derived, the
-difference of two scatters by the root of two more."""
+"""A clear step off the level, in standard deviations of a pixel: derived, a difference of two."""
 FEWEST_CLEAR = 3
-"""Such steps, of those looked at, from which on a level leaves something out. Chosen, by
-``tests/vision/binarise``."""
+"""Clear steps from which a level leaves something out. Chosen, by ``tests/vision/binarise``."""
 NOWHERE = np.zeros((0, 0), np.uint8)
-"""No pixel is shut out: defined."""
+"""No pixel is excluded: defined."""
 LEFT_PAIRS = 1 << 21
-"""Pairs of pixels that are looked at for what a level has left out, about:
-indifferent."""
+"""Pairs read for what a level has left out, about: indifferent."""
 NEARLY_ALL = 0.95
-"""The share of the most that any level has from which another one is as good. Chosen, by
+"""Share of the largest support from which a level is as good. Chosen, by
 ``tests/vision/binarise``."""
 SPECKS = 0.2
-"""Share of an obstacle's pixels below which those in the mask already are no obstacle: chosen."""
+"""Share of an obstacle's pixels below which those in the mask are specks: chosen."""
 SAID = 0.5 * LEAST_SHARE
-"""The share from which a region is said to have been left out: derived, half of what one has."""
+"""Share of the light from which a remark names a region: derived, half of the least."""
 
 
 def follows_edges(look: GreyPicture, classes: Classes) -> bool:
@@ -117,8 +105,7 @@ def leaves_out(look: GreyPicture, level: float, side: Literal["dark", "light"]) 
 
     if not clear_steps(0.0):
         return False
-    # artefacts of compression around edges, and a floor's own pattern, differ from obstacles by
-    # their share of the light
+    # artefacts of compression, and a floor's pattern, have a smaller share of the light
     calming = look.calming()
     grey, noise = look.grey_after(calming), look.noise * calming.left
     apart = faint_edges_apart(grey, noise, side, BLOCK_PX) >= FEWEST_CLEAR
@@ -130,7 +117,7 @@ class Support:
 
     Sums are comparable for one picture only; zero or less is no support. ``pairs``: about the
     number read. ``even``: the light is known to be even. ``grey``: the picture, smoothed if noisy;
-    ``noise``: the noise left in it.
+    ``noise``: what is left in it.
     """
 
     def __init__(
@@ -151,8 +138,8 @@ class Support:
     ) -> tuple[Classes | None, int]:
         """Classes of the best supported level, and the pairs across it; None without support.
 
-        ``counts`` is the picture's histogram (256,); ``even`` are its classes in even light, whose
-        own level is taken unless it has much less support.
+        ``counts`` (256,) is the histogram; ``even`` are its classes in even light, preferred unless
+        they have much less support.
         """
         believed, pairs = self._believed(NOWHERE, self._cost, self._pairs)
         most = float(believed.max())
@@ -167,7 +154,7 @@ class Support:
     def level_outside(self, shut: NDArray[np.uint8]) -> float | None:
         """Level best supported where ``shut`` (h, w) is 0, None without any.
 
-        Its edges may be fainter than the others, but not as faint as noise.
+        Its edges may be fainter than the others, but not as noise.
         """
         believed, _ = self._believed(shut, FAINT * self.judge.faintest, LEFT_PAIRS)
         most = float(believed.max())
@@ -178,16 +165,16 @@ class Support:
     def _believed(
         self, shut: NDArray[np.uint8], cost: float, sample: int
     ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-        """Support for each level (257,) outside ``shut``, 0 if too little, and the pairs."""
+        """Support for each level (257,), 0 if too little, and the pairs."""
         judge = self.judge
         support, pairs = support_by_level(judge.grey, judge.seen(shut), judge.values, cost, sample)
-        # where no pair lies across a level, the sum is only rounding
+        # without pairs, the sum is only rounding
         enough = FAINT * cost * np.maximum(pairs, 1.0)
         return np.where(support >= enough, support, 0.0), pairs
 
 
 def _classes_at(believed: NDArray[np.float64], counts: NDArray[np.int64]) -> Classes:
-    """The classes that the best of all levels (257,) makes of a histogram (256,)."""
+    """Classes that the best of all levels (257,) makes of a histogram (256,)."""
     nearly = NEARLY_ALL * float(believed.max())
     level = int(np.flatnonzero(believed >= nearly).mean())
     below = np.arange(256) < level
@@ -200,7 +187,6 @@ def _classes_at(believed: NDArray[np.float64], counts: NDArray[np.int64]) -> Cla
 
 
 def _middle(counts: NDArray[np.int64]) -> float:
-    """Median grey value of a histogram (256,)."""
     running = np.cumsum(counts)
     return float(np.searchsorted(running, 0.5 * running[-1]))
 
@@ -208,10 +194,10 @@ def _middle(counts: NDArray[np.int64]) -> float:
 def with_left_out(
     judged: JudgedPicture, others: Iterable[JudgedPicture], support: Support
 ) -> Binary:
-    """The mask, changed in place, with obstacles that other masks and levels show, and remarks.
+    """The mask, changed in place, with obstacles of other masks and levels, and remarks.
 
-    Levels are searched in the picture without its light, then as it is. A remark also names other
-    regions above the noise that the mask leaves out. O(pixels) a level.
+    Levels are searched in the picture without its light, then as it is. A remark names other
+    regions above the noise.
     """
     binary = judged.binary
     inside = binary.inside
@@ -222,14 +208,14 @@ def with_left_out(
     look.noise = max(look.noise, stronger * support.noise)
     found = 0
     for asked in (Support(look, support.judge.side, even=support.judge.even), support):
-        # each level is searched for in what the others have not found
+        # each level is searched in what the others have not found
         while (level := asked.level_outside(shut)) is not None:
             below = (asked.grey < level).astype(np.uint8)
             more = _add_obstacles(below, inside, shut, left, support.judge)
             if more == 0:
                 break
             found += more
-    # last: there an obstacle and the shadow beside it may be one region
+    # last: there an obstacle and its shadow may be one region
     for other in others:
         found += _add_obstacles(other.binary.inside, inside, shut, left, support.judge)
     remarks = binary.remarks
@@ -255,15 +241,15 @@ def _add_obstacles(
 ) -> int:
     """Add obstacles of a level's mask ``below`` (h, w) to ``inside``; return their number.
 
-    They touch nothing of ``shut``, the mask and its surroundings, except specks of themselves.
-    Other regions above the noise are marked in ``left``.
+    They touch nothing of ``shut``, the mask and its surroundings, except their own specks. Other
+    regions above the noise are marked in ``left``.
     """
     regions = judge.regions(below)
     labels = regions.labels
     size = regions.stand_out.size
     touching = np.zeros(size, dtype=np.bool_)
     touching[labels[shut != 0]] = True
-    # a level that an obstacle's own noise crosses leaves specks of it in the mask
+    # a level that an obstacle's noise crosses leaves specks of it in the mask
     area = np.bincount(labels.ravel(), minlength=size)
     known = np.bincount(labels[inside != 0], minlength=size)
     specks = (known > 0) & (known < SPECKS * area)
@@ -283,7 +269,6 @@ def _said(
     inside: NDArray[np.uint8],
     judge: Judge,
 ) -> tuple[str, ...]:
-    """Remark on regions of which the mask (h, w) has no part; empty if there are none."""
     if not left.any():
         return ()
     regions = judge.regions(left.astype(np.uint8))

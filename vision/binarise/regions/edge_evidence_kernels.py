@@ -1,11 +1,10 @@
-"""Steps across the border between black and white, which show if it follows edges.
+"""Steps across the border between black and white.
 
 Rules and units
 - A step is how much lighter a pixel is than one ``REACH`` rows or columns away, measured by
   ``worth`` (256,), which grows with the grey value. Pairs of pixels come from a sample of rows.
-- A pair supports a border between its pixels by its step less ``cost``, so a small step opposes
-  it. A soft step also opposes it: one hardly more than its share of the step from ``OUTER`` before
-  it to ``OUTER`` behind it.
+- A pair supports a border between its pixels by its step less ``cost``. A soft step opposes it: one
+  hardly more than its share of the step from ``OUTER`` before it to ``OUTER`` behind it.
 """
 
 # mypy: allow-untyped-defs
@@ -19,18 +18,17 @@ from planner.scene.compile_options import LEAF, OWNING, SUMS
 from vision.binarise.binarise_kernels import AT_A_TIME, REACH, SAMPLE
 
 OUTER = 6
-"""Pixels beyond both ends: chosen, a light that changes evenly has a quarter of the outer step
-then, a sharp edge all of it."""
+"""Pixels beyond both ends: chosen, evenly changing light then has a quarter of the outer step, a
+sharp edge all of it."""
 SOFT = 0.4
-"""Share of the outer step that a light that changes evenly has, and some more for one that does
-not: chosen, beyond a quarter."""
+"""Share of the outer step that is light's: chosen, beyond the quarter of evenly changing light."""
 LEAST_SHARP = 0.2
-"""How much of a border's step is sharp at least: derived, half-way between what a lens makes of an
-edge (0.35 at a blur of 2 px, 0.54 at 0.7) and what light makes of one (0.06 at 3.5 px, -0.26 at 7),
-over the pairs of a straight border (``tests/vision/binarise/test_judge.py``)."""
+"""Least sharp share of a border's step: derived, half-way between a lens's edge (0.35 at a blur of
+2 px, 0.54 at 0.7) and light's (0.06 at 3.5 px, -0.26 at 7) along a straight border
+(``tests/vision/binarise/test_judge.py``)."""
 SAMPLED_PAIRS = 2 * SAMPLE
-"""Pairs of pixels that are looked at, about, where a whole picture is judged: derived, every pixel
-of a sample begins two, to the right and down."""
+"""Pairs read where a whole picture is judged, about: derived, every pixel of a sample begins
+two."""
 
 
 @njit(**LEAF)
@@ -43,8 +41,7 @@ def _row_step(height, width, pairs):
 def steps_across_level(grey, level, weak, strong, pairs):
     """Count the pairs across a level, and their weak and strong steps.
 
-    Return ``(all, weak, strong)``: the pairs across the level, with steps less than ``weak``, and
-    with steps more than ``strong`` grey levels.
+    Return ``(all, weak, strong)``; the latter two by grey levels.
     """
     height, width = grey.shape
     length = min(width - REACH, AT_A_TIME)
@@ -52,7 +49,6 @@ def steps_across_level(grey, level, weak, strong, pairs):
     step = max(1, 2 * height * segments * length // pairs)
     every, weaks, strongs = 0.0, 0.0, 0.0
     for i in range(0, (height - REACH) * segments, step):
-        # another segment each time, so that no column is left out
         y = i // segments
         x = AT_A_TIME * ((i + y) % segments)
         here = grey[y, x : x + length]
@@ -67,7 +63,6 @@ def steps_across_level(grey, level, weak, strong, pairs):
 
 @njit(**SUMS)
 def _steps(here, there, level, weak, strong):
-    """Count the same in one stretch of pairs."""
     nothing, one = np.float32(0.0), np.float32(1.0)
     every, weaks, strongs = nothing, nothing, nothing
     for x in range(here.shape[0]):
@@ -85,13 +80,11 @@ def _steps(here, there, level, weak, strong):
 def steps_off_level(grey, level, clear, enough):
     """Count pixels that begin a clear step on a level's light side, with nothing across it nearby.
 
-    Every second row is read, until there are ``enough``: blur spreads even the thinnest obstacle
-    over more rows than that.
-
-    ``clear`` is ``(share, least, end, sign)``: the step is at least ``least``, and at least
-    ``share`` of the light. The light is the distance from ``end``, where ``sign`` times grey values
-    begin, to the pixel farther from it. Pixels ``REACH`` away on all sides lie on the light side
-    too: the foot of an edge across the level is not an edge of its own.
+    Every second row is read, until there are ``enough``. ``clear`` is ``(share, least, end,
+    sign)``: the step is at least ``least``, and at least ``share`` of the light, which is the
+    distance from ``end``, where ``sign`` times grey values begin, to the pixel farther from it.
+    Pixels ``REACH`` away on all sides lie on the light side too: the foot of an edge across the
+    level does not count.
     """
     height, width = grey.shape
     found = 0.0
@@ -108,7 +101,7 @@ def steps_off_level(grey, level, clear, enough):
 
 @njit(**SUMS)
 def _any_step(rows, first, length, level, least):
-    """True if a stretch has a step on the light side; most have none and need no more work."""
+    """True if a stretch has a step on the light side; most have none."""
     nothing, one = np.float32(0.0), np.float32(1.0)
     here, below = rows[REACH, first:], rows[2 * REACH, first:]
     found = nothing
@@ -124,7 +117,6 @@ def _any_step(rows, first, length, level, least):
 
 @njit(**SUMS)
 def _clear_steps(rows, first, length, level, clear):
-    """Count the same in one stretch of pixels, to the right and down."""
     nothing, one = np.float32(0.0), np.float32(1.0)
     share, least, end, sign = clear
     above, here = rows[0, first:], rows[REACH, first:]
@@ -136,7 +128,6 @@ def _clear_steps(rows, first, length, level, clear):
         right = np.float32(here[x + REACH])
         down = np.float32(below[x])
         side = value < level
-        # around the pixel, and around the square that both pairs share
         across = (right < level) != side
         across |= (down < level) != side
         across |= (np.float32(above[x]) < level) != side
@@ -161,7 +152,6 @@ def _clear_steps(rows, first, length, level, clear):
 
 @njit(**LEAF)
 def _pair(grey, y, x, down):
-    """Four grey values of a pair: its two pixels, and those OUTER before and behind it."""
     height, width = grey.shape
     if down:
         before = grey[max(y - OUTER, 0), x]
@@ -184,7 +174,7 @@ def _sharp_step(worth, before, a, b, behind):
 
 @njit(**LEAF)
 def typical_step(grey, worth, pairs):
-    """Step of the strongest sharp edges: the mean of all, weighted by their squares."""
+    """Step of the strongest sharp edges: the mean weighted by their squares."""
     height, width = grey.shape
     squares = 0.0
     cubes = 0.0
@@ -203,7 +193,6 @@ def typical_step(grey, worth, pairs):
 
 @njit(**LEAF)
 def _support(worth, before, a, b, behind, cost):
-    """Support of a pair for a border between its pixels, whichever is darker."""
     step, sharp = _sharp_step(worth, before, a, b, behind)
     if step < 0.0:
         step = -step
@@ -216,7 +205,7 @@ def support_by_level(grey, shut, worth, cost, pairs):
     """Support for a border at each level, and the number of pairs across it: 2 x (257,).
 
     Pixels below the level are obstacle. Pairs with a pixel where ``shut`` (h, w) is not 0 are left
-    out; an empty ``shut`` leaves out none.
+    out; ``shut`` may be empty.
     """
     height, width = grey.shape
     whole = shut.size == 0
@@ -248,9 +237,8 @@ def steps_of_regions(grey, labels, count, end, sign):
 
     ``labels`` (h, w) int32 are 1 .. count - 1 in the regions and 0 elsewhere. All are sums over the
     pairs with one pixel in a region. On each of its four sides (count, 4): how much lighter the
-    other pixel is; the light, which is the distance from ``end``, where ``sign`` times grey values
-    begin, to the pixel farther from it; and the number of pairs. In all (count,): the sharp part of
-    the steps.
+    other pixel is; the light (see ``steps_off_level``); and the number of pairs. In all (count,):
+    the sharp part of the steps.
     """
     height, width = grey.shape
     steps = np.zeros((count, 4))

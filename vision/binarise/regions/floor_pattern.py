@@ -1,8 +1,7 @@
 """Detection of a floor's own pattern: faint, sharp edges nearly everywhere on it.
 
 Rules and units
-- Joints, a weave or grain are spread over the floor; an obstacle as faint lies in one place. The
-  picture is divided into ``TILES`` x ``TILES`` tiles, and tiles with faint edges are counted.
+- An obstacle lies in one place, a pattern everywhere: tiles with faint edges are counted.
 - An edge is faint if its step has less than ``STRONG_SHARE`` of the light. Nothing counts within
   two ``REACH`` of a stronger edge, which blur gives a faint foot.
 """
@@ -23,16 +22,15 @@ from vision.binarise.regions.edge_evidence_kernels import mark_sharp_steps
 TILES = 8
 """Tiles along each side: chosen, joints of a floor are as near as an eighth of the picture."""
 MOST_OF_IT = 0.5
-"""The share of the tiles with faint edges from which they are the floor's own: chosen, more than
-half."""
+"""Share of tiles with faint edges from which they are the floor's: chosen, more than half."""
 STRONG_SHARE = 0.3
-"""Share of the light that no pattern of a floor has: chosen, dark joints have up to 0.22."""
+"""Share of the light that no pattern has: chosen, dark joints have up to 0.22."""
 CROSSED = 0.25
-"""Share of a tile's shorter side that its faint pairs are at least: chosen, a line through it has
-twice that side."""
+"""Least faint pairs of a tile, as a share of its shorter side: chosen, a line through it has twice
+that side."""
 BY_CHANCE = 0.002
-"""Share of a tile's pixels that noise alone makes faint pairs of: derived, two to each pixel beyond
-``LEAST_CONTRAST_SIGMAS``, which the difference of two pixels is in 0.04 %, and as many again."""
+"""Share of a tile's pixels in faint pairs by noise alone: derived, twice the 0.04 % of two
+differences beyond ``LEAST_CONTRAST_SIGMAS``."""
 
 
 FAINT_STEP, STRONG = 1, 2
@@ -40,7 +38,7 @@ FAINT_STEP, STRONG = 1, 2
 
 
 def least_step(noise: float) -> float:
-    """Least step of a border in grey levels, as between two classes of grey values."""
+    """Least step of a border in grey levels, as between two classes."""
     return max(LEAST_CONTRAST, LEAST_CONTRAST_SIGMAS * noise)
 
 
@@ -61,7 +59,7 @@ def near_strong_edges(
 ) -> NDArray[np.bool_]:
     """Mask (h, w) of pixels within ``reach`` of a step too strong for a floor's pattern.
 
-    Steps whose dark end lies in ``own`` (h, w) do not count: only those beside it matter.
+    Steps whose dark end lies in ``own`` (h, w) do not count.
     """
     marks = _marks(grey, noise, side)
     marks[own] = 0
@@ -69,7 +67,7 @@ def near_strong_edges(
 
 
 def has_pattern(grey: NDArray[Any], noise: float, side: Literal["dark", "light"]) -> bool:
-    """True if most of the floor in a grey picture (h, w) has faint, sharp edges. O(pixels)."""
+    """True if most of the floor in a grey picture (h, w) has faint, sharp edges."""
     height, width = grey.shape
     if min(height, width) < TILES:
         return False

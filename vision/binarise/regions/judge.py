@@ -1,19 +1,17 @@
-"""The one judge of which regions of a mask are real, by the steps across their borders.
+"""Judgement of a mask's regions by the steps across their borders.
 
 Rules and units
 - Grey values are 0 .. 255, obstacles dark. Light multiplies what the camera sees, so one material
-  has the same share of the light everywhere: the step across its border, divided by the light
-  there. A shadow's rim, and noise in little light, have a fraction of that.
-- The step is the mean over the whole border, of pixels ``REACH`` apart across it. It grows with
-  depth alone, and its error falls with the border's length, so no number of pixels is required.
-- A lens blurs all borders alike. In a picture out of focus no edge is sharp over ``REACH`` pixels,
-  so steps are measured in a picture half as large, whose blur is half as wide.
+  has the same share of the light everywhere: its border's step over the light there. A shadow's
+  rim, and noise in little light, have less.
+- The step is the mean over the whole border, of pixels ``REACH`` apart across it.
+- A picture out of focus, whose edges are not sharp over ``REACH`` pixels, is halved.
 - A region is real if its border exceeds the noise (``SIGMAS``) on all sides but short ones, is
   sharp (``LEAST_SHARP``), and either is of the others' material (``FAINT``) or has the contrast
-  that two classes need (``least_step``), whatever its share of the light.
-- In uneven light, and on a floor with a pattern of its own (``floor_pattern.py``), contrast is not
-  enough: a border fainter than the others needs ``THIN_SHARE`` of the light, or ``LEAST_SHARE``
-  where it is thick. A floor's joints look like faint cables.
+  that two classes need (``least_step``).
+- In uneven light, and on a patterned floor (``floor_pattern.py``), contrast is not enough: a border
+  fainter than the others needs ``THIN_SHARE`` of the light, or ``LEAST_SHARE`` where it is thick. A
+  floor's joints look like faint cables.
 """
 
 from __future__ import annotations
@@ -39,41 +37,38 @@ from vision.binarise.regions.edge_evidence_kernels import (
 from vision.binarise.regions.floor_pattern import has_pattern, least_step, near_strong_edges
 
 SELECTED = 3.0
-"""The step, in standard deviations, that noise has at the borders that a level draws in it:
-derived, 1.6 at the level half-way, 2.4 at one of 2 sigma off it and 3 at 2.7, beyond which borders
-are short."""
+"""Step, in standard deviations, of noise at borders that a level draws in it: derived, 1.6 at the
+level half-way, 2.4 at 2 sigma off it and 3 at 2.7, beyond which borders are short."""
 ALIKE = 4.0
-"""Number of pairs of pixels that share their noise: derived, every pixel is in two pairs to the
-right and down, and the judged picture may be smoothed by the binomial, over two pixels each way."""
+"""Pairs of pixels that share their noise: derived, every pixel is in two pairs to the right and
+down, and the binomial smooths over two pixels each way."""
 OUT_OF_FOCUS = 2.0
-"""By how much the sharp steps of a picture grow when it is halved, where it is out of focus:
-derived, at a blur of 2 px, before borders are no longer sharp (``benchmarks.vision.regions
---tuning``: 177 pictures right, 172 with 3)."""
+"""Factor by which halving sharpens steps of a picture out of focus: derived, at a blur of 2 px
+(``benchmarks.vision.regions --tuning``: 177 pictures right, 172 with 3)."""
 LEAST_HALF_PX = 2 * (REACH + 2 * OUTER)
-"""Pixels of the shortest side of half a picture: derived, twice what a pair looks at."""
+"""Pixels of half a picture's shortest side: derived, twice what a pair reads."""
 FAINT = 0.5
 """Part of most borders' share that a border needs to be of the same stuff, and part of its own that
-each of its sides needs: derived, half-way between that and none."""
+each side needs: derived, half-way to none."""
 SHORT_SIDE = 0.15
-"""Share of a border's pairs from which one of its sides is asked: chosen, tips of triangles that
-blur rounds have 0.13, and whole bars were no obstacles for their ends."""
+"""Share of a border's pairs from which a side is checked: chosen, blurred tips of triangles have
+0.13, and bars would fail by their ends."""
 LEAST_SHARE = 0.1
-"""Share of the light that a faint border has at least where light or floor is not even:
-chosen, for an obstacle of 180 on a floor of 215 has 0.11."""
+"""Least share of the light of a faint border where light or floor is not even: chosen, an obstacle
+of 180 on a floor of 215 has 0.11."""
 THICK_PX = 3.0
-"""Least distance of the middle of a faint obstacle from its border there: chosen, joints are
-thinner."""
+"""Least distance of a faint obstacle's middle from its border there: chosen, joints are thinner."""
 SPECK_PX = 12
-"""Pixels of a faint region from which noise has not made it: chosen, twice what noise has that is
-twice as strong in one part of the picture (``tests/vision/joined``)."""
+"""Pixels of a faint region that noise does not make: chosen, twice those of noise twice as strong
+in one part of the picture (``tests/vision/joined``)."""
 BLOCK_PX = 8
-"""Distance from a strong edge within which a compressed picture has faint ones of its own: derived,
-the side of the blocks of pixels that JPEG rounds together."""
+"""Distance from a strong edge within which a compressed picture has faint ones: derived, the side
+of JPEG's blocks."""
 THIN_SHARE = 0.15
-"""Share of the light that the border of a faint and thin one has at least there, and
-a step off the level that is an edge of its own there: chosen, cables of half
-the contrast have 0.12 to 0.3, joints of a floor 0.1 (``benchmarks.vision.regions --tuning``: 60 of
-80 cables found; 44 with 0.18, and 69 with 0.12, where a soft step has as much)."""
+"""Least share of the light of a border both faint and thin there, and of a step off the level
+there: chosen, cables of half the contrast have 0.12 to 0.3, joints of a floor 0.1
+(``benchmarks.vision.regions --tuning``: 60 of 80 cables found, 44 with 0.18; with 0.12 soft steps
+count)."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -81,8 +76,8 @@ class Regions:
     """Regions of a mask, (n,) each, the first being everything outside them; ``labels`` (h, w).
 
     ``shares`` are the steps across their borders as shares of the light, ``pairs`` the numbers of
-    pixel pairs. ``stand_out``: the sum of the steps exceeds the noise. ``beyond``: worth of their
-    mean beyond the least. ``sharp``: the border is sharp.
+    pixel pairs. ``stand_out``: the steps exceed the noise. ``beyond``: worth of their mean beyond
+    the least. ``sharp``: the border is sharp.
     """
 
     steps: NDArray[np.float64]
@@ -98,9 +93,9 @@ class Regions:
 class JudgedPicture:
     """A picture in black and white with real regions only, and totals over its borders.
 
-    ``pairs``: pixel pairs across its borders; ``shares``: sum of their steps as shares of the
-    light; ``typical``: the share that most have. ``speaks``: worth of their steps beyond the least;
-    without any there are no edges. ``left_out`` (h, w): neither real nor noise.
+    ``pairs``: pixel pairs across them; ``shares``: sum of their steps as shares of the light;
+    ``typical``: the share of most. ``speaks``: worth of their steps beyond the least; without any
+    there are no edges. ``left_out`` (h, w): neither real nor noise.
     """
 
     binary: Binary
@@ -111,10 +106,8 @@ class JudgedPicture:
     left_out: NDArray[np.bool_]
 
     def worth(self, typical: float) -> float:
-        """Support compared with other masks, given the largest ``typical`` share among them.
-
-        A border counts by what it has beyond faint.
-        """
+        """Support beyond faint borders, given the largest ``typical`` share among the masks
+        compared."""
         return self.shares - FAINT * typical * self.pairs
 
 
@@ -139,7 +132,7 @@ class Judge:
     ) -> Judge:
         """Judge of a picture, smoothed if noisy and halved if out of focus.
 
-        About ``pairs`` pairs of pixels are read for that. O(pixels).
+        About ``pairs`` pairs of pixels are read for that.
         """
         judge = cls._seeing(look, side, 1, even)
         if min(look.grey.shape) < 2 * LEAST_HALF_PX:
@@ -158,10 +151,9 @@ class Judge:
     def worth(self, light: NDArray[np.float64]) -> NDArray[np.float64]:
         """Worth of grey values, whose differences are compared.
 
-        It is the root, because light multiplies what the camera sees and its noise grows with the
-        root of it. The logarithm would suit light alone, and puts the level of a blurred edge too
-        near its dark side. The least contrast, of the classes and in noise, is added before the
-        root: it means nothing in the dark either.
+        The root, because light multiplies what the camera sees and its noise grows with the root;
+        the logarithm puts the level of a blurred edge too near its dark side. The least contrast is
+        added before the root.
         """
         root: NDArray[np.float64] = np.sqrt(
             light + LEAST_CONTRAST + LEAST_CONTRAST_SIGMAS * self.noise
@@ -183,7 +175,7 @@ class Judge:
     def faintest(self) -> float:
         """The same for regions fainter than the others, where contrast alone is enough.
 
-        For unsmoothed pictures only: noise left by smoothing has edges as wide as a lens makes.
+        Not for smoothed pictures, whose noise has edges as wide as a lens's.
         """
         if self.smoothed or self.needs_share:
             return self.least
@@ -195,7 +187,7 @@ class Judge:
 
     @cached_property
     def needs_share(self) -> bool:
-        """True if contrast is not enough: light is uneven, or the floor has its own pattern."""
+        """True if contrast is not enough: uneven light, or a patterned floor."""
         return not self.even or has_pattern(self.grey, self.noise, self.side)
 
     def typical(self, pairs: int) -> float:
@@ -203,7 +195,7 @@ class Judge:
         return float(typical_step(self.grey, self.values, pairs))
 
     def seen(self, mask: NDArray[Any]) -> NDArray[Any]:
-        """Part of a mask (h, w), or of labels, at the judge's own pixels (h', w')."""
+        """Mask or labels (h, w) at the judge's own pixels (h', w')."""
         if self.every == 1:
             return mask
         height, width = self.grey.shape
@@ -211,10 +203,9 @@ class Judge:
         return np.ascontiguousarray(mask[: height * step : step, : width * step : step])
 
     def regions(self, inside: NDArray[Any]) -> Regions:
-        """Connected regions of a mask (h, w), and the steps across their borders. O(pixels)."""
+        """Connected regions of a mask (h, w), and the steps across their borders."""
         count, found = cv2.connectedComponents(inside, connectivity=8)
         labels = np.asarray(found, dtype=np.int32)
-        # a pixel without light is black, which is white where obstacles are light
         end, sign = (0.0, 1.0) if self.side == "dark" else (255.0, -1.0)
         sides = steps_of_regions(self.grey, self.seen(labels), count, end, sign)
         steps, light, pairs = (sides[k].sum(axis=1) for k in (0, 1, 3))
@@ -227,7 +218,7 @@ class Judge:
         stand_out &= pairs > 0
         shares = steps / np.maximum(light, 1.0)
         weak = sides[0] + 3.0 * error < FAINT * shares[:, None] * sides[1]
-        # a wall's end is no longer than the part that blur rounds
+        # a wall's end is no longer than what blur rounds
         around = ~(weak & (sides[3] >= SHORT_SIDE * pairs[:, None])).any(axis=1)
         sharp = sides[2] >= LEAST_SHARP * steps
         return Regions(step, shares, pairs, stand_out & around, beyond, sharp, labels)
@@ -235,8 +226,8 @@ class Judge:
     def faint_obstacles(self, regions: Regions, inside: NDArray[Any]) -> NDArray[np.bool_]:
         """Mask (n,) of regions that are real although others have far more of the light.
 
-        ``inside`` (h, w) is not 0 where they are searched. Contrast over noise is enough, except
-        where a floor's own pattern has that too: there they need a share of the light.
+        ``inside`` (h, w) is not 0 where they are searched. Contrast over noise is enough, except in
+        uneven light and on a patterned floor.
         """
         found = regions.stand_out & regions.sharp
         few = found & (regions.shares < THIN_SHARE)
@@ -253,8 +244,8 @@ class Judge:
     def _is_no_speck(self, regions: Regions, few: NDArray[np.bool_]) -> NDArray[np.bool_]:
         """Mask (n,) of regions not made by noise or compression; it matters for the ``few`` only.
 
-        Noise is stronger in places than on the whole and makes specks of a few pixels there.
-        Artefacts of compression lie mostly beside an edge.
+        Noise stronger in places makes specks there. Artefacts of compression lie mostly beside an
+        edge.
         """
         count = regions.steps.size
         labels = self.seen(regions.labels)
@@ -266,7 +257,7 @@ class Judge:
         return large & apart
 
     def real(self, binary: Binary) -> JudgedPicture:
-        """Remove regions whose borders do not count from the mask. O(pixels)."""
+        """Remove regions whose borders do not count from the mask."""
         inside = binary.inside
         objects = self.regions(inside)
         shares, pairs = objects.shares, objects.pairs

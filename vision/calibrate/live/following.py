@@ -1,10 +1,9 @@
 """A board in consecutive frames: found in a reduced picture, then followed.
 
 Rules
-- The corners' optical flow (Lucas and Kanade, pyramids by Bouguet) follows a board, each refined
-  in the whole picture. If they do not move as one plane, search again.
-- The reduced picture hides small boards, so every few misses the whole picture is searched
-  (ChArUco boards).
+- The corners' optical flow (Lucas and Kanade, pyramids by Bouguet) follows a board, each refined in
+  the whole picture, until they no longer move as one plane.
+- The reduced picture hides small boards: some searches use the whole one (ChArUco boards).
 """
 
 from __future__ import annotations
@@ -20,17 +19,17 @@ from vision.camera.camera import Image
 from vision.markers.marker_search import grey_of
 
 SEARCH_PX: Final = 640
-"""The longer side of the picture that is searched: a chessboard's takes seconds in large ones."""
+"""Longer side of the searched picture: a chessboard takes seconds in large ones."""
 WHOLE_EVERY: Final = 15
-"""Unsuccessful searches to one search of the whole picture; of markers, which are quick."""
+"""Unsuccessful searches to one of the whole picture, for markers only."""
 FOLLOWED_AT_MOST: Final = 30
-"""Frames after which the board is looked for again: corners of it may have come into sight."""
+"""Frames after which the board is searched again, for corners that came into sight."""
 _PLANE_PX: Final = 1.5
 _FLOW_WINDOW: Final = (21, 21)
 
 
 class BoardFollower:
-    """Finder of a board in consecutive frames, given to ``look`` in order."""
+    """Finder of a board in consecutive frames."""
 
     def __init__(self, spec: BoardSpec) -> None:
         self._spec = spec
@@ -39,7 +38,7 @@ class BoardFollower:
         self._missed = 0
 
     def look(self, image: Image, name: str) -> BoardView | NoBoard:
-        """Find the board in the next frame, which messages call ``name``."""
+        """Find the board in the next frame, called ``name`` in messages."""
         grey = grey_of(image)
         followed = self._follow(grey, name)
         found = self._search(grey, name) if followed is None else followed
@@ -96,7 +95,7 @@ def _view(name: str, grey: Image, corners: FloatArray, points: FloatArray) -> Bo
 
 def _moved_as_a_plane(before: FloatArray, after: FloatArray) -> bool:
     found: object = cv2.findHomography(before, after, 0)[0]
-    if not isinstance(found, np.ndarray):  # None without a homography, despite the stubs
+    if not isinstance(found, np.ndarray):
         return False
     plane = np.asarray(found, dtype=np.float64)
     seen = cv2.perspectiveTransform(before.reshape(-1, 1, 2), plane).reshape(-1, 2)

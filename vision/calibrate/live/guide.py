@@ -1,11 +1,11 @@
 """Guide to the parts of the picture that still need a board, and to its next pose.
 
 Rules and units
-- A cell of the picture is done when a board's corner was seen in it and the lens is known there
-  to the limit (`covariance.KnownLens.sigma_px`, the worst of several points).
+- A cell of the picture is done when a board's corner was seen in it and the lens is known there to
+  the limit (`covariance.KnownLens.sigma_px`).
 - Of some hundred (place, tilt, distance), the next pose leaves the fewest cells without a board
   and, among equals, the smallest worst spread: the guide of Peng and Sturm (Calibration Wizard,
-  2019) with a choice of poses instead of a search.
+  2019) without its search.
 """
 
 from __future__ import annotations
@@ -25,7 +25,7 @@ from vision.calibration.calibration import FloatArray
 
 LONG_SIDE_CELLS: Final = 6
 POINTS_A_CELL: Final = 3
-"""Along each side of a cell; its rim belongs to it."""
+"""Along each side of a cell, its rim included."""
 TILT_DEG: Final = 35
 TILTS: Final = {
     "": (0.0, 0.0),
@@ -34,11 +34,11 @@ TILTS: Final = {
     "upper": (1.0, 0.0),
     "lower": (-1.0, 0.0),
 }
-"""Which edge comes towards the camera, and the turns about the picture's x and y axes."""
+"""Edges that come towards the camera, and the turns about the picture's x and y axes."""
 SIZES: Final = {"far": 0.25, "at middle distance": 0.4, "near": 0.55}
 """Half the board's longer side as a share of the picture's shorter one."""
 NEW_SHARE: Final = 0.025
-"""A view is new where its corners are so far from any other's, as a share of the picture."""
+"""Least distance of a new view's corners from any other's, as a share of the picture."""
 _PLACES: Final = (0.0, 1 / 3, 2 / 3, 1.0)
 _MARGIN_PX: Final = 8.0
 _FACING: Final = np.diag([1.0, -1.0, -1.0])
@@ -46,7 +46,7 @@ _FACING: Final = np.diag([1.0, -1.0, -1.0])
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Cells:
-    """The picture's cells: ``sigma_px`` (rows, columns), ``seen`` where a board was."""
+    """Cells of the picture: ``sigma_px`` (rows, columns), ``seen`` where a board was."""
 
     sigma_px: FloatArray
     seen: NDArray[np.bool_]
@@ -93,7 +93,6 @@ def is_new(view: BoardView, views: Sequence[BoardView]) -> bool:
 
 
 def _apart_px(view: BoardView, other: BoardView) -> float:
-    """Mean distance of common corners; infinite with few."""
     places = {tuple(p): i for i, p in enumerate(np.round(other.points_m, 6).tolist())}
     pairs = [
         (i, places[key])
@@ -116,7 +115,7 @@ def cell_shape(size: tuple[int, int]) -> tuple[int, int]:
 def judge_cells(
     lens: KnownLens | None, views: Sequence[BoardView], size: tuple[int, int], limit_px: float
 ) -> Cells:
-    """State of the cells after some views; nothing is known without a lens."""
+    """State of the cells after some views; without a lens nothing is known."""
     shape = cell_shape(size)
     sigma = np.full(shape, np.inf)
     if lens is not None:
@@ -143,7 +142,7 @@ def next_place(lens: KnownLens, spec: BoardSpec, views: Sequence[BoardView]) -> 
 
 
 def held_poses(lens: KnownLens, spec: BoardSpec) -> list[HeldPose]:
-    """Poses (place, tilt, distance) with the whole board in the picture."""
+    """Poses with the whole board in the picture."""
     columns, rows = spec.inner
     x, y = np.meshgrid(np.arange(columns) * spec.square_m, np.arange(rows) * -spec.square_m)
     points: FloatArray = np.stack([x.ravel(), y.ravel()], axis=1)
@@ -184,7 +183,6 @@ def _project(
 
 
 def _beyond(corners: FloatArray, size: tuple[int, int]) -> FloatArray:
-    """Shift (2,) that moves points into the picture."""
     low = np.maximum(0.0, _MARGIN_PX - corners.min(axis=0))
     high = np.maximum(0.0, corners.max(axis=0) - (np.array(size) - 1.0 - _MARGIN_PX))
     return np.asarray(low - high)
@@ -195,7 +193,7 @@ def _outline(lens: KnownLens, spec: BoardSpec, pose: HeldPose) -> FloatArray:
 
 
 def _rim(spec: BoardSpec) -> FloatArray:
-    """Outer squares' corners (4, 2), metres; all must be seen."""
+    """Outer squares' corners (4, 2), metres."""
     columns, rows = spec.inner
     rim = np.array([[-1, 1], [columns, 1], [columns, -rows], [-1, -rows]], dtype=np.float64)
     return rim * spec.square_m
@@ -223,7 +221,6 @@ def _third(share: float, low: str, high: str) -> str:
 
 
 def _points(size: tuple[int, int]) -> FloatArray:
-    """Points, ``POINTS_A_CELL`` along each side of a cell, row by row."""
     rows, columns = cell_shape(size)
     x = np.linspace(0.0, size[0] - 1.0, columns * (POINTS_A_CELL - 1) + 1)
     y = np.linspace(0.0, size[1] - 1.0, rows * (POINTS_A_CELL - 1) + 1)

@@ -1,13 +1,11 @@
-"""A live calibration: takes frames, returns what to show. Opens no device, reads no clock.
+"""A live calibration: takes frames, returns what to show.
 
 Rules
-- A view is taken when the board is still where there is no view yet, and if it fits the earlier
-  ones.
-- The lens is then fitted again with all five distortion terms, whatever it has in the end: terms
-  the views do not determine show where views are missing.
+- A view is taken when the board is still in a new place and fits the earlier ones.
+- The lens is then fitted with all five terms: undetermined ones show where views are missing.
 - Enough: every cell is done, and the focal length is known to ``FOCAL_SHARE``.
-- Views that do not fit are not taken. After three in a row the earlier ones may be wrong: all are
-  judged together (`suspects`), and the smaller part goes.
+- After three in a row that do not fit, the earlier ones may be wrong: all are judged together
+  (`suspects`), and the smaller part goes.
 """
 
 from __future__ import annotations
@@ -35,17 +33,17 @@ from vision.calibration.calibration import CalibrationError
 from vision.camera.camera import Frame, Image
 
 LIMIT_PX: Final = 0.3
-"""Half a millimetre on the floor at 1.7 mm a pixel, at the worst place of the picture."""
+"""Half a millimetre on the floor at 1.7 mm a pixel, at worst."""
 FOCAL_SHARE: Final = 0.005
-"""A marker 0.1 m above the floor, seen 1 m off by a camera 2 m up, is 0.25 mm off by it."""
+"""It moves a marker 0.1 m above the floor, seen 1 m off by a camera 2 m up, by 0.25 mm."""
 FEWEST_VIEWS: Final = 6
 MOST_VIEWS: Final = 60
-"""More bring little: what they have in common, a bent board, stays."""
+"""More bring little: a bent board stays."""
 _FITTED_FROM: Final = 3
 _BAD_PX, _BAD_FACTOR = 0.5, 3.0
 _DOUBTS: Final = 3
 _USABLE_FOCAL: Final = 0.2
-"""With a focal length known worse than so, a supposed lens guides as well."""
+"""Relative spread of the focal length from which a supposed lens guides as well."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -54,7 +52,7 @@ class LiveState:
 
     ``view`` is its board, or None with the reason in ``remark``; ``still`` 0 to 1; ``taken``: it
     became a view; ``count`` of views; ``cells`` and ``focal_share`` the precision; ``wanted`` the
-    board's next pose; ``done``: enough.
+    next pose; ``done``: enough.
     """
 
     size: tuple[int, int]
@@ -136,7 +134,7 @@ class LiveSession:
         """Take this frame as a view if it fits; return True if so, and the message."""
         self._number += 1
         name = f"view {self._number}"
-        # more markers may be in sight than when the board was found; a chessboard is found whole
+        # more markers may be in sight than when the board was found
         again = find_board(frame.image, self._spec, name) if self._is_charuco else None
         view = again if isinstance(again, BoardView) else replace(followed, name=name)
         doubt = self._doubt(view)
@@ -166,7 +164,6 @@ class LiveSession:
         )
 
     def _reconsider(self) -> str:
-        """Judge taken and doubted views together; the smaller part goes."""
         everything = [*self._taken, *self._doubted]
         self._doubted.clear()
         views = [view for view, _ in everything]
@@ -200,7 +197,7 @@ class LiveSession:
             return None
 
     def _guess(self) -> KnownLens:
-        """The lens plus the knowledge before any picture, so that there is always a next pose."""
+        """The lens with an unknown lens's knowledge added, so that there is always a next pose."""
         assert self._size is not None
         lens = self._lens
         if lens is not None and lens.focal_share < _USABLE_FOCAL:

@@ -3,7 +3,7 @@
 Rules and units
 - Pixels from one frame to the next, seconds by the frames' own times.
 - An affine map's part of the corners' change is movement, the rest noise. Still means, for
-  ``STILL_S``, less than ``STILL_PX``, which blurs no corner, or less than noise can feign.
+  ``STILL_S``, less than ``STILL_PX`` or than noise can feign.
 """
 
 from __future__ import annotations
@@ -16,11 +16,11 @@ import numpy as np
 from vision.calibrate.board import BoardView
 
 STILL_S: Final = 0.5
-"""Longer than a hand that passes a place, shorter than one can hold a board."""
+"""Longer than a hand passes a place, shorter than one can hold a board."""
 STILL_PX: Final = 0.75
-"""A hand holds a board so still: 1 mm of tremor at 1.5 m; it blurs less than a lens does."""
+"""1 mm of tremor at 1.5 m; it blurs less than a lens does."""
 LONGEST_GAP_S: Final = 0.4
-"""Frames further apart say nothing on what was between them."""
+"""Frames further apart show nothing between them."""
 FEWEST_CORNERS: Final = 8
 _NOISES: Final = 3.0
 
@@ -52,7 +52,7 @@ class BoardStillness:
 
 
 def _movement(before: BoardView, after: BoardView) -> tuple[float, float] | None:
-    """(rms of the common movement, the most that noise feigns of it) in px; None with few corners.
+    """Common movement and the most that noise feigns of it, rms px; None with few corners.
 
     An affine map fitted to noise of spread s on n corners moves them by s sqrt(6 / n) rms.
     """

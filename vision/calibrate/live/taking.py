@@ -1,7 +1,6 @@
 """Loop that takes and shows views of a board from a camera.
 
-It ends when the views are enough, when the source ends, on Ctrl-C, or when cancelled, and keeps the
-views taken.
+It ends with enough views, with the source, on Ctrl-C, or when cancelled.
 """
 
 from __future__ import annotations
@@ -28,15 +27,12 @@ class Shows(Protocol):
     """Display of a live calibration."""
 
     def show(self, state: LiveState, frame: Frame) -> None:
-        """Show the next frame and the state after it."""
+        """Show a frame and the state after it."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class LiveTaken:
-    """The views taken, and in ``ended`` the reason for the end.
-
-    ``last`` is the last state, None without a picture.
-    """
+    """The views taken; ``ended`` is the reason for the end, ``last`` the last state, if any."""
 
     views: tuple[BoardView, ...]
     last: LiveState | None
@@ -44,7 +40,6 @@ class LiveTaken:
 
 
 def _reduced(image: Image) -> Image:
-    """Grey, and small enough for a quick chessboard search."""
     grey = grey_of(image)
     scale = min(1.0, SEARCH_PX / max(grey.shape))
     small = cv2.resize(grey, None, fx=scale, fy=scale, interpolation=cv2.INTER_AREA)
@@ -61,10 +56,8 @@ def take_live(
 ) -> LiveTaken:
     """Take views of the board until they are enough; opens and closes ``camera``.
 
-    Ctrl-C ends it earlier, and ``is_cancelled``, called at each frame.
-
-    Raises ``CameraError`` if the camera fails, ``CalibrationError`` if its pictures change size or
-    the board is part of a larger one.
+    ``is_cancelled`` is called at each frame. Raises ``CameraError`` if the camera fails,
+    ``CalibrationError`` if its pictures change size or the board is part of a larger one.
     """
     last: LiveState | None = None
     ended = "enough views"

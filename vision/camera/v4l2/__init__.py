@@ -8,6 +8,5 @@
 - `stream` reads its buffers, and `pixels` makes pictures of them.
 - `device` joins these into a camera.
 
-OpenCV's capture hides formats, controls, damage and sequence numbers; linuxpy, the library with all
-of this, is under the GPL, and Clearway is not.
+OpenCV's capture hides formats, controls, damage and sequence numbers; linuxpy is under the GPL.
 """

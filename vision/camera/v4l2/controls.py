@@ -3,9 +3,9 @@
 Rules and units
 - ``auto`` or a number: exposure in milliseconds, white balance in kelvin, gain and focus in the
   driver's own units, mains 50 or 60 Hz.
-- The automatic function is switched before its value is set, as a driver refuses the value while it
-  works. Automatic exposure may never lower the rate of pictures.
-- A setting that a driver lacks, refuses or rounds becomes a sentence; it does not end the run.
+- A driver refuses a value while its automatic function works, so that is switched first. Automatic
+  exposure may never lower the rate.
+- A setting that a driver lacks, refuses or rounds becomes a sentence.
 
 Source: linux/v4l2-controls.h.
 """
@@ -41,7 +41,7 @@ _MAINS_MENU: Final = {50: 1, 60: 2}
 
 @dataclass(frozen=True, slots=True)
 class CameraControls:
-    """Settings that the configuration requests of a camera; units in the module's text."""
+    """Settings that the configuration requests of a camera."""
 
     exposure_ms: Auto = "auto"
     gain: Auto = "auto"
@@ -109,7 +109,7 @@ def set_controls(node: Node, wanted: CameraControls) -> list[str]:
 
 
 def readings(controls: list[CameraControl]) -> CameraControls:
-    """Present settings of a camera, in the configuration's words; absent ones are ``auto``."""
+    """Present settings, in the configuration's words; absent ones are ``auto``."""
     by_id = {one.id: one for one in controls}
 
     def number(value: int, switch: int, hand: tuple[int, ...], scale: float = 1.0) -> Auto:
@@ -132,8 +132,6 @@ def readings(controls: list[CameraControl]) -> CameraControls:
 
 
 class _Setting:
-    """One round of setting a node's controls; ``said`` gathers the differences."""
-
     def __init__(self, node: Node) -> None:
         self._node = node
         self._has = {one.id: one for one in list_controls(node)}
@@ -148,7 +146,7 @@ class _Setting:
         return self.said
 
     def _mains(self, mains_hz: int) -> None:
-        """Set the mains frequency; without the control no complaint: 50 may be just the default."""
+        """Set the mains frequency; without the control no complaint, as 50 is the default."""
         if MAINS in self._has:
             self._set("mains_hz", mains_hz, MAINS, _MAINS_MENU[mains_hz], lambda _: "another")
 

@@ -1,12 +1,9 @@
-"""A V4L2 device as a camera: found, set, started, read, and restored when opened again.
+"""A V4L2 device as a camera: found, set, started and read.
 
 Rules and units
-- Format, size and rate are chosen from the device's list (`modes`) and requested in that order;
-  then its controls are set (`controls`). Differences are reported in ``reason``, and the rate is
-  measured, not trusted.
-- Damaged pictures are dropped and counted.
-- A picture's time is that of its last row: a stamp of the exposure's begin is put later by the time
-  that the rows take.
+- Format, size and rate are chosen from the device's list (`modes`) and requested, then controls are
+  set (`controls`). ``reason`` reports differences; the rate is measured. -
+- A picture's time is that of its last row: a stamp of the exposure's begin is shifted.
 - Times are seconds on the clock passed in; sizes are (width, height) in pixels.
 """
 
@@ -38,23 +35,23 @@ from vision.camera.v4l2.stream import Agreed, Filled, Stream
 from vision.camera.v4l2.users import who_uses
 
 FIRST_PICTURE_S: Final = 5.0
-"""Below ``WatchLimits.hung_s``; webcams may take three seconds to their first picture."""
+"""Below ``WatchLimits.hung_s``; webcams may take three seconds."""
 _DRIVER_CLOCK_LIMIT_S: Final = 0.5
 _FRAMES_FOR_RATE: Final = 30
 _DAMAGED_A_READ: Final = 5
-"""Damaged pictures that one reading passes over: webcams begin with one or two."""
+"""Damaged pictures that one read skips: webcams begin with one or two."""
 MOST_DAMAGED: Final = 60
-"""Damaged pictures in a row, two seconds of them, after which the camera counts as failed."""
+"""Damaged pictures in a row, two seconds of them, after which the camera has failed."""
 _DAMAGED_WINDOW: Final = 300
 _DAMAGED_SHARE: Final = 0.01
 _MUTE: Final = (errno.EIO, errno.ETIMEDOUT, errno.EPROTO, errno.EPIPE)
-"""Errors of USB's driver for a device that is plugged in and hangs."""
+"""Errors of USB's driver for a plugged device that hangs."""
 _GONE: Final = (errno.ENODEV, errno.ENXIO, errno.ENOENT, errno.EBADF)
 
 
 @dataclass(frozen=True, slots=True)
 class DeviceSettings:
-    """Requests to a device beside size and rate; ``controls`` None leaves them as they are.
+    """Requests to a device beside size and rate; ``controls`` None leaves them alone.
 
     ``rolling_shutter_s`` is the time from the first row's exposure to the last row's.
     """
@@ -67,8 +64,6 @@ class DeviceSettings:
 
 @dataclass(slots=True)
 class _Damage:
-    """Counts of damaged pictures: in all, in a row, and in a window of pictures."""
-
     total: int = 0
     in_a_row: int = 0
     _seen: int = 0
@@ -82,7 +77,7 @@ class _Damage:
         self._damaged += is_damaged
         if self._seen >= _DAMAGED_WINDOW:
             much = self._damaged > _DAMAGED_SHARE * self._seen
-            # Without its number, which would make a new line for each window.
+            # without its number, which would make a new line for each window
             self.said = "more than 1 % of its pictures are damaged and dropped" if much else ""
             self._seen = self._damaged = 0
 
@@ -90,7 +85,7 @@ class _Damage:
 class DeviceCamera:
     """V4L2 camera by its index (``0``) or path (``/dev/video0``, ``/dev/v4l/by-id/...``).
 
-    ``known`` remembers which camera it was, from one object to the next.
+    ``known`` remembers the camera from one object to the next.
     """
 
     may_repeat = False
@@ -110,7 +105,7 @@ class DeviceCamera:
         self.mode: Agreed | None = None
         """Mode agreed on with the driver, while the device is open."""
         self.missing = 0
-        """Pictures that the driver left out, by its own numbers."""
+        """Pictures that the driver skipped, by its own numbers."""
         self._path = f"/dev/video{device}" if device.isdecimal() else device
         self._clock = clock
         self._rate_wanted_hz, self._size_wanted = rate_hz, size
@@ -140,7 +135,7 @@ class DeviceCamera:
 
     @property
     def node(self) -> Node | None:
-        """Open device, for questions on its controls; None while closed."""
+        """Open device, for its controls; None while closed."""
         return self._node
 
     def open(self) -> None:
@@ -183,7 +178,7 @@ class DeviceCamera:
                 stream.start()
             except OSError as error:
                 stream.stop()
-                # USB has no room for raw pictures beside another camera's: packed ones may fit.
+                # USB has no room for raw pictures beside another camera's: packed ones may fit
                 if error.errno == errno.ENOSPC and number + 1 < len(choices):
                     continue
                 raise
@@ -248,7 +243,6 @@ class DeviceCamera:
         return CameraError(f"{self.name}: the driver gives no picture: {error.strerror or error}")
 
     def _frame_of(self, filled: Filled, agreed: Agreed) -> Frame | None:
-        """Return the frame in a buffer; None if it is damaged."""
         grabbed_s = self._clock()
         self.missing += filled.missing
         image = None
@@ -273,7 +267,7 @@ class DeviceCamera:
         self._sequence += 1
         rate_hz = self.rate_hz if self._sequence >= _FRAMES_FOR_RATE else 0.0
         rate = self._remark.of(rate_hz, grabbed_s)
-        # A measured rate counts more than a promised one; a promise that is kept is no news.
+        # a measured rate counts more than a promised one
         self.reason = self._said(rate if rate_hz > 0.0 else self._promised_rate)
         return frame
 
@@ -334,8 +328,7 @@ class DeviceCamera:
 def driver_time_s(position_ms: float, grabbed_s: float) -> float:
     """Convert a V4L2 stamp (ms) to seconds, or return ``grabbed_s`` if it is on another clock.
 
-    Drivers stamp with the monotonic clock or their own; a stamp in the future, or more than half a
-    second back, is on another clock.
+    A stamp in the future, or more than half a second back, is on another clock.
     """
     stamp_s = position_ms / 1000.0
     return stamp_s if 0.0 <= grabbed_s - stamp_s <= _DRIVER_CLOCK_LIMIT_S else grabbed_s

@@ -11,15 +11,14 @@ from vision.camera.v4l2.identity import SYSTEM, nodes
 from vision.camera.v4l2.node import gives_pictures
 
 UDEV: Final = Path("/run/udev/data")
-"""Folder of udev's findings on devices, for every user to read."""
+"""Folder of udev's findings."""
 
 
 def list_devices() -> list[tuple[str, str]]:
     """List the V4L2 capture devices of this machine: (path, name).
 
-    A device is listed by its stable path under /dev/v4l/by-id if it has one. A camera's other
-    nodes, without pictures, are left out; udev's word counts for a node that cannot be asked
-    without permission.
+    Paths are stable ones under /dev/v4l/by-id, if any. Nodes without pictures are left out, by
+    udev's word if permission is missing.
     """
     stable = {os.path.realpath(p): p for p in sorted(glob.glob("/dev/v4l/by-id/*"))}
     found = []
@@ -34,9 +33,9 @@ def list_devices() -> list[tuple[str, str]]:
 
 
 def _udev_denies_pictures(device: str) -> bool:
-    """True if udev examined a node and found no pictures; False if it says nothing.
+    """True if udev examined a node and found no pictures.
 
-    Source: v4l_id.c of systemd, which lists a node's abilities as ``:capture:video_output:``.
+    Source: v4l_id.c of systemd, which lists abilities as ``:capture:video_output:``.
     """
     try:
         number = (SYSTEM / Path(device).name / "dev").read_text().strip()

@@ -3,9 +3,8 @@
 Rules
 - A camera is known by its maker's numbers and its serial number (USB), otherwise by its name, and
   among several alike by its port.
-- The configured node is taken if it is the same camera. Otherwise that camera is looked for among
-  all nodes. Another camera that has taken its name is refused: its pictures would be read with the
-  wrong calibration.
+- If the configured node is not the same camera, that is sought among all nodes. Another camera
+  under its name is refused: the calibration would be wrong.
 """
 
 from __future__ import annotations
@@ -41,7 +40,7 @@ def identity_of(path: str) -> CameraIdentity | None:
     told = about(path)
     if told is None or not told.gives_pictures:
         return None
-    # The node's device is the USB interface; the numbers belong to its parent.
+    # the node's device is the USB interface; the numbers belong to its parent
     usb = SYSTEM / Path(path).name / "device" / ".."
     numbers = [_line(usb / name) for name in ("idVendor", "idProduct", "serial")]
     return CameraIdentity(told.card, ":".join(numbers) if any(numbers) else "", told.bus)
@@ -53,7 +52,7 @@ def nodes() -> list[str]:
 
 
 class KnownCamera:
-    """Memory of a camera from one opening to the next, to be shared among them."""
+    """Memory of a camera, shared by its openings."""
 
     def __init__(self, list_nodes: Callable[[], list[str]] = nodes) -> None:
         self._nodes = list_nodes
@@ -62,7 +61,7 @@ class KnownCamera:
     def find(self, path: str) -> tuple[str, str]:
         """Node to open for a configured path, and a sentence if it is another; or an error.
 
-        ``path`` itself is returned while no camera is remembered, whether it exists or not.
+        ``path`` itself if no camera is remembered.
         """
         before = self._identity
         named = os.path.realpath(path)
@@ -78,7 +77,7 @@ class KnownCamera:
         }
         same_port = [node for node, found in alike.items() if found.bus == before.bus]
         if here is not None and here.same_kind(before) and len(alike) <= 1:
-            return named, ""  # by its stable name, at another port
+            return named, ""
         chosen = same_port or list(alike)
         if len(chosen) > 1:
             raise CameraError(

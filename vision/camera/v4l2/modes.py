@@ -2,11 +2,8 @@
 
 Rules and units
 - A mode is a pixel format, a size in pixels and its rates, frames a second.
-- Among the modes of the requested size, modes that reach the rate come first; then raw pictures
-  before packed ones, as nothing is lost or decoded; then grey before colour. A sensor's mosaic is
-  last of all.
-- If none reaches the rate the fastest is taken, if none has the size the nearest.
-- A driver that lists no sizes or rates is asked and then measured: it is better than nothing.
+- Modes of the requested or nearest size come first, then those that reach the rate, or the fastest,
+  then raw pictures before packed ones, as nothing is lost or decoded, then grey.
 """
 
 from __future__ import annotations
@@ -22,15 +19,15 @@ Size: TypeAlias = tuple[int, int]
 Wanted: TypeAlias = Literal["auto", "mjpg", "yuyv", "grey"]
 
 REACHES: Final = 0.95
-"""Share of the asked rate that is enough: 29.97 frames a second are 30."""
+"""Share of the requested rate that is enough: 29.97 for 30."""
 MOST_LISTED: Final = 1000
-"""Most formats, sizes or rates: a driver whose list has no end is not followed further."""
+"""Most formats, sizes or rates of a list."""
 ORDER: Final = (
     *("GREY", "YUYV", "UYVY", "YVYU", "NV12", "NV21", "YU12", "YV12"),
     *("BGR3", "RGB3", "MJPG", "JPEG", "RGGB", "BA81", "GBRG", "GRBG"),
 )
 """Pixel formats that `vision.camera.v4l2.pixels` reads, the best first. A sensor's mosaic comes
-last: its colours have not been balanced."""
+last: its colours are not balanced."""
 _NAMED: Final = {"mjpg": ("MJPG", "JPEG"), "yuyv": ("YUYV", "UYVY", "YVYU"), "grey": ("GREY",)}
 PACKED: Final = frozenset(("MJPG", "JPEG"))
 
@@ -46,7 +43,7 @@ class CameraMode:
 
 @dataclass(frozen=True, slots=True)
 class Choice:
-    """Request to the driver; ``rate_hz`` is None if it lists none and none was requested."""
+    """Request to the driver; ``rate_hz`` is None if neither it nor the caller names one."""
 
     fourcc: str
     size: Size
@@ -56,7 +53,7 @@ class Choice:
 def rank_modes(
     modes: Sequence[CameraMode], size: Size, rate_hz: float | None, wanted: Wanted = "auto"
 ) -> list[Choice]:
-    """Rank the modes to try, best first; empty if none has a known and requested format."""
+    """Rank the modes, best first; empty if none has a known and requested format."""
     allowed = ORDER if wanted == "auto" else _NAMED[wanted]
     known = [mode for mode in modes if mode.fourcc in allowed]
 
@@ -93,7 +90,7 @@ def list_modes(node: Node, size: Size | None = None) -> list[CameraMode]:
     found = []
     for fourcc in _formats(node):
         sizes = list(dict.fromkeys(_sizes(node, fourcc, size)))
-        # A driver that lists no sizes has at least one: try the requested one.
+        # a driver that lists no sizes has at least one: try the requested one
         for each in sizes or ([size] if size else []):
             found.append(CameraMode(fourcc, each, _rates(node, fourcc, each)))
     return found

@@ -1,8 +1,7 @@
 """A V4L2 device node: opened, asked, and its own description.
 
-A camera may have several nodes: one gives pictures, another their metadata. All report the
-abilities of the whole camera, and each its own. Asking does not disturb a program that streams from
-it.
+A camera may have several nodes, for pictures and their metadata: all report the whole camera's
+abilities, and each its own. Asking disturbs no program that streams.
 """
 
 from __future__ import annotations
@@ -20,7 +19,7 @@ from vision.camera.v4l2 import structs
 Kind = TypeVar("Kind", bound=Structure | c_int32)
 
 _NOT_SUPPORTED = (errno.ENOTTY, errno.EINVAL, errno.ENODATA)
-"""A request that this driver does not know, or the end of a list."""
+"""An unknown request, or the end of a list."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -35,7 +34,7 @@ class About:
 
     @property
     def gives_pictures(self) -> bool:
-        """True if the node gives pictures."""
+        """True if pictures come from it."""
         return bool(self.can & (structs.CAN_CAPTURE | structs.CAN_CAPTURE_PLANES))
 
 
@@ -87,7 +86,7 @@ def opened(path: str) -> Iterator[Node]:
 
 
 def about(path: str) -> About | None:
-    """Description of a device node; None without permission or a driver."""
+    """Description of a device node; None without permission or driver."""
     try:
         with opened(path) as node:
             return node.about()
@@ -98,7 +97,7 @@ def about(path: str) -> About | None:
 def gives_pictures(path: str) -> bool | None:
     """True if a device node gives pictures; None if it cannot be asked.
 
-    A camera that another program uses answers too.
+    A camera in use answers too.
     """
     try:
         with opened(path) as node:

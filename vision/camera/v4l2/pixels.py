@@ -1,10 +1,10 @@
 """Pictures from a camera's buffers: raw formats and JPEG, with damage detected.
 
 Rules
-- Pictures are grey (h, w) if only grey is needed, otherwise BGR (h, w, 3). Grey is the Y of raw YUV
-  and of a JPEG, whose colours libjpeg then leaves undecoded.
+- Pictures are grey (h, w) or BGR (h, w, 3). Grey is the Y of raw YUV and of a JPEG, whose colours
+  are then not decoded.
 - A damaged picture gives None: a JPEG without its end or of another size than agreed, or a raw one
-  with too few bytes. Zeros at the end of a JPEG's buffer, which some cameras add, are not damage.
+  with too few bytes. Zeros after a JPEG are not damage.
 """
 
 from __future__ import annotations
@@ -30,7 +30,7 @@ _PLANAR_YUV: Final = {
     "YU12": cv2.COLOR_YUV2BGR_I420,
     "YV12": cv2.COLOR_YUV2BGR_YV12,
 }
-# V4L2 names the first row's first pixels, OpenCV the second row's second ones.
+# V4L2 names the first row's first pixels, OpenCV the second row's second ones
 _MOSAICS: Final = {
     "RGGB": (cv2.COLOR_BayerBG2GRAY, cv2.COLOR_BayerBG2BGR),
     "BA81": (cv2.COLOR_BayerRG2GRAY, cv2.COLOR_BayerRG2BGR),
@@ -71,7 +71,7 @@ def _of_raw(
     line = max(bytes_per_line, width * bytes_per_pixel)
     rows = height * 3 // 2 if fourcc in _PLANAR_YUV else height
     if fourcc in ("YU12", "YV12") and line != width:
-        return None  # OpenCV needs the shorter chroma lines without gaps
+        return None
     if len(data) < line * (rows - 1) + width * bytes_per_pixel:
         return None
     whole = data[: line * rows]

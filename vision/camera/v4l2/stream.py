@@ -1,10 +1,9 @@
 """A camera's stream of buffers: started, waited for, handed back.
 
 Rules and units
-- Formats are set before sizes, then the rate, as drivers need it; a new format begins at the
-  driver's own rate.
-- The newest filled buffer is taken; older ones go back to the driver unread and are counted.
-- A wait ends in time even if the driver would hang: the node is opened without blocking.
+- Format and size are set before the rate: a new format begins at the driver's own.
+- The newest filled buffer is taken; older ones go back to the driver unread.
+- The node is opened without blocking, so a wait ends in time.
 - Seconds of the kernel's monotonic clock; sequence numbers are the driver's own.
 """
 
@@ -26,7 +25,7 @@ from vision.camera.v4l2.modes import Choice, Size, fourcc_code, fourcc_text
 from vision.camera.v4l2.node import Node
 
 BUFFERS: Final = 4
-"""One is filled while one is read; the others bridge a moment of a busy machine."""
+"""One is filled while one is read; the others bridge a busy moment."""
 _RATE_SCALE: Final = 1000
 _MOST_FALSE_ALARMS: Final = 1000
 
@@ -48,12 +47,12 @@ class Filled:
     data: Image
     stamp_s: float
     stamped_at_start: bool
-    """True if the stamp is the beginning of the exposure, not the end of the transfer."""
+    """True if the stamp is the exposure's beginning, not the transfer's end."""
     is_damaged: bool
     older_stamps_s: tuple[float, ...]
-    """Number of pictures handed back unread, as this one is newer."""
+    """Stamps of older pictures, handed back unread."""
     missing: int
-    """Number of pictures that the driver itself left out before the first of these."""
+    """Number of pictures that the driver skipped before the first of these."""
 
 
 class Stream:
@@ -77,7 +76,6 @@ class Stream:
         return Agreed(fourcc_text(pixels.pixelformat), size, int(pixels.bytesperline), rate_hz)
 
     def _set_rate(self, rate_hz: float | None) -> float | None:
-        """Set the rate if possible; return the rate that the driver promises."""
         told = self._node.try_ask(structs.G_PARM, structs.StreamParameters(type=structs.CAPTURE))
         if told is None:
             return None
@@ -104,11 +102,11 @@ class Stream:
         """Stop and free the buffers; harmless when stopped or the camera is gone."""
         self._held, self._sequence = None, None
         maps, self._maps = self._maps, []
-        with contextlib.suppress(OSError):  # gone, or never ran: its buffers go with it
+        with contextlib.suppress(OSError):
             if maps:
                 self._node.ask(structs.STREAMOFF, c_int32(structs.CAPTURE))
         for memory in maps:
-            with contextlib.suppress(BufferError):  # still in use: freed with what uses it
+            with contextlib.suppress(BufferError):
                 memory.close()
         request = structs.BufferRequest(type=structs.CAPTURE, memory=structs.MMAP)
         with contextlib.suppress(OSError):
@@ -173,7 +171,7 @@ class Stream:
         return buffer
 
     def _missing(self, buffer: structs.Buffer) -> int:
-        """Number of pictures that the driver skipped before this one; its numbers wrap at 2^32."""
+        """Pictures skipped before this one; numbers wrap at 2^32."""
         last, self._sequence = self._sequence, int(buffer.sequence)
         if last is None:
             return 0
@@ -182,7 +180,7 @@ class Stream:
 
 
 _MOST_MISSING: Final = 10_000
-"""A larger step is a number that began again, as some drivers' do."""
+"""A larger step means that the numbers began again."""
 
 
 def _buffer(index: int) -> structs.Buffer:

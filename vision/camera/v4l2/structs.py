@@ -1,7 +1,7 @@
 """The kernel's structures and requests for cameras, as far as Clearway uses them.
 
-Sizes and gaps follow this machine's C compiler (ctypes), for 32 and 64 bits. Source:
-linux/videodev2.h and linux/v4l2-controls.h, version 6.1; names as there, in lower case.
+Sizes and gaps follow this machine's C compiler (ctypes). Source: linux/videodev2.h and
+linux/v4l2-controls.h, version 6.1; names as there, in lower case.
 """
 
 from __future__ import annotations
@@ -108,7 +108,7 @@ class PixelFormat(Structure):
 
 
 class _FormatUnion(Union):
-    # The kernel's union has a member that begins with a pointer: hence the alignment.
+    # the kernel's union has a member that begins with a pointer: hence the alignment
     _fields_ = (("pix", PixelFormat), ("raw", c_uint8 * 200), ("aligned", c_ulong))
 
 

@@ -1,6 +1,6 @@
 """Other programs that have a device open, by their lists of open files.
 
-Without root, only the user's own processes can be examined.
+Without root, only the user's own processes are seen.
 """
 
 from __future__ import annotations
@@ -32,7 +32,7 @@ def _has_open(folder: Path, device: str) -> bool:
     try:
         return any(os.readlink(each) == device for each in (folder / "fd").iterdir())
     except OSError:
-        return False  # it has ended, or belongs to another user
+        return False
 
 
 def _name(folder: Path) -> str:

@@ -1,8 +1,6 @@
 """Check that finished edges cover their border; chords replace the others.
 
-Rules and units
-- ``border``, ``outline``, ``limits``, ``review`` and ``finished``: see
-  ``vision.outline.outline_types``; ``circle`` (3,) is scratch space.
+Types: ``vision.outline.outline_types``; ``circle`` (3,) is scratch space.
 """
 
 # mypy: allow-untyped-defs
@@ -24,17 +22,17 @@ from vision.outline.fitted_borders import LINE
 from vision.shared.typed_numbers import NONE
 
 RAGGED_SHARE = 0.15
-"""Area lost per point from which a stretch counts as ragged, where its border loses too much:
-chosen."""
+"""Area lost per point of a ragged stretch, where its border loses too much: chosen."""
 CRISP_RAGGED_SHARE = 0.03
 """The same without grey: indifferent."""
 
 
 @njit(**LEAF)
 def pass_between_pixels(border, outline, edges, limits, review, finished, circle, push):
-    """Finish edges between the pixels of a picture without grey; returns the area that they lose.
+    """Finish edges between the pixels of a picture without grey; return the area lost, HUGE if one
+    strays.
 
-    HUGE if one strays too far. ``push`` (2 * edges, 6) is scratch space.
+    ``push`` (2 * edges, 6) is scratch space.
     """
     total = HUGE
     for again in range(2):
@@ -60,7 +58,7 @@ def area_beside_circle(px, py, lo, hi, circle, free):
 
 @njit(**LEAF)
 def area_lost(border, outline, edges, limits, review, finished, circle):
-    """Finish the edges; returns the area that they lose, HUGE if one strays too far."""
+    """Finish the edges; return the area that they lose, HUGE if one strays too far."""
     for e in range(edges):
         review.ragged[e] = False
         review.stale[e] = True
@@ -71,7 +69,6 @@ def area_lost(border, outline, edges, limits, review, finished, circle):
 
 @njit(**LEAF)
 def _find_losses(border, outline, edges, limits, review, finished):
-    """Measure the area lost by every stale edge: ``(True if one strays, total)``."""
     ragged = review.ragged
     losses = review.losses
     stale = review.stale
@@ -102,10 +99,10 @@ def _find_losses(border, outline, edges, limits, review, finished):
 
 @njit(**LEAF, forceinline=False)
 def check_edges(border, outline, edges, limits, budget, review, finished, circle):
-    """Finish the edges, and mark edges as ragged that would not cover the border well enough.
+    """Finish the edges, and mark as ragged those that do not cover the border well enough.
 
-    A ragged edge ends at border points. That moves its neighbours' ends, so the check repeats until
-    nothing changes. ``budget``: the area that the edges may lose.
+    A ragged edge ends at border points, which moves its neighbours' ends: the check repeats until
+    nothing changes. ``budget``: the area that may be lost.
     """
     ragged = review.ragged
     losses = review.losses
@@ -144,7 +141,6 @@ def check_edges(border, outline, edges, limits, budget, review, finished, circle
 
 @njit(**LEAF)
 def _end_at_points(border, outline, edges, review, e):
-    """Move both joints of a ragged edge to the border, on neighbours that fit there."""
     review.stale[e] = True
     for side in range(2):
         end = e if side == 0 else successor(e, edges)

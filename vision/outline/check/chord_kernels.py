@@ -1,8 +1,6 @@
 """Chords from border point to border point, where no edges cover their border well enough.
 
-Rules and units
-- ``border``, ``outline``, ``review``, ``room`` and ``finished``: see
-  ``vision.outline.outline_types``.
+Types are those of ``vision.outline.outline_types``.
 """
 
 # mypy: allow-untyped-defs
@@ -63,7 +61,6 @@ def chords_around(border, tolerance, room, finished):
 
 @njit(**LEAF)
 def _write_chord(finished, i, k, x, y):
-    """Write edge i, a line from (x, y) beside point k on."""
     finished.at[i] = k
     finished.kind[i] = LINE
     finished.rows[i, 0] = x
@@ -75,7 +72,6 @@ def _write_chord(finished, i, k, x, y):
 
 @njit(**LEAF)
 def _chords(border, lo, hi, tolerance, found, room):
-    """Break a stretch into chords within tolerance: ``found`` = their first points' indices."""
     px = border.x
     py = border.y
     is_seed = room.flags[0]

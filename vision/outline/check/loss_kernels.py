@@ -1,8 +1,7 @@
 """Loss of one finished edge: its distance from the border, and the area between.
 
 Rules and units
-- ``border``, ``finished`` and ``limits``: see ``vision.outline.outline_types``; pixels, square
-  pixels.
+- Types: ``vision.outline.outline_types``; pixels, square pixels.
 - Without grey a pixel is lost or not, and deviations are along the pixels' axis.
 """
 
@@ -22,18 +21,17 @@ from vision.outline.fitted_borders import LINE
 from vision.outline.limit_kernels import MOST_PX
 
 LOST_AXIS_PX = HALF + COARSE_PX
-"""Along a pixel's axis, how far from the middle between two pixels' centres an edge may run
-before a pixel counts as lost: derived, half a pixel and what a drawing is off."""
+"""Distance along a pixel's axis, from the middle between two centres, at which an edge loses a
+pixel: derived, half a pixel and a drawing's error."""
 NARROW_PX = 0.75
-"""Half the width of a tip without a pixel's centre: chosen, a little more than half a pixel's
-diagonal."""
+"""Half the width of a tip without a pixel's centre: chosen, above half a pixel's diagonal."""
 LONGEST_TIP_PX = 12.0
-"""How far a tip may reach back: as far as the blur's sigma over the sine of half its angle. This is
-10 degrees at a sigma of 1 px (chosen)."""
+"""Largest reach of a tip, the blur's sigma over the sine of half its angle: chosen, 10 degrees at a
+sigma of 1 px."""
 BESIDE_OTHER_PX = HALF
-"""A point farther from its edge may lie at a neighbouring one: half a pixel."""
+"""Distance of a point from its edge at which it may lie at a neighbour: half a pixel."""
 TIP_PX = 2.5
-"""Within this distance of a corner pixels are too coarse to tell where its sides run: chosen."""
+"""Distance from a corner within which pixels are too coarse to show its sides: chosen."""
 
 
 @njit(**LEAF)
@@ -52,7 +50,6 @@ def _narrow_reach(rows, before, at, after):
 
 @njit(**LEAF)
 def _nothing_lost(border, lo, hi, finished, e, after, near_begin, near_end):
-    """True if no pixel of a picture without grey is lost beside a finished edge."""
     kinds, rows = finished.kind, finished.rows
     xs, ys = border.x[lo : hi + 1], border.y[lo : hi + 1]
     x0, y0 = rows[e, 0], rows[e, 1]
@@ -111,8 +108,7 @@ def _nothing_lost(border, lo, hi, finished, e, after, near_begin, near_end):
 def loss_beside(border, lo, hi, finished, e, after, free, near_begin, near_end):
     """Largest distance of a stretch from its finished edge, and the area lost beyond ``free``.
 
-    For pictures with grey. Points near the ends, given as squared distances, do not count up to
-    ``STRAY_PX``.
+    With grey. Points near the ends (squared distances) do not count up to ``STRAY_PX``.
     """
     kinds, rows = finished.kind, finished.rows
     xs, ys = border.x[lo : hi + 1], border.y[lo : hi + 1]
@@ -167,10 +163,9 @@ def loss_beside(border, lo, hi, finished, e, after, free, near_begin, near_end):
 def edge_loss(border, lo, hi, finished, e, edges, limits):
     """Loss of a finished edge along its stretch: ``(worst deviation, area lost)``, 0 for little.
 
-    A point may lie at a neighbouring edge, which the joint may have lengthened. Points in a tip, or
-    that blur rounds within ``guard`` of a joint, do not count. Without grey a deviation up to
-    ``LOST_AXIS_PX`` along the axis loses nothing, a larger one a pixel; otherwise the excess over
-    ``free`` is lost.
+    A point may lie at a neighbouring edge. Points in a tip, or within ``guard`` of a joint, do not
+    count. Without grey a deviation over ``LOST_AXIS_PX`` along the axis loses a pixel; otherwise
+    the excess over ``free`` is lost.
     """
     px = border.x
     py = border.y

@@ -3,8 +3,7 @@
 Rules and units
 - ``border`` and ``finished``, edges ``0 .. count - 1`` around it: see
   ``vision.outline.outline_types``.
-- Measured on the finished outline with joints and chords, as a fit ignores points near its
-  ends. Only the effect of blur on a corner is not counted.
+- A fit ignores points near its ends; here all count, less the effect of blur on corners.
 """
 
 # mypy: allow-untyped-defs
@@ -23,16 +22,15 @@ from vision.outline.fitted_borders import ARC_CCW, LINE
 NEAR_ENDS = 4
 """Points at either end of an edge that may be nearer to its neighbour: chosen."""
 ROUNDING = math.sqrt(2.0 / math.pi)
-"""At a corner that turns by an angle, blur moves the border by this multiple of its sigma and the
-sine of half the angle: derived, the mean of |x| under a Gaussian, as in
-``vision.outline.corners.blurred_corner_kernels``."""
+"""Movement of the border at a corner by blur, as a multiple of its sigma and the sine of half the
+turn: derived, the mean of |x| under a Gaussian."""
 
 
 @njit(**LEAF)
 def measure_residual(border, finished, count, blur, reach):
-    """Write to every edge the rms distance of all n points from the whole outline.
+    """Write to every edge the rms distance of all points from the outline.
 
-    ``blur``: its sigma in pixels; ``reach``: its range from a corner.
+    ``blur``: sigma in pixels; ``reach``: its range from a corner.
     """
     n = border.n
     at = finished.at
@@ -76,7 +74,6 @@ def measure_residual(border, finished, count, blur, reach):
 
 @njit(**SUMS)
 def _squares(xs, ys, kind, rows, i, after):
-    """Sum of squared distances of the points within edge i from it."""
     total = 0.0
     if kind[i] == LINE:
         dx = rows[after, 0] - rows[i, 0]
@@ -99,12 +96,11 @@ def _squares(xs, ys, kind, rows, i, after):
 
 @njit(**LEAF)
 def _way(kind, rows, i, after, end):
-    """Direction of edge i at its end, or at its beginning."""
     if kind[i] == LINE:
         return rows[after, 0] - rows[i, 0], rows[after, 1] - rows[i, 1]
     dx = rows[end, 0] - rows[i, 2]
     dy = rows[end, 1] - rows[i, 3]
-    # y down: the angle grows along an arc that is clockwise on the screen
+    # y down: the angle grows along an arc clockwise on the screen
     if kind[i] == ARC_CCW:
         return dy, -dx
     return -dy, dx
@@ -112,7 +108,6 @@ def _way(kind, rows, i, after, end):
 
 @njit(**LEAF)
 def _bend(kind, rows, before, i, after):
-    """Sine of half the angle by which an outline turns at the beginning of edge i."""
     ax, ay = _way(kind, rows, before, i, i)
     bx, by = _way(kind, rows, i, after, i)
     lengths = math.sqrt((ax * ax + ay * ay) * (bx * bx + by * by))

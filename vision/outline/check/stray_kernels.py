@@ -4,11 +4,9 @@ Rules and units
 - ``border`` and ``finished``, edges ``0 .. count - 1`` around it: see
   ``vision.outline.outline_types``.
 - Points of an edge, ``STRAY_PX`` apart, must lie beside the border.
-- The check covers the finished outline with joints and chords, however it was made: a fit's
-  residuals ignore points near its ends, and their positions along an edge.
-- Where blur rounded off a pointed corner, the outline restores it: the tip may reach
-  ``LONGEST_TIP_PX`` beyond the place where its sides are ``STRAY_PX`` apart, as no robot fits
-  there.
+- A fit's residuals ignore points near its ends, and their positions along an edge.
+- The tip of a pointed corner that blur rounded may reach ``LONGEST_TIP_PX`` beyond where its sides
+  are ``STRAY_PX`` apart.
 """
 
 # mypy: allow-untyped-defs
@@ -27,8 +25,7 @@ from vision.outline.fit.shape_kernels import HUGE
 from vision.outline.fitted_borders import LINE
 
 LONGEST = 4.0
-"""An edge may be this many times as long as its stretch's points, plus a tip at either end:
-indifferent."""
+"""Largest length of an edge, as a multiple of its points' stretch, plus tips: indifferent."""
 
 
 @njit(**LEAF)
@@ -73,7 +70,6 @@ def _is_wide(ax, ay, bx, by):
 
 @njit(**LEAF)
 def _beside_any(border, lo, hi, finished, count):
-    """True if each of points lo .. hi lies beside some edge of the outline."""
     for k in range(lo, hi + 1):
         near = False
         for i in range(count):
@@ -91,7 +87,6 @@ def _beside_any(border, lo, hi, finished, count):
 
 @njit(**LEAF)
 def _ends(rows, i, after):
-    """Both ends of edge i."""
     return rows[i, 0], rows[i, 1], rows[after, 0], rows[after, 1]
 
 
@@ -99,9 +94,7 @@ def _ends(rows, i, after):
 def _runs_along(border, lo, hi, finished, i, after, far):
     """True if points lo .. hi lead along all of a line, none farther from it than ``far``.
 
-    Points that lead near a line from end to end cover it, however far apart they are. That spares
-    most lines a search for each point. It fails for arcs: a link between distant points cuts
-    across.
+    This spares most lines a search for each point.
     """
     if finished.kind[i] != LINE or far > STRAY_PX:
         return False
@@ -116,7 +109,7 @@ def _runs_along(border, lo, hi, finished, i, after, far):
 def _beside_border(border, lo, hi, finished, i, after):
     """True if edge i lies beside its border points lo .. hi, except tips at its ends.
 
-    Returns ``(True if so, x, y, x, y)``: its first and last places beside the border, without tips.
+    Returns ``(True if so, x, y, x, y)``: its first and last places beside the border.
     """
     kind = finished.kind
     rows = finished.rows
@@ -172,8 +165,8 @@ def _beside_border(border, lo, hi, finished, i, after):
 def _find_beside(border, lo, hi, here, x, y):
     """True if the border lies beside (x, y), and the nearest of points lo .. hi.
 
-    The search continues from point ``here``, the previous result: points and edge run side by side.
-    If that fails, all points are searched: a joint may lie some points away from its break.
+    The search continues from point ``here``, the previous result, then over all points: a joint may
+    lie away from its break.
     """
     px = border.x
     py = border.y

@@ -1,10 +1,10 @@
 """Rounding of a border's corners by blur, and the cost of its points beside that.
 
 Rules and units
-- ``border``, ``outline`` and ``costs``: see ``vision.outline.outline_types``.
-- ``corners`` (edges, 8), a row a joint: unit vectors of the border before and after it, the
-  unit vector between both, twice the sine of half the turn, positive clockwise on the screen,
-  and the turn in radians with the same sign.
+- Types: ``vision.outline.outline_types``.
+- ``corners`` (edges, 8), a row a joint: unit vectors of the border before and after it, the unit
+  vector between both, twice the sine of half the turn, positive clockwise on the screen, and the
+  turn in radians with the same sign.
 """
 
 # mypy: allow-untyped-defs
@@ -26,21 +26,21 @@ from vision.shared.typed_numbers import NO
 CORNER_ROOM = 8
 """Numbers of a corner's row: defined."""
 ALONG_X, ALONG_Y, STEEPNESS, TURN = 4, 5, 6, 7
-"""Where in it they are: defined."""
+"""Places in it: defined."""
 REACH = 4.0
-"""Farther from a joint, in sigmas of the blur, nothing is rounded: chosen."""
+"""Range of rounding from a joint, in sigmas of the blur: chosen."""
 PER_SIGMA = 32
-"""Entries of the table for a sigma: chosen, linear between them it is right to 5e-5 of the blur."""
+"""Entries of the table for a sigma: chosen, linear interpolation is right to 5e-5 of the blur."""
 
 
 def _excess(t: float) -> float:
-    """The mean of max(x - t, 0) under a Gaussian of sigma 1."""
+    """Mean of max(x - t, 0) under a Gaussian of sigma 1."""
     tail = 0.5 * math.erfc(t / math.sqrt(2.0))
     return math.exp(-0.5 * t * t) / math.sqrt(2.0 * math.pi) - t * tail
 
 
 LAST = REACH * PER_SIGMA
-"""Where the table ends, and the excess is none."""
+"""End of the table, where the excess is none."""
 EXCESS = np.array([_excess(k / PER_SIGMA) for k in range(int(REACH * PER_SIGMA) + 2)])
 """The table: derived, see above."""
 
@@ -109,8 +109,8 @@ def _measure(px, py, lo, hi, row, is_arc, side, deviations):
 def _explain(border, lo, hi, from_, joint, corner, blur, deviations):
     """Subtract a corner's share from points lo .. hi - 1; ``deviations`` begin at ``from_``.
 
-    ``joint`` (2,): the corner's position. In a slight turn, the half level left by blur lies at the
-    mean height of both sides under a Gaussian.
+    ``joint`` (2,): the corner's position. In a slight turn, the half level lies at the mean height
+    of both sides under a Gaussian.
     """
     reach = (REACH * blur) ** 2
     scale = PER_SIGMA / blur
@@ -132,7 +132,6 @@ def _explain(border, lo, hi, from_, joint, corner, blur, deviations):
 
 @njit(**SUMS)
 def _price(deviations, dead_zone, sigma, expected):
-    """Turn deviations into costs, less the share of noise."""
     inv = 1.0 / sigma
     for k in range(deviations.shape[0]):
         over = max(abs(deviations[k]) - dead_zone, 0.0) * inv
@@ -181,10 +180,10 @@ def sum_costs(border, outline, edges, corners, blur, costs, sums):
 
 @njit(**LEAF)
 def change_cost(border, change, is_arc, inwards, blur, costs, worst):
-    """The cost of an edge and its two neighbours, points ``lo`` .. ``hi`` - 1 of ``change``.
+    """Cost of an edge and its two neighbours, points ``lo`` .. ``hi`` - 1 of ``change``.
 
-    As ``sum_costs``; HUGE if a point lies farther off than ``worst``. ``inwards``: the shift of the
-    arc between towards its centre, by blur.
+    As ``sum_costs``; HUGE if a point lies farther off than ``worst``. ``inwards``: the arc's shift
+    towards its centre, by blur.
     """
     rows, joints, corners = change.rows, change.joints, change.corners
     lo, first, behind, hi = change.points[0], change.points[1], change.points[2], change.points[3]

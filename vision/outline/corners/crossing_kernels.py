@@ -17,10 +17,10 @@ from numba import njit
 from planner.scene.compile_options import LEAF
 
 SHALLOW = 0.03
-"""Sine of the angle below which two lines are taken for one: chosen, 1.7 degrees."""
+"""Sine of the angle below which two lines are one: chosen, 1.7 degrees."""
 AROUND = np.int64(6)
-"""Points on either side of a break, or of a wall's end, that tell where the border comes from and
-goes to: chosen, a wall's half width and what blur rounds."""
+"""Points on either side of a break, or of a wall's end, that give the border's direction: chosen, a
+wall's half width and the rounding."""
 
 
 @njit(**LEAF)
@@ -52,7 +52,7 @@ def tangent_at(row, is_arc, x, y, along_x, along_y):
 
 @njit(**LEAF)
 def crossing(border, here, a, a_arc, b, b_arc, out):
-    """The crossing of two neighbouring edges nearest to point ``here``; False if there is none.
+    """Find the crossing of two neighbouring edges nearest to point ``here``; False without one.
 
     out = x, y and the sine of half the corner's inner angle, which scales the rounding.
     """
@@ -63,7 +63,7 @@ def crossing(border, here, a, a_arc, b, b_arc, out):
         t = ((b[0] - a[0]) * b[3] - (b[1] - a[1]) * b[2]) / cross
         out[0] = a[0] + t * a[2]
         out[1] = a[1] + t * a[3]
-        # sine of half the corner's inner angle: a narrow tip is rounded far back
+        # a narrow tip is rounded far back
         out[2] = math.sqrt(max(0.5 * (1.0 + a[2] * b[2] + a[3] * b[3]), 0.0))
         return True
     if a_arc and b_arc:
@@ -111,8 +111,7 @@ def touch(a, a_arc, b, b_arc, out):
     """Place where an arc and its neighbour come nearest; out = x, y and the gap (crossing:
     negative).
 
-    Two arcs touch from outside or from inside, whichever leaves the smaller gap. The crossing of
-    nearly tangent edges is ill-defined; the point of contact is not.
+    Two arcs touch from outside or inside, whichever leaves the smaller gap.
     """
     if a_arc and b_arc:
         dx = b[0] - a[0]
@@ -120,7 +119,6 @@ def touch(a, a_arc, b, b_arc, out):
         d = math.sqrt(dx * dx + dy * dy)
         if d < 1e-9:
             return False
-        # on the line of centres, the points of both circles
         outside = d - a[2] - b[2]
         inside = d - abs(a[2] - b[2])
         ta = a[2]

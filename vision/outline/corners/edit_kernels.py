@@ -1,12 +1,10 @@
 """Edits that may improve an outline, and the saving of each.
 
 Rules and units
-- ``border``, ``outline``, ``costs``, ``prices``, ``blur``, ``change`` and ``edits``: see
-  ``vision.outline.outline_types``; pictures with grey only.
-- A search over partitions ignores points near its breaks, and breaks at seeds only. An edit is
-  judged by all points, beside the corners as blur rounds them
-  (``vision.outline.corners.blurred_corner_kernels``): it saves the cost and prices of the edges
-  that it replaces, less its own.
+- Types: ``vision.outline.outline_types``; pictures with grey only.
+- A partition ignores points near its breaks, and breaks at seeds only. An edit is judged by all
+  points, with corners as blur rounds them (``vision.outline.corners.blurred_corner_kernels``): it
+  saves the cost and prices of the edges that it replaces, less its own.
 - An edit replaces a run of edges, possibly empty, between two that stay, ``i`` and ``j``.
 """
 
@@ -44,24 +42,24 @@ from vision.outline.outline_types import EdgeRun
 from vision.shared.typed_numbers import NO, ONE
 
 CORNER, LINE, END, FILLET = np.int64(0), np.int64(1), np.int64(2), np.int64(3)
-"""What may take the place of a run of edges (defined): the corner of the two that stay, one line
-through all their points, a line square to both at the end of a wall, an arc that touches both.
-Typed, so that kernels are compiled for numbers and not once more for these."""
+"""Replacements of a run of edges (defined): the corner of the two that stay, one line, a line
+square to both at the end of a wall, an arc that touches both. Typed, so that kernels are compiled
+once."""
 KINDS = 4
 """Their number: defined."""
 SHARES = 0.0, 1.0, 1.0, 1.5
-"""Their prices in lines. A fillet has one free number, a line and its break have two: between the
-line that it is dearer than and the two that it saves, so that a bevel stays straight (chosen)."""
+"""Their prices in lines. A fillet has one free number, a line and its break two: it is dearer than
+a line, so that a bevel stays straight (chosen)."""
 LONGEST_RUN = 6
-"""Edges that one edit may replace: a bound on the work, O(edges) (indifferent)."""
+"""Most edges that one edit replaces: a bound on the work (indifferent)."""
 SHORT_RUN = 2
-"""Edges that a corner or a wall's end may replace: blur rounds a corner to two sides at most, and
-what is longer was seen by the search (chosen)."""
+"""Most edges that a corner or a wall's end replaces: blur rounds a corner to two sides at most
+(chosen)."""
 COUNTER_TURN = math.radians(3.0)
-"""Edges that turn back by more are no chords of one arc: noise alone turns short ones (chosen)."""
+"""Least turn back of edges that are no chords of one arc: noise turns short ones (chosen)."""
 FLAT = 0.25
-"""An arc that turns by less (radians) may be a line that took some of the arcs at its ends: up to
-60 px long it rises by less than 2 px (chosen)."""
+"""Turn in radians of an arc below which it may be a line that took some of the arcs at its ends: up
+to 60 px long it rises by less than 2 px (chosen)."""
 
 
 @njit(**LEAF, inline="always")
@@ -118,7 +116,6 @@ def find_edits(border, outline, edges, untouched, blur, costs, prices, edits, ch
 
 @njit(**LEAF)
 def _cost_between_anchors(stays, sums):
-    """Cost of the points between the anchors of the two edges that stay."""
     lo = stays[0] + int((stays[1] - stays[0]) * ANCHOR_FROM)
     hi = stays[2] + int((stays[3] - stays[2]) * ANCHOR_TO)
     return sums[hi] - sums[lo]
@@ -126,7 +123,6 @@ def _cost_between_anchors(stays, sums):
 
 @njit(**LEAF)
 def _price_of(outline, e, prices):
-    """Price of edge e."""
     if outline.is_fillet[e]:
         return SHARES[FILLET] * prices.line
     return prices.arc if outline.is_arc[e] else prices.line
@@ -136,8 +132,8 @@ def _price_of(outline, e, prices):
 def _is_wide(border, p, q, r, costs):
     """True if no line passes within the limit of three points of the border, or of more.
 
-    The line nearest to a triangle's corners runs along the longest side, half a height away. The
-    limit is doubled: points near corners, which blur moves, take no part in a fit.
+    The line nearest to a triangle's corners is half a height away. The limit is doubled, as blur
+    moves points near corners.
     """
     px, py = border.x, border.y
     ax = px[q] - px[p]
@@ -177,7 +173,6 @@ def _may_be(border, outline, edges, run, kind, line_price, blur, stays):
 
 @njit(**LEAF)
 def _may_be_line(outline, edges, run):
-    """True if a run is more than one line without a fillet, which touches its lines already."""
     arcs = False
     for t in range(run.length):
         e = (run.before + 1 + t) % edges
@@ -189,7 +184,6 @@ def _may_be_line(outline, edges, run):
 
 @njit(**LEAF)
 def _is_flat(border, outline, lo, hi, e):
-    """True if edge e, of points lo .. hi, may be one of the lines beside a fillet."""
     if not outline.is_arc[e]:
         return True
     px, py = border.x, border.y
@@ -249,7 +243,6 @@ def _compare_from(border, outline, run, blur, change):
 
 @njit(**LEAF)
 def _are_lines(outline, edges, run):
-    """True if a run and the two distinct edges beside it are all lines."""
     if run.length > edges - 2:
         return False
     for t in range(run.length + 2):  # noqa: SIM110 (numba knows no generators)
@@ -262,14 +255,14 @@ def _are_lines(outline, edges, run):
 def _try_line(border, outline, edges, run, blur, costs, change):
     """One line for a run of edges, through the points of their fits.
 
-    If the run has arcs, whose ends move when they are fitted, only those points are compared.
+    With arcs, whose ends move, only those points are compared.
     """
     begin = (run.before + 1) % edges
     last = (run.before + run.length) % edges
     rows, stays, points = change.rows, change.stays, change.points
     lo = stays[1] + outline.ranges[begin, 0] - outline.breaks[begin]
     hi = stays[2] + outline.ranges[last, 1] - edge_end(outline.breaks, edges, border.n, last)
-    if lo < 0 or hi - lo < 2 or hi > 2 * border.n:  # no such points: an edge never fitted
+    if lo < 0 or hi - lo < 2 or hi > 2 * border.n:  # an edge never fitted
         return HUGE
     line = rows[1]
     fit_line(border.x, border.y, lo, hi, ONE, line)

@@ -1,9 +1,7 @@
-"""The local search over edits of an outline: the largest savings first, until none is left.
+"""Local search over edits of an outline: the largest savings first, until none is left.
 
-Rules and units
-- ``border``, ``outline``, ``limits``, ``costs``, ``prices`` and ``edits``: see
-  ``vision.outline.outline_types``; pictures with grey only.
-- The edits and their savings: ``vision.outline.corners.edit_kernels``.
+Pictures with grey only. The edits: ``vision.outline.corners.edit_kernels``; types:
+``vision.outline.outline_types``.
 """
 
 # mypy: allow-untyped-defs
@@ -25,15 +23,15 @@ from vision.outline.outline_types import Blur, EdgeChange, Edits
 from vision.shared.typed_numbers import NONE
 
 LEFT = 3
-"""Points that an edge keeps between two edits: derived, two would lie on any line."""
+"""Least points of an edge between two edits: derived, two lie on any line."""
 MOVED = 16
 """Points by which an edge may be longer between two edits: derived, these look for an end among
-``vision.outline.corners.crossing_kernels.AROUND`` points beyond it, on either side, and no more."""
+``vision.outline.corners.crossing_kernels.AROUND`` points beyond it, on either side."""
 
 
 @njit(**LEAF, inline="always")
 def edit_outline(border, outline, edges, limits, blur_px, costs, prices, room):
-    """Apply the edits that save most and fit again, until none saves; returns the edges' number."""
+    """Apply the edits that save most and fit again, until none saves; return the edges' number."""
     sigma = math.sqrt(blur_px * blur_px + PIXEL_BLUR_PX * PIXEL_BLUR_PX)
     blur = Blur(sigma, half_variance(blur_px), limits.guard)
     indices = room.indices
@@ -60,10 +58,10 @@ def edit_outline(border, outline, edges, limits, blur_px, costs, prices, room):
 
 @njit(**LEAF)
 def _take_edits(n, outline, edges, edits, room):
-    """Apply edits by falling saving, skipping any that touch another; returns the number of edges.
+    """Apply edits by falling saving, without any that touch another; return the number of edges.
 
-    ``gone``: edges removed; ``anchor``: edges that stay beside an edit; ``used``: edges that an
-    edit follows; ``begins``: first point of an edge behind an edit, or -1.
+    ``gone``: edges removed; ``anchor``: edges beside an edit; ``used``: edges that an edit follows;
+    ``begins``: first point of an edge behind an edit, or -1.
     """
     saved = edits.saved
     gone = room.flags[0]
@@ -114,7 +112,6 @@ def _is_left(n, outline, edges, e, begin, end):
 
 @njit(**LEAF)
 def _write_edits(n, outline, edges, edits, room):
-    """Write the edges that are not gone, and the edits behind used ones; returns their number."""
     gone = room.flags[0]
     used = room.flags[2]
     begins = room.indices[4]

@@ -1,8 +1,7 @@
 """Rounded corners: an arc that touches both neighbouring lines, where sharp corners do not fit.
 
 Rules and units
-- ``border``, ``outline``, ``blur``, ``costs`` and ``change``: see
-  ``vision.outline.outline_types``; pictures with grey only.
+- Types: ``vision.outline.outline_types``; pictures with grey only.
 - Both lines are known, so a fillet has one free number, its radius.
 """
 
@@ -27,30 +26,28 @@ from vision.outline.fit.shape_kernels import ASTRAY, HUGE, ROUNDS, circle_rms, f
 from vision.shared.typed_numbers import ONE, YES
 
 LEAST_TURN, MOST_TURN = math.radians(15.0), math.radians(150.0)
-"""Between which angles the lines of a rounded corner turn (chosen): where they turn less their
-corner is ill-known, where they turn more its fillet is far from it."""
+"""Range of turns of a rounded corner (chosen): below, the corner is ill-known, above, its fillet is
+far from it."""
 PIXEL_BLUR_PX = 0.2887
-"""The spread (sigma) of a pixel's own width: derived, 1 / sqrt(12)."""
+"""Spread (sigma) of a pixel's own width: derived, 1 / sqrt(12)."""
 ROUNDED_BY = 2.5
-"""Least length of a fillet's tangents as a multiple of the blur: chosen, blur rounds a sharp
-corner as an arc would whose tangents are 1.6 .. 1.9 times the blur's sigma."""
+"""Least length of a fillet's tangents as a multiple of the blur: chosen, a blurred sharp corner
+looks like 1.6 .. 1.9."""
 ANCHOR_FROM = 0.3
-"""The part of a line that may be of the arcs at either end (chosen)."""
+"""Part of a line that may be of the arcs at either end (chosen)."""
 ANCHOR_TO = 1.0 - ANCHOR_FROM
-"""Where the other end's begins: derived."""
+"""Beginning of the other end's: derived."""
 INWARDS, MORE_INWARDS = 0.25, 0.1
-"""Blur moves a round border inwards, by half its variance over the radius. That little tells much
-of an arc that has to touch two lines: its radius moves four times as far where they turn by 90
-degrees. Half the variance from the one that is read off profiles along rows and columns, which
-meet a border aslant and end before a wide blur does, and from its square (measured: right to a
-twelfth for discs at blurs of 0.5 .. 2)."""
+"""Shift of a round border inwards by blur, times the radius: half the variance, corrected for
+profiles that meet a border aslant and end before a wide blur does (measured: right to a twelfth for
+discs at blurs of 0.5 .. 2). A fillet's radius moves four times as far where its lines turn by 90
+degrees."""
 LOOKS = 6
-"""Parts of a run at whose ends is looked whether it is round: indifferent, it only spares work."""
+"""Parts of a run at whose ends roundness is tested: indifferent, to spare work."""
 OWN = 3
-"""Points that a fillet and the lines beside it have for themselves: derived, two would lie on any
-line."""
+"""Least points of a fillet and of the lines beside it: derived, two lie on any line."""
 REFITS = 3
-"""Times that the lines beside a fillet are fitted again: chosen, a bound on the work."""
+"""Most fits of the lines beside a fillet: chosen, a bound on the work."""
 
 
 @njit(**LEAF)
@@ -88,7 +85,7 @@ def half_variance(blur):
 
 @njit(**LEAF)
 def solve_radius(border, lo, hi, a, b, corner, radius, inwards):
-    """The radius of the fillet nearest to points lo .. hi - 1: Gauss-Newton from ``radius``.
+    """Radius of the fillet nearest to points lo .. hi - 1: Gauss-Newton from ``radius``.
 
     ``inwards``: shift of its border by blur, times the radius.
     """
@@ -125,7 +122,7 @@ def solve_radius(border, lo, hi, a, b, corner, radius, inwards):
 
 @njit(**LEAF)
 def _cut(border, lo, hi, corner):
-    """Cut of the corner: distance from the crossing to the border along the bisector."""
+    """Distance from the crossing to the border along the bisector."""
     best = HUGE
     cut = 0.0
     for k in range(lo, hi):
@@ -154,10 +151,7 @@ def _is_round(border, lo, hi, corner, radius, worst):
 
 @njit(**LEAF)
 def put_fillet(border, radius, blur, costs, change):
-    """Put the fillet of a radius between the lines of ``change``: the cost, or HUGE.
-
-    Its points are the compared ones beyond both tangent points.
-    """
+    """Put the fillet of a radius between the lines of ``change``: the cost, or HUGE."""
     px, py = border.x, border.y
     rows, points, corner = change.rows, change.points, change.meeting
     a, b = rows[0], rows[2]
@@ -196,7 +190,7 @@ def put_fillet(border, radius, blur, costs, change):
 
 @njit(**LEAF)
 def try_fillet(border, blur, costs, change):
-    """The fillet between the two lines that stay, fitted to their middles: the cost, or HUGE."""
+    """Fit the fillet between the two lines that stay: the cost, or HUGE."""
     px, py = border.x, border.y
     rows, points, stays, corner = change.rows, change.points, change.stays, change.meeting
     lo = stays[0] + int((stays[1] - stays[0]) * ANCHOR_FROM)

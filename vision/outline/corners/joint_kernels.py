@@ -1,9 +1,9 @@
 """Edges fitted between their breaks, and the joints where neighbouring edges meet.
 
 Rules and units
-- ``border``, ``outline`` and ``limits``: see ``vision.outline.outline_types``.
-- Points within ``guard`` pixels of a corner, where blur rounds the border, take no part in a
-  fit; short stretches keep their middle.
+- Types: ``vision.outline.outline_types``.
+- Points within ``guard`` pixels of a corner, where blur rounds the border, take no part in a fit;
+  short stretches keep their middle.
 """
 
 # mypy: allow-untyped-defs
@@ -30,22 +30,20 @@ from vision.outline.fit.shape_kernels import (
 from vision.shared.typed_numbers import ONE
 
 ROUNDS = 4
-"""Times that edges are fitted, each with the corners of the time before: chosen, a bound on the
-work."""
+"""Most fits of edges, each with the last corners: chosen, a bound on the work."""
 SMOOTH_SLIDE = 24
-"""Points by which a break beside an arc may move to where the fits of both sides are best:
-chosen."""
+"""Points by which a break beside an arc may move to the best split: chosen."""
 SLIDE = 8
 """Points by which a break may move towards its corner at a time: chosen."""
 FORESEEN = 0.25
-"""Share of its shorter side by which a corner may lie beyond the border: chosen, from sides of a
-few points two nearly parallel lines meet anywhere. Of 679 tips of drawn wedges, 25 to 60 px long,
-that lie beyond by 2 px it gives up 50."""
+"""Largest distance of a corner beyond the border, as a share of its shorter side: chosen, short,
+nearly parallel lines meet anywhere. It gives up 50 of 679 tips of drawn wedges, 25 to 60 px long,
+that lie beyond by 2 px."""
 
 
 @njit(**LEAF)
 def fit_and_join(border, outline, edges, limits, room):
-    """Fit every edge and join neighbours, repeatedly, until the joints settle.
+    """Fit every edge and join neighbours until the joints settle.
 
     Corrects the outline's ``breaks`` and ``is_arc``; fills all but ``is_fillet``.
     """
@@ -67,7 +65,7 @@ def fit_and_join(border, outline, edges, limits, room):
 def _away(shape, e, is_arc, known, x, y, joints, j):
     """Squared distance of (x, y) from joint j, measured along the edge if it has been fitted.
 
-    A point's deviation must not decide if it takes part: points far off would.
+    A point's deviation must not decide if it takes part.
     """
     if known:
         x, y = onto(shape, e, is_arc, x, y)
@@ -76,7 +74,6 @@ def _away(shape, e, is_arc, known, x, y, joints, j):
 
 @njit(**LEAF)
 def _clear_of_joints(border, outline, edges, e, guard):
-    """The part of edge e that keeps ``guard`` pixels from both joints, or its middle."""
     px = border.x
     py = border.y
     joints = outline.joints
@@ -107,7 +104,7 @@ def _clear_of_joints(border, outline, edges, e, guard):
 def _fit_edges(border, outline, edges, limits, near):
     """Fit the edges whose points have changed; True if there were any.
 
-    ``fresh[e, 0]`` marks each; if only a break moved, ``fresh[e, 1]``, the joints are found again.
+    ``fresh[e, 0]`` marks each.
     """
     px = border.x
     py = border.y
@@ -147,8 +144,7 @@ def _fit_edges(border, outline, edges, limits, near):
 @njit(**LEAF)
 def nearest_point(border, middle, before, after, x, y):
     """Border point nearest to (x, y), from ``before`` points ahead of ``middle`` to ``after``
-    behind.
-    """
+    behind."""
     px = border.x
     py = border.y
     n = border.n
@@ -165,7 +161,6 @@ def nearest_point(border, middle, before, after, x, y):
 
 @njit(**LEAF)
 def _shorter_side(border, a, corner, b):
-    """Shorter distance from a corner's border point to the breaks on either side."""
     px = border.x
     py = border.y
     to_a = (px[a] - px[corner]) ** 2 + (py[a] - py[corner]) ** 2
@@ -184,7 +179,6 @@ def _deviation(row, is_arc, x, y):
 
 @njit(**LEAF)
 def _best_split(border, a, a_arc, b, b_arc, middle, before, after):
-    """The split between edges a and b with the least squares."""
     px = border.x
     py = border.y
     n = border.n
@@ -206,7 +200,7 @@ def _best_split(border, a, a_arc, b, b_arc, middle, before, after):
 def _join(border, outline, edges, limits, found):
     """Join neighbouring edges; breaks move to the border points nearest to the joints.
 
-    On return ``fresh[e, 1]`` is True if break e moved.
+    ``fresh[e, 1]`` marks moved ones.
     """
     fresh = outline.fresh
     breaks = outline.breaks
@@ -224,11 +218,11 @@ def _join(border, outline, edges, limits, found):
 
 @njit(**LEAF)
 def _join_at(border, outline, edges, limits, e, found):
-    """Join edge e to the one before it, in ``joints``; returns the break nearest to the joint.
+    """Join edge e to the one before it, in ``joints``; return the break nearest to the joint.
 
-    A crossing is accepted if the border comes as near to it as blur and the corner's angle allow,
-    and beyond ``STRAY_PX`` only if its sides are long enough to foresee it. Edges that hardly
-    cross, or do not, meet half-way between them. ``found`` (3,) is scratch space.
+    A crossing counts if the border comes as near to it as blur and the corner's angle allow, and
+    beyond ``STRAY_PX`` only if its sides are long enough. Other edges meet half-way between them.
+    ``found`` (3,) is scratch space.
     """
     n = border.n
     breaks = outline.breaks

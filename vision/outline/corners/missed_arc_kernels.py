@@ -1,8 +1,4 @@
-"""Bent lines, which a search accepts as straight because a small deviation is free.
-
-Rules and units
-- ``border`` and ``outline``: see ``vision.outline.outline_types``.
-"""
+"""Bent lines, which a search accepts as straight because a small deviation is free."""
 
 # mypy: allow-untyped-defs
 
@@ -17,27 +13,26 @@ from vision.outline.fit.shape_kernels import circle_rms, fit_circle
 from vision.shared.typed_numbers import ONE
 
 BENT_PX = 3.0 * KNOWN_PX
-"""Rise of a bent line's arc over its chord: derived, a line through it is off by a third of
-that, as much as the points' spread is believed at least."""
+"""Rise of a bent line's arc over its chord: derived, a line through it is off by a third, the least
+spread of points."""
 BENT_BY = 2.0
 """Added to it, as a multiple of a point's noise: chosen."""
 BETTER_BY = 0.5
-"""Share of the line's residual that its arc leaves (indifferent)."""
+"""Share of the line's residual that its arc leaves at most (indifferent)."""
 LEAST = 2 * 3 + 1
-"""Points that tell a bend: derived, more than twice the numbers of a circle."""
+"""Points that show a bend: derived, more than twice a circle's numbers."""
 SHALLOW = 0.9
-"""Cosine of the turn up to which two lines may be two chords of one arc: 26 degrees
-(indifferent)."""
+"""Cosine of the turn up to which two lines may be chords of one arc: 26 degrees (indifferent)."""
 AS_GOOD_PX = 0.02
-"""An arc that leaves so little more than both of them is as good (indifferent, below the 0.05 px
-that edge points are believed to)."""
+"""Residual by which an arc may exceed both of them (indifferent, below the 0.05 px of edge
+points)."""
 
 
 @njit(**LEAF)
 def any_bent_line(border, outline, edges, spread, circle):
     """True if an arc fits a line's points far better, or those of two lines as well.
 
-    ``spread``: the noise of a point; ``circle`` (3,) is scratch space.
+    ``spread``: a point's noise; ``circle`` (3,) is scratch space.
     """
     px = border.x
     py = border.y

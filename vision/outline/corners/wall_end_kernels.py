@@ -1,10 +1,7 @@
 """Ends of narrow walls: the short side between two lines where the border turns back.
 
-Rules and units
-- ``border``, ``outline``, ``blur``, ``costs`` and ``change``: see
-  ``vision.outline.outline_types``; pictures with grey only.
-- A search that ignores points near its breaks misses a side no longer than blur rounds at its
-  corners.
+Pictures with grey only; types: ``vision.outline.outline_types``. A search that ignores points near
+its breaks misses a side no longer than blur rounds at its corners.
 """
 
 # mypy: allow-untyped-defs
@@ -25,23 +22,22 @@ from vision.outline.fit.shape_kernels import HUGE
 from vision.shared.typed_numbers import NO
 
 BACK = math.cos(MOST_TURN)
-"""Cosine between two lines from which on the border turns back: where there is no fillet."""
+"""Cosine between two lines from which the border turns back: where there is no fillet."""
 LEAST = 8
-"""Points of a line that the border turns back from or to: less than that is no wall
-(indifferent)."""
+"""Points of such a line: less is no wall (indifferent)."""
 WIDTH_BY = 2.2
-"""A sharp tip's border is no wider than this multiple of the blur's sigma (chosen), and `SHARP_PX`.
-The half-way level alone would be where it is 1.35 sigma wide."""
+"""Width of a sharp tip's border in sigmas of the blur (chosen), besides `SHARP_PX`; the half-way
+level alone would make it 1.35."""
 SHARP_PX = 0.5
-"""More than `WIDTH_BY` says: indifferent."""
+"""Addition to `WIDTH_BY`: indifferent."""
 PLAIN_PX = 2.5
-"""A side longer by this than what blur rounds at its corners is found by the search: chosen, the
+"""Excess over what blur rounds at its corners from which the search finds a side: chosen, the
 points of its fit."""
 SHORTEST = 2
 """Points of the shortest side: derived, they make a line."""
 SQUARE_PX = 1.5
-"""By how much one end of a side may lie behind the other and still be taken for square: chosen,
-the few points amid its corners cannot tell."""
+"""Distance by which one end of a square side may lie behind the other: chosen, its few points do
+not decide."""
 
 
 @njit(**LEAF)
@@ -54,7 +50,7 @@ def turns_back(a, b, stays):
 
 @njit(**LEAF)
 def try_end(border, blur, costs, change):
-    """A side square to the wall between the two lines that stay: the cost, or HUGE."""
+    """Put a side square to the wall between the two lines that stay: the cost, or HUGE."""
     px = border.x
     py = border.y
     n = border.n
@@ -78,7 +74,6 @@ def try_end(border, blur, costs, change):
         here = successor(here, n)
         from_a = (x - a[0]) * a[3] - (y - a[1]) * a[2]
         from_b = (x - b[0]) * b[3] - (y - b[1]) * b[2]
-        # between the two lines, and far out
         far = x * ux + y * uy - abs(from_a - from_b)
         if far > best:
             best = far
@@ -90,7 +85,6 @@ def try_end(border, blur, costs, change):
     y = py[tip % n]
     rows[1, 0] = x
     rows[1, 1] = y
-    # across the wall, in the border's direction
     rows[1, 2] = -uy
     rows[1, 3] = ux
     if (b[0] - a[0]) * rows[1, 2] + (b[1] - a[1]) * rows[1, 3] < 0.0:
@@ -144,7 +138,6 @@ def square_ends(outline, edges, blur):
         width = (b[0] - a[0]) * a[3] - (b[1] - a[1]) * a[2]
         if abs(askew * width) > SQUARE_PX:
             continue
-        # square to the wall, in the side's direction
         vx = shape[e, 2] - askew * ux
         vy = shape[e, 3] - askew * uy
         length = math.sqrt(vx * vx + vy * vy)

@@ -1,14 +1,13 @@
 """A chain of edges moved until it passes between the pixels, in a picture without grey.
 
 Rules and units
-- ``border``, ``outline`` and ``finished``: see ``vision.outline.outline_types``. Every point is
-  the middle between an obstacle pixel and a free one: an edge less than half a pixel from it
-  along the axis separates them.
-- Joints move, and arcs rise or sink. A point follows both joints of its edge as on a lever, and
-  the arc's rise as a parabola. Each sweep solves every joint and every rise by damped least
-  squares on the excess over the limit, weighted less the farther.
-- ``push`` (2 * edges, 6): for each edge the normal equations of its first joint, xx, xy, yy and
-  x, y, and its rise; then the rise's equations, and the joint's first position.
+- Types: ``vision.outline.outline_types``. Every point is the middle between an obstacle pixel and a
+  free one: an edge within half a pixel along the axis separates them.
+- A point follows both joints of its edge as on a lever, and the arc's rise as a parabola. Each
+  sweep solves every joint and rise by damped least squares on the excess over the limit, weighted
+  less the farther.
+- ``push`` (2 * edges, 6): for each edge the normal equations of its first joint, xx, xy, yy and x,
+  y, and its rise; then the rise's equations, and the joint's first position.
 """
 
 # mypy: allow-untyped-defs
@@ -26,22 +25,20 @@ from vision.outline.fit.separating_fit_kernels import HALF, SEPARATION_MARGIN, w
 from vision.outline.fitted_borders import ARC_CW, LINE
 
 SWEEPS = 24
-"""Times that all joints give way at most: chosen, a bound on the work."""
+"""Most sweeps: chosen, a bound on the work."""
 PACE = 0.6
-"""Share of a step that is taken: chosen, for neighbours step at the same time."""
+"""Share of a step taken: chosen, as neighbours step too."""
 DAMPING = 0.3
-"""Points' worth of resistance: chosen, one point alone must not move a joint far."""
+"""Resistance in points: chosen, one point must not move a joint far."""
 STRAY_PX = 6.0
-"""A joint that would move farther from where it began stays: chosen, a bound on what may go
-wrong."""
+"""Largest movement of a joint: chosen, a bound on errors."""
 
 
 @njit(**LEAF)
 def relax_joints(border, outline, edges, finished, push):
     """Move the joints and the arcs of finished edges between the pixels.
 
-    Changes ``joints``, and ``shape`` and ``is_arc`` to match; the edges must be finished again.
-    ``push`` is scratch space.
+    Changes ``joints``, ``shape`` and ``is_arc``; finish the edges again. ``push`` is scratch space.
     """
     joints = outline.joints
     kinds = finished.kind
@@ -73,7 +70,6 @@ def relax_joints(border, outline, edges, finished, push):
 
 @njit(**LEAF)
 def _step(outline, edges, kinds, push):
-    """Move every joint and every rise as it is pushed."""
     joints = outline.joints
     for e in range(edges):
         xx = push[e, 0] + DAMPING
@@ -100,7 +96,6 @@ def _rise(rows, e, after, kind):
     chord = math.sqrt(dx * dx + dy * dy)
     if chord < 1e-9:
         return 0.0
-    # towards (dy, -dx) from the chord's middle
     c = ((rows[e, 2] - x0 - 0.5 * dx) * dy - (rows[e, 3] - y0 - 0.5 * dy) * dx) / chord
     return c + rows[e, 4] if kind == ARC_CW else c - rows[e, 4]
 
@@ -111,7 +106,6 @@ def circle_through(x0, y0, x1, y1, rise):
     dx = x1 - x0
     dy = y1 - y0
     chord = math.sqrt(dx * dx + dy * dy)
-    # from the chord's middle to the centre, to the left
     c = 0.5 * (rise - 0.25 * chord * chord / rise)
     cx = x0 + 0.5 * dx + c * dy / chord
     cy = y0 + 0.5 * dy - c * dx / chord
@@ -120,7 +114,7 @@ def circle_through(x0, y0, x1, y1, rise):
 
 @njit(**LEAF)
 def _pushes(border, outline, edges, kinds, push, e):
-    """Add the pushes of edge e's points on its joints and its rise; returns their total weight."""
+    """Add the pushes of edge e's points on its joints and its rise; return their weight."""
     joints = outline.joints
     after = successor(e, edges)
     dx = joints[after, 0] - joints[e, 0]
@@ -138,7 +132,7 @@ def _pushes(border, outline, edges, kinds, push, e):
 
 @njit(**SUMS)
 def _line_pushes(xs, ys, joints, edges, e, push):
-    """Add the pushes of points ``xs``, ``ys`` on line e; returns their total weight."""
+    """Add the pushes of points ``xs``, ``ys`` on line e; return their weight."""
     after = successor(e, edges)
     x0 = joints[e, 0]
     y0 = joints[e, 1]
@@ -150,7 +144,6 @@ def _line_pushes(xs, ys, joints, edges, e, push):
     beyond = 0.0
     rise_ww = 0.0
     rise_w = 0.0
-    # the normal to the left of the path, and a point's distance to the left
     nx = dy / length
     ny = -dx / length
     limit = (HALF - SEPARATION_MARGIN) * max(abs(nx), abs(ny))
@@ -192,7 +185,7 @@ def _line_pushes(xs, ys, joints, edges, e, push):
 
 @njit(**SUMS)
 def _arc_pushes(xs, ys, joints, edges, e, push):  # noqa: PLR0915 - sums of one loop, side by side
-    """Add the pushes of points ``xs``, ``ys`` on arc e; returns their total weight."""
+    """Add the pushes of points ``xs``, ``ys`` on arc e; return their weight."""
     after = successor(e, edges)
     x0 = joints[e, 0]
     y0 = joints[e, 1]
@@ -261,7 +254,6 @@ def _arc_pushes(xs, ys, joints, edges, e, push):  # noqa: PLR0915 - sums of one 
 
 @njit(**LEAF)
 def _shape_of(outline, e, after, rise):
-    """Set the line or circle of an edge from its moved joints."""
     joints = outline.joints
     shape = outline.shape
     x0 = joints[e, 0]

@@ -18,8 +18,8 @@ from vision.outline.fit.separating_fit_kernels import HALF
 from vision.outline.fit.shape_kernels import HUGE
 
 TIP = 5
-"""Cracks around the last two pixels of a tip: derived, three of the last and two of the one before;
-where both are lost, nothing drawn lies beside the last."""
+"""Cracks around the last two pixels of a tip: derived, three of the last and two of the one
+before."""
 
 
 @njit(**LEAF)
@@ -27,10 +27,8 @@ def weigh_runs(cracks, state, weights):
     """Write each run's number of lost pixels at its end, negative if the run is grave.
 
     A lost tip is grave too: all cracks of a pixel attached by a corner, or a run of at least
-    ``TIP`` around a pixel attached by a side.
-
-    A pixel may be lost at several consecutive cracks. Returns the pixels of all runs, and of the
-    heaviest one that is not grave.
+    ``TIP`` around one attached by a side. Returns the pixels of all runs, and of the heaviest one
+    that is not grave.
     """
     n = cracks.n
     start = 0
@@ -83,7 +81,7 @@ def weigh_runs(cracks, state, weights):
 def mark_runs(state, n, budget, total, heaviest, weights, inside):
     """Mark in ``inside`` the runs of lost cracks to replace, and one crack beyond each.
 
-    Grave runs first, then the heaviest, until the border loses no more than ``budget``.
+    Grave runs, then the heaviest, until ``budget`` holds.
     """
     for k in range(n):
         inside[k] = False

@@ -1,11 +1,10 @@
 """A line or an arc that may replace a run of edges without grey.
 
 Rules and units
-- ``cracks``, and ``trial``, edges ``0 .. count - 1`` with their first cracks, of which edge
-  ``at`` replaces cracks lo .. hi - 1: see ``vision.outline.outline_types``.
-- A chord begins in the middle between a crack's pixels, so two or three chords with a jog may
-  approximate a line that begins elsewhere. The line found here runs as far as possible from the
-  pixels on both sides, and ends at the edges before and behind.
+- ``cracks``, and ``trial``, edges ``0 .. count - 1`` with their first cracks, of which edge ``at``
+  replaces cracks lo .. hi - 1: see ``vision.outline.outline_types``.
+- Chords begin between a crack's pixels, so two or three may approximate a line that begins
+  elsewhere. The line found here runs as far as possible from the pixels on both sides.
 """
 
 # mypy: allow-untyped-defs
@@ -28,16 +27,16 @@ from vision.outline.limit_kernels import MOST_PX
 from vision.shared.typed_numbers import ONE
 
 STEPS = 12
-"""Steps to the line that is farthest from its pixels: indifferent, a bound on the work."""
+"""Most steps to the line farthest from its pixels: indifferent, a bound on the work."""
 SETTLED_PX = 1e-3
-"""A gap that could be wider by less is the widest: indifferent."""
+"""Possible gain of the widest gap: indifferent."""
 LEAST_ARC = 5
-"""Cracks of an arc at least: derived, three would lie on any circle."""
+"""Least cracks of an arc: derived, three lie on any circle."""
 ASTRAY_PX = 3.0
-"""So far from the circle through its ends and its middle no arc runs: indifferent, it only spares
+"""Largest distance of an arc from the circle through its ends and middle: indifferent, to spare
 work."""
 LOOKS = 8
-"""Parts of a run at whose ends is looked for that: indifferent."""
+"""Parts of a run at whose ends that is tested: indifferent."""
 
 
 @njit(**LEAF)
@@ -70,8 +69,8 @@ def put_line(cracks, trial, count, at, lo, hi):
 def _goes_on(kind, stays, moves, x, y):
     """True if an edge between a joint that stays and one that moves keeps its direction.
 
-    ``stays``, ``moves``: their rows; (x, y): the latter's new position. An arc
-    shorter than two ``MOST_PX`` is refused: it could become nearly a whole circle.
+    ``stays``, ``moves``: their rows; (x, y): the latter's new position. Arcs shorter than two
+    ``MOST_PX`` are refused.
     """
     dx = moves[0] - stays[0]
     dy = moves[1] - stays[1]
@@ -82,7 +81,7 @@ def _goes_on(kind, stays, moves, x, y):
 
 @njit(**SUMS)
 def _gap_at(cracks, lo, hi, x0, y0, ux, uy, tilt):
-    """The least height of a free pixel and the greatest of an obstacle, and where both are.
+    """Least height of a free pixel, greatest of an obstacle, and where both are.
 
     Heights are above a line through (x0, y0) of slope ``tilt`` against (ux, uy), towards the free
     pixels.
@@ -111,11 +110,11 @@ def _gap_at(cracks, lo, hi, x0, y0, ux, uy, tilt):
 
 @njit(**LEAF)
 def line_between(cracks, lo, hi):
-    """The line farthest from the pixels on both sides of cracks lo .. hi - 1.
+    """Line farthest from the pixels on both sides of cracks lo .. hi - 1.
 
     Returns the width of the gap, negative if no line separates the sides, a point and the unit
-    vector. The gap is a concave function of the slope: its tangents at two slopes meet at an upper
-    bound, where the next slope is tried.
+    vector. The gap is concave in the slope: the next slope is where its tangents at two slopes
+    meet.
     """
     x0 = cracks.x[lo]
     y0 = cracks.y[lo]
@@ -126,7 +125,7 @@ def line_between(cracks, lo, hi):
         return -HUGE, x0, y0, 1.0, 0.0
     ux /= length
     uy /= length
-    # no steeper line passes between the pixels of both the first crack and the last
+    # no steeper line passes between the pixels of the first and the last crack
     steepest = 2.0 * HALF / max(length - 2.0 * HALF, HALF)
     low, low_gap, low_slope = -steepest, HUGE, 0.0
     high, high_gap, high_slope = steepest, HUGE, 0.0
@@ -168,7 +167,7 @@ def line_between(cracks, lo, hi):
 def _meet(cracks, edges, i, after, k, x, y, vx, vy):
     """Point where a line meets edge i, which ends or begins at crack k: x, y, and True if it does.
 
-    An arc is met on its circle; another line at the crossing, or else between the crack's pixels.
+    An arc is met on its circle; a line at the crossing, or else between the crack's pixels.
     """
     kx = cracks.x[k]
     ky = cracks.y[k]
@@ -214,7 +213,7 @@ def _on_circle(circle, x, y, vx, vy, near_x, near_y):
 def put_arc(cracks, trial, count, at, lo, hi, circle, room):
     """Make edge ``at`` the arc that fits cracks lo .. hi - 1 best, if there is one.
 
-    Between two lines it begins and ends where its circle meets or touches them, else at its joints.
+    Between two lines it ends where its circle meets them, else at its joints.
     """
     if not fit_circle(cracks.x, cracks.y, lo, hi, ONE, circle):
         return False
@@ -244,10 +243,6 @@ def put_arc(cracks, trial, count, at, lo, hi, circle, room):
 
 @njit(**SUMS)
 def _keeps_off(cracks, lo, hi, cx, cy, r):
-    """True if a circle passes between the pixels of cracks lo .. hi - 1 with a margin.
-
-    A pixel whose centre is just inside an arc lies outside by the larger part.
-    """
     beyond = 0
     for k in range(lo, hi):
         x = cracks.x[k] - cx

@@ -3,11 +3,10 @@
 Rules and units
 - ``cracks``, and ``finished``, edges ``0 .. count - 1`` with their first cracks: see
   ``vision.outline.outline_types``.
-- A local search: from every edge, find the longest run that one arc may replace if that costs
-  less, or one line for a run of lines (``vision.outline.drawn.merged_edge_kernels``). Edges
-  beside a new one are tried again.
-- An edge is judged by the pixels that the outline, drawn again, loses around it
-  (``vision.outline.drawn.separation_kernels``): none that were not lost before.
+- From every edge, one arc or line (``vision.outline.drawn.merged_edge_kernels``) replaces the
+  longest possible run.
+- An edge may lose no pixel around it that was not lost before
+  (``vision.outline.drawn.separation_kernels``).
 """
 
 # mypy: allow-untyped-defs
@@ -29,30 +28,29 @@ from vision.outline.partition_kernels import FAILURES
 from vision.shared.typed_numbers import NO, YES
 
 LONGEST = 64
-"""Edges that become one at most: indifferent, a bound on the work."""
+"""Most edges that become one: indifferent, a bound on the work."""
 ROUNDS = 8
-"""Times that edges are looked at: indifferent, a bound on the work."""
+"""Most rounds: indifferent, a bound on the work."""
 AFFECTED = NEIGHBOURS + 1
 """Edges on either side whose pixels an edge may change: derived, those that may pass a point beside
 it, and one whose end it moves."""
 BESIDE = AFFECTED + NEIGHBOURS + 1
-"""Edges on either side that judging those takes: derived."""
+"""Edges on either side needed to judge those: derived."""
 ROUNDED = 1.0 / 12.0
-"""What rounding to pixels leaves of a straight line, in the mean square: derived."""
+"""Mean square deviation of a straight line rounded to pixels: derived."""
 ARC_LINES = 2
-"""Lines that an arc costs as much as: defined, see ``vision.outline.fit.edge_prices``."""
+"""Price of an arc in lines: defined, see ``vision.outline.fit.edge_prices``."""
 
 
 @njit(**LEAF, inline="always")
 def merge_edges(cracks, finished, count, one_circle, trial, circle, room):
-    """Merge runs of edges that lose no further pixel; returns the new ``count``.
+    """Merge runs of edges that lose no further pixel; return the new ``count``.
 
-    ``one_circle``: its arcs all belong to the circle that the border nearly is; they stay.
-    ``trial``, with the size of ``finished``, ``circle`` (3,) and ``room`` are scratch space.
+    ``one_circle``: its arcs belong to one circle and stay. ``trial``, as large as ``finished``,
+    ``circle`` (3,) and ``room`` are scratch space.
     """
     state = room.indices[1]
     find_lost(cracks, finished, count, state)
-    # by first crack: edges to begin at in this round and in the next
     now = room.flags[0]
     then = room.flags[1]
     for k in range(cracks.n):
@@ -85,7 +83,7 @@ def merge_edges(cracks, finished, count, one_circle, trial, circle, room):
 
 @njit(**LEAF, inline="always")
 def _best_run(cracks, finished, count, e, arc, trial, circle, room):
-    """The most edges from e on that one line or arc may replace; 0 if none."""
+    """Most edges from e on that one line or arc may replace; 0 if none."""
     if not arc:
         return _longest_line(cracks, finished, count, e, trial, circle, room)
     best = 0
@@ -105,9 +103,9 @@ def _best_run(cracks, finished, count, e, arc, trial, circle, room):
 
 @njit(**LEAF)
 def _longest_line(cracks, finished, count, e, trial, circle, room):
-    """The most lines from e on that one line may replace; 0 if none.
+    """Most lines from e on that one line may replace; 0 if none.
 
-    If no line separates a run's pixels, none separates those of a longer run.
+    If no line separates a run's pixels, none does for a longer run.
     """
     if finished.kind[e] != LINE:
         return 0
@@ -132,7 +130,6 @@ def _longest_line(cracks, finished, count, e, trial, circle, room):
 
 @njit(**LEAF)
 def _stretch(cracks, finished, count, e, run):
-    """The cracks lo .. hi - 1 of a run of edges from e on."""
     lo = finished.at[e]
     hi = finished.at[(e + run) % count]
     return lo, hi + cracks.n if hi <= lo else hi
@@ -142,7 +139,7 @@ def _stretch(cracks, finished, count, e, run):
 def _is_as_near(cracks, finished, count, e, run, trial, number, at):
     """True if a run's line is as near to its cracks as the edges were, within rounding.
 
-    Rounding counts for all but the longest edge: a side must not turn for a corner's pixel.
+    Rounding counts for all but the longest edge: a side must not turn for a corner.
     """
     before = 0.0
     total = 0
@@ -177,7 +174,6 @@ def _squares(cracks, edges, count, i):
 
 @njit(**LEAF)
 def _is_dearer(finished, count, e, run):
-    """True if a run of edges costs more than an arc."""
     lines = 0
     for t in range(run):
         lines += 1 if finished.kind[(e + t) % count] == LINE else ARC_LINES
@@ -186,13 +182,13 @@ def _is_dearer(finished, count, e, run):
 
 @njit(**LEAF)
 def _window(count, run):
-    """Number of edges in a trial: one for a run, and those on either side that matter."""
+    """Number of edges in a trial: one for a run, and those that matter on either side."""
     return min(count - run + 1, 2 * BESIDE + 1)
 
 
 @njit(**LEAF)
 def _around(count, at):
-    """The first of the edges whose pixels an edge may change, and their number."""
+    """First of the edges whose pixels an edge may change, and their number."""
     if count <= 2 * AFFECTED + 1:
         return 0, count
     return (at - AFFECTED + count) % count, 2 * AFFECTED + 1
@@ -200,7 +196,6 @@ def _around(count, at):
 
 @njit(**LEAF)
 def _judge_around(cracks, finished, count, at, state):
-    """Fill ``state`` of the cracks around edge ``at``; returns those lost, and those grave."""
     first, number = _around(count, at)
     lost = 0
     grave = 0
@@ -213,7 +208,6 @@ def _judge_around(cracks, finished, count, at, state):
 
 @njit(**LEAF)
 def _loses_no_more(cracks, trial, count, at, room):
-    """True if no crack around edge ``at`` of a trial is newly lost, or newly grave."""
     state = room.indices[1]
     fresh = room.indices[2]
     lost, _ = _judge_around(cracks, trial, count, at, fresh)
@@ -258,10 +252,7 @@ def _put(cracks, finished, count, e, run, arc, trial, circle, room):
 
 @njit(**LEAF)
 def _take_over(trial, number, at, finished, count, e, run):
-    """Replace a run from edge e on by edge ``at`` of a trial; returns the number of edges.
-
-    If the run passes the last edge, the new one comes last.
-    """
+    """Replace a run from edge e on by edge ``at`` of a trial; return the number of edges."""
     fewer = count - run + 1
     passed = max(e + run - count, 0)
     place = e - passed
@@ -282,7 +273,6 @@ def _take_over(trial, number, at, finished, count, e, run):
 
 @njit(**LEAF)
 def _move(finished, from_, to, number):
-    """Move edges down."""
     for t in range(number):
         for c in range(6):
             finished.rows[to + t, c] = finished.rows[from_ + t, c]

@@ -3,12 +3,10 @@
 Rules and units
 - ``cracks``, and ``finished``, edges ``0 .. count - 1`` with their first cracks: see
   ``vision.outline.outline_types``.
-- A crack's way is the line between its two pixels. Chords that cross all ways replace only the
-  stretch of lost cracks; the edges on both sides stay. If little would be left of them, the
-  whole border becomes such chords, which misclassify no pixel.
-- A chord extends until the cone of sight from its first point, through the ways ahead as
-  windows, is empty (J. Sklansky and V. Gonzalez, Fast Polygonal Approximation of Digitized
-  Curves, 1980).
+- A crack's way is the line between its two pixels. Chords that cross all ways replace a stretch of
+  lost cracks or, if little else remains, the whole border; they misclassify no pixel.
+- A chord extends until the cone of sight from its first point, through the ways ahead as windows,
+  is empty (J. Sklansky and V. Gonzalez, Fast Polygonal Approximation of Digitized Curves, 1980).
 """
 
 # mypy: allow-untyped-defs
@@ -29,18 +27,16 @@ from vision.outline.fitted_borders import ARC_CCW, LINE
 from vision.shared.typed_numbers import NONE
 
 WAY = 0.998
-"""Share of a crack's way that a chord may cross: chosen, so that no pixel's centre lies on it by a
-hair."""
+"""Share of a crack's way that a chord may cross: chosen, no pixel's centre lies on it."""
 TIP_LEAST = 3
-"""Cracks lost that are no tip yet: derived, those of one pixel that hangs on by a side."""
+"""Lost cracks that are no tip yet: derived, those of one pixel that hangs on by a side."""
 ROUNDS = 4
-"""Times that lost stretches alone are replaced before a border becomes chords all around: chosen, a
-bound on the work."""
+"""Times that lost stretches are replaced before the whole border: chosen, a bound on the work."""
 
 
 @njit(**LEAF)
 def chords_between(cracks, lo, hi, x0, y0, x1, y1, found):
-    """Chords from (x0, y0) on crack lo's way to (x1, y1) on crack hi's; returns their number.
+    """Find chords from (x0, y0) on crack lo's way to (x1, y1) on crack hi's; return their number.
 
     ``found``: the crack at whose middle each chord begins, except the first, which begins at (x0,
     y0).
@@ -53,7 +49,6 @@ def chords_between(cracks, lo, hi, x0, y0, x1, y1, found):
         found[m] = here
         m += 1
         best = here + 1
-        # to the sides of the cone: the free pixels' and the obstacle's
         free_x = 0.0
         free_y = 0.0
         dark_x = 0.0
@@ -88,10 +83,8 @@ def chords_between(cracks, lo, hi, x0, y0, x1, y1, found):
 
 @njit(**LEAF)
 def _on_way(cracks, k, finished, i, count, out):
-    """Point where edge i crosses the way of crack k, or else comes nearest to the crack's middle.
-
-    Returns True if it crosses.
-    """
+    """Find where edge i crosses the way of crack k, or comes nearest to its middle; True if it
+    crosses."""
     after = successor(i, count)
     x = cracks.x[k]
     y = cracks.y[k]
@@ -111,7 +104,6 @@ def _on_way(cracks, k, finished, i, count, out):
     else:
         off = y - finished.rows[i, 3] if upright else x - finished.rows[i, 2]
         root = math.sqrt(max(finished.rows[i, 4] * finished.rows[i, 4] - off * off, 0.0))
-        # the crossing on the crack's side of the centre
         if upright:
             qx = finished.rows[i, 2] + (root if x > finished.rows[i, 2] else -root)
             qy = y
@@ -128,10 +120,10 @@ def _on_way(cracks, k, finished, i, count, out):
 
 @njit(**LEAF, inline="always")
 def separate_by_chords(cracks, finished, count, budget, state, inside, found, old, ends):
-    """Replace edges that lose more pixels than ``budget`` by chords; returns the new ``count``.
+    """Replace edges that lose more pixels than ``budget`` by chords; return the new ``count``.
 
-    ``state``, ``inside``, ``found`` (n + 1,), ``old``, with the size of ``finished``, and ``ends``
-    (2, 2) are scratch space. There are never more edges than cracks.
+    ``state``, ``inside``, ``found`` (n + 1,), ``old``, as large as ``finished``, and ``ends`` (2,
+    2) are scratch space.
     """
     n = cracks.n
     for again in range(ROUNDS + 1):
@@ -155,7 +147,6 @@ def separate_by_chords(cracks, finished, count, budget, state, inside, found, ol
 
 @njit(**LEAF)
 def _any_grave(weights, n):
-    """True if a run of lost cracks must be replaced whatever the budget."""
     for k in range(n):  # noqa: SIM110 (numba knows no generators)
         if weights[k] < 0:
             return True
@@ -164,7 +155,7 @@ def _any_grave(weights, n):
 
 @njit(**LEAF)
 def all_chords(cracks, finished, found):
-    """Write chords all around, from the crack farthest from the middle on; returns their number."""
+    """Write chords all around, from the crack farthest from the middle on; return their number."""
     n = cracks.n
     mx = 0.0
     my = 0.0
@@ -191,7 +182,6 @@ def all_chords(cracks, finished, found):
 
 @njit(**LEAF)
 def _write(finished, i, x, y, k):
-    """Write edge i, a line from (x, y) at crack k on."""
     finished.kind[i] = LINE
     finished.rows[i, 0] = x
     finished.rows[i, 1] = y
@@ -203,7 +193,7 @@ def _write(finished, i, x, y, k):
 
 @njit(**LEAF)
 def _replace(cracks, finished, count, first, inside, found, old, ends):
-    """Replace the cracks that are ``inside`` by chords; returns the new count.
+    """Replace the cracks ``inside`` by chords; return the new count.
 
     Edge ``first`` begins outside.
     """
@@ -220,7 +210,6 @@ def _replace(cracks, finished, count, first, inside, found, old, ends):
         lo = old.at[e]
         hi = old.at[successor(e, count)]
         hi = hi + n if hi <= lo else hi
-        # cracks of the border's second round, from edge ``first`` on
         turned = n if lo < old.at[first] else 0
         from_x = end[0] if carried else old.rows[e, 0]
         from_y = end[1] if carried else old.rows[e, 1]
@@ -254,7 +243,7 @@ def _replace(cracks, finished, count, first, inside, found, old, ends):
 
 @njit(**LEAF)
 def _begin_stretch(cracks, old, count, e, k, start):
-    """Beginning of chords on the way of crack k of edge e; False if the edge's own beginning."""
+    """Begin chords on the way of crack k of edge e; False at the edge's own beginning."""
     if k > old.at[e]:
         _on_way(cracks, k, old, e, count, start)
         return True
@@ -264,7 +253,7 @@ def _begin_stretch(cracks, old, count, e, k, start):
 
 @njit(**LEAF)
 def _end_stretch(cracks, old, count, e, k, end):
-    """End of chords on the way of crack k of edge e; True if the next edge begins there."""
+    """End chords on the way of crack k of edge e; True if the next edge begins there."""
     if _on_way(cracks, k, old, e, count, end):
         return False
     after = successor(e, count)
@@ -273,7 +262,6 @@ def _end_stretch(cracks, old, count, e, k, end):
     hi = hi + cracks.n if hi <= lo else hi
     if k < hi - 1:
         return False
-    # or the edge after, which then begins here
     x = end[0]
     y = end[1]
     if _on_way(cracks, k, old, after, count, end):
@@ -285,7 +273,7 @@ def _end_stretch(cracks, old, count, e, k, end):
 
 @njit(**LEAF)
 def _write_stretch(cracks, finished, i, begun, ended, start, end, found):
-    """Write the chords from ``start`` on crack ``begun`` to ``end``; returns the next edge."""
+    """Write the chords from ``start`` on crack ``begun`` to ``end``; return the next edge."""
     n = cracks.n
     shift = n if begun >= n else 0
     m = chords_between(
@@ -301,7 +289,6 @@ def _write_stretch(cracks, finished, i, begun, ended, start, end, found):
 
 @njit(**LEAF)
 def _keep(finished, i, old, e, x, y, k):
-    """Write edge i: old edge e, but from (x, y) at crack k on."""
     finished.kind[i] = old.kind[e]
     finished.rows[i, 0] = x
     finished.rows[i, 1] = y

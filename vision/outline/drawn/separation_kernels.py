@@ -1,10 +1,8 @@
 """The test that finished edges separate the pixels of a border without grey.
 
 Rules and units
-- A crack lies between the centres of an obstacle pixel and a free one, half a pixel from each.
-  If edges cross this line, its way, an odd number of times, drawing them again reproduces both
-  pixels exactly. An outline that crosses a border's ways in order misclassifies no pixel's
-  centre.
+- A crack lies between the centres of an obstacle pixel and a free one, half a pixel from each. If
+  edges cross this line, its way, an odd number of times, they reproduce both pixels exactly.
 - ``cracks``, and ``finished``, edges ``0 .. count - 1`` whose first cracks ascend around the
   border: see ``vision.outline.outline_types``.
 """
@@ -26,23 +24,22 @@ from vision.outline.fit.shape_kernels import HUGE
 from vision.outline.fitted_borders import LINE
 
 AHEAD, SAME_PX = 12, 1e-6
-"""Number of cracks among which an edge point's is searched, and the distance at which one is it:
-indifferent, far more than lie between two points, and rounding."""
+"""Cracks among which an edge point's is sought, and its distance: indifferent, far more than lie
+between two points, and rounding."""
 NEAR_JOINT_PX = 2.0
-"""Distance from a joint within which other edges may pass a point: chosen, a pixel and the next."""
+"""Distance from a joint within which other edges may pass a point: chosen, two pixels."""
 NEIGHBOURS = 2
 """Edges on either side that may pass a point: chosen."""
 GRAVE_PX = 0.5 * (0.5 + 1.0)
-"""A lost point this far from its edges is repaired whatever its border may lose: its pixel lies
-more than one from what is drawn: derived, half-way from half a pixel to one."""
+"""Distance from its edges at which a lost point is repaired whatever the budget: derived, half-way
+from half a pixel to one."""
 ROUND_HALF = HALF - COARSE_PX
-"""Distance from a crack's middle within which an arc may pass: derived, its drawn polyline is a
-little off."""
+"""Distance from a crack's middle within which an arc may pass: derived, half a pixel less the error
+of its polyline."""
 REACH = 8
-"""Cracks on either side of its own beside which a joint is searched: indifferent, an edge that ends
-elsewhere loses pixels."""
+"""Cracks on either side of its own beside which a joint is sought: indifferent."""
 OK, LOST, GRAVE = 0, 1, 2
-"""What becomes of a crack: defined. Negative where its obstacle's pixel is lost, or else the free
+"""Verdicts on a crack: defined. Negative where its obstacle's pixel is lost, or else the free
 one."""
 
 
@@ -118,7 +115,6 @@ def find_cracks(border, cracks, crack_of):
 
 @njit(**LEAF)
 def _crossings(kind, rows, i, after, x, y, upright):
-    """Number of times edge i crosses the way between the pixels of the crack at (x, y)."""
     x0 = rows[i, 0]
     y0 = rows[i, 1]
     x1 = rows[after, 0]
@@ -138,10 +134,10 @@ def _crossings(kind, rows, i, after, x, y, upright):
 
 @njit(**LEAF)
 def _round_crossings(kind, rows, i, after, x, y, upright):
-    """Number of crossings for an arc, as ``_crossings``.
+    """Number of crossings for an arc.
 
-    An end on the line through both pixels counts as a line's end does: an arc whose ends lie on
-    different sides crosses that line once, otherwise never or twice.
+    An arc whose ends lie on different sides of the line through both pixels crosses it once,
+    otherwise never or twice.
     """
     cx = rows[i, 2]
     cy = rows[i, 3]
@@ -163,7 +159,6 @@ def _round_crossings(kind, rows, i, after, x, y, upright):
     y1 = rows[after, 1]
     sides = (y0 <= y) != (y1 <= y) if upright else (x0 <= x) != (x1 <= x)
     if (a != b) != sides:
-        # one of the two is an end
         far_a = min((ax - x0) ** 2 + (ay - y0) ** 2, (ax - x1) ** 2 + (ay - y1) ** 2)
         far_b = min((bx - x0) ** 2 + (by - y0) ** 2, (bx - x1) ** 2 + (by - y1) ** 2)
         if far_a < far_b:
@@ -180,7 +175,6 @@ def _round_crossings(kind, rows, i, after, x, y, upright):
 
 @njit(**LEAF)
 def _judge(kind, rows, count, i, x, y, free_x, free_y):
-    """Verdict on the crack at (x, y), in the stretch of edge i: OK, LOST or GRAVE."""
     upright = free_x != 0.0
     after = successor(i, count)
     own = _crossings(kind, rows, i, after, x, y, upright)
@@ -212,7 +206,7 @@ def _judge(kind, rows, count, i, x, y, free_x, free_y):
 
 @njit(**LEAF)
 def find_lost(cracks, finished, count, state):
-    """Fill ``state`` (n,) of every crack; returns the cracks lost, and how many of them gravely."""
+    """Fill ``state`` (n,) of every crack; return the cracks lost, and how many of them gravely."""
     lost = 0
     grave = 0
     for i in range(count):
@@ -272,10 +266,9 @@ def find_lost_beside(cracks, finished, count, i, state):
 
 @njit(**LEAF)
 def _is_beside(cracks, k, x, y):
-    """True if a joint at (x, y) lies beside the border at crack k, as all of an outline must.
+    """True if a joint at (x, y) lies beside the border at crack k.
 
-    A pointed corner beyond its last pixel may hold others, which have no crack there; without blur
-    none was rounded back.
+    A pointed corner beyond its last pixel may hold others without a crack.
     """
     n = cracks.n
     for step in range(REACH + 1):

@@ -1,13 +1,11 @@
 """Lines and circles from sums over a stretch of a border, which grow with the stretch.
 
 Rules and units
-- ``px``, ``py`` as in ``vision.outline.fit.shape_kernels``. A search that lengthens a stretch
-  adds each point once, and can fit all of them at any moment; a fit through a sample would be
-  less exact the more points are left out.
+- ``px``, ``py`` as in ``vision.outline.fit.shape_kernels``.
 - ``sums`` (13,): the stretch's first point and the one behind its last, for a line and for a
-  circle; x and y of the first, the origin; and about it, with z = xx + yy, the sums of x, y,
-  xx, xy, yy, xz, yz, zz.
-- Fits as in ``vision.outline.fit.shape_kernels``: total least squares, and Taubin's circle.
+  circle; x and y of the first, the origin; and about it, with z = xx + yy, the sums of x, y, xx,
+  xy, yy, xz, yz, zz.
+- Total least squares, and Taubin's circle.
 """
 
 # mypy: allow-untyped-defs
@@ -20,9 +18,9 @@ from planner.scene.compile_options import SUMS
 from vision.outline.fit.shape_kernels import put_line, taubin
 
 FIRST, BEHIND, ROUND_BEHIND, ORIGIN_X, ORIGIN_Y = 0, 1, 2, 3, 4
-"""Where in the sums a stretch and its origin are: defined."""
+"""Places of a stretch and its origin: defined."""
 X, Y, XX, XY, YY, XZ, YZ, ZZ = 5, 6, 7, 8, 9, 10, 11, 12
-"""And where each sum is: defined."""
+"""Places of the sums: defined."""
 ROOM = 13
 """Their number: defined."""
 
@@ -60,7 +58,7 @@ def grow(px, py, a, b, sums):
 
 @njit(**SUMS)
 def grow_round(px, py, sums):
-    """Complete ``sums`` for a circle: a separate step, since most stretches are lines."""
+    """Complete ``sums`` for a circle: apart, since most stretches are lines."""
     begin = int(sums[ROUND_BEHIND])
     b = int(sums[BEHIND])
     ox, oy = sums[ORIGIN_X], sums[ORIGIN_Y]

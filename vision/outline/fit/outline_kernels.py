@@ -19,32 +19,28 @@ from planner.scene.primitive_kernels import TAU, successor
 from vision.outline.fitted_borders import ARC_CCW, ARC_CW, LINE
 
 KNOWN_PX = 0.05
-"""No edge point is known better: chosen, lenses, prints and edges are no lines."""
+"""Least error of an edge point: chosen, lenses, prints and edges are no lines."""
 FLATTEST_PX = KNOWN_PX / 50.0
-"""An arc that is written rises more above its chord: derived, far less than a point is known."""
+"""Least rise of a written arc over its chord: derived, far below a point's error."""
 STRAY_PX = 2.0
-"""How far a written outline and its border may be apart (chosen), but for a pointed corner that
-blur rounded back. Edges leave their points by a pixel and 4.5 sigma of their noise at most
-(``vision.outline.limit_kernels.MOST_PX``), and there is a point for every row or column of a
-border only: what ``tests/support/drawn/outline_judge.py`` fails, which allows 3 px, fails here
-(``python -m benchmarks.outlines``)."""
+"""Largest distance between a written outline and its border (chosen), but for a pointed corner that
+blur rounded. Edges leave their points by at most a pixel and 4.5 sigma of their noise
+(``vision.outline.limit_kernels.MOST_PX``), and points are a row or column apart.
+``tests/support/drawn/outline_judge.py`` allows 3 px (``python -m benchmarks.outlines``)."""
 TURNS = 8
-"""Steps in which an arc's points are looked at for its turning sense: indifferent."""
+"""Steps of an arc's points that show its turning sense: indifferent."""
 
 
 @njit(**LEAF)
 def edge_end(breaks, edges, n, e):
-    """The last point of edge e, behind its first; it may run past the border's end."""
+    """Last point of edge e, behind its first; it may run past the border's end."""
     hi = breaks[successor(e, edges)]
     return hi + n if hi <= breaks[e] else hi
 
 
 @njit(**LEAF)
 def _through_ends(shape, e, x0, y0, x1, y1, ccw, circle):
-    """The circle through both ends that keeps the fitted arc's middle; cx, cy, r.
-
-    The middle lies where the fitted circle meets the chord's bisector on the arc's side.
-    """
+    """Circle through both ends and the fitted arc's middle; cx, cy, r."""
     cx = shape[e, 0]
     cy = shape[e, 1]
     r = shape[e, 2]
@@ -58,11 +54,10 @@ def _through_ends(shape, e, x0, y0, x1, y1, ccw, circle):
         circle[1] = cy
         circle[2] = math.sqrt((x0 - cx) ** 2 + (y0 - cy) ** 2)
         return
-    # clockwise on the screen (y down), the arc bulges to the left of its chord: direction (dy, -dx)
+    # clockwise on the screen the arc bulges to the left of its chord: (dy, -dx)
     side = -1.0 if ccw else 1.0
     nx = side * dy / chord
     ny = -side * dx / chord
-    # signed distance of the centre from the chord towards the bulge
     c = (cx - mx) * nx + (cy - my) * ny
     sag = c + r
     if sag < 1e-9:
@@ -76,7 +71,6 @@ def _through_ends(shape, e, x0, y0, x1, y1, ccw, circle):
 
 @njit(**LEAF)
 def _is_ccw(px, py, lo, hi, cx, cy):
-    """True if the border runs counter-clockwise on the screen about (cx, cy)."""
     total = 0.0
     p = lo
     for t in range(1, TURNS + 1):
@@ -88,7 +82,7 @@ def _is_ccw(px, py, lo, hi, cx, cy):
 
 @njit(**LEAF)
 def finish_edge(border, outline, edges, e, rows, circle):
-    """Write edge e between its joints into ``rows``, except the deviation; returns its kind.
+    """Write edge e between its joints into ``rows``, except the deviation; return its kind.
 
     ``circle`` (3,) is scratch space.
     """
@@ -121,10 +115,7 @@ def finish_edge(border, outline, edges, e, rows, circle):
 
 @njit(**LEAF)
 def arc_ends(kinds, rows, e, after):
-    """Vectors from an arc's centre to its ends, by growing angle.
-
-    With y down, that is along an arc that is clockwise on the screen.
-    """
+    """Vectors from an arc's centre to its ends, by growing angle."""
     ax = rows[e, 0] - rows[e, 2]
     ay = rows[e, 1] - rows[e, 3]
     bx = rows[after, 0] - rows[e, 2]
@@ -180,7 +171,7 @@ def distance_to_edge(kinds, rows, e, after, x, y):
 
 @njit(**LEAF)
 def arc_sweep(kinds, rows, e, after):
-    """Angle where arc e begins, and its turn, in radians with y down."""
+    """Beginning and turn of arc e, in radians with y down."""
     begin = math.atan2(rows[e, 1] - rows[e, 3], rows[e, 0] - rows[e, 2])
     end = math.atan2(rows[after, 1] - rows[e, 3], rows[after, 0] - rows[e, 2])
     if kinds[e] == ARC_CCW:

@@ -1,9 +1,8 @@
 """Lines and circles fitted between the pixels of a picture without grey.
 
 Rules and units
-- Points as in ``vision.outline.fit.shape_kernels``, each the middle between an obstacle pixel
-  and a free one. An edge less than half a pixel from it along the axis keeps both on their
-  sides.
+- Points as in ``vision.outline.fit.shape_kernels``, each the middle between an obstacle pixel and a
+  free one. An edge within half a pixel along the axis separates them.
 """
 
 # mypy: allow-untyped-defs
@@ -18,33 +17,28 @@ from planner.scene.compile_options import LEAF, SUMS
 from vision.outline.fit.shape_kernels import HUGE
 
 HALF = 0.5
-"""Along a pixel's axis, how far an edge may leave the middle between two pixels' centres:
-derived."""
+"""Distance along a pixel's axis that an edge may leave a point: derived."""
 COARSE_PX = 0.01 * HALF
-"""How far off an arc is that is drawn as a polyline: chosen."""
+"""Error of an arc's polyline: chosen."""
 SEPARATION_STEPS = 12
-"""Times that it is turned or moved: chosen, a bound on the work."""
+"""Most steps: chosen, a bound on the work."""
 SEPARATION_MARGIN = 0.03
-"""How much nearer than half a pixel an edge is pulled to the points that it must not leave:
-chosen."""
+"""Margin below half a pixel to which edges are pulled: chosen."""
 ACTIVE_PX = 0.15
-"""Points so near to their limit take part when an edge is turned between the pixels:
-chosen."""
+"""Distance from its limit at which a point takes part: chosen."""
 FAR_PX = ACTIVE_PX
-"""A point so far beyond its limit counts half: derived, as near as points take part at all."""
+"""Excess over its limit at which a point counts half: derived, as near as points take part."""
 WITHIN_PX = 1.0
-"""By how much the radius of a circle may change that loses as few pixels as can be: defined, the
-pixel that is promised."""
+"""Largest change of a circle's radius: defined, the pixel that is promised."""
 RADII = 128
-"""Smaller radii that are looked at, and larger ones: chosen, most pixels' distances differ by more
-than these do."""
+"""Smaller radii tried, and larger ones: chosen, most pixels' distances differ by more."""
 
 
 @njit(**SUMS)
 def weight_of(excess):
     """Weight of a point that lies ``excess`` pixels beyond its limit.
 
-    A pixel is lost or not: one that juts out at a corner must not outweigh a whole side's.
+    A pixel that juts out at a corner must not outweigh a side's.
     """
     return FAR_PX / (FAR_PX + excess)
 
@@ -64,12 +58,10 @@ def lost_to_circle(px, py, n, circle):
 
 @njit(**LEAF)
 def lose_fewest(cracks, circle, losses, away):
-    """Give a circle the radius about its centre that loses the fewest pixels; returns their number.
+    """Give a circle the radius that loses the fewest pixels; return their number.
 
-    Pixels beside a border's cracks that it misclassifies are lost; a pixel's cracks follow one
-    another. The circle keeps its radius if none loses fewer, else takes the nearest that loses
-    fewest, half-way between two pixels. ``losses`` (2 * RADII + 2,) and ``away`` (2 n,) are scratch
-    space.
+    It keeps its radius if none loses fewer, else takes the nearest that loses fewest, half-way
+    between two pixels. ``losses`` (2 * RADII + 2,) and ``away`` (2 n,) are scratch space.
     """
     cx = circle[0]
     cy = circle[1]
@@ -97,7 +89,6 @@ def lose_fewest(cracks, circle, losses, away):
             here = math.sqrt((x - cx) * (x - cx) + (y - cy) * (y - cy))
             away[pixels] = here
             pixels += 1
-            # the first radius that includes the pixel
             i = min(max(math.ceil((here - least) / step), 0), 2 * RADII + 1)
             losses[i] += 1.0 if outside else -1.0
             losses[0] += 0.0 if outside else 1.0
@@ -124,9 +115,8 @@ def lose_fewest(cracks, circle, losses, away):
 def separate_line(px, py, lo, hi, line, near):
     """Turn and shift a line until it passes between the pixels on its two sides.
 
-    Least squares on each point's excess over half a pixel along the axis, weighted less the farther
-    (``weight_of``), a few steps from the total-least-squares line. ``near`` (2, hi - lo + 1) is
-    scratch space for the points that may matter.
+    Least squares on each point's excess over half a pixel along the axis, weighted by
+    ``weight_of``. ``near`` (2, hi - lo + 1) is scratch space.
     """
     xs, ys = px[lo:hi], py[lo:hi]
     near_x, near_y = near[0], near[1]
@@ -184,8 +174,7 @@ def separate_line(px, py, lo, hi, line, near):
 def separate_circle(px, py, lo, hi, circle, near):
     """Move and grow a circle until it passes between the pixels, by plain least squares.
 
-    Unweighted, because an inexact disc leaves every circle somewhere, and the nearest one is
-    sought.
+    Unweighted: an inexact disc leaves every circle somewhere.
     """
     xs, ys = px[lo:hi], py[lo:hi]
     near_x, near_y = near[0], near[1]
@@ -234,7 +223,7 @@ def separate_circle(px, py, lo, hi, circle, near):
         suu += 0.5
         svv += 0.5
         s1 += 0.5
-        # by cofactors: numba's linear algebra would need scipy on the user's machine
+        # by cofactors: numba's linear algebra would need scipy
         c0 = svv * s1 - sv * sv
         c1 = su * sv - suv * s1
         c2 = suv * sv - su * svv

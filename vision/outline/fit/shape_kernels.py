@@ -1,15 +1,13 @@
 """Lines and circles through stretches of a border: the fits, and their costs.
 
 Rules and units
-- ``px``, ``py``: one border's points in pixels about its own origin, twice over, so that a
-  stretch lo .. hi may run past its end once; y down.
-- A cost is the sum of ((|deviation| - dead_zone) / sigma)^2 over a stretch's points; without
-  grey the deviation is along the pixels' axis (see
-  ``vision.outline.fit.separating_fit_kernels``).
-- Lines: total least squares. Circles: Taubin's fit, then Gauss-Newton on the distances (N.
-  Chernov, Circular and Linear Regression, 2010).
-- Loops run over a stretch's slice without branches, several points at a time
-  (``planner.scene.compile_options``).
+- ``px``, ``py``: one border's points in pixels about its own origin, twice over, so that a stretch
+  lo .. hi may run past its end once; y down.
+- A cost is the sum of ((|deviation| - dead_zone) / sigma)^2 over a stretch's points; without grey
+  the deviation is along the pixels' axis (see ``vision.outline.fit.separating_fit_kernels``).
+- Lines: total least squares. Circles: Taubin's fit, then Gauss-Newton on the distances (N. Chernov,
+  Circular and Linear Regression, 2010).
+- Loops run without branches, several points at a time (``planner.scene.compile_options``).
 """
 
 # mypy: allow-untyped-defs
@@ -23,22 +21,21 @@ from numba import njit
 from planner.scene.compile_options import LEAF, SUMS
 
 HUGE = 1e18
-"""The cost of what may not be: defined."""
+"""Cost of the impossible: defined."""
 BEATEN = 1e12
-"""The cost of what is dearer than the best known: defined."""
+"""Cost above the best known: defined."""
 CHUNK = 32
-"""Points after which a cost is compared with its bound: indifferent, it only spares work."""
+"""Points after which a cost is compared with its bound: indifferent, to spare work."""
 FLATTEST_RADIUS_PX = 1e6
-"""A circle of a larger radius is a line: indifferent, beyond any picture."""
+"""Radius from which a circle is a line: indifferent, beyond any picture."""
 ROUNDS = 8
-"""Times that a fit, a search or a check is repeated at most: chosen, a bound on the work; nearly
-all settle after two to four."""
+"""Most repetitions of a fit, a search or a check: chosen, a bound on the work; nearly all settle
+after two to four."""
 ASTRAY = 3.0
-"""In worst deviations: how far a point may lie from the chord, from the circle through both ends
-and the middle, or from the first guess of a fillet, where a line or an arc is worth a fit
-(chosen)."""
+"""Distance in worst deviations of a point from the chord, from the circle through ends and middle,
+or from a fillet's first guess, up to which a fit is worth it (chosen)."""
 SETTLED_PX = 1e-6
-"""A circle that moves less has converged: chosen, far below what points are known to."""
+"""Movement of a converged circle: chosen, far below a point's error."""
 
 
 @njit(**SUMS)
@@ -74,7 +71,7 @@ def fit_line(px, py, lo, hi, step, out):
 
 @njit(**SUMS)
 def put_line(ox, oy, means, last_x, last_y, out):
-    """The line of least squares from the mean x, y, xx, xy, yy about (ox, oy): out = x, y, ux, uy.
+    """Line of least squares from the mean x, y, xx, xy, yy about (ox, oy): out = x, y, ux, uy.
 
     It runs towards the last point.
     """
@@ -217,7 +214,6 @@ def refine_circle(px, py, lo, hi, circle):
     cx, cy, r = circle[0], circle[1], circle[2]
     inv = 1.0 / (hi - lo)
     for _ in range(ROUNDS):
-        # normal equations of the distances sqrt((x - cx)^2 + (y - cy)^2) - r
         suu = suv = svv = su = sv = sud = svd = sd = 0.0
         for k in range(hi - lo):
             x = xs[k] - cx
@@ -259,7 +255,7 @@ def refine_circle(px, py, lo, hi, circle):
 
 @njit(**SUMS)
 def line_cost(px, py, lo, hi, line, crisp, dead_zone, sigma, worst, bound):
-    """The cost of a line for points lo .. hi - 1; HUGE beyond ``worst``, BEATEN beyond bound."""
+    """Cost of a line for points lo .. hi - 1; HUGE beyond ``worst``, BEATEN beyond bound."""
     scale = 1.0 / max(abs(line[2]), abs(line[3])) if crisp else 1.0
     a = line[3] * scale
     b = -line[2] * scale
@@ -284,7 +280,7 @@ def line_cost(px, py, lo, hi, line, crisp, dead_zone, sigma, worst, bound):
 
 @njit(**SUMS)
 def circle_cost(px, py, lo, hi, circle, crisp, dead_zone, sigma, worst, bound):
-    """The cost of a circle, as ``line_cost``."""
+    """Cost of a circle, as ``line_cost``."""
     cx, cy, r = circle[0], circle[1], circle[2]
     bound *= sigma * sigma
     cost = 0.0
@@ -320,8 +316,8 @@ def circle_cost(px, py, lo, hi, circle, crisp, dead_zone, sigma, worst, bound):
 def goes_round(px, py, n, x, y):
     """True if a whole border of n points, a closed polyline, winds once round (x, y).
 
-    A circle's residuals do not show it: both sides of a slit lie beside a short stretch of many
-    circles. D. Sunday, Inclusion of a Point in a Polygon, 2001.
+    Residuals do not show it: both sides of a slit lie beside many circles. D. Sunday, Inclusion of
+    a Point in a Polygon, 2001.
     """
     turns = 0
     for k in range(n):
@@ -337,7 +333,7 @@ def goes_round(px, py, n, x, y):
 
 @njit(**SUMS)
 def line_rms(px, py, lo, hi, line):
-    """The rms deviation of points lo .. hi - 1 from a line."""
+    """Rms deviation of points lo .. hi - 1 from a line."""
     xs, ys = px[lo:hi], py[lo:hi]
     x0, y0, ux, uy = line[0], line[1], line[2], line[3]
     total = 0.0
@@ -349,7 +345,7 @@ def line_rms(px, py, lo, hi, line):
 
 @njit(**SUMS)
 def circle_rms(px, py, lo, hi, circle):
-    """The rms deviation of points lo .. hi - 1 from a circle."""
+    """Rms deviation of points lo .. hi - 1 from a circle."""
     xs, ys = px[lo:hi], py[lo:hi]
     cx, cy, r = circle[0], circle[1], circle[2]
     total = 0.0
