@@ -8,7 +8,10 @@ from .fleet.fleet_plan import NoFleetPlan as NoFleetPlan
 from .fleet.on_graph import plan_on_graph as plan_on_graph
 from .fleet.on_roadmap import plan_fleet as plan_fleet
 from .fleet.schedule import FleetSchedule as FleetSchedule
-from .formats.scene_io import load_mask as load_mask
+from .formats.mask_files import SpeedLevel as SpeedLevel
+from .formats.mask_files import load_mask as load_mask
+from .formats.mask_files import load_speed_mask as load_speed_mask
+from .formats.mask_files import save_mask as save_mask
 from .formats.scene_io import load_scene as load_scene
 from .formats.scene_io import read_scene_text as read_scene_text
 from .formats.scene_io import write_scene_text as write_scene_text

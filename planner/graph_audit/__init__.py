@@ -2,7 +2,11 @@
 
 - ``audit.py`` is the interface; ``findings.py`` lists the kinds of findings with their severity,
   sentence and cure.
-- ``edge_lines.py`` lays the edges out as lines, ``clearances.py`` measures them,
-  ``nearby.py`` finds edges that cross and nodes on other edges, ``structure.py`` looks at ids,
-  doubles and reachability.
+- ``edge_lines.py`` lays the edges out as lines, ``clearances.py`` measures them, and ``unsafe.py``
+  judges what is in and near obstacles and zones.
+- ``slow_zones.py`` compares speed limits, ``turns.py`` and ``passing.py`` look for tight turns and
+  for stretches on which two robots cannot pass.
+- ``nearby.py`` finds edges that cross and nodes on other edges, ``structure.py`` looks at ids,
+  doubles and reachability, ``goals.py`` plans to goals.
+- ``frame_search.py`` looks for the transform, ``frame_fit.py``, that puts a lost graph onto its map.
 """

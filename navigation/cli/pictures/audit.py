@@ -76,7 +76,7 @@ def command(
     from navigation.cli.pictures.audit_answer import AuditOutput
     from navigation.cli.pictures.sources import compile_for, load_source, read_shades, read_source
     from planner.formats.map_files import decode
-    from planner.formats.scene_io import load_mask
+    from planner.formats.mask_files import load_mask
     from planner.graph_audit.audit import audit
     from planner.graph_files.graph_io import read_graph
 
