@@ -8,5 +8,7 @@
   for stretches on which two robots cannot pass.
 - ``nearby.py`` finds edges that cross and nodes on other edges, ``structure.py`` looks at ids,
   doubles and reachability, ``goals.py`` plans to goals.
-- ``frame_search.py`` looks for the transform, ``frame_fit.py``, that puts a lost graph onto its map.
+- ``frame_search.py`` looks for the transform that puts a lost graph onto its map, of
+  ``frame_fit.py``.
+- ``coverage.py`` measures how much of the free space is near the graph.
 """

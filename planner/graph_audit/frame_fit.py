@@ -9,12 +9,12 @@ Rules and units
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass, replace
 
 import numpy as np
 
-from planner.graph_files.route_graph import RouteGraph
+from planner.graph_files.route_graph import RouteEdge, RouteGraph, RouteNode
 from planner.scene import FloatArray, Scene, Vec
 
 NEAR_FIT = 0.02
@@ -50,16 +50,25 @@ class FrameFit:
         """Return places (n, 2) of the graph's frame in that of the map."""
         return placed(points, self)
 
-    def apply(self, graph: RouteGraph) -> RouteGraph:
-        """Return the graph in the map's frame; lengths are scaled."""
-        nodes = self.placed(np.array([(n.x, n.y) for n in graph.nodes]).reshape(-1, 2)).tolist()
-        edges = []
-        for edge in graph.edges:
-            line = self.placed(np.array(edge.line).reshape(-1, 2)).tolist()
-            length = None if edge.length is None else edge.length * self.scale
-            edges.append(replace(edge, line=tuple((x, y) for x, y in line), length=length))
-        moved = (replace(n, x=x, y=y) for n, (x, y) in zip(graph.nodes, nodes, strict=True))
-        return replace(graph, nodes=tuple(moved), edges=tuple(edges))
+    def apply(
+        self, graph: RouteGraph, chosen: Callable[[RouteNode], bool] = lambda node: True
+    ) -> RouteGraph:
+        """Return the graph with the chosen nodes in the map's frame, and their edges' lines."""
+        nodes = [self._moved(node) if chosen(node) else node for node in graph.nodes]
+        ids = {node.id for node in graph.nodes if chosen(node)}
+        edges = [
+            self._along(edge) if {edge.start, edge.end} <= ids else edge for edge in graph.edges
+        ]
+        return replace(graph, nodes=tuple(nodes), edges=tuple(edges))
+
+    def _moved(self, node: RouteNode) -> RouteNode:
+        ((x, y),) = self.placed(np.array([(node.x, node.y)])).tolist()
+        return replace(node, x=x, y=y)
+
+    def _along(self, edge: RouteEdge) -> RouteEdge:
+        line = self.placed(np.array(edge.line).reshape(-1, 2)).tolist()
+        length = None if edge.length is None else edge.length * self.scale
+        return replace(edge, line=tuple((x, y) for x, y in line), length=length)
 
     def __str__(self) -> str:
         """Return the transform in words."""
@@ -75,12 +84,14 @@ class FrameFit:
 
 
 def placed(points: FloatArray, fit: FrameFit) -> FloatArray:
+    """Return places (n, 2) of the graph's frame in that of the map."""
     cos, sin = fit.scale * math.cos(fit.turn_rad), fit.scale * math.sin(fit.turn_rad)
     x, y = points[:, 0], points[:, 1] * (-1.0 if fit.mirrored else 1.0)
     return np.stack([cos * x - sin * y + fit.shift[0], sin * x + cos * y + fit.shift[1]], axis=1)
 
 
 def map_cell(scene: Scene) -> float | None:
+    """Side of a ROS map's cells, None if the scene is none."""
     return scene.unknown.resolution if scene.unknown is not None else None
 
 
