@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 from planner.borders.generators import check_radius
 from planner.formats.mask_files import SpeedLevel
@@ -95,18 +95,19 @@ def audit(
     frame_fit = _judge_frame(lines, scene, ground, size, findings)
     judge_edges(lines, scene, ground, clearances, at, size, findings)
     judge_nodes(lines, scene, ground, size, findings)
-    zone_clearances = None
+    zone_clearances, solid = None, ground
     if keepout is not None:
         zones = Ground.of(keepout, bounds=False)
         zone_clearances, near = zones.clearances(lines.lines)
         judge_zones(lines, zones, zone_clearances, near, size, findings)
+        solid = replace(ground, zones=zones)
     find_fast(lines, speed, top_speed, findings)
     find_doubles(lines, findings)
     find_lengths(lines, size, findings)
     find_nearby(lines, size, findings)
-    find_tight_turns(lines, ground, size, turning, findings)
+    find_tight_turns(lines, solid, size, turning, findings)
     if passing:
-        find_narrow(lines, ground, size, findings)
+        find_narrow(lines, solid, size, findings)
     part = find_reach(lines, findings)
     if places:
         judge_goals(places, lines, part, scene, ground, size, findings)

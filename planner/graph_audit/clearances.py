@@ -11,7 +11,7 @@ Rules and units
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from itertools import pairwise
 
 import numpy as np
@@ -48,10 +48,12 @@ class Ground:
     """A scene, indexed for distances; None borders if there is nothing in it.
 
     ``box`` is x_min, y_min, x_max, y_max of what is not off the map, infinite without bounds.
+    ``zones`` are further obstacles, whose borders may cross those of the scene.
     """
 
     borders: Borders | None
     box: FloatArray = field(default_factory=lambda: np.array([-np.inf, -np.inf, np.inf, np.inf]))
+    zones: Ground | None = None
 
     @classmethod
     def of(cls, scene: Scene, *, bounds: bool) -> Ground:
@@ -63,15 +65,24 @@ class Ground:
 
     def signed(self, points: FloatArray) -> FloatArray:
         """Distance of every point (n, 2), negative in an object and off the map."""
-        if self.borders is None:
-            return np.full(len(points), np.inf)
-        b = self.borders
-        return inside_kernels.signed_distances(  # type: ignore[no-any-return]
-            b.tree, b.closed, self.box, np.ascontiguousarray(points)
-        )
+        points = np.ascontiguousarray(points)
+        signed = np.full(len(points), np.inf)
+        if self.borders is not None:
+            tree, closed = self.borders.tree, self.borders.closed
+            signed = inside_kernels.signed_distances(tree, closed, self.box, points)
+        return signed if self.zones is None else np.minimum(signed, self.zones.signed(points))
 
     def clearances(self, lines: Sequence[FloatArray]) -> tuple[FloatArray, FloatArray]:
         """Clearance (m,) of every line, and the place (m, 2) where it is least."""
+        gap, at = self._own_clearances(lines)
+        if self.zones is not None:
+            other, near = self.zones.clearances(lines)
+            at = np.where((other < gap)[:, None], near, at)
+            gap = np.minimum(gap, other)
+        return gap, at
+
+    def _own_clearances(self, lines: Sequence[FloatArray]) -> tuple[FloatArray, FloatArray]:
+        """Clearances and places, zones aside."""
         gap, at = np.full(len(lines), np.inf), np.zeros((len(lines), 2))
         if not lines or self.borders is None:
             return gap, at
@@ -80,7 +91,7 @@ class Ground:
             gap[k], at[k, 0], at[k, 1], _, _ = measure(tree, np.ascontiguousarray(line))
         # a line that touches no border is on one side of all of them
         first = np.array([line[0] for line in lines])
-        inside = (self.signed(first) < 0.0) & (gap > 0.0)
+        inside = (replace(self, zones=None).signed(first) < 0.0) & (gap > 0.0)
         gap[inside], at[inside] = 0.0, first[inside]
         return gap, at
 

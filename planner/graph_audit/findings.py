@@ -112,7 +112,7 @@ KINDS: dict[str, FindingKind] = {
     ),
     "edge_without_passing": FindingKind(
         "warning",
-        "is too narrow for two robots to pass, with what continues it, for {value}: {other}",
+        "is in a stretch of {value} on which two robots cannot pass: {other}",
         "Make it one-way, or let robots wait at its ends.",
     ),
     "edge_without_node": FindingKind(

@@ -41,7 +41,7 @@ def find_narrow(lines: EdgeLines, ground: Ground, radius: float, findings: Findi
         longest = max(stretch, key=lambda part: part.length)
         length = sum(part.length for part in stretch)
         names = list(dict.fromkeys(str(lines.edges[part.edge].name) for part in stretch))
-        words = ", ".join(names[:MOST_NAMED])
+        words = ("edge " if len(names) == 1 else "edges ") + ", ".join(names[:MOST_NAMED])
         if len(names) > MOST_NAMED:
             words += f" and {len(names) - MOST_NAMED} more"
         name = lines.edges[longest.edge].name
@@ -70,13 +70,10 @@ def _parts(lines: EdgeLines, ground: Ground, level: float) -> list[_Part]:
 
 def driven_both_ways(lines: EdgeLines) -> list[int]:
     """Edges that lead both ways, or have one along their line back; each line once."""
-    ways = [
-        ((a, b, line.tobytes()), (b, a, np.ascontiguousarray(line[::-1]).tobytes()))
-        for (a, b), line in zip(lines.ends.tolist(), lines.lines, strict=True)
-    ]
+    ways = [(line.tobytes(), np.ascontiguousarray(line[::-1]).tobytes()) for line in lines.lines]
     driven = {own for own, _ in ways}
     driven |= {back for edge, (_, back) in zip(lines.edges, ways, strict=True) if edge.both_ways}
-    both: dict[tuple[int, int, bytes], int] = {}
+    both: dict[bytes, int] = {}
     for k, (own, back) in enumerate(ways):
         if {own, back} <= driven and back not in both:
             both.setdefault(own, k)

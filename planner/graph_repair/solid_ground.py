@@ -24,10 +24,9 @@ ROOM_RADII = 20.0
 
 @dataclass(frozen=True, slots=True)
 class SolidGround:
-    """Obstacles and zones as two grounds, and the roadmap that avoids both."""
+    """Obstacles with zones, and the roadmap that avoids both."""
 
-    map: Ground
-    zones: Ground
+    ground: Ground
     roadmap: Roadmap
     radius: float
 
@@ -37,24 +36,23 @@ class SolidGround:
     ) -> SolidGround:
         """Join a scene with zones; a scene without bounds gets some around the nodes."""
         ground = Ground.of(scene, bounds=scene.bounds_given)
-        zones = Ground(None) if keepout is None else Ground.of(keepout, bounds=False)
+        if keepout is not None:
+            ground = replace(ground, zones=Ground.of(keepout, bounds=False))
         bounds = scene.bounds if scene.bounds_given else _around(scene, radius, nodes)
         objects = [*scene.objects, *(() if keepout is None else keepout.objects)]
         numbered = tuple(replace(one, id=k) for k, one in enumerate(objects))
         joined = replace(scene, objects=numbered, bounds=bounds, unknown=None)
         # a node at the limit of what an audit allows is one from which paths lead
-        return cls(ground, zones, build_roadmap(joined, radius * (1.0 - TIGHT)), radius)
+        return cls(ground, build_roadmap(joined, radius * (1.0 - TIGHT)), radius)
 
     def is_free(self, points: FloatArray) -> NDArray[np.bool_]:
         """Mark the points (n, 2) that keep the radius."""
-        least = self.radius * (1.0 - TIGHT)
-        free: NDArray[np.bool_] = self.map.signed(points) >= least
-        return free & (self.zones.signed(points) >= least)
+        free: NDArray[np.bool_] = self.ground.signed(points) >= self.radius * (1.0 - TIGHT)
+        return free
 
     def is_safe(self, line: FloatArray) -> bool:
         """True if a line (n, 2) keeps the radius, exactly."""
-        least = self.radius * (1.0 - TIGHT)
-        return all(float(g.clearances([line])[0][0]) >= least for g in (self.map, self.zones))
+        return float(self.ground.clearances([line])[0][0]) >= self.radius * (1.0 - TIGHT)
 
     def path(self, start: Vec, goal: Vec) -> FloatArray | str:
         """Return a path (n, 2) with few bends from start to goal, or why there is none."""
