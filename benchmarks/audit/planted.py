@@ -95,7 +95,7 @@ def random_map(rng: np.random.Generator) -> Case:
     limits = np.zeros((ROWS, COLUMNS), np.int8)
     for limit in LIMITS:
         r, c = rng.integers(0, ROWS), rng.integers(0, COLUMNS)
-        limits[r : r + rng.integers(4, 24), c : c + rng.integers(4, 24)] = limit
+        limits[r : r + rng.integers(10, 45), c : c + rng.integers(10, 45)] = limit
     return Case(cells, zones, limits)
 
 
