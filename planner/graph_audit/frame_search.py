@@ -46,6 +46,8 @@ TURN_STEP_RAD = math.pi / 36.0
 """Step of the turns: the end of a graph as long as the map moves by 5 cells of ``GRID``."""
 REFINED = 8
 """Coarse fits that are refined (indifferent from 4 to 16)."""
+AMPLE_RADII, ROOM_COUNTS = 4.0, 0.1
+"""Clearance up to this counts for a fit while it is refined, and how much (chosen)."""
 PROMISING = 0.8
 """Shares on the coarse map below which no fit is refined (measured: 1.0 for those that are found on
 Nav2's maps, 0.7 for what no frame puts into free space)."""
@@ -132,10 +134,20 @@ class _Search:
 
     def share(self, places: FloatArray) -> float:
         """Share of the places that keep the radius and lie on the map."""
+        return float((self._clearances(places) >= self.radius).mean())
+
+    def score(self, fit: FrameFit) -> float:
+        """Share of a fit, and a little for clearance: of equal fits the one in the middle."""
+        clearances = self._clearances(placed(self.points, fit))
+        room = np.clip(clearances / (AMPLE_RADII * self.radius), 0.0, 1.0)
+        return float((clearances >= self.radius).mean() + ROOM_COUNTS * room.mean())
+
+    def _clearances(self, places: FloatArray) -> FloatArray:
+        """Clearance of every place, -inf off the map."""
         on = ((places >= self.box[:2]) & (places <= self.box[2:])).all(axis=1)
-        free = np.zeros(len(places), np.bool_)
-        free[on] = self.ground.signed(places[on]) > self.radius
-        return float(free.mean())
+        clearances = np.full(len(places), -np.inf)
+        clearances[on] = self.ground.signed(places[on])
+        return clearances
 
     def fitted(self, fit: FrameFit) -> float:
         return self.share(placed(self.points, fit))
@@ -168,7 +180,8 @@ class _Search:
             for mirrored in (False, True):
                 for turn in np.arange(-math.pi, math.pi - 1e-9, TURN_STEP_RAD).tolist():
                     fit = replace(still, scale=scale, turn_rad=turn, mirrored=mirrored)
-                    coarse += self._shifts(fit, spectrum, cell)
+                    shifted = self._best_shift(fit, spectrum, cell)
+                    coarse += [] if shifted is None else [shifted]
         coarse.sort(key=lambda one: -one[0])
         return [self._refined(fit, cell) for _, fit in self._different(coarse)]
 
@@ -183,15 +196,15 @@ class _Search:
         free = self.ground.signed(centres) > self.radius
         return free.reshape(rows, columns).astype(np.float64), cell
 
-    def _shifts(
+    def _best_shift(
         self, fit: FrameFit, spectrum: NDArray[np.complex128], cell: float
-    ) -> list[tuple[float, FrameFit]]:
+    ) -> tuple[float, FrameFit] | None:
         """Best shift of a turned and scaled graph, by correlation of its cells with free ones."""
         places = placed(self.points, fit)
         low = places.min(axis=0)
         index = np.floor((places - low) / cell).astype(np.int64)
         if index.max() >= GRID:
-            return []
+            return None
         image = np.zeros((2 * GRID, 2 * GRID))
         np.add.at(image, (index[:, 1], index[:, 0]), 1.0 / len(index))
         scores = np.fft.irfft2(spectrum * np.conj(np.fft.rfft2(image)), image.shape)
@@ -200,7 +213,7 @@ class _Search:
         steps = np.array([column, row], np.float64)
         steps[steps >= GRID] -= 2 * GRID
         x, y = (self.box[:2] + steps * cell - low).tolist()
-        return [(float(scores[row, column]), replace(fit, shift=(x, y)))]
+        return float(scores[row, column]), replace(fit, shift=(x, y))
 
     def _different(self, coarse: list[tuple[float, FrameFit]]) -> list[tuple[float, FrameFit]]:
         """Return the best coarse fits that do not lie next to a better one."""
@@ -218,7 +231,7 @@ class _Search:
     def _refined(self, fit: FrameFit, cell: float) -> FrameFit:
         """Improve shift and turn by steps that halve."""
         few = replace(self, points=self.points[::FEWER])
-        best = replace(fit, after=few.fitted(fit))
+        best, most = fit, few.score(fit)
         middle = self.points.mean(axis=0, keepdims=True)
         step, turn = cell, 0.5 * TURN_STEP_RAD
         for _ in range(HALVINGS):
@@ -227,9 +240,9 @@ class _Search:
                 better = False
                 for dx, dy, dt in _STEPS:
                     other = _turned_about(best, middle, turn * dt, (step * dx, step * dy))
-                    share = few.fitted(other)
-                    if share > best.after + 1e-12:
-                        best, better = replace(other, after=share), True
+                    score = few.score(other)
+                    if score > most + 1e-9:
+                        best, most, better = other, score, True
             step, turn = 0.5 * step, 0.5 * turn
         return replace(best, after=self.fitted(best))
 
