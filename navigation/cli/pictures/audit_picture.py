@@ -63,7 +63,9 @@ def audit_drawing(
     width, height = screen.scale * window.width, screen.scale * window.height
     numbered = [one for one in audit.findings if one.at is not None][:MOST_NUMBERED]
     left = 2 * MARGIN + width
-    words = list(_words(audit, numbered, screen, left))
+    areas = [("keep-out zones", BOTTLENECK)] if zones is not None else []
+    areas += [("slow areas", SLOW)] if levels else []
+    words = list(_words(audit, numbered, areas, left))
     lowest = max((s.y for s in words if isinstance(s, Label)), default=0.0)
     bottom = max(MARGIN + height, LEAST_HEIGHT, lowest + 50.0)
     return Drawing(
@@ -174,7 +176,7 @@ def _marks(numbered: list[GraphFinding], screen: Screen) -> Iterator[Shape]:
 
 
 def _words(
-    audit: GraphAudit, numbered: list[GraphFinding], screen: Screen, left: float
+    audit: GraphAudit, numbered: list[GraphFinding], areas: list[tuple[str, Colour]], left: float
 ) -> Iterator[Shape]:
     y = MARGIN + 16.0
     yield Label(left, y, "Audit", 18.0, INK, bold=True)
@@ -192,7 +194,13 @@ def _words(
     bar = np.array([(left + 2.0, y - 4.0), (left + 30.0, y - 4.0)])
     yield Strokes((bar,), SOUND, 1.6)
     yield Label(left + 40.0, y, "without a finding", 13.0)
-    y += ROW + 8.0
+    y += ROW
+    for words, colour in areas:
+        corners = [(2.0, -10.0), (30.0, -10.0), (30.0, 2.0), (2.0, 2.0)]
+        yield Area((np.array(corners) + (left, y),), colour, opacity=0.16)
+        yield Label(left + 40.0, y, words, 13.0)
+        y += ROW
+    y += 8.0
     for number, one in enumerate(numbered, start=1):
         yield DiscShape(left + 9.0, y - 4.0, 9.0, fill=COLOURS[one.severity])
         yield Label(left + 9.0, y, str(number), 11.0, PAGE, "middle", bold=True)
