@@ -1,4 +1,4 @@
-"""How much of the free space a graph serves.
+"""Coverage: the share of the free space that a graph serves.
 
 Rules and units
 - Free space is where the robot's centre may be: places that keep the radius. It is counted in
@@ -6,7 +6,7 @@ Rules and units
 - A cell is within reach if a robot can drive from it to the graph, through free cells, by a path
   of at most ``reach``. Paths lead from cell to cell in eight directions: they are up to 8 % longer
   than the shortest. Unsafe parts of the graph serve nobody.
-- SWAGGER's measures (nvidia-isaac, ``graph_evaluator.py``) are those of its documentation, for the
+- SWAGGER's measures (nvidia-isaac) are those of its documentation, for the
   same cells: the share of the free space whose connected region has a node; the mean and the
   largest straight distance from these regions' cells to the nearest node; the share per node; and
   the share of pairs of nodes between which there is a path, here of all pairs.

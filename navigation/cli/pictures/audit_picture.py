@@ -196,8 +196,9 @@ def _words(
     yield Label(left + 40.0, y, "without a finding", 13.0)
     y += ROW
     for words, colour in areas:
-        corners = [(2.0, -10.0), (30.0, -10.0), (30.0, 2.0), (2.0, 2.0)]
-        yield Area((np.array(corners) + (left, y),), colour, opacity=0.16)
+        low, high = (left + 2.0, y - 10.0), (left + 30.0, y + 2.0)
+        swatch = np.array([low, (high[0], low[1]), high, (low[0], high[1])])
+        yield Area((swatch,), colour, opacity=0.16)
         yield Label(left + 40.0, y, words, 13.0)
         y += ROW
     y += 8.0
