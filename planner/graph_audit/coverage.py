@@ -107,10 +107,11 @@ def _to_nearest(places: FloatArray, nodes: FloatArray) -> FloatArray:
     if not len(nodes) or not len(places):
         return np.empty(0)
     step = max(1, AT_ONCE // len(nodes))
-    parts = [places[k : k + step] for k in range(0, len(places), step)]
-    return np.concatenate(
-        [np.hypot(*(part[:, None] - nodes[None]).transpose(2, 0, 1)).min(axis=1) for part in parts]
-    )
+    squares = np.empty(len(places))
+    for k in range(0, len(places), step):
+        off = places[k : k + step, None] - nodes[None]
+        squares[k : k + step] = (off[..., 0] ** 2 + off[..., 1] ** 2).min(axis=1)
+    return np.sqrt(squares)
 
 
 def _connected_pairs(audit: GraphAudit) -> float:

@@ -6,7 +6,8 @@ Rules
   ``FOUND`` of it then do.
 - The named frames come first. Then every turn by ``TURN_STEP_RAD``, with each scale that makes
   sense, by correlation over all shifts; the best are refined.
-- Of equally good fits a named one is offered, else the one that turns least.
+- A transform that is not sure is offered only if hardly anything is free without it. Of equally
+  good fits a named one is offered, else the one that turns least.
 """
 
 from __future__ import annotations
@@ -34,6 +35,9 @@ from planner.scene import FloatArray, Scene, Vec
 LOST, FOUND = 0.7, 0.95
 """Shares of a graph that are free: less is lost, more is found (chosen: a graph by hand has few
 edges in obstacles)."""
+HARDLY = 0.3
+"""A graph with less than this free is offered a transform though others fit as well (chosen: with
+more of it free, it may be a bad graph of the right frame)."""
 LEAST_EDGES = 3
 """Edges that a graph must have: fewer fit anywhere (chosen)."""
 MOST_POINTS = 2000
@@ -91,7 +95,8 @@ def find_frame(lines: EdgeLines, scene: Scene, ground: Ground, radius: float) ->
         for fit in fits
         if _apart(best.placed(points), fit.placed(points)) > OTHER_PLACE * size
     ]
-    return replace(best, runner_up=max(others, default=before))
+    best = replace(best, runner_up=max(others, default=before))
+    return best if best.sure or before < HARDLY else None
 
 
 def _apart(places: FloatArray, others: FloatArray) -> float:

@@ -30,7 +30,12 @@ class Detours:
     ids: FreshIds
     nodes: list[RouteNode] = field(default_factory=list)
     edges: list[RouteEdge] = field(default_factory=list)
+    _first: dict[GraphId, RouteNode] = field(init=False)
     _bends: dict[tuple[GraphId, GraphId], tuple[GraphId, ...]] = field(default_factory=dict)
+
+    def __post_init__(self) -> None:
+        # of several nodes with one id the first counts, as in the audit
+        self._first = {node.id: node for node in reversed(self.graph.nodes)}
 
     def led_along(self, edge: RouteEdge, line: FloatArray, before: float) -> RouteEdge:
         """Return an edge along a line, or its chain's first piece; ``before`` was its length."""
@@ -66,7 +71,7 @@ class Detours:
         """Nodes at the bends of a line, in its order; made once for both directions."""
         key, back = (edge.start, edge.end), (edge.end, edge.start)
         if key not in self._bends:
-            start = next(node for node in self.graph.nodes if node.id == edge.start)
+            start = self._first[edge.start]
             made = [
                 RouteNode(
                     self.ids.node(start.part, edge.start),

@@ -121,6 +121,7 @@ class _Work:
         sound = {self.graph.nodes[k].id for k in safe}
         self.nodes = list(self.graph.nodes)
         targets: dict[Vec, Vec | str] = {}
+        neighbours = self._neighbours(first, sound)
         farthest = _extent(places)
         for k in own:
             node = self.graph.nodes[k]
@@ -128,7 +129,7 @@ class _Work:
                 continue
             place = _at(node)
             if place not in targets:
-                near = self._neighbours(place, first, sound)
+                near = list(neighbours.get(place, ()))
                 targets[place] = free_place(place, near, self.ground, farthest)
             target = targets[place]
             if isinstance(target, str):
@@ -138,16 +139,15 @@ class _Work:
             self.moved.append(NodeMove(node.id, place, target))
 
     def _neighbours(
-        self, place: Vec, first: Mapping[GraphId, Vec], sound: set[GraphId]
-    ) -> list[Vec]:
-        """Places of the safe nodes to and from which edges of the nodes at a place lead."""
-        here = {node for node, at in first.items() if at == place}
-        found: dict[Vec, None] = {}
+        self, first: Mapping[GraphId, Vec], sound: set[GraphId]
+    ) -> dict[Vec, dict[Vec, None]]:
+        """Places of the safe nodes to and from which edges of the unsafe ones at a place lead."""
+        found: dict[Vec, dict[Vec, None]] = {}
         for edge in self.graph.edges:
             for one, other in ((edge.start, edge.end), (edge.end, edge.start)):
-                if one in here and other in sound and other not in here:
-                    found[first[other]] = None
-        return list(found)
+                if one in first and one not in sound and other in sound:
+                    found.setdefault(first[one], {})[first[other]] = None
+        return found
 
     def lead_edges(self) -> None:
         """Lead every unsafe edge along a path, and let lines end at the nodes that moved."""
