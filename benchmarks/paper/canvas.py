@@ -13,7 +13,7 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
-from navigation.draw.layers import chain_points, ring_points
+from navigation.draw.outlines import chain_points, ring_points
 from navigation.draw.shapes import (
     FAINT_INK,
     FLOOR,

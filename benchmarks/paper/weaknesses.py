@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 
 import vision
 from benchmarks.paper.inputs import SEED
-from navigation.draw.layers import chain_points
+from navigation.draw.outlines import chain_points
 from planner.scene import CircleRecord, PolygonRecord, Scene
 from tests.support.drawn.render import draw, outline_points, polygon, rounded
 from vision.binarise.binarise import binarise

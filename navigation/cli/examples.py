@@ -56,7 +56,8 @@ EXAMPLES: dict[str, Example] = {
         "clearway robot --start 0.2,0.2,45 --faults drop=0.01",
         "Simulate a robot on a new pseudo-terminal that loses one byte in a hundred.",
     ),
-    **{name: Example(*order.example) for name, order in ORDERS.items() if name != "reanchor"},
+    **{name: Example(*order.example) for name, order in ORDERS.items() if not order.command},
+    "zone": Example(*ORDERS["zone_put"].example),
     "check": Example("clearway check arena.yaml", "Report every error with its line and column."),
     "calibrate": Example(
         "clearway calibrate --live /dev/video0 --squares 7x5 --square-mm 30"
@@ -107,5 +108,9 @@ EXAMPLES: dict[str, Example] = {
 
 def epilog(command: str) -> str:
     """The example as the end of the command's help; unwrapped, so that it can be copied."""
-    example = EXAMPLES[command]
+    return epilog_of(EXAMPLES[command])
+
+
+def epilog_of(example: Example) -> str:
+    """The same of an example, for a command inside a group."""
     return f"\b\nExample: {example.does}\n  {example.line}"

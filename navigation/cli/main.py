@@ -81,8 +81,9 @@ COMMANDS: dict[str, ListedCommand] = {
     **{
         name: ListedCommand(".running.orders:commands", order.summary)
         for name, order in ORDERS.items()
-        if name != "reanchor"
+        if not order.command
     },
+    "zone": ListedCommand(".running.zones:command", "The zones of the running daemon."),
     "check": ListedCommand(".setup.check:command", "Check a configuration; report every error."),
     "calibrate": ListedCommand(".setup.calibrate:command", "Calibrate a camera from pictures."),
     "reanchor": ListedCommand(".setup.reanchor:command", ORDERS["reanchor"].summary),
@@ -108,7 +109,7 @@ COMMANDS: dict[str, ListedCommand] = {
 }
 
 NEED_LINUX = frozenset(
-    ("demo", "run", "robot", "devices", "doctor", "dashboard", "install-service", *ORDERS)
+    ("demo", "run", "robot", "devices", "doctor", "dashboard", "install-service", "zone", *ORDERS)
 )
 """Commands that only refuse on other systems, but for their help."""
 

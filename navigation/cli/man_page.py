@@ -72,14 +72,22 @@ def _command(ctx: click.Context, name: str) -> Iterator[str]:
     command = clearway.get_command(ctx, name)
     assert command is not None
     own = click.Context(command, parent=ctx, info_name=name)
-    usage = " ".join(command.collect_usage_pieces(own))
-    yield f".SS {_escaped(f'clearway {name} {usage}')}"
-    for paragraph in re.split(r"\n\s*\n", (command.help or "").replace("\b", "").strip()):
-        yield from (".PP", _plain(paragraph))
-    yield from _options(command, own)
+    yield from _described(command, own)
     example = EXAMPLES[name]
     yield from (".PP", _plain(f"Example: {example.does}"))
     yield from (".PP", ".RS 4", ".nf", _plain(example.line), ".fi", ".RE")
+    if isinstance(command, click.Group):
+        for inner, one in command.commands.items():
+            yield from _described(one, click.Context(one, parent=own, info_name=inner))
+
+
+def _described(command: click.Command, own: click.Context) -> Iterator[str]:
+    """Usage, help and options."""
+    usage = " ".join(command.collect_usage_pieces(own))
+    yield f".SS {_escaped(f'{own.command_path} {usage}')}"
+    for paragraph in re.split(r"\n\s*\n", (command.help or "").replace("\b", "").strip()):
+        yield from (".PP", _plain(paragraph))
+    yield from _options(command, own)
 
 
 def _options(command: click.Command, ctx: click.Context) -> Iterator[str]:

@@ -241,6 +241,12 @@ RADIUS_OPTION = click.option(
 SPACING_OPTION = click.option(
     "--spacing", type=POSITIVE, help="Largest distance between generators; less than 2 radius."
 )
+ZONES_OPTION = click.option(
+    "--zones",
+    "zones_file",
+    type=INPUT,
+    help="Zones to keep to: a YAML list as in a configuration, in the scene's units.",
+)
 LEAST_AREA_OPTION = click.option(
     "--least-area",
     type=POSITIVE,

@@ -41,14 +41,24 @@ def _command(ctx: click.Context, name: str) -> Iterator[str]:
     command = clearway.get_command(ctx, name)
     assert command is not None
     own = click.Context(command, parent=ctx, info_name=name)
+    yield from _described(command, own, "##")
+    example = EXAMPLES[name]
+    yield from (example.does, "", "```sh", example.line, "```")
+    if isinstance(command, click.Group):
+        yield ""
+        for inner, one in command.commands.items():
+            yield from _described(one, click.Context(one, parent=own, info_name=inner), "###")
+
+
+def _described(command: click.Command, own: click.Context, level: str) -> Iterator[str]:
+    """Heading, usage, help and options."""
     usage = " ".join(command.collect_usage_pieces(own))
-    yield from (f"## {name}", "", f"`clearway {name} {usage}`", "")
+    name = own.command_path.removeprefix("clearway ")
+    yield from (f"{level} {name}", "", f"`clearway {name} {usage}`", "")
     yield from (_markdown(command.help or ""), "")
     rows = list(_options(command, own))
     if rows:
         yield from ("| option | meaning |", "|---|---|", *rows, "")
-    example = EXAMPLES[name]
-    yield from (example.does, "", "```sh", example.line, "```")
 
 
 def _options(command: click.Command, ctx: click.Context) -> Iterator[str]:

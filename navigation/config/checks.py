@@ -16,6 +16,7 @@ from navigation.config.sections import SIMULATED, MarkerSection
 from navigation.config.several import camera_checks, fleet_checks
 from navigation.config.several.each_robot import robot_of
 from navigation.config.values import Place
+from navigation.config.zones import zone_checks
 
 MOST_STEPS = 1_000_000
 """Generators along an arena's walls, and waypoints once around it."""
@@ -375,6 +376,10 @@ CHECKS: tuple[tuple[tuple[str, ...], Callable[..., _Found]], ...] = (
     (("simulation",), _simulation_has_one_arena),
     (("other_robots", "simulation"), _simulated_robots_are_known),
     (("simulation",), _happenings_end_after_they_begin),
+    (("zones",), zone_checks.zone_names_differ),
+    (("zones",), zone_checks.zones_have_few_places),
+    (("zones", "robots"), zone_checks.zones_are_for_known_robots),
+    (("arena", "zones"), zone_checks.zones_lie_in_the_arena),
     (("safety",), _lease_outlives_the_pose),
     (("dashboard",), _strangers_need_a_token),
     (("notify",), _one_is_notified),

@@ -19,12 +19,13 @@ class RecordingSection(Section):
     )
     journal: Path | None = Field(
         default=None,
-        description="file that keeps mission and progress, so that a restart resumes where it "
-        "was (from the current folder); empty: a restart begins again",
+        description="file that keeps mission and progress, and beside it zones that people "
+        "change, so that a restart resumes where it was (from the current folder); empty: a "
+        "restart begins again",
     )
     record: StrictBool = Field(
         default=False,
-        description="record pictures, scenes, plans, poses and log into MCAP files, which "
+        description="record pictures, scenes, zones, plans, poses and log into MCAP files, which "
         "`clearway replay` and Foxglove read",
     )
     folder: Path = Field(

@@ -116,6 +116,8 @@ def _kind(schema: Mapping[str, Any], root: Mapping[str, Any]) -> str:
         items = schema.get("prefixItems", [])
         if items:
             return f"list of {len(items)} numbers"
+        if schema["items"].get("type") == "array":
+            return f"list of {_kind(schema['items'], root).replace('list', 'lists', 1)}"
         return "list of texts" if schema["items"].get("type") == "string" else "list of sections"
     words = {"string": "text", "boolean": "true or false", "integer": "whole number"}
     limits = [f"{sign} {schema[key]:g}" for key, sign in _LIMITS.items() if key in schema]

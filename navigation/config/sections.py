@@ -44,6 +44,7 @@ from navigation.config.values import (
     Text,
     as_in,
 )
+from navigation.config.zones import MOST_ZONES, ZoneSection
 from vision.binarise import Method
 
 SIMULATED = "simulated"
@@ -359,6 +360,11 @@ class Config(Section):
         default=(),
         max_length=MOST_ROBOTS,
         description=f"robots that drive by themselves: moving obstacles, at most {MOST_ROBOTS}",
+    )
+    zones: tuple[ZoneSection, ...] = Field(
+        default=(),
+        max_length=MOST_ZONES,
+        description=f"areas with rules: keep out, slow, one way, lane, wait; at most {MOST_ZONES}",
     )
     planning: PlanningSection = Field(default=PlanningSection(), description="choosing the path")
     serial: SerialSection = Field(default=SerialSection(), description="the line to the robot")

@@ -1,8 +1,7 @@
-"""The layers of a picture, bottom up: obstacles, roadmap, path, track, places."""
+"""The layers of a picture, bottom up: obstacles, zones, roadmap, path, track, places."""
 
 from __future__ import annotations
 
-import math
 from collections.abc import Iterator
 from dataclasses import dataclass
 from itertools import pairwise
@@ -13,6 +12,7 @@ from numpy.typing import NDArray
 
 from navigation.draw.driven import DrawnRobot, driven_shapes, plan_shapes
 from navigation.draw.numbers import costs, obstacle_labels
+from navigation.draw.outlines import chain_points, ring_points
 from navigation.draw.robot_marks import lines_of, name_beside, nose
 from navigation.draw.shapes import (
     BOTTLENECK,
@@ -38,25 +38,23 @@ from navigation.draw.shapes import (
     Strokes,
     ramp_colour,
 )
+from navigation.draw.zones import zone_names, zone_shapes
 from planner.path import NoPath, Path, Trajectory
 from planner.scene import (
-    Arc,
     Bounds,
     CircleRecord,
     FloatArray,
     PointRecord,
     PolygonRecord,
-    Record,
     Scene,
     object_records,
-    record_edges,
 )
+from planner.zones.zone import Zone
 
 if TYPE_CHECKING:
     from planner.roadmap.curves import Curves
     from planner.roadmap.roadmap import Roadmap
 
-ARC_STEP_RAD = math.radians(3.0)
 FLATNESS_PX = 0.2
 """Largest distance of the roadmap's drawn curves from where they are."""
 COLOUR_STEP_PX = 5.0
@@ -93,6 +91,7 @@ class Content:
     driven: tuple[DrawnRobot, ...]
     stations: tuple[tuple[float, ...], ...]
     title: str
+    zones: tuple[Zone, ...] = ()
 
     @property
     def found(self) -> Path | None:
@@ -149,6 +148,7 @@ def layers(content: Content, screen: Screen) -> tuple[Layer, ...]:
         Layer("floor", (Area((screen.frame,), FLOOR),)),
         Layer("corridor", tuple(_corridor(content, screen))),
         Layer("obstacles", tuple(_obstacles(content.scene, screen))),
+        Layer("zones", tuple(zone_shapes(content.zones, screen))),
         Layer("bounds", (_frame(screen),)),
         Layer("roadmap", tuple(_roadmap(content, screen))),
         Layer("other robots", tuple(_others(content, screen))),
@@ -159,33 +159,10 @@ def layers(content: Content, screen: Screen) -> tuple[Layer, ...]:
         Layer("driven robots", tuple(driven_shapes(content.driven, screen))),
         Layer("waypoints", tuple(_waypoints(content, screen))),
         Layer("bottleneck", tuple(_bottleneck(content, screen))),
+        Layer("zone names", tuple(zone_names(content.zones, screen, content.scene.units))),
         Layer("numbers", tuple(_numbers(content, screen))),
         Layer("stations", tuple(_stations(content, screen))),
     )
-
-
-def ring_points(records: tuple[Record, ...], y_down: bool) -> Iterator[FloatArray]:
-    """Yield the closed borders among the records as (n, 2) rings in the scene's units."""
-    for record in records:
-        if isinstance(record, PolygonRecord | CircleRecord):
-            yield chain_points(record, y_down)
-
-
-def chain_points(record: Record, y_down: bool) -> FloatArray:
-    """Edges of a record as an (n, 2) polyline; arcs in steps of ``ARC_STEP_RAD``."""
-    points: list[tuple[float, float]] = []
-    for edge in record_edges(record):
-        points.append(edge.start)
-        if isinstance(edge, Arc):
-            start, sweep = edge.sweep(y_down)
-            steps = max(2, math.ceil(abs(sweep) / ARC_STEP_RAD))
-            (x, y), r = edge.center, edge.radius
-            points += [
-                (x + r * math.cos(a), y + r * math.sin(a))
-                for a in (start + sweep * k / steps for k in range(1, steps))
-            ]
-        points.append(edge.end)
-    return np.array(points, dtype=np.float64).reshape(-1, 2)
 
 
 def _obstacles(scene: Scene, screen: Screen) -> Iterator[Shape]:

@@ -32,6 +32,7 @@ from navigation.draw.shapes import (
     Strokes,
     ramp_colour,
 )
+from navigation.draw.zones import zone_kinds, zone_mark
 from planner.borders.polyline import arc_lengths
 from planner.path import NoPath, Path
 from planner.scene import FloatArray
@@ -91,6 +92,9 @@ def _rows(content: Content, left: float, first_y: float) -> Iterator[tuple[list[
         f"obstacles ({count})" + (", numbered from 0" if 1 < count <= MOST_BESIDE else ""),
     )
     y += ROW
+    for kind, words in zone_kinds(content.zones):
+        yield zone_mark(kind, left, y), words
+        y += ROW
     if found:
         yield (
             [

@@ -16,9 +16,10 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from navigation.draw.layers import chain_points, screen_borders
+from navigation.draw.layers import screen_borders
 from navigation.draw.legend import LEGEND_WIDTH, scale_bar
 from navigation.draw.numbers import obstacle_labels
+from navigation.draw.outlines import chain_points
 from navigation.draw.shapes import (
     BOTTLENECK,
     FAINT_INK,

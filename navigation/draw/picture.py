@@ -1,10 +1,10 @@
 """Pictures of a scene, its roadmap and path, as SVG or PNG, in one visual language.
 
-Obstacles are dark on a light floor; the roadmap's colour goes from warm (tight) to cool (wide). The
-path is green with the corridor that the robot sweeps; replaced plans are pale green as far as they
-were driven. Waypoints are dots; the driven track is violet, other robots and their tracks pale
-violet. A red measure crosses the narrowest place. A legend and a scale follow. Both formats use the
-same shapes (``shapes.py``).
+Obstacles are dark on a light floor; zones are tinted and patterned. The roadmap's colour goes from
+warm (tight) to cool (wide). The path is green with the corridor that the robot sweeps; replaced
+plans are pale green as far as they were driven. Waypoints are dots; the driven track is violet,
+other robots and their tracks pale violet. A red measure crosses the narrowest place. A legend and a
+scale follow. Both formats use the same shapes (``shapes.py``).
 """
 
 from __future__ import annotations
@@ -22,8 +22,10 @@ from navigation.draw.driven import DrawnRobot
 from navigation.draw.layers import Content, OtherRobot, layers
 from navigation.draw.legend import LEGEND_WIDTH, ROW, legend
 from navigation.draw.shapes import Drawing, fit_screen
+from navigation.draw.zones import zone_kinds
 from planner.path import NoPath, Path, Trajectory
 from planner.scene import FloatArray, Scene
+from planner.zones.zone import Zone
 
 if TYPE_CHECKING:
     from planner.roadmap.roadmap import Roadmap
@@ -54,6 +56,7 @@ class PictureOptions(TypedDict, total=False):
     stations: Sequence[Sequence[float]]
     """(x, y) or (x, y, heading_rad) each: start, vias, goal."""
     title: str
+    zones: Sequence[Zone]
 
 
 def draw_svg(
@@ -138,12 +141,13 @@ def _drawing(
         tuple(shown.get("driven", ())),
         tuple(tuple(float(v) for v in station) for station in shown.get("stations", ())),
         shown.get("title", "Clearway"),
+        tuple(shown.get("zones", ())),
     )
     window = content.window()
     screen = fit_screen(window, scene.y_down, PLOT_WIDTH, PLOT_HEIGHT, MARGIN, MARGIN)
     width, height = screen.scale * window.width, screen.scale * window.height
     left = 2 * MARGIN + width
-    least = LEAST_HEIGHT + ROW * len(content.driven)
+    least = LEAST_HEIGHT + ROW * (len(content.driven) + len(zone_kinds(content.zones)))
     page_height = round(max(height, least) + 2 * MARGIN)
     shapes = legend(content, screen, left, MARGIN, page_height - MARGIN)
     return Drawing(

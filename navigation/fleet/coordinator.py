@@ -26,7 +26,7 @@ from typing import Final
 import numpy as np
 
 from navigation.fleet.asking import request_of
-from navigation.fleet.giving_way import GivingWay
+from navigation.fleet.giving_way import GivingWay, RulesOf, no_rules
 from navigation.fleet.orders import (
     ON_TRACK_M,
     FleetOrders,
@@ -65,7 +65,7 @@ Clearance = Callable[[FloatArray], float | None]
 class Coordinator:
     """The promises, and the fleet's state between two plans."""
 
-    def __init__(self, clearance_m: Clearance) -> None:
+    def __init__(self, clearance_m: Clearance, rules: RulesOf = no_rules) -> None:
         self.held: dict[str, Held] = {}
         self._left: dict[str, Held] = {}
         """Promises of earlier plans: a robot that is not seen may be driving one."""
@@ -80,7 +80,7 @@ class Coordinator:
         self._refusals = Refusals()
         self._stuck_since: dict[str, float] = {}
         self._runaways: list[Runaway] = []
-        self._giving_way = GivingWay(clearance_m)
+        self._giving_way = GivingWay(clearance_m, rules)
 
     def step(
         self,
@@ -132,7 +132,9 @@ class Coordinator:
             if name in self._open and name not in answers and self._gathering_s is None
         }
         waits, waits_for = waits_of(members, self.held, refused, self._giving_way.aside)
-        holds = holds_of(members, self.held, self._giving_way.aside) | dict(aside.holds)
+        lines = {name: one.points[1:] for name, one in self._giving_way.aside.items()}
+        runaways = [one.name for one in self._runaways]
+        holds = holds_of(members, self.held, lines, runaways) | dict(aside.holds)
         return FleetOrders(plan_again, request, answers, waits, waits_for, holds, errands)
 
     def forget(self, name: str) -> None:

@@ -5,8 +5,8 @@ Rules
   standing still does. Otherwise it leaves its promise and drives aside on a straight line: the
   shortest of the clear ones, or the clearest.
 - For a possible runaway robots hold, but none leaves its path.
-- Aside means ground that the roadmap knows to be free, at the robots' usual distance from the other
-  robots and from all that they were sent; if it is nearer now, no nearer.
+- Aside means ground that the roadmap knows to be free and no zone forbids, at the robots' usual
+  distance from the other robots and from all that they were sent; if it is nearer now, no nearer.
 - If no line is better, it drives on only if that touches no robot and beats standing still.
 - While one drives aside no robot is sent more than it has, and none is planned.
 
@@ -32,6 +32,7 @@ from navigation.mission.mission import State, Station
 from navigation.mission.targets import STEERED_RAD, Target
 from planner.path import Path
 from planner.scene import FloatArray
+from planner.zones.rules import Rules
 
 HORIZON_S: Final = 4.0
 """Time for which a runaway is foreseen: to stop, turn and drive a diameter aside takes 3 s."""
@@ -48,6 +49,13 @@ CERTAIN_M: Final = 0.01
 ASK_AGAIN_S: Final = 0.5
 
 Clearance = Callable[[FloatArray], float | None]
+RulesOf = Callable[[str], Rules | None]
+"""The zones that hold for a robot, by its name; None before the first scene."""
+
+
+def no_rules(_robot: str) -> Rules | None:
+    """Return None: no zones are known."""
+    return None
 
 
 @dataclass(slots=True)
@@ -74,9 +82,9 @@ class GivesWay:
 class GivingWay:
     """Robots that drive aside."""
 
-    def __init__(self, clearance_m: Clearance) -> None:
+    def __init__(self, clearance_m: Clearance, rules: RulesOf = no_rules) -> None:
         self.aside: dict[str, Aside] = {}
-        self._clearance_m = clearance_m
+        self._clearance_m, self._rules = clearance_m, rules
         self._asked_s: dict[str, float] = {}
 
     def step(
@@ -156,6 +164,9 @@ class GivingWay:
             if gaps[k] < max(TOUCH_M, stays_m + NEARER_M):
                 return None
             line: FloatArray = lines[k]
+            rules = self._rules(name)
+            if rules is not None and not rules.permits(line, one.radius_m):
+                continue
             if self._is_free(one, line, known):
                 return line
         return None

@@ -28,6 +28,7 @@ from navigation.fleet.planning import (
     listed,
     make_promise,
     point_numbers,
+    rules_of,
     with_names,
     with_taken,
 )
@@ -44,6 +45,7 @@ from navigation.fleet.rounding import CutTrack, rounded
 from navigation.mission.running_plan import distance_to_polyline
 from planner.fleet.dependencies import find_dependencies, is_live
 from planner.fleet.fleet_plan import Dependency, FleetPlan, NoFleetPlan
+from planner.fleet.no_waiting import wait_before
 from planner.fleet.schedule import FleetSchedule
 from planner.motion.trajectory import TrajectoryError
 from planner.roadmap.roadmap import Roadmap
@@ -231,7 +233,13 @@ def _promised(
                 waits.append((i, passed, j, max(row, 0)))
     plan = FleetPlan(tuple(tracks), tuple(waits), 0.0, 0.0)
     try:
-        return FleetSchedule.of(here, plan, list(sizes), [one.limits for one in everybody])
+        return FleetSchedule.of(
+            here,
+            plan,
+            list(sizes),
+            [one.limits for one in everybody],
+            [one.zones for one in everybody],
+        )
     except ValueError as error:
         raise CannotJoinError(str(error)) from error
 
@@ -291,6 +299,7 @@ def _in_pieces(
     Corners are rounded for robots that cannot turn at them.
     """
     plan = schedule.plan
+    rules = rules_of(here, [one.zones for one in everybody], sizes)
     whole = [CutTrack.whole(track) for track in plan.tracks]
     pieces = [*whole[:first], *(CutTrack.of(track, PIECE_M) for track in plan.tracks[first:])]
     bends = {
@@ -298,12 +307,16 @@ def _in_pieces(
         for k, one in enumerate(everybody)
         if k >= first and not one.limits.turns_on_spot
     }
-    for cut in (rounded(here, pieces, sizes, PIECE_M, bends), pieces) if bends else (pieces,):
+    round_all = (rounded(here, pieces, sizes, PIECE_M, bends, rules), pieces)
+    for cut in round_all if bends else (pieces,):
         tracks = [one.targets for one in cut]
-        waits = find_dependencies(tracks, sizes)
+        waits = wait_before(tracks, find_dependencies(tracks, sizes), rules)
         takes_back = any(row < schedule.sent[j] for _, _, j, row in waits)
         if not takes_back and is_live(tracks, waits):
             return cut, waits
+    tracks = [one.targets for one in whole]
+    if wait_before(tracks, plan.dependencies, rules) != list(plan.dependencies):
+        raise CannotJoinError("a robot would wait in a no-waiting zone")
     return whole, plan.dependencies
 
 

@@ -67,21 +67,32 @@ def waits_of(
 
 
 def holds_of(
-    members: Mapping[str, Member], held: Mapping[str, Held], aside: Container[str]
+    members: Mapping[str, Member],
+    held: Mapping[str, Held],
+    aside: Mapping[str, FloatArray],
+    runaways: Container[str] = (),
 ) -> dict[str, str]:
     """Robots that may not drive now, and why: another robot is in the path, or may be anywhere.
 
-    Robots driving aside may, unless one may be anywhere.
+    ``aside`` are the places (n, 2) that are left of the lines on which robots drive aside: they
+    have been chosen with the runaways' motion, and hold for all other robots.
     """
     holds = {}
+    known = {name: one for name, one in members.items() if name not in runaways}
     astray = [name for name, one in members.items() if one.at_large]
     for name, one in members.items():
         if one.state is State.DRIVING and astray and name not in astray:
             holds[name] = why_nobody_moves(members) or ""
             continue
-        if name not in held or name in aside or one.state is not State.DRIVING or one.pose is None:
+        if one.state is not State.DRIVING or one.pose is None:
             continue
-        near = comes_too_near(ahead(held, name, one.pose), name, members)
+        if name in aside:
+            way = np.vstack([one.pose[:2], aside[name][one.executed or 0 :]])
+            near = comes_too_near(way, name, known | {name: one})
+        elif name in held:
+            near = comes_too_near(ahead(held, name, one.pose), name, members)
+        else:
+            continue
         if near is not None:
             holds[name] = near
     return holds

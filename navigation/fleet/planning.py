@@ -34,14 +34,17 @@ from navigation.fleet.request import (
 )
 from navigation.fleet.rounding import CutTrack, rounded
 from navigation.mission.mission import Station
-from navigation.mission.targets import Target, begin_as_it_stands
+from navigation.mission.targets import Target, begin_as_it_stands, within_caps
 from planner.fleet.dependencies import find_dependencies, is_live
 from planner.fleet.fleet_plan import Dependency, FleetPlan, NoFleetPlan
+from planner.fleet.no_waiting import wait_before
 from planner.motion.trajectory import TrajectoryError
 from planner.path import Limits, Path, Trajectory
 from planner.roadmap.roadmap import Roadmap
 from planner.scene import CircleRecord, FloatArray, Scene, SceneObject
 from planner.shared.search_clock import Clock, search_clock_s
+from planner.zones.rules import Rules, listed_zones, rules_for
+from planner.zones.zone import Zone
 
 PIECE_M: Final = 0.05
 """Between two targets: as `planning.waypoint_spacing_m` is where nothing is said."""
@@ -160,6 +163,7 @@ def _ordered(
     the bodies, then other beginnings.
     """
     refused: NoFleetPlan | None = None
+    zones = [one.zones for one in moving]
     for share, seed in ((1.0, 0), (LESS_ROOM, 0), *((1.0, seed) for seed in range(1, SEEDS))):
         sizes = _sizes(here, moving, share * keep_m)
         plan = planner.plan_fleet(
@@ -172,13 +176,15 @@ def _ordered(
             improve=ROUNDS,
             seed=seed,
             clock=clock,
+            zones=zones,
         )
         if isinstance(plan, FleetPlan):
+            rules = rules_of(here, zones, sizes)
             as_planned = [CutTrack.of(track, PIECE_M) for track in plan.tracks]
             bends = {i: one.limits.turning_radius for i, one in enumerate(moving)}
-            for cut in (rounded(here, as_planned, sizes, PIECE_M, bends), as_planned):
+            for cut in (rounded(here, as_planned, sizes, PIECE_M, bends, rules), as_planned):
                 tracks = [one.targets for one in cut]
-                waits = find_dependencies(tracks, sizes)
+                waits = wait_before(tracks, find_dependencies(tracks, sizes), rules)
                 if is_live(tracks, waits):
                     return cut, waits, sizes
             refused = refused or NoFleetPlan(NOT_LIVE)
@@ -189,6 +195,15 @@ def _ordered(
     return refused or NoFleetPlan(NOT_LIVE)
 
 
+def rules_of(
+    here: Roadmap, zones: Sequence[tuple[Zone, ...]], sizes: Sequence[float]
+) -> list[Rules]:
+    """Index each robot's zones for the radius that it is planned with."""
+    assert isinstance(here.scene, Scene)
+    scene = here.scene
+    return [rules_for(own, scene, size) for own, size in zip(zones, sizes, strict=True)]
+
+
 def make_promise(
     here: Roadmap, one: Traveller, track: CutTrack, gates: Sequence[Gate], margin_m: float
 ) -> Promise:
@@ -197,7 +212,12 @@ def make_promise(
     smooth = np.ascontiguousarray(track.fine[np.unique(numbers, return_index=True)[1], 1:])
     at = np.unique(numbers[track.rows])
     points = np.ascontiguousarray(smooth[at])
+    (rules,) = rules_of(here, [one.zones], [one.radius_m])
     path = path_of(here, points, one)
+    left = [zone for zone in rules.of("keep_out") if rules.is_held_by(zone, one.start[:2])]
+    if left and len(points) > 1:
+        said = f"leaves {listed_zones(left)} by the shortest path out"
+        path = replace(path, remarks=(said,))
     trajectory = None
     if len(points) > 1:
         driven = path_of(here, smooth, one)
@@ -209,8 +229,10 @@ def make_promise(
             one.limits,
             clearance=here.clearance,
             dwell_s=[0.0, one.station.dwell_s],
+            speed_limits=rules.speed_limits,
         )
     targets = _targets(points, _lengths(smooth)[at], trajectory, one.station, one.limits)
+    targets = within_caps((float(points[0, 0]), float(points[0, 1])), targets, rules)
     return Promise(
         one.name,
         one.station,

@@ -11,6 +11,7 @@ from navigation.mission.mission import Station
 from navigation.mission.targets import Target
 from planner.path import Limits, Path, Trajectory
 from planner.scene import FloatArray
+from planner.zones.zone import Zone
 
 
 @dataclass(frozen=True, slots=True)
@@ -24,6 +25,8 @@ class Traveller:
     limits: Limits
     open_order: tuple[Station, ...] = ()
     """Its stations, where all but the last may be visited in any order; else empty."""
+    zones: tuple[Zone, ...] = ()
+    """Zones that hold for it."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -88,13 +91,18 @@ class Driving:
     executed: int
     sent: int
     limits: Limits
+    zones: tuple[Zone, ...] = ()
+    """Zones that hold for it."""
 
     @property
     def as_traveller(self) -> Traveller:
         """The same robot, from the last target that it has executed."""
         x, y = self.promise.points[self.executed].tolist()
         promise = self.promise
-        return Traveller(promise.name, (x, y, 0.0), promise.station, promise.radius_m, self.limits)
+        return Traveller(
+            promise.name, (x, y, 0.0), promise.station, promise.radius_m, self.limits,
+            zones=self.zones,
+        )  # fmt: skip
 
 
 @dataclass(frozen=True, slots=True)

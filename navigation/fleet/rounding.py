@@ -26,6 +26,7 @@ from planner.motion.smooth import smooth_path
 from planner.path import Path
 from planner.roadmap.roadmap import Roadmap
 from planner.scene import FloatArray
+from planner.zones.rules import Rules
 
 CHORD_M: Final = 0.001
 """Largest gap between a rounded corner and the lines between targets: the camera's error."""
@@ -69,15 +70,16 @@ def rounded(
     sizes: Sequence[float],
     piece_m: float,
     turning_m: Mapping[int, float],
+    rules: Sequence[Rules],
 ) -> list[CutTrack]:
-    """Tracks with corners rounded where no robot comes too near.
+    """Tracks with corners rounded where no robot comes too near and each one's zones permit it.
 
     Only tracks in ``turning_m`` are rounded, by bends no tighter than its radii.
     """
     now = list(tracks)
     for i, radius_m in turning_m.items():
         legs = legs_of(tracks[i].fine)
-        smooth = [_rounded_leg(here, leg, sizes[i], radius_m) for leg in legs]
+        smooth = [_rounded_leg(here, leg, sizes[i], radius_m, rules[i]) for leg in legs]
         found = CutTrack.thinned(np.concatenate(smooth), piece_m)
         if _is_clear(found, i, now, sizes):
             now[i] = found
@@ -98,7 +100,9 @@ def legs_of(track: FloatArray) -> list[FloatArray]:
     return [track[a:b] for a, b in pairwise(cuts)]
 
 
-def _rounded_leg(here: Roadmap, leg: FloatArray, size: float, turning_m: float) -> FloatArray:
+def _rounded_leg(
+    here: Roadmap, leg: FloatArray, size: float, turning_m: float, rules: Rules
+) -> FloatArray:
     """Leg on a smooth path, in the same time at one speed."""
     if len(leg) < 3:
         return leg
@@ -120,6 +124,7 @@ def _rounded_leg(here: Roadmap, leg: FloatArray, size: float, turning_m: float) 
         here.clearance,
         keep=max(size, path.robot_radius),
         turning_radius=turning_m,
+        permits=rules.permits,
     )
     along = _along(smooth.points)
     share = along / max(along[-1], 1e-12)

@@ -58,6 +58,19 @@ def runaways_of(members: Mapping[str, Member], held: Mapping[str, Held]) -> list
     return found
 
 
+def _seen_from(one: Member, held: Held) -> int:
+    """Number of the promised place behind which the camera can still see the robot.
+
+    Its report is newer than its pose: it may have passed targets since.
+    """
+    first = max(0, held.executed - 1)
+    late_m = one.limits.speed * one.pose_age_s
+    while first > 0 and late_m > 0.0:
+        late_m -= math.dist(held.promise.points[first - 1], held.promise.points[first])
+        first -= 1
+    return first
+
+
 def _strays(one: Member, held: Held | None) -> bool:
     """True if it is off what it was sent by more than a path allows."""
     if held is None or held.broken or held.errand or one.pose is None:
@@ -65,5 +78,5 @@ def _strays(one: Member, held: Held | None) -> bool:
     if one.state not in (State.DRIVING, State.HOLDING):
         return False
     last = max(held.sent, held.executed)
-    sent = held.promise.points[max(0, held.executed - 1) : last + 1]
+    sent = held.promise.points[_seen_from(one, held) : last + 1]
     return distance_to_polyline(sent, one.pose[:2]) > one.max_deviation_m

@@ -34,6 +34,7 @@ from navigation.loop.stopping import Stopping
 from navigation.loop.traffic.alone import Alone
 from navigation.loop.traffic.coordinated import Coordinated
 from navigation.loop.traffic.traffic import Decided, Traffic, TrafficPlanner
+from navigation.loop.zones_in_force import ZonesInForce
 from navigation.mission.mission import MissionError, State
 from navigation.shared.supervisor import SupervisedPart, Supervisor
 from planner.roadmap.roadmap import Roadmap
@@ -84,6 +85,11 @@ class Daemon:
         )
         self.newest = vision.newest
         self.view = ArenaView(config, vision, self._clock, recorder)
+        self.zones = ZonesInForce(config.zones, configs)
+        self.zones.changed = self.camera.wake
+        self._zones, self._zones_revision = self.zones.zones(), 0
+        if recorder is not None:
+            recorder.zones(self._zones, self.view.revision, self._clock())
         self.traffic: Traffic = (
             Coordinated(self.robots, world.search_clock)
             if config.robots
@@ -173,7 +179,7 @@ class Daemon:
     def _restart_planner(self) -> None:
         self._planner.restart()
         if self.scene is not None:
-            self._planner.see(self.scene, self.view.revision, None)
+            self._planner.see(self.scene, self.view.revision, None, self._zones)
 
     def look_after(self, name: str, part: SupervisedPart, turns: Callable[[], int]) -> None:
         """Watch another stage like the loop's: its failures and its turns."""
@@ -260,10 +266,9 @@ class Daemon:
         self._cycles += 1
         self._note_lateness()
         frame = self.camera.take(LONGEST_CYCLE_S)
-        if frame is not None and self.view.see(frame, self._tell_poses):
-            assert self.scene is not None
-            self._news.gets_scene()
-            self._planner.see(self.scene, self.view.revision, self.traffic.checked_points())
+        seen = frame is not None and self.view.see(frame, self._tell_poses)
+        if self._zones_changed() or seen:
+            self._show_planner()
         now_s = self._clock()
         failed = self._supervisor.look(now_s)
         camera = self.camera.status()
@@ -273,6 +278,24 @@ class Daemon:
             self._ended += 1
             self._turned.notify_all()
         return self.state
+
+    def _zones_changed(self) -> bool:
+        """True if people have changed the zones since the last cycle, and there is a scene."""
+        if self.zones.revision == self._zones_revision or self.scene is None:
+            return False
+        self._zones_revision = self.zones.revision
+        self._zones = self.zones.zones()
+        self.view.zones_changed()
+        if self._recorder is not None:
+            self._recorder.zones(self._zones, self.view.revision, self._clock())
+        return True
+
+    def _show_planner(self) -> None:
+        """Hand the newest scene and zones to the planner."""
+        assert self.scene is not None
+        self._news.gets_scene()
+        points = self.traffic.checked_points()
+        self._planner.see(self.scene, self.view.revision, points, self._zones)
 
     def _note_lateness(self) -> None:
         """Record the threads' delays, without this thread's own look at a picture."""
@@ -303,9 +326,11 @@ class Daemon:
     def _decide(self, now_s: float, failed: str | None, camera: CameraStatus) -> RunState:
         """Send orders to robots and planner; return the new state."""
         checks, answer = self._news.take()
-        for name, clearance_m in self.traffic.checked(checks):
+        for check in self.traffic.checked(checks):
+            if check.breach is not None:
+                self.traffic.forget(check.robot)
             with self.lock:
-                self.robots[name].pilot.new_scene(clearance_m)
+                self.robots[check.robot].pilot.new_scene(check.clearance_m, check.breach)
         for name, one in self.traffic.take(answer).items():
             self.robots[name].answer = one
         decided = {
@@ -395,7 +420,8 @@ class Daemon:
 
     @property
     def _troubles(self) -> tuple[str, ...]:
-        troubles = self.view.troubles | self.troubles | {"stops": self.stopping.trouble}
+        kept = {"stops": self.stopping.trouble, "zones": self.zones.trouble}
+        troubles = self.view.troubles | self.troubles | kept
         return tuple(filter(None, troubles.values()))
 
 

@@ -21,6 +21,7 @@ from navigation.loop.planning import Answering, SceneCheck
 from navigation.loop.seeing.vision_stage import KnowsLatency, VisionStage
 from navigation.shared.supervisor import SupervisedPart
 from planner.scene import FloatArray, Scene
+from planner.zones.zone import Zone
 from vision.calibration.calibration import Calibration
 from vision.camera.camera import Frame
 from vision.camera.latest_frame import CameraStatus
@@ -155,8 +156,14 @@ class PlannerPart(Protocol[_Q_contra]):
     def stop(self) -> None:
         """End."""
 
-    def see(self, scene: Scene, revision: int, path_points: FloatArray | None) -> None:
-        """Hand over a new scene and the robot's present path."""
+    def see(
+        self,
+        scene: Scene,
+        revision: int,
+        path_points: FloatArray | None,
+        zones: Sequence[Zone] = (),
+    ) -> None:
+        """Hand over a new scene, the robot's present path, and the zones."""
 
     def ask(self, request: _Q_contra) -> None:
         """Hand over a request."""

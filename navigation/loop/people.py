@@ -9,12 +9,17 @@ from collections.abc import Callable
 from threading import Lock
 from typing import Any, Protocol
 
+from navigation.config import Config
+from navigation.config.zones import ZoneSection
+from navigation.config.zones.in_words import as_written
+from navigation.config.zones.zone_checks import outside_arena
 from navigation.loop.parts import FrameSource, Surroundings
 from navigation.loop.reports import describe, to_go_m
 from navigation.loop.robot import ControlledRobot
 from navigation.loop.run_state import RunState
 from navigation.loop.stopping import Stopping
 from navigation.loop.traffic.traffic import Traffic
+from navigation.loop.zones_in_force import ZonesInForce
 from navigation.mission.cycle import PlanAnswer, PlanRequest
 from navigation.mission.mission import STOPPING, MissionError, MissionProgress, State, Station
 from navigation.shared.outside import in_short
@@ -24,7 +29,9 @@ from planner.path import NoPath
 class OrderedRun(Protocol):
     """The run that orders act on: the daemon."""
 
+    config: Config
     robots: dict[str, ControlledRobot]
+    zones: ZonesInForce
     traffic: Traffic
     stopping: Stopping
     world: Surroundings
@@ -80,8 +87,13 @@ class People:
         if self._daemon.lent is not None:
             raise MissionError(self._daemon.lent)
         limits = one.pilot.settings.limits
+        rules = self._daemon.traffic.planner.rules(one.name)
         for number, station in enumerate(stations, 1):
-            clearance_m = self._daemon.traffic.planner.clearance_m((station.x, station.y))
+            place = (station.x, station.y)
+            breach = rules and rules.station_breach(f"station {number} at", place)
+            if breach:
+                raise MissionError(breach)
+            clearance_m = self._daemon.traffic.planner.clearance_m(place)
             if (
                 clearance_m is None
                 or clearance_m >= limits.robot_radius_m - limits.clearance_slack_m
@@ -141,6 +153,38 @@ class People:
         with self._daemon.lock:
             one.pilot.skip()
             self._daemon.traffic.forget(one.name)
+
+    def put_zone(self, zone: ZoneSection) -> dict[str, Any]:
+        """Add a zone, or replace the one of its name; ``MissionError`` if that cannot be."""
+        outside = outside_arena(zone, self._daemon.config.arena.bounds_m)
+        if outside is not None:
+            raise MissionError(f"zone '{zone.name}': {outside}")
+        self._daemon.zones.put(zone)
+        return self.zones()
+
+    def remove_zone(self, name: str) -> dict[str, Any]:
+        """Remove a zone; ``MissionError`` if there is none of that name."""
+        self._daemon.zones.remove(name)
+        return self.zones()
+
+    def undo_zone(self) -> dict[str, Any]:
+        """Take the last change of zones back; ``MissionError`` if there is none."""
+        self._daemon.zones.undo()
+        return self.zones()
+
+    def zones(self) -> dict[str, Any]:
+        """Zones in force for JSON, as in a configuration, and what differs from the configured.
+
+        ``changes`` says of a name that it was added, changed or removed; ``kept`` if a restart
+        knows of it, and ``trouble`` why it does not although it should.
+        """
+        zones = self._daemon.zones
+        told: dict[str, Any] = {
+            "zones": [as_written(one) for one in zones.sections],
+            "changes": {one.name: one.in_a_word for one in zones.changes()},
+            "kept": zones.are_kept,
+        }
+        return told | ({"trouble": zones.trouble} if zones.trouble else {})
 
     def preview(self, stations: tuple[Station, ...], robot: str | None = None) -> PlanAnswer:
         """The plan through these stations for a lone robot; changes nothing."""

@@ -16,7 +16,7 @@ import numpy as np
 import planner
 from navigation.mission.cycle import PlanAnswer, PlanRequest
 from navigation.mission.mission import Station
-from navigation.mission.targets import begin_as_it_stands, targets_of
+from navigation.mission.targets import begin_as_it_stands, targets_of, within_caps
 from navigation.mission.traffic import Disc
 from navigation.shared.supervisor import in_words
 from planner.motion.smooth import SmoothError, smooth_path
@@ -24,6 +24,9 @@ from planner.motion.trajectory import TrajectoryError
 from planner.path import Limits, NoPath, Path
 from planner.roadmap.roadmap import Roadmap
 from planner.scene import CircleRecord, FloatArray, Scene, SceneObject, Vec
+from planner.zones.rules import Rules
+from planner.zones.zone import Zone, zones_for
+from planner.zones.zoned_roadmap import ZonedRoadmap, with_objects, with_zones
 
 LONGEST_WAIT_S = 0.25
 """Longest wait of an idle planner for work, so that it can be distinguished from one that hangs."""
@@ -48,26 +51,38 @@ class SceneCheck:
 
     revision: int
     path_clearance_m: float | None
+    zones_changed: bool = False
+    """True if the zones differ from those of the revision before."""
 
 
 class ArenaPlanner:
-    """Roadmap of the newest scene, and answers from it."""
+    """Roadmap of the newest scene with the zones for the robot ``name``, and answers from it."""
 
-    def __init__(self, settings: PlanSettings) -> None:
-        self.settings = settings
+    def __init__(self, settings: PlanSettings, name: str = "") -> None:
+        self.settings, self.name = settings, name
         self.revision = 0
-        self.roadmap: Roadmap | None = None
+        self.zoned: ZonedRoadmap | None = None
         self._scene: Scene | None = None
         self._stations: tuple[Station, ...] = ()
         self._way: Path | None = None
         """The last way that was answered with, through ``_stations``."""
 
-    def see(self, scene: Scene, revision: int) -> None:
-        """Take over a new scene: only its changes change the roadmap."""
-        known = self.roadmap
-        self.roadmap = self._build(scene) if known is None else known.updated(scene)
+    def see(self, scene: Scene, revision: int, zones: Sequence[Zone] = ()) -> None:
+        """Take over a new scene and its zones: only their changes change the roadmap."""
+        known, mine = self.zoned, zones_for(zones, self.name)
+        if known is None:
+            speed_m_s = self.settings.limits.speed
+            known = with_zones(self._build(scene), mine, speed=speed_m_s)
+        elif scene is not self._scene:
+            known = known.updated(scene)
+        self.zoned = known if known.zones == mine else known.with_zones(mine)
         self._scene = scene
         self.revision = revision
+
+    @property
+    def roadmap(self) -> Roadmap | None:
+        """Newest roadmap, without zones; None before the first scene."""
+        return None if self.zoned is None else self.zoned.walls
 
     def _build(self, scene: Scene) -> Roadmap:
         return planner.build_roadmap(scene, self.settings.radius_m, spacing=self.settings.spacing_m)
@@ -89,7 +104,7 @@ class ArenaPlanner:
 
     def _answer(self, request: PlanRequest, *, preview: bool) -> PlanAnswer:
         """Answer as :meth:`answer`; raises if a path cannot be smoothed or timed."""
-        roadmap, scene = self.roadmap, self._scene
+        roadmap, scene = self.zoned, self._scene
         if roadmap is None or scene is None:
             return PlanAnswer(request.id, 0, NoPath("no scene was seen yet"))
         roadmap, path = self._around_robots(roadmap, scene, request)
@@ -110,18 +125,21 @@ class ArenaPlanner:
             roadmap.clearance,
             keep=self.settings.radius_m + self.settings.margin_m,
             turning_radius=limits.turning_radius,
+            permits=roadmap.permits,
         )
         trajectory = planner.time_path(
             path if limits.turns_on_spot else begin_as_it_stands(path),
             limits,
             clearance=roadmap.clearance,
             dwell_s=[0.0, *(s.dwell_s for s in visits), goal.dwell_s],
+            speed_limits=roadmap.speed_limits if roadmap.zones else None,
         )
-        return PlanAnswer(request.id, self.revision, path, trajectory, targets_of(path, trajectory))
+        targets = within_caps(request.start[:2], targets_of(path, trajectory), roadmap.rules)
+        return PlanAnswer(request.id, self.revision, path, trajectory, targets)
 
     def _around_robots(
-        self, roadmap: Roadmap, scene: Scene, request: PlanRequest
-    ) -> tuple[Roadmap, Path | NoPath]:
+        self, roadmap: ZonedRoadmap, scene: Scene, request: PlanRequest
+    ) -> tuple[ZonedRoadmap, Path | NoPath]:
         """The route and its roadmap: around all robots, or at least around those at rest.
 
         The robot waits for moving robots when it meets them.
@@ -146,7 +164,11 @@ class ArenaPlanner:
             return None
         return float(self.roadmap.clearance(np.array([position]))[0])
 
-    def _route(self, roadmap: Roadmap, request: PlanRequest) -> Path | NoPath:
+    def rules(self, _robot: str) -> Rules | None:
+        """The zones that hold for its robot, in the newest scene; None before the first."""
+        return None if self.zoned is None else self.zoned.rules
+
+    def _route(self, roadmap: ZonedRoadmap, request: PlanRequest) -> Path | NoPath:
         *vias, goal = [
             (s.x, s.y) if s.heading_rad is None else (s.x, s.y, s.heading_rad)
             for s in request.stations
@@ -171,12 +193,10 @@ class ArenaPlanner:
 
 def with_discs(scene: Scene, discs: Sequence[Disc]) -> Scene:
     """The scene with other robots as round obstacles."""
-    first = 1 + max((thing.id for thing in scene.objects), default=-1)
-    robots = (
-        SceneObject(first + i, (CircleRecord((disc.x_m, disc.y_m), disc.radius_m),))
-        for i, disc in enumerate(discs)
-    )
-    return replace(scene, objects=(*scene.objects, *robots))
+    robots = [
+        SceneObject(0, (CircleRecord((disc.x_m, disc.y_m), disc.radius_m),)) for disc in discs
+    ]
+    return with_objects(scene, robots)
 
 
 RESTART_PATIENCE_S = 1.0
@@ -189,8 +209,8 @@ _A_co = TypeVar("_A_co", covariant=True)
 class Answering(Protocol[_Q_contra, _A_co]):
     """Planner beside the control loop: `ArenaPlanner`, or the fleet's."""
 
-    def see(self, scene: Scene, revision: int) -> None:
-        """Take over a new scene."""
+    def see(self, scene: Scene, revision: int, zones: Sequence[Zone] = ()) -> None:
+        """Take over a new scene and its zones."""
 
     def path_clearance_m(self, points: FloatArray) -> float | None:
         """Exact clearance of a polyline in the newest scene; None before the first."""
@@ -216,7 +236,8 @@ class PlannerThread(Generic[_Q, _A]):
         self.planner = arena_planner
         self._on_scene, self._on_answer = on_scene, on_answer
         self._wake = threading.Condition()
-        self._scene: tuple[Scene, int, FloatArray | None] | None = None
+        self._scene: tuple[Scene, int, FloatArray | None, Sequence[Zone]] | None = None
+        self._zones: Sequence[Zone] = ()
         self._request: _Q | None = None
         self._stopping = False
         self._error: Exception | None = None
@@ -236,10 +257,16 @@ class PlannerThread(Generic[_Q, _A]):
         if self._thread.ident is not None:  # a daemon whose port failed never started it
             self._thread.join(timeout_s)
 
-    def see(self, scene: Scene, revision: int, path_points: FloatArray | None) -> None:
-        """Hand over a new scene and the robot's present path."""
+    def see(
+        self,
+        scene: Scene,
+        revision: int,
+        path_points: FloatArray | None,
+        zones: Sequence[Zone] = (),
+    ) -> None:
+        """Hand over a new scene, the robot's present path, and the zones."""
         with self._wake:
-            self._scene = (scene, revision, path_points)
+            self._scene = (scene, revision, path_points, zones)
             self._wake.notify()
 
     def ask(self, request: _Q) -> None:
@@ -279,10 +306,11 @@ class PlannerThread(Generic[_Q, _A]):
             if self._stopping:
                 return False
         if scene is not None:
-            self.planner.see(scene[0], scene[1])
+            self.planner.see(scene[0], scene[1], scene[3])
             points = scene[2]
             clearance = None if points is None else self.planner.path_clearance_m(points)
-            self._on_scene(SceneCheck(scene[1], clearance))
+            changed, self._zones = scene[3] != self._zones, scene[3]
+            self._on_scene(SceneCheck(scene[1], clearance, changed))
         if request is not None:
             self._on_answer(self.planner.answer(request))
         return True

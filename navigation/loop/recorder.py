@@ -32,9 +32,11 @@ from navigation.recording.events import (
     RobotsSeen,
     SceneSeen,
     Told,
+    ZonesChanged,
 )
 from navigation.recording.files import RecordingError, RecordingFiles
 from navigation.recording.json_bodies import FLEET_WAITS, LINK, configuration_body
+from planner.zones.zone import Zone
 from vision.calibration.calibration import Calibration
 from vision.calibration.calibration_file import calibration_text
 from vision.camera.camera import Frame
@@ -103,6 +105,7 @@ class Recorder:
         """When the link's counters were recorded, and whether it was up."""
         self._said: dict[str, tuple[State, str]] = {}
         self._waits: tuple[Mapping[str, str], Mapping[str, str]] = ({}, {})
+        self._has_zones = False
         self._put = self._pictures = self._dropped = self._events = 0
         self._failed = ""
         self.turns = 0
@@ -252,6 +255,15 @@ class Recorder:
             self._waits = (waits, waits_for)
             values = {"waits": dict(waits), "waits_for": dict(waits_for)}
             self.put(Counted(time_s, FLEET_WAITS, hide_in(values)))
+
+    def zones(self, zones: tuple[Zone, ...], revision: int, time_s: float) -> None:
+        """Record the zones in force, and the scene's revision from now on.
+
+        None at the beginning are no change.
+        """
+        if zones or self._has_zones:
+            self._has_zones = True
+            self.put(ZonesChanged(time_s, revision, zones))
 
     # The recorder's thread.
 

@@ -29,11 +29,13 @@ from navigation.mission.proving import Proving
 from navigation.mission.replanning import later_pictures, nearer_obstacle, robot_ahead
 from navigation.mission.running_plan import RunningPlan, what_is_driven, why_no_plan
 from navigation.mission.slowing import speed_with
+from navigation.mission.stillness import CIRCLES_S, Circling, is_to_move
 from navigation.mission.targets import Target
 from navigation.mission.traffic import Encounter, discs_to_avoid, encounter
 from navigation.mission.trust import Level, Trust, slow_at_first
 from navigation.mission.watch import Action, Facts, Verdict, judge
 from planner.path import NoPath
+from planner.shared.figures import placed
 
 NO_PLAN = RunningPlan()
 CONTINUES = "continuing as ordered"
@@ -67,6 +69,7 @@ class Pilot:
         self._progress = Progress()
         self.trust = Trust()
         self._proving = Proving(self.trust)
+        self._circling = Circling()
         self._facts = FactFinder(settings, self.trust)
         self._closed_way = NO_PLAN.left
         self.no_path = False
@@ -219,6 +222,7 @@ class Pilot:
         self._make_way(met)
         self._slow_down(sight)
         proof = self._prove(now_s, sight, robot)
+        self._look_for_circles(now_s, sight, robot)
         self._give_up(now_s, sight, robot)
         self._finish(now_s, sight, robot)
         moves = (State.DRIVING, State.PROVING)
@@ -378,6 +382,26 @@ class Pilot:
         self.mission = self.mission.after(Event.PLANNED, driven)
         return self._mission_id, targets
 
+    def _look_for_circles(self, now_s: float, sight: Sight, robot: RobotReport) -> None:
+        """Plan again for a robot that moves and comes no nearer to its next target."""
+        left, here = self.plan.left, sight.pose
+        ours = robot.mission_id == self._mission_id and self.plan.executed < len(self.plan.targets)
+        if self.mission.state is not State.DRIVING or not ours or here is None:
+            return self._circling.need_not_move()
+        target = self.plan.targets[self.plan.executed]
+        if not is_to_move(robot, target, here[:2]) or robot.standing_reason is not None:
+            return self._circling.need_not_move()
+        number = self._mission_id, self.plan.executed
+        if self._circling.look(now_s, number, math.dist(here[:2], left[0])):
+            self._circling.need_not_move()
+            self._progress.circled(CIRCLES_S)
+            if self._progress.waited_s > self.settings.give_up_s:
+                why = f"given up: the robot comes no nearer to {placed(*left[0].tolist())}"
+                self.mission = self.mission.after(Event.FAIL, why)
+                return None
+            self._replan(f"the robot came no nearer for {CIRCLES_S:g} s: planning again")
+        return None
+
     def _give_up(self, now_s: float, sight: Sight, robot: RobotReport) -> None:
         state = self.mission.state
         self.has_met_its_devices |= math.isfinite(sight.frame_age_s) and math.isfinite(robot.age_s)
@@ -418,8 +442,13 @@ class Pilot:
             self.mission = self.mission.after(Event.CLEARED, "planning from where the robot is")
             self._closed_way = NO_PLAN.left
 
-    def new_scene(self, path_clearance_m: float | None) -> None:
-        """Take a new scene's clearance of the running path (None: no path runs)."""
+    def new_scene(self, path_clearance_m: float | None, breach: str | None = None) -> None:
+        """Take a new scene's clearance of the running path (None: no path runs).
+
+        ``breach`` is the sentence on a zone's rule that the path breaks.
+        """
+        if breach is not None:
+            self._replan_while_driving(f"the path {breach}: planning again")
         if path_clearance_m is not None and self.plan.path is not None:
             planned_m = self.plan.path.min_clearance
             self._replan_while_driving(nearer_obstacle(path_clearance_m, planned_m, self.settings))

@@ -56,5 +56,9 @@ class Progress:
         if left_m <= self._least_m - STEP_M:
             self._least_m, self.waited_s = left_m, 0.0
 
+    def circled(self, seconds: float) -> None:
+        """Count time in which the robot moved and came no nearer as waiting."""
+        self.waited_s += seconds
+
     def _next_station(self) -> None:
         self._least_m, self._revision, self._detours = math.inf, -1, 0

@@ -1,4 +1,4 @@
-"""Evidence from its own wheels that a robot ordered to drive moves at all.
+"""Evidence that a robot ordered to drive moves at all, and comes nearer to its next target.
 
 If the camera sees it move all the same, the witness reports how the two differ. Metres, radians,
 seconds.
@@ -57,6 +57,35 @@ class RobotStillness:
         self._found += 1
         self._moved_s = None
         return min(LONGEST_PAUSE_S, FIRST_PAUSE_S * 2.0 ** (self._found - 1))
+
+
+CIRCLES_S: Final = 8.0
+"""Time without a target reached or come nearer to: chosen, twice the longest turn on the spot."""
+NEARER_M: Final = 0.01
+"""Nearer by less is the camera's noise: chosen."""
+
+
+class Circling:
+    """Time since when a robot that moves has come no nearer to its next target."""
+
+    def __init__(self) -> None:
+        self._since_s: float | None = None
+        self._target = (-1, -1)
+        self._least_m = math.inf
+
+    def need_not_move(self) -> None:
+        """Note that it is ordered nothing, or to be at rest."""
+        self._since_s = None
+
+    def look(self, now_s: float, target: tuple[int, int], left_m: float) -> bool:
+        """Take one cycle in which it must drive; True if it has circled for too long.
+
+        ``target`` are the numbers of the mission on the wire and of the target in it.
+        """
+        nearer = target != self._target or left_m < self._least_m - NEARER_M
+        if self._since_s is None or nearer:
+            self._since_s, self._target, self._least_m = now_s, target, left_m
+        return now_s - self._since_s > CIRCLES_S
 
 
 def is_to_move(robot: RobotReport, target: Target, place_m: tuple[float, float] | None) -> bool:

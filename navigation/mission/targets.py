@@ -8,7 +8,7 @@ metres, radians, seconds.
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 from itertools import groupby
 from typing import Final
@@ -17,6 +17,7 @@ import numpy as np
 
 from firmware_protocol.wire.messages import Waypoint, WaypointFlag
 from planner.path import Path, TimedWaypoint, Trajectory
+from planner.zones.rules import Rules
 
 LONGEST_DWELL_S = 25.0
 """Longest stay at one waypoint (the wire can say 25.5 s); a longer one is several at one place."""
@@ -91,3 +92,20 @@ def to_wire(targets: tuple[Target, ...]) -> list[Waypoint]:
         )
         for t in targets
     ]
+
+
+def within_caps(
+    start: tuple[float, float], targets: Sequence[Target], rules: Rules
+) -> tuple[Target, ...]:
+    """Targets no faster than zones allow on the pieces before and after each.
+
+    A robot keeps a target's speed until it has to brake for the next.
+    """
+    if all(one.zone.speed is None for one in rules.grounds):
+        return tuple(targets)
+    caps = rules.caps(np.array([start, *((t.x_m, t.y_m) for t in targets)]))
+    beside = np.minimum(caps, np.append(caps[1:], np.inf)).tolist()
+    return tuple(
+        replace(one, speed_m_s=min(one.speed_m_s, cap))
+        for one, cap in zip(targets, beside, strict=True)
+    )

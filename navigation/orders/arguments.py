@@ -12,6 +12,8 @@ from collections.abc import Callable, Mapping
 from typing import Any, Final
 
 from navigation.config.values import LONGEST_DWELL_S, MOST_STATIONS
+from navigation.config.zone_file import ZoneError, zone_of
+from navigation.config.zones import ZoneSection
 from navigation.mission.mission import Station
 from navigation.orders.errors import ControlError
 from navigation.shared.outside import finite_number, in_short, printable
@@ -81,9 +83,25 @@ def _number(number: int, item: Mapping[str, Any], key: str) -> float:
     return found
 
 
+def _zone(request: Mapping[str, Any]) -> ZoneSection:
+    try:
+        return zone_of(request.get("zone"))
+    except ZoneError as error:
+        raise ControlError(str(error)) from None
+
+
+def _zone_name(request: Mapping[str, Any]) -> str:
+    name = _name(request, "name")
+    if name is None:
+        raise ControlError("name: is missing: must be a zone's")
+    return printable(name, ROBOT_CHARACTERS)
+
+
 READERS: Final[Mapping[str, Callable[[Mapping[str, Any]], Any]]] = {
     "stations": lambda request: read_stations(request.get("stations")),
     "reason": _reason,
     "camera": lambda request: _name(request, "camera"),
+    "zone": _zone,
+    "name": _zone_name,
 }
 """By the name of the argument: its value in a request; ``ControlError`` where it has none."""

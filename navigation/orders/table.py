@@ -66,6 +66,8 @@ class Order:
     """True if nothing changes by it."""
     may_repeat: bool = False
     """True if it may be sent again where no answer came."""
+    command: str = ""
+    """Command that gives it, if that is not the one of its name that the table makes."""
 
 
 def _stop(people: People, robot: str | None, given: Mapping[str, Any]) -> Mapping[str, Any]:
@@ -169,6 +171,7 @@ _ALL: Final = (
         lambda people, _, given: {"anchoring": people.reanchor(given["camera"])},
         ("camera",),
         who=Who.SOCKET,
+        command="reanchor",
     ),
     Order(
         "status",
@@ -182,6 +185,49 @@ _ALL: Final = (
         who=Who.SOCKET,
         only_looks=True,
         may_repeat=True,
+    ),
+    Order(
+        "zone_put",
+        "Add a zone, or replace the one of its name.",
+        "Add a zone to the running program, or replace the one of its name.",
+        (
+            'clearway zone add desk --kind keep_out --polygon "0.5,0.5 1,0.5 1,1"',
+            "Keep all robots off a desk.",
+        ),
+        lambda people, _, given: people.put_zone(given["zone"]),
+        ("zone",),
+        command="zone",
+    ),
+    Order(
+        "zone_remove",
+        "Remove a zone.",
+        "Remove a zone of the running program.",
+        ("clearway zone remove desk", "Let the robots drive there again."),
+        lambda people, _, given: people.remove_zone(given["name"]),
+        ("name",),
+        command="zone",
+    ),
+    Order(
+        "zone_undo",
+        "Take back the last change of zones.",
+        "Take back the last change of zones that was made while the program runs.",
+        ("clearway zone undo", "Take back the last change of zones."),
+        lambda people, _robot, _given: people.undo_zone(),
+        command="zone",
+    ),
+    Order(
+        "zone_list",
+        "List the zones in force.",
+        "List the zones in force, and what differs from the configuration.",
+        (
+            "clearway zone list --format yaml",
+            "Print the zones as a configuration has them.",
+        ),
+        lambda people, _robot, _given: people.zones(),
+        who=Who.ANYONE,
+        only_looks=True,
+        may_repeat=True,
+        command="zone",
     ),
 )
 

@@ -13,6 +13,7 @@ from typing import Any, Literal, TypeAlias
 from navigation.fleet.request import Answer, Request
 from planner.roadmap.roadmap import Roadmap
 from planner.scene import Scene
+from planner.zones.zone import Zone
 from vision.camera.camera import Frame
 from vision.markers.markers import RobotPose
 
@@ -77,6 +78,15 @@ class PlanAnswered:
 
 
 @dataclass(frozen=True, slots=True)
+class ZonesChanged:
+    """Zones in force from now on, all of them, and the scene's revision from now on."""
+
+    time_s: float
+    revision: int
+    zones: tuple[Zone, ...]
+
+
+@dataclass(frozen=True, slots=True)
 class Told:
     """A sentence for people."""
 
@@ -96,5 +106,13 @@ class Counted:
 
 
 RecordedEvent: TypeAlias = (
-    PictureTaken | RobotsSeen | SceneSeen | RoadmapBuilt | PlanAsked | PlanAnswered | Told | Counted
+    PictureTaken
+    | RobotsSeen
+    | SceneSeen
+    | RoadmapBuilt
+    | PlanAsked
+    | PlanAnswered
+    | ZonesChanged
+    | Told
+    | Counted
 )

@@ -42,9 +42,11 @@ from navigation.recording.events import (
     RobotsSeen,
     SceneSeen,
     Told,
+    ZonesChanged,
 )
 from navigation.recording.names import PREFIX, SUFFIX
 from navigation.recording.standing import CurrentEvents
+from navigation.recording.zone_bodies import zones_body
 from planner.path import NoPath
 from planner.scene import FloatArray
 
@@ -89,6 +91,7 @@ class RecordingFiles:
         self._pictures = CompressedImageChannel("/camera", context=self._context)
         self._scenes = SceneUpdateChannel("/scene", context=self._context)
         self._roadmaps = SceneUpdateChannel("/roadmap", context=self._context)
+        self._zones: SceneUpdateChannel | None = None
         self._paths: dict[str, SceneUpdateChannel] = {}
         self._log = LogChannel("/log", context=self._context)
         self._poses: dict[int, PoseInFrameChannel] = {}
@@ -150,6 +153,11 @@ class RecordingFiles:
             case RoadmapBuilt():
                 update = messages.roadmap_message(event.roadmap, time_ns)
                 self._roadmaps.log(update, log_time=time_ns)
+            case ZonesChanged(zones=zones):
+                self._write_json(bodies.ZONES, zones_body(event), time_ns)
+                if self._zones is None:  # made where it is needed: few runs have zones
+                    self._zones = SceneUpdateChannel("/zones", context=self._context)
+                self._zones.log(messages.zones_message(zones, time_ns), log_time=time_ns)
             case PlanAsked():
                 self._write_json(*bodies.request_message(event), time_ns)
             case PlanAnswered(answer=answer):

@@ -6,7 +6,7 @@ The arena is the frame ``arena``: metres, x right, y up, z towards the camera.
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from typing import Final
 
 import cv2
@@ -28,11 +28,14 @@ from foxglove.messages import (
     Vector3,
 )
 
+from navigation.draw.outlines import ring_points
 from navigation.draw.shapes import OBSTACLE_EDGE, PATH, Colour, ramp_colour
+from navigation.draw.zones import COLOURS as ZONE_COLOURS
 from navigation.recording.border_points import border_polylines
 from navigation.recording.events import Level
 from planner.roadmap.roadmap import Roadmap
 from planner.scene import FloatArray, Scene
+from planner.zones.zone import Zone
 from vision.camera.camera import Frame
 from vision.markers.markers import RobotPose
 
@@ -97,6 +100,18 @@ def roadmap_message(roadmap: Roadmap, time_ns: int) -> SceneUpdate:
     return _lines_message("roadmap", lines, ramp_colour(ROADMAP_COLOUR_STEP), time_ns)
 
 
+def zones_message(zones: Sequence[Zone], time_ns: int) -> SceneUpdate:
+    """Outlines of all zones in their colours, replacing the last ones."""
+    drawn = [
+        _line((*ring, ring[0]), ZONE_COLOURS[zone.kind])
+        for zone in zones
+        for part in zone.area.outlines(y_down=False)
+        for border in (part.records, *part.holes)
+        for ring in ring_points(border, y_down=False)
+    ]
+    return _update("zones", drawn, time_ns)
+
+
 def path_message(points: FloatArray | None, time_ns: int) -> SceneUpdate:
     """The planned path; None if there is none."""
     return _lines_message("plan", [] if points is None else [points], PATH, time_ns)
@@ -105,22 +120,26 @@ def path_message(points: FloatArray | None, time_ns: int) -> SceneUpdate:
 def _lines_message(
     name: str, lines: Iterable[Iterable[Iterable[float]]], colour: Colour, time_ns: int
 ) -> SceneUpdate:
+    return _update(name, [_line(line, colour) for line in lines], time_ns)
+
+
+def _line(line: Iterable[Iterable[float]], colour: Colour) -> LinePrimitive:
     red, green, blue = (part / 255.0 for part in colour)
-    drawn = [
-        LinePrimitive(
-            type=LinePrimitiveLineType.LineStrip,
-            thickness=LINE_PX,
-            scale_invariant=True,
-            points=[Point3(x=float(x), y=float(y), z=0.0) for x, y in line],
-            color=Color(r=red, g=green, b=blue, a=1.0),
-        )
-        for line in lines
-    ]
+    return LinePrimitive(
+        type=LinePrimitiveLineType.LineStrip,
+        thickness=LINE_PX,
+        scale_invariant=True,
+        points=[Point3(x=float(x), y=float(y), z=0.0) for x, y in line],
+        color=Color(r=red, g=green, b=blue, a=1.0),
+    )
+
+
+def _update(name: str, lines: list[LinePrimitive], time_ns: int) -> SceneUpdate:
     entity = SceneEntity(
         timestamp=timestamp(time_ns),
         frame_id=ARENA_FRAME,
         id=name,
         lifetime=Duration(sec=0),
-        lines=drawn,
+        lines=lines,
     )
     return SceneUpdate(entities=[entity])

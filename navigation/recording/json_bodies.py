@@ -42,6 +42,7 @@ from vision.camera.sources import without_password
 
 SCHEMA: Final = "clearway.recording/1"
 CONFIGURATION: Final = "/clearway/configuration"
+ZONES: Final = "/clearway/zones"
 FRAMES: Final = "/clearway/frames"
 SCENES: Final = "/clearway/scenes"
 REQUESTS: Final = "/clearway/requests"
@@ -51,7 +52,8 @@ FLEET_REQUESTS: Final = "/clearway/fleet/requests"
 FLEET_PLANS: Final = "/clearway/fleet/plans"
 FLEET_WAITS: Final = "/clearway/fleet/waits"
 TOPICS: Final = (
-    CONFIGURATION, FRAMES, SCENES, REQUESTS, PLANS, FLEET_REQUESTS, FLEET_PLANS, FLEET_WAITS, LINK,
+    CONFIGURATION, ZONES, FRAMES, SCENES, REQUESTS, PLANS, FLEET_REQUESTS, FLEET_PLANS, FLEET_WAITS,
+    LINK,
 )  # fmt: skip
 """Topics of JSON messages, and ``LINK/NAME`` of several robots; the others are Foxglove's own
 schemas."""
@@ -147,9 +149,9 @@ def configuration_body(
 
     ``anchor_s`` on the run's clock was ``anchor_ns`` since 1970, the messages' time base. Since
     recordings are given away, secrets are left out: the dashboard's section, and the password in a
-    camera's address.
+    camera's address. Zones are events of their own, which need no file beside the recording.
     """
-    plain = hide_in(config.model_dump(mode="json", exclude={"dashboard"}))
+    plain = hide_in(config.model_dump(mode="json", exclude={"dashboard", "zones"}))
     plain["camera"]["source"] = _public(config.camera.source)
     for one, entry in zip(plain["cameras"], config.cameras, strict=True):
         one["source"] = None if entry.source is None else _public(entry.source)

@@ -6,6 +6,7 @@ one at a time. Times are the run's clock, seconds.
 
 from __future__ import annotations
 
+from bisect import bisect_right
 from collections.abc import Iterator
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -17,10 +18,13 @@ import numpy as np
 from navigation.config import Config
 from navigation.fleet.request import Request
 from navigation.recording import json_bodies as bodies
+from navigation.recording.events import ZonesChanged
 from navigation.recording.files import RecordingError
 from navigation.recording.messages import Messages
+from navigation.recording.zone_bodies import zones_of
 from planner.formats.scene_text import read_scene_text
 from planner.scene import Scene, SceneError
+from planner.zones.zone import Zone
 from vision.calibration.calibration import Calibration
 from vision.calibration.calibration_file import parse_calibration
 from vision.camera.camera import Image
@@ -86,8 +90,26 @@ class Recording:
     """By the picture's time in the file, nanoseconds."""
     scenes: list[SeenScene] = field(default_factory=list)
     plans: list[Planned] = field(default_factory=list)
+    zones: list[ZonesChanged] = field(default_factory=list)
+    """Each change of zones, in order, from those that held at the beginning; empty if there never
+    were any."""
     log: list[str] = field(default_factory=list)
     cut: bool = False
+
+    def zones_at(self, time_s: float) -> tuple[Zone, ...]:
+        """Zones in force at a time; for an earlier time than any none."""
+        at = bisect_right(self.zones, time_s, key=lambda one: one.time_s)
+        return self.zones[at - 1].zones if at else ()
+
+    def zones_in(self, revision: int) -> tuple[Zone, ...]:
+        """Zones that were in force in a revision of the scene."""
+        at = bisect_right(self.zones, revision, key=lambda one: one.revision)
+        return self.zones[at - 1].zones if at else ()
+
+    def scene_in(self, revision: int) -> SeenScene | None:
+        """Scene of a revision, which a change of zones numbers again; None if not recorded."""
+        at = bisect_right(self.scenes, revision, key=lambda one: one.revision)
+        return self.scenes[at - 1] if at else None
 
     def pictures(self) -> Iterator[tuple[int, Image]]:
         """Yield time in the file (nanoseconds) and picture, in order."""
@@ -113,6 +135,8 @@ def read_recording(path: Path) -> Recording:
                 recording.frames[message.log_time] = _frame(body)
             elif topic == bodies.SCENES:
                 recording.scenes.append(_scene(body))
+            elif topic == bodies.ZONES:
+                recording.zones.append(zones_of(body))
             elif topic in bodies.ANSWERS:
                 request = bodies.request_of(topic, body)
                 asked[bodies.ANSWERS[topic], request.id] = request

@@ -1,8 +1,8 @@
 """Events that still hold when a recording continues in a new file, which begins with them.
 
-The newest of each kind: the scene and its roadmap, each mission's state and reason, who waits for
-whom, and each robot's plan with its request. An unanswered request is carried too, or its later
-answer would answer nothing.
+The newest of each kind: the scene and its roadmap, the zones, each mission's state and reason, who
+waits for whom, and each robot's plan with its request. An unanswered request is carried too, or its
+later answer would answer nothing.
 """
 
 from __future__ import annotations
@@ -19,6 +19,7 @@ from navigation.recording.events import (
     RoadmapBuilt,
     SceneSeen,
     Told,
+    ZonesChanged,
 )
 from navigation.recording.json_bodies import FLEET_WAITS
 
@@ -27,7 +28,7 @@ class CurrentEvents:
     """Store of every written event; `carried` gives the events that still hold."""
 
     def __init__(self) -> None:
-        self._newest: dict[object, SceneSeen | RoadmapBuilt | Told | Counted] = {}
+        self._newest: dict[object, SceneSeen | RoadmapBuilt | ZonesChanged | Told | Counted] = {}
         self._open: dict[int, PlanAsked] = {}
         """Not answered yet, by id."""
         self._plans: dict[str, tuple[PlanAsked, PlanAnswered]] = {}
@@ -36,7 +37,7 @@ class CurrentEvents:
     def take(self, event: RecordedEvent) -> None:
         """Take an event that was written."""
         match event:
-            case SceneSeen() | RoadmapBuilt():
+            case SceneSeen() | RoadmapBuilt() | ZonesChanged():
                 self._newest[type(event)] = event
             case Told(source=source):
                 self._newest[Told, source] = event

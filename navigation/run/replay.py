@@ -2,7 +2,7 @@
 
 Rules
 - Pictures go through the same `Eye`, requests through the same `ArenaPlanner` (`FleetPlanner` for
-  several robots), with the recorded configuration, calibration, starts and stations.
+  several robots), with the recorded configuration, calibration, zones, starts and stations.
 - A recording may hold fewer pictures than the run saw: a scene counts as found if the replay
   produces it while it was the newest, or within ``SCENE_LAG_S`` after.
 - Tracking may find a robot a moment later than the run: only a robot missed for ``SEARCH_S`` is a
@@ -16,6 +16,7 @@ Units: metres, radians, seconds of the recorded run's clock.
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass, field
 from typing import Final, Protocol
 
@@ -41,6 +42,7 @@ from navigation.recording.files import RecordingError
 from navigation.recording.reader import Planned, Recording, SeenFrame, SeenScene
 from planner.path import NoPath
 from planner.scene import Scene
+from planner.zones.zone import Zone
 from vision.camera.camera import Frame
 from vision.markers.markers import MarkerTracker
 
@@ -94,8 +96,8 @@ class _Plans(Protocol):
         """Revision of the last scene seen."""
         ...
 
-    def see(self, scene: Scene, revision: int) -> None:
-        """Take over a scene."""
+    def see(self, scene: Scene, revision: int, zones: Sequence[Zone] = ()) -> None:
+        """Take over a scene and its zones."""
 
     def compare(self, planned: Planned, limits: ComparisonTolerances) -> tuple[float, str | None]:
         """Return the plan's distance from the recorded one, and the difference or None."""
@@ -272,22 +274,21 @@ class Replay:
         return best, least_m
 
     def _compare_plans(self, by_revision: dict[int, Scene]) -> None:
-        recorded = {seen.revision: seen.scene for seen in self.recording.scenes}
         for planned in self.recording.plans:
             if planned.carried:
                 continue  # compared in the file in which it was planned
-            revision = int(planned.answer["revision"])
-            scene = by_revision.get(revision)
-            if scene is None:
+            recorded = self.recording.scene_in(int(planned.answer["revision"]))
+            scene = None if recorded is None else by_revision.get(recorded.revision)
+            if recorded is None or scene is None:
                 self.result.not_compared += 1
                 continue
             self.result.plans += 1
             off_m, problem = self._offset(self._planner, planned, scene)
-            _, in_recorded = self._offset(self._planner_of_recorded, planned, recorded[revision])
+            _, in_recorded = self._offset(self._planner_of_recorded, planned, recorded.scene)
             self.result.largest.path_m = max(self.result.largest.path_m, off_m)
             if problem is None:
                 continue
-            if in_recorded is None and revision in self._equal_scenes:
+            if in_recorded is None and recorded.revision in self._equal_scenes:
                 # equal input gives an equal plan; here a hair's breadth decides
                 self.result.near_ties += 1
                 continue
@@ -298,7 +299,7 @@ class Replay:
         """Compare a plan made in this scene; results as for `_Plans.compare`."""
         revision = int(planned.answer["revision"])
         if planner.revision != revision:
-            planner.see(scene, revision)
+            planner.see(scene, revision, self.recording.zones_in(revision))
         return planner.compare(planned, self.tolerances)
 
 

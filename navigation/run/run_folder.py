@@ -72,7 +72,7 @@ def prepare_picture(daemon: Daemon) -> None:
 
 
 def write_picture(file: Path, daemon: Daemon, report: RunReport) -> None:
-    """Draw roadmap, plans and tracks if a scene was seen; ``DrawError`` on failure.
+    """Draw zones, roadmap, plans and tracks if a scene was seen; ``DrawError`` on failure.
 
     The track of a real robot is the camera's. Each robot has its colour.
     """
@@ -88,10 +88,18 @@ def write_picture(file: Path, daemon: Daemon, report: RunReport) -> None:
         )
         for one in daemon.config.other_robots
     ]
-    title = f"Clearway: {report.state}"
+    title, zones = f"Clearway: {report.state}", daemon.zones.zones()
     if "" not in daemon.robots:
         driven = [_driven(name, robot, daemon) for name, robot in daemon.robots.items()]
-        save_picture(file, daemon.scene, daemon.roadmap, driven=driven, others=others, title=title)
+        save_picture(
+            file,
+            daemon.scene,
+            daemon.roadmap,
+            driven=driven,
+            others=others,
+            zones=zones,
+            title=title,
+        )
         return
     robot = daemon.robot
     track = driven_track(daemon, robot)
@@ -111,6 +119,7 @@ def write_picture(file: Path, daemon: Daemon, report: RunReport) -> None:
         earlier=driven_stretches(plans, track, fastest_m_s),
         others=others,
         stations=[*first, *stations],
+        zones=zones,
         title=title,
     )
 

@@ -14,6 +14,7 @@ from typing import Any
 import numpy as np
 
 from navigation.config.secrecy.secrets import hide_in
+from navigation.config.zones.in_words import as_written
 from navigation.loop.daemon import Daemon
 from navigation.mission.mission import State
 from navigation.run.robot_report import Report
@@ -40,6 +41,8 @@ class RunReport:
     """Clearance of the robot that came nearest to an obstacle, from its centre."""
     rounds: int = 0
     """Number of plans asked for, of all robots or of some that join driving ones."""
+    zones: tuple[Mapping[str, Any], ...] = ()
+    """Zones in force at the end, as a configuration has them."""
 
     @classmethod
     def of_nothing(cls, reason: str, stations: Mapping[str, int]) -> RunReport:
@@ -56,7 +59,7 @@ class RunReport:
     def as_json(self) -> dict[str, Any]:
         """Return the report in JSON's types."""
         if "" in self.robots:
-            return asdict(self.only)
+            return {**asdict(self.only), "zones": list(self.zones)}
         return {
             "state": self.state,
             "reason": self.reason,
@@ -65,6 +68,7 @@ class RunReport:
             "least_gap_between": self.least_gap_between,
             "min_clearance_m": self.min_clearance_m,
             "rounds": self.rounds,
+            "zones": list(self.zones),
             "robots": {name: asdict(report) for name, report in self.robots.items()},
         }
 
@@ -112,6 +116,7 @@ def summarise_run(daemon: Daemon, state: State, reason: str, duration_s: float) 
         least_gap_between=None if gap is None else gap[1:],
         min_clearance_m=min(clearances, default=None),
         rounds=daemon.traffic.rounds,
+        zones=tuple(as_written(one) for one in daemon.zones.sections),
     )
 
 

@@ -42,6 +42,7 @@ from navigation.run.give_missions import GiveMissions
 from navigation.run.kernels.warm_up import warm_up
 from navigation.run.notifications import Notifications
 from navigation.run.progress import ProgressLines, why_stopped
+from navigation.run.restoring_zones import RestoredZones
 from navigation.run.run_folder import make_run_folder, prepare_picture, write_report, write_run
 from navigation.run.run_report import RunReport, summarise_run
 from navigation.run.taking_orders import TakingOrders
@@ -152,6 +153,7 @@ class Runner:
                     recorder=recorder,
                 )
             )
+            zones = RestoredZones(daemon, self._say, self._log)
             daemon.people.reanchor = lambda camera: self.reanchor(camera, daemon.newest)
             taking = TakingOrders(open_things, socket, daemon, self._log, self._say)
             named = " --robot NAME" if self.config.robots else ""
@@ -159,6 +161,7 @@ class Runner:
             page = self._serve_dashboard(daemon, open_things, socket, folder)
             # after orders are taken: earlier stops are on the disk, new ones arrive here
             self._hold_what_was_stopped(open_things, daemon, socket)
+            zones.settle()
             missions = GiveMissions(daemon, self._say, for_orders=self.waits)
             self._notifier.send("READY=1")
             self._log.write(

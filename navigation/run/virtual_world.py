@@ -35,6 +35,7 @@ from navigation.simulator.picture.camera import Driven
 from navigation.simulator.truth import Truth
 from navigation.simulator.virtual_loop import TICK_S
 from planner.scene import FloatArray, Scene
+from planner.zones.zone import Zone
 from vision.camera.camera import Camera, CameraError, Frame
 from vision.camera.latest_frame import CameraStatus, LatestFrame, WatchLimits
 from vision.camera.several_frames import SeveralFrames
@@ -288,6 +289,7 @@ class VirtualPlanner(Generic[_Q, _A]):
         self._world, self.planner = world, arena_planner
         self._on_scene, self._on_answer = on_scene, on_answer
         self._failure: str | None = None
+        self._zones: Sequence[Zone] = ()
         self.turns = 0
 
     def start(self) -> None:
@@ -313,15 +315,22 @@ class VirtualPlanner(Generic[_Q, _A]):
         except Exception as error:  # noqa: BLE001 - said by the control loop
             self._failure = in_words(error)
 
-    def see(self, scene: Scene, revision: int, path_points: FloatArray | None) -> None:
+    def see(
+        self,
+        scene: Scene,
+        revision: int,
+        path_points: FloatArray | None,
+        zones: Sequence[Zone] = (),
+    ) -> None:
         """Build the roadmap; it is available after ``scene_s``."""
 
         def built() -> None:
-            self.planner.see(scene, revision)
+            self.planner.see(scene, revision, zones)
             clearance = None
             if path_points is not None:
                 clearance = self.planner.path_clearance_m(path_points)
-            self._on_scene(SceneCheck(revision, clearance))
+            changed, self._zones = zones != self._zones, zones
+            self._on_scene(SceneCheck(revision, clearance, changed))
 
         self._world.after(self._world.times.scene_s, lambda: self._try(built))
 

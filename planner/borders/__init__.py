@@ -8,5 +8,6 @@
   the objects that meet.
 - ``generator_kernels.py`` places points along the borders; ``generators.py`` is the interface
   to all of this.
+- ``ground.py`` measures points and lines against the borders of a scene, with or without bounds.
 - ``polyline.py`` and ``polyline_kernels.py`` measure polylines and reduce their vertices.
 """

@@ -14,12 +14,19 @@ from typing import Literal
 
 import numpy as np
 
-from planner.fleet.on_roadmap import check_places, check_radii, check_speeds, roadmap_for
+from planner.fleet.on_roadmap import (
+    Grounds,
+    check_places,
+    check_radii,
+    check_speeds,
+    check_zones,
+)
 from planner.fleet.search.matching import match_for_last, match_for_sum
 from planner.path import Limits, NoPath
 from planner.roadmap.roadmap import Roadmap
 from planner.scene import FloatArray
 from planner.shared.arguments import of_kind, one_of
+from planner.zones.zone import Zone
 
 
 @dataclass(frozen=True, slots=True)
@@ -46,13 +53,15 @@ def assign_tasks(
     limits: Limits | Sequence[Limits] | None = None,
     *,
     objective: Literal["sum", "last"] = "sum",
+    zones: Sequence[Sequence[Zone]] | None = None,
 ) -> Assignment:
     """Give each robot at most one task and each task at most one robot, at least cost.
 
     ``robots`` and ``tasks`` are any number of places (x, y) or (x, y, heading_rad) in free space.
-    ``radii`` and ``limits`` are as in :func:`planner.plan_fleet`. ``objective`` "sum" minimises the
-    sum of durations, "last" the longest one and, among equals, the sum. Paths are planned for every
-    pair, then matched exactly in O(n^2 (n + m)). ``ValueError`` on input that makes no sense.
+    ``radii``, ``limits`` and ``zones`` are as in :func:`planner.plan_fleet`. ``objective`` "sum"
+    minimises the sum of durations, "last" the longest one and, among equals, the sum. Paths are
+    planned for every pair, then matched exactly in O(n^2 (n + m)). ``ValueError`` on input that
+    makes no sense.
     """
     of_kind("roadmap", roadmap, Roadmap)
     one_of("objective", objective, "sum", "last")
@@ -60,10 +69,11 @@ def assign_tasks(
     sizes = check_radii(radii, roadmap.radius, len(begin))
     speeds = check_speeds(limits, sizes)
     durations_s = np.full((len(begin), len(end)), np.inf)
-    roadmaps = {size: roadmap_for(roadmap, size) for size in sorted(set(sizes))}
+    grounds, ruled = Grounds(roadmap), check_zones(zones, len(begin))
     for i, (size, speed) in enumerate(zip(sizes, speeds, strict=True)):
+        alone = grounds.zoned(size, speed, ruled[i])
         for j, task in enumerate(end):
-            path = roadmaps[size].plan(tuple(begin[i]), tuple(task))
+            path = alone.plan(tuple(begin[i]), tuple(task))
             if not isinstance(path, NoPath):
                 durations_s[i, j] = path.length / speed
     chosen = (match_for_sum if objective == "sum" else match_for_last)(durations_s).tolist()

@@ -5,12 +5,14 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator, Sequence
 from dataclasses import replace
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from planner.fleet.fleet_plan import FleetPlan, NoFleetPlan
 from planner.fleet.ground.places import GroundPlaces, OutOfTime, lay_places
+from planner.fleet.ground.zone_edges import cost_factors, usable_edges
 from planner.fleet.motions.interval_search_kernels import MotionGraph
 from planner.fleet.on_graph import check_effort
 from planner.fleet.search.fleet_search import ROUNDS, search, touching
@@ -21,6 +23,9 @@ from planner.roadmap.roadmap import Roadmap, build_roadmap
 from planner.scene import FloatArray
 from planner.shared.arguments import as_float, as_list, as_numbers, brief, of_kind
 from planner.shared.search_clock import Clock, search_clock_s
+from planner.zones.rules import Rules
+from planner.zones.zone import Zone
+from planner.zones.zoned_roadmap import ZonedRoadmap
 
 ROUNDING = 1e-9
 """A track keeps the radius within this share of the coordinates' extent."""
@@ -37,6 +42,7 @@ def plan_fleet(
     improve: int = ROUNDS,
     seed: int = 0,
     clock: Clock = search_clock_s,
+    zones: Sequence[Sequence[Zone]] | None = None,
 ) -> FleetPlan | NoFleetPlan:
     """Plan tracks for several discs among the roadmap's obstacles, no two of which ever touch.
 
@@ -46,8 +52,10 @@ def plan_fleet(
     ``limits.speed`` or is at rest, and changes of speed and turns take no time here; None means
     :func:`planner.motion.trajectory.default_limits` of its radius, one diameter a second.
     ``time_limit_s``, ``improve``, ``seed`` and ``clock`` are as in
-    :func:`planner.fleet.on_graph.plan_on_graph`. Every track keeps its robot's radius from all
-    borders. ``ValueError`` on input that makes no sense.
+    :func:`planner.fleet.on_graph.plan_on_graph`. ``zones`` are those that hold for each robot;
+    times count slow zones and lanes by their cost, and robots may wait in no-waiting zones until
+    :func:`planner.fleet.no_waiting.wait_before` moves their waits. Every track keeps its robot's
+    radius from all borders. ``ValueError`` on input that makes no sense.
     """
     of_kind("roadmap", roadmap, Roadmap)
     effort = replace(check_effort(time_limit_s, improve, seed, clock), live=True)
@@ -56,20 +64,19 @@ def plan_fleet(
         raise ValueError(f"{len(begin)} starts and {len(end)} goals: must be as many")
     sizes = check_radii(radii, roadmap.radius, len(begin))
     speeds = check_speeds(limits, sizes)
+    ruled = check_zones(zones, len(begin))
     if not len(begin):
         return FleetPlan((), (), 0.0, 0.0)
     for what, chosen in (("starts", begin), ("goals", end)):
         refused = touching(what, chosen, sizes)
         if refused is not None:
             return refused
-    roadmaps: dict[float, Roadmap] = {}
+    grounds = Grounds(roadmap)
     paths = []
     for i, size in enumerate(sizes):
         if effort.expired():
             return effort.out_of_time(range(i, len(sizes)))
-        if size not in roadmaps:
-            roadmaps[size] = roadmap_for(roadmap, size)
-        path = roadmaps[size].plan(tuple(begin[i]), tuple(end[i]))
+        path = grounds.zoned(size, speeds[i], ruled[i]).plan(tuple(begin[i]), tuple(end[i]))
         if isinstance(path, NoPath):
             return NoFleetPlan(f"robot {i}: there is no way even alone: {path.reason}", (i,))
         # the path's own ends may be rounded: use the exact places
@@ -80,32 +87,80 @@ def plan_fleet(
             raise OutOfTime
 
     try:
-        shared = lay_places(roadmaps[min(sizes)], paths, sizes, check)
+        shared = lay_places(
+            grounds.walls(min(sizes)), paths, sizes, check, grounds.closed(min(sizes), ruled)
+        )
     except OutOfTime:
         return effort.out_of_time(range(len(sizes)))
     robots: list[TeamRobot] = []
-    for robot in team_on(shared, sizes, speeds):
+    for robot in team_on(shared, sizes, speeds, grounds, ruled, paths):
         if effort.expired():
             return effort.out_of_time(range(len(robots), len(sizes)))
         robots.append(robot)
     plan = search(robots, shared.junctions, effort)
     if isinstance(plan, FleetPlan):
         check_walls(roadmap, plan, sizes)
+        check_rules(
+            [grounds.zoned(*one).rules for one in zip(sizes, speeds, ruled, strict=True)], plan
+        )
     return plan
 
 
+class Grounds:
+    """The roadmaps of one scene for robots of several radii and zones, each made once."""
+
+    def __init__(self, roadmap: Roadmap) -> None:
+        self._roadmap = roadmap
+        self._walls: dict[float, Roadmap] = {}
+        self._zoned: dict[tuple[float, float, tuple[Zone, ...]], ZonedRoadmap] = {}
+
+    def walls(self, radius: float) -> Roadmap:
+        """Return the roadmap without zones for a radius."""
+        if radius not in self._walls:
+            self._walls[radius] = roadmap_for(self._roadmap, radius)
+        return self._walls[radius]
+
+    def zoned(self, radius: float, speed: float, zones: tuple[Zone, ...]) -> ZonedRoadmap:
+        """Return the roadmap with zones for a radius and speed."""
+        key = radius, speed, zones
+        if key not in self._zoned:
+            self._zoned[key] = ZonedRoadmap(self.walls(radius), zones, speed)
+        return self._zoned[key]
+
+    def closed(self, radius: float, zones: Sequence[tuple[Zone, ...]]) -> list[Roadmap]:
+        """Return the different roadmaps on which each robot's keep-out zones are obstacles."""
+        shut = {tuple(one for one in own if one.kind == "keep_out") for own in zones}
+        return [self.zoned(radius, 1.0, own).closed for own in sorted(shut, key=str)]
+
+
 def team_on(
-    shared: GroundPlaces, sizes: Sequence[float], speeds: Sequence[float]
+    shared: GroundPlaces,
+    sizes: Sequence[float],
+    speeds: Sequence[float],
+    grounds: Grounds,
+    zones: Sequence[tuple[Zone, ...]],
+    paths: Sequence[FloatArray],
 ) -> Iterator[TeamRobot]:
-    """The robots one by one, robots of equal radius and speed on one graph."""
-    graphs: dict[tuple[float, float], tuple[MotionGraph, NDArray[np.int64]]] = {}
+    """The robots one by one, robots of equal radius, speed and zones on one graph.
+
+    A robot that begins in a keep-out zone has its own, with its path out.
+    """
+    graphs: dict[tuple[Any, ...], tuple[MotionGraph, NDArray[np.int64]]] = {}
     largest = float(np.abs(shared.places).max())
-    for size, speed, a, b in zip(sizes, speeds, shared.starts, shared.goals, strict=True):
-        if (size, speed) not in graphs:
-            wide = shared.clearance >= size - ROUNDING * largest
-            graph = make_graph(shared.places, shared.edges[wide], speed)
-            graphs[size, speed] = graph, edges_of(graph)
-        yield make_robot(*graphs[size, speed], size, a, b)
+    for i, (size, speed) in enumerate(zip(sizes, speeds, strict=True)):
+        rules = grounds.zoned(size, speed, zones[i]).rules
+        begin = (float(paths[i][0, 0]), float(paths[i][0, 1]))
+        held = any(rules.is_held_by(one, begin) for one in rules.of("keep_out"))
+        key = size, speed, zones[i], i if held else -1
+        if key not in graphs:
+            wide = shared.edges[shared.clearance >= size - ROUNDING * largest]
+            factors = None
+            if zones[i]:
+                wide = wide[usable_edges(shared.places, wide, rules, paths[i])]
+                factors = cost_factors(shared.places, wide, rules)
+            graph = make_graph(shared.places, wide, speed, factors)
+            graphs[key] = graph, edges_of(graph)
+        yield make_robot(*graphs[key], size, shared.starts[i], shared.goals[i])
 
 
 def check_walls(roadmap: Roadmap, plan: FleetPlan, sizes: Sequence[float]) -> None:
@@ -120,6 +175,18 @@ def check_walls(roadmap: Roadmap, plan: FleetPlan, sizes: Sequence[float]) -> No
                 f"robot {i} would come to {found.distance:g} of a border at {found.at},"
                 f" must be {sizes[i]:g}: a bug in the planner"
             )
+
+
+def check_rules(rules: Sequence[Rules], plan: FleetPlan) -> None:
+    """Raise ``AssertionError`` if a track breaks a zone's rule: our bug."""
+    for i, (own, track) in enumerate(zip(rules, plan.tracks, strict=True)):
+        moves = np.concatenate([[True], np.any(np.diff(track[:, 1:], axis=0) != 0.0, axis=1)])
+        places = np.ascontiguousarray(track[moves, 1:])
+        if not own.grounds or len(places) < 2:
+            continue
+        breach = own.breach(places)
+        if breach is not None:
+            raise AssertionError(f"the path of robot {i} {breach}: a bug in the planner")
 
 
 def roadmap_for(roadmap: Roadmap, radius: float) -> Roadmap:
@@ -158,6 +225,16 @@ def check_radii(radii: float | Sequence[float] | None, default: float, count: in
         if not math.isfinite(radius) or radius <= 0.0:
             raise ValueError(f"radii[{i}] = {radius:g}: must be > 0 and finite")
     return [float(radius) for radius in array.tolist()]
+
+
+def check_zones(zones: Sequence[Sequence[Zone]] | None, count: int) -> list[tuple[Zone, ...]]:
+    """The zones of each robot; ``ValueError`` if there are not as many lists as robots."""
+    if zones is None:
+        return [()] * count
+    each = [as_list("zones", own, "zones") for own in as_list("zones", zones, "lists of zones")]
+    if len(each) != count:
+        raise ValueError(f"{len(each)} lists of zones for {count} robots: must be one each")
+    return [tuple(of_kind("zones", one, Zone) for one in own) for own in each]
 
 
 def check_speeds(limits: Limits | Sequence[Limits] | None, sizes: list[float]) -> list[float]:

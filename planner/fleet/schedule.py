@@ -23,10 +23,12 @@ from planner.fleet.ground.places import GroundPlaces, lay_places, with_paths
 from planner.fleet.motions.interval_search_kernels import HORIZON, find_way
 from planner.fleet.on_graph import check_effort
 from planner.fleet.on_roadmap import (
+    Grounds,
     check_places,
     check_radii,
     check_speeds,
     check_walls,
+    check_zones,
     plan_fleet,
     roadmap_for,
     team_on,
@@ -40,6 +42,7 @@ from planner.roadmap.roadmap import Roadmap
 from planner.scene import CircleRecord, FloatArray, Scene, SceneObject
 from planner.shared.arguments import of_kind
 from planner.shared.search_clock import Clock, search_clock_s
+from planner.zones.zone import Zone
 
 ZONE = 8.0
 """Discs that keep a piece free that was sent, in the gap's length: 0.2 % wider than the piece."""
@@ -64,7 +67,9 @@ class FleetSchedule:
     roadmap: Roadmap
     radii: tuple[float, ...]
     speeds: tuple[float, ...]
+    zones: tuple[tuple[Zone, ...], ...]
     _base: GroundPlaces
+    _grounds: Grounds
 
     @staticmethod
     def parked(
@@ -72,6 +77,7 @@ class FleetSchedule:
         places: Sequence[Sequence[float]],
         radii: float | Sequence[float] | None = None,
         limits: Limits | Sequence[Limits] | None = None,
+        zones: Sequence[Sequence[Zone]] | None = None,
     ) -> FleetSchedule:
         """Return the schedule of robots all at rest; options as in :func:`planner.plan_fleet`.
 
@@ -83,6 +89,7 @@ class FleetSchedule:
             raise ValueError("places: must hold a robot at least")
         sizes = check_radii(radii, roadmap.radius, len(at))
         speeds = check_speeds(limits, sizes)
+        ruled = check_zones(zones, len(at))
         refused = touching("places", at, sizes)
         if refused is not None:
             raise ValueError(refused.reason)
@@ -92,11 +99,15 @@ class FleetSchedule:
                     f"places[{i}]: its clearance is {clearance:g}, must be {sizes[i]:g} (radius)"
                 )
         tracks = [np.array([[0.0, x, y]]) for x, y in at.tolist()]
-        smallest = roadmap_for(roadmap, min(sizes))
-        base = lay_places(smallest, [at[i : i + 1] for i in range(len(at))], sizes)
+        grounds, smallest = Grounds(roadmap), min(sizes)
+        base = lay_places(
+            grounds.walls(smallest), [at[i : i + 1] for i in range(len(at))], sizes,
+            chains=grounds.closed(smallest, ruled),
+        )  # fmt: skip
         return FleetSchedule(
-            _plan(tracks, sizes), (0,) * len(at), (), roadmap, tuple(sizes), tuple(speeds), base
-        )
+            _plan(tracks, sizes), (0,) * len(at), (), roadmap, tuple(sizes), tuple(speeds),
+            tuple(ruled), base, grounds,
+        )  # fmt: skip
 
     @staticmethod
     def of(
@@ -104,10 +115,11 @@ class FleetSchedule:
         plan: FleetPlan,
         radii: float | Sequence[float] | None = None,
         limits: Limits | Sequence[Limits] | None = None,
+        zones: Sequence[Sequence[Zone]] | None = None,
     ) -> FleetSchedule:
         """Return the schedule of a plan of :func:`planner.plan_fleet` with nothing sent yet."""
         starts = [track[0, 1:].tolist() for track in plan.tracks]
-        return replace(FleetSchedule.parked(roadmap, starts, radii, limits), plan=plan)
+        return replace(FleetSchedule.parked(roadmap, starts, radii, limits, zones), plan=plan)
 
     def with_goals(
         self,
@@ -195,7 +207,7 @@ class FleetSchedule:
         self, robot: int, track: FloatArray, kept: int, goal: FloatArray
     ) -> FloatArray | NoFleetPlan:
         begin = track[kept, 1:]
-        roadmap = roadmap_for(self.roadmap, self.radii[robot])
+        roadmap = self._grounds.zoned(self.radii[robot], self.speeds[robot], self.zones[robot])
         path = roadmap.plan(tuple(begin), tuple(goal[0]))
         if isinstance(path, NoPath):
             return NoFleetPlan(
@@ -208,9 +220,10 @@ class FleetSchedule:
     ) -> FleetSchedule | None:
         """Plan one new track with all others as promised, or return None."""
         size, speed = self.radii[robot], self.speeds[robot]
-        smallest = roadmap_for(self.roadmap, min(self.radii))
+        smallest = self._grounds.walls(min(self.radii))
         shared = with_paths(smallest, self._base, [path], self.radii)
-        one = next(team_on(shared, [size], [speed]))
+        own = self.zones[robot]
+        one = next(team_on(shared, [size], [speed], self._grounds, [own], [path]))
         prefix = tracks[robot][: kept[robot] + 1]
         ready_s = float(prefix[-1, 0])
         others = [j for j in range(len(tracks)) if j != robot]
@@ -232,6 +245,8 @@ class FleetSchedule:
             plan = _plan(joined, self.radii)
             if not _takes_back(plan, kept) and not deadlocked(plan):
                 check_walls(self.roadmap, plan, self.radii)
+                breach = self._grounds.zoned(size, speed, own).rules.breach(new[:, 1:])
+                assert breach is None, f"the new path of robot {robot} {breach}"
                 return replace(self, plan=plan, sent=kept, changed=(robot,))
         return None
 
@@ -257,6 +272,7 @@ class FleetSchedule:
             limits,
             time_limit_s=time_limit_s,
             clock=clock,
+            zones=self.zones,
         )
         if isinstance(later, NoFleetPlan):
             return later

@@ -2,8 +2,9 @@
 
 - ``audit.py`` is the interface; ``findings.py`` lists the kinds of findings with their severity,
   sentence and cure.
-- ``edge_lines.py`` lays the edges out as lines, ``clearances.py`` measures them, and ``unsafe.py``
-  judges what is in and near obstacles and zones.
+- ``edge_lines.py`` lays the edges out as lines, which `planner.borders.ground` measures,
+  ``unsafe.py`` judges what is in and near obstacles and zones, and ``unknown_lengths.py`` finds
+  the parts in unseen cells.
 - ``slow_zones.py`` compares speed limits, ``turns.py`` and ``passing.py`` look for tight turns and
   for stretches on which two robots cannot pass.
 - ``nearby.py`` finds edges that cross and nodes on other edges, ``structure.py`` looks at ids,

@@ -6,8 +6,8 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 from planner.borders.generators import check_radius
+from planner.borders.ground import Ground
 from planner.formats.mask_files import SpeedLevel
-from planner.graph_audit.clearances import Ground
 from planner.graph_audit.edge_lines import EdgeLines, lay_out
 from planner.graph_audit.findings import FindingList, GraphFinding, Severity
 from planner.graph_audit.frame_fit import FrameFit

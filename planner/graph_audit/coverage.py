@@ -21,9 +21,9 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from planner.borders.ground import Ground
 from planner.borders.polyline import arc_lengths, points_at
 from planner.graph_audit.audit import GraphAudit
-from planner.graph_audit.clearances import Ground
 from planner.graph_audit.unsafe import TIGHT
 from planner.scene import FloatArray, Scene
 from planner.shared.arguments import as_float

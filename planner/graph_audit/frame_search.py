@@ -19,7 +19,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from planner.graph_audit.clearances import Ground
+from planner.borders.ground import Ground
 from planner.graph_audit.edge_lines import EdgeLines
 from planner.graph_audit.frame_fit import (
     NEAR_FIT,

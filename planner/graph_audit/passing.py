@@ -12,8 +12,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from planner.borders.ground import Ground
 from planner.borders.polyline import arc_lengths, points_at
-from planner.graph_audit.clearances import Ground
 from planner.graph_audit.edge_lines import EdgeLines
 from planner.graph_audit.findings import FindingList
 from planner.graph_audit.unsafe import NOTICED, TIGHT

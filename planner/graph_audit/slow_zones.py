@@ -10,8 +10,8 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 
+from planner.borders.ground import Ground
 from planner.formats.mask_files import SpeedLevel
-from planner.graph_audit.clearances import Ground
 from planner.graph_audit.edge_lines import EdgeLines
 from planner.graph_audit.findings import FindingList
 from planner.graph_audit.structure import middle

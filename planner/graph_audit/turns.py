@@ -17,7 +17,7 @@ from itertools import pairwise
 
 import numpy as np
 
-from planner.graph_audit.clearances import Ground
+from planner.borders.ground import Ground
 from planner.graph_audit.edge_lines import EdgeLines
 from planner.graph_audit.findings import FindingList
 from planner.graph_audit.unsafe import TIGHT

@@ -6,9 +6,10 @@ from itertools import pairwise
 
 import numpy as np
 
-from planner.graph_audit.clearances import Ground, length_in_cells
+from planner.borders.ground import Ground
 from planner.graph_audit.edge_lines import EdgeLines
 from planner.graph_audit.findings import FindingList
+from planner.graph_audit.unknown_lengths import length_in_cells
 from planner.scene import FloatArray, Scene
 
 TIGHT = 1e-7

@@ -8,7 +8,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from planner.graph_audit.clearances import Ground
+from planner.borders.ground import Ground
 from planner.graph_audit.unsafe import TIGHT
 from planner.graph_files.route_graph import RouteNode
 from planner.path import Path

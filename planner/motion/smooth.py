@@ -79,9 +79,18 @@ class Measured(Protocol):
         """Return the clearances (n,) of points (n, 2)."""
         ...
 
+    def permits(self, polyline: FloatArray, keep: float, /) -> bool:
+        """Return True if no zone forbids a polyline (n, 2) that keeps a distance from zones."""
+        ...
+
 
 PathClearance = Callable[[FloatArray], LeastClearance]
 PointClearance = Callable[[FloatArray], FloatArray]
+Permits = Callable[[FloatArray, float], bool]
+
+
+def _always(_line: FloatArray, _keep: float) -> bool:
+    return True
 
 
 @dataclass(frozen=True, slots=True)
@@ -102,6 +111,7 @@ class _Rules:
     nearer: bool
     path_clearance: PathClearance
     turning_radius: float
+    permits: Permits
 
 
 def round_corners(
@@ -130,7 +140,12 @@ def round_corners(
     need = roadmap.radius + spare
     keep = need + preference_of(prefer) * max(path.min_clearance - need, 0.0)
     return smooth_path(
-        path, roadmap.path_clearance, roadmap.clearance, keep=keep, turning_radius=bend_radius
+        path,
+        roadmap.path_clearance,
+        roadmap.clearance,
+        keep=keep,
+        turning_radius=bend_radius,
+        permits=roadmap.permits,
     )
 
 
@@ -141,13 +156,15 @@ def smooth_path(
     *,
     keep: float | None = None,
     turning_radius: float = 0.0,
+    permits: Permits = _always,
 ) -> Path:
     """Return the path with rounded corners; stations stay in place.
 
     ``keep`` is the clearance of every changed piece, or that of the piece replaced if smaller; None
     means the path's own least clearance. It is at least the robot's radius, unless the path is
-    nearer by rounding. Clearances are measured again; alternatives are smoothed too. Raises
-    :class:`SmoothError` if ``keep`` is below the radius or not finite.
+    nearer by rounding. ``permits`` is asked for every changed piece and for the whole, with the
+    distance to keep, as in :class:`Measured`. Clearances are measured again; alternatives are
+    smoothed too. Raises :class:`SmoothError` if ``keep`` is below the radius or not finite.
     """
     floor = path.min_clearance if keep is None else keep
     radius = min(path.robot_radius, path.min_clearance)
@@ -158,8 +175,9 @@ def smooth_path(
     if not (math.isfinite(turning_radius) and turning_radius >= 0.0):
         raise SmoothError(f"turning_radius = {turning_radius:g}: must be >= 0 and finite")
     rules = _Rules(
-        path.robot_radius, floor, floor > path.min_clearance, path_clearance, turning_radius
-    )
+        path.robot_radius, floor, floor > path.min_clearance, path_clearance, turning_radius,
+        permits,
+    )  # fmt: skip
     pieces = [path.points[:1]]
     stations = [0]
     for a, b in pairwise(path.stations):
@@ -170,7 +188,7 @@ def smooth_path(
     least = path_clearance(points)
     rounding = ROUNDING * float(np.abs(points).max())
     lowest = max(min(floor, path.min_clearance) - rounding, radius)
-    if least.distance < lowest:
+    if least.distance < lowest or not permits(points, radius):
         return path
     clearances = np.array(clearance(points), dtype=np.float64)
     for array in (points, clearances):
@@ -184,7 +202,9 @@ def smooth_path(
         min_clearance_at=(float(least.at[0]), float(least.at[1])),
         stations=tuple(stations),
         alternatives=tuple(
-            smooth_path(other, path_clearance, clearance, turning_radius=turning_radius)
+            smooth_path(
+                other, path_clearance, clearance, turning_radius=turning_radius, permits=permits
+            )
             for other in path.alternatives
         ),
     )
@@ -240,7 +260,8 @@ def _round_corner(
             curve = bend(points, lengths, corner, reach, tolerance, rules.turning_radius)
         else:
             curve = parabola(points, lengths, corner, reach, tolerance)
-        if len(curve) and _is_wide(curve, points, lengths, corner, reach, rules):
+        wide = len(curve) > 0 and _is_wide(curve, points, lengths, corner, reach, rules)
+        if wide and rules.permits(curve, rules.floor):
             return _Cut(corner - reach, corner + reach, curve)
         reach *= 0.5
     return None

@@ -24,6 +24,7 @@ from planner.scene import FloatArray, IntArray
 from planner.shared.numbers import wrap_angle
 
 Clearance = Callable[[FloatArray], FloatArray]
+SpeedLimits = Callable[[FloatArray, FloatArray], FloatArray]
 
 SHARP_TURN_RAD = math.radians(15.0)
 """A robot never stops for less of a turn than this."""
@@ -107,10 +108,12 @@ class CutPath:
         limits: Limits,
         clearance: Clearance | None,
         dwells: tuple[float, ...],
+        allowed: SpeedLimits | None = None,
     ) -> None:
         self.path = path
         self.limits = limits
         self.exact_clearance = clearance
+        self.allowed = allowed
         self.slack = max(path.min_clearance - path.robot_radius, 0.0)
         points = np.asarray(path.points, dtype=np.float64).reshape(-1, 2)
         keep = np.concatenate([[True], np.any(np.diff(points, axis=0) != 0.0, axis=1)])
@@ -297,6 +300,9 @@ class CutPath:
             by_spin = np.sqrt(ANGULAR_SHARE * spin / growth)
             gentle = (1.0 - ANGULAR_SHARE) * spin / curvature
         speed = np.minimum.reduce([speed, by_rate, by_grip, by_spin])
+        if self.allowed is not None:
+            middles = points_at(leg.points, leg.lengths, 0.5 * (nodes[:-1] + nodes[1:]))
+            speed = np.minimum(speed, self.allowed(middles, 0.5 * np.diff(nodes)))
         return speed, np.minimum(gentle, limits.acceleration)
 
     def waypoint_lengths(self, leg: Stretch) -> FloatArray:

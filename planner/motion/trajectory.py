@@ -19,7 +19,14 @@ from dataclasses import fields, replace
 
 from planner.borders.polyline import points_at
 from planner.motion.speed_profile import plan_speed
-from planner.motion.stops_and_bends import Clearance, CutPath, Stop, Stretch, speed_cells
+from planner.motion.stops_and_bends import (
+    Clearance,
+    CutPath,
+    SpeedLimits,
+    Stop,
+    Stretch,
+    speed_cells,
+)
 from planner.path import Limits, Path, TimedWaypoint, Trajectory
 from planner.scene import FloatArray
 from planner.shared.arguments import as_float, as_list, of_kind
@@ -60,22 +67,24 @@ def time_path(
     *,
     clearance: Clearance | None = None,
     dwell_s: Sequence[float] = (),
+    speed_limits: SpeedLimits | None = None,
 ) -> Trajectory:
     """Return timed waypoints along ``path`` that keep all ``limits``.
 
     ``clearance`` maps (n, 2) points to (n,) exact clearances, to slow between the path's points
     too; without it the path's own are interpolated. ``dwell_s`` has one entry per station, start
-    and goal included; empty means none. Times never fall, and grow wherever place or heading
-    changes. Raises :class:`TrajectoryError` on limits that are not > 0, dwells that are not >= 0,
-    and if a robot that cannot turn on the spot would have to: for a station's heading, or in a bend
-    tighter than its turning radius.
+    and goal included; empty means none. ``speed_limits`` maps points (n, 2) and a reach (n,) around
+    each to the highest speeds (n,) allowed there. Times never fall, and grow wherever place or
+    heading changes. Raises :class:`TrajectoryError` on limits that are not > 0, dwells that are not
+    >= 0, and if a robot that cannot turn on the spot would have to: for a station's heading, or in
+    a bend tighter than its turning radius.
     """
     dwells = tuple(as_float("dwell_s", d) for d in as_list("dwell_s", dwell_s, "seconds"))
     if not (clearance is None or callable(clearance)):
         raise TypeError(f"clearance is a {type(clearance).__name__}: must be a function")
     _check(of_kind("path", path, Path), of_kind("limits", limits, Limits), dwells)
     dwells = dwells or (0.0,) * len(path.stations)
-    track = CutPath(path, limits, clearance, dwells)
+    track = CutPath(path, limits, clearance, dwells, speed_limits)
     clock = _Clock(limits)
     legs = track.legs()
     for leg in legs:

@@ -256,6 +256,10 @@ class Roadmap:
         gap, x, y, piece, which = box_tree_kernels.polyline_clearance(self.borders.tree, xy)
         return Clearance(gap, (x, y), piece, int(self.borders.owner[which]))
 
+    def permits(self, _polyline: FloatArray, _keep: float) -> bool:
+        """Return True: a roadmap without zones forbids nothing but nearness."""
+        return True
+
     def plan(
         self,
         start: Sequence[float],

@@ -11,8 +11,9 @@ from collections.abc import Iterator, Sequence
 
 import numpy as np
 
-from navigation.draw.layers import Content, layers, ring_points
+from navigation.draw.layers import Content, layers
 from navigation.draw.legend import scale_bar, wrapped
+from navigation.draw.outlines import ring_points
 from navigation.draw.picture import LEAST_HEIGHT, MARGIN, PLOT_HEIGHT, PLOT_WIDTH
 from navigation.draw.shapes import (
     BOTTLENECK,

@@ -13,6 +13,7 @@ from navigation.cli.options import (
     DRAWING,
     INPUT,
     OUTPUT,
+    ZONES_OPTION,
     Binarising,
     binarise_options,
     format_option,
@@ -54,6 +55,7 @@ class FleetError(ValueError):
     type=click.Choice(("sum", "last")),
     help="Give each goal to the robot that suits: least sum of driving times, or last arrival.",
 )
+@ZONES_OPTION
 @binarise_options
 @format_option()
 @click.option("--render", type=DRAWING, help="Draw the plan: FILE.svg, animated, or FILE.png.")
@@ -63,6 +65,7 @@ def command(
     robots_file: Path,
     time_limit_s: float,
     assign: Literal["sum", "last"] | None,
+    zones_file: Path | None,
     binarising: Binarising,
     form: str,
     render: Path | None,
@@ -79,12 +82,13 @@ def command(
     from navigation.cli.pictures.fleet_picture import draw_fleet, drawn_robots
     from navigation.cli.pictures.fleet_robots import load_robots
     from navigation.cli.pictures.plan import timed_roadmap
-    from navigation.cli.pictures.sources import compile_for, hold_points, load_source
+    from navigation.cli.pictures.sources import compile_for, hold_points, load_source, zones_in
     from planner.fleet.fleet_plan import FleetPlan
     from planner.fleet.on_roadmap import plan_fleet
 
-    keep_apart((("--output", output), ("--render", render)), (source, robots_file))
+    keep_apart((("--output", output), ("--render", render)), (source, robots_file, zones_file))
     robots = load_robots(robots_file)
+    zones = zones_in(zones_file)
     compile_for(source)
     begin_s = time.perf_counter()
     with long_work("looking for obstacles"):
@@ -118,11 +122,12 @@ def command(
         click.echo(f"clearway: no plan: {answer.sentence()}", err=True)
         return NO_PLAN
     if render is not None and render.suffix.lower() == ".svg":
-        write_text(render, draw_fleet(scene, robots, plan))
+        write_text(render, draw_fleet(scene, robots, plan, zones))
     elif render is not None:
         from navigation.draw import save_picture
 
-        save_picture(render, scene, driven=drawn_robots(robots, plan), title="Fleet")
+        robots_drawn = drawn_robots(robots, plan)
+        save_picture(render, scene, driven=robots_drawn, zones=zones, title="Fleet")
     return 0
 
 

@@ -23,6 +23,7 @@ from navigation.draw.shapes import Drawing, Screen, fit_screen
 from navigation.draw.svg import FONT, to_svg
 from planner.fleet.fleet_plan import FleetPlan
 from planner.scene import FloatArray, Scene
+from planner.zones.zone import Zone
 
 FILM_S = 12.0
 """A plan that lasts longer is shown faster, so that a film can be watched to its end."""
@@ -32,9 +33,11 @@ ROW = 22.0
 """Pixels from one name in the legend to the next."""
 
 
-def draw_fleet(scene: Scene, robots: Sequence[FleetRobot], plan: FleetPlan) -> str:
+def draw_fleet(
+    scene: Scene, robots: Sequence[FleetRobot], plan: FleetPlan, zones: Sequence[Zone] = ()
+) -> str:
     """The picture as SVG text."""
-    content = Content(scene, None, None, None, None, None, (), (), (), (), "Fleet")
+    content = Content(scene, None, None, None, None, None, (), (), (), (), "Fleet", tuple(zones))
     window = content.window()
     screen = fit_screen(window, scene.y_down, PLOT_WIDTH, PLOT_HEIGHT, MARGIN, MARGIN)
     width, height = screen.scale * window.width, screen.scale * window.height

@@ -19,6 +19,7 @@ from navigation.cli.options import (
     SPACING_OPTION,
     STANDARD_STREAM,
     STATION,
+    ZONES_OPTION,
     Binarising,
     StationArgument,
     binarise_options,
@@ -33,6 +34,7 @@ if TYPE_CHECKING:
     from planner.path import Path as PlannedPath
     from planner.roadmap.roadmap import Roadmap
     from planner.scene import Scene
+    from planner.zones.zone import Zone
 
 NO_PATH = 3
 
@@ -74,6 +76,7 @@ class PlanError(ValueError):
     metavar="K",
     help="Other routes round the obstacles, besides the best.",
 )
+@ZONES_OPTION
 @binarise_options
 @LEAST_AREA_OPTION
 @format_option()
@@ -90,6 +93,7 @@ def command(  # noqa: PLR0913 (an argument for each option of the command line)
     spacing: float | None,
     prefer: str | float,
     alternatives: int,
+    zones_file: Path | None,
     binarising: Binarising,
     least_area: float | None,
     form: str,
@@ -102,7 +106,7 @@ def command(  # noqa: PLR0913 (an argument for each option of the command line)
     pixels with y down for a picture, metres with y up for a ROS map, cells for a .map. Exits 3 if
     there is no path, and says why.
     """
-    from navigation.cli.pictures.sources import compile_for, hold_points, load_source
+    from navigation.cli.pictures.sources import compile_for, hold_points, load_source, zones_in
     from planner.motion.smooth import round_corners
     from planner.path import Path as PlannedPath
 
@@ -110,7 +114,8 @@ def command(  # noqa: PLR0913 (an argument for each option of the command line)
         raise click.BadParameter(
             f"{spacing:g}: must be < 2 radius = {2.0 * radius:g}", param_hint="--spacing"
         )
-    keep_apart((("--output", output), ("--render", render)), (source,))
+    keep_apart((("--output", output), ("--render", render)), (source, zones_file))
+    zones = zones_in(zones_file)
     compile_for(source)
     begin_s = time.perf_counter()
     with long_work("looking for obstacles"):
@@ -144,7 +149,7 @@ def command(  # noqa: PLR0913 (an argument for each option of the command line)
     try:
         if render is not None:
             with long_work("drawing"):
-                timings_ms["render"] = _render(render, answer, roadmap, stations)
+                timings_ms["render"] = _render(render, answer, roadmap, stations, zones)
     finally:  # give the answer, whatever becomes of its picture
         timings_ms["total"] = 1e3 * (time.perf_counter() - begin_s)
         _tell(answer, form, output)
@@ -226,7 +231,11 @@ def _tell(answer: PlanOutput, form: str, output: Path | None) -> None:
 
 
 def _render(
-    file: Path, answer: PlanOutput, roadmap: Roadmap, stations: list[StationArgument]
+    file: Path,
+    answer: PlanOutput,
+    roadmap: Roadmap,
+    stations: list[StationArgument],
+    zones: tuple[Zone, ...],
 ) -> float:
     """Draw the plan; return the milliseconds it took."""
     from navigation.draw import save_picture
@@ -240,5 +249,6 @@ def _render(
         path=answer.path,
         trajectory=answer.trajectory,
         stations=places,
+        zones=zones,
     )
     return 1e3 * (time.perf_counter() - begin_s)

@@ -18,6 +18,7 @@ from navigation.cli.options import (
     RADIUS_OPTION,
     SPACING_OPTION,
     STANDARD_STREAM,
+    ZONES_OPTION,
     Binarising,
     OutputType,
     binarise_options,
@@ -39,6 +40,7 @@ from planner.graph_files import SUFFIXES
     " for VDA 5050) or .yaml (Open-RMF).",
 )
 @SPACING_OPTION
+@ZONES_OPTION
 @binarise_options
 @LEAST_AREA_OPTION
 @click.option(
@@ -64,6 +66,7 @@ def command(  # noqa: PLR0913 (an argument for each option of the command line)
     radius: float,
     output: Path,
     spacing: float | None,
+    zones_file: Path | None,
     binarising: Binarising,
     least_area: float | None,
     least_branch: float,
@@ -77,12 +80,14 @@ def command(  # noqa: PLR0913 (an argument for each option of the command line)
         raise click.BadParameter(
             f"{spacing:g}: must be < 2 radius = {2.0 * radius:g}", param_hint="--spacing"
         )
-    keep_apart((("--output", output), ("--map", map_file), ("--render", render)), (source,))
+    inputs = (source, zones_file)
+    keep_apart((("--output", output), ("--map", map_file), ("--render", render)), inputs)
 
     from navigation.cli.pictures.plan import timed_roadmap
-    from navigation.cli.pictures.sources import compile_for, load_source
+    from navigation.cli.pictures.sources import compile_for, load_source, zones_in
     from planner.roadmap import roadmap_export
 
+    zones = zones_in(zones_file)
     compile_for(source)
     with long_work("looking for obstacles"):
         scene = load_source(source, binarising, least_area)
@@ -100,7 +105,7 @@ def command(  # noqa: PLR0913 (an argument for each option of the command line)
     if render is not None:
         from navigation.draw import save_picture
 
-        save_picture(render, scene, roadmap=roadmap)
+        save_picture(render, scene, roadmap=roadmap, zones=zones)
     counts = roadmap.counts
     to_stream = output == STANDARD_STREAM
     name = "roadmap" if to_stream else output

@@ -24,6 +24,7 @@ from navigation.cli.outputs import named
 from planner.formats.map_files import MOST_BYTES, Shades, read_bytes
 from planner.formats.scene_io import is_picture, scene_from_bytes
 from planner.scene import Bounds, Scene, SceneError
+from planner.zones.zone import Zone
 
 AS_USUAL = Binarising()
 PICTURE_SUFFIXES = frozenset(
@@ -44,6 +45,15 @@ def compile_for(source: Path) -> None:
             begin = stream.read(64)
     picture = is_picture(begin) or source.suffix.lower() in PICTURE_SUFFIXES
     compile_what_is_missing(*(("eye", "planner") if picture else ("planner",)))
+
+
+def zones_in(file: Path | None) -> tuple[Zone, ...]:
+    """Zones of a file, none without one; ``ZoneError`` with every problem of it."""
+    if file is None:
+        return ()
+    from navigation.config.zone_file import read_zones  # only here needs a configuration
+
+    return read_zones(file)
 
 
 def read_source(path: Path) -> bytes:

@@ -34,7 +34,7 @@ def _send(path: Path | None, form: str, request: dict[str, Any], robot: str | No
         return
     for one in answer.get("daemons", [answer]):
         elsewhere = one.get("socket") not in (None, os.path.abspath(path or default_socket()))
-        _print(one, f"the daemon of {one['socket']}: " if elsewhere else "")
+        print_state(one, f"the daemon of {one['socket']}: " if elsewhere else "")
 
 
 def _stops(answer: dict[str, Any]) -> bool:
@@ -50,7 +50,8 @@ def _robots_of(answer: dict[str, Any]) -> list[dict[str, Any]]:
     return [answer, *(robots.values() if isinstance(robots, dict) else ())]
 
 
-def _print(answer: dict[str, Any], who: str) -> None:
+def print_state(answer: dict[str, Any], who: str = "") -> None:
+    """Print what the daemon does, and each of several robots."""
     click.echo(f"{who}{answer['state']}: {answer['reason']}")
     if answer.get("trouble"):
         click.echo(f"{who}{answer['trouble']}")
@@ -177,8 +178,12 @@ stop = _command(
     ),
 )
 commands: Mapping[str, click.Command] = {
-    **{name: _plain(order) for name, order in ORDERS.items() if not order.arguments},
+    **{
+        name: _plain(order)
+        for name, order in ORDERS.items()
+        if not (order.arguments or order.command)
+    },
     "go": go,
     "stop": stop,
 }
-"""By name; an order that needs arguments has a command of its own."""
+"""By name; an order that needs arguments has a command of its own, here or elsewhere."""

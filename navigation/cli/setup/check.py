@@ -301,6 +301,7 @@ def summary(config: Config) -> Iterator[tuple[str, str]]:
         yield from ((name, _in_short(one)) for name, one in robots.items())
         count = len(config.tasks)
         yield "tasks", f"{count or 'no'} task{'s' * (count != 1)}"
+        yield from _zones(config)
         return
     yield (
         "robot",
@@ -312,6 +313,13 @@ def summary(config: Config) -> Iterator[tuple[str, str]]:
     count = len(mission.stations)
     stations = "1 station" if count == 1 else f"{count or 'no'} stations, {mission.order} order"
     yield "mission", stations if count else "none: waits for orders"
+    yield from _zones(config)
+
+
+def _zones(config: Config) -> Iterator[tuple[str, str]]:
+    from navigation.config.zones.in_words import in_words
+
+    yield from (("zone", in_words(one)) for one in config.zones)
 
 
 def _who_stops_it(known: KnownRobot) -> str:

@@ -40,6 +40,7 @@ def _alone(config: Config, index: int, entry: RobotEntry) -> Config:
         start = starts[0] if starts else simulation.start
         seed = simulation.seed + index  # each robot has its own errors
         simulation = simulation.model_copy(update={"start": start, "starts": (), "seed": seed})
+    zones = [zone for zone in config.zones if zone.is_for(entry.name)]
     journal = config.recording.journal
     if journal is not None and len(config.robots) > 1:
         journal = journal.with_name(f"{journal.name}.{entry.name}")
@@ -47,6 +48,7 @@ def _alone(config: Config, index: int, entry: RobotEntry) -> Config:
         update={
             "robot": robot_of(config.robot, entry),
             "robots": (),
+            "zones": tuple(zone.model_copy(update={"robots": ()}) for zone in zones),
             "serial": serial_of(config.serial, entry),
             "mission": mission,
             "tasks": (),

@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from navigation.dashboard.messages.packed import pack
-from navigation.draw.layers import chain_points
+from navigation.draw.outlines import chain_points
 from planner.path import Path
 from planner.roadmap.roadmap import Roadmap
 from planner.scene import CircleRecord, FloatArray, PolygonRecord, Scene

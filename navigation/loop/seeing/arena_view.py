@@ -74,6 +74,10 @@ class ArenaView:
             self._recorder.saw(frame, glimpse.poses, event)
         return glimpse.scene is not None
 
+    def zones_changed(self) -> None:
+        """Number the scene again: what was planned in it knew other zones."""
+        self.revision += 1
+
     @property
     def hold(self) -> str | None:
         """Reason why all robots hold; None if they need not."""

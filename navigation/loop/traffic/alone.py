@@ -9,7 +9,7 @@ from navigation.fleet.request import Answer
 from navigation.loop.planning import ArenaPlanner, SceneCheck
 from navigation.loop.robot import ControlledRobot
 from navigation.loop.stages import plan_settings
-from navigation.loop.traffic.traffic import Decided, TrafficOrders
+from navigation.loop.traffic.traffic import Decided, PathCheck, TrafficOrders, breach_of
 from navigation.mission.cycle import PlanAnswer, PlanRequest
 from planner.scene import FloatArray
 
@@ -23,16 +23,20 @@ class Alone:
 
     def __init__(self, robot: ControlledRobot) -> None:
         self._robot = robot
-        self.planner = ArenaPlanner(plan_settings(robot.config))
+        self.planner = ArenaPlanner(plan_settings(robot.config), robot.name)
 
     def checked_points(self) -> FloatArray | None:
         """The driven path."""
         path = self._robot.pilot.plan.path
         return None if path is None else path.points
 
-    def checked(self, checks: Sequence[SceneCheck]) -> Iterable[tuple[str, float | None]]:
+    def checked(self, checks: Sequence[SceneCheck]) -> Iterable[PathCheck]:
         """Report every scene: any of them may have closed the route."""
-        return [(self._robot.name, check.path_clearance_m) for check in checks]
+        for check in checks:
+            breach = breach_of(
+                self._robot, self.planner.rules(""), zones_changed=check.zones_changed
+            )
+            yield PathCheck(self._robot.name, check.path_clearance_m, breach)
 
     def take(self, answer: Answer | None) -> Mapping[str, PlanAnswer]:
         """Pass the planner's answer to the pilot."""

@@ -19,7 +19,7 @@ from navigation.loop.planning import SceneCheck
 from navigation.loop.robot import ControlledRobot
 from navigation.loop.seeing.eye_settings import reach_m, stop_s
 from navigation.loop.traffic.fleet_planner import FleetPlanner
-from navigation.loop.traffic.traffic import Decided, TrafficOrders
+from navigation.loop.traffic.traffic import Decided, PathCheck, TrafficOrders, breach_of
 from navigation.mission.cycle import Orders, PlanAnswer, PlanRequest
 from navigation.mission.mission import State
 from navigation.mission.traffic import STANDING_M_S
@@ -41,7 +41,7 @@ class Coordinated:
         self._robots = robots
         configs = {name: one.config for name, one in robots.items()}
         self.planner = FleetPlanner(configs, search_clock)
-        self._coordinator = Coordinator(self.planner.path_clearance_m)
+        self._coordinator = Coordinator(self.planner.path_clearance_m, self.planner.rules)
         self._answer: FleetAnswer | None = None
         self.waits: Mapping[str, str] = {}
         self.waits_for: Mapping[str, str] = {}
@@ -54,14 +54,16 @@ class Coordinated:
     def checked_points(self) -> None:
         """Return None: there are several paths, and `checked` measures them."""
 
-    def checked(self, checks: Sequence[SceneCheck]) -> Iterable[tuple[str, float | None]]:
-        """Yield the clearance of each driven path in the newest scene."""
+    def checked(self, checks: Sequence[SceneCheck]) -> Iterable[PathCheck]:
+        """Yield the check of each driven path in the newest scene and zones."""
         if not checks:
             return
+        changed = any(check.zones_changed for check in checks)
         for name, one in self._robots.items():
             path = one.pilot.plan.path
             if path is not None:
-                yield name, self.planner.path_clearance_m(path.points)
+                breach = breach_of(one, self.planner.rules(name), zones_changed=changed)
+                yield PathCheck(name, self.planner.path_clearance_m(path.points), breach)
 
     def take(self, answer: Answer | None) -> Mapping[str, PlanAnswer]:
         """Keep the planner's answer for the coordinator's step."""

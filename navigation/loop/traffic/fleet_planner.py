@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import threading
+from collections.abc import Sequence
 from dataclasses import replace
 
 from navigation.config import Config
@@ -17,6 +18,8 @@ from planner.path import NoPath
 from planner.roadmap.roadmap import Roadmap
 from planner.scene import FloatArray, Scene, Vec
 from planner.shared.search_clock import Clock, search_clock_s
+from planner.zones.rules import Rules, rules_for
+from planner.zones.zone import Zone, zones_for
 
 
 class FleetPlanner:
@@ -28,11 +31,15 @@ class FleetPlanner:
     def __init__(self, configs: dict[str, Config], clock: Clock = search_clock_s) -> None:
         self._clock = clock
         smallest = min(configs.values(), key=lambda config: config.robot.radius_m)
-        self._arena = ArenaPlanner(plan_settings(smallest))
+        self._arena = ArenaPlanner(plan_settings(smallest))  # the smallest robot, without zones
         self._keep_m = min(config.safety.other_robots_m for config in configs.values())
         self._scene: Scene | None = None
         self._previewing = threading.Lock()
-        self._alone = {name: ArenaPlanner(plan_settings(one)) for name, one in configs.items()}
+        self._zones: tuple[Zone, ...] = ()
+        self._rules: dict[str, Rules] = {}
+        self._alone = {
+            name: ArenaPlanner(plan_settings(one), name) for name, one in configs.items()
+        }
         """For previews: each robot as if it were alone, brought up to date when it is asked for."""
 
     @property
@@ -45,10 +52,18 @@ class FleetPlanner:
         """Revision of the newest scene; 0 before the first."""
         return self._arena.revision
 
-    def see(self, scene: Scene, revision: int) -> None:
-        """Take over a new scene."""
+    def see(self, scene: Scene, revision: int, zones: Sequence[Zone] = ()) -> None:
+        """Take over a new scene and its zones."""
         self._arena.see(scene, revision)
-        self._scene = scene
+        self._scene, self._zones = scene, tuple(zones)
+        self._rules = {
+            name: rules_for(zones_for(zones, name), scene, one.settings.radius_m)
+            for name, one in self._alone.items()
+        }
+
+    def rules(self, robot: str) -> Rules | None:
+        """The zones that hold for a robot, in the newest scene; None before the first."""
+        return self._rules.get(robot)
 
     def path_clearance_m(self, points: FloatArray) -> float | None:
         """Exact clearance of a polyline in the newest scene; None before the first."""
@@ -63,7 +78,7 @@ class FleetPlanner:
         planner, scene = self._alone[robot], self._scene
         with self._previewing:
             if scene is not None and planner.revision != self._arena.revision:
-                planner.see(scene, self._arena.revision)
+                planner.see(scene, self._arena.revision, self._zones)
             return planner.answer(request, preview=True)
 
     def answer(self, request: FleetRequest) -> FleetAnswer:
@@ -75,7 +90,15 @@ class FleetPlanner:
         try:
             orders = {one.name: self._best_order(one) for one in request.travellers}
             travellers = tuple(_bound_first(one, orders[one.name]) for one in request.travellers)
-            request = replace(request, travellers=travellers)
+            request = replace(
+                request,
+                travellers=tuple(self._with_zones(one) for one in travellers),
+                idle=tuple(self._with_zones(one) for one in request.idle),
+                driving=tuple(
+                    replace(one, zones=zones_for(self._zones, one.promise.name))
+                    for one in request.driving
+                ),
+            )
             plan = join_promises if request.driving else plan_promises
             answer = plan(self.roadmap, self._scene, request, self._keep_m, self._clock)
         except Exception as error:  # noqa: BLE001 - said where the answer is, which is asked again
@@ -86,6 +109,9 @@ class FleetPlanner:
             for name, one in answer.promises.items()
         }
         return replace(answer, promises=promises, scene_revision=revision)
+
+    def _with_zones(self, one: Traveller) -> Traveller:
+        return replace(one, zones=zones_for(self._zones, one.name))
 
     def _best_order(self, one: Traveller) -> tuple[int, ...]:
         """Shortest order of its stations except the last, if alone; else as written."""

@@ -8,15 +8,19 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
-from typing import Any, Protocol
+from typing import Any, Final, Protocol
+
+import numpy as np
 
 from navigation.fleet.request import Answer, Request
 from navigation.link.link_snapshot import LinkSnapshot
 from navigation.loop.planning import Answering, SceneCheck
+from navigation.loop.robot import ControlledRobot
 from navigation.mission.cycle import Orders, PlanAnswer, PlanRequest, Sight
 from navigation.mission.mission import Station
 from planner.roadmap.roadmap import Roadmap
 from planner.scene import FloatArray, Vec
+from planner.zones.rules import Rules
 
 
 @dataclass(frozen=True, slots=True)
@@ -48,11 +52,23 @@ class TrafficPlanner(Answering[Any, Any], Protocol):
 
     @property
     def roadmap(self) -> Roadmap | None:
-        """Newest roadmap; None before the first scene."""
+        """Newest roadmap, without zones; None before the first scene."""
         ...
 
     def clearance_m(self, position: Vec) -> float | None:
         """Exact clearance of a place in the newest scene; None before the first."""
+
+    def rules(self, robot: str) -> Rules | None:
+        """The zones that hold for a robot, in the newest scene; None before the first."""
+
+
+@dataclass(frozen=True, slots=True)
+class PathCheck:
+    """A running path's clearance in a new scene, and the sentence on a zone's rule it breaks."""
+
+    robot: str
+    clearance_m: float | None
+    breach: str | None
 
 
 class Traffic(Protocol):
@@ -81,8 +97,8 @@ class Traffic(Protocol):
     def checked_points(self) -> FloatArray | None:
         """Path whose clearance the planner's thread measures in each new scene, (n, 2)."""
 
-    def checked(self, checks: Sequence[SceneCheck]) -> Iterable[tuple[str, float | None]]:
-        """Yield the clearance of each driven path in new scenes, by name."""
+    def checked(self, checks: Sequence[SceneCheck]) -> Iterable[PathCheck]:
+        """Yield the check of each driven path in new scenes and zones."""
         ...
 
     def take(self, answer: Answer | None) -> Mapping[str, PlanAnswer]:
@@ -102,3 +118,25 @@ class Traffic(Protocol):
     def preview(self, name: str, request: PlanRequest) -> PlanAnswer:
         """Return one robot's plan as if it were alone; any thread may ask."""
         ...
+
+
+SPEED_SLACK: Final = 1.01
+"""A target is no faster than a zone allows within this factor: chosen, the wire's rounding."""
+
+
+def breach_of(robot: ControlledRobot, rules: Rules | None, *, zones_changed: bool) -> str | None:
+    """Sentence on the zone's rule that the rest of a robot's plan breaks, or None.
+
+    A robot in a keep-out zone is on its way out; where the zones have changed, that path is planned
+    again too, because it may not be the shortest.
+    """
+    plan, pose = robot.pilot.plan, robot.pose
+    if rules is None or not rules.grounds or plan.path is None or pose is None:
+        return None
+    line = np.vstack([[(pose.x, pose.y)], plan.left])
+    if zones_changed:
+        inside = [one for one in rules.of("keep_out") if rules.is_held_by(one, (pose.x, pose.y))]
+        if inside:
+            return f"begins in {inside[0].zone}"
+    speeds = np.array([t.speed_m_s for t in plan.targets[plan.executed :]])
+    return rules.breach(line) or rules.too_fast(plan.left, speeds / SPEED_SLACK)

@@ -62,13 +62,17 @@ def lay_places(
     paths: Sequence[FloatArray],
     radii: Sequence[float],
     check: Callable[[], None] = lambda: None,
+    chains: Sequence[Roadmap] = (),
 ) -> GroundPlaces:
     """Build the shared graph; ``paths`` are polylines from each robot's start to its goal.
 
-    ``check`` is called before each piece of work, and may raise :class:`OutOfTime`.
+    ``chains`` are the roadmaps whose chains count, this one alone by default: those on which
+    keep-out zones are obstacles. ``check`` is called before each piece of work, and may raise
+    :class:`OutOfTime`.
     """
     smallest, largest = min(radii), max(radii)
-    lines = [data["polyline"] for _, _, data in roadmap.graph.edges(data=True)]
+    graphs = [one.graph for one in chains or (roadmap,)]
+    lines = [data["polyline"] for one in graphs for _, _, data in one.edges(data=True)]
     gather = _Gather(SAME * smallest)
     fine = [_cut(path, STEP * smallest) for path in paths]
     ends = [gather.line(path) for path in fine]
@@ -79,7 +83,7 @@ def lay_places(
     spacing = LATTICE * largest
     check()
     gather.add_beside(_lattice(roadmap, fine, smallest, spacing), 0.5 * spacing, check)
-    ends_of_chains = [roadmap.graph.nodes[n]["pos"] for n, k in roadmap.graph.degree if k > 2]
+    ends_of_chains = [one.nodes[n]["pos"] for one in graphs for n, k in one.degree if k > 2]
     junctions = sorted({gather.number(x, y) for x, y in ends_of_chains})
     places = np.array(gather.places)
     joined = near_pairs(places, REACH * spacing)

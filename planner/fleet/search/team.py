@@ -53,15 +53,24 @@ class Route:
         return float(self.arrivals[-1])
 
 
-def make_graph(places: FloatArray, edges: NDArray[np.int64], speed: float = 1.0) -> MotionGraph:
-    """The graph of a robot of one speed; ``edges`` (m, 2) from and to, directed."""
+def make_graph(
+    places: FloatArray,
+    edges: NDArray[np.int64],
+    speed: float = 1.0,
+    factors: FloatArray | None = None,
+) -> MotionGraph:
+    """The graph of a robot of one speed; ``edges`` (m, 2) from and to, directed.
+
+    ``factors`` (m,) multiply the edges' times.
+    """
     order = np.lexsort((edges[:, 1], edges[:, 0]))
     row = edges[order]
     step = places[row[:, 1]] - places[row[:, 0]]
     starts = np.searchsorted(row[:, 0], np.arange(len(places) + 1)).astype(np.int64)
-    return MotionGraph(
-        places, starts, np.ascontiguousarray(row[:, 1]), np.hypot(step[:, 0], step[:, 1]) / speed
-    )
+    lasts = np.hypot(step[:, 0], step[:, 1]) / speed
+    if factors is not None:
+        lasts *= factors[order]
+    return MotionGraph(places, starts, np.ascontiguousarray(row[:, 1]), lasts)
 
 
 def edges_of(graph: MotionGraph) -> NDArray[np.int64]:

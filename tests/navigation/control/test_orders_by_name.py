@@ -10,7 +10,7 @@ from navigation.orders.table import ORDERS
 from tests.support.people import RecordedPeople
 
 ARGUMENTS = {"stations": [{"x_m": 1.0, "y_m": 1.0}], "reason": "now", "camera": "left"}
-OF_ROBOTS = [name for name, one in ORDERS.items() if not one.only_looks and name != "reanchor"]
+OF_ROBOTS = [name for name, one in ORDERS.items() if not (one.only_looks or one.command)]
 
 
 @pytest.mark.parametrize("order", OF_ROBOTS)

@@ -15,6 +15,7 @@ from hypothesis import strategies as st
 
 import planner
 from navigation.fleet.giving_way import BEGINS_S, HORIZON_S, GivesWay, GivingWay
+from navigation.fleet.orders import holds_of
 from navigation.fleet.places_kept import Member
 from navigation.fleet.releases import Held
 from navigation.fleet.request import Promise
@@ -225,3 +226,24 @@ def test_who_drives_on_past_what_it_was_sent_runs_away() -> None:
     held["a"].sent = 1
     beyond = member(0.7, 0.8, state=State.DRIVING, speed=0.25)
     assert [one.name for one in runaways_of({"a": beyond}, held)] == ["a"]
+
+
+def test_a_robot_seen_late_is_no_runaway_where_it_was_then() -> None:
+    """A busy computer's poses are older than the reports: false runaways drove others aside."""
+    held = {"a": promise("a", *((0.2 + 0.05 * i, 0.5) for i in range(20)))}
+    held["a"].executed = 8
+    late = replace(member(0.3, 0.5, state=State.DRIVING, speed=0.25), pose_age_s=0.0)
+    assert [one.name for one in runaways_of({"a": late}, held)] == ["a"]
+    assert runaways_of({"a": replace(late, pose_age_s=0.9)}, held) == []
+
+
+def test_a_robot_that_drives_aside_holds_for_one_that_is_at_rest_in_its_line() -> None:
+    """It drove into the one that had stopped: bodies touched by 0.1 m."""
+    drives = replace(member(0.4, 0.5, -0.7, State.DRIVING, 0.25), executed=0)
+    line = np.array([(0.45, 0.46), (0.55, 0.37), (0.7, 0.23)])
+    stopped = member(0.72, 0.2)
+    holds = holds_of({"a": drives, "b": stopped}, {}, {"a": line})
+    assert holds["a"].startswith("b is in the path: it leaves 0.000 m")
+    assert holds_of({"a": drives, "b": stopped}, {}, {"a": line}, ["b"]) == {}
+    past = replace(drives, executed=3, pose=(0.4, 0.5, 0.0))
+    assert holds_of({"a": past, "b": stopped}, {}, {"a": line}) == {}

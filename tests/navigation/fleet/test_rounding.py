@@ -10,6 +10,7 @@ import planner
 from navigation.config import limits_of, load_config
 from navigation.config.several.each_robot import each_robot
 from navigation.fleet import planning
+from navigation.fleet.planning import rules_of
 from navigation.fleet.request import FleetAnswer, FleetRequest, Traveller
 from navigation.fleet.rounding import CHORD_M, CutTrack, legs_of, rounded, split_track, thinned
 from navigation.loop.stages import stations_of
@@ -42,7 +43,14 @@ def waits(track: np.ndarray) -> list[tuple[float, float, float, float]]:
 def test_nobody_comes_nearer_to_robots_or_walls_and_ends_and_waits_stay(seed: int) -> None:
     roadmap, plan, sizes = planned(seed)
     cut = [CutTrack.of(track, PIECE_M) for track in plan.tracks]
-    smooth = rounded(roadmap, cut, sizes, PIECE_M, dict.fromkeys(range(len(cut)), 0.0))
+    smooth = rounded(
+        roadmap,
+        cut,
+        sizes,
+        PIECE_M,
+        dict.fromkeys(range(len(cut)), 0.0),
+        rules_of(roadmap, [()] * len(cut), sizes),
+    )
     assert least_gap([one.targets for one in smooth], sizes) >= -1e-7
     for before, after in zip(plan.tracks, smooth, strict=True):
         for track in (after.fine, after.targets):

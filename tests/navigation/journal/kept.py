@@ -1,7 +1,9 @@
-"""A mission that is driven, whose it is, and how a test keeps it."""
+"""A mission that is driven, whose it is, and how a test keeps it; a zone."""
 
+from collections.abc import Sequence
 from pathlib import Path
 
+from navigation.config.zones import ZoneSection
 from navigation.journal.journal import Journal, SentPlan
 from navigation.journal.journal_records import Owner
 from navigation.mission.mission import Event, MissionProgress, Station
@@ -22,3 +24,11 @@ def keep(path: Path, mission: MissionProgress = DRIVING, plan: SentPlan | None =
 def aside(path: Path) -> list[str]:
     """Every file beside the lock."""
     return sorted(file.name for file in path.parent.iterdir() if file.name != f".{path.name}.lock")
+
+
+def circle(
+    name: str, kind: str = "keep_out", *, x_m: float = 1.0, robots: Sequence[str] = ()
+) -> ZoneSection:
+    """A zone as it is written in a configuration."""
+    area = {"name": name, "kind": kind, "circle": [x_m, 1.0, 0.2], "robots": robots}
+    return ZoneSection.model_validate(area)

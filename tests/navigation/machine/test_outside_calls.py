@@ -25,7 +25,7 @@ PATIENT_S = 30.0
 SHORT_S = 1.0
 """Time limit of calls that hang."""
 KEPT_BY_THE_C_LIBRARY = 1 << 31 | 1 << 32
-"""Signals 32 and 33 in a mask: glibc lets no program set them, so they are inherited as they are."""
+"""Signals 32 and 33 in a mask: glibc lets no program set them, so they are inherited."""
 
 
 class Receiver(HTTPServer):

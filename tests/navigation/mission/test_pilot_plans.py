@@ -14,7 +14,7 @@ from navigation.mission.pilot import Pilot
 from navigation.mission.running_plan import distance_to_polyline
 from navigation.mission.traffic import Mover
 from planner.path import NoPath
-from tests.navigation.mission.world import SETTINGS, TOUR, World
+from tests.navigation.mission.world import PERIOD_S, SETTINGS, TOUR, World
 
 
 def test_no_path_holds_says_why_and_asks_again(world: World) -> None:
@@ -91,6 +91,28 @@ def test_a_robot_that_does_not_begin_is_held_and_given_a_new_plan(world: World) 
     world.robot = replace(world.robot, standing_reason=None)
     world.run_until(State.DONE)
     assert world.pilot.replans == 1
+
+
+def test_a_robot_that_turns_and_comes_no_nearer_is_planned_again_and_then_given_up(
+    world: World,
+) -> None:
+    """A robot that had missed a target in a narrow bend turned on the spot for ever."""
+    world.pilot.give(TOUR)
+    world.moves = False
+    world.run_until(State.DRIVING)
+    states: list[tuple[State, str]] = []
+    for number in range(round(60.0 / PERIOD_S)):
+        seen = world.sight.evidence
+        turned = replace(seen, wheels_rad=0.05 * number)
+        world.sight = replace(world.sight, evidence=turned)
+        world.cycle()
+        told = world.pilot.mission.state, world.pilot.mission.reason
+        if not states or states[-1] != told:
+            states.append(told)
+    assert (State.PLANNING, "the robot came no nearer for 8 s: planning again") in states
+    assert states[-1][0] is State.FAILED
+    assert "comes no nearer to (" in states[-1][1]
+    assert 3 <= world.pilot.replans <= 4
 
 
 def test_a_mission_that_holds_for_too_long_fails_with_the_reason(world: World) -> None:

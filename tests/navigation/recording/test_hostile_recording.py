@@ -243,6 +243,13 @@ def test_a_body_of_another_kind_is_said_in_one_sentence(tmp_path: Path, body: by
         (b"/clearway/fleet/waits", b"[]"),
         (b"/clearway/fleet/waits", b'{"waits": 1}'),
         (b"/clearway/link", b"{"),
+        (b"/clearway/zones", b'{"time_s": 1, "revision": 1, "zones": 7}'),
+        (b"/clearway/zones", b'{"time_s": 1, "revision": 1, "zones": [{"name": "a"}]}'),
+        (
+            b"/clearway/zones",
+            b'{"time_s": 1, "revision": 1, "zones": [{"name": "a", "kind": "wait",'
+            b' "area": {"circle": [1, 1, 0]}, "robots": [], "speed_m_s": null, "cost": null}]}',
+        ),
     ],
 )
 def test_a_damaged_message_later_in_a_recording_is_said_in_one_sentence(

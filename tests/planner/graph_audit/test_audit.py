@@ -12,9 +12,10 @@ import pytest
 
 import planner
 from planner import RouteEdge, RouteGraph, RouteNode, Scene
+from planner.borders.ground import Ground
 from planner.formats.grid_maps import GridPose, map_scene
-from planner.graph_audit.clearances import Ground, length_in_cells
 from planner.graph_audit.findings import KINDS
+from planner.graph_audit.unknown_lengths import length_in_cells
 
 HALL = Scene.from_polygons([[(4, 4), (6, 4), (6, 6), (4, 6)]], bounds=(0, 0, 10, 10))
 """A square pillar in the middle of a square room."""

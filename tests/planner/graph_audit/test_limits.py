@@ -118,7 +118,7 @@ def test_a_wide_middle_divides_a_stretch_and_a_zone_narrows_like_a_wall():
 
 @pytest.mark.parametrize("seed", range(4))
 def test_parts_below_a_clearance_are_those_of_dense_samples(seed):
-    from planner.graph_audit.clearances import Ground
+    from planner.borders.ground import Ground
 
     rng = np.random.default_rng(seed)
     circles = np.c_[rng.uniform(0, 10, (12, 2)), rng.uniform(0.2, 0.9, 12)].tolist()

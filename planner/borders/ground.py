@@ -1,10 +1,10 @@
-"""Exact clearances of nodes and edges, and the parts of edges that are in or near obstacles.
+"""Borders of a scene or of zones, indexed: exact distances, and parts of lines in or near objects.
 
 Rules and units
-- A clearance is the distance to the nearest border, exact, without sampling; 0 where an edge
-  touches an obstacle or runs in one.
+- A clearance is the distance to the nearest border, exact, without sampling; 0 where a line
+  touches an object or runs in one.
 - A part below a clearance is found by steps of the difference, within which nothing changes, and
-  bisection where it changes sign; inside is below 0. A part shorter than ``STEP`` of the edge may
+  bisection where it changes sign; inside is below 0. A part shorter than ``STEP`` of the line may
   be missed there, never in the clearance.
 """
 
@@ -12,14 +12,13 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
-from itertools import pairwise
 
 import numpy as np
 from numpy.typing import NDArray
 
 from planner.borders import box_tree_kernels, inside_kernels
 from planner.borders.generators import Borders, gather_borders
-from planner.scene import FloatArray, IntArray, Primitives, Scene, UnknownCells
+from planner.scene import FloatArray, IntArray, Primitives, Scene
 
 STEP = 1e-3
 """Least step along an edge, as a part of its length."""
@@ -185,28 +184,3 @@ def _joined(
     first = np.flatnonzero(apart)
     last = np.append(first[1:], len(owner))[: len(first)] - 1
     return owner[first], begin[first], end[last]
-
-
-def length_in_cells(cells: UnknownCells, line: FloatArray) -> float:
-    """Length of a line in the marked cells, exact: it is cut at every grid line."""
-    cos, sin = np.cos(cells.yaw_rad), np.sin(cells.yaw_rad)
-    off = line - (cells.x, cells.y)
-    grid = np.stack([off @ (cos, sin), off @ (-sin, cos)], axis=1) / cells.resolution
-    height, width = cells.mask.shape
-    total = 0.0
-    for a, b in pairwise(grid):
-        cuts = [np.array([0.0, 1.0])]
-        for axis in range(2):
-            low, high = sorted((a[axis], b[axis]))
-            low, high = max(low, 0.0), min(high, float((width, height)[axis]))
-            if high > low:
-                lines = np.arange(np.ceil(low), np.floor(high) + 1)
-                cuts.append((lines - a[axis]) / (b[axis] - a[axis]))
-        t = np.sort(np.concatenate(cuts).clip(0.0, 1.0))
-        middle = np.floor(a + 0.5 * (t[1:] + t[:-1])[:, None] * (b - a)).astype(np.int64)
-        row, column = height - 1 - middle[:, 1], middle[:, 0]
-        on = (row >= 0) & (row < height) & (column >= 0) & (column < width)
-        marked = np.zeros(len(middle), dtype=np.bool_)
-        marked[on] = cells.mask[row[on], column[on]]
-        total += float(np.diff(t)[marked].sum() * np.hypot(*(b - a)) * cells.resolution)
-    return total

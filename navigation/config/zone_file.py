@@ -1,0 +1,101 @@
+"""Zones from outside a configuration: one of an order, or a file's list.
+
+A file is YAML: the list itself, or the key `zones` with the list, as in a configuration. Relative
+masks are meant from the file's folder. Coordinates and speeds are in the units of the scene that
+the zones are for.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any
+
+from pydantic import Field, ValidationError
+
+from navigation.config.errors import ConfigError, Problem, key_name, mark_of, problems_of
+from navigation.config.load import read_source
+from navigation.config.marks import Document, read_document
+from navigation.config.values import Section
+from navigation.config.zones.section import MOST_ZONES, ZoneSection
+from navigation.config.zones.zone_checks import zone_names_differ
+from navigation.shared.outside import in_short, printable
+from planner.zones.zone import Zone
+
+MOST_SENTENCE = 300
+"""Characters of an error about a zone from outside: chosen."""
+
+
+class ZoneError(ValueError):
+    """A zone, or a file of zones, is invalid; the message says where and why."""
+
+
+class _ZoneList(Section):
+    zones: tuple[ZoneSection, ...] = Field(max_length=MOST_ZONES, description="the zones")
+
+
+def zone_of(value: Any) -> ZoneSection:
+    """Return the zone of a mapping as in a configuration; :class:`ZoneError` in one sentence.
+
+    A mask has to be named by an absolute path: there is no folder that it could be relative to.
+    """
+    if not isinstance(value, Mapping):
+        raise ZoneError(f"zone: must be an object of name, kind and an area, not {in_short(value)}")
+    mask = value.get("mask")
+    if isinstance(mask, str) and not Path(mask).is_absolute():
+        raise ZoneError(f"zone.mask = {in_short(mask)}: must be an absolute path")
+    try:
+        return ZoneSection.model_validate(value)
+    except ValidationError as error:
+        found = next(iter(problems_of(error.errors(include_url=False), Document(""), ZoneSection)))
+        where = key_name(("zone", *found.where))
+        raise ZoneError(printable(f"{where}: {found.message}", MOST_SENTENCE)) from None
+
+
+def read_zone_sections(path: Path) -> tuple[ZoneSection, ...]:
+    """Read a file's zones as they are written; :class:`ZoneError` with every problem."""
+    try:
+        text = read_source(path)
+        return _zones_in(text, path)
+    except ConfigError as error:
+        raise ZoneError(str(error)) from None
+
+
+def read_zones(path: Path) -> tuple[Zone, ...]:
+    """Read a file's zones as the planner has them; :class:`ZoneError` with every problem."""
+    return tuple(one.zone() for one in read_zone_sections(path))
+
+
+def _zones_in(text: str, path: Path) -> tuple[ZoneSection, ...]:
+    document = _under_its_key(read_document(text))
+    defects = [Problem((), defect.message, defect.mark) for defect in document.defects]
+    if defects:
+        raise ConfigError(str(path), defects, text)
+    if not isinstance(document.data, dict):
+        sentence = "must be a list of zones, or the key 'zones' with one"
+        raise ConfigError(str(path), [Problem((), sentence)], text)
+    try:
+        zones = _ZoneList.model_validate(document.data, context={"folder": path.parent}).zones
+    except ValidationError as error:
+        errors = error.errors(include_url=False)
+        raise ConfigError(str(path), list(problems_of(errors, document, _ZoneList)), text) from None
+    problems = [
+        Problem(where, sentence, mark_of(document, where))
+        for where, sentence in zone_names_differ(zones)
+    ]
+    if problems:
+        raise ConfigError(str(path), problems, text)
+    return zones
+
+
+def _under_its_key(document: Document) -> Document:
+    """Return a bare list as if it were written below the key `zones`."""
+    if not isinstance(document.data, list):
+        return document
+    return Document(
+        document.text,
+        {"zones": document.data},
+        {("zones", *where): mark for where, mark in document.keys.items()},
+        {("zones", *where): mark for where, mark in document.values.items()},
+        document.defects,
+    )

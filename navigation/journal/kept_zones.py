@@ -1,0 +1,167 @@
+"""Changes of zones on disk, beside the journal: the next run begins with them.
+
+Rules
+- Only what differs from the configuration is kept: each zone as it was configured, and as it is in
+  force. A zone that the configuration has changed since keeps the configuration's form, which a
+  person wrote later.
+- The file is written whole and synced, sealed as the journal is, and readable by its owner only.
+- A file that cannot be used is an error, since a keep-out zone may be lost with it. It stays where
+  it is until the robots' stop is on the disk, and is then put aside for a person to look at.
+"""
+
+from __future__ import annotations
+
+import contextlib
+import json
+from collections.abc import Collection, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any, Final
+
+from navigation.config.zone_file import ZoneError, zone_of
+from navigation.config.zones import ZoneSection
+from navigation.config.zones.in_words import as_written
+from navigation.shared.outside import printable
+from navigation.shared.sealed import SealError, seal, unseal
+from navigation.shared.whole_file import UnwrittenFileError, sync_folder, write_whole
+
+KIND: Final = "zones"
+VERSION: Final = 1
+SUFFIX: Final = ".zones"
+MOST_BYTES: Final = 16_000_000
+"""Bytes of a file: a hundred zones of a thousand corners, twice, take 9 MB."""
+MOST_ASIDE: Final = 1000
+
+
+class KeptZonesError(ValueError):
+    """The changes cannot be read or written; the message names the file and says why."""
+
+
+@dataclass(frozen=True, slots=True)
+class ZoneChange:
+    """One zone that differs: as it is configured, and as it is in force; None where it is not."""
+
+    configured: ZoneSection | None
+    in_force: ZoneSection | None
+
+    @property
+    def name(self) -> str:
+        """The zone's name."""
+        zone = self.in_force or self.configured
+        assert zone is not None
+        return zone.name
+
+    @property
+    def in_a_word(self) -> str:
+        """``added``, ``changed`` or ``removed``."""
+        if self.configured is None:
+            return "added"
+        return "removed" if self.in_force is None else "changed"
+
+
+def changes_between(
+    configured: Sequence[ZoneSection], in_force: Sequence[ZoneSection]
+) -> tuple[ZoneChange, ...]:
+    """Return the zones that differ; their order is no difference."""
+    before = {one.name: one for one in configured}
+    after = {one.name: one for one in in_force}
+    names = dict.fromkeys((*before, *after))
+    pairs = ((before.get(name), after.get(name)) for name in names)
+    return tuple(ZoneChange(was, now) for was, now in pairs if was != now)
+
+
+def with_changes(
+    configured: Sequence[ZoneSection], changes: Sequence[ZoneChange], robots: Collection[str]
+) -> tuple[tuple[ZoneSection, ...], list[str]]:
+    """Return the configured zones with the changes of an earlier run, and a sentence for each.
+
+    ``robots`` are the names of this run's. A zone for another robot, and a change of a zone that
+    is configured otherwise meanwhile, are left out, which is said.
+    """
+    zones = {one.name: one for one in configured}
+    said = []
+    for change in changes:
+        now = change.in_force
+        what = f"zone '{change.name}', {change.in_a_word} while an earlier run was under way"
+        unknown = set() if now is None else set(now.robots) - set(robots)
+        if zones.get(change.name) != change.configured:
+            said.append(f"{what}: the configuration has changed it since, and holds")
+        elif unknown:
+            said.append(f"{what}: dropped: there is no robot '{min(unknown)}' in this run")
+        elif now is None:
+            del zones[change.name]
+            said.append(f"{what}: stays removed")
+        else:
+            zones[change.name] = now
+            said.append(f"{what}: holds again")
+    return tuple(zones.values()), said
+
+
+class KeptZones:
+    """The file of the changes; one program at a time, which has locked the journal beside it."""
+
+    def __init__(self, path: Path) -> None:
+        self.path = path
+
+    @classmethod
+    def beside(cls, journal: Path) -> KeptZones:
+        """Return the file beside a journal."""
+        return cls(journal.with_name(journal.name + SUFFIX))
+
+    def read(self) -> tuple[ZoneChange, ...]:
+        """Return the changes, none if there is no file; ``KeptZonesError`` if it is unusable."""
+        try:
+            with self.path.open("rb") as file:
+                data = file.read(MOST_BYTES)
+        except FileNotFoundError:
+            return ()
+        except OSError as error:
+            raise KeptZonesError(f"{self.path}: {error.strerror or error}") from None
+        try:
+            records = json.loads(unseal(KIND, VERSION, data))
+            return tuple(_change(one) for one in records)
+        except (SealError, ZoneError, ValueError, TypeError, KeyError) as error:
+            raise KeptZonesError(f"{self.path}: {printable(str(error), 300)}") from None
+
+    def put_aside(self) -> str:
+        """Rename the file, so that a new one can be begun; return what became of it."""
+        for number in range(1, MOST_ASIDE + 1):
+            aside = self.path.with_name(f"{self.path.name}.damaged-{number}")
+            if not aside.exists():
+                break
+        try:
+            self.path.rename(aside)
+        except OSError as error:
+            return f"{self.path}: cannot be put aside: {error.strerror or error}"
+        return f"{self.path}: kept as {aside.name}"
+
+    def write(self, changes: Sequence[ZoneChange]) -> None:
+        """Keep the changes; they are on disk when this returns. ``KeptZonesError``."""
+        try:
+            if not changes:
+                with contextlib.suppress(FileNotFoundError):
+                    self.path.unlink()
+                    sync_folder(self.path.parent)
+                return
+            text = json.dumps([_record(one) for one in changes])
+            self.path.parent.mkdir(parents=True, exist_ok=True)
+            write_whole(self.path, seal(KIND, VERSION, text), private=True, durable=True)
+        except UnwrittenFileError as error:
+            raise KeptZonesError(str(error)) from None
+        except OSError as error:
+            raise KeptZonesError(f"{self.path}: {error.strerror or error}") from None
+
+
+def _record(change: ZoneChange) -> dict[str, Any]:
+    was, now = change.configured, change.in_force
+    return {
+        "configured": None if was is None else as_written(was),
+        "in_force": None if now is None else as_written(now),
+    }
+
+
+def _change(record: dict[str, Any]) -> ZoneChange:
+    was, now = record["configured"], record["in_force"]
+    if was is None and now is None:
+        raise ValueError("a change of no zone")
+    return ZoneChange(None if was is None else zone_of(was), None if now is None else zone_of(now))

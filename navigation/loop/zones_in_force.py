@@ -1,0 +1,142 @@
+"""Zones of a running program: those configured, and the changes that people make.
+
+Any thread may change them; the control loop acts on a change in its next cycle. A zone keeps the
+form it was written in, so that a page can draw it, and a file can hold it. A change is on the disk,
+where a file keeps them, before it is answered.
+"""
+
+from __future__ import annotations
+
+import threading
+from collections.abc import Callable, Collection, Sequence
+from typing import Final
+
+from navigation.config.zones import MOST_ZONES, ZoneSection
+from navigation.config.zones.zone_checks import too_many_places
+from navigation.journal.kept_zones import (
+    KeptZones,
+    KeptZonesError,
+    ZoneChange,
+    changes_between,
+    with_changes,
+)
+from navigation.mission.mission import MissionError
+from planner.zones.zone import Zone
+
+MOST_UNDONE: Final = 50
+"""Changes that can be taken back: chosen."""
+
+
+class ZonesInForce:
+    """The zones by name, in the order in which they were made; ``robots`` are the known names.
+
+    ``changed`` is called after each change, in the thread that made it. ``trouble`` says why a
+    restart would not know of the changes so far; empty if it would, or if nothing keeps them.
+    """
+
+    def __init__(self, zones: Sequence[ZoneSection], robots: Collection[str]) -> None:
+        self._robots = frozenset(robots) - {""}
+        self._lock = threading.Lock()
+        self._sections = self._configured = tuple(zones)
+        self._kept: KeptZones | None = None
+        self._disk = threading.Lock()
+        """Held while the file is written: the last change is the last written."""
+        self.trouble = ""
+        self._before: list[tuple[ZoneSection, ...]] = []
+        self.revision = 0
+        """Number of changes so far."""
+        self.changed: Callable[[], None] = lambda: None
+
+    @property
+    def sections(self) -> tuple[ZoneSection, ...]:
+        """The zones as they are written in a configuration."""
+        return self._sections
+
+    def zones(self) -> tuple[Zone, ...]:
+        """Return the zones as the planner has them."""
+        return tuple(one.zone() for one in self._sections)
+
+    @property
+    def are_kept(self) -> bool:
+        """True if a file keeps the changes for the next run."""
+        return self._kept is not None
+
+    def changes(self) -> tuple[ZoneChange, ...]:
+        """Return what differs from the configuration."""
+        return changes_between(self._configured, self._sections)
+
+    def restore(self, kept: KeptZones) -> list[str]:
+        """Take over the changes of the last run, and keep further ones; return what to say.
+
+        ``KeptZonesError`` if they are lost: the configuration's zones hold then, and no change is
+        kept before :meth:`keep_in`.
+        """
+        sections, said = with_changes(self._configured, kept.read(), self._robots)
+        self._kept = kept
+        if sections != self._sections:
+            self._sections = sections
+            self.revision += 1
+            self.changed()
+        return said
+
+    def keep_in(self, kept: KeptZones) -> None:
+        """Keep the changes so far and all further ones."""
+        self._kept = kept
+        self._write()
+
+    def put(self, zone: ZoneSection) -> None:
+        """Add a zone, or replace the one of its name; ``MissionError`` if that cannot be."""
+        unknown = sorted(set(zone.robots) - self._robots)
+        if unknown:
+            there = ", ".join(sorted(self._robots)) or "one robot, which has no name"
+            raise MissionError(f"zone '{zone.name}': robot '{unknown[0]}': there is {there}")
+        with self._lock:
+            others = tuple(one for one in self._sections if one.name != zone.name)
+            if len(others) >= MOST_ZONES:
+                raise MissionError(f"zone '{zone.name}': there are {MOST_ZONES} zones already")
+            too_many = too_many_places((*others, zone))
+            if too_many is not None:
+                raise MissionError(f"zone '{zone.name}': with it zones have {too_many}")
+            self._set((*others, zone))
+        self._tell()
+
+    def remove(self, name: str) -> None:
+        """Remove a zone; ``MissionError`` if there is none of that name."""
+        with self._lock:
+            others = tuple(one for one in self._sections if one.name != name)
+            if len(others) == len(self._sections):
+                names = ", ".join(one.name for one in self._sections) or "no zones"
+                raise MissionError(f"zone '{name}': there are {names}")
+            self._set(others)
+        self._tell()
+
+    def undo(self) -> None:
+        """Take the last change back; ``MissionError`` if there is none."""
+        with self._lock:
+            if not self._before:
+                raise MissionError("no change of zones to take back")
+            self._sections = self._before.pop()
+            self.revision += 1
+        self._tell()
+
+    def _tell(self) -> None:
+        """Wake the loop, which acts at once, and write the change down."""
+        self.changed()
+        self._write()
+
+    def _write(self) -> None:
+        kept = self._kept
+        if kept is None:
+            return
+        with self._disk:
+            try:
+                kept.write(self.changes())
+            except KeptZonesError as error:
+                self.trouble = f"a restart would not know of this change: {error}"
+            else:
+                self.trouble = ""
+
+    def _set(self, sections: tuple[ZoneSection, ...]) -> None:
+        self._before = [*self._before[1 - MOST_UNDONE :], self._sections]
+        self._sections = sections
+        self.revision += 1

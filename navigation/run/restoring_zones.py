@@ -1,0 +1,52 @@
+"""The zones that people changed in an earlier run: restored from beside the journal.
+
+If they are lost, a keep-out zone may be lost with them: the configuration's zones hold, and all
+robots are stopped until a person resumes. The damaged file is put aside only when that stop is on
+the disk, so that a run that is killed in between does not drive either.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+from navigation.journal.kept_zones import KeptZones, KeptZonesError
+from navigation.loop.daemon import Daemon
+from navigation.machine.logs import RunLog
+
+
+class RestoredZones:
+    """Zones of an earlier run, taken over where it is made, before anybody can change them.
+
+    ``say`` and ``log`` get a sentence for each. Without a journal nothing is restored or kept.
+    """
+
+    def __init__(self, daemon: Daemon, say: Callable[[str], None], log: RunLog) -> None:
+        self._daemon, self._say, self._log = daemon, say, log
+        self._lost: KeptZones | None = None
+        journal = daemon.config.recording.journal
+        if journal is None:
+            return
+        kept = KeptZones.beside(journal)
+        try:
+            said = daemon.zones.restore(kept)
+        except KeptZonesError as error:
+            self._lost = kept
+            lost = f"changes of zones are lost: {error}; check the zones before `clearway resume`"
+            daemon.people.stop(lost)
+            said = [lost]
+        for sentence in said:
+            self._tell(sentence)
+
+    def settle(self) -> None:
+        """Put a damaged file aside, and keep changes from now on; call it once stops are kept."""
+        if self._lost is None:
+            return
+        stops = self._daemon.stopping.kept
+        if stops is not None and stops.settled():
+            return  # the stop is not on the disk: the damage stops the next run too
+        self._tell(self._lost.put_aside())
+        self._daemon.zones.keep_in(self._lost)
+
+    def _tell(self, sentence: str) -> None:
+        self._say(sentence)
+        self._log.write("warning", "zones", reason=sentence)

@@ -1,0 +1,105 @@
+"""Edges of the shared graph that the zones leave to one robot, and the time that they cost.
+
+Rules and units
+- An edge is a robot's only if its body stays out of keep-out zones, measured exactly, and if it is
+  not driven against a one-way zone. A robot that begins in a keep-out zone may use the edges along
+  its own path out.
+- Costs are taken at ``SAMPLES`` places of an edge: slow zones take longer, lanes count for less.
+  Only the choice of paths rests on them; the order at shared places is right whatever the times.
+"""
+
+from __future__ import annotations
+
+from itertools import pairwise
+
+import numpy as np
+from numpy.typing import NDArray
+
+from planner.fleet.ground.clearance_kernels import edge_clearances
+from planner.scene import FloatArray
+from planner.zones.rules import AGAINST, ROUNDING, Rules
+from planner.zones.zone_ground import ZoneGround
+
+SAMPLES = 8
+"""Places of an edge: chosen, edges are a few radii long."""
+MOST_EDGES = 20
+"""Edges inside a one-way zone that may each be driven against by rounding: chosen, so that a path
+of them stays within what is allowed for all."""
+SAME = 1e-6
+"""A place lies on a path within this share of the radius: as places of the graph are equal."""
+
+
+def usable_edges(
+    places: FloatArray, edges: NDArray[np.int64], rules: Rules, own_path: FloatArray
+) -> NDArray[np.bool_]:
+    """Mark the edges (m, 2) that a robot may use; ``own_path`` (n, 2) is its path alone."""
+    usable = np.ones(len(edges), np.bool_)
+    begin = (float(own_path[0, 0]), float(own_path[0, 1]))
+    for one in rules.of("keep_out"):
+        clear = _clearances(one, places, edges) >= rules.radius * (1.0 - ROUNDING)
+        if rules.is_held_by(one, begin):
+            clear |= _on_path(places, edges, own_path, SAME * rules.radius)
+        usable &= clear
+    for one in rules.of("one_way"):
+        usable &= _against(one, places, edges) <= AGAINST * rules.radius / MOST_EDGES
+    return usable
+
+
+def cost_factors(places: FloatArray, edges: NDArray[np.int64], rules: Rules) -> FloatArray:
+    """Mean cost (m,) of a unit of length along each edge (m, 2)."""
+    if not rules.of("slow", "lane") or not len(edges):
+        return np.ones(len(edges))
+    factors: FloatArray = rules.factors(_samples(places, edges)).reshape(-1, SAMPLES).mean(axis=1)
+    return factors
+
+
+def _samples(places: FloatArray, edges: NDArray[np.int64]) -> FloatArray:
+    share = (np.arange(SAMPLES) + 0.5) / SAMPLES
+    begin, step = places[edges[:, 0]], places[edges[:, 1]] - places[edges[:, 0]]
+    points: FloatArray = (begin[:, None] + share[:, None] * step[:, None]).reshape(-1, 2)
+    return points
+
+
+def _clearances(one: ZoneGround, places: FloatArray, edges: NDArray[np.int64]) -> FloatArray:
+    """Least distance (m,) of each edge to a zone, 0 inside."""
+    borders = one.ground.borders
+    if borders is None:
+        return np.full(len(edges), np.inf)
+    found: FloatArray = edge_clearances(borders.tree, places, edges)
+    found[(one.distances(places) < 0.0)[edges].any(axis=1)] = 0.0
+    return found
+
+
+def _against(one: ZoneGround, places: FloatArray, edges: NDArray[np.int64]) -> FloatArray:
+    """Progress (m,) of each edge against a one-way zone."""
+    points = _samples(places, edges)
+    steps = np.repeat((places[edges[:, 1]] - places[edges[:, 0]]) / SAMPLES, SAMPLES, axis=0)
+    back = np.zeros(len(points))
+    inside = np.flatnonzero(one.distances(points) < 0.0)
+    if len(inside):
+        along = (steps[inside] * one.directions(points[inside])).sum(axis=1)
+        back[inside] = np.maximum(-along, 0.0)
+    progress: FloatArray = back.reshape(-1, SAMPLES).sum(axis=1)
+    return progress
+
+
+def _on_path(
+    places: FloatArray, edges: NDArray[np.int64], line: FloatArray, near: float
+) -> NDArray[np.bool_]:
+    """Mark the edges (m, 2) that lie on a polyline, not only with both ends."""
+    on_path: NDArray[np.bool_] = np.asarray((_distances(places, line) <= near)[edges].all(axis=1))
+    rows = np.flatnonzero(on_path)
+    samples = _distances(_samples(places, edges[rows]), line).reshape(-1, SAMPLES)
+    on_path[rows] = (samples <= near).all(axis=1)
+    return on_path
+
+
+def _distances(places: FloatArray, line: FloatArray) -> FloatArray:
+    """Distance (n,) of places (n, 2) to a polyline."""
+    least = np.full(len(places), np.inf)
+    for a, b in pairwise(line):
+        step = b - a
+        squared = max(float(step @ step), np.finfo(float).tiny)
+        share = np.clip((places - a) @ step / squared, 0.0, 1.0)
+        least = np.minimum(least, np.hypot(*(places - a - share[:, None] * step).T))
+    return least

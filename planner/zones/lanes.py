@@ -1,0 +1,214 @@
+"""Paths over lanes and one-way zones: a lazy search over the lanes' lines and free connections.
+
+Method
+- Nodes are the leg's ends, the corners of the lanes' lines, the places on them nearest to the
+  ends, and gates just outside a one-way zone, through which it is entered and left.
+- A lane's pieces join its own nodes, in its direction for a one-way zone. All others are joined by
+  free connections: the roadmap's path, around the one-way zones that it would be driven against.
+- The cost of a free connection is at least its straight length. Only connections on the cheapest
+  sequence of nodes are planned, until that sequence has no other kind (lazy shortest paths;
+  Dellin and Srinivasa, ICAPS 2016).
+- The search has a bound in work, ``MOST_PLANS``: beyond it the cheapest complete sequence counts.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from dataclasses import dataclass, field
+from itertools import pairwise
+
+import numpy as np
+
+from planner.scene import FloatArray, Vec
+from planner.zones.areas import BandArea
+from planner.zones.rules import Rules
+from planner.zones.zone_ground import ZoneGround
+
+MOST_PLANS = 60
+"""Connections planned for one leg: chosen, 0.1 s among a hundred obstacles."""
+BESIDE = 1.02
+"""Distance of gates, in what the body needs to be outside: chosen."""
+
+OUTSIDE = -3
+"""Lanes of gates, each its own, count down from here: defined, -1 and -2 are the leg's ends."""
+
+Connect = Callable[[FloatArray, FloatArray], FloatArray | None]
+"""Plans a free connection between two places: a polyline (n, 2) that breaks no rule, or None."""
+
+
+@dataclass(slots=True)
+class LaneNetwork:
+    """Nodes (places), pieces of lanes as polylines between two, and nodes to connect freely."""
+
+    places: list[FloatArray] = field(default_factory=list)
+    pieces: dict[tuple[int, int], FloatArray] = field(default_factory=dict)
+    free: list[int] = field(default_factory=list)
+    """Nodes that free connections may begin and end at."""
+    lane: list[int] = field(default_factory=list)
+    """Each node's lane: two of one are not connected freely."""
+
+    def add(self, place: FloatArray, lane: int, *, free: bool) -> int:
+        """Add a node; return its number."""
+        self.places.append(place)
+        self.lane.append(lane)
+        if free:
+            self.free.append(len(self.places) - 1)
+        return len(self.places) - 1
+
+    def join(self, i: int, j: int, keeps: Callable[[FloatArray], bool]) -> bool:
+        """Join two nodes by a straight piece if that is free."""
+        line = np.array([self.places[i], self.places[j]])
+        if not keeps(line):
+            return False
+        self.pieces[i, j] = line
+        return True
+
+
+def cheapest(
+    start: Vec,
+    goal: Vec,
+    rules: Rules,
+    keeps: Callable[[FloatArray], bool],
+    connect: Connect,
+    need: float,
+) -> FloatArray | None:
+    """Return the cheapest polyline (n, 2) from start to goal by lanes or freely; None if none.
+
+    ``keeps`` is True for lines that keep the radius from obstacles and keep-out zones; ``need`` is
+    the distance that gates keep from their zone.
+    """
+    net = LaneNetwork()
+    begin = net.add(np.array(start), -1, free=True)
+    end = net.add(np.array(goal), -2, free=True)
+    for number, one in enumerate(rules.of("one_way", "lane")):
+        _lay_lane(net, number, one, keeps, need)
+    return _search(net, begin, end, rules, connect)
+
+
+def _lay_lane(
+    net: LaneNetwork,
+    number: int,
+    one: ZoneGround,
+    keeps: Callable[[FloatArray], bool],
+    need: float,
+) -> None:
+    area = one.zone.area
+    assert isinstance(area, BandArea)
+    one_way = one.zone.kind == "one_way"
+    line = _with_feet(np.array(area.line), net.places[:2])
+    nodes = [net.add(place, number, free=not one_way) for place in line]
+    for a, b in pairwise(nodes):
+        if net.join(a, b, keeps) and not one_way:
+            net.join(b, a, keeps)
+    if not one_way:
+        return
+    aside = BESIDE * (0.5 * area.width + need)
+    for k, node in enumerate(nodes):
+        ahead = one.directions(line[k][None])[0]
+        left = np.array([-ahead[1], ahead[0]])
+        gates = [line[k] + aside * left, line[k] - aside * left]
+        if k == 0:
+            gates.append(line[k] - aside * ahead)
+        for gate in gates:
+            _add_gate(net, gate, node, keeps, enters=True)
+        if k == 0:
+            gates.pop()
+        if k == len(nodes) - 1:
+            gates.append(line[k] + aside * ahead)
+        for gate in gates:
+            _add_gate(net, gate, node, keeps, enters=False)
+        for end in range(2):  # a leg may begin or end inside
+            inside = one.distances(net.places[end][None])[0] < 0.0
+            if inside and math.dist(net.places[end], line[k]) < aside:
+                net.join(*((end, node) if end == 0 else (node, end)), keeps)
+
+
+def _add_gate(
+    net: LaneNetwork,
+    gate: FloatArray,
+    node: int,
+    keeps: Callable[[FloatArray], bool],
+    *,
+    enters: bool,
+) -> None:
+    line = np.array([gate, net.places[node]] if enters else [net.places[node], gate])
+    if keeps(line):
+        at = net.add(gate, OUTSIDE - len(net.places), free=True)
+        net.pieces[(at, node) if enters else (node, at)] = line
+
+
+def _with_feet(line: FloatArray, places: list[FloatArray]) -> FloatArray:
+    """The line (n, 2) with the places on it that are nearest to two others."""
+    along = np.concatenate([[0.0], np.cumsum(np.hypot(*np.diff(line, axis=0).T))])
+    at = list(along)
+    for place in places:
+        step = np.diff(line, axis=0)
+        length = np.diff(along)
+        share = np.clip(((place - line[:-1]) * step).sum(axis=1) / length**2, 0.0, 1.0)
+        feet = line[:-1] + share[:, None] * step
+        k = int(np.argmin(np.hypot(*(feet - place).T)))
+        at.append(float(along[k] + share[k] * length[k]))
+    where = np.unique(np.array(at))
+    return np.column_stack([np.interp(where, along, line[:, axis]) for axis in range(2)])
+
+
+def _search(
+    net: LaneNetwork, begin: int, end: int, rules: Rules, connect: Connect
+) -> FloatArray | None:
+    """Cheapest sequence of nodes, its free connections planned as they are needed."""
+    count = len(net.places)
+    places, lane = np.array(net.places), np.array(net.lane)
+    cost = np.full((count, count), np.inf)
+    lines: dict[tuple[int, int], FloatArray] = dict(net.pieces)
+    free = np.zeros(count, np.bool_)
+    free[net.free] = True
+    apart = np.hypot(*(places[:, None] - places[None]).transpose(2, 0, 1))
+    open_ = free[:, None] & free[None] & (lane[:, None] != lane[None])
+    open_[:, begin] = open_[end, :] = False
+    cost[open_] = rules.least_factor() * apart[open_]
+    for (i, j), line in net.pieces.items():
+        cost[i, j], open_[i, j] = rules.cost(line), False
+    for _ in range(MOST_PLANS):
+        sequence = _shortest(cost, begin, end)
+        if sequence is None:
+            return None
+        unplanned = [(i, j) for i, j in pairwise(sequence) if open_[i, j]]
+        if not unplanned:
+            return _joined([lines[pair] for pair in pairwise(sequence)])
+        for i, j in unplanned:
+            found, open_[i, j] = connect(places[i], places[j]), False
+            cost[i, j] = math.inf if found is None else rules.cost(found)
+            if found is not None:
+                lines[i, j] = found
+    cost[open_] = np.inf
+    sequence = _shortest(cost, begin, end)
+    return None if sequence is None else _joined([lines[pair] for pair in pairwise(sequence)])
+
+
+def _shortest(cost: FloatArray, begin: int, end: int) -> list[int] | None:
+    """Dijkstra's algorithm on a dense matrix (n, n) of costs."""
+    count = len(cost)
+    best, before = np.full(count, np.inf), np.full(count, -1)
+    best[begin] = 0.0
+    left = np.ones(count, np.bool_)
+    while True:
+        at = int(np.argmin(np.where(left, best, np.inf)))
+        if not left[at] or not np.isfinite(best[at]):
+            return None
+        if at == end:
+            break
+        left[at] = False
+        through = best[at] + cost[at]
+        better = through < best
+        best[better], before[better] = through[better], at
+    sequence = [end]
+    while sequence[-1] != begin:
+        sequence.append(int(before[sequence[-1]]))
+    return sequence[::-1]
+
+
+def _joined(lines: list[FloatArray]) -> FloatArray:
+    points = np.concatenate([lines[0][:1], *(line[1:] for line in lines)])
+    moves = np.concatenate([[True], np.any(np.diff(points, axis=0) != 0.0, axis=1)])
+    return np.ascontiguousarray(points[moves])

@@ -1,0 +1,108 @@
+"""The shortest path out of keep-out zones, for a robot that is in one.
+
+Rules and units
+- The robot may drive inside the zones that it is in, and nowhere nearer to an obstacle or another
+  keep-out zone than its radius, or than it is now.
+- The shortest of the straight lines in ``DIRECTIONS`` directions is taken; where all are blocked,
+  the shortest path to the ``PLACES`` nearest places outside that have one.
+"""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from planner.path import Path
+from planner.roadmap.roadmap import Roadmap
+from planner.scene import FloatArray, Vec
+
+DIRECTIONS = 64
+"""Directions tried, and again around the best of them: chosen, to 0.2 degrees."""
+DISTANCES = 64
+"""Distances tried in each: chosen, a place narrower than a fifth of its distance may be missed."""
+FINER_DISTANCES = 256
+"""The same around the best direction: chosen, to 0.2 % of the distance."""
+HALVINGS = 20
+"""Number of times that the last step out is halved: chosen, to 1e-6 of it."""
+PLACES = 8
+"""Places outside to which a path is sought where every straight line is blocked: chosen."""
+
+
+def way_out(open_: Roadmap, closed: Roadmap, place: Vec, need: float) -> FloatArray | None:
+    """Return the polyline (n, 2) from a place to where ``closed`` leaves ``need``, or None.
+
+    ``open_`` has the obstacles and the other keep-out zones, ``closed`` these zones too.
+    """
+    here = np.array(place)
+    keep = min(open_.radius, float(open_.clearance(here[None])[0]))
+    if keep <= 0.0:
+        return None
+    angles = math.tau * np.arange(DIRECTIONS) / DIRECTIONS
+    box = closed.borders.box
+    longest = math.hypot(box[2] - box[0], box[3] - box[1])
+    steps = np.geomspace(1e-3 * need, longest, DISTANCES)
+    outside = _ends(closed, here, angles, steps, need)
+    found = _first_free(open_, here, outside, keep)
+    if found is None:
+        return _around(open_, here, list(outside[:PLACES]))
+    # the best place is often a corner of the free ground, between two of the directions
+    step = math.tau / DIRECTIONS
+    angle = math.atan2(*(found[1] - here)[::-1])
+    finer = angle + step * np.linspace(-1.0, 1.0, DIRECTIONS + 1)
+    length = math.dist(*found)
+    nearer = np.linspace(0.5 * length, length, FINER_DISTANCES)
+    ends = np.vstack([_ends(closed, here, finer, nearer, need), found[1:]])
+    return _first_free(open_, here, ends, keep)
+
+
+def _ends(
+    closed: Roadmap, here: FloatArray, angles: FloatArray, steps: FloatArray, need: float
+) -> FloatArray:
+    """First place (k, 2) in each direction where ``need`` is kept, the nearest first."""
+    units = np.column_stack([np.cos(angles), np.sin(angles)])
+    ends = here + steps[:, None, None] * units
+    free = (closed.clearance(ends.reshape(-1, 2)) >= need).reshape(len(steps), len(units))
+    ways = np.flatnonzero(free.any(axis=0))
+    first = free[:, ways].argmax(axis=0)
+    low = np.where(first > 0, steps[first - 1], 0.0)
+    lengths = _to_the_border(closed, here, units[ways], low, steps[first], need)
+    outside: FloatArray = here + lengths[:, None] * units[ways]
+    return outside[np.argsort(lengths, kind="stable")]
+
+
+def _first_free(
+    open_: Roadmap, here: FloatArray, ends: FloatArray, keep: float
+) -> FloatArray | None:
+    """Shortest straight line to one of the ends that keeps its distance, or None."""
+    for end in ends[np.argsort(np.hypot(*(ends - here).T), kind="stable")]:
+        line = np.array([here, end])
+        if open_.path_clearance(line).distance >= keep * (1.0 - 1e-9):
+            return line
+    return None
+
+
+def _to_the_border(
+    closed: Roadmap,
+    here: FloatArray,
+    units: FloatArray,
+    low: FloatArray,
+    high: FloatArray,
+    need: float,
+) -> FloatArray:
+    """Length (n,) along each direction at which ``need`` begins, between two lengths."""
+    for _ in range(HALVINGS):
+        middle = 0.5 * (low + high)
+        free = closed.clearance(here + middle[:, None] * units) >= need
+        low, high = np.where(free, low, middle), np.where(free, middle, high)
+    return high
+
+
+def _around(open_: Roadmap, here: FloatArray, ends: list[FloatArray]) -> FloatArray | None:
+    """Shortest path to one of the places."""
+    best: Path | None = None
+    for end in ends:
+        path = open_.plan(tuple(here), tuple(end), prefer="length", relaxed=True)
+        if isinstance(path, Path) and (best is None or path.length < best.length):
+            best = path
+    return None if best is None else best.points

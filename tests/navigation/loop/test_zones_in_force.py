@@ -1,0 +1,144 @@
+"""Zones of a running program: what people change, take back, and find again after a restart."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+
+from navigation.config.zones import MOST_ZONES
+from navigation.journal.kept_zones import KeptZones, KeptZonesError
+from navigation.loop.zones_in_force import ZonesInForce
+from navigation.mission.mission import MissionError
+from tests.navigation.journal.kept import circle
+
+DESK, DOOR = circle("desk"), circle("door", "wait")
+
+
+def words(zones: ZonesInForce) -> dict[str, str]:
+    return {one.name: one.in_a_word for one in zones.changes()}
+
+
+def test_a_change_shows_beside_the_configuration() -> None:
+    zones = ZonesInForce([DESK, DOOR], [""])
+    assert words(zones) == {}
+    zones.put(circle("new"))
+    zones.put(circle("desk", x_m=2.0))
+    zones.remove("door")
+    assert words(zones) == {"desk": "changed", "door": "removed", "new": "added"}
+    zones.undo()
+    zones.undo()
+    assert words(zones) == {"new": "added"}
+    zones.put(DOOR)
+    assert words(zones) == {"new": "added"}
+
+
+def test_each_change_is_counted_and_announced() -> None:
+    zones = ZonesInForce([], [""])
+    called: list[int] = []
+    zones.changed = lambda: called.append(zones.revision)
+    zones.put(DESK)
+    zones.remove("desk")
+    zones.undo()
+    assert called == [1, 2, 3]
+
+
+def test_what_cannot_be_changed_is_refused_and_changes_nothing() -> None:
+    zones = ZonesInForce([DESK], ["ada"])
+    with pytest.raises(MissionError, match="there are desk"):
+        zones.remove("door")
+    with pytest.raises(MissionError, match="no change"):
+        zones.undo()
+    with pytest.raises(MissionError, match="robot 'eve': there is ada"):
+        zones.put(circle("a", robots=["eve"]))
+    assert zones.sections == (DESK,)
+    assert zones.revision == 0
+    full = ZonesInForce([circle(f"z{number}") for number in range(MOST_ZONES)], [""])
+    with pytest.raises(MissionError, match="100 zones already"):
+        full.put(circle("more"))
+    full.put(circle("z7", x_m=2.0))
+
+
+def test_the_next_run_begins_with_the_changes(tmp_path: Path) -> None:
+    kept = KeptZones(tmp_path / "zones")
+    first = ZonesInForce([DESK, DOOR], [""])
+    assert first.restore(kept) == []
+    first.put(circle("new"))
+    first.put(circle("desk", x_m=2.0))
+    first.remove("door")
+    second = ZonesInForce([DESK, DOOR], [""])
+    said = second.restore(KeptZones(tmp_path / "zones"))
+    assert {one.name: one for one in second.sections} == {one.name: one for one in first.sections}
+    assert words(second) == words(first)
+    assert len(said) == 3
+    assert second.revision == 1
+    second.remove("new")
+    third = ZonesInForce([DESK, DOOR], [""])
+    third.restore(KeptZones(tmp_path / "zones"))
+    assert words(third) == {"desk": "changed", "door": "removed"}
+
+
+def test_without_a_difference_nothing_is_kept(tmp_path: Path) -> None:
+    zones = ZonesInForce([], [""])
+    zones.restore(KeptZones(tmp_path / "zones"))
+    zones.put(DESK)
+    assert (tmp_path / "zones").exists()
+    zones.undo()
+    assert not (tmp_path / "zones").exists()
+
+
+def test_a_configuration_that_was_changed_since_holds(tmp_path: Path) -> None:
+    first = ZonesInForce([DESK, DOOR], [""])
+    first.restore(KeptZones(tmp_path / "zones"))
+    first.remove("desk")
+    first.put(circle("door", "wait", x_m=2.0))
+    edited = circle("desk", x_m=1.5)
+    second = ZonesInForce([edited, DOOR], [""])
+    said = second.restore(KeptZones(tmp_path / "zones"))
+    assert second.sections == (edited, circle("door", "wait", x_m=2.0))
+    assert "desk" in said[0]
+    assert "configuration" in said[0]
+
+
+def test_a_zone_for_a_robot_that_is_gone_is_dropped_and_said(tmp_path: Path) -> None:
+    first = ZonesInForce([], ["ada", "bob"])
+    first.restore(KeptZones(tmp_path / "zones"))
+    first.put(circle("desk", robots=["bob"]))
+    second = ZonesInForce([], ["ada"])
+    assert second.restore(KeptZones(tmp_path / "zones")) == [
+        "zone 'desk', added while an earlier run was under way: dropped: there is no robot 'bob' "
+        "in this run"
+    ]
+    assert second.sections == ()
+
+
+def test_a_change_that_cannot_be_kept_holds_and_says_so(tmp_path: Path) -> None:
+    folder = tmp_path / "folder"
+    zones = ZonesInForce([], [""])
+    zones.restore(KeptZones(folder / "zones"))
+    folder.write_text("in the way")
+    zones.put(DESK)
+    assert zones.sections == (DESK,)
+    assert "restart would not know" in zones.trouble
+    folder.unlink()
+    zones.put(DOOR)
+    assert zones.trouble == ""
+    again = ZonesInForce([], [""])
+    again.restore(KeptZones(folder / "zones"))
+    assert again.sections == (DESK, DOOR)
+
+
+def test_lost_changes_are_an_error_and_further_ones_are_kept(tmp_path: Path) -> None:
+    (tmp_path / "zones").write_text("torn")
+    zones = ZonesInForce([DESK], [""])
+    with pytest.raises(KeptZonesError, match="damaged"):
+        zones.restore(KeptZones(tmp_path / "zones"))
+    assert zones.sections == (DESK,)
+    zones.put(DOOR)
+    assert (tmp_path / "zones").read_text() == "torn"
+    kept = KeptZones(tmp_path / "zones")
+    kept.put_aside()
+    zones.keep_in(kept)
+    again = ZonesInForce([DESK], [""])
+    again.restore(KeptZones(tmp_path / "zones"))
+    assert again.sections == (DESK, DOOR)

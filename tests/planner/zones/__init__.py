@@ -1,0 +1,1 @@
+"""Zones: areas, rules, plans of one robot and of several."""
