@@ -1,7 +1,7 @@
 """Trajectory planning: from a scene to a roadmap, a path and timed waypoints.
 
 - ``formats`` reads a scene; ``scene`` defines its obstacles and bounds; ``graph_files`` reads and
-  writes route graphs.
+  writes route graphs; ``graph_repair`` repairs them.
 - ``borders`` places generators along the borders, ``delaunay`` triangulates them, ``diagram``
   solves the generalized Voronoi diagram, ``roadmap`` clips it for a robot.
 - ``search`` and ``route`` plan on it; ``path.py`` holds the answers. ``zones`` adds rules to it.

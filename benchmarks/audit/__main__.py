@@ -15,8 +15,13 @@ from typing import Final
 import numpy as np
 
 import planner
-from benchmarks.audit.judge import Judge, Verdict
+from benchmarks.audit.distances import Verdict
+from benchmarks.audit.frames import LOST, NEAR_M, FrameCounts
+from benchmarks.audit.judge import Judge
 from benchmarks.audit.planted import RADIUS_M, Case, fill, plant, random_map
+from benchmarks.audit.repairs import RepairCounts
+from benchmarks.audit.stretches import StretchCounts
+from benchmarks.audit.turns import TURNING_M
 from planner import RouteEdge, RouteGraph, RouteNode
 
 LARGE_CELLS: Final = 4000
@@ -43,12 +48,16 @@ def judged(graphs: int, seed: int) -> list[str]:
     found: Counter[str] = Counter()
     false: Counter[str] = Counter()
     planted = sound = 0
+    frames, repairs, stretches = FrameCounts(), RepairCounts(), StretchCounts()
     for number in range(graphs):
         rng = np.random.default_rng((seed, number))
         judge = Judge(case := random_map(rng))
         fill(case, rng, judge.is_sound)
-        sound += not _reported(case)
+        sound += not _reported(case, turning=False)
+        frames.add(number, case, judge, rng)
         plant(case, rng)
+        stretches.add(case, judge, f"graph {number}")
+        repairs.add(case, judge, f"graph {number}")
         verdict = judge.judge(case)
         reported = _reported(case)
         planted += len(case.planted)
@@ -66,11 +75,37 @@ def judged(graphs: int, seed: int) -> list[str]:
         "| kind | sure to be there | found | false |",
         "|---|---|---|---|",
         *(f"| `{kind}` | {wanted[kind]} | {found[kind]} | {false[kind]} |" for kind in kinds),
+        "",
+        stretches.sentence(),
+        "",
+        "## Other frames",
+        "",
+        f"Each graph, before faults are planted, in another frame. *Lost*: less than {LOST:.0%} of"
+        " its length is free by the judge; *missed*: lost, and no transform offered; *free*: at"
+        " least 90 % of it is free by the judge where it was put; *put back*: its nodes are within"
+        f" {NEAR_M:g} m of where they were, on average. Rooms with a symmetry have several answers:"
+        " then the audit is not sure.",
+        "",
+        *frames.table(),
+        "",
+        "## Repairs",
+        "",
+        "Each graph with its planted faults, repaired. Edges are judged by the distance transform;"
+        " a path is looked for by flooding cells that are surely free.",
+        "",
+        *repairs.table(),
     ]
 
 
-def _reported(case: Case) -> set[tuple[str, str]]:
-    audit = planner.audit(case.graph, case.scene, RADIUS_M, keepout=case.keepout)
+def _reported(case: Case, *, turning: bool = True) -> set[tuple[str, str]]:
+    audit = planner.audit(
+        case.graph,
+        case.scene,
+        RADIUS_M,
+        keepout=case.keepout,
+        speed=case.speed,
+        turning_radius=TURNING_M if turning else None,
+    )
     return {(one.kind, one.name) for one in audit.findings}
 
 

@@ -9,7 +9,7 @@ from typing import Any, Final
 import numpy as np
 from numpy.typing import NDArray
 
-from planner import RouteEdge, RouteGraph, RouteNode, Scene
+from planner import RouteEdge, RouteGraph, RouteNode, Scene, SpeedLevel
 from planner.formats.grid_maps import GridPose, map_scene
 
 FREE, OCCUPIED, UNKNOWN = 0, 1, 2
@@ -18,16 +18,21 @@ ROWS, COLUMNS = 90, 120
 RADIUS_M: Final = 0.25
 NODES: Final = 26
 PLANTED: Final = 9
+LIMITS: Final = (40, 70)
 Cells = NDArray[np.int8]
 Point = NDArray[np.float64]
 
 
 @dataclass
 class Case:
-    """A map (0 free, 1 occupied, 2 unknown, row 0 the top), a mask of zones, and a graph."""
+    """A map (0 free, 1 occupied, 2 unknown, row 0 the top), masks of zones and limits, and a graph.
+
+    ``limits`` are in percent, 0 for none.
+    """
 
     cells: Cells
     zones: NDArray[np.bool_]
+    limits: Cells
     nodes: list[RouteNode] = field(default_factory=list)
     edges: list[RouteEdge] = field(default_factory=list)
     planted: list[tuple[str, str]] = field(default_factory=list)
@@ -44,6 +49,15 @@ class Case:
     @property
     def keepout(self) -> Scene:
         return map_scene(self.zones, GridPose(CELL_M, 0.0, 0.0, 0.0), rim=False)
+
+    @property
+    def speed(self) -> tuple[SpeedLevel, ...]:
+        pose = GridPose(CELL_M, 0.0, 0.0, 0.0)
+        return tuple(
+            SpeedLevel(map_scene(self.limits == limit, pose, rim=False), float(limit))
+            for limit in LIMITS
+            if (self.limits == limit).any()
+        )
 
     def fresh(self) -> int:
         """A number that neither a node nor an edge has."""
@@ -78,7 +92,11 @@ def random_map(rng: np.random.Generator) -> Case:
     for _ in range(2):
         r, c = rng.integers(0, ROWS), rng.integers(0, COLUMNS)
         zones[r : r + rng.integers(2, 10), c : c + rng.integers(2, 10)] = True
-    return Case(cells, zones)
+    limits = np.zeros((ROWS, COLUMNS), np.int8)
+    for limit in LIMITS:
+        r, c = rng.integers(0, ROWS), rng.integers(0, COLUMNS)
+        limits[r : r + rng.integers(10, 45), c : c + rng.integers(10, 45)] = limit
+    return Case(cells, zones, limits)
 
 
 def fill(case: Case, rng: np.random.Generator, is_sound: Callable[[Point, Point], bool]) -> None:
@@ -237,6 +255,12 @@ def _wrong_length(case: Case, rng: np.random.Generator) -> None:
     case.edges[k] = replace(edge, length=float(length * part))
 
 
+def _own_limit(case: Case, rng: np.random.Generator) -> None:
+    for _ in range(5):
+        k = _some_edge(case, rng)
+        case.edges[k] = replace(case.edges[k], speed_percent=float(rng.choice((40, 50, 70, 100))))
+
+
 def _on_edge(case: Case, rng: np.random.Generator) -> None:
     """A node on an edge, or just beside it, joined to one of the edge's ends."""
     edge = case.edges[_some_edge(case, rng)]
@@ -255,4 +279,5 @@ def _on_edge(case: Case, rng: np.random.Generator) -> None:
 PLANTS: Final = (
     *(_long_edge, _long_edge, _anywhere, _anywhere, _alone, _dead_end, _no_way_in, _trap),
     *(_twin_node, _twin_edge, _twin_id, _no_length, _no_node, _wrong_length, _on_edge),
+    *(_own_limit, _own_limit),
 )

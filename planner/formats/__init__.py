@@ -7,4 +7,5 @@
 - ``map_files.py`` reads ROS and MovingAI maps, with pictures from ``pgm.py``; ``grid_maps.py``
   turns their cells into a scene.
 - ``map_writer.py`` writes a scene as a ROS map.
+- ``mask_files.py`` reads and writes Nav2's masks: keep-out zones and speed limits.
 """

@@ -61,35 +61,31 @@ def read_ros_map(text: str, path: Path, read_picture: ReadPicture | None = None)
     ``read_picture`` reads pictures other than PGM. Raises :class:`SceneError` with the file and,
     for the YAML, line and column.
     """
-    free, unknown, remarks, pose = _read_cells(text, path, read_picture)
+    free, unknown, remarks, pose = read_cells(text, path, read_picture)
     return map_scene(~free, pose, remarks, unknown)
 
 
-def read_mask(text: str, path: Path, read_picture: ReadPicture | None = None) -> Scene:
-    """Return the zones of a Nav2 filter mask: an object for each group of its occupied cells.
-
-    All other cells, and the outside of the mask, are no zone. Arguments and errors are those of
-    :func:`read_ros_map`.
-    """
-    free, unknown, _, pose = _read_cells(text, path, read_picture)
-    return map_scene(~free & ~unknown, pose, rim=False)
-
-
-def _read_cells(
+def read_cells(
     text: str, path: Path, read_picture: ReadPicture | None
 ) -> tuple[NDArray[np.bool_], NDArray[np.bool_], tuple[str, ...], GridPose]:
     """Certainly free cells, unknown cells, remarks on the latter, and the map's pose."""
+    shade, transparent, header = read_map_picture(text, path, read_picture)
+    return *classify(shade, transparent, header), header.pose
+
+
+def read_map_picture(
+    text: str, path: Path, read_picture: ReadPicture | None
+) -> tuple[NDArray[np.float64], NDArray[np.bool_], MapHeader]:
+    """Shades of a ROS map's cells, a mask of the transparent ones, and the header."""
     header = parse_map_header(text, str(path))
     picture = path.parent / header.image
     data = read_bytes(picture)
     if data[:2] in (b"P2", b"P5"):
         shade = parse_pgm(data, str(picture))
-        transparent = np.zeros(shade.shape, dtype=np.bool_)
-    elif read_picture is not None:
-        shade, transparent = read_picture(picture)
-    else:
-        raise SceneError(f"{picture}: the picture of a map must be PGM (P2 or P5)")
-    return *classify(shade, transparent, header), header.pose
+        return shade, np.zeros(shade.shape, dtype=np.bool_), header
+    if read_picture is not None:
+        return *read_picture(picture), header
+    raise SceneError(f"{picture}: the picture of a map must be PGM (P2 or P5)")
 
 
 def parse_map_header(text: str, name: str) -> MapHeader:

@@ -20,6 +20,7 @@ from numpy.typing import NDArray
 
 from planner.scene import (
     Arc,
+    Bounds,
     CircleRecord,
     FloatArray,
     PointRecord,
@@ -27,12 +28,14 @@ from planner.scene import (
     Record,
     Scene,
     SceneError,
+    Vec,
     object_records,
     record_edges,
 )
 
 OCCUPIED, FREE = 0, 254
 """The bytes that map_saver writes."""
+TRINARY = "mode: trinary\noccupied_thresh: 0.65\nfree_thresh: 0.196\n"
 MOST_CELLS = 100_000_000
 ON_EDGE = 1e-6
 """A border nearer to a cell's edge, in cells, runs along it."""
@@ -48,17 +51,27 @@ def write_map(scene: Scene, path: str | os.PathLike[str], resolution: float) -> 
     """
     file = Path(path)
     occupied = occupied_cells(scene, resolution)
-    picture = file.with_suffix(".pgm")
+    shades = np.where(occupied, OCCUPIED, FREE).astype(np.uint8)
     b = scene.bounds
+    write_picture(file, shades, resolution, (b.x_min, b.y_min), TRINARY)
+
+
+def write_picture(
+    file: Path, shades: NDArray[np.uint8], resolution: float, origin: Vec, thresholds: str
+) -> None:
+    """Write a map's YAML and its PGM; row 0 of ``shades`` is at the least y.
+
+    ``thresholds`` are the YAML's lines with mode and thresholds. :class:`SceneError` if a file
+    cannot be written.
+    """
+    picture = file.with_suffix(".pgm")
     header = (
-        f"image: {picture.name}\nmode: trinary\nresolution: {resolution!r}\n"
-        f"origin: [{b.x_min!r}, {b.y_min!r}, 0.0]\n"
-        "negate: 0\noccupied_thresh: 0.65\nfree_thresh: 0.196\n"
+        f"image: {picture.name}\nresolution: {resolution!r}\n"
+        f"origin: [{origin[0]!r}, {origin[1]!r}, 0.0]\nnegate: 0\n{thresholds}"
     )
-    rows, columns = occupied.shape
-    shades = np.where(occupied[::-1], OCCUPIED, FREE).astype(np.uint8)
+    rows, columns = shades.shape
     try:
-        picture.write_bytes(b"P5\n%d %d\n255\n" % (columns, rows) + shades.tobytes())
+        picture.write_bytes(b"P5\n%d %d\n255\n" % (columns, rows) + shades[::-1].tobytes())
         file.write_text(header, encoding="utf-8")
     except OSError as error:
         raise SceneError(f"{file}: {error.strerror or error}") from None
@@ -69,19 +82,29 @@ def occupied_cells(scene: Scene, resolution: float) -> NDArray[np.bool_]:
 
     Raises :class:`SceneError`, see :func:`write_map`.
     """
+    occupied = covered_cells(scene, scene.bounds, resolution)
+    rows, columns = occupied.shape
+    b = scene.bounds
+    occupied[:, b.width / resolution + ON_EDGE < np.arange(1, columns + 1)] = True
+    occupied[b.height / resolution + ON_EDGE < np.arange(1, rows + 1)] = True
+    return occupied
+
+
+def covered_cells(scene: Scene, b: Bounds, resolution: float) -> NDArray[np.bool_]:
+    """Cells that contain part of an object, as (rows, columns); row 0 is at ``b``'s least y.
+
+    Raises :class:`SceneError`, see :func:`write_map`.
+    """
     if scene.units != "m":
         raise SceneError(f"a scene in {scene.units}: a ROS map is in metres, calibrate it first")
     if not (math.isfinite(resolution) and resolution > 0.0):
         raise SceneError(f"resolution = {resolution:g}: must be > 0 and finite")
-    b = scene.bounds
     columns, rows = (max(1, math.ceil(side / resolution - ON_EDGE)) for side in (b.width, b.height))
     if columns * rows > MOST_CELLS:
         raise SceneError(
             f"resolution = {resolution:g}: {columns} x {rows} cells, the limit is {MOST_CELLS:g}"
         )
     occupied = np.zeros((rows, columns), dtype=np.bool_)
-    occupied[:, b.width / resolution + ON_EDGE < np.arange(1, columns + 1)] = True
-    occupied[b.height / resolution + ON_EDGE < np.arange(1, rows + 1)] = True
     origin = np.array([b.x_min, b.y_min])
     for obj in scene.objects:
         rings = []

@@ -1,4 +1,4 @@
-"""Scene and map files in and out: the planner's only access to the disk.
+"""Scene and map files in and out.
 
 ``load_scene`` recognises the scene text of ``scene_text.py``, the JSON of ``scene_json.py``, the
 YAML of a ROS map and a MovingAI ``.map`` (``map_files.py``) by content. ``vision.extract`` turns a
@@ -16,9 +16,7 @@ from planner.formats.map_files import (
     decode,
     parse_movingai,
     read_bytes,
-    read_mask,
     read_ros_map,
-    read_text,
 )
 from planner.formats.scene_json_reader import read_scene_json
 from planner.formats.scene_text import HEADER, read_scene_text, write_scene_text
@@ -26,7 +24,6 @@ from planner.scene import Scene, SceneError
 
 __all__ = [
     "is_picture",
-    "load_mask",
     "load_scene",
     "read_scene_text",
     "save_scene",
@@ -48,15 +45,6 @@ def load_scene(path: str | os.PathLike[str], *, read_picture: ReadPicture | None
         raise TypeError(f"path is a {type(path).__name__}: must be the name of a file")
     file = Path(path)
     return scene_from_bytes(read_bytes(file), file, read_picture=read_picture)
-
-
-def load_mask(path: str | os.PathLike[str], *, read_picture: ReadPicture | None = None) -> Scene:
-    """Load a keep-out mask of Nav2, a YAML file with its picture: each zone becomes an object.
-
-    Raises :class:`SceneError` as :func:`load_scene`.
-    """
-    file = Path(path)
-    return read_mask(read_text(file), file, read_picture)
 
 
 def scene_from_bytes(data: bytes, file: Path, *, read_picture: ReadPicture | None = None) -> Scene:

@@ -90,6 +90,31 @@ KINDS: dict[str, FindingKind] = {
         "cannot be reached from the graph: {other}",
         "Choose another goal, or a smaller robot.",
     ),
+    "graph_wrong_frame": FindingKind(
+        "error",
+        "is not in the map's frame: {number} % of its length is free; {other}",
+        "Transform its places, or name the frame that the map has.",
+    ),
+    "edge_too_fast": FindingKind(
+        "error",
+        "runs {value} through an area with a limit of {other}",
+        "Lower its limit, or divide it at the area's border.",
+    ),
+    "turn_too_tight": FindingKind(
+        "error",
+        "has a turn {other} of a radius of {value} at most: must be {limit} or more",
+        "Move the node, put more room before the turn, or remove the connection.",
+    ),
+    "edge_bends_tightly": FindingKind(
+        "error",
+        "bends with a radius of {value} at most: must be {limit} or more",
+        "Draw the bend wider.",
+    ),
+    "edge_without_passing": FindingKind(
+        "warning",
+        "is in a stretch of {value} on which two robots cannot pass: {other}",
+        "Make it one-way, or let robots wait at its ends.",
+    ),
     "edge_without_node": FindingKind(
         "error", "names node {other}, which does not exist", "Add the node, or correct the id."
     ),

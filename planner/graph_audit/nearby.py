@@ -147,7 +147,8 @@ def _narrower(low: FloatArray, high: FloatArray) -> int:
     """Axis along which the pieces are shorter, compared with all of them together."""
     if not len(low):
         return 0
-    share = (high - low).sum(axis=0) / np.maximum(np.ptp(low, axis=0), 1e-300)
+    low_end, high_end = low.min(axis=0), high.max(axis=0)
+    share = (high - low).sum(axis=0) / np.where(high_end > low_end, high_end - low_end, 1.0)
     return int(np.argmin(share))
 
 

@@ -9,12 +9,15 @@ from __future__ import annotations
 import json
 import math
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass
+from dataclasses import asdict, dataclass
 from typing import Any
 
 from planner.graph_audit.audit import GraphAudit
+from planner.graph_audit.coverage import GraphCoverage
 from planner.graph_audit.edge_lines import length_of
 from planner.graph_audit.findings import SEVERITIES, GraphFinding, Severity
+from planner.graph_audit.frame_fit import FrameFit
+from planner.graph_repair.repair import GraphRepair
 from planner.shared.figures import placed, sized
 
 SCHEMA = "clearway.audit/1"
@@ -29,8 +32,10 @@ class AuditOutput:
 
     file: str
     audit: GraphAudit
+    coverage: GraphCoverage
     timings_ms: Mapping[str, float]
     remarks: tuple[str, ...] = ()
+    repair: GraphRepair | None = None
 
     def as_form(self, form: str) -> str:
         """Return the answer as ``text``, ``json`` or ``github``."""
@@ -55,6 +60,9 @@ class AuditOutput:
             "counts": {severity: len(found.of(severity)) for severity in SEVERITIES},
             "findings": [_finding(one) for one in found.findings],
             "edges": [self._edge(k) for k in range(len(found.edges))],
+            "coverage": asdict(self.coverage),
+            "frame": None if found.frame_fit is None else _frame(found.frame_fit),
+            "repair": None if self.repair is None else _repair(self.repair),
             "timings_ms": {name: round(ms, 3) for name, ms in self.timings_ms.items()},
             "remarks": list(self.remarks),
         }
@@ -83,9 +91,13 @@ class AuditOutput:
             at = placed(*found.places[k].tolist())
             least = sized(float(found.clearances[k]), found.units, found.radius)
             yield f"least clearance {least}: edge {found.edges[k].name} at {at}"
+        reach = sized(self.coverage.reach, found.units)
+        yield f"within {reach} of the graph: {self.coverage.covered:.0%} of the free space"
         for one in found.findings:
             yield f"{one.severity + ':':<9}{one}"
             yield f"{'':9}{one.cure}"
+        if self.repair is not None:
+            yield from _repair_lines(self.repair)
         for remark in self.remarks:
             yield f"note: {remark}"
 
@@ -111,6 +123,38 @@ def _finding(one: GraphFinding) -> dict[str, Any]:
         "sentence": str(one),
         "cure": one.cure,
     }
+
+
+def _frame(fit: FrameFit) -> dict[str, Any]:
+    return {**asdict(fit), "shift": list(fit.shift), "sure": fit.sure, "sentence": str(fit)}
+
+
+def _repair(done: GraphRepair) -> dict[str, Any]:
+    return {
+        "safe": done.audit.safe,
+        "transformed": done.frame_fit is not None,
+        "moved": [
+            {"node": move.node, "from": list(move.before), "to": list(move.after)}
+            for move in done.moved
+        ],
+        "detours": list(done.detours),
+        "unsolved": [{"id": one, "reason": reason} for one, reason in done.unsolved.items()],
+        "counts": {severity: len(done.audit.of(severity)) for severity in SEVERITIES},
+    }
+
+
+def _repair_lines(done: GraphRepair) -> Iterator[str]:
+    if done.frame_fit is not None:
+        yield f"repair:  {done.frame_fit}"
+    left = len(done.unsolved)
+    words = f"{left} unsafe left" if left else "nothing unsafe is left"
+    yield f"repair:  {len(done.moved)} nodes moved, {len(done.detours)} edges led round: {words}"
+    units = done.audit.units
+    for move in done.moved:
+        way = sized(math.dist(move.before, move.after), units)
+        yield f"{'':9}node {move.node} from {placed(*move.before)} by {way}"
+    for one in done.audit.of("unsafe"):
+        yield f"{'':9}{one}: {done.unsolved[one.id]}"
 
 
 def _finite(value: float) -> float | None:

@@ -1,4 +1,4 @@
-"""The picture of an audit: the map, its keep-out zones, the graph, and its numbered findings.
+"""The picture of an audit: the map, its zones, the graph, and its numbered findings.
 
 An edge has the colour of its worst finding, a pale band as wide as the robot shows what it sweeps,
 and an arrow head where it leads one way. The worst findings have numbers, which the legend
@@ -7,7 +7,7 @@ explains.
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 
 import numpy as np
 
@@ -34,13 +34,14 @@ from navigation.draw.shapes import (
     Strokes,
     fit_screen,
 )
+from planner.formats.mask_files import SpeedLevel
 from planner.graph_audit.audit import GraphAudit
 from planner.graph_audit.findings import GraphFinding
 from planner.scene import Bounds, FloatArray, Scene
 from planner.shared.figures import sized
 
 COLOURS: dict[str, Colour] = {"unsafe": BOTTLENECK, "error": TRACK, "warning": GOAL}
-SOUND = PATH
+SOUND, SLOW = PATH, GOAL
 MOST_NUMBERED = 14
 """Findings that have a number on the picture and a line in the legend."""
 WORDS_WIDTH, ROW, LINE = 420, 22.0, 15.0
@@ -50,15 +51,22 @@ FAR = 0.5
 ARROW_PX = 7.0
 
 
-def audit_drawing(audit: GraphAudit, scene: Scene, zones: Scene | None = None) -> Drawing:
-    """Draw an audit with the scene and the keep-out zones that it was made with."""
+def audit_drawing(
+    audit: GraphAudit,
+    scene: Scene,
+    zones: Scene | None = None,
+    levels: Sequence[SpeedLevel] = (),
+) -> Drawing:
+    """Draw an audit with the scene, the keep-out zones and slow areas that it was made with."""
     content = Content(scene, None, None, None, None, None, (), (), (), (), "Audit")
     window = _window(audit, scene)
     screen = fit_screen(window, scene.y_down, PLOT_WIDTH, PLOT_HEIGHT, MARGIN, MARGIN)
     width, height = screen.scale * window.width, screen.scale * window.height
     numbered = [one for one in audit.findings if one.at is not None][:MOST_NUMBERED]
     left = 2 * MARGIN + width
-    words = list(_words(audit, numbered, screen, left))
+    areas = [("keep-out zones", BOTTLENECK)] if zones is not None else []
+    areas += [("slow areas", SLOW)] if levels else []
+    words = list(_words(audit, numbered, areas, left))
     lowest = max((s.y for s in words if isinstance(s, Label)), default=0.0)
     bottom = max(MARGIN + height, LEAST_HEIGHT, lowest + 50.0)
     return Drawing(
@@ -67,7 +75,8 @@ def audit_drawing(audit: GraphAudit, scene: Scene, zones: Scene | None = None) -
         view=(MARGIN, MARGIN, MARGIN + width, MARGIN + height),
         layers=(
             *(one for one in layers(content, screen) if one.name != "numbers"),
-            Layer("zones", tuple(_zones(zones, screen))),
+            Layer("slow", tuple(s for one in levels for s in _areas(one.area, SLOW, screen))),
+            Layer("zones", () if zones is None else tuple(_areas(zones, BOTTLENECK, screen))),
             Layer("edges", tuple(_edges(audit, screen))),
             Layer("nodes", tuple(_nodes(audit, screen))),
             Layer("findings", tuple(_marks(numbered, screen))),
@@ -98,14 +107,14 @@ def _window(audit: GraphAudit, scene: Scene) -> Bounds:
     return Bounds(low, bottom, high, top)
 
 
-def _zones(zones: Scene | None, screen: Screen) -> Iterator[Shape]:
-    for zone in () if zones is None else zones.objects:
+def _areas(areas: Scene, colour: Colour, screen: Screen) -> Iterator[Shape]:
+    for area in areas.objects:
         rings = tuple(
             screen.points(ring)
-            for border in (zone.records, *zone.holes)
-            for ring in ring_points(border, zones.y_down if zones else False)
+            for border in (area.records, *area.holes)
+            for ring in ring_points(border, areas.y_down)
         )
-        yield Area(rings, BOTTLENECK, opacity=0.16)
+        yield Area(rings, colour, opacity=0.16)
 
 
 def _edges(audit: GraphAudit, screen: Screen) -> Iterator[Shape]:
@@ -168,7 +177,7 @@ def _marks(numbered: list[GraphFinding], screen: Screen) -> Iterator[Shape]:
 
 
 def _words(
-    audit: GraphAudit, numbered: list[GraphFinding], screen: Screen, left: float
+    audit: GraphAudit, numbered: list[GraphFinding], areas: list[tuple[str, Colour]], left: float
 ) -> Iterator[Shape]:
     y = MARGIN + 16.0
     yield Label(left, y, "Audit", 18.0, INK, bold=True)
@@ -186,7 +195,14 @@ def _words(
     bar = np.array([(left + 2.0, y - 4.0), (left + 30.0, y - 4.0)])
     yield Strokes((bar,), SOUND, 1.6)
     yield Label(left + 40.0, y, "without a finding", 13.0)
-    y += ROW + 8.0
+    y += ROW
+    for words, colour in areas:
+        low, high = (left + 2.0, y - 10.0), (left + 30.0, y + 2.0)
+        swatch = np.array([low, (high[0], low[1]), high, (low[0], high[1])])
+        yield Area((swatch,), colour, opacity=0.16)
+        yield Label(left + 40.0, y, words, 13.0)
+        y += ROW
+    y += 8.0
     for number, one in enumerate(numbered, start=1):
         yield DiscShape(left + 9.0, y - 4.0, 9.0, fill=COLOURS[one.severity])
         yield Label(left + 9.0, y, str(number), 11.0, PAGE, "middle", bold=True)

@@ -11,7 +11,7 @@ from typing import Annotated, Final, Self
 from pydantic import AfterValidator, Field, PrivateAttr, model_validator
 
 from navigation.config.values import Name, NeighbourFile, Number, Positive, Rate, Section
-from planner.formats.scene_io import load_mask
+from planner.formats.mask_files import load_mask
 from planner.scene import SceneError
 from planner.zones.areas import Area, BandArea, CircleArea, MaskArea, PolygonArea
 from planner.zones.zone import LEAST_COST, Zone, ZoneKind

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import re
+from dataclasses import replace
 from pathlib import Path
 from xml.etree import ElementTree
 
@@ -29,6 +30,9 @@ def folder(tmp_path: Path) -> Path:
     mask[36:44, 28:32] = 0  # on the lower edge, y from 0.6 to 1.4
     mask[0:2, 0:60] = 128  # slow there: no zone
     write_map(tmp_path, "mask", mask, "scale")
+    slow = np.full((50, 60), 255, np.uint8)
+    slow[30:50, 20:40] = 127  # half as fast in x from 2 to 4, y below 2
+    write_map(tmp_path, "slow", slow, "scale")
     nodes = tuple(RouteNode(*row, frame="map") for row in PLACES)
     edges = []
     for k, (a, b) in enumerate(((1, 2), (2, 3), (3, 4), (4, 1))):
@@ -101,6 +105,77 @@ def test_a_keep_out_mask_of_nav2_is_a_zone(folder, capsys):
     assert "2 unsafe" in out
 
 
+def test_a_speed_mask_of_nav2_limits_edges(folder, capsys):
+    from planner import load_graph
+
+    graph = load_graph(folder / "good.geojson")
+    edges = tuple(replace(e, speed_percent=80.0) if e.id == 10 else e for e in graph.edges)
+    save_graph(replace(graph, edges=edges), folder / "fast.geojson")
+    assert asked(folder, "fast.geojson", "--speed", folder / "slow.yaml") == 0
+    out = capsys.readouterr().out
+    assert "0 unsafe, 1 errors" in out
+    assert "edge 10 at (3, 1) runs 2 m through an area with a limit of 50 %" in out
+    scale = ("--speed-filter", "m/s", 0.0, 0.01)
+    assert asked(folder, "fast.geojson", "--speed", folder / "slow.yaml", *scale) == 0
+    assert "0 errors" in capsys.readouterr().out
+    faster = (*scale, "--max-speed", 1.0)
+    assert asked(folder, "fast.geojson", "--speed", folder / "slow.yaml", *faster) == 0
+    assert "a limit of 0.5 m/s: its own limit is 80 %" in capsys.readouterr().out
+
+
+def test_passing_and_turns_are_reported_when_asked_for(folder, capsys):
+    wide = ("--radius", 0.4, "--passing", "--turning-radius", 4.5)
+    assert asked(folder, "good.geojson", *wide) == 0
+    out = capsys.readouterr().out
+    # the upper left node is 0.707 m from the corner of the unknown cells at (0.5, 4.5)
+    assert re.search(r"edge 1\d at \S+ \S+ is in a stretch of 0\.\d+ m on which two robots", out)
+    assert "node 2 at (5, 1) has a turn from edge 10 to edge 11 of a radius of 3 m at most" in out
+
+
+def test_the_coverage_is_in_the_text_and_in_json(folder, capsys):
+    assert asked(folder, "good.geojson", "--reach", 0.5) == 0
+    text = capsys.readouterr().out
+    assert asked(folder, "good.geojson", "--reach", 0.5, "--format", "json") == 0
+    answer = json.loads(capsys.readouterr().out)
+    share = answer["coverage"]["covered"]
+    assert f"within 0.5 m of the graph: {share:.0%} of the free space" in text
+    assert 0.4 < share < 0.9
+    assert answer["coverage"]["connected_pairs"] == 1.0
+    assert answer["frame"] is None
+    assert answer["repair"] is None
+
+
+def test_a_graph_of_another_frame_is_offered_its_transform(folder, capsys):
+    from planner import load_graph
+
+    graph = load_graph(folder / "good.geojson")
+    nodes = tuple(replace(n, x=n.x / 0.1, y=(5.0 - n.y) / 0.1) for n in graph.nodes)
+    save_graph(replace(graph, nodes=nodes), folder / "pixels.geojson")
+    assert asked(folder, "pixels.geojson", "--format", "json") == 3
+    answer = json.loads(capsys.readouterr().out)
+    assert answer["frame"]["scale"] == 0.1
+    assert answer["frame"]["named"].startswith("pixels")
+    assert answer["frame"]["after"] == 1.0
+    assert answer["frame"]["sure"] is False  # y up or down, the room is the same
+    assert asked(folder, "pixels.geojson") == 3
+    assert "the graph is not in the map's frame: 0 % of its length" in capsys.readouterr().out
+
+
+def test_a_repaired_graph_is_written_and_decides_the_exit_code(folder, capsys):
+    assert asked(folder, "bad.geojson", "--repair", folder / "fixed.geojson") == 0
+    out = capsys.readouterr().out
+    assert "repair:  0 nodes moved, 1 edges led round: nothing unsafe is left" in out
+    assert "1 unsafe" in out
+    assert asked(folder, "fixed.geojson") == 0
+    assert load_as_nav2((folder / "fixed.geojson").read_text())
+    capsys.readouterr()
+    small = ("--radius", 1.6, "--format", "json", "--repair", folder / "no.geojson")
+    assert asked(folder, "bad.geojson", *small) == 3
+    answer = json.loads(capsys.readouterr().out)
+    assert answer["repair"]["safe"] is False
+    assert answer["repair"]["unsolved"][0].keys() == {"id", "reason"}
+
+
 def test_a_goal_that_no_path_reaches_ends_with_3(folder, capsys):
     assert asked(folder, "good.geojson", "--goal", "3,1.5") == 0
     assert asked(folder, "good.geojson", "--goal", "0.1,0.1") == 3
@@ -144,6 +219,15 @@ def test_the_picture_shows_the_finding_in_its_colour(folder):
             ("good.geojson", "--keepout", "good.geojson"),
             r"good.geojson:1:1: a ROS map needs the key",
         ),
+        (("good.geojson", "--speed", "none.yaml"), r"none.yaml: No such file"),
+        (
+            ("good.geojson", "--speed", "slow.yaml", "--speed-filter", "percent", "100", "0"),
+            r"--speed-filter: 100 0: must be finite, and the multiplier not 0",
+        ),
+        (("good.geojson", "--turning-radius", "0"), r"'0': must be a finite number > 0"),
+        (("good.geojson", "--reach", "x"), r"'x': must be a finite number > 0"),
+        (("good.geojson", "--repair", "good.geojson"), r"would overwrite good.geojson"),
+        (("good.geojson", "--repair", "no/a.json"), r"there is no directory no"),
         (("good.geojson", "--frame", "L2"), r"frame 'L2': the graph has no node in it"),
         (("good.geojson", "--radius", "-1"), r"'-1': must be a finite number > 0"),
         (("good.geojson", "--goal", "1"), r"must be X,Y or X,Y,DEG"),

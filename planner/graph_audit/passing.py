@@ -1,0 +1,100 @@
+"""Stretches on which two robots cannot pass each other.
+
+Two discs of radius r pass side by side where the line between them keeps 2 r from every border:
+each drives r beside it. So an edge is too narrow where its clearance is less than 2 r. Only edges
+that lead both ways, alone or with one along the same line back, are looked at. Narrow parts that
+meet at a node are one stretch.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from planner.borders.ground import Ground
+from planner.borders.polyline import arc_lengths, points_at
+from planner.graph_audit.edge_lines import EdgeLines
+from planner.graph_audit.findings import FindingList
+from planner.graph_audit.unsafe import NOTICED, TIGHT
+from planner.scene import Vec
+
+MOST_NAMED = 6
+"""Edges that a sentence names; the rest are counted (chosen)."""
+
+
+@dataclass(frozen=True, slots=True)
+class _Part:
+    """A narrow part of an edge: its length, its middle, and the nodes that it reaches."""
+
+    edge: int
+    length: float
+    middle: Vec
+    nodes: tuple[int, ...]
+
+
+def find_narrow(lines: EdgeLines, ground: Ground, radius: float, findings: FindingList) -> None:
+    """Add a finding for every stretch that is too narrow for two robots."""
+    level = 2.0 * radius
+    parts = _parts(lines, ground, level * (1.0 - TIGHT))
+    for stretch in _stretches(parts):
+        longest = max(stretch, key=lambda part: part.length)
+        length = sum(part.length for part in stretch)
+        names = list(dict.fromkeys(str(lines.edges[part.edge].name) for part in stretch))
+        words = ("edge " if len(names) == 1 else "edges ") + ", ".join(names[:MOST_NAMED])
+        if len(names) > MOST_NAMED:
+            words += f" and {len(names) - MOST_NAMED} more"
+        name = lines.edges[longest.edge].name
+        findings.add("edge_without_passing", "edge", name, longest.middle, length, level, words)
+
+
+def _parts(lines: EdgeLines, ground: Ground, level: float) -> list[_Part]:
+    """Narrow parts of the edges that are driven both ways, each line once."""
+    edges = driven_both_ways(lines)
+    chosen = [lines.lines[k] for k in edges]
+    owner, begin, end = ground.parts_below(chosen, level)
+    parts = []
+    rows = zip(owner.tolist(), begin.tolist(), end.tolist(), strict=True)
+    for number, low, high in rows:
+        k, line = edges[number], chosen[number]
+        total = float(lines.lengths[k])
+        if high - low <= NOTICED * total:
+            continue
+        a, b = lines.ends[k].tolist()
+        reached = [(low <= NOTICED * total, a), (high >= (1.0 - NOTICED) * total, b)]
+        nodes = tuple(node for reaches, node in reached if reaches)
+        at = points_at(line, arc_lengths(line), np.array([0.5 * (low + high)]))[0]
+        parts.append(_Part(k, high - low, (float(at[0]), float(at[1])), nodes))
+    return parts
+
+
+def driven_both_ways(lines: EdgeLines) -> list[int]:
+    """Edges that lead both ways, or have one along their line back; each line once."""
+    ways = [(line.tobytes(), np.ascontiguousarray(line[::-1]).tobytes()) for line in lines.lines]
+    driven = {own for own, _ in ways}
+    driven |= {back for edge, (_, back) in zip(lines.edges, ways, strict=True) if edge.both_ways}
+    both: dict[bytes, int] = {}
+    for k, (own, back) in enumerate(ways):
+        if {own, back} <= driven and back not in both:
+            both.setdefault(own, k)
+    return sorted(both.values())
+
+
+def _stretches(parts: list[_Part]) -> list[list[_Part]]:
+    """Group the parts that are connected at nodes."""
+    leader = list(range(len(parts)))
+
+    def find(k: int) -> int:
+        while leader[k] != k:
+            leader[k] = leader[leader[k]]
+            k = leader[k]
+        return k
+
+    first: dict[int, int] = {}
+    for k, part in enumerate(parts):
+        for node in part.nodes:
+            leader[find(k)] = find(first.setdefault(node, k))
+    groups: dict[int, list[_Part]] = {}
+    for k, part in enumerate(parts):
+        groups.setdefault(find(k), []).append(part)
+    return list(groups.values())

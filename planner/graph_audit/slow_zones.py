@@ -1,0 +1,79 @@
+"""Edges whose own speed limit is faster than that of an area which they run through.
+
+An area's limit counts for the robot's centre, as in Nav2's SpeedFilter. A limit in percent and one
+in m/s are compared by the robot's largest speed, and not at all if that is not given. An edge
+without a limit of its own is left to the speed filter.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+
+from planner.borders.ground import Ground
+from planner.formats.mask_files import SpeedLevel
+from planner.graph_audit.edge_lines import EdgeLines
+from planner.graph_audit.findings import FindingList
+from planner.graph_audit.structure import middle
+from planner.graph_audit.unsafe import NOTICED
+from planner.graph_files.route_graph import RouteEdge
+from planner.shared.arguments import as_float
+
+FASTER = 1e-9
+"""Limits that differ by less than this part are equal: files round."""
+
+
+def check_speed(max_speed_m_s: float | None) -> float | None:
+    """Largest speed as a float; ``ValueError`` unless it is > 0 and finite."""
+    if max_speed_m_s is None:
+        return None
+    speed = as_float("max_speed_m_s", max_speed_m_s)
+    if not (math.isfinite(speed) and speed > 0.0):
+        raise ValueError(f"max_speed_m_s = {max_speed_m_s:g}: must be > 0 and finite")
+    return speed
+
+
+def find_fast(
+    lines: EdgeLines,
+    levels: Sequence[SpeedLevel],
+    max_speed_m_s: float | None,
+    findings: FindingList,
+) -> None:
+    """Add findings on edges that are faster than an area allows, with the length in it."""
+    for level in levels:
+        faster = [k for k, edge in enumerate(lines.edges) if _is_faster(edge, level, max_speed_m_s)]
+        if not faster:
+            continue
+        chosen = [lines.lines[k] for k in faster]
+        ground = Ground.of(level.area, bounds=False)
+        lengths = ground.lengths_inside(chosen)
+        for k, line, length in zip(faster, chosen, lengths.tolist(), strict=True):
+            edge = lines.edges[k]
+            if length > NOTICED * float(lines.lengths[k]):
+                words = f"{level}: its own limit is {_limit_text(edge)}"
+                findings.add("edge_too_fast", "edge", edge.name, middle(line), length, other=words)
+
+
+def _is_faster(edge: RouteEdge, level: SpeedLevel, max_speed_m_s: float | None) -> bool:
+    """True if a limit of the edge is surely above the area's."""
+    own = _in_units_of(level, edge, max_speed_m_s)
+    return own is not None and own > level.limit * (1.0 + FASTER)
+
+
+def _in_units_of(level: SpeedLevel, edge: RouteEdge, max_speed_m_s: float | None) -> float | None:
+    """The edge's limit in the area's unit, the slower if it has two; None if it has none."""
+    percent, speed = edge.speed_percent, edge.speed_m_s
+    if level.speed_percent is not None:
+        other = None if speed is None or max_speed_m_s is None else 100.0 * speed / max_speed_m_s
+        given = (percent, other)
+    else:
+        other = None
+        if percent is not None and max_speed_m_s is not None:
+            other = 0.01 * percent * max_speed_m_s
+        given = (speed, other)
+    return min((limit for limit in given if limit is not None), default=None)
+
+
+def _limit_text(edge: RouteEdge) -> str:
+    given = ((edge.speed_percent, "%"), (edge.speed_m_s, "m/s"))
+    return " and ".join(f"{limit:.4g} {unit}" for limit, unit in given if limit is not None)
