@@ -56,6 +56,9 @@ from .zones.areas import BandArea as BandArea
 from .zones.areas import CircleArea as CircleArea
 from .zones.areas import MaskArea as MaskArea
 from .zones.areas import PolygonArea as PolygonArea
+from .zones.masks import save_keepout_mask as save_keepout_mask
+from .zones.masks import save_speed_mask as save_speed_mask
+from .zones.masks import speed_zones as speed_zones
 from .zones.zone import Zone as Zone
 from .zones.zoned_roadmap import ZonedRoadmap as ZonedRoadmap
 from .zones.zoned_roadmap import with_zones as with_zones

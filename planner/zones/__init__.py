@@ -7,6 +7,7 @@
 - ``way_out.py`` leads a robot out of a keep-out zone; ``lanes.py`` plans over lanes and one-way
   zones.
 - ``zoned_roadmap.py`` combines these: a roadmap with zones, which plans like one without.
+- ``masks.py`` reads zones from Nav2's masks, and writes them.
 - ``ruled_graph.py`` gives an exported graph the zones' directions, speeds and costs.
 
 A zone is no obstacle: clearances are those to the walls, with or without zones.

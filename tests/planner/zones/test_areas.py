@@ -32,9 +32,8 @@ AREAS: dict[str, Area] = {
 
 
 def ground_of(area: Area, units: Units = "m") -> ZoneGround:
-    kind = "keep_out"
     scene = Scene(units, Bounds(0.0, 0.0, 3.0, 2.0), ())
-    return ZoneGround.of(Zone("a", kind, area), scene)
+    return ZoneGround.of(Zone("a", "keep_out", area), scene)
 
 
 @pytest.mark.parametrize("units", ["m", "px"])
