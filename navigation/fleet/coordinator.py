@@ -35,7 +35,7 @@ from navigation.fleet.orders import (
     is_seen_there,
     waits_of,
 )
-from navigation.fleet.places_kept import Member, comes_too_near, why_nobody_moves
+from navigation.fleet.places_kept import Member, comes_too_near, line_kept, why_nobody_moves
 from navigation.fleet.refusals import Refusals
 from navigation.fleet.releases import Held, Release, release_of
 from navigation.fleet.request import Driving, FleetAnswer, FleetRequest
@@ -69,6 +69,8 @@ class Coordinator:
         self.held: dict[str, Held] = {}
         self._left: dict[str, Held] = {}
         """Promises of earlier plans: a robot that is not seen may be driving one."""
+        self._lines: dict[str, Held] = {}
+        """Lines aside by robot, in the form of promises: one that is not seen may be on its own."""
         self.rounds = 0
         """Number of plans asked for, of all robots or of some that join driving ones."""
         self._clearance_m = clearance_m
@@ -101,6 +103,7 @@ class Coordinator:
         aside = self._giving_way.step(now_s, members, self.held, self._open, self._runaways)
         for name in (*aside.errands, *aside.answers, *(name for name, _ in aside.plan_again)):
             self.forget(name)
+        self._lines |= {name: line_kept(name, one) for name, one in aside.answers.items()}
         answers |= aside.answers
         errands |= aside.errands
         plan_again: tuple[tuple[str, str], ...] = aside.plan_again
@@ -328,7 +331,8 @@ class Coordinator:
             }
         self.rounds += 1
         self._asked = request_of(
-            self.rounds, revision, members, self._left | self.held, wishes, driving,
+            self.rounds, revision, members, self._left | self.held | self._lines,
+            wishes, driving,
             self._runaways,
         )  # fmt: skip
         self._asked_ids = {name: request.id for name, request in wishes.items()}
@@ -368,6 +372,7 @@ class Coordinator:
             self.held = new
         for name in new:
             self._left.pop(name, None)
+            self._lines.pop(name, None)
         self._refusals.take(answer.refused)
         answers = {}
         for name, request_id in self._asked_ids.items():

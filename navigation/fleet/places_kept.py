@@ -14,11 +14,11 @@ from typing import Final
 import numpy as np
 
 from navigation.fleet.releases import Held
-from navigation.fleet.request import Taken
-from navigation.mission.cycle import PlanRequest
-from navigation.mission.mission import State
+from navigation.fleet.request import Promise, Taken
+from navigation.mission.cycle import PlanAnswer, PlanRequest
+from navigation.mission.mission import State, Station
 from navigation.mission.running_plan import distance_to_polyline
-from planner.path import Limits
+from planner.path import Limits, Path
 from planner.scene import FloatArray
 
 SEEN_S: Final = 0.3
@@ -109,6 +109,18 @@ def _ahead(here: tuple[float, float], held: Held, reach_m: float) -> Iterator[tu
         yield x, y
         if gone_m > reach_m:
             return
+
+
+def line_kept(name: str, answer: PlanAnswer) -> Held:
+    """A line on which a robot drives aside, in the form of a promise.
+
+    While it is not seen, it may be anywhere on it.
+    """
+    path = answer.path
+    assert isinstance(path, Path)
+    station = Station(*path.points[-1].tolist())
+    promise = Promise(name, station, path.points, answer.targets, (), path, None, path.robot_radius)
+    return Held(promise, sent=len(answer.targets))
 
 
 def comes_too_near(way: FloatArray, name: str, members: Mapping[str, Member]) -> str | None:

@@ -264,3 +264,27 @@ def test_while_one_may_be_anywhere_nobody_drives_and_nobody_is_planned_for() -> 
     fleet.run()
     assert at(fleet, "b", (1.0, 1.3))
     assert at(fleet, "c", (0.8, 1.3))
+
+
+def test_the_line_of_one_that_drove_aside_is_kept_while_it_is_not_seen() -> None:
+    """Another robot was planned through where it had gone since it was seen last."""
+    fleet = Fleet(HALL, {"a": (0.6, 0.8), "b": (0.3, 0.3), "c": (1.6, 0.8)})
+    fleet.robots["a"].go((1.8, 0.8))
+    fleet.until_driving("a")
+    fleet.robots["c"].runs_m_s = (-0.2, 0.0)
+    for _ in range(5):
+        fleet.step()
+        if "a" in fleet.coordinator._giving_way.aside:
+            break
+    line = fleet.coordinator._giving_way.aside["a"].points
+    fleet.robots["a"].hidden_until_s = math.inf
+    fleet.robots["a"].hold(math.inf)
+    fleet.robots["c"].runs_m_s = (0.0, 0.0)
+    fleet.step()
+    asked = len(fleet.requests)
+    fleet.robots["b"].go((1.7, 0.3))
+    for _ in range(50):
+        fleet.step()
+    kept = [(one.x_m, one.y_m) for one in fleet.requests[asked].taken if one.name == "a"]
+    for place in line[1:3].tolist():
+        assert min(math.dist(place, one) for one in kept) < 1e-6
