@@ -199,3 +199,21 @@ def test_orders_into_a_zone_are_refused_by_its_name(make: Callable[[], Config]) 
 
     Played(make(), {1.0: give, 2.0: order})
     assert refused == ["station 1 at (1.2, 0.9) is in keep-out zone 'desk'"]
+
+
+@BOTH
+def test_a_stop_acts_at_once_in_a_no_waiting_zone(make: Callable[[], Config]) -> None:
+    """And the robot stays where it is: no zone outweighs a stop."""
+    x, y, half_s = middle_of_the_path(make)
+    door = zone("wait", circle=(x, y, 0.2))
+
+    def stop(daemon: Daemon) -> None:
+        daemon.people.stop("a person in the door")
+
+    played = Played(make(), {0.3: lambda daemon: daemon.zones.put(door), half_s: stop})
+    assert played.report.state == "stopped"
+    first = next(iter(played.tracks.values()))
+    stopped_s = played.done_s[half_s]
+    assert depth_m(door, first[:, 1:3]).max() > 0.0
+    after = first[first[:, 0] > stopped_s + 0.6]
+    assert not len(after) or math.dist(after[0, 1:3], after[-1, 1:3]) < 0.001
