@@ -37,7 +37,7 @@ from navigation.fleet.orders import (
 )
 from navigation.fleet.places_kept import Member, comes_too_near, line_kept, why_nobody_moves
 from navigation.fleet.refusals import Refusals
-from navigation.fleet.releases import Held, Release, release_of
+from navigation.fleet.releases import Held, Release, breach_of_rest, release_of
 from navigation.fleet.request import Driving, FleetAnswer, FleetRequest
 from navigation.fleet.runaways import Runaway, runaways_of
 from navigation.mission.cycle import PlanAnswer, PlanRequest
@@ -73,7 +73,7 @@ class Coordinator:
         """Lines aside by robot, in the form of promises: one that is not seen may be on its own."""
         self.rounds = 0
         """Number of plans asked for, of all robots or of some that join driving ones."""
-        self._clearance_m = clearance_m
+        self._clearance_m, self._rules = clearance_m, rules
         self._open: dict[str, PlanRequest] = {}
         self._gathering_s: float | None = None
         self._why = ""
@@ -213,7 +213,18 @@ class Coordinator:
             return False
         rest = np.vstack([here, promise.points[held.executed + 1 :]])
         clearance_m = self._clearance_m(rest)
-        return clearance_m is not None and clearance_m >= promise.radius_m - SLACK_M
+        if clearance_m is None or clearance_m < promise.radius_m - SLACK_M:
+            return False
+        rules = self._rules(promise.name)
+        return rules is None or breach_of_rest(rest, promise, held.executed, rules) is None
+
+    def breach(self, name: str) -> str | None:
+        """Sentence on a zone's rule that the rest of a promise breaks, its waits included."""
+        held, rules = self.held.get(name), self._rules(name)
+        if held is None or held.broken or held.is_finished or rules is None:
+            return None
+        rest = held.promise.points[held.executed :]
+        return breach_of_rest(rest, held.promise, held.executed, rules)
 
     # A plan for all.
 

@@ -12,7 +12,11 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import NamedTuple
 
+import numpy as np
+
 from navigation.fleet.request import Gate, Promise
+from planner.scene import FloatArray
+from planner.zones.rules import SPEED_SLACK, Rules
 
 
 @dataclass(slots=True)
@@ -35,6 +39,25 @@ class Held:
     def is_finished(self) -> bool:
         """True if the robot is at its end."""
         return self.executed >= len(self.promise.targets)
+
+
+def breach_of_rest(rest: FloatArray, promise: Promise, executed: int, rules: Rules) -> str | None:
+    """Sentence on a zone's rule that a promise breaks from its executed targets on, or None.
+
+    ``rest`` (n, 2) begins at the robot. A gate in a no-waiting zone is a wait there.
+    """
+    if not rules.grounds:
+        return None
+    speeds = np.array([one.speed_m_s for one in promise.targets[executed:]])
+    broken = rules.breach(rest) or rules.too_fast(rest[1:], speeds / SPEED_SLACK)
+    if broken is not None:
+        return broken
+    for gate in promise.gates:
+        x, y = promise.points[gate.before].tolist()
+        for one in rules.of("wait"):
+            if gate.before > executed and rules.is_held_by(one, (x, y)):
+                return f"may wait in {one.zone}"
+    return None
 
 
 class Release(NamedTuple):

@@ -28,6 +28,8 @@ AGAINST = 0.02
 AGAINST_DRIVEN = 0.1
 """The same on a path that robots share, whose pieces are judged one by one, and on the rest of a
 path that is driven: chosen, a twentieth of the body's width."""
+SPEED_SLACK = 1.01
+"""A target is no faster than a zone allows within this factor: chosen, the wire's rounding."""
 ROUNDING = 1e-6
 """A clearance is the radius within this share of it: paths are certified to 1e-9 of the extent."""
 

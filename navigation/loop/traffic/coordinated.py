@@ -62,7 +62,9 @@ class Coordinated:
         for name, one in self._robots.items():
             path = one.pilot.plan.path
             if path is not None:
-                breach = breach_of(one, self.planner.rules(name), zones_changed=changed)
+                rules = self.planner.rules(name)
+                breach = breach_of(one, rules, zones_changed=changed)
+                breach = breach or self._coordinator.breach(name)
                 yield PathCheck(name, self.planner.path_clearance_m(path.points), breach)
 
     def take(self, answer: Answer | None) -> Mapping[str, PlanAnswer]:

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
-from typing import Any, Final, Protocol
+from typing import Any, Protocol
 
 import numpy as np
 
@@ -20,7 +20,7 @@ from navigation.mission.cycle import Orders, PlanAnswer, PlanRequest, Sight
 from navigation.mission.mission import Station
 from planner.roadmap.roadmap import Roadmap
 from planner.scene import FloatArray, Vec
-from planner.zones.rules import Rules
+from planner.zones.rules import SPEED_SLACK, Rules
 
 
 @dataclass(frozen=True, slots=True)
@@ -118,10 +118,6 @@ class Traffic(Protocol):
     def preview(self, name: str, request: PlanRequest) -> PlanAnswer:
         """Return one robot's plan as if it were alone; any thread may ask."""
         ...
-
-
-SPEED_SLACK: Final = 1.01
-"""A target is no faster than a zone allows within this factor: chosen, the wire's rounding."""
 
 
 def breach_of(robot: ControlledRobot, rules: Rules | None, *, zones_changed: bool) -> str | None:
