@@ -99,13 +99,18 @@ def within_caps(
 ) -> tuple[Target, ...]:
     """Targets no faster than zones allow on the pieces before and after each.
 
-    A robot keeps a target's speed until it has to brake for the next.
+    A robot keeps to the faster end of a piece. Between two stops that would be its own highest
+    speed, so the second gets the zone's, and remains a stop.
     """
     if all(one.zone.speed is None for one in rules.grounds):
         return tuple(targets)
     caps = rules.caps(np.array([start, *((t.x_m, t.y_m) for t in targets)]))
     beside = np.minimum(caps, np.append(caps[1:], np.inf)).tolist()
-    return tuple(
-        replace(one, speed_m_s=min(one.speed_m_s, cap))
-        for one, cap in zip(targets, beside, strict=True)
-    )
+    limited, before = [], 0.0
+    for one, cap, least in zip(targets, caps.tolist(), beside, strict=True):
+        speed = min(one.speed_m_s, least)
+        if before == speed == 0.0 and math.isfinite(cap):
+            speed = least
+        limited.append(replace(one, speed_m_s=speed))
+        before = speed
+    return tuple(limited)

@@ -6,8 +6,18 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from firmware_protocol.wire.messages import WaypointFlag
-from navigation.mission.targets import LONGEST_DWELL_S, targets_of, to_wire
+from navigation.mission.targets import (
+    LONGEST_DWELL_S,
+    Target,
+    targets_of,
+    to_wire,
+    within_caps,
+)
 from planner.path import Path, TimedWaypoint, Trajectory
+from planner.scene import Bounds, Scene
+from planner.zones.areas import CircleArea
+from planner.zones.rules import rules_for
+from planner.zones.zone import Zone
 
 
 def path_with(headings: tuple[float | None, ...]) -> Path:
@@ -64,3 +74,18 @@ def test_every_stay_fits_on_the_wire_and_none_is_cut(dwell_s: float) -> None:
     wire = to_wire(targets_of(path_with((None, None)), stay))
     assert sum(w.dwell_s for w in wire) == pytest.approx(dwell_s)
     assert all(w.flags & WaypointFlag.STOP and len(w.pack()) == 16 for w in wire)
+
+
+def test_between_two_stops_in_a_slow_zone_the_zones_speed_counts() -> None:
+    """Both ends of such a piece are 0, which on the wire is the robot's own highest speed."""
+    slow = Zone("slow", "slow", CircleArea((0.0, 0.0), 0.3), speed=0.05)
+    scene = Scene("m", Bounds(-9.0, -9.0, 9.0, 9.0), ())
+    stop = Target(0.1, 0.0, 0.0, True)
+    after, far = Target(1.0, 0.0, 0.2, False), Target(2.0, 0.0, 0.0, True)
+    found = within_caps((0.0, 0.0), (stop, after, far), rules_for([slow], scene, 0.1))
+    assert [(one.speed_m_s, one.stops) for one in found] == [
+        (0.05, True), (0.05, False), (0.0, True),
+    ]  # fmt: skip
+    assert to_wire(found)[0].flags is WaypointFlag.STOP
+    plain = within_caps((0.0, 0.0), (stop, after, far), rules_for([], scene, 0.1))
+    assert plain == (stop, after, far)
