@@ -8,6 +8,7 @@ import socket
 import time
 from collections.abc import Iterator
 from math import inf
+from pathlib import Path
 from typing import Any
 
 import pytest
@@ -217,6 +218,16 @@ def test_a_closed_connection_has_no_place(listener: Listener) -> None:
         accepted.close()
         accepted.close()
     assert len(listener.places) == 0
+
+
+def test_a_burst_of_connections_waits_in_the_queue_and_none_is_dropped(listener: Listener) -> None:
+    """A dropped one is tried again by its system after a second: too late for a stop."""
+    longest = int(Path("/proc/sys/net/core/somaxconn").read_text())
+    with contextlib.ExitStack() as open_ones:
+        for _ in range(min(1000, longest)):
+            client = open_ones.enter_context(socket.socket())
+            client.settimeout(0.5)
+            client.connect(listener.getsockname())
 
 
 def test_an_address_that_is_taken_is_an_error(listener: Listener) -> None:
