@@ -6,4 +6,4 @@ class ControlError(ValueError):
 
 
 class NoDaemonError(ControlError):
-    """An order without a recipient, because certainly no daemon runs."""
+    """An order without a recipient: certainly no daemon runs."""

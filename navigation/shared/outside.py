@@ -1,9 +1,7 @@
 """Safe reading and repeating of data from outside the program.
 
-Rules
-- `read_object` turns any bytes or text into one JSON object or one `OutsideError`.
-- Repeated text is printable and short: no control characters, half surrogate pairs or endless
-  numbers reach sentences, logs and answers.
+Repeated text is short and printable: no control characters, half surrogate pairs or endless numbers
+reach sentences, logs and answers.
 """
 
 from __future__ import annotations
@@ -22,7 +20,7 @@ class OutsideError(ValueError):
 
 
 def read_object(data: bytes | str) -> dict[str, Any]:
-    """Read one JSON object; `OutsideError` for anything else, however long, deep or broken."""
+    """Read one JSON object; `OutsideError` for anything else."""
     try:
         found = json.loads(data)
     except ValueError:
@@ -41,7 +39,7 @@ def printable(text: str, most: int) -> str:
 
 
 def in_short(value: object) -> str:
-    """A JSON value as a sentence repeats it: itself if short, else its kind."""
+    """A JSON value for a sentence: itself if short, else its kind."""
     match value:
         case None | bool() | float():
             return repr(value)
