@@ -1,7 +1,7 @@
 """The dashboard's addresses: the page, its websocket, /api, /metrics and /healthz.
 
 Everything passes the gate first: Host and Origin at once, a token where one is needed. The page's
-own files hold no secrets and are open, since a browser cannot send a token for them.
+own files hold no secrets and need none: a browser cannot send a token for them.
 """
 
 from __future__ import annotations
@@ -53,9 +53,8 @@ HEADERS: Final = {
 def make_app(
     hub: Hub, runs: KeptRuns, desk: Desk | None = None, bench: Bench | None = None
 ) -> ASGIApp:
-    """The whole application around a hub, with the earlier runs.
-
-    Without a desk there are no settings, without a bench no calibration.
+    """The whole application around a hub; no settings without a desk, no calibration without a
+    bench.
     """
     pages = _Pages(hub)
     kept = KeptAnswers(runs, hub.gate, hub.workers, hub.clock)
@@ -111,7 +110,6 @@ class _Pages:
         self.files = _page_files()
 
     async def show(self, request: Request) -> Response:
-        """Serve one of the page's files."""
         body, kind = self.files[request.url.path]
         return Response(body, media_type=kind)
 

@@ -1,7 +1,7 @@
 """The recent past of one robot or several: one common log, tracks and charts for each.
 
-A single robot's chronicle has no name. With several, each robot has its own by name; the one
-without a name has the log and everything about camera and program.
+With several, each robot's chronicle has a name; the one without has the log and everything about
+camera and program.
 """
 
 from __future__ import annotations

@@ -1,12 +1,11 @@
 """The hub: reads the daemon's published state and makes the viewers' messages.
 
 Rules
-- Everything runs in the dashboard's event loop; slow work (warping and packing a picture, a
-  diagram, a preview) runs in a worker thread.
-- A message is made once for all: twenty viewers cost twenty writes, nothing more.
+- Everything runs in the dashboard's event loop; slow work in a worker thread. The control loop and
+  the hub never wait for each other.
+- A message is made once for all viewers.
 - Pictures are made only while somebody looks, once for each size that is looked at; all viewers
   together get at most ``PICTURES_S`` a second.
-- The control loop and the hub never wait for each other.
 """
 
 from __future__ import annotations
@@ -55,7 +54,7 @@ IDLE_EVERY_S: Final = 0.1
 STATE_EVERY_S: Final = 0.1
 PICTURES_S: Final = 120.0
 KINDS: Final = ("picture", "camera")
-"""Pictures: from above, and as they were taken."""
+"""From above, and as they were taken."""
 MOST_VIEWERS: Final = 64
 LOOP_DEAD_S: Final = 1.0
 """A control loop that ended no cycle for longer does not answer."""
@@ -97,9 +96,9 @@ class Hub:
         self.pictures: dict[tuple[str, int], tuple[bytes, int]] = {}
         """The newest of each kind and width that is looked at, with its number."""
         self.picture_number = 0
-        """Number of the newest picture; each has its own, whatever its kind and width."""
+        """Each picture has its own, whatever its kind and width."""
         self.refusal = IT_IS_A_RECORDING if daemon.people is None else None
-        """Why nothing can be ordered here at all; None where it can."""
+        """Reason why nothing can be ordered here at all; None where it can."""
         self.epoch = 0
         """Grows where the past becomes another one: pages are greeted again."""
         self.closing = asyncio.Event()
@@ -210,7 +209,7 @@ class Hub:
         return None if self._state is None else self._facts(self._state, self.clock())
 
     def give(self, request: Mapping[str, Any], who: str) -> dict[str, Any]:
-        """Carry out an order of ``who`` and return the answer of `give`."""
+        """Carry out an order of ``who``; return the answer."""
         people = self.daemon.people
         if people is None:
             return {"ok": False, "error": IT_IS_A_RECORDING}
@@ -313,7 +312,6 @@ class Hub:
         self._start("world", self._make(self.world, world_message, roadmap))
 
     def _renew_heat(self, roadmap: Roadmap | None) -> None:
-        """Make the layer only while somebody has it on."""
         if roadmap is None or roadmap is self._heated or "heat" in self._busy:
             return
         if any(viewer.wants_heat for viewer in self.viewers):
@@ -321,7 +319,6 @@ class Hub:
             self._start("heat", self._make(self.heat, heat_message, roadmap, self.view.window))
 
     async def _make(self, made: Made, message: Callable[..., bytes], *contents: object) -> None:
-        """Make the next message in a worker thread, of its contents and its number."""
         number = made.number + 1
         work = asyncio.get_running_loop().run_in_executor
         made.message = await work(self.workers, lambda: message(*contents, number))
@@ -331,7 +328,7 @@ class Hub:
     def _renew_pictures(self, state: RobotSnapshot, now_s: float) -> None:
         """Make the newest picture in each size that some viewer could take now.
 
-        Viewers that change their sizes all the time make it neither more often nor twice.
+        Viewers that keep changing their sizes get it neither more often nor twice.
         """
         if (frame := state.frame) is None:
             return

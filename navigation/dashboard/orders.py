@@ -1,12 +1,10 @@
 """Orders from viewers: read, checked for permission, and carried out like the socket's.
 
 Rules
-- Anyone with a token may STOP, even without holding the arena; it goes straight to the link.
-- Everything else is for the operator who holds the arena.
+- Anyone with a token may STOP; it goes straight to the link. Every other change is for the operator
+  who holds the arena.
 - Only ``rearm`` leaves a stop, and it does nothing else: a page that has missed a stop cannot undo
   it, and a button pressed twice does not set the robot going.
-
-`navigation.orders.table` lists the orders and their buttons.
 """
 
 from __future__ import annotations
@@ -29,9 +27,8 @@ WHO: Final[Mapping[str, Who]] = {
     **{name: order.who for name, order in ORDERS.items() if order.who is not Who.SOCKET},
     REARM: Who.OPERATOR,
 }
-"""The page's orders, and who may give each."""
+"""Givers of each of the page's orders."""
 ZONE_ORDERS: Final = frozenset(("zone_put", "zone_remove", "zone_undo"))
-"""Orders that change the zones."""
 BUTTONS: Final = {name: order.button for name, order in ORDERS.items() if order.button is not None}
 
 

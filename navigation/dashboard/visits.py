@@ -1,9 +1,8 @@
 """Requests of operators beside orders: admission, permission to change, and the answer.
 
 Rules
-- Only operators are served; changes need the holder of the arena.
-- Changes are refused while a mission is under way or a robot is stopped: they can neither set a
-  robot going nor leave a stop.
+- Changes need the holder of the arena, and are refused while a mission is under way or a robot is
+  stopped: they can neither set a robot going nor leave a stop.
 - A body is JSON; its ``key`` is the seat's.
 - Work is done in a worker thread: neither the page nor the control loop waits.
 """
