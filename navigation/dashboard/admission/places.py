@@ -1,13 +1,10 @@
 """Connections to the page's port, their deadlines, and the one to cut for another. Opens nothing.
 
 Rules
-- A connection is cut if it has not sent a whole request, or taken its answer, in time; a closing
-  one has a moment to take the last words.
-- If all places, or all of one address's share, are taken, a new connection replaces the oldest
-  that is not a viewer; a request sent at once is read before that happens. Viewers, limited by the
-  hub, are never cut for a connection.
-
-Seconds of the caller's clock.
+- A connection is cut if it has not sent a whole request, or taken its answer, in time.
+- If all places, or all of one address's share, are taken, a new connection replaces the oldest that
+  is not a viewer; a request sent at once is read before that happens. Viewers, limited by the hub,
+  are never cut for a connection.
 """
 
 from __future__ import annotations
@@ -33,7 +30,7 @@ class Line(Protocol):
 
 @dataclass(slots=True, eq=False)
 class OpenConnection:
-    """One connection: its address and its deadline."""
+    """One connection: its address and its deadline, seconds of the caller's clock."""
 
     line: Line
     address: str
@@ -47,7 +44,7 @@ class OpenConnections:
     def __init__(self, most: int, most_an_address: int) -> None:
         self.most, self.most_an_address = most, most_an_address
         self.cut = 0
-        """Number of connections that were cut: late, or to make room."""
+        """Connections that were cut: late, or to make room."""
         self._waiting: dict[OpenConnection, None] = {}
         self._viewers: dict[OpenConnection, None] = {}
         self._shares: Counter[str] = Counter()

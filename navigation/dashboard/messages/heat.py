@@ -1,8 +1,7 @@
 """The clearance of every place as a picture: exact at the middle of each cell.
 
-The clearances are the roadmap's own, in the colours of its lines, so that one ramp explains both. A
-roadmap never changes, so any thread may do this: the kernel releases the interpreter, and `CELLS`
-bounds its work.
+The clearances have the colours of the roadmap's lines. Any thread may do this: a roadmap never
+changes, the kernel releases the interpreter, and `CELLS` bounds its work.
 """
 
 from __future__ import annotations
@@ -42,7 +41,7 @@ def heat_message(roadmap: Roadmap, window: Bounds, number: int) -> bytes:
 
 
 def _span(roadmap: Roadmap) -> tuple[float, float]:
-    """Least and largest clearance on the robot's roadmap: the page's ramp."""
+    """Least and largest clearance on the robot's roadmap."""
     chains = roadmap.clipped.chains
     pieces = [chains.rho[chains.first[c] : chains.first[c + 1]] for c in roadmap.kept]
     if not pieces:

@@ -1,13 +1,11 @@
 """The camera's picture for viewers: seen straight from above, to scale, as JPEG.
 
-Rules and units
-- The picture is warped onto the arena's floor, so that metres are pixels times one number: lens and
-  perspective are gone, and the page's drawings lie in place. Things with a height lean outwards,
-  as for the camera.
+- The picture is warped onto the arena's floor, so that metres are pixels times one number, and the
+  page's drawings lie in place. Things with a height lean outwards, as for the camera.
 - ``window`` is the shown part of the floor: the arena with a rim. x right, y up.
 - A page gets the smallest of eight sizes that is not below its own (`width_for`): pages cannot make
-  the program encode more sizes than these.
-- Works in any thread; a frame is never changed.
+  the program encode more sizes.
+- Works in any thread.
 """
 
 from __future__ import annotations
@@ -28,14 +26,14 @@ RIM = 0.04
 """Width shown around the arena, as a share of its longer side."""
 
 OUT_OF_SIGHT_PX = -100.0
-"""Place outside every picture, looked up for floor that no pixel shows."""
+"""Place outside every picture, for floor that no pixel shows."""
 
 SIZES: Final = 8
 """Chosen: a picture's width is one of as many parts of the configured one. A page gets at most an
 eighth more than it shows, and all sizes together have 3.2 times the pixels of the largest."""
 SMOOTHING_PX: Final = 0.6
-"""Measured (`benchmarks.page_traffic`): a fifth of the bytes is noise that this takes away; edges
-stay as sharp as in the next smaller size."""
+"""Measured (`benchmarks.page_traffic`): takes away noise, a fifth of the bytes; edges stay as sharp
+as in the next smaller size."""
 
 
 def width_for(shown_px: int, most_px: int) -> int:
@@ -68,7 +66,7 @@ def encode_widths(
 
 
 class TopView:
-    """Warps and packs pictures of one camera; the warp is computed once."""
+    """Warps and packs pictures of one camera."""
 
     def __init__(self, calibration: Calibration, arena: Bounds, width_px: int, quality: int):
         rim = RIM * max(arena.width, arena.height)
@@ -100,7 +98,7 @@ class TopView:
         return x, y
 
     def jpegs(self, frame: Frame, widths_px: Iterable[int]) -> dict[int, NDArray[np.uint8]]:
-        """Encoded view of a frame by width; ground out of the camera's sight is mid-grey."""
+        """Encoded view of a frame by width; floor out of the camera's sight is mid-grey."""
         image = np.asarray(frame.image)
         if frame.size != self._calibration.size:
             image = np.asarray(cv2.resize(image, self._calibration.size), dtype=np.uint8)

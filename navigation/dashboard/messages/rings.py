@@ -1,4 +1,4 @@
-"""History for latecomers: the newest items, each with its number."""
+"""The newest items, each with its number, for latecomers."""
 
 from __future__ import annotations
 
@@ -22,9 +22,8 @@ class Ring(Generic[Item]):
         self.next += 1
 
     def since(self, number: int, most: int) -> tuple[int, list[Item]]:
-        """At most ``most`` items from ``number`` on, and the number of the first.
-
-        Dropped items are left out, so the first may have a higher number.
+        """At most ``most`` items from ``number`` on, and the number of the first; dropped ones are
+        left out.
         """
         first = max(number, self.next - len(self._items))
         skip = first - (self.next - len(self._items))
