@@ -1,7 +1,7 @@
-"""Problems of a configuration, reported so that each can be corrected at once.
+"""Problems of a configuration, reported together so that each can be corrected at once.
 
-Every problem is ``file:line:column: key: what is wrong``, the line itself, a caret under the place
-and, if it can be guessed, the intended word. All problems are reported together.
+Each is ``file:line:column: key: what is wrong``, the line itself, a caret under the place and, if
+it can be guessed, the intended word.
 """
 
 from __future__ import annotations
@@ -19,7 +19,7 @@ from navigation.config.secrecy.secret_places import masked
 from navigation.config.secrecy.secrets import hide, is_secret_key
 
 LONGEST_LINE = 100
-"""Length of a line shown in full; of a longer one, the part around the mistake is shown."""
+"""Length of a line shown in full; of a longer one, only the part around the mistake."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -58,7 +58,7 @@ class ConfigError(ValueError):
         self.sound = dict(sound or {})
         """The sections that can be trusted all the same."""
         self.unknown = tuple(unknown)
-        """Positions in the text of the values of unknown keys, which are never shown."""
+        """Positions of the values of unknown keys, which are never shown."""
         lines = masked(text, self.unknown).splitlines()
         told = [hide(_told(problem, file, lines)) for problem in self.problems]
         if len(told) > 1:
@@ -144,7 +144,7 @@ def _is_misspelt(where: Location, unknown: list[Location], missing: list[Locatio
 
 
 def fields_at(where: Location, model: type[BaseModel]) -> type[BaseModel] | None:
-    """Model of the section at ``where``, None if there is none."""
+    """Model of the section at ``where``, if any."""
     here: type[BaseModel] | None = model
     for part in where:
         if isinstance(part, int):

@@ -4,7 +4,7 @@ Rules
 - Capture times are moved to the present, so that pages show each age as it was then;
   ``RunState.time_s`` is seconds from the recording's beginning.
 - Unrecorded data is None, never made up. A robot's marker is shown at its pose on the floor.
-- Roadmaps are rebuilt from the recorded scenes in a separate thread; the newest few are kept.
+- Roadmaps are rebuilt in a separate thread; the newest few are kept.
 """
 
 from __future__ import annotations
@@ -72,7 +72,6 @@ class ReplayedRun:
         self._roadmaps: OrderedDict[int, Future[Roadmap]] = OrderedDict()
         self._frame: tuple[TapedPicture | None, Frame | None] = (None, None)
         self.people = None
-        """None: a recording takes no orders."""
 
     def close(self) -> None:
         """Stop building roadmaps."""
@@ -110,8 +109,8 @@ class ReplayedRun:
     def at(self, place_s: float, *, as_now: bool = False, in_short: bool = False) -> RunState:
         """State ``place_s`` after the recording's beginning, in the run's own times.
 
-        ``as_now``: with its picture, and with times shifted so that ages are as they were then.
-        ``in_short``: without clearances and plans, the slowest parts.
+        ``as_now``: with its picture, and times shifted to the present. ``in_short``: without
+        clearances and plans, the slowest parts.
         """
         time_s = self.tape.begin_s + place_s
         later_s = self._clock() - time_s if as_now else 0.0
@@ -184,7 +183,6 @@ class ReplayedRun:
 
 
 def _clearances(moment: Moment, robots: list[TapedRobot]) -> list[float | None]:
-    """Clearances of the robots in view, if there is a roadmap."""
     poses = [robot.pose_at(moment) for robot in robots]
     places = [(pose.x, pose.y) for pose in poses if pose is not None]
     if moment.roadmap is None or not places:

@@ -1,8 +1,8 @@
-"""The desk that reads, checks and saves the configuration for the page's routes.
+"""The desk that reads, checks and saves the configuration for the page.
 
 Rules
-- It saves nothing that `clearway check` would refuse, and never over a file that has changed
-  since the visitor read it.
+- It saves nothing that `clearway check` would refuse, and never over a file that has changed since
+  the visitor read it.
 - Before each save the present text is kept; `undo` puts the newest kept one back.
 - A save takes effect like a reload: the run ends in order and begins again.
 """
@@ -26,7 +26,7 @@ from navigation.dashboard.visits import RefusedError
 from navigation.shared.whole_file import UnwrittenFileError, write_whole
 
 MOST_KEPT: Final = 20
-"""Earlier texts; older ones are removed."""
+"""Earlier texts kept."""
 MOST_CHANGES: Final = 500
 
 
@@ -36,15 +36,15 @@ class Around(NamedTuple):
     file: Path
     """The configuration that runs."""
     state: Path
-    """The program's state folder: earlier texts are kept in it."""
+    """The program's state folder, with the earlier texts."""
     environment: Mapping[str, str]
     """Overrides, as at the start."""
     file_problems: Callable[[Config], Iterable[tuple[Location, str]]]
     """Search for faults in the files that a configuration names."""
     devices: Callable[[], tuple[Sequence[str], Sequence[str]]]
-    """The cameras and the serial ports that are plugged in, by their paths."""
+    """Paths of the cameras and the serial ports that are plugged in."""
     reload: Callable[[], None]
-    """Takes over what the file says now."""
+    """Puts the file's text into effect."""
 
 
 class Desk:
@@ -122,7 +122,6 @@ class Desk:
         return list(form_keys(text, cameras, ports))
 
     def _changed(self, text: str, typed: Mapping[str, str]) -> tuple[str, list[dict[str, str]]]:
-        """Text with the new values, and its problems."""
         if len(typed) > MOST_CHANGES:
             raise RefusedError(f"more than {MOST_CHANGES} changes")
         keys = {key.name: key for key in self._keys(text)}

@@ -1,9 +1,7 @@
 """The settings' addresses: /api/settings to read, /check, /save and /undo below it to change.
 
-Rules
-- `navigation.dashboard.visits` says who may; the restarted run waits for orders.
-- A body is JSON: ``key`` (the seat's), ``changes`` (typed text by key) and ``base`` (the digest
-  of the text that the form was made from).
+`navigation.dashboard.visits` says who may. A body is JSON: ``key`` (the seat's), ``changes`` (typed
+text by key) and ``base`` (the digest of the text that the form was made from).
 """
 
 from __future__ import annotations
@@ -40,7 +38,6 @@ class _Settings:
 
     @property
     def _desk(self) -> Desk:
-        """The desk; only for admitted visitors."""
         assert self._kept is not None
         return self._kept
 
@@ -48,7 +45,6 @@ class _Settings:
         return await self._visits.read(request, lambda: self._desk.show())
 
     async def check(self, request: Request) -> Response:
-        """Report the problems that a save would meet."""
         return await self._visits.ask(
             request, lambda body: {"problems": self._desk.check(_changes(body))}
         )
