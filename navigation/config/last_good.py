@@ -1,8 +1,7 @@
 """The last good configuration: kept beside the program's state whenever one was fit to run.
 
-Rules
-- It is never used silently: a broken file is an error (exit code 78) that says where the last
-  good one is, and `clearway run --last-good` runs it.
+- It is never used silently: a broken file is an error that says where the last good one is, and
+  `clearway run --last-good` runs it.
 - Only the file's text is kept; the files that it names stay where they are.
 - If the state folder cannot be written, the roll-back is lost, not the run.
 """
@@ -24,7 +23,7 @@ from navigation.shared.whole_file import UnwrittenFileError, write_whole
 
 FOLDER: Final = "last_good"
 MOST_LINES: Final = 12
-"""Most changed lines that are shown; a longer change is best looked at in an editor."""
+"""Most changed lines that are shown."""
 
 
 def state_folder(environment: Mapping[str, str]) -> Path:
@@ -65,7 +64,7 @@ class LastGood:
         return parse_config(text, str(self.kept), self.file.parent, environment)
 
     def changes(self) -> list[str]:
-        """Unified diff between the kept text and the present file."""
+        """Unified diff between the kept text and the present file, without secrets."""
         try:
             old = _shown(self.kept.read_text(encoding="utf-8"))
             new = _shown(read_source(self.file))

@@ -1,7 +1,4 @@
-"""The configuration's reference and first file, made from the sections' own descriptions.
-
-`reference_markdown` is docs/configuration.md, `starter_yaml` is what `clearway init` writes.
-"""
+"""The configuration's reference and first file, made from the sections' own descriptions."""
 
 from __future__ import annotations
 
@@ -33,7 +30,7 @@ def json_schema() -> dict[str, Any]:
 
 
 def reference_markdown() -> str:
-    """Every section and key with type, limits, default and meaning."""
+    """docs/configuration.md: every section and key with type, limits, default and meaning."""
     schema = json_schema()
     lines = [
         "# Configuration",

@@ -1,8 +1,7 @@
 """Zones from outside a configuration: one of an order, or a file's list.
 
-A file is YAML: the list itself, or the key `zones` with the list, as in a configuration. Relative
-masks are meant from the file's folder. Coordinates and speeds are in the units of the scene that
-the zones are for.
+A file is YAML: the list itself, or the key `zones` with the list. Relative masks are meant from the
+file's folder. Coordinates and speeds are in the units of the scene that the zones are for.
 """
 
 from __future__ import annotations
@@ -37,7 +36,7 @@ class _ZoneList(Section):
 def zone_of(value: Any) -> ZoneSection:
     """Return the zone of a mapping as in a configuration; :class:`ZoneError` in one sentence.
 
-    A mask has to be named by an absolute path: there is no folder that it could be relative to.
+    A mask's path must be absolute: there is no folder that it could be relative to.
     """
     if not isinstance(value, Mapping):
         raise ZoneError(f"zone: must be an object of name, kind and an area, not {in_short(value)}")
@@ -89,7 +88,6 @@ def _zones_in(text: str, path: Path) -> tuple[ZoneSection, ...]:
 
 
 def _under_its_key(document: Document) -> Document:
-    """Return a bare list as if it were written below the key `zones`."""
     if not isinstance(document.data, list):
         return document
     return Document(

@@ -31,8 +31,8 @@ class EditError(ValueError):
 def with_values(text: str, changes: Mapping[Location, Any]) -> str:
     """Text with these values at their keys; ``EditError`` if that cannot be done.
 
-    ``text`` is sound YAML whose root is a mapping; values are plain data, None for "no key". A
-    number in a place is that of an existing entry, from 0.
+    ``text`` is sound YAML; values are plain data, None for "no key". A number in a place is that of
+    an existing entry, from 0.
     """
     wanted = read_document(text).data
     if not isinstance(wanted, dict):
@@ -51,14 +51,13 @@ def with_values(text: str, changes: Mapping[Location, Any]) -> str:
 
 
 def _find_entries(data: Any, where: Location) -> None:
-    """Raise ``EditError`` if a place is in a missing entry."""
     for length, key in enumerate(where, 1):
         if isinstance(key, int) and present_value(data, where[:length]) is None:
             raise EditError(f"{key_name(where)}: there is no such entry in this text")
 
 
 def value_text(value: Any) -> str:
-    """Write a value as YAML's core schema reads it back; JSON is a part of it."""
+    """Write a value as YAML's core schema reads it back."""
     if isinstance(value, str) and _PLAIN.fullmatch(value) and read_document(value).data == value:
         return value
     if isinstance(value, float) and value.is_integer() and abs(value) < 2**53:
@@ -216,7 +215,7 @@ def _is_same(got: Any, wanted: Any) -> bool:
 
 
 def present_value(data: Any, where: Location) -> Any:
-    """Value in the data at a key; None if absent."""
+    """Value in the data at a key, if present."""
     for key in where:
         if isinstance(key, int):
             data = data[key] if isinstance(data, list) and key < len(data) else None

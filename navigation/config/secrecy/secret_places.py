@@ -1,9 +1,9 @@
 """Places of secrets in a configuration's source, however it writes them.
 
 Rules
-- Readable YAML is searched node by node: plain, quoted, folded, literal, in flow style, on the
-  next line, by an anchor. The same words elsewhere, and comments that mention a secret, are left
-  out too.
+- Readable YAML is searched node by node: plain, quoted, folded, literal, in flow style, on the next
+  line, by an anchor. The same words elsewhere, and comments that mention a secret, are left out
+  too.
 - Unreadable text is searched line by line, and rather too much is left out: from a secret key to
   the end of its line, and lines below that are indented deeper or hold the value alone.
 """
@@ -79,9 +79,8 @@ def secret_spans(text: str) -> list[tuple[int, int]]:
 
 
 def masked(text: str, more: Iterable[tuple[int, int]] = ()) -> str:
-    """Replace each character of a secret with a star: lines and columns stay.
-
-    ``more``: other places to hide.
+    """Replace each character of a secret, and of ``more`` places, with a star: lines and columns
+    stay.
     """
     parts, end = [], 0
     for start, stop in _merged([*secret_spans(text), *more]):

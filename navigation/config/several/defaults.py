@@ -1,7 +1,6 @@
 """The sections `robot`, `serial` and `camera` as defaults of several robots and cameras.
 
-A default that every entry overrides is never used, so it is neither required nor checked. With
-several robots a check of `robot` or `serial` looks at each robot, never at the defaults alone.
+A default that every entry overrides is never used, so it is neither required nor checked.
 """
 
 from __future__ import annotations
@@ -13,7 +12,7 @@ from navigation.config.marks import Location
 from navigation.config.several.each_robot import robot_of, serial_of
 
 _ENTRIES: Final = {"robot": "robots", "serial": "robots", "camera": "cameras"}
-"""By the section: the list whose entries override it."""
+"""List whose entries override the section."""
 
 
 def is_overridden(sections: Mapping[str, Any], where: Location) -> bool:

@@ -17,7 +17,7 @@ from planner.zones.areas import Area, BandArea, CircleArea, MaskArea, PolygonAre
 from planner.zones.zone import LEAST_COST, Zone, ZoneKind
 
 MOST_ZONES: Final = 100
-"""Zones of one run: chosen, more than a page can show apart."""
+"""Chosen: more than a page can show apart."""
 MOST_CORNERS: Final = 1000
 """Corners of a polygon, and places of a line: chosen."""
 
