@@ -1,11 +1,10 @@
 """Catches the lines that picture decoders write to stderr by themselves.
 
-libpng and libjpeg complain straight to the process's stderr, past OpenCV and Python: only the file
-descriptor can catch that. It belongs to the whole process, so other threads' output is caught too.
-Hence this is for commands that decode a picture before they start any thread; the cameras of a run
-leave the descriptor alone.
+libpng and libjpeg complain past OpenCV and Python: only the file descriptor can catch that. It
+belongs to the whole process, so other threads' output is caught too. Hence this is for commands
+that decode a picture before they start any thread.
 
-Like OpenCV's own lines, they are shown unless OPENCV_LOG_LEVEL is SILENT (``--debug``).
+Like OpenCV's own lines, they are shown unless OPENCV_LOG_LEVEL is SILENT.
 """
 
 from __future__ import annotations
@@ -32,13 +31,13 @@ class DecoderLines:
 
     @property
     def damage(self) -> str:
-        """The last complaint about a damaged picture; empty if none."""
+        """The last complaint about a damaged picture, if any."""
         told = [line for line in self.lines if _PERHAPS not in line]
         return told[-1] if told else ""
 
     @property
     def doubt(self) -> str:
-        """The last complaint that may or may not mean damage; empty if none."""
+        """The last complaint that may or may not mean damage, if any."""
         told = [line for line in self.lines if _PERHAPS in line]
         return told[-1] if told else ""
 

@@ -1,7 +1,4 @@
-"""An example of every command, shown at the end of its ``--help`` and in the reference.
-
-Each is a whole command line and its effect. A test parses every one.
-"""
+"""An example of every command, shown at the end of its ``--help`` and in the reference."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Common arguments of commands: points, numbers, preferences, checked where typed; options."""
+"""Common arguments and options of commands, checked where they are typed."""
 
 from __future__ import annotations
 
@@ -122,8 +122,8 @@ class PreferenceType(PreferenceBase):
 class OutputType(OutputBase):
     """A file to be written, in an existing folder; with ``suffixes``, one of those kinds.
 
-    Checked where it is typed, so that no one waits for an answer that cannot be kept. With
-    ``stream``, ``-`` is standard output.
+    Checked where it is typed: no one waits for an answer that cannot be kept. With ``stream``,
+    ``-`` is standard output.
     """
 
     name = "FILE"

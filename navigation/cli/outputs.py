@@ -39,10 +39,7 @@ def keep_apart(outputs: Iterable[tuple[str, Path | None]], inputs: Iterable[Path
 
 
 def write_text(path: Path | None, text: str) -> None:
-    """Write a whole file as UTF-8, or to standard output for None or ``-``.
-
-    ``OutputError`` if, for example, the disk is full.
-    """
+    """Write a whole file as UTF-8, or to standard output for None or ``-``; ``OutputError``."""
     if path is None or path == STANDARD_STREAM:
         click.echo(text, nl=False)
         return

@@ -1,8 +1,8 @@
 """Long work at a terminal: a line with its stage and time, and Ctrl-C that ends it at once.
 
-Compiled kernels see no Python signal before they return, which takes seconds on a picture of a
-million borders. During pure computing Ctrl-C is left to the operating system: nothing is open that
-could be left half written.
+Compiled kernels see no Python signal before they return, which takes seconds on a large picture.
+During pure computing Ctrl-C is left to the operating system: nothing is open that could be left
+half written.
 """
 
 from __future__ import annotations

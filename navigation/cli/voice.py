@@ -1,7 +1,7 @@
 """Output of a run for people: on stdout, or its end on stderr if stdout fails.
 
 A full disk under a redirected stdout, or a vanished reader, costs the lines and never the run: that
-is reported once on stderr, and the essential part, the summary, goes there.
+is reported once on stderr, and the summary goes there.
 """
 
 from __future__ import annotations
@@ -21,7 +21,7 @@ class Voice:
         self.trouble = "stdout is closed" if sys.stdout is None else ""
 
     def say(self, line: str) -> None:
-        """Print a line of news; omitted if the run is quiet."""
+        """Print a line of news, unless the run is quiet."""
         if not self._quiet:
             self._say_on_stdout(line)
 
@@ -50,7 +50,7 @@ def complain(line: str) -> None:
     """Print a line on stderr, if possible, without any secret."""
     from navigation.config.secrecy.secrets import (
         hide,
-    )  # imported only when there is something to say
+    )
 
     line = hide(line)
     with contextlib.suppress(OSError, ValueError):  # there is no reader left

@@ -1,4 +1,4 @@
-"""`clearway audit`: a route graph against a map: exact clearances, and what is wrong with it."""
+"""`clearway audit`: checks a route graph against a map."""
 
 from __future__ import annotations
 
@@ -27,7 +27,7 @@ if TYPE_CHECKING:
     from planner.formats.mask_files import SpeedLevel
 
 UNSAFE = 3
-"""Exit code, the same as for no path."""
+"""As for no path."""
 
 
 class AuditError(ValueError):

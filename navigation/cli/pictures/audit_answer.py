@@ -1,7 +1,7 @@
 """The answer of ``clearway audit``: JSON (``clearway.audit/1``), text, or GitHub's annotations.
 
-In JSON every field is always present, null if it does not apply. Lengths are in the map's units,
-timings in milliseconds.
+In JSON every field is present, null if it does not apply. Lengths are in the map's units, timings
+in milliseconds.
 """
 
 from __future__ import annotations

@@ -1,8 +1,7 @@
 """The picture of an audit: the map, its zones, the graph, and its numbered findings.
 
-An edge has the colour of its worst finding, a pale band as wide as the robot shows what it sweeps,
-and an arrow head where it leads one way. The worst findings have numbers, which the legend
-explains.
+An edge has the colour of its worst finding, a pale band as wide as the robot, and an arrow head
+where it leads one way.
 """
 
 from __future__ import annotations

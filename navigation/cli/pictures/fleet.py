@@ -1,4 +1,4 @@
-"""`clearway fleet`: paths for several robots at once through a picture, a scene or a map."""
+"""`clearway fleet`: paths for several robots at once."""
 
 from __future__ import annotations
 
@@ -27,7 +27,7 @@ if TYPE_CHECKING:
     from planner.zones.zone import Zone
 
 NO_PLAN = 3
-"""Exit code without a plan: the entry point's for no path."""
+"""The entry point's for no path."""
 
 
 class FleetError(ValueError):

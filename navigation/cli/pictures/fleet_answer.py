@@ -1,6 +1,6 @@
 """The answer of ``clearway fleet``: as one JSON object (``clearway.fleet/1``) and as text.
 
-Every field is always present, null if it does not apply. Lengths are in the scene's units, times in
+Every field is present, null if it does not apply. Lengths are in the scene's units, times in
 seconds from the common start, timings in milliseconds.
 """
 
@@ -33,7 +33,7 @@ class FleetOutput:
         return json.dumps(self.as_object(), allow_nan=False, indent=1)
 
     def as_object(self) -> dict[str, Any]:
-        """The fields in the order of the design, then units, blocking robots and remarks."""
+        """The fields in the order in which they are written."""
         plan = self.plan
         planned = plan if isinstance(plan, FleetPlan) else None
         refused = None if isinstance(plan, FleetPlan) else plan
@@ -83,7 +83,7 @@ class FleetOutput:
         return f"{named}{colon}{rest}" if head.startswith("robot") else self.plan.reason
 
     def as_text(self) -> str:
-        """Text for people: the result first, then each robot's track."""
+        """The result for people, then each robot's track."""
         return "\n".join(self._lines()) + "\n"
 
     def _lines(self) -> Iterator[str]:

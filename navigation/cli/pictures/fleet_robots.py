@@ -1,12 +1,10 @@
 """The robots of ``clearway fleet``: a CSV or JSON file of names, places and radii.
 
-Rules and units
 - CSV has a header row with the columns ``name, start_x, start_y, goal_x, goal_y, radius``; JSON is
   a list of objects with these fields, or an object with that list as ``robots``.
-- ``name`` may be omitted: the robots are then robot1, robot2 and so on. Lengths are in the
-  source's units.
-- Errors name the file, the row and the column; rows count from 1, in CSV as an editor counts
-  lines.
+- ``name`` may be omitted: the robots are then robot1, robot2 and so on. Lengths are in the source's
+  units.
+- Errors name the file, the row and the column; rows count from 1, in CSV as an editor counts lines.
 """
 
 from __future__ import annotations

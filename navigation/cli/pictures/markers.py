@@ -18,7 +18,7 @@ if TYPE_CHECKING:
     from vision.markers.reading import Marker
 
 NONE_FOUND = 3
-"""Exit code without a marker, as without a plan: the picture is fine, the answer is none."""
+"""As without a plan: the picture is fine, the answer is none."""
 GREEN, BLUE, RED = (60, 160, 30), (200, 90, 20), (40, 40, 220)
 
 

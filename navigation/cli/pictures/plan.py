@@ -224,10 +224,7 @@ def _answer(
 
 
 def _tell(answer: PlanOutput, form: str, output: Path | None) -> None:
-    """Write the answer to standard output or a file.
-
-    The reason for a missing path goes to standard error.
-    """
+    """Write the answer; only a file gets the reason for a missing path."""
     if form == "json":
         text = answer.as_json() + "\n"
     else:

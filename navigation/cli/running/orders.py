@@ -27,7 +27,7 @@ def _send(path: Path | None, form: str, request: dict[str, Any], robot: str | No
     answer = send_order(path, request)
     until_s = time.monotonic() + KNOWN_WITHIN_S
     while request["order"] == "stop" and _stops(answer) and time.monotonic() < until_s:
-        time.sleep(AGAIN_S)  # while the robot brakes; a stop may be ordered twice
+        time.sleep(AGAIN_S)  # a stop may be ordered twice
         answer = send_order(path, request)
     if form == "json":
         click.echo(json.dumps(answer, allow_nan=False))
@@ -65,7 +65,6 @@ def print_state(answer: dict[str, Any], who: str = "") -> None:
 def _command(
     order: Order, callback: Callable[..., None], *, own: Sequence[click.Parameter] = ()
 ) -> click.Command:
-    """Command of an order, with its own arguments and options and the common ones."""
     which = (
         "Which of several robots is meant."
         if order.for_one
@@ -86,7 +85,7 @@ def _command(
         # so that -1.5,2 is a place
         context_settings={"ignore_unknown_options": "stations" in order.arguments},
     )
-    format_option()(command)  # it joins the options
+    format_option()(command)
     return command
 
 
@@ -147,7 +146,6 @@ def _latch(path: Path | None, reason: str, robot: str | None) -> Path:
 
 
 def _plain(order: Order) -> click.Command:
-    """Command of an order without arguments."""
 
     def callback(robot: str | None, path: Path | None, form: str) -> None:
         _send(path, form, {"order": order.name}, robot)

@@ -1,4 +1,4 @@
-"""`clearway sweep`: a simulated run many times over, with other seeds and other errors."""
+"""`clearway sweep`: a simulated run many times over, with other seeds and errors."""
 
 from __future__ import annotations
 

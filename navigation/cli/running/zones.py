@@ -60,7 +60,6 @@ def _socket_option() -> Decorator:
 
 
 def _texts(order: str) -> dict[str, Any]:
-    """Summary and example of a command, from the table of orders."""
     one = ORDERS[order]
     return {"short_help": one.summary, "epilog": epilog_of(Example(*one.example))}
 
@@ -204,7 +203,7 @@ def _send(path: Path | None, request: dict[str, Any], after: Sequence[str] = ())
 
 
 def _print(answer: dict[str, Any], form: str, lines: Iterable[str]) -> None:
-    """Print the answer to a change; a change that ends with the run is said to."""
+    """Print the answer to a change, and whether the change ends with the run."""
     if form == "json":
         click.echo(json.dumps(answer, allow_nan=False))
         return

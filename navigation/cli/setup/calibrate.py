@@ -116,7 +116,7 @@ def command(  # noqa: PLR0913 (an argument for each option of the command line)
     from navigation.cli.calibrating.chosen_lens import lens_from_views
     from navigation.cli.calibrating.command import taken_live
 
-    # The calibration whose lens is taken may be the one being made.
+    # the calibration whose lens is taken may be the one being made
     read = (*pictures, points, floor_picture)
     keep_apart((("--output", output),), read)
     given_size = None if size is None else _pair(size, "--size")

@@ -48,8 +48,8 @@ def command(config: Path) -> None:
 def load_checked(file: Path) -> Config:
     """Load a configuration; ``ConfigError`` also if a file that it names is wrong.
 
-    Errors of the files and of the configuration are reported together, as far as the sections
-    concerned are sound.
+    Errors of the files and of the configuration are reported together, as far as the sections are
+    sound.
     """
     try:
         loaded = load_config(file)
@@ -337,7 +337,6 @@ def _in_short(config: Config) -> str:
 
 
 def _line_of(config: Config) -> str:
-    """Its port, and its driver if that is not our firmware."""
     driver, port = config.robot.driver, config.serial.port
     return port if driver == CLEARWAY else f"{driver} on {port}"
 

@@ -25,7 +25,7 @@ if TYPE_CHECKING:
 
 WELL, ILL = 0, 1
 WATCHED_S = 2.0
-"""Time that the camera is watched; `clearway camera` watches it for longer."""
+"""Shorter than `clearway camera` watches it."""
 COLOURS = {"ok": "green", "warn": "yellow", "fail": "red"}
 
 WAKEUPS_SEEN_S: Final = 1.0

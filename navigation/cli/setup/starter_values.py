@@ -13,7 +13,7 @@ from navigation.config.known_robots import CLEARWAY, KNOWN_ROBOTS
 
 OWN_RADIUS_M: Final = 0.09
 OWN_MARKER_M: Final = 0.09
-"""The side of the marker that ``clearway marker`` prints and ``clearway init`` writes."""
+"""Side of the marker that ``clearway marker`` prints and ``clearway init`` writes."""
 SAFE_SHARE: Final = 0.8
 """Share of the highest speed that its maker states."""
 ROOMY: Final = 1.05
