@@ -53,9 +53,7 @@ HEADERS: Final = {
 def make_app(
     hub: Hub, runs: KeptRuns, desk: Desk | None = None, bench: Bench | None = None
 ) -> ASGIApp:
-    """The whole application around a hub; no settings without a desk, no calibration without a
-    bench.
-    """
+    """The application around a hub; no settings without a desk, no calibration without a bench."""
     pages = _Pages(hub)
     kept = KeptAnswers(runs, hub.gate, hub.workers, hub.clock)
     routes = [
@@ -121,7 +119,7 @@ class _Pages:
         return JSONResponse(state or {"type": "state", "mission": None})
 
     async def stop(self, request: Request) -> Response:
-        """Stop without a websocket: the page's fallback when its own is lost."""
+        """Stop without a websocket, as the page's fallback."""
         refusal = self._hub.gate.may_stop(bearer_of(request.headers.get("authorization")))
         if refusal is not None:
             return _refused(refusal)

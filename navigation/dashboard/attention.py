@@ -20,9 +20,9 @@ EARLY: Final = 0.75
 
 
 class Attention:
-    """A viewer as the hub sees it; ``number`` counts viewers up.
+    """A viewer as the hub sees it; ``number`` counts viewers up, ``key`` is empty until it joins.
 
-    ``key`` is empty until it joins; ``displaced`` is set when it has to leave for another.
+    ``displaced`` is set when it has to leave for another.
     """
 
     def __init__(self, role: Role = Role.OPERATOR, number: int = 0) -> None:
@@ -31,13 +31,11 @@ class Attention:
         self.key = ""
         self.is_watching = False
         self.kind = "picture"
-        """From above, or ``camera``, as it was taken."""
+        """Or ``camera``, as it was taken."""
         self.width_px = 0
-        """Width of its pictures; said with `is_watching`."""
         self.wants_heat = False
         self.news = asyncio.Event()
         self.notices: deque[str] = deque(maxlen=NOTICES)
-        """Unsent sentences for this page alone."""
         self._credits = CREDITS
         self._shown_s = -math.inf
 

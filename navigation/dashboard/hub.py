@@ -50,11 +50,9 @@ from vision.markers.markers import RobotPose
 
 LOOK_EVERY_S: Final = 1.0 / 60.0
 IDLE_EVERY_S: Final = 0.1
-"""Interval at which the hub looks while it has no viewer."""
 STATE_EVERY_S: Final = 0.1
 PICTURES_S: Final = 120.0
 KINDS: Final = ("picture", "camera")
-"""From above, and as they were taken."""
 MOST_VIEWERS: Final = 64
 LOOP_DEAD_S: Final = 1.0
 """A control loop that ended no cycle for longer does not answer."""
@@ -98,7 +96,7 @@ class Hub:
         self.picture_number = 0
         """Each picture has its own, whatever its kind and width."""
         self.refusal = IT_IS_A_RECORDING if daemon.people is None else None
-        """Reason why nothing can be ordered here at all; None where it can."""
+        """Reason why nothing can be ordered; None where it can."""
         self.epoch = 0
         """Grows where the past becomes another one: pages are greeted again."""
         self.closing = asyncio.Event()
@@ -156,7 +154,7 @@ class Hub:
             self.wake()
 
     def tell_now(self) -> None:
-        """Make the state again, so that no viewer hears an older one after an answer."""
+        """Make the state again: no viewer hears an older one after an answer."""
         if self._state is not None:
             self.state_text = self._tell(self._state, self.clock())
             self.state_number += 1
@@ -192,12 +190,12 @@ class Hub:
         return attention
 
     def steer(self, _message: Mapping[str, Any]) -> str | None:
-        """Play, pause or seek; return why not: a live run is not replayed."""
+        """Refuse to play, pause or seek, as a live run must."""
         return "nothing is replayed here"
 
     @property
     def loop_age_s(self) -> float:
-        """Time since the control loop's last cycle; infinite before the first."""
+        """Time since the control loop's last cycle; infinite before."""
         return self.clock() - self._seen_s
 
     def note(self, level: str, text: str) -> None:
@@ -367,7 +365,7 @@ class Hub:
         self.wake()
 
     def _start(self, name: str, work: Any) -> None:
-        """Run one piece of work of a name at a time; an error is logged and ends nothing else."""
+        """Run one piece of work of a name at a time; log an error."""
 
         async def guarded() -> None:
             try:

@@ -22,7 +22,6 @@ if TYPE_CHECKING:
     from navigation.loop.people import People
 
 REARM: Final = "rearm"
-"""The page's order that leaves a stop, and does nothing else."""
 WHO: Final[Mapping[str, Who]] = {
     **{name: order.who for name, order in ORDERS.items() if order.who is not Who.SOCKET},
     REARM: Who.OPERATOR,
@@ -50,7 +49,7 @@ def refusal_of(order: object, *, may_drive: bool, holds: bool, may_stop: bool = 
 
 
 def give(request: Mapping[str, Any], people: People, who: str) -> dict[str, Any]:
-    """Carry out an order; ``{"ok": true, ...}`` or ``{"ok": false, "error": SENTENCE}``."""
+    """Carry out an order; return ``ok``, and ``error`` with a sentence."""
     name, whose = request.get("order"), {k: v for k, v in request.items() if k == "robot"}
     if name == "stop":
         return carry_out({"order": "stop", "reason": f"stopped by {who}", **whose}, people)

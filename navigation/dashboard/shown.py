@@ -37,12 +37,12 @@ class Shown(Protocol):
 
     @property
     def calibration(self) -> Calibration:
-        """The camera's mapping from pixels to the floor."""
+        """Mapping from pixels to the floor."""
         ...
 
     @property
     def state(self) -> RunState | None:
-        """State at the end of the last cycle, a new object each time; None before the first."""
+        """State at the end of the last cycle, a new object each time; None before."""
         ...
 
     def camera_status(self) -> CameraStatus:

@@ -48,7 +48,7 @@ POLICY, TOO_BIG, GOING_AWAY, TRY_LATER = 1008, 1009, 1001, 1013
 
 
 class MalformedError(ValueError):
-    """A message outside the protocol; the text says why."""
+    """Error: a message outside the protocol."""
 
 
 class Viewer:
@@ -272,7 +272,7 @@ class Viewer:
         self._reply(message, {"ok": error is None, **({"error": error} if error else {})})
 
     def _take_control(self) -> str | None:
-        """Take control and inform both pages if another one loses it; return why not, or None."""
+        """Take control, and inform both pages if another one loses it; return why not."""
         hub, key, before = self.hub, self.attention.key, self.hub.seat.holder
         is_supervisor = self.role is Role.SUPERVISOR
         error = hub.seat.take(key, self.name, hub.clock(), from_anyone=is_supervisor)
@@ -360,7 +360,6 @@ def _read(text: str | None) -> dict[str, Any]:
 
 
 def _number_of(message: dict[str, Any]) -> int | None:
-    """The page's number for its message."""
     number = message.get("id")
     return number if isinstance(number, int) and abs(number) < 2**53 else None
 

@@ -34,7 +34,7 @@ class Journal:
     """One journal; a context manager whose constructor opens everything. One thread.
 
     ``JournalError`` if the file must not be used: another program holds it, it is no journal or of
-    another version, or it is forbidden. ``remark`` says what was put aside; empty: nothing.
+    another version, or it is forbidden. ``remark`` says what was put aside.
     """
 
     def __init__(self, path: Path, owner: Owner) -> None:
@@ -87,8 +87,7 @@ class Journal:
     def keep(self, mission: MissionProgress, sent: SentPlan | None, now_s: float) -> None:
         """Store the mission with its progress, and ``sent``, the plan about to be given.
 
-        A plan is kept until the next plan, mission or errand. Nothing is written without a change.
-        Never raises: see `trouble`.
+        A plan is kept until the next plan, mission or errand. Never raises: see `trouble`.
         """
         known = self._failed or self._kept
         if sent is None and known is not None and _is_for(known.mission, mission):
@@ -109,7 +108,7 @@ class Journal:
             self._failed, self._kept = None, wanted
 
     def _write(self, wanted: Contents) -> None:
-        """Write into the open file; if that is gone, into a new one in its place."""
+        """Write into the open file; if that is gone, into a new one."""
         if self._file is not None:
             try:
                 self._file.save(wanted)

@@ -39,7 +39,7 @@ _NO_ROOM: Final = frozenset({errno.ENOSPC, errno.EDQUOT, errno.EFBIG, errno.EIO}
 
 
 class JournalError(ValueError):
-    """Error: the journal cannot be used; the message says which file and why."""
+    """Error: the journal cannot be used."""
 
 
 class JournalWriteError(JournalError):
@@ -152,7 +152,6 @@ class JournalFile:
         return text
 
     def _put_aside(self, label: str) -> Path:
-        """Rename the file; return the new name."""
         for number in range(1, MOST_ASIDE + 1):
             aside = self._file.with_name(f"{self._file.name}.{label}-{number}")
             if not aside.exists():
@@ -201,6 +200,5 @@ def _identity(file: Path | int) -> tuple[int, int] | None:
 
 
 def _is_alike(data: bytes) -> bool:
-    """True if it begins like a journal, or like its remains."""
     equal = sum(one == other for one, other in zip(data, _MAGIC, strict=False))
     return equal >= _LIKENESS or _MAGIC.startswith(data)

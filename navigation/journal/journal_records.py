@@ -33,7 +33,7 @@ LARGEST_RAD: Final = 7.0
 
 
 class RecordError(ValueError):
-    """Error: a record cannot be used; the message says which and why."""
+    """Error: a record cannot be used."""
 
 
 @dataclass(frozen=True, slots=True)

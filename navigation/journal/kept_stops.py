@@ -25,13 +25,13 @@ from navigation.shared.whole_file import UnwrittenFileError
 ANSWER_S: Final = 0.15
 """A stop is answered within 0.3 s in any case."""
 END_S: Final = 2.0
-"""For what is still to be written when a run ends."""
+"""For what is left to write when a run ends."""
 
 
 class KeptStops:
     """Stops on disk, a context manager; ``ports`` has each robot's, under "" for a lone robot.
 
-    ``held`` gives the reason why robots wait at the beginning, by name.
+    ``held``: why robots wait at the beginning, by name.
     """
 
     def __init__(

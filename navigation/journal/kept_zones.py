@@ -3,7 +3,6 @@
 Rules
 - Only what differs from the configuration is kept: each zone as it was configured, and as it is in
   force. A zone that the configuration has changed since keeps that later form.
-- The file is sealed as the journal is, and readable by its owner only.
 - A file that cannot be used is an error, since a keep-out zone may be lost with it. It stays where
   it is until the robots' stop is on the disk, and is then put aside for a person to look at.
 """
@@ -33,7 +32,7 @@ MOST_ASIDE: Final = 1000
 
 
 class KeptZonesError(ValueError):
-    """The changes cannot be read or written; the message names the file and says why."""
+    """Error: the changes cannot be read or written."""
 
 
 @dataclass(frozen=True, slots=True)

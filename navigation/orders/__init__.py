@@ -4,7 +4,6 @@
 - `table`: each order's name, arguments, permitted people, action and help, for the command line,
   the control socket (`control`) and the page (`dashboard`).
 - `arguments`: reads each argument.
-- `errors`: orders that cannot be given or taken.
 
 The table imports no large library, so that `clearway --help` stays quick.
 """

@@ -43,7 +43,7 @@ def _reason(request: Mapping[str, Any]) -> str:
 
 
 def read_stations(value: Any) -> tuple[Station, ...]:
-    """Stations from JSON; ControlError if they are none."""
+    """Stations from JSON; ControlError if there are none."""
     if not isinstance(value, list) or not 1 <= len(value) <= MOST_STATIONS:
         raise ControlError(f"stations: must be a list of 1 to {MOST_STATIONS} stations")
     stations = tuple(_station(number, item) for number, item in enumerate(value, 1))

@@ -32,10 +32,7 @@ class Who(Enum):
 
 @dataclass(frozen=True, slots=True)
 class Button:
-    """An order's button on the page.
-
-    ``why_not`` says why the order would do nothing for a mission that is not stopped; else empty.
-    """
+    """An order's button on the page; ``why_not`` is empty if the order would do something."""
 
     label: str
     why_not: Callable[[MissionProgress], str]

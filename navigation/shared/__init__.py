@@ -1,9 +1,8 @@
 """Small helpers for any part of the running program.
 
 - `outside`: JSON from outside, read and made safe to repeat.
-- `track`: the places a robot has been, in a buffer of fixed size.
-- `sealed`: a checksum line before a text.
-- `whole_file`: files that are complete or not there at all.
+- `track`: the places a robot has been.
+- `sealed`: a checksum line before a text; `whole_file`: files written whole or not at all.
 - `supervisor`: restarts failed parts of the program.
 - `system`: refuses what needs Linux elsewhere.
 """

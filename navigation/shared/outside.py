@@ -16,7 +16,7 @@ REPLACEMENT: Final = "\N{REPLACEMENT CHARACTER}"
 
 
 class OutsideError(ValueError):
-    """Outside data is not what was asked for; the message says what it must be."""
+    """Error: data from outside is not what it must be."""
 
 
 def read_object(data: bytes | str) -> dict[str, Any]:
@@ -33,7 +33,7 @@ def read_object(data: bytes | str) -> dict[str, Any]:
 
 
 def printable(text: str, most: int) -> str:
-    """The text on one line, at most ``most`` characters, with unprintable ones replaced."""
+    """The text on one line of at most ``most`` characters, unprintable ones replaced."""
     shown = "".join(c if c.isprintable() else REPLACEMENT for c in text[:most])
     return shown if len(text) <= most else shown[:-1] + "…"
 
@@ -57,7 +57,7 @@ def in_short(value: object) -> str:
 
 
 def finite_number(value: object) -> float | None:
-    """A JSON number as a finite float, None for everything else."""
+    """A JSON number as a finite float, else None."""
     if isinstance(value, bool) or not isinstance(value, int | float):
         return None
     try:

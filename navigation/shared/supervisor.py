@@ -1,7 +1,7 @@
 """Restarts failed parts of the program with growing pauses, and reports which and why.
 
-A failing part makes the robot hold. The pause starts at ``FIRST_PAUSE_S``, doubles up to
-``LONGEST_PAUSE_S``, and starts again after ``WELL_S`` without failure. No clock is read here.
+The pause starts at ``FIRST_PAUSE_S``, doubles up to ``LONGEST_PAUSE_S``, and starts again after
+``WELL_S`` without failure.
 """
 
 from __future__ import annotations
@@ -49,7 +49,7 @@ class Supervisor:
         return sum(record.failures for record in self._records.values())
 
     def look(self, now_s: float) -> str | None:
-        """All failures in one sentence, or None if every part is well."""
+        """All failures in one sentence; None if every part is well."""
         for name, part in self._parts.items():
             self._look_at(part, self._records[name], now_s)
         return "; ".join(

@@ -9,7 +9,7 @@ NEEDED: Final = "linux"
 
 
 class NeedsLinuxError(RuntimeError):
-    """Error: a part is used that needs Linux; the message names it."""
+    """Error: a part is used that needs Linux."""
 
     exit_code: Final = 2
 

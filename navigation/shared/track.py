@@ -1,7 +1,6 @@
 """Track of a robot in a buffer of fixed size, and the pieces of it that the robot drove.
 
-Rows are time_s, x_m, y_m, heading_rad; one thread writes, any thread reads. Lifting a robot and
-setting it down elsewhere splits its track.
+Rows are time_s, x_m, y_m, heading_rad; one thread writes, any thread reads.
 """
 
 from __future__ import annotations
@@ -63,9 +62,8 @@ class Track:
 
 
 def driven_pieces(rows: FloatArray, fastest_m_s: float) -> list[FloatArray]:
-    """Split a track (n, 4) into pieces (k >= 1, 4) where the robot jumped instead of driving.
-
-    Its wheels never exceed ``fastest_m_s``.
+    """Split a track (n, 4) into pieces (k >= 1, 4) where no robot of ``fastest_m_s`` can have
+    driven.
     """
     if not len(rows):
         return []
@@ -76,7 +74,7 @@ def driven_pieces(rows: FloatArray, fastest_m_s: float) -> list[FloatArray]:
 
 
 def with_breaks(pieces: Sequence[FloatArray]) -> FloatArray:
-    """Join the pieces (k, m) of a track into one array (n, m), with a row of NaN between two."""
+    """Join the pieces (k, m) of a track into one array (n, m), with rows of NaN between."""
     rows = [row for piece in pieces for row in (np.full((1, piece.shape[1]), np.nan), piece)]
     return np.vstack(rows[1:]) if rows else np.empty((0, 4))
 

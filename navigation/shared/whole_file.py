@@ -8,7 +8,7 @@ from pathlib import Path
 
 
 class UnwrittenFileError(ValueError):
-    """A file cannot be written; the message names it and says why."""
+    """Error: a file cannot be written."""
 
 
 def write_whole(

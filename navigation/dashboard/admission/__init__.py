@@ -3,6 +3,5 @@
 - `listener` accepts connections and cuts late or noisy ones; `places` limits their number.
 - `access` checks Host, Origin and token, and gives each visitor a role; `own_token` makes a token
   if none is configured.
-- `allowance` limits the rate of a viewer's messages.
-- `seat` says which operator holds the arena.
+- `allowance` limits the rate of messages; `seat` says who holds the arena.
 """

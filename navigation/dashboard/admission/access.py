@@ -21,7 +21,7 @@ from urllib.parse import urlsplit
 from navigation.config.dashboard import DashboardSection
 
 PROTOCOL = "clearway.1"
-"""The websocket's subprotocol; a token travels beside it as ``token.TOKEN``."""
+"""A token travels beside it as ``token.TOKEN``."""
 LOCAL_NAMES = frozenset({"localhost", "127.0.0.1", "::1"})
 
 
@@ -89,7 +89,7 @@ class AccessGate:
         return None
 
     def role(self, token: str | None) -> Role | Refusal:
-        """Role of a token's bearer; an operator's if there is no token at all."""
+        """Role of a token's bearer; an operator's without any token."""
         section = self._section
         if self._token is None:
             return Role.OPERATOR
@@ -145,7 +145,6 @@ def _same(one: str, other: str) -> bool:
 
 
 def _name_of(host: str) -> str | None:
-    """Name in a Host header, without its port."""
     try:
         return urlsplit(f"//{host}").hostname
     except ValueError:
@@ -153,7 +152,6 @@ def _name_of(host: str) -> str | None:
 
 
 def _place_of(origin: str) -> str | None:
-    """Name and port of an Origin header."""
     try:
         return urlsplit(origin).netloc.lower()
     except ValueError:

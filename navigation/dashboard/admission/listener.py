@@ -39,11 +39,11 @@ STRAY_BYTES_S: Final = 256.0
 """A page answers each ping with ten bytes."""
 BACKLOG: Final = 512
 ACCEPTS_A_ROUND: Final = 32
-"""Most connections accepted in a row; then places of closed ones are freed."""
+"""Then places of closed ones are freed."""
 MOST_PLACES: Final = 256
 LEAST_PLACES: Final = 16
 SHARE_OF_DESCRIPTORS: Final = 4
-"""One in this number of the process's descriptors, at most, is for the page's connections."""
+"""One in this number of the process's descriptors, at most, is for the page."""
 AN_ADDRESS: Final = 0.625
 """Share of the places that one address may have."""
 SWEEP_EVERY_S: Final = 0.25
@@ -74,7 +74,7 @@ class Listener(socket.socket):
             raise
 
     def accept(self) -> tuple[socket.socket, Any]:
-        """Accept a connection and give it a place; another one may lose its own."""
+        """Accept a connection and give it a place; another may lose its own."""
         accepted, address = super().accept()
         connection = Connection(accepted, address[:2], self)
         self._connections[connection.peer] = connection
@@ -90,7 +90,7 @@ class Listener(socket.socket):
     def watched(self, app: App) -> App:
         """Wrap the application to report its connections' states here.
 
-        It must be outside anything that changes ``scope["client"]``, which identifies a connection.
+        Must be outside anything that changes ``scope["client"]``, which identifies a connection.
         """
 
         async def watch(scope: Any, receive: Receive, send: Send) -> None:
@@ -114,7 +114,7 @@ class Listener(socket.socket):
             await asyncio.sleep(SWEEP_EVERY_S)
 
     async def hang_up(self, within_s: float) -> None:
-        """Wait a moment for the last words, then cut all connections."""
+        """Wait for the last words, then cut all connections."""
         for cut in (False, True):
             until_s = time.monotonic() + within_s
             if cut:

@@ -39,7 +39,7 @@ def new_token() -> str:
 
 
 def _read(file: Path) -> str | None:
-    """Token in the file; None if missing, or if others could have read or written it."""
+    """Token in the file; None if others could have read or written it."""
     try:
         number = os.open(file, os.O_RDONLY | os.O_NOFOLLOW | os.O_NONBLOCK | os.O_CLOEXEC)
     except OSError:

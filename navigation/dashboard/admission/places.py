@@ -53,7 +53,7 @@ class OpenConnections:
         return len(self._waiting) + len(self._viewers)
 
     def come(self, place: OpenConnection) -> None:
-        """Add an accepted connection; cut another one if there is no place."""
+        """Add an accepted connection; cut another if there is no place."""
         if self._shares[place.address] >= self.most_an_address:
             self._cut_oldest(place.address)
         elif len(self._waiting) >= self.most:
@@ -73,7 +73,7 @@ class OpenConnections:
         self._viewers.pop(place, None)
 
     def make_room(self) -> None:
-        """Cut the oldest connection that is not a viewer: no descriptor is left."""
+        """Cut the oldest connection that is not a viewer."""
         self._cut_oldest(None)
 
     def sweep(self, now_s: float) -> None:

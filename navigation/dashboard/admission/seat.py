@@ -18,7 +18,7 @@ LEFT_S = 4.0
 
 @dataclass(frozen=True, slots=True)
 class Holder:
-    """The holder of the arena: the secret key, the name that others see, and signs of life."""
+    """The holder of the arena: secret key, name that others see, signs of life."""
 
     key: str
     name: str
@@ -28,12 +28,12 @@ class Holder:
 
     @property
     def public(self) -> str:
-        """The part of the key that others may know."""
+        """Part of the key that others may know."""
         return public_half(self.key)
 
 
 def public_half(key: str) -> str:
-    """A short digest that distinguishes keys and gives none away."""
+    """A digest that distinguishes keys and gives none away."""
     return hashlib.sha256(key.encode()).hexdigest()[:12]
 
 

@@ -1,6 +1,6 @@
-"""Data kept on disk and shown on the page: earlier runs with their files, places by name.
+"""Data kept on disk and shown on the page.
 
-- `runs`: the runs and their files; `answers`: the same over HTTP.
+- `runs`: earlier runs and their files; `answers`: the same over HTTP.
 - `places`: saved places.
 
 A name from a page becomes part of a path only once it is recognised: a run's folder is named by a

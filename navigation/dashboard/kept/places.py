@@ -40,7 +40,7 @@ class SavedPlace:
 
 
 class PlaceError(ValueError):
-    """An impossible change of the places; the message says why."""
+    """Error: an impossible change of the places."""
 
 
 class SavedPlaces:
@@ -50,7 +50,7 @@ class SavedPlaces:
         self.path, self._arena = path, arena
         self.places: tuple[SavedPlace, ...] = ()
         self.trouble = ""
-        """Reason why nothing can be saved; empty while all is well."""
+        """Reason why nothing can be saved."""
         try:
             self.places = self._read()
         except (OSError, ValueError) as error:

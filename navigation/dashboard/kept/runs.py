@@ -1,12 +1,9 @@
 """Earlier runs: the list, the files of each, and the path from a name to a file.
 
 Rules
-- A run is a folder in ``recording.runs_dir`` named by a time, with the files of `RUN_FILES`. A
-  recording is an MCAP file with a recording's name. Nothing else is seen.
+- A run is a folder in ``recording.runs_dir`` named by a local time, with the files of `RUN_FILES`.
+  A recording is an MCAP file with a recording's name. Nothing else is seen, and no link.
 - A recording belongs to the last run that began before it.
-- Links do not count: nothing leads out of the two folders.
-
-Times are local, as in the names.
 """
 
 from __future__ import annotations
@@ -85,7 +82,7 @@ class KeptRuns:
 
     @contextmanager
     def opened(self, run: str, file: str) -> Iterator[BinaryIO]:
-        """Open a run's file or one of its recordings for reading; FileNotFoundError otherwise."""
+        """Open a run's file or one of its recordings; FileNotFoundError otherwise."""
         if not is_run(run):
             raise FileNotFoundError(run)
         if file in RUN_FILES:
@@ -111,7 +108,6 @@ class KeptRuns:
         )
 
     def _recordings(self, runs: list[str]) -> dict[str, list[str]]:
-        """Recordings that began after a run and before the next, by the run's name."""
         begins = [_stamp(name) for name in runs]
         found: dict[str, list[str]] = {}
         for name in sorted(_names(self.recordings_dir, is_recording)):
@@ -151,7 +147,6 @@ def _order(name: str) -> tuple[str, int]:
 
 
 def _names(folder: Path, wanted: Any) -> list[str]:
-    """Matching names in a folder, without links."""
     try:
         with os.scandir(folder) as entries:
             return [entry.name for entry in entries if wanted(entry.name) and _is_own(entry)]

@@ -1,8 +1,7 @@
 """The camera's own picture for viewers, with the markers and borders found in it.
 
-Nothing is warped: the obstacles' borders and the arena are where the program believes them to be,
-which shows a wrong calibration. Pixels of the largest picture sent, x right, y down, as float32.
-Works in any thread.
+Nothing is warped: borders and arena are where the program believes them to be, which shows a wrong
+calibration. Pixels of the largest picture sent, x right, y down, as float32. Works in any thread.
 """
 
 from __future__ import annotations

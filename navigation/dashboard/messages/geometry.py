@@ -64,7 +64,7 @@ def plans_message(paths: Mapping[str, Path | None], number: int) -> bytes:
 
 
 def path_facts(path: Path) -> dict[str, object]:
-    """Length and clearance of a path, metres, and the planner's remarks on it."""
+    """Length and clearance of a path, metres, and its remarks."""
     return {
         "length_m": path.length,
         "clearance_m": path.min_clearance,

@@ -41,7 +41,6 @@ def heat_message(roadmap: Roadmap, window: Bounds, number: int) -> bytes:
 
 
 def _span(roadmap: Roadmap) -> tuple[float, float]:
-    """Least and largest clearance on the robot's roadmap."""
     chains = roadmap.clipped.chains
     pieces = [chains.rho[chains.first[c] : chains.first[c + 1]] for c in roadmap.kept]
     if not pieces:

@@ -1,7 +1,7 @@
 """The camera's picture for viewers: seen straight from above, to scale, as JPEG.
 
-- The picture is warped onto the arena's floor, so that metres are pixels times one number, and the
-  page's drawings lie in place. Things with a height lean outwards, as for the camera.
+- The picture is warped onto the arena's floor, so that the page's drawings lie in place. Things
+  with a height lean outwards, as for the camera.
 - ``window`` is the shown part of the floor: the arena with a rim. x right, y up.
 - A page gets the smallest of eight sizes that is not below its own (`width_for`): pages cannot make
   the program encode more sizes.
@@ -37,7 +37,7 @@ as in the next smaller size."""
 
 
 def width_for(shown_px: int, most_px: int) -> int:
-    """Least width of a picture that fills ``shown_px`` pixels; ``most_px`` where none does."""
+    """Least width of a picture that fills ``shown_px`` pixels, else ``most_px``."""
     widths = (max(1, most_px * part // SIZES) for part in range(1, SIZES + 1))
     return next((width for width in widths if width >= shown_px), most_px)
 
@@ -45,7 +45,7 @@ def width_for(shown_px: int, most_px: int) -> int:
 def encode_widths(
     image: NDArray[np.uint8], widths_px: Iterable[int], quality: int
 ) -> dict[int, NDArray[np.uint8]]:
-    """JPEG of a picture at each width, or at its own if that is less; ``quality`` is OpenCV's."""
+    """JPEG of a picture at each width, or at its own if that is less."""
     height, full_px = image.shape[:2]
     smooth = cv2.GaussianBlur(image, (3, 3), SMOOTHING_PX)
     # progressive with its own code tables: a quarter fewer bytes, mostly of even floor

@@ -1,7 +1,6 @@
 """Greeting, state and previews of the running program for viewers, as JSON data.
 
-Metres, radians, seconds; ages and latencies in milliseconds. Nothing is infinite or NaN: unseen
-things are null.
+Metres, radians, seconds; ages and latencies in milliseconds. Unseen things are null.
 """
 
 from __future__ import annotations
@@ -105,7 +104,7 @@ def robot_facts(state: RobotSnapshot, view: TopView, now_s: float) -> dict[str, 
 
 
 def no_path_facts(answer: NoPath) -> dict[str, Any]:
-    """Reason why there is no path, and the place where the widest one is too narrow."""
+    """Reason why there is no path, and where the widest one is too narrow."""
     gap = answer.bottleneck
     return {
         "reason": answer.reason,
@@ -178,7 +177,6 @@ def _camera(camera: CameraStatus, evidence: Evidence) -> dict[str, Any]:
 
 
 def _stop_doubt(state: RobotSnapshot) -> str | None:
-    """Doubt that a stopped robot is at rest; None if it is, or is not stopped."""
     return doubt_of_stop(state.link) if state.mission.state is State.STOPPED else None
 
 

@@ -1,7 +1,6 @@
-"""The hub of a recording's page: its viewers steer it, and see the same moment.
+"""The hub of a recording's page: all viewers see the same moment, and steer it.
 
-A jump changes the past: log, track and charts are rebuilt from the recording, and every page is
-greeted again.
+A jump changes the past: log, track and charts are rebuilt, and every page is greeted again.
 """
 
 from __future__ import annotations
@@ -52,7 +51,7 @@ class ReplayHub(Hub):
         super().look(now_s)
 
     def steer(self, message: Mapping[str, Any]) -> str | None:
-        """``{"do": "play"|"pause"|"seek"|"speed", "value": N}``; None, or the reason to refuse."""
+        """``{"do": "play"|"pause"|"seek"|"speed", "value": N}``; the reason to refuse, or None."""
         now_s, player = self.clock(), self._player
         value = finite_number(message.get("value"))
         match message.get("do"):

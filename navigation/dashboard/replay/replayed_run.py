@@ -67,7 +67,7 @@ class ReplayedRun:
         configs = robots_of(self.config)
         self._robots = [TapedRobot(tape, name, one) for name, one in configs.items()]
         self._smallest_m = min(one.robot.radius_m for one in configs.values())
-        """Radius of the robot that the roadmap is of, as in a run."""
+        """Radius that the roadmap is of, as in a run."""
         self._builder = ThreadPoolExecutor(1, thread_name_prefix="roadmaps")
         self._roadmaps: OrderedDict[int, Future[Roadmap]] = OrderedDict()
         self._frame: tuple[TapedPicture | None, Frame | None] = (None, None)

@@ -26,7 +26,6 @@ from navigation.dashboard.visits import RefusedError
 from navigation.shared.whole_file import UnwrittenFileError, write_whole
 
 MOST_KEPT: Final = 20
-"""Earlier texts kept."""
 MOST_CHANGES: Final = 500
 
 
@@ -34,15 +33,13 @@ class Around(NamedTuple):
     """Requirements of the desk on the program."""
 
     file: Path
-    """The configuration that runs."""
     state: Path
-    """The program's state folder, with the earlier texts."""
+    """The program's, with the earlier texts."""
     environment: Mapping[str, str]
-    """Overrides, as at the start."""
     file_problems: Callable[[Config], Iterable[tuple[Location, str]]]
     """Search for faults in the files that a configuration names."""
     devices: Callable[[], tuple[Sequence[str], Sequence[str]]]
-    """Paths of the cameras and the serial ports that are plugged in."""
+    """Paths of the cameras and the serial ports."""
     reload: Callable[[], None]
     """Puts the file's text into effect."""
 
@@ -144,7 +141,6 @@ class Desk:
         return changed, [*problems, *self._problems_of(changed, keys)]
 
     def _problems_of(self, text: str, keys: Collection[str]) -> list[dict[str, str]]:
-        """Problems that `clearway check` finds, each at its field."""
         folder, name = self._file.parent, self._file.name
         try:
             config = parse_config(text, name, folder, self._around.environment)

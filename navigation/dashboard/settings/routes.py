@@ -21,7 +21,7 @@ NO_SETTINGS: Final = Refusal(404, "settings", "the settings of this run are chan
 
 
 def settings_routes(hub: Hub, desk: Desk | None) -> list[Route]:
-    """The routes; without a desk each answers that there is nothing to change."""
+    """The routes; without a desk there is nothing to change."""
     pages = _Settings(hub, desk)
     return [
         Route("/api/settings", pages.show),
