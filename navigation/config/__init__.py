@@ -6,7 +6,7 @@
 - `sections`, `simulation`, `dashboard`, `recording`, `notify` and `zones` are the sections, made of
   the kinds in `values`; `known_robots` holds the vendors' numbers.
 - `zone_file` reads zones that come in an order or a file of their own.
-- `errors` words the problems; `unknown_keys` hides the values of unknown keys.
+- `errors` words the problems; `unknown_keys` finds values to hide.
 - `limits` gives the planner its limits; `last_good` keeps a good text.
 - `reference` writes the reference and the first file; `editing` changes a text.
 """

@@ -1,7 +1,7 @@
 """Checks across a configuration's keys and sections.
 
-Each check gets the sections that it needs, already valid, and yields the place of a contradiction
-and a sentence. A check of `robot` or `serial` that does not take `robots` is made for each robot.
+Each gets sections that are already valid, and yields the place of a contradiction and a sentence.
+One of `robot` or `serial` that does not take `robots` is made for each robot.
 """
 
 from __future__ import annotations

@@ -19,12 +19,12 @@ from navigation.config.secrecy.secret_places import masked
 from navigation.config.secrecy.secrets import hide, is_secret_key
 
 LONGEST_LINE = 100
-"""Length of a line shown in full; of a longer one, only the part around the mistake."""
+"""Length of a line shown in full."""
 
 
 @dataclass(frozen=True, slots=True)
 class Problem:
-    """A problem: the key, the sentence, and the place (None: environment)."""
+    """A problem; its place is None for the environment."""
 
     where: Location
     message: str
@@ -56,7 +56,7 @@ class ConfigError(ValueError):
         self.problems = tuple(problems)
         self.text = text
         self.sound = dict(sound or {})
-        """The sections that can be trusted all the same."""
+        """Sections that can be trusted all the same."""
         self.unknown = tuple(unknown)
         """Positions of the values of unknown keys, which are never shown."""
         lines = masked(text, self.unknown).splitlines()
@@ -94,7 +94,6 @@ def _told(problem: Problem, file: str, lines: Sequence[str]) -> str:
 
 
 def _around(line: str, place: int) -> tuple[str, int]:
-    """Part of a long line around a place, and the place in it."""
     if len(line) <= LONGEST_LINE:
         return line, place
     begin = min(max(0, place - LONGEST_LINE // 3), max(0, len(line) - LONGEST_LINE))
@@ -117,7 +116,7 @@ def mark_of(document: Document, where: Location, *, of_key: bool = False) -> Mar
 def problems_of(
     errors: Iterable[Any], document: Document, model: type[BaseModel]
 ) -> Iterator[Problem]:
-    """Yield pydantic's error details as problems with suggestions; a misspelt key appears once."""
+    """Yield pydantic's error details as problems; a misspelt key appears once."""
     errors = list(errors)
     unknown = [tuple(e["loc"]) for e in errors if e["type"] == "extra_forbidden"]
     missing = [tuple(e["loc"]) for e in errors if e["type"] == "missing"]
@@ -215,7 +214,6 @@ _KINDS = {
 
 
 def _sentence(error: Any, instead: str | None = None) -> str:
-    """Requirement and the given value, or ``instead`` of the value."""
     kind, context = error["type"], error.get("ctx", {})
     given = instead or _given(error["input"])
     if kind in _KINDS:

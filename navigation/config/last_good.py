@@ -23,7 +23,6 @@ from navigation.shared.whole_file import UnwrittenFileError, write_whole
 
 FOLDER: Final = "last_good"
 MOST_LINES: Final = 12
-"""Most changed lines that are shown."""
 
 
 def state_folder(environment: Mapping[str, str]) -> Path:
@@ -44,7 +43,7 @@ class LastGood:
         self.kept = state / FOLDER / f"{self.file.stem}-{number}.yaml"
 
     def keep(self, text: str) -> str | None:
-        """Keep a good text; return the reason if that fails, else None."""
+        """Keep a good text; return the reason if that fails."""
         try:
             if self.kept.exists() and self.kept.read_text(encoding="utf-8") == text:
                 return None
@@ -76,7 +75,7 @@ class LastGood:
         return lines
 
     def advice(self) -> str | None:
-        """A hint at the way back for an error's text; None if nothing was kept."""
+        """A hint at the way back for an error's text, if there is one."""
         if not self.kept.exists():
             return None
         lines = [
@@ -88,5 +87,4 @@ class LastGood:
 
 
 def _shown(text: str) -> list[str]:
-    """Lines of a configuration without its secrets and the values of unknown keys."""
     return masked(text, values_of_unknown_keys(text, Config)).splitlines()

@@ -33,8 +33,7 @@ MOST_BYTES: Final = 2_000_000
 def load_config(path: str | Path, environment: Mapping[str, str] | None = None) -> Config:
     """Load a file's configuration, with ``environment``'s overrides (default: the process's).
 
-    ``ConfigError`` (exit code 78) with every problem: unreadable file, YAML, unknown or missing
-    keys, wrong types and values, and contradictions.
+    ``ConfigError`` (exit code 78) with every problem.
     """
     file = Path(path)
     text = read_source(file)
@@ -90,7 +89,6 @@ def parse_config(
 def _validate(
     document: Document, folder: Path | None
 ) -> tuple[Config | None, list[Problem], dict[str, Any]]:
-    """The configuration, the problems, and the sections that can still be trusted."""
     context = {"folder": folder}
     data = with_source_of_cameras(document.data)
     try:
@@ -124,7 +122,6 @@ def _below(keys: Sequence[Location], part: Any) -> list[Location]:
 def _sound_sections(
     data: dict[str, Any], bad: set[str], context: dict[str, Path | None]
 ) -> dict[str, Any]:
-    """The sections without errors of their own."""
     sound: dict[str, Any] = {}
     for name, field in Config.model_fields.items():
         if name in bad:

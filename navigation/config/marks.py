@@ -2,7 +2,7 @@
 
 Rules
 - The scalars are those of YAML 1.2's core schema: ``1e-3`` is a number, ``on`` and ``no`` are
-  words. PyYAML alone follows YAML 1.1, which is the other way round.
+  words. PyYAML alone follows YAML 1.1.
 - A duplicate key, a key that is not a word and an alias inside itself are errors.
 - Length, depth and the number of values, with every alias written out, are bounded: nine lines of
   aliases of aliases would be a billion values.
@@ -19,7 +19,6 @@ import yaml
 
 MOST_CHARACTERS: Final = 500_000
 MOST_SHOWN: Final = 40
-"""Length up to which a word is shown in full."""
 MOST_DEPTH: Final = 50
 MOST_VALUES: Final = 20_000
 """A mission of a thousand stations has five thousand."""
@@ -47,7 +46,7 @@ class Defect:
 
 @dataclass(slots=True)
 class Document:
-    """A parsed text: plain data, the marks of keys and of values, and the YAML's defects."""
+    """A parsed text: plain data, marks of keys and values, and the YAML's defects."""
 
     text: str
     data: Any = None
@@ -57,7 +56,7 @@ class Document:
 
 
 class TooMuchError(yaml.YAMLError):
-    """A document beyond the bounds; the message says which."""
+    """Error: a document beyond the bounds."""
 
     def __init__(self, message: str, mark: Mark) -> None:
         super().__init__(message)

@@ -17,7 +17,7 @@ ENVIRONMENT_PREFIX = "CLEARWAY_"
 OTHERS_VARIABLES = (
     "CLEARWAY_DEBUG", "CLEARWAY_REAL_DATA", "CLEARWAY_FAIL_ON_SKIP", "CLEARWAY_CHROMIUM"
 )  # fmt: skip
-"""The command line's and the tests'; they configure no run."""
+"""They configure no run."""
 
 
 def override(

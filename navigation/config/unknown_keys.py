@@ -1,4 +1,4 @@
-"""Places of the values of unknown keys in a file: any of them may be a secret, so none is shown.
+"""Places of the values of unknown keys in a file: any may be a secret, so none is shown.
 
 The tree of YAML nodes is followed beside the model, which also finds a key that is there twice, or
 in a section refused as a whole.

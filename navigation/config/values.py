@@ -1,7 +1,6 @@
 """Kinds of values in a configuration: bounded numbers, files, places and headings.
 
-The bounds are far beyond any arena's or robot's needs and far below a size that fills a machine's
-memory.
+The bounds are far beyond any arena's or robot's needs and far below a size that fills a memory.
 """
 
 from __future__ import annotations
@@ -34,15 +33,12 @@ planner was measured."""
 MOST_CAMERAS = 8
 """Above one arena: their pictures are looked at one after another."""
 MOST_HAPPENINGS = 1000
-"""Obstacles that come and go, and places of a scripted track."""
 LARGEST = 1e6
-"""Largest absolute value of a number that has no tighter limit."""
 
 Number = Annotated[float, Field(strict=True, allow_inf_nan=False, ge=-LARGEST, le=LARGEST)]
 Positive = Annotated[float, Field(strict=True, allow_inf_nan=False, gt=0, le=LARGEST)]
 NotNegative = Annotated[float, Field(strict=True, allow_inf_nan=False, ge=0, le=LARGEST)]
 Metres = Annotated[float, Field(strict=True, allow_inf_nan=False, ge=-1000, le=1000)]
-"""A coordinate in the arena."""
 Degrees = Annotated[float, Field(strict=True, allow_inf_nan=False, ge=-3600, le=3600)]
 
 
@@ -88,7 +84,6 @@ ExposureTime = Annotated[
 DriverUnits = Annotated[
     Annotated[float, Field(ge=0, le=65_535)] | Literal["auto"], _auto_or(0.0, 65_535.0)
 ]
-"""A camera's gain or focus, in its driver's units."""
 Kelvin = Annotated[
     Annotated[float, Field(ge=1000, le=20_000)] | Literal["auto"], _auto_or(1000.0, 20_000.0)
 ]
@@ -150,9 +145,8 @@ _Entry = TypeVar("_Entry", bound=Section)
 def as_in(
     *sections: type[Section], leave_out: Collection[str] = ()
 ) -> Callable[[type[_Entry]], type[_Entry]]:
-    """Give a list's entry each key of ``sections`` that it lacks, with the same limits.
-
-    An empty one is as in the section (`several`).
+    """Give a list's entry each key of ``sections`` that it lacks; an empty one is as there
+    (`several`).
     """
 
     def made(entry: type[_Entry]) -> type[_Entry]:

@@ -1,7 +1,7 @@
 """Restarts failed parts of the program with growing pauses, and reports which and why.
 
-The pause starts at ``FIRST_PAUSE_S``, doubles up to ``LONGEST_PAUSE_S``, and starts again after
-``WELL_S`` without failure.
+A failing part makes the robot hold. The pause starts at ``FIRST_PAUSE_S``, doubles up to
+``LONGEST_PAUSE_S``, and starts again after ``WELL_S`` without failure.
 """
 
 from __future__ import annotations

@@ -2,9 +2,8 @@
 
 Rules
 - Numbers, switches, choices, lists of numbers, and the plugged-in camera and port can be changed.
-  The rest is only shown, with the reason: a file's name, an address or a command opens things that
-  the page's user may not open.
-- Each of several robots is a section with its differences from ``robot`` and ``serial``.
+  The rest is only shown: a file's name, an address or a command opens things that the page's user
+  may not open.
 - ``safety``, ``dashboard`` and ``notify`` are only shown: the page's users decide neither on the
   robot's protection, nor on who else may come, nor on what this program calls.
 - Typed text is read by YAML's core schema, so a form and a file mean the same.
@@ -33,7 +32,7 @@ DEVICE_KEYS: Final = {
     ("serial", "port"): "ports",
     ("robots", "port"): "ports",
 }
-"""Keys that name a device, without the numbers of entries."""
+"""They name a device."""
 ROBOTS: Final = "robots"
 NAME: Final = (ROBOTS, "name")
 MOST_TYPED: Final = 500
@@ -46,12 +45,12 @@ _LIMITS: Final = {
 
 
 class TypedError(ValueError):
-    """Typed text cannot be a value of its key; the message says why."""
+    """Error: typed text cannot be a value of its key."""
 
 
 @dataclass(frozen=True, slots=True)
 class Key:
-    """A key of the form: place, schema, and why it is only shown ("": it can change)."""
+    """A key of the form; ``only_shown``: why it cannot change, or ""."""
 
     where: Location
     kind: str
@@ -211,7 +210,6 @@ def _key(where: Location, whole: Mapping[str, Any], devices: Mapping[str, Sequen
 def _kind(
     where: Location, ways: Sequence[Mapping[str, Any]], schema: Mapping[str, Any]
 ) -> tuple[str, str]:
-    """Kind of field, and why it is only shown."""
     types = {way.get("type") for way in ways}
     if types == {"boolean"}:
         return "flag", ""

@@ -2,7 +2,6 @@
 
 Rules
 - A value is written as JSON, a part of YAML; words have no quotes where YAML allows it.
-- ``None`` removes a key, so that its default applies again.
 - The result is read again and compared with the intended data. A text that cannot be changed
   rightly (anchors, block scalars, lists on their own lines) is refused, never spoilt.
 """
@@ -25,7 +24,7 @@ _PLAIN: Final = re.compile(r"[A-Za-z_./][\w./:-]*")
 
 
 class EditError(ValueError):
-    """A value cannot be put into this text; the message says which, and what to do."""
+    """Error: a value cannot be put into this text."""
 
 
 def with_values(text: str, changes: Mapping[Location, Any]) -> str:
@@ -118,7 +117,7 @@ def _nested(where: Location, value: Any) -> Any:
 
 
 def _replaced(text: str, name: yaml.Node, held: yaml.Node, value: Any) -> str:
-    """Replace a key's value; a comment on the same line keeps its column if possible."""
+    """Replace a key's value; a comment beside it keeps its column if possible."""
     begin, end = held.start_mark.index, _end_of(held)
     if begin == end:  # the key had no value
         begin = end = text.index(":", name.end_mark.index) + 1

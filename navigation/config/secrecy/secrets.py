@@ -78,7 +78,7 @@ class Redactor:
         return _QUERY.sub(rf"\1{HIDDEN}", text) if "=" in text else text
 
     def plain(self, value: Any) -> Any:
-        """Plain JSON data without the secrets in its texts."""
+        """Plain JSON data without its secrets."""
         if isinstance(value, str):
             return self.text(value)
         if isinstance(value, dict):

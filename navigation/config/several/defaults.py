@@ -12,7 +12,6 @@ from navigation.config.marks import Location
 from navigation.config.several.each_robot import robot_of, serial_of
 
 _ENTRIES: Final = {"robot": "robots", "serial": "robots", "camera": "cameras"}
-"""List whose entries override the section."""
 
 
 def is_overridden(sections: Mapping[str, Any], where: Location) -> bool:
