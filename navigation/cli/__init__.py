@@ -1,9 +1,9 @@
 """The command line, one file a command.
 
-`main` finds the command, runs it and turns errors into exit codes. The commands are in folders by
-their purpose: `pictures` looks at pictures and maps, `setup` prepares a machine and an arena,
-`calibrating` calibrates a camera live, and `running` drives.
+`main` finds the command, runs it and turns errors into exit codes. `pictures` looks at pictures and
+maps, `setup` prepares a machine and an arena, `calibrating` calibrates a camera live, and `running`
+drives.
 
 `examples` gives each command an example; `reference` and `man_page` make the documentation from the
-parser. The other files are shared by the commands.
+parser. The other files are shared.
 """

@@ -1,4 +1,4 @@
-"""Compiles missing kernels before a command that computes, and says so."""
+"""Compiles missing kernels before a command that computes."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ Part = Literal["eye", "planner"]
 
 
 def compile_what_is_missing(*parts: Part) -> None:
-    """Compile the parts' kernels that are not kept yet, and count them on a terminal's stderr."""
+    """Compile the parts' kernels that are not kept yet, and count them on stderr."""
     missing: dict[str, tuple[Callable[..., None], tuple[Any, ...]]] = {}
     for part in parts:
         if _is_cold(part):

@@ -5,8 +5,8 @@ Rules
 - Errors are one sentence on stderr, ``clearway: error: what, where, the limit``; a traceback needs
   ``--debug`` (anywhere on the line) or CLEARWAY_DEBUG.
 - Exit codes: 0 done; 2 wrong usage or unreadable input; 3 no path, or an unsafe graph; 78 bad
-  configuration; 1 anything else. Ctrl-C gives 130 and a vanished reader 141, both without a word.
-- A command ends with another code by returning it as an int.
+  configuration; 1 anything else, or as the command returns it. Ctrl-C gives 130 and a vanished
+  reader 141, both without a word.
 """
 
 from __future__ import annotations
@@ -37,7 +37,6 @@ INTERRUPTED = 128 + 2
 READER_GONE = 128 + 13
 """As a shell reports SIGPIPE."""
 NO_ROOM = frozenset((errno.ENOSPC, errno.EDQUOT, errno.EFBIG))
-"""Errors of a write where the disk, or the share of it, is full."""
 FFMPEG_ERRORS, FFMPEG_QUIET = "16", "-8"
 """FFmpeg's AV_LOG_ERROR and AV_LOG_QUIET."""
 
@@ -52,10 +51,7 @@ OUR_PACKAGES = ("vision", "planner", "navigation", "firmware_protocol")
 
 
 class ListedCommand(NamedTuple):
-    """A command's place and summary, so that listing it imports nothing.
-
-    The place holds the command, or a mapping that has it by its name.
-    """
+    """A command's summary, and the place of it or of a mapping that has it by its name."""
 
     where: str
     help: str
@@ -220,8 +216,7 @@ def _take_the_first_three() -> None:
 def _end_process(code: int) -> None:
     """End at once if nothing is left to wait for; taking the interpreter apart takes 0.1 s.
 
-    Exit handlers still run and all output is written. If the interpreter would wait for a thread,
-    this returns.
+    Exit handlers still run and all output is written. Returns if other threads still run.
     """
     # another search of all imports for cycles takes 0.3 s
     gc.freeze()
@@ -230,7 +225,7 @@ def _end_process(code: int) -> None:
         return
     atexit._run_exitfuncs()
     for stream in (sys.stdout, sys.stderr):
-        if stream is None:  # the process was started without it
+        if stream is None:
             continue
         with contextlib.suppress(OSError, ValueError):  # closed: there is no reader
             stream.flush()
@@ -263,7 +258,7 @@ def run(arguments: Sequence[str]) -> int:
 def _invoke(arguments: list[str]) -> object:
     """Return value of the command, or the code it exited with.
 
-    click's own ``main`` is used only for shell completion: it answers a closed pipe itself.
+    click's own ``main`` is only for shell completion: it answers a closed pipe itself.
     """
     if "_CLEARWAY_COMPLETE" in os.environ:
         return clearway.main(args=arguments, prog_name="clearway", standalone_mode=False)

@@ -105,7 +105,6 @@ def _first_sentence(text: str | None) -> str:
 
 
 def _plain(text: str) -> str:
-    """A text on one line, with no mark of man(7) in it."""
     line = _escaped(" ".join(text.split()))
     return rf"\&{line}" if line.startswith((".", "'")) else line
 

@@ -16,7 +16,7 @@ if TYPE_CHECKING:
 
 
 class OutputError(ValueError):
-    """An answer cannot be written; the message names the file."""
+    """Error: an answer cannot be written."""
 
 
 def keep_apart(outputs: Iterable[tuple[str, Path | None]], inputs: Iterable[Path | None]) -> None:
@@ -47,7 +47,7 @@ def write_text(path: Path | None, text: str) -> None:
 
 
 def write_bytes(path: Path, data: bytes) -> None:
-    """Write a whole file; ``OutputError`` if, for example, the disk is full."""
+    """Write a whole file; ``OutputError``."""
     try:
         path.write_bytes(data)
     except OSError as error:
@@ -78,7 +78,6 @@ def named(source: Path) -> Path:
 
 
 def _identity(path: Path) -> object:
-    """An identity that two names of one file share."""
     try:
         told = path.stat()
     except OSError:

@@ -1,4 +1,4 @@
-"""The reference of the commands, made from the parser: `docs/reference/commands.md`.
+"""The reference of the commands, made from the parser.
 
 `python -m navigation.cli.reference > docs/reference/commands.md` writes it.
 """

@@ -1,7 +1,6 @@
 """Output of a run for people: on stdout, or its end on stderr if stdout fails.
 
-A full disk under a redirected stdout, or a vanished reader, costs the lines and never the run: that
-is reported once on stderr, and the summary goes there.
+A full disk under a redirected stdout, or a vanished reader, costs the lines and never the run.
 """
 
 from __future__ import annotations
@@ -14,7 +13,7 @@ import click
 
 
 class Voice:
-    """Prints lines; never raises. ``trouble`` says why stdout fails; empty while it works."""
+    """Prints lines; never raises. ``trouble`` says why stdout fails."""
 
     def __init__(self, *, quiet: bool = False) -> None:
         self._quiet = quiet

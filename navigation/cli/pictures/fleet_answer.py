@@ -20,7 +20,7 @@ SCHEMA = "clearway.fleet/1"
 
 @dataclass(frozen=True, slots=True)
 class FleetOutput:
-    """Everything about a plan for several robots, to be written in either form."""
+    """A fleet's plan, to be written in either form."""
 
     units: str
     robots: Sequence[FleetRobot]
@@ -29,11 +29,11 @@ class FleetOutput:
     remarks: tuple[str, ...] = ()
 
     def as_json(self) -> str:
-        """The object as strict JSON, one line to a field."""
+        """Strict JSON, one line to a field."""
         return json.dumps(self.as_object(), allow_nan=False, indent=1)
 
     def as_object(self) -> dict[str, Any]:
-        """The fields in the order in which they are written."""
+        """Fields in the order in which they are written."""
         plan = self.plan
         planned = plan if isinstance(plan, FleetPlan) else None
         refused = None if isinstance(plan, FleetPlan) else plan
@@ -75,7 +75,7 @@ class FleetOutput:
         ]
 
     def sentence(self) -> str:
-        """Reason why there is no plan, with the robots' names; empty if there is one."""
+        """Reason why there is no plan, with the robots' names; else empty."""
         if isinstance(self.plan, FleetPlan):
             return ""
         head, colon, rest = self.plan.reason.partition(":")

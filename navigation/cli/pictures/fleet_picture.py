@@ -25,11 +25,9 @@ from planner.scene import FloatArray, Scene
 from planner.zones.zone import Zone
 
 FILM_S = 12.0
-"""A plan that lasts longer is shown faster."""
 HOLD = 0.1
 """Share of the film in which all stand at their goals."""
 ROW = 22.0
-"""Pixels from one name in the legend to the next."""
 
 
 def draw_fleet(
@@ -128,7 +126,6 @@ def _disc(
 
 
 def _animation(track: list[tuple[float, float, float]], makespan_s: float, film_s: float) -> str:
-    """The motion through the track's rows at their times; nothing for a robot that stays."""
     if len(track) == 1 or makespan_s <= 0.0:
         return ""
     shares = [t / makespan_s * (1.0 - HOLD) for t, _, _ in track]

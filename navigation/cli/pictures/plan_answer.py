@@ -48,10 +48,9 @@ NO_LIMITS = "neither pictures nor maps say what the robot can drive"
 
 @dataclass(frozen=True, slots=True)
 class PlanOutput:
-    """Everything about a plan, to be written in either form.
+    """A plan, to be written in either form; the trajectory keeps ``limits``.
 
-    ``planned`` is the path of ``Roadmap.plan``, ``path`` the same with rounded corners. The
-    trajectory keeps ``limits``.
+    ``planned`` is the path of ``Roadmap.plan``, ``path`` the same with rounded corners.
     """
 
     scene: Scene
@@ -65,11 +64,11 @@ class PlanOutput:
     remarks: tuple[str, ...] = ()
 
     def as_json(self) -> str:
-        """The object as strict JSON, one line to a field."""
+        """Strict JSON, one line to a field."""
         return json.dumps(self.as_object(), allow_nan=False, indent=1)
 
     def as_object(self) -> dict[str, Any]:
-        """The fields in the order in which they are written."""
+        """Fields in the order in which they are written."""
         common = {
             "schema": SCHEMA,
             "status": "ok" if isinstance(self.path, Path) else "unreachable",
@@ -123,7 +122,7 @@ class PlanOutput:
         }
 
     def no_path_sentence(self) -> str:
-        """Reason why there is no path, for people; ``ValueError`` if there is one."""
+        """Reason why there is no path; ``ValueError`` if there is one."""
         if isinstance(self.path, Path):
             raise ValueError("there is a path")
         radius = sized(self.robot_radius, self.scene.units)
@@ -134,7 +133,7 @@ class PlanOutput:
         return {name: self.timings_ms[name] for name in STAGES if name in self.timings_ms}
 
     def as_text(self, with_reason: bool = True) -> str:
-        """Text for people: the result first, then the waypoints, then how it came about.
+        """The result for people, the waypoints, and how it came about.
 
         ``with_reason`` False omits why there is no path.
         """
@@ -191,7 +190,6 @@ class PlanOutput:
 
 
 def _cost_lines(planned: Path, path: Path, units: str) -> Iterator[str]:
-    """Yield the path's cost, and the changes made by rounding its corners."""
     if planned.cost is not None:
         extra = sized(max(planned.cost - planned.length, 0.0), units)
         length = sized(planned.length, units)

@@ -48,7 +48,7 @@ def compile_for(source: Path) -> None:
 
 
 def zones_in(file: Path | None) -> tuple[Zone, ...]:
-    """Zones of a file, none without one; ``ZoneError`` with every problem of it."""
+    """Zones of a file, none without one; ``ZoneError`` with every problem."""
     if file is None:
         return ()
     from navigation.config.zone_file import read_zones
@@ -57,7 +57,7 @@ def zones_in(file: Path | None) -> tuple[Zone, ...]:
 
 
 def read_source(path: Path) -> bytes:
-    """Bytes of a file, or of standard input; :class:`SceneError` if it cannot be read."""
+    """Bytes of a file, or of standard input; `SceneError` if it cannot be read."""
     return _standard_input() if path == STANDARD_STREAM else read_bytes(path)
 
 
@@ -80,9 +80,8 @@ def load_source(
 ) -> Scene:
     """Scene of any SOURCE; ``timings_ms`` gains ``load``: reading and decoding.
 
-    ``least_area`` leaves out smaller obstacles. Raises :class:`SceneError`, or a ValueError of
-    ``vision``, naming the file; also if a method is given to binarise something that is not a
-    picture.
+    ``least_area`` leaves out smaller obstacles. `SceneError`, or a ValueError of ``vision``, naming
+    the file; also if a method is given to binarise something that is not a picture.
     """
     begin_s = clock()
     data, file = read_source(path), named(path)
@@ -142,7 +141,7 @@ def decode_picture(data: bytes, path: Path) -> tuple[NDArray[Any], tuple[str, ..
     """A file's picture, turned by its EXIF orientation, and remarks: grey, BGR or BGRA, 8 or 16
     bits.
 
-    :class:`SceneError`, naming the file, if ``data`` is not a picture or is damaged.
+    `SceneError`, naming the file, if ``data`` is not a picture or is damaged.
     """
     from vision.camera.picture_turn import orientation, turned
 

@@ -1,4 +1,4 @@
-"""`clearway demo`: a simulated run with its dashboard, without any file."""
+"""`clearway demo`: a simulated run with its dashboard."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The commands of the orders, made from their table: they talk to the running daemon."""
+"""The commands of the orders, made from their table."""
 
 from __future__ import annotations
 
@@ -38,7 +38,6 @@ def _send(path: Path | None, form: str, request: dict[str, Any], robot: str | No
 
 
 def _stops(answer: dict[str, Any]) -> bool:
-    """True if a stopped robot is not known to be at rest yet."""
     from navigation.mission.mission import STOPPING
 
     told = [one for daemon in answer.get("daemons", [answer]) for one in _robots_of(daemon)]
@@ -125,7 +124,6 @@ def _stop(reason: str, robot: str | None, path: Path | None, form: str) -> None:
 
 
 def _latch(path: Path | None, reason: str, robot: str | None) -> Path:
-    """Keep a stop for the next run, and name its file; ControlError if that fails."""
     from datetime import datetime
 
     from navigation.config.last_good import state_folder
@@ -184,4 +182,4 @@ commands: Mapping[str, click.Command] = {
     "go": go,
     "stop": stop,
 }
-"""By name; an order that needs arguments has a command of its own, here or elsewhere."""
+"""An order that needs arguments has a command of its own, here or elsewhere."""

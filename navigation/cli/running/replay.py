@@ -1,4 +1,4 @@
-"""`clearway replay`: vision and planner once more on a recording, and the differences."""
+"""`clearway replay`: a recording compared with itself."""
 
 from __future__ import annotations
 

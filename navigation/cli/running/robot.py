@@ -1,7 +1,6 @@
 """``clearway robot``: a simulated robot on a serial port or on a new pseudo-terminal.
 
-It runs until Ctrl-C, SIGTERM or SIGHUP. stdout gets the path to open as its first line, then a line
-whenever the robot's state changes.
+stdout gets the path to open as its first line, then a line whenever the robot's state changes.
 """
 
 from __future__ import annotations

@@ -1,4 +1,4 @@
-"""`clearway run`: the daemon on one configuration, with its progress and its report."""
+"""`clearway run`: the daemon on one configuration."""
 
 from __future__ import annotations
 
@@ -217,7 +217,7 @@ class _Reload:
 
 
 def show(voice: Voice, report: RunReport, kept_in: str) -> None:
-    """Print the report as two columns, and where it is kept."""
+    """Print the report, and where it is kept."""
     width = max(len(label) for label, _ in report.lines())
     voice.tell("")
     for label, value in report.lines():

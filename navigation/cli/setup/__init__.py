@@ -6,5 +6,5 @@
 - `marker` prints markers and boards; `calibrate` calibrates a camera, `reanchor` places a moved one
   again.
 - `check` checks a configuration, `doctor` the machine.
-- `install_service` installs a service; `completion` prints a shell's completion.
+- `install_service` and `completion` fit it to the system and the shell.
 """

@@ -1,4 +1,4 @@
-"""``clearway calibrate``: the lens from pictures of a board, the arena from surveyed points."""
+"""``clearway calibrate``: the lens from a board, the arena from surveyed points."""
 
 from __future__ import annotations
 
@@ -196,7 +196,7 @@ def _read(path: Path) -> Image:
 
 
 def _read_all(paths: tuple[Path, ...]) -> list[tuple[str, Image]]:
-    """The named pictures, and those in named folders; damaged ones are reported and left out."""
+    """The pictures and those in folders; damaged ones are reported and left out."""
     from vision.camera.camera import CameraError
     from vision.camera.sources import PICTURE_SUFFIXES
 
@@ -218,7 +218,6 @@ def _read_all(paths: tuple[Path, ...]) -> list[tuple[str, Image]]:
 
 
 def _taken_from_pictures(pictures: tuple[Path, ...], spec: BoardSpec) -> list[BoardView]:
-    """The board's views in these pictures; pictures without one are named."""
     from vision.calibrate.board import find_boards
 
     views, without = find_boards(_read_all(pictures), spec)

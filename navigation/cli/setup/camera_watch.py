@@ -1,4 +1,4 @@
-"""Opens a configuration's or a source's camera, and watches it for some seconds."""
+"""Opens a camera, and watches it for some seconds."""
 
 from __future__ import annotations
 
@@ -131,7 +131,6 @@ SIMULATED_NAME: Final = "simulated camera"
 
 
 def _abilities(camera: Camera) -> tuple[tuple[CameraMode, ...], tuple[CameraControl, ...], str]:
-    """A device's modes and controls, and the agreed mode; nothing for other sources."""
     if not isinstance(camera, DeviceCamera) or camera.node is None or camera.mode is None:
         return (), (), ""
     agreed = camera.mode

@@ -1,4 +1,4 @@
-"""`clearway sample`: a picture or a map that comes with Clearway."""
+"""`clearway sample`: a picture or a map to try."""
 
 from __future__ import annotations
 
