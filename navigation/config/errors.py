@@ -19,7 +19,6 @@ from navigation.config.secrecy.secret_places import masked
 from navigation.config.secrecy.secrets import hide, is_secret_key
 
 LONGEST_LINE = 100
-"""Length of a line shown in full."""
 
 
 @dataclass(frozen=True, slots=True)

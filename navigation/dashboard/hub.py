@@ -161,7 +161,7 @@ class Hub:
             self.wake()
 
     def tell_pages(self, keys: Collection[str], sentence: str) -> None:
-        """Send a sentence to the pages that have joined with one of these keys."""
+        """Send a sentence to the pages that joined with these keys."""
         for viewer in self.viewers:
             if viewer.key in keys:
                 viewer.notices.append(sentence)
@@ -228,7 +228,7 @@ class Hub:
         return preview_facts(answer)
 
     async def change_places(self, message: Mapping[str, Any]) -> str | None:
-        """Save, rename or remove a place; return None, or the reason for refusing."""
+        """Save, rename or remove a place; return the reason for refusing."""
         async with self._saving:
             work = asyncio.get_running_loop().run_in_executor
             try:
@@ -381,6 +381,6 @@ class Hub:
         task.add_done_callback(self._tasks.discard)
 
     def picture_pause_s(self) -> float:
-        """Least time between two pictures for one viewer, by the number of viewers."""
+        """Least time between two pictures for one viewer."""
         watching = sum(viewer.is_watching for viewer in self.viewers)
         return max(1.0 / self.section.picture_rate_hz, watching / PICTURES_S)

@@ -1,4 +1,4 @@
-"""/metrics: the running program's numbers for Prometheus, gathered only on request.
+"""/metrics: the running program's numbers for Prometheus.
 
 Of several robots each value has a label: ``robot="ada"``.
 """

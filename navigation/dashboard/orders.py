@@ -26,7 +26,6 @@ WHO: Final[Mapping[str, Who]] = {
     **{name: order.who for name, order in ORDERS.items() if order.who is not Who.SOCKET},
     REARM: Who.OPERATOR,
 }
-"""Givers of each of the page's orders."""
 ZONE_ORDERS: Final = frozenset(("zone_put", "zone_remove", "zone_undo"))
 BUTTONS: Final = {name: order.button for name, order in ORDERS.items() if order.button is not None}
 

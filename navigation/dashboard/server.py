@@ -1,4 +1,4 @@
-"""The dashboard's port and thread: it opens, says where it is, and closes; the run continues.
+"""The dashboard's port and thread.
 
 An unavailable port is reported, never raised: the robot needs no page. The thread has its own event
 loop, which no other thread touches.

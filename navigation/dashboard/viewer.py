@@ -52,7 +52,7 @@ class MalformedError(ValueError):
 
 
 class Viewer:
-    """The other end of an admitted websocket; ``attention`` is its place."""
+    """The other end of an admitted websocket."""
 
     def __init__(self, hub: Hub, socket: WebSocket, attention: Attention) -> None:
         self.hub, self.attention = hub, attention
@@ -100,7 +100,6 @@ class Viewer:
     # Out.
 
     async def _greet(self) -> None:
-        """Send the greeting, and make everything new again."""
         self._epoch = self.hub.epoch
         self._sent = dict.fromkeys(self._sent, 0)
         self._next.clear()

@@ -1,4 +1,4 @@
-"""Requests of operators beside orders: admission, permission to change, and the answer.
+"""Requests of operators beside orders.
 
 Rules
 - Changes need the holder of the arena, and are refused while a mission is under way or a robot is

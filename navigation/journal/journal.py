@@ -108,7 +108,6 @@ class Journal:
             self._failed, self._kept = None, wanted
 
     def _write(self, wanted: Contents) -> None:
-        """Write into the open file; if that is gone, into a new one."""
         if self._file is not None:
             try:
                 self._file.save(wanted)

@@ -140,7 +140,6 @@ class JournalFile:
         raise JournalError(f"journal {self.path}: is no journal: name another file, or remove it")
 
     def _unsealed(self, data: bytes) -> str:
-        """The text; SealError if damaged, JournalError if of another version."""
         number = data[len(_MAGIC) :].split(b" ", 1)[0]
         version = int(number) if number.isdigit() and len(number) < 4 else VERSION
         text = unseal(KIND, version, data)

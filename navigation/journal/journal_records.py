@@ -61,7 +61,7 @@ class Owner:
 
 
 def owner_of(config: Config, file: Path | None = None) -> Owner:
-    """Owner for a configuration's run; ``file`` is its source."""
+    """Owner for the run of a configuration from ``file``."""
     own = [one.camera for one in each_camera(config).values()] or [config.camera]
     cameras = [
         (without_user(str(one.source)), str(one.calibration), one.metres_per_pixel) for one in own

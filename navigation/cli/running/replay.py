@@ -1,4 +1,4 @@
-"""`clearway replay`: a recording compared with itself."""
+"""`clearway replay`: re-runs vision and planning on a recording."""
 
 from __future__ import annotations
 

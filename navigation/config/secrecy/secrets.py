@@ -88,7 +88,7 @@ class Redactor:
         return value
 
     def spans(self, text: str) -> Iterator[tuple[int, int]]:
-        """Yield the places of secrets in the text."""
+        """Yield the places of secrets."""
         if self._pattern is not None:
             yield from (match.span() for match in self._pattern.finditer(text))
         yield from ((m.end(1), m.end() - 1) for m in _ADDRESS.finditer(text))

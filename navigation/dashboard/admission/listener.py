@@ -215,6 +215,6 @@ class Connection(socket.socket):
 
 
 def make_places() -> OpenConnections:
-    """As many places as this process can have beside everything else."""
+    """Places: as many as this process can have beside everything else."""
     most = min(MOST_PLACES, max(LEAST_PLACES, descriptor_limit() // SHARE_OF_DESCRIPTORS))
     return OpenConnections(most, round(most * AN_ADDRESS))

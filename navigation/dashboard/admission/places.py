@@ -53,7 +53,7 @@ class OpenConnections:
         return len(self._waiting) + len(self._viewers)
 
     def come(self, place: OpenConnection) -> None:
-        """Add an accepted connection; cut another if there is no place."""
+        """Add an accepted connection; another may have to go."""
         if self._shares[place.address] >= self.most_an_address:
             self._cut_oldest(place.address)
         elif len(self._waiting) >= self.most:
@@ -62,7 +62,7 @@ class OpenConnections:
         self._shares[place.address] += 1
 
     def look(self, place: OpenConnection) -> None:
-        """Make a connection a viewer: it may stay, and does not count among the others."""
+        """Make a connection a viewer, which may stay."""
         self._leave_waiting(place)
         place.until_s = inf
         self._viewers[place] = None

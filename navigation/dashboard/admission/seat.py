@@ -4,7 +4,7 @@ Rules
 - The first to ask takes a free seat. A supervisor takes it from anyone, at once.
 - A holder loses it after ``idle_s`` without acting, or when away for longer than a page takes to
   reload (``LEFT_S``) or a lost connection to come back (``AWAY_S``).
-- A key that only the holder's page knows identifies the holder; others see its ``public`` half.
+- A key that only the holder's page knows identifies the holder.
 """
 
 from __future__ import annotations

@@ -36,7 +36,7 @@ _RANGE: Final = re.compile(r"bytes=(\d{1,15})-(\d{0,15})", re.ASCII)
 
 
 class KeptAnswers:
-    """Answers for one page; ``workers`` are threads that may wait for the disk."""
+    """Answers for one page; ``workers`` may wait for the disk."""
 
     def __init__(
         self, runs: KeptRuns, gate: AccessGate, workers: Executor, clock: Callable[[], float]

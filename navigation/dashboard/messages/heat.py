@@ -1,7 +1,7 @@
 """The clearance of every place as a picture: exact at the middle of each cell.
 
-The clearances have the colours of the roadmap's lines. Any thread may do this: a roadmap never
-changes, the kernel releases the interpreter, and `CELLS` bounds its work.
+Any thread may do this: a roadmap never changes, the kernel releases the interpreter, and `CELLS`
+bounds its work.
 """
 
 from __future__ import annotations

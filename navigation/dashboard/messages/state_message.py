@@ -68,7 +68,7 @@ def state_message(
     loop_age_s: float,
     viewers: int,
 ) -> dict[str, Any]:
-    """The present state; ``others`` are the other robots' last seen poses, however old."""
+    """The present state; ``others`` are the other robots' last seen poses."""
     return {
         "type": "state",
         "time_s": round(state.time_s, 2),
@@ -115,7 +115,7 @@ def no_path_facts(answer: NoPath) -> dict[str, Any]:
 
 
 def preview_facts(answer: PlanAnswer) -> dict[str, Any]:
-    """A preview: the path with its figures, or why there is none."""
+    """The path with its figures, or why there is none."""
     path = answer.path
     if isinstance(path, NoPath):
         return {"ok": False, **no_path_facts(path)}

@@ -1,10 +1,10 @@
-"""A recording at the player's moment, as a daemon would publish it; it takes no orders.
+"""A recording at the player's moment, as a daemon would publish it.
 
 Rules
 - Capture times are moved to the present, so that pages show each age as it was then;
   ``RunState.time_s`` is seconds from the recording's beginning.
 - Unrecorded data is None, never made up. A robot's marker is shown at its pose on the floor.
-- Roadmaps are rebuilt in a separate thread; the newest few are kept.
+- Roadmaps are rebuilt in a separate thread.
 """
 
 from __future__ import annotations

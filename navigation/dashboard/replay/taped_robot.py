@@ -1,4 +1,4 @@
-"""One robot of a recording at any moment, as its daemon published it: mission, link, plan.
+"""One robot of a recording at any moment, as its daemon published it.
 
 Unrecorded data is None or empty. Metres, radians, seconds of the run's clock.
 """

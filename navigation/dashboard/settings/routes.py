@@ -1,7 +1,7 @@
 """The settings' addresses: /api/settings to read, /check, /save and /undo below it to change.
 
-`navigation.dashboard.visits` says who may. A body is JSON: ``key`` (the seat's), ``changes`` (typed
-text by key) and ``base`` (the digest of the text that the form was made from).
+A body is JSON: ``key`` (the seat's), ``changes`` (typed text by key) and ``base`` (the digest of
+the text that the form was made from).
 """
 
 from __future__ import annotations
