@@ -52,7 +52,7 @@ def caught_decoder_lines() -> Iterator[DecoderLines]:
             own = os.dup(2)
             stack.callback(os.close, own)
             kept = stack.enter_context(_nameless_file())
-        except OSError:  # let the lines pass
+        except OSError:  # no stderr, or no space: let the lines pass
             yield said
             return
         os.dup2(kept.fileno(), 2)

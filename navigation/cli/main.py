@@ -5,7 +5,7 @@ Rules
 - Errors are one sentence on stderr, ``clearway: error: what, where, the limit``; a traceback needs
   ``--debug`` (anywhere on the line) or CLEARWAY_DEBUG.
 - Exit codes: 0 done; 2 wrong usage or unreadable input; 3 no path, or an unsafe graph; 78 bad
-  configuration; 1 anything else, or as the command returns it. Ctrl-C gives 130 and a vanished
+  configuration; 1 anything else, or what a command returns. Ctrl-C gives 130 and a vanished
   reader 141, both without a word.
 """
 

@@ -30,7 +30,7 @@ def json_schema() -> dict[str, Any]:
 
 
 def reference_markdown() -> str:
-    """docs/configuration.md."""
+    """The page docs/configuration.md."""
     schema = json_schema()
     lines = [
         "# Configuration",

@@ -145,9 +145,7 @@ _Entry = TypeVar("_Entry", bound=Section)
 def as_in(
     *sections: type[Section], leave_out: Collection[str] = ()
 ) -> Callable[[type[_Entry]], type[_Entry]]:
-    """Give a list's entry each key of ``sections`` that it lacks; an empty one is as there
-    (`several`).
-    """
+    """Give a list's entry the keys of ``sections`` that it lacks; an empty one is as there."""
 
     def made(entry: type[_Entry]) -> type[_Entry]:
         keys: dict[str, Any] = {

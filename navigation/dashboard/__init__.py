@@ -8,7 +8,7 @@
 - `orders`: the page's orders, checked and carried out.
 - `visits`: operators' other requests: `settings`, and `calibrating` for the camera's lens.
 - `kept`: earlier runs and saved places on disk; `replay`: a recording on the same page.
-- `metrics`: numbers for Prometheus; `static/`: the page itself (ES modules, no build step).
+- `metrics`: numbers for Prometheus; `static/`: the page itself.
 
 The control loop replaces `Daemon.state` after each cycle, and the dashboard reads it: no viewer can
 make it wait.

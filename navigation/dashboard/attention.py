@@ -31,7 +31,7 @@ class Attention:
         self.key = ""
         self.is_watching = False
         self.kind = "picture"
-        """Or ``camera``, as it was taken."""
+        """``picture``, from above, or ``camera``, as it was taken."""
         self.width_px = 0
         self.wants_heat = False
         self.news = asyncio.Event()

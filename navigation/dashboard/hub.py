@@ -195,7 +195,7 @@ class Hub:
 
     @property
     def loop_age_s(self) -> float:
-        """Time since the control loop's last cycle; infinite before."""
+        """Time since the control loop's last cycle; infinite before the first."""
         return self.clock() - self._seen_s
 
     def note(self, level: str, text: str) -> None:

@@ -1,6 +1,6 @@
 """/metrics: the running program's numbers for Prometheus.
 
-Of several robots each value has a label: ``robot="ada"``.
+With several robots a value has a label: ``robot="ada"``.
 """
 
 from __future__ import annotations

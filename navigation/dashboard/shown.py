@@ -42,7 +42,7 @@ class Shown(Protocol):
 
     @property
     def state(self) -> RunState | None:
-        """State at the end of the last cycle, a new object each time; None before."""
+        """State at the end of the last cycle, a new object each time; None before the first."""
         ...
 
     def camera_status(self) -> CameraStatus:

@@ -1,5 +1,7 @@
 """Arguments of orders from outside: read and checked, or refused in a sentence.
 
+A stop's reason that is too long or unprintable is shortened and cleaned, never refused.
+
 Metres, radians, seconds.
 """
 

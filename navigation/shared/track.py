@@ -62,9 +62,7 @@ class Track:
 
 
 def driven_pieces(rows: FloatArray, fastest_m_s: float) -> list[FloatArray]:
-    """Split a track (n, 4) into pieces (k >= 1, 4) where no robot of ``fastest_m_s`` can have
-    driven.
-    """
+    """Split a track (n, 4) into pieces (k >= 1, 4) where no robot so fast can have driven."""
     if not len(rows):
         return []
     passed_s = np.diff(rows[:, 0])

@@ -138,8 +138,7 @@ def hold_points(scene: Scene, points: list[tuple[float, float]], room: float) ->
 
 
 def decode_picture(data: bytes, path: Path) -> tuple[NDArray[Any], tuple[str, ...]]:
-    """A file's picture, turned by its EXIF orientation, and remarks: grey, BGR or BGRA, 8 or 16
-    bits.
+    """A picture, turned by its EXIF orientation, and remarks: grey, BGR or BGRA, 8 or 16 bits.
 
     `SceneError`, naming the file, if ``data`` is not a picture or is damaged.
     """

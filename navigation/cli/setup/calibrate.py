@@ -174,7 +174,7 @@ def _pair(text: str, option: str) -> tuple[int, int]:
 
 
 def _read(path: Path) -> Image:
-    """The picture as its sensor saw it; ``CameraError`` if there is none, or a damaged one."""
+    """The picture as its sensor saw it; ``CameraError``."""
     from navigation.cli.decoder_lines import caught_decoder_lines
     from vision.camera.camera import CameraError
     from vision.camera.picture_turn import orientation
@@ -235,7 +235,6 @@ def _save_lens_alone(lens: Lens, output: Path) -> None:
 
 
 def _known_lens(path: Path) -> Lens:
-    """The lens of an earlier calibration, for a camera that was moved."""
     import numpy as np
 
     from vision.calibrate.lens import Lens

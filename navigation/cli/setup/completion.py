@@ -1,4 +1,4 @@
-"""`clearway completion`: for a shell."""
+"""`clearway completion`: a script for a shell."""
 
 from __future__ import annotations
 

@@ -78,9 +78,7 @@ def secret_spans(text: str) -> list[tuple[int, int]]:
 
 
 def masked(text: str, more: Iterable[tuple[int, int]] = ()) -> str:
-    """Replace each character of a secret, and of ``more`` places, with a star: lines and columns
-    stay.
-    """
+    """Put a star for each character of a secret and of ``more`` places; lines and columns stay."""
     parts, end = [], 0
     for start, stop in _merged([*secret_spans(text), *more]):
         parts += [text[end:start], re.sub(r"[^\s]", "*", text[start:stop])]

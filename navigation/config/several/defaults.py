@@ -27,10 +27,7 @@ def found_in(
     needed: Sequence[str],
     check: Callable[..., Iterator[tuple[Location, str]]],
 ) -> Iterator[tuple[Location, str]]:
-    """Yield a check's findings in its sections: with several robots, in each one's own.
-
-    A check that takes the list of robots itself sees the sections as they are.
-    """
+    """Yield a check's findings in its sections: with several robots, in each one's own."""
     by_robot = "robots" not in needed and not {"robot", "serial"}.isdisjoint(needed)
     if not by_robot or not sections.get("robots"):
         yield from check(*(sections[name] for name in needed))

@@ -14,7 +14,7 @@ def camera_of(camera: CameraSection, entry: CameraEntry) -> CameraSection:
 
 
 def each_camera(config: Config) -> dict[str, Config]:
-    """Each of several cameras' configuration as if it were alone, by name; else empty."""
+    """Configuration of each of several cameras as if it were alone, by name; else empty."""
     return {
         entry.name: config.model_copy(
             update={

@@ -17,7 +17,7 @@ def serial_of(serial: SerialSection, entry: RobotEntry) -> SerialSection:
 
 
 def each_robot(config: Config) -> dict[str, Config]:
-    """Each of several robots' configuration as if it were alone, by name; else empty."""
+    """Configuration of each of several robots as if it were alone, by name; else empty."""
     return {entry.name: _alone(config, i, entry) for i, entry in enumerate(config.robots)}
 
 

@@ -22,7 +22,7 @@ TRACK_POINTS: Final = 6000
 SAMPLE_EVERY_S: Final = 0.5
 SAMPLES: Final = 240
 STEP_M: Final = 0.004
-"""Distance between the points of a track."""
+"""Least distance between points of a track."""
 COLUMNS: Final = (
     "time_s",
     "camera_hz",

@@ -3,8 +3,7 @@
 - The picture is warped onto the arena's floor, so that the page's drawings lie in place. Things
   with a height lean outwards, as for the camera.
 - ``window`` is the shown part of the floor: the arena with a rim. x right, y up.
-- A page gets the smallest of eight sizes that is not below its own (`width_for`): pages cannot make
-  the program encode more sizes.
+- Pages cannot make the program encode more sizes than `SIZES`.
 - Works in any thread.
 """
 

@@ -22,9 +22,7 @@ class Ring(Generic[Item]):
         self.next += 1
 
     def since(self, number: int, most: int) -> tuple[int, list[Item]]:
-        """At most ``most`` items from ``number`` on that are still there, and the number of the
-        first.
-        """
+        """At most ``most`` kept items from ``number`` on, and the number of the first."""
         first = max(number, self.next - len(self._items))
         skip = first - (self.next - len(self._items))
         return first, list(islice(self._items, skip, skip + most))

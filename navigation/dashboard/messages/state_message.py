@@ -1,6 +1,7 @@
 """Greeting, state and previews of the running program for viewers, as JSON data.
 
-Metres, radians, seconds; ages and latencies in milliseconds. Unseen things are null.
+Metres, radians, seconds; ages and latencies in milliseconds. Nothing is infinite or NaN: unseen
+things are null.
 """
 
 from __future__ import annotations

@@ -34,7 +34,7 @@ class Around(NamedTuple):
 
     file: Path
     state: Path
-    """The program's, with the earlier texts."""
+    """The program's state folder, with the earlier texts."""
     environment: Mapping[str, str]
     file_problems: Callable[[Config], Iterable[tuple[Location, str]]]
     """Search for faults in the files that a configuration names."""
