@@ -36,10 +36,10 @@ MOST_MESSAGE_BYTES: Final = 80 * 1024
 FRAME_BYTES: Final = 14
 """The longest head of a frame (RFC 6455, 5.2)."""
 STRAY_BYTES_S: Final = 256.0
-"""A page answers each ping with ten bytes."""
+"""A page answers a ping of ours every few seconds with ten bytes."""
 BACKLOG: Final = 512
 ACCEPTS_A_ROUND: Final = 32
-"""Then places of closed ones are freed."""
+"""Most connections accepted in a row; then places of closed ones are freed first."""
 MOST_PLACES: Final = 256
 LEAST_PLACES: Final = 16
 SHARE_OF_DESCRIPTORS: Final = 4
