@@ -53,7 +53,10 @@ HEADERS: Final = {
 def make_app(
     hub: Hub, runs: KeptRuns, desk: Desk | None = None, bench: Bench | None = None
 ) -> ASGIApp:
-    """The application around a hub; no settings without a desk, no calibration without a bench."""
+    """The whole application around a hub, with the earlier runs.
+
+    Without a desk there are no settings, without a bench no calibration.
+    """
     pages = _Pages(hub)
     kept = KeptAnswers(runs, hub.gate, hub.workers, hub.clock)
     routes = [
@@ -108,6 +111,7 @@ class _Pages:
         self.files = _page_files()
 
     async def show(self, request: Request) -> Response:
+        """Serve one of the page's files."""
         body, kind = self.files[request.url.path]
         return Response(body, media_type=kind)
 
@@ -119,7 +123,7 @@ class _Pages:
         return JSONResponse(state or {"type": "state", "mission": None})
 
     async def stop(self, request: Request) -> Response:
-        """Stop without a websocket, as the page's fallback."""
+        """Stop without a websocket: the page's fallback when its own is lost."""
         refusal = self._hub.gate.may_stop(bearer_of(request.headers.get("authorization")))
         if refusal is not None:
             return _refused(refusal)
