@@ -5,5 +5,5 @@ maps, `setup` prepares a machine and an arena, `calibrating` calibrates a camera
 drives.
 
 `examples` gives each command an example; `reference` and `man_page` make the documentation from the
-parser. The other files are shared.
+parser.
 """

@@ -175,7 +175,7 @@ class Hub:
     def admit(self, role: Role) -> Attention | None:
         """Give a viewer a place; None if viewers with the same or more rights hold them all.
 
-        Otherwise the viewer with the fewest rights, and among those the oldest, has to leave.
+        Otherwise the one with the fewest rights, then the oldest, has to leave.
         """
         if len(self.viewers) >= MOST_VIEWERS:
             ranks = list(Role)

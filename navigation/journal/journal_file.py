@@ -5,9 +5,8 @@ Rules
   whole.
 - A file beside it, never replaced, locks it while it is open: a second program is refused.
 - Readable by its owner only.
-- Untrusted content (damage, or another owner's mission) is kept under another name for a person to
-  look at, and the journal begins empty. A file that was never a journal, or of another version, is
-  refused and left alone.
+- Untrusted content (damage, or another owner's mission) is kept under another name, and the journal
+  begins empty. A file that was never a journal, or of another version, is refused and left alone.
 """
 
 from __future__ import annotations

@@ -4,7 +4,7 @@ Rules
 - Only what differs from the configuration is kept: each zone as it was configured, and as it is in
   force. A zone that the configuration has changed since keeps that later form.
 - A file that cannot be used is an error, since a keep-out zone may be lost with it. It stays where
-  it is until the robots' stop is on the disk, and is then put aside for a person to look at.
+  it is until the robots' stop is on the disk, and is then put aside.
 """
 
 from __future__ import annotations

@@ -1,7 +1,7 @@
 """Commands that set up a machine and an arena.
 
-- `sample` and `init_config` write a sample and a first configuration (its numbers come from
-  `starter_values`); `schema` describes the keys.
+- `sample` and `init_config` write a sample and a first configuration (`starter_values`); `schema`
+  describes the keys.
 - `devices` lists ports and cameras; `camera` judges a camera by `camera_watch`.
 - `marker` prints markers and boards; `calibrate` calibrates a camera, `reanchor` places a moved one
   again.

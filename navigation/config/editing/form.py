@@ -5,7 +5,7 @@ Rules
   The rest is only shown: a file's name, an address or a command opens things that the page's user
   may not open.
 - ``safety``, ``dashboard`` and ``notify`` are only shown: the page's users decide neither on the
-  robot's protection, nor on who else may come, nor on what this program calls.
+  robot's protection, nor on who may come, nor on what this program calls.
 - Typed text is read by YAML's core schema, so a form and a file mean the same.
 """
 

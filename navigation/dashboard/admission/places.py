@@ -1,10 +1,10 @@
-"""Connections to the page's port, their deadlines, and the one to cut for another. Opens nothing.
+"""Connections to the page's port, their deadlines, and the one to cut for another.
 
 Rules
 - A connection is cut if it has not sent a whole request, or taken its answer, in time.
 - If all places, or all of one address's share, are taken, a new connection replaces the oldest that
-  is not a viewer; a request sent at once is read before that happens. Viewers, limited by the hub,
-  are never cut for a connection.
+  is not a viewer; a request sent at once is read first. Viewers, limited by the hub, are never cut
+  for a connection.
 """
 
 from __future__ import annotations

@@ -4,7 +4,7 @@ Rules
 - Anyone who may look at the page may look at these.
 - One listing is made at a time, and serves equal requests within `FRESH_S`.
 - An answer has at most `PIECE_BYTES` of a file (``Range: bytes=FIRST-LAST``), so that a slow line
-  keeps little in memory and no connection for long.
+  keeps little in memory.
 """
 
 from __future__ import annotations
