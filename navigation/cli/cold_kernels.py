@@ -1,4 +1,4 @@
-"""Before a command that computes: compile missing kernels, once on a machine, and say so."""
+"""Compiles missing kernels before a command that computes."""
 
 from __future__ import annotations
 
@@ -12,10 +12,7 @@ Part = Literal["eye", "planner"]
 
 
 def compile_what_is_missing(*parts: Part) -> None:
-    """Compile the parts' kernels that are not kept yet.
-
-    A terminal's stderr gets a line that counts the kernels; any other stderr gets one message.
-    """
+    """Compile the parts' kernels that are not kept yet, and count them on stderr."""
     missing: dict[str, tuple[Callable[..., None], tuple[Any, ...]]] = {}
     for part in parts:
         if _is_cold(part):

@@ -1,11 +1,9 @@
 """Catches the lines that picture decoders write to stderr by themselves.
 
-libpng and libjpeg complain straight to the process's stderr, past OpenCV and Python: only the file
-descriptor can catch that. It belongs to the whole process, so other threads' output is caught too.
-Hence this is for commands that decode a picture before they start any thread; the cameras of a run
-leave the descriptor alone.
-
-Like OpenCV's own lines, they are shown unless OPENCV_LOG_LEVEL is SILENT (``--debug``).
+libpng and libjpeg complain past OpenCV and Python: only the file descriptor can catch that. It
+belongs to the whole process, so other threads' output is caught too. Hence this is for commands
+that decode a picture before they start any thread. Like OpenCV's own lines, they are shown unless
+OPENCV_LOG_LEVEL is SILENT.
 """
 
 from __future__ import annotations
@@ -25,27 +23,27 @@ _PERHAPS = "extraneous bytes before marker"
 
 
 class DecoderLines:
-    """The lines, once the block of ``caught_decoder_lines`` has ended."""
+    """The lines, once the block has ended."""
 
     def __init__(self) -> None:
         self.lines: tuple[str, ...] = ()
 
     @property
     def damage(self) -> str:
-        """The last complaint about a damaged picture; empty if none."""
+        """The last complaint about damage, if any."""
         told = [line for line in self.lines if _PERHAPS not in line]
         return told[-1] if told else ""
 
     @property
     def doubt(self) -> str:
-        """The last complaint that may or may not mean damage; empty if none."""
+        """The last complaint that may or may not mean damage."""
         told = [line for line in self.lines if _PERHAPS in line]
         return told[-1] if told else ""
 
 
 @contextlib.contextmanager
 def caught_decoder_lines() -> Iterator[DecoderLines]:
-    """Hold back the output to stderr's descriptor within the block."""
+    """Hold back the output to stderr's descriptor."""
     said = DecoderLines()
     if sys.stderr is not None:
         sys.stderr.flush()
@@ -54,7 +52,7 @@ def caught_decoder_lines() -> Iterator[DecoderLines]:
             own = os.dup(2)
             stack.callback(os.close, own)
             kept = stack.enter_context(_nameless_file())
-        except OSError:  # no stderr, or no space to keep it: let the lines pass
+        except OSError:  # no stderr, or no space: let the lines pass
             yield said
             return
         os.dup2(kept.fileno(), 2)

@@ -1,7 +1,4 @@
-"""An example of every command, shown at the end of its ``--help`` and in the reference.
-
-Each is a whole command line and its effect. A test parses every one.
-"""
+"""An example of every command, for its ``--help`` and the reference."""
 
 from __future__ import annotations
 
@@ -11,7 +8,7 @@ from navigation.orders.table import ORDERS
 
 
 class Example(NamedTuple):
-    """A command line, and a sentence on its effect."""
+    """A command line and its effect."""
 
     line: str
     does: str
@@ -107,10 +104,10 @@ EXAMPLES: dict[str, Example] = {
 
 
 def epilog(command: str) -> str:
-    """The example as the end of the command's help; unwrapped, so that it can be copied."""
+    """The example as the end of the command's help, unwrapped to be copied."""
     return epilog_of(EXAMPLES[command])
 
 
 def epilog_of(example: Example) -> str:
-    """The same of an example, for a command inside a group."""
+    """The same of an example."""
     return f"\b\nExample: {example.does}\n  {example.line}"

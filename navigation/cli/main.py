@@ -2,12 +2,11 @@
 
 Rules
 - A command is imported when called, so that ``clearway --help`` needs only click.
-- Errors are one sentence on stderr, ``clearway: error: what, where, the limit``; a traceback
-  needs ``--debug`` (anywhere on the line) or CLEARWAY_DEBUG.
+- Errors are one sentence on stderr, ``clearway: error: what, where, the limit``; a traceback needs
+  ``--debug`` (anywhere on the line) or CLEARWAY_DEBUG.
 - Exit codes: 0 done; 2 wrong usage or unreadable input; 3 no path, or an unsafe graph; 78 bad
-  configuration; 1 anything else. Ctrl-C gives 130 and a vanished reader 141, both without a word.
-- OpenCV's and FFmpeg's own lines on stderr appear only with ``--debug``.
-- A command ends with another code by returning it as an int.
+  configuration; 1 anything else, or what a command returns. Ctrl-C gives 130 and a vanished
+  reader 141, both without a word.
 """
 
 from __future__ import annotations
@@ -34,13 +33,12 @@ from navigation.orders.table import ORDERS
 
 DONE, FAILED, BAD_INPUT, NO_PATH, BAD_CONFIGURATION = 0, 1, 2, 3, 78
 INTERRUPTED = 128 + 2
-"""Exit code that a shell reports for SIGINT."""
+"""As a shell reports SIGINT."""
 READER_GONE = 128 + 13
-"""Exit code that a shell reports for SIGPIPE."""
+"""As a shell reports SIGPIPE."""
 NO_ROOM = frozenset((errno.ENOSPC, errno.EDQUOT, errno.EFBIG))
-"""Errors of a write where the disk, or the share of it, is full."""
 FFMPEG_ERRORS, FFMPEG_QUIET = "16", "-8"
-"""Levels of its log: AV_LOG_ERROR and AV_LOG_QUIET."""
+"""FFmpeg's AV_LOG_ERROR and AV_LOG_QUIET."""
 
 FIRST_ANSWER = """\
 Clearway: one camera above an arena, a roadmap with the largest clearance, robots that follow it.
@@ -48,16 +46,12 @@ Clearway: one camera above an arena, a roadmap with the largest clearance, robot
   clearway plan PICTURE ...   one plan through a picture, scene or map
   clearway run CONFIG.yaml    drive the robot
   clearway --help             all commands"""
-"""Answer to ``clearway`` alone."""
 
 OUR_PACKAGES = ("vision", "planner", "navigation", "firmware_protocol")
 
 
 class ListedCommand(NamedTuple):
-    """A command's place and summary, so that listing it imports nothing.
-
-    The place holds the command, or a mapping that has it by its name.
-    """
+    """A command's summary, and the place of it or of a mapping that has it by its name."""
 
     where: str
     help: str
@@ -115,14 +109,14 @@ NEED_LINUX = frozenset(
 
 
 class LazyGroup(click.Group):
-    """A group whose commands are listed in :data:`COMMANDS` and imported on call."""
+    """A group whose commands are listed in `COMMANDS` and imported on call."""
 
     def list_commands(self, ctx: click.Context) -> list[str]:
-        """The names in the table's order, which is the order of use."""
+        """List the names in the order of use."""
         return list(COMMANDS)
 
     def get_command(self, ctx: click.Context, cmd_name: str) -> click.Command | None:
-        """Import the command; None if the table has no such name."""
+        """Import the command; None without such a name."""
         listed = COMMANDS.get(cmd_name)
         if listed is None:
             return None
@@ -222,8 +216,7 @@ def _take_the_first_three() -> None:
 def _end_process(code: int) -> None:
     """End at once if nothing is left to wait for; taking the interpreter apart takes 0.1 s.
 
-    Exit handlers still run and all output is written. If the interpreter would wait for a thread,
-    this returns and leaves it to do so.
+    Exit handlers still run and all output is written. Returns if other threads still run.
     """
     # another search of all imports for cycles takes 0.3 s
     gc.freeze()
@@ -232,7 +225,7 @@ def _end_process(code: int) -> None:
         return
     atexit._run_exitfuncs()
     for stream in (sys.stdout, sys.stderr):
-        if stream is None:  # the process was started without it
+        if stream is None:
             continue
         with contextlib.suppress(OSError, ValueError):  # closed: there is no reader
             stream.flush()
@@ -248,7 +241,7 @@ def run(arguments: Sequence[str]) -> int:
     os.environ.setdefault("OPENCV_FFMPEG_LOGLEVEL", FFMPEG_ERRORS if debug else FFMPEG_QUIET)
     try:
         code = _invoke(arguments)
-        if sys.stdout is not None:  # the process was started without it
+        if sys.stdout is not None:
             sys.stdout.flush()
     except (click.Abort, KeyboardInterrupt):
         return INTERRUPTED
@@ -265,7 +258,7 @@ def run(arguments: Sequence[str]) -> int:
 def _invoke(arguments: list[str]) -> object:
     """Return value of the command, or the code it exited with.
 
-    click's own ``main`` is used only for shell completion: it answers a closed pipe itself.
+    click's own ``main`` is only for shell completion: it answers a closed pipe itself.
     """
     if "_CLEARWAY_COMPLETE" in os.environ:
         return clearway.main(args=arguments, prog_name="clearway", standalone_mode=False)
@@ -284,8 +277,8 @@ def _colour() -> bool | None:
 def exit_code_of(error: BaseException) -> int:
     """Exit code for an error that ended a command, by whose fault it is.
 
-    An error class may carry its own ``exit_code``, as click's and ConfigError do. Our own
-    ValueErrors and OSErrors, and the system's errors about a file, are the input's fault.
+    An error class may carry its own ``exit_code``. Our own ValueErrors and OSErrors, and the
+    system's errors about a file, are the input's fault.
     """
     own = getattr(error, "exit_code", None)
     if isinstance(own, int):

@@ -1,9 +1,8 @@
-"""The manual page ``clearway.1``, made from the parser.
+"""The manual page ``clearway.1``, made from the parser, in the marks of man(7).
 
     python -m navigation.cli.man_page > clearway.1
 
-``.ci/compile-wheel`` puts it into ``share/man/man1`` of a wheel for ``man clearway``. The marks are
-those of man(7).
+``.ci/compile-wheel`` puts it into ``share/man/man1`` of a wheel.
 """
 
 from __future__ import annotations
@@ -34,7 +33,7 @@ EXIT_CODES = {
 
 
 def man_page() -> str:
-    """The whole page, in the marks of man(7)."""
+    """The whole page."""
     return "\n".join(_lines()) + "\n"
 
 
@@ -82,7 +81,6 @@ def _command(ctx: click.Context, name: str) -> Iterator[str]:
 
 
 def _described(command: click.Command, own: click.Context) -> Iterator[str]:
-    """Usage, help and options."""
     usage = " ".join(command.collect_usage_pieces(own))
     yield f".SS {_escaped(f'{own.command_path} {usage}')}"
     for paragraph in re.split(r"\n\s*\n", (command.help or "").replace("\b", "").strip()):
@@ -107,7 +105,6 @@ def _first_sentence(text: str | None) -> str:
 
 
 def _plain(text: str) -> str:
-    """A text on one line, with no mark of man(7) in it."""
     line = _escaped(" ".join(text.split()))
     return rf"\&{line}" if line.startswith((".", "'")) else line
 

@@ -1,4 +1,4 @@
-"""Common arguments of commands: points, numbers, preferences, checked where typed; options."""
+"""Common arguments and options of commands, checked where they are typed."""
 
 from __future__ import annotations
 
@@ -14,15 +14,14 @@ import click
 from vision.binarise import METHODS, Method, Polarity
 
 Decorator: TypeAlias = Callable[[Callable[..., Any]], Callable[..., Any]]
-"""Function that adds an option to a command's function."""
 
 
 STANDARD_STREAM = Path("-")
-"""Standard input where a source is asked for, standard output where an output is."""
+"""Standard input or output."""
 
 
 class Binarising(NamedTuple):
-    """The arguments of ``vision.extract`` that make a picture black and white."""
+    """Arguments of ``vision.extract`` for making a picture black and white."""
 
     polarity: Polarity = "dark"
     method: Method = "auto"
@@ -38,11 +37,11 @@ class StationArgument:
     heading_rad: float | None = None
 
     def as_tuple(self) -> tuple[float, ...]:
-        """(x, y) or (x, y, heading_rad), as ``Roadmap.plan`` takes it."""
+        """The form that ``Roadmap.plan`` takes."""
         return (self.x, self.y) if self.heading_rad is None else (self.x, self.y, self.heading_rad)
 
 
-if TYPE_CHECKING:  # generic for the type checker only: click 8.1 cannot be subscripted
+if TYPE_CHECKING:  # for the type checker only: click 8.1 cannot be subscripted
     StationBase = click.ParamType[StationArgument]
     NumberBase = click.ParamType[float]
     PreferenceBase = click.ParamType[str | float]
@@ -52,7 +51,7 @@ else:
 
 
 class StationType(StationBase):
-    """``X,Y`` or ``X,Y,DEG`` in the scene's units and its own sense of turning."""
+    """``X,Y`` or ``X,Y,DEG``, finite, in the scene's units and its own sense of turning."""
 
     name = "X,Y[,DEG]"
 
@@ -63,7 +62,7 @@ class StationType(StationBase):
     def convert(
         self, value: Any, param: click.Parameter | None, ctx: click.Context | None
     ) -> StationArgument:
-        """Parse; click's usage error unless it is two or three finite numbers."""
+        """Parse."""
         if isinstance(value, StationArgument):
             return value
         numbers = [_finite(word) for word in str(value).split(",")]
@@ -84,7 +83,7 @@ class NumberType(NumberBase):
     def convert(
         self, value: Any, param: click.Parameter | None, ctx: click.Context | None
     ) -> float:
-        """Parse; click's usage error if it is out of range."""
+        """Parse."""
         number = _finite(str(value))
         if number is None or number < 0.0 or (number == 0.0 and not self.zero):
             limit = ">= 0" if self.zero else "> 0"
@@ -105,7 +104,7 @@ class PreferenceType(PreferenceBase):
     def convert(
         self, value: Any, param: click.Parameter | None, ctx: click.Context | None
     ) -> str | float:
-        """Parse; click's usage error unless it is a name or in 0..1."""
+        """Parse."""
         if value in self.names:
             return str(value)
         number = _finite(str(value))
@@ -122,8 +121,8 @@ class PreferenceType(PreferenceBase):
 class OutputType(OutputBase):
     """A file to be written, in an existing folder; with ``suffixes``, one of those kinds.
 
-    Checked where it is typed, so that no one waits for an answer that cannot be kept. With
-    ``stream``, ``-`` is standard output.
+    Checked where it is typed: no one waits for an answer that cannot be kept. With ``stream``,
+    ``-`` is standard output.
     """
 
     name = "FILE"
@@ -132,7 +131,7 @@ class OutputType(OutputBase):
         self.suffixes, self.stream = suffixes, stream
 
     def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> Path:
-        """The path; click's usage error if it cannot be written."""
+        """Check the name."""
         path = Path(value)
         if self.stream and path == STANDARD_STREAM:
             return path
@@ -154,7 +153,7 @@ class RecordingType(OutputType):
         super().__init__(".mcap")
 
     def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> Path:
-        """The path; click's usage error if nothing can be recorded there."""
+        """Check the name."""
         path = Path(value)
         if path.suffix.lower() in self.suffixes:
             path = super().convert(value, param, ctx)
@@ -174,7 +173,7 @@ class InputType(click.Path):
         super().__init__(path_type=Path)
 
     def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> Any:
-        """The path; click's usage error if it is empty."""
+        """Check the name."""
         if not str(value):
             self.fail("the name is empty: must be a file", param, ctx)
         return super().convert(value, param, ctx)
@@ -190,7 +189,7 @@ PREFERENCE = PreferenceType()
 
 
 def _finite(word: str) -> float | None:
-    """The word as a finite number, else None; no underscores, no ``nan``."""
+    """The word as a finite number, else None; no underscores."""
     try:
         number = float(word)
     except ValueError:

@@ -16,7 +16,7 @@ if TYPE_CHECKING:
 
 
 class OutputError(ValueError):
-    """An answer cannot be written; the message names the file."""
+    """Error: an answer cannot be written."""
 
 
 def keep_apart(outputs: Iterable[tuple[str, Path | None]], inputs: Iterable[Path | None]) -> None:
@@ -39,10 +39,7 @@ def keep_apart(outputs: Iterable[tuple[str, Path | None]], inputs: Iterable[Path
 
 
 def write_text(path: Path | None, text: str) -> None:
-    """Write a whole file as UTF-8, or to standard output for None or ``-``.
-
-    ``OutputError`` if, for example, the disk is full.
-    """
+    """Write a whole file as UTF-8, or to standard output for None or ``-``; ``OutputError``."""
     if path is None or path == STANDARD_STREAM:
         click.echo(text, nl=False)
         return
@@ -50,7 +47,7 @@ def write_text(path: Path | None, text: str) -> None:
 
 
 def write_bytes(path: Path, data: bytes) -> None:
-    """Write a whole file; ``OutputError`` if, for example, the disk is full."""
+    """Write a whole file; ``OutputError``."""
     try:
         path.write_bytes(data)
     except OSError as error:
@@ -81,7 +78,6 @@ def named(source: Path) -> Path:
 
 
 def _identity(path: Path) -> object:
-    """An identity that two names of one file share."""
     try:
         told = path.stat()
     except OSError:

@@ -1,8 +1,8 @@
 """Long work at a terminal: a line with its stage and time, and Ctrl-C that ends it at once.
 
-Compiled kernels see no Python signal before they return, which takes seconds on a picture of a
-million borders. During pure computing Ctrl-C is left to the operating system: nothing is open that
-could be left half written.
+Compiled kernels see no Python signal before they return, which takes seconds on a large picture.
+During pure computing Ctrl-C is left to the operating system: nothing is open that could be left
+half written.
 """
 
 from __future__ import annotations
@@ -23,7 +23,7 @@ CLEAR_LINE: Final = "\r\x1b[2K"
 
 
 def is_live() -> bool:
-    """True if a line on stderr can be renewed: at a terminal that is not a dumb one."""
+    """True if a line on stderr can be renewed."""
     return sys.stderr is not None and sys.stderr.isatty() and os.environ.get("TERM") != "dumb"
 
 
@@ -54,7 +54,6 @@ def _ended_by_ctrl_c() -> Iterator[None]:
 
 @contextmanager
 def _told(stage: Callable[[], str]) -> Iterator[None]:
-    """Renew one line on a terminal's stderr, and clear it at the end."""
     if not is_live():
         yield
         return

@@ -1,7 +1,6 @@
-"""The reference of the commands, made from the parser: `docs/reference/commands.md`.
+"""The reference of the commands, made from the parser.
 
-`python -m navigation.cli.reference > docs/reference/commands.md` writes it; a test fails if the
-page differs.
+`python -m navigation.cli.reference > docs/reference/commands.md` writes it.
 """
 
 from __future__ import annotations
@@ -51,7 +50,6 @@ def _command(ctx: click.Context, name: str) -> Iterator[str]:
 
 
 def _described(command: click.Command, own: click.Context, level: str) -> Iterator[str]:
-    """Heading, usage, help and options."""
     usage = " ".join(command.collect_usage_pieces(own))
     name = own.command_path.removeprefix("clearway ")
     yield from (f"{level} {name}", "", f"`clearway {name} {usage}`", "")

@@ -1,7 +1,6 @@
 """Output of a run for people: on stdout, or its end on stderr if stdout fails.
 
-A full disk under a redirected stdout, or a vanished reader, costs the lines and never the run: that
-is reported once on stderr, and the essential part, the summary, goes there.
+A full disk under a redirected stdout, or a vanished reader, costs the lines and never the run.
 """
 
 from __future__ import annotations
@@ -14,14 +13,14 @@ import click
 
 
 class Voice:
-    """Prints lines; never raises. ``trouble`` says why stdout fails; empty while it works."""
+    """Prints lines; never raises. ``trouble`` says why stdout fails."""
 
     def __init__(self, *, quiet: bool = False) -> None:
         self._quiet = quiet
         self.trouble = "stdout is closed" if sys.stdout is None else ""
 
     def say(self, line: str) -> None:
-        """Print a line of news; omitted if the run is quiet."""
+        """Print a line of news, unless the run is quiet."""
         if not self._quiet:
             self._say_on_stdout(line)
 
@@ -50,7 +49,7 @@ def complain(line: str) -> None:
     """Print a line on stderr, if possible, without any secret."""
     from navigation.config.secrecy.secrets import (
         hide,
-    )  # imported only when there is something to say
+    )
 
     line = hide(line)
     with contextlib.suppress(OSError, ValueError):  # there is no reader left

@@ -1,14 +1,14 @@
 """The configuration of a run: read, overridden from the environment, checked, then trusted.
 
-- ``load.py`` reads the file in this order: ``secrecy`` learns the secrets, ``marks.py`` parses the
-  YAML with its places, ``overrides.py`` applies the environment, and the sections and
-  ``checks.py`` (with ``several`` for several robots or cameras) check it.
-- ``sections.py``, ``simulation.py``, ``dashboard.py``, ``recording.py`` and ``zones`` are the
-  sections, made of the kinds in ``values.py``; ``known_robots.py`` holds the vendors' numbers.
-- ``zone_file.py`` reads zones that come in an order or a file of their own.
-- ``errors.py`` words the problems; ``unknown_keys.py`` hides the values of unknown keys.
-- ``limits.py`` gives the planner its limits; ``last_good.py`` keeps a good text.
-- ``reference.py`` writes the reference and the first file; ``editing`` changes a text.
+- `load` reads the file in this order: `secrecy` learns the secrets, `marks` parses the YAML with
+  its places, `overrides` applies the environment, and the sections and `checks` (with `several` for
+  several robots or cameras) check it.
+- `sections`, `simulation`, `dashboard`, `recording`, `notify` and `zones` are the sections, made of
+  the kinds in `values`; `known_robots` holds the vendors' numbers.
+- `zone_file` reads zones that come in an order or a file of their own.
+- `errors` words the problems; `unknown_keys` finds values to hide.
+- `limits` gives the planner its limits; `last_good` keeps a good text.
+- `reference` writes the reference and the first file; `editing` changes a text.
 """
 
 from navigation.config.errors import ConfigError

@@ -1,8 +1,7 @@
 """Checks across a configuration's keys and sections.
 
-Each check gets the sections that it needs, each already valid, and yields the place of a
-contradiction and a sentence. `CHECKS` lists all checks. A check of `robot` or `serial` that does
-not take `robots` looks at one robot and is made for each.
+Each gets sections that are already valid, and yields the place of a contradiction and a sentence.
+One of `robot` or `serial` that does not take `robots` is made for each robot.
 """
 
 from __future__ import annotations
@@ -69,7 +68,6 @@ def _wheels_can_crawl(robot: Any) -> _Found:
 
 
 def _driver_can_drive_it(robot: Any, serial: Any) -> _Found:
-    """Compare the maker's data of the robot with what is asked of it."""
     models = () if robot.driver == CLEARWAY else KNOWN_ROBOTS[robot.driver].models
     if robot.model is not None and robot.model not in models:
         yield (

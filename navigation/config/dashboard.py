@@ -1,4 +1,4 @@
-"""The dashboard's section: its address, who may use it, and how much it shows."""
+"""The dashboard's section."""
 
 from __future__ import annotations
 

@@ -1,7 +1,7 @@
-"""Problems of a configuration, reported so that each can be corrected at once.
+"""Problems of a configuration, reported together so that each can be corrected at once.
 
-Every problem is ``file:line:column: key: what is wrong``, the line itself, a caret under the place
-and, if it can be guessed, the intended word. All problems are reported together.
+Each is ``file:line:column: key: what is wrong``, the line itself, a caret under the place and, if
+it can be guessed, the intended word.
 """
 
 from __future__ import annotations
@@ -19,12 +19,11 @@ from navigation.config.secrecy.secret_places import masked
 from navigation.config.secrecy.secrets import hide, is_secret_key
 
 LONGEST_LINE = 100
-"""Length of a line shown in full; of a longer one, the part around the mistake is shown."""
 
 
 @dataclass(frozen=True, slots=True)
 class Problem:
-    """A problem: the key, the sentence, and the place (None: environment)."""
+    """A problem; its place is None for the environment."""
 
     where: Location
     message: str
@@ -56,9 +55,9 @@ class ConfigError(ValueError):
         self.problems = tuple(problems)
         self.text = text
         self.sound = dict(sound or {})
-        """The sections that can be trusted all the same."""
+        """Sections that can be trusted all the same."""
         self.unknown = tuple(unknown)
-        """Positions in the text of the values of unknown keys, which are never shown."""
+        """Positions of the values of unknown keys, which are never shown."""
         lines = masked(text, self.unknown).splitlines()
         told = [hide(_told(problem, file, lines)) for problem in self.problems]
         if len(told) > 1:
@@ -94,7 +93,6 @@ def _told(problem: Problem, file: str, lines: Sequence[str]) -> str:
 
 
 def _around(line: str, place: int) -> tuple[str, int]:
-    """Part of a long line around a place, and the place in it."""
     if len(line) <= LONGEST_LINE:
         return line, place
     begin = min(max(0, place - LONGEST_LINE // 3), max(0, len(line) - LONGEST_LINE))
@@ -117,7 +115,7 @@ def mark_of(document: Document, where: Location, *, of_key: bool = False) -> Mar
 def problems_of(
     errors: Iterable[Any], document: Document, model: type[BaseModel]
 ) -> Iterator[Problem]:
-    """Yield pydantic's error details as problems with suggestions; a misspelt key appears once."""
+    """Yield pydantic's error details as problems; a misspelt key appears once."""
     errors = list(errors)
     unknown = [tuple(e["loc"]) for e in errors if e["type"] == "extra_forbidden"]
     missing = [tuple(e["loc"]) for e in errors if e["type"] == "missing"]
@@ -144,7 +142,7 @@ def _is_misspelt(where: Location, unknown: list[Location], missing: list[Locatio
 
 
 def fields_at(where: Location, model: type[BaseModel]) -> type[BaseModel] | None:
-    """Model of the section at ``where``, None if there is none."""
+    """Model of the section at ``where``, if any."""
     here: type[BaseModel] | None = model
     for part in where:
         if isinstance(part, int):
@@ -215,7 +213,6 @@ _KINDS = {
 
 
 def _sentence(error: Any, instead: str | None = None) -> str:
-    """Requirement and the given value, or ``instead`` of the value."""
     kind, context = error["type"], error.get("ctx", {})
     given = instead or _given(error["input"])
     if kind in _KINDS:

@@ -1,7 +1,7 @@
 """Robots on the market, with the data that their vendors state.
 
-`robot.driver` chooses one. `clearway init --robot` writes these numbers, `clearway check` compares
-a configuration with them, and the drivers convert by them. Metres, seconds, radians.
+`clearway init --robot` writes these numbers, `clearway check` compares with them, and the drivers
+convert by them. Metres, seconds, radians.
 """
 
 from __future__ import annotations
@@ -15,23 +15,21 @@ DriverName: TypeAlias = Literal["clearway", "create2", "turtlebot3", "epuck2", "
 ModelName: TypeAlias = Literal["ugv01", "ugv_rover", "rasp_rover"]
 
 CLEARWAY: Final = "clearway"
-"""The driver of robots with our own firmware, which need none."""
 
 OWN_LEAST_WHEEL_M_S: Final = 0.01
-"""Default speed below which wheels are driven in pulses: small motors do not turn up to
-5 mm/s or so, and pulses of twice that cost no accuracy (`DriveSettings`)."""
+"""Default speed below which wheels are driven in pulses: small motors do not turn up to 5 mm/s or
+so, and pulses of twice that cost no accuracy (`DriveSettings`)."""
 
 
 @dataclass(frozen=True, slots=True)
 class KnownRobot:
-    """One robot.
+    """One robot; its speeds and accelerations are the highest.
 
-    ``wheel_m_s`` is a wheel's highest speed, ``speed_m_s`` the robot's; ``radius_m`` is the
-    smallest disc around its axle's middle that holds its body. ``metres_per_count`` is a wheel's
-    travel per encoder count, None if the robot reports speeds. ``watchdog_s``: time after the last
-    order until its own motors stop, None if never. ``help``: things to check when it does not
-    answer. ``models``: the maker's robots that `robot.model` may name, the first if it is empty;
-    none if the robot reports it. ``least_wheel_m_s`` is as in `robot.least_wheel_m_s`.
+    ``radius_m`` is the smallest disc around its axle's middle that holds its body.
+    ``metres_per_count`` is a wheel's travel per encoder count, None if the robot reports speeds.
+    ``watchdog_s``: time after the last order until its own motors stop, None if never. ``help``:
+    things to check when it does not answer. ``models``: the maker's robots that `robot.model` may
+    name, the first by default; none if the robot reports it.
     """
 
     title: str
@@ -122,11 +120,10 @@ KNOWN_ROBOTS: Final[Mapping[str, KnownRobot]] = {
         models=("ugv01", "ugv_rover", "rasp_rover"),
     ),
 }
-"""By the name in `robot.driver`."""
 
 
 def least_wheel_m_s(driver: DriverName, chosen_m_s: float | None) -> float:
-    """`robot.least_wheel_m_s`, or the robot's own value if it is empty."""
+    """`robot.least_wheel_m_s`, or the robot's own value without it."""
     if chosen_m_s is not None:
         return chosen_m_s
     return OWN_LEAST_WHEEL_M_S if driver == CLEARWAY else KNOWN_ROBOTS[driver].least_wheel_m_s

@@ -1,8 +1,7 @@
 """The last good configuration: kept beside the program's state whenever one was fit to run.
 
-Rules
-- It is never used silently: a broken file is an error (exit code 78) that says where the last
-  good one is, and `clearway run --last-good` runs it.
+- It is never used silently: a broken file is an error that says where the last good one is, and
+  `clearway run --last-good` runs it.
 - Only the file's text is kept; the files that it names stay where they are.
 - If the state folder cannot be written, the roll-back is lost, not the run.
 """
@@ -24,7 +23,6 @@ from navigation.shared.whole_file import UnwrittenFileError, write_whole
 
 FOLDER: Final = "last_good"
 MOST_LINES: Final = 12
-"""Most changed lines that are shown; a longer change is best looked at in an editor."""
 
 
 def state_folder(environment: Mapping[str, str]) -> Path:
@@ -45,7 +43,7 @@ class LastGood:
         self.kept = state / FOLDER / f"{self.file.stem}-{number}.yaml"
 
     def keep(self, text: str) -> str | None:
-        """Keep a good text; return the reason if that fails, else None."""
+        """Keep a good text; return the reason if that fails."""
         try:
             if self.kept.exists() and self.kept.read_text(encoding="utf-8") == text:
                 return None
@@ -65,7 +63,7 @@ class LastGood:
         return parse_config(text, str(self.kept), self.file.parent, environment)
 
     def changes(self) -> list[str]:
-        """Unified diff between the kept text and the present file."""
+        """Unified diff between the kept text and the present file, without secrets."""
         try:
             old = _shown(self.kept.read_text(encoding="utf-8"))
             new = _shown(read_source(self.file))
@@ -77,7 +75,7 @@ class LastGood:
         return lines
 
     def advice(self) -> str | None:
-        """A hint at the way back for an error's text; None if nothing was kept."""
+        """A hint at the way back for an error's text, if there is one."""
         if not self.kept.exists():
             return None
         lines = [
@@ -89,5 +87,4 @@ class LastGood:
 
 
 def _shown(text: str) -> list[str]:
-    """Lines of a configuration without its secrets and the values of unknown keys."""
     return masked(text, values_of_unknown_keys(text, Config)).splitlines()

@@ -7,7 +7,7 @@ from planner.path import Limits
 
 
 def limits_of(config: Config) -> Limits:
-    """Limits of the robot, as the planner takes them; metres."""
+    """Limits as the planner takes them; metres."""
     robot, planning = config.robot, config.planning
     return Limits(
         speed=robot.speed_m_s,

@@ -1,9 +1,6 @@
 """Reads and checks a configuration and the environment's overrides; the result is trusted.
 
-Rules
-- `load_config` returns a whole `Config` or raises `ConfigError` with every problem at once.
-- Environment variables override the file (`overrides.py`).
-- Problems across sections (`checks.py`) are reported together with the sections' own errors.
+Problems across sections (`checks`) are reported together with the sections' own.
 """
 
 from __future__ import annotations
@@ -30,14 +27,13 @@ from navigation.config.several.defaults import (
 from navigation.config.unknown_keys import values_of_unknown_keys
 
 MOST_BYTES: Final = 2_000_000
-"""Size of the largest file: the longest text takes no more in UTF-8."""
+"""The longest text takes no more in UTF-8."""
 
 
 def load_config(path: str | Path, environment: Mapping[str, str] | None = None) -> Config:
     """Load a file's configuration, with ``environment``'s overrides (default: the process's).
 
-    Raises ``ConfigError`` (exit code 78) with every problem: unreadable file, YAML, unknown or
-    missing keys, wrong types and values, and contradictions.
+    ``ConfigError`` (exit code 78) with every problem.
     """
     file = Path(path)
     text = read_source(file)
@@ -46,7 +42,7 @@ def load_config(path: str | Path, environment: Mapping[str, str] | None = None) 
 
 
 def read_source(file: Path) -> str:
-    """Read a configuration's text; ``ConfigError`` if it is missing or far too long."""
+    """Read a configuration's text; ``ConfigError`` if it is unreadable, too long or no UTF-8."""
     try:
         with file.open("rb") as source:
             data = source.read(MOST_BYTES + 1)
@@ -93,7 +89,6 @@ def parse_config(
 def _validate(
     document: Document, folder: Path | None
 ) -> tuple[Config | None, list[Problem], dict[str, Any]]:
-    """The configuration, the problems, and the sections that can still be trusted."""
     context = {"folder": folder}
     data = with_source_of_cameras(document.data)
     try:
@@ -127,7 +122,6 @@ def _below(keys: Sequence[Location], part: Any) -> list[Location]:
 def _sound_sections(
     data: dict[str, Any], bad: set[str], context: dict[str, Path | None]
 ) -> dict[str, Any]:
-    """The sections without errors of their own, for the checks that need no others."""
     sound: dict[str, Any] = {}
     for name, field in Config.model_fields.items():
         if name in bad:

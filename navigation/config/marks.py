@@ -2,11 +2,10 @@
 
 Rules
 - The scalars are those of YAML 1.2's core schema: ``1e-3`` is a number, ``on`` and ``no`` are
-  words. PyYAML alone follows YAML 1.1, which is the other way round.
+  words. PyYAML alone follows YAML 1.1.
 - A duplicate key, a key that is not a word and an alias inside itself are errors.
-- Length, depth and the number of values, with every alias written out, are bounded: nine lines
-  of aliases of aliases would be a billion values.
-- Lines and columns count from 1.
+- Length, depth and the number of values, with every alias written out, are bounded: nine lines of
+  aliases of aliases would be a billion values.
 """
 
 from __future__ import annotations
@@ -20,13 +19,12 @@ import yaml
 
 MOST_CHARACTERS: Final = 500_000
 MOST_SHOWN: Final = 40
-"""Length up to which a word is shown in full."""
 MOST_DEPTH: Final = 50
 MOST_VALUES: Final = 20_000
 """A mission of a thousand stations has five thousand."""
 
 Location: TypeAlias = tuple[str | int, ...]
-"""Path to a value in the document: ``("mission", "stations", 0, "x_m")``."""
+"""Path to a value: ``("mission", "stations", 0, "x_m")``."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -48,7 +46,7 @@ class Defect:
 
 @dataclass(slots=True)
 class Document:
-    """A parsed text: plain data, the marks of keys and of values, and the YAML's defects."""
+    """A parsed text: plain data, marks of keys and values, and the YAML's defects."""
 
     text: str
     data: Any = None
@@ -58,12 +56,11 @@ class Document:
 
 
 class TooMuchError(yaml.YAMLError):
-    """A document beyond the bounds; the message says which."""
+    """Error: a document beyond the bounds."""
 
     def __init__(self, message: str, mark: Mark) -> None:
         super().__init__(message)
         self.mark = mark
-        """Place at which it is too much."""
 
 
 class _Loader(yaml.SafeLoader):
@@ -76,7 +73,6 @@ class _Loader(yaml.SafeLoader):
         """Number of values in each node, aliases written out, by its identity."""
 
     def compose_node(self, parent: yaml.Node | None, index: Any) -> yaml.Node | None:
-        """Count and compose a node; ``TooMuchError`` at the value or alias that is too much."""
         mark: yaml.Mark = self.peek_event().start_mark  # type: ignore[no-untyped-call]
         is_alias = self.check_event(yaml.AliasEvent)
         before = self._values
@@ -99,7 +95,7 @@ class _Loader(yaml.SafeLoader):
 def compose(text: str) -> yaml.Node | None:
     """Node tree of a YAML text, None for an empty one.
 
-    ``yaml.YAMLError`` for bad YAML; ``TooMuchError`` if it is longer, deeper or larger than any
+    ``yaml.YAMLError``, or ``TooMuchError`` if it is longer, deeper or larger than any
     configuration.
     """
     if len(text) > MOST_CHARACTERS:
@@ -176,8 +172,6 @@ def _mark(start: yaml.Mark, end: yaml.Mark | None = None) -> Mark:
 
 
 class _Walk:
-    """Turns nodes into plain data, and notes their places."""
-
     def __init__(self, document: Document) -> None:
         self._document = document
         self._open: list[yaml.Node] = []

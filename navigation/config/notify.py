@@ -11,7 +11,7 @@ from pydantic import AfterValidator, Field
 from navigation.config.values import Positive, Section, Text
 
 PLACEHOLDERS: Final = ("state", "robot", "sentence", "time")
-"""Placeholders of a command's arguments, in braces, and keys of the JSON in a POST."""
+"""In a command's arguments, in braces; also the keys of the JSON in a POST."""
 PLACEHOLDER: Final = re.compile(r"\{([A-Za-z_]+)\}")
 """A word in braces; other braces, as of JSON, are the argument's own."""
 

@@ -1,8 +1,7 @@
 """Environment variables that override a configuration's values.
 
 CLEARWAY_SERIAL__PORT=/dev/ttyUSB0 sets serial.port; two underscores lead one level down, a number
-is an entry of a list, and the value is read as YAML. A variable that would set nothing is an error,
-since it would be ignored for ever.
+is an entry of a list, and the value is read as YAML. A variable that would set nothing is an error.
 """
 
 from __future__ import annotations
@@ -18,7 +17,7 @@ ENVIRONMENT_PREFIX = "CLEARWAY_"
 OTHERS_VARIABLES = (
     "CLEARWAY_DEBUG", "CLEARWAY_REAL_DATA", "CLEARWAY_FAIL_ON_SKIP", "CLEARWAY_CHROMIUM"
 )  # fmt: skip
-"""The command line's and the tests'; they configure no run."""
+"""They configure no run."""
 
 
 def override(

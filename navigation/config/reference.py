@@ -1,7 +1,4 @@
-"""The configuration's reference and first file, made from the sections' own descriptions.
-
-`reference_markdown` is docs/configuration.md, `starter_yaml` is what `clearway init` writes.
-"""
+"""The configuration's reference and first file, made from the sections' descriptions."""
 
 from __future__ import annotations
 
@@ -33,7 +30,7 @@ def json_schema() -> dict[str, Any]:
 
 
 def reference_markdown() -> str:
-    """Every section and key with type, limits, default and meaning."""
+    """The page docs/configuration.md."""
     schema = json_schema()
     lines = [
         "# Configuration",
@@ -101,7 +98,6 @@ _LIMITS = {
 
 
 def _kind(schema: Mapping[str, Any], root: Mapping[str, Any]) -> str:
-    """Describe a JSON Schema in words: ``number > 0``, ``list of 4``, one of some words."""
     if "anyOf" in schema:
         return " or ".join(_kind(one, root) for one in schema["anyOf"] if one != {"type": "null"})
     if "enum" in schema:
@@ -158,7 +154,6 @@ def _starter_value(name: str, field: FieldInfo, value: Any, indent: str) -> Iter
 
 
 def _commented(line: str, field: FieldInfo) -> Iterator[str]:
-    """Yield the line with its meaning behind it, or above it if too wide."""
     beside = f"{line:<{COMMENT_COLUMN}}  # {field.description}"
     if len(beside) <= LINE_WIDTH:
         yield beside

@@ -1,8 +1,8 @@
-"""The sections of a configuration, in the order of the data: arena, camera, ..., recording.
+"""The sections of a configuration: arena, camera, ..., notify.
 
 Units are SI and part of the names; angles are degrees, because people write them. The arena's
-frame: metres, x right, y up, headings counter-clockwise from +x. `clearway schema`, `clearway init`
-and docs/configuration.md are made from the descriptions here.
+frame: metres, x right, y up, headings counter-clockwise from +x. The schema, the first file and
+docs/configuration.md are made from these descriptions.
 """
 
 from __future__ import annotations
@@ -48,7 +48,6 @@ from navigation.config.zones import MOST_ZONES, ZoneSection
 from vision.binarise import Method
 
 SIMULATED = "simulated"
-"""The word for a source or port made by the simulator."""
 
 Dictionary: TypeAlias = Literal[
     "DICT_4X4_50", "DICT_4X4_100", "DICT_4X4_250", "DICT_4X4_1000",

@@ -1,6 +1,6 @@
 """The section ``simulation``: the simulated world, its camera's and its robot's errors.
 
-Units as in ``sections.py``: SI in the names, angles in degrees, pictures in pixels.
+Units as in `sections`; pictures in pixels.
 """
 
 from __future__ import annotations

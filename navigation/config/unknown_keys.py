@@ -1,7 +1,7 @@
-"""Places of the values of unknown keys in a file: any of them may be a secret, so none is shown.
+"""Places of the values of unknown keys in a file: any may be a secret, so none is shown.
 
-`tokn: ...` is a token all the same. The tree of YAML nodes is followed beside the model, which also
-finds a key that is there twice, or in a section refused as a whole.
+The tree of YAML nodes is followed beside the model, which also finds a key that is there twice, or
+in a section refused as a whole.
 """
 
 from __future__ import annotations

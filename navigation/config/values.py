@@ -1,7 +1,6 @@
 """Kinds of values in a configuration: bounded numbers, files, places and headings.
 
-The bounds are far beyond any arena's or robot's needs and far below a size that fills a machine's
-memory; sections state tighter ones where a key needs them.
+The bounds are far beyond any arena's or robot's needs and far below a size that fills a memory.
 """
 
 from __future__ import annotations
@@ -23,26 +22,23 @@ from pydantic import (
 )
 
 MOST_STATIONS = 1000
-"""Most stations of one mission, configured or ordered."""
+"""Of one mission, configured or ordered."""
 LONGEST_DWELL_S = 3600.0
 """At one station. On the wire it is a waypoint for every 25 s: at most 144 000 of a mission."""
 
 MOST_ROBOTS = 100
 MOST_FLEET = 20
-"""Robots that are driven together: more than a camera can tell apart in an arena for which the
-fleet's planner was measured."""
+"""Robots driven together: more than a camera can tell apart in an arena for which the fleet's
+planner was measured."""
 MOST_CAMERAS = 8
 """Above one arena: their pictures are looked at one after another."""
 MOST_HAPPENINGS = 1000
-"""Obstacles that come and go, and places of a scripted track."""
 LARGEST = 1e6
-"""Largest absolute value of a number that has no tighter limit."""
 
 Number = Annotated[float, Field(strict=True, allow_inf_nan=False, ge=-LARGEST, le=LARGEST)]
 Positive = Annotated[float, Field(strict=True, allow_inf_nan=False, gt=0, le=LARGEST)]
 NotNegative = Annotated[float, Field(strict=True, allow_inf_nan=False, ge=0, le=LARGEST)]
 Metres = Annotated[float, Field(strict=True, allow_inf_nan=False, ge=-1000, le=1000)]
-"""A coordinate in the arena."""
 Degrees = Annotated[float, Field(strict=True, allow_inf_nan=False, ge=-3600, le=3600)]
 
 
@@ -58,9 +54,7 @@ def _from(least: float) -> AfterValidator:
 
 
 Length = Annotated[Positive, Field(le=100), _from(0.001)]
-"""Length of a body or marker: from a millimetre to a hundred metres."""
 Fine = Annotated[Positive, Field(le=10), _from(1e-6)]
-"""A small length: what a pixel shows of the floor, how far a chord may leave its path."""
 Rate = Annotated[Positive, Field(le=1000), _from(0.001)]
 """A speed, an acceleration or a frequency that is divided by."""
 LeastWheelSpeed = Annotated[NotNegative, Field(le=0.2)]
@@ -86,11 +80,10 @@ def _auto_or(least: float, most: float) -> BeforeValidator:
 ExposureTime = Annotated[
     Annotated[float, Field(ge=0.01, le=10_000)] | Literal["auto"], _auto_or(0.01, 10_000.0)
 ]
-"""A camera's exposure, milliseconds: from a hundredth to ten seconds."""
+"""Milliseconds."""
 DriverUnits = Annotated[
     Annotated[float, Field(ge=0, le=65_535)] | Literal["auto"], _auto_or(0.0, 65_535.0)
 ]
-"""A camera's gain or focus, whose units are its driver's."""
 Kelvin = Annotated[
     Annotated[float, Field(ge=1000, le=20_000)] | Literal["auto"], _auto_or(1000.0, 20_000.0)
 ]
@@ -130,11 +123,9 @@ Text = Annotated[str, Field(strict=True, min_length=1)]
 Name = Annotated[
     str, Field(strict=True, min_length=1, max_length=32, pattern=r"^[A-Za-z][A-Za-z0-9_-]*$")
 ]
-"""A robot's or camera's name: a letter, then letters, digits, _ and -."""
 
 
 def _beside_the_file(path: Path, info: ValidationInfo) -> Path:
-    """Resolve a relative path from the configuration's folder."""
     folder = (info.context or {}).get("folder")
     return path if folder is None or path.is_absolute() else Path(folder) / path
 
@@ -154,10 +145,7 @@ _Entry = TypeVar("_Entry", bound=Section)
 def as_in(
     *sections: type[Section], leave_out: Collection[str] = ()
 ) -> Callable[[type[_Entry]], type[_Entry]]:
-    """Give a list's entry each key of ``sections`` that it lacks, with the same limits.
-
-    All may be empty: the section's own value then applies (`several`).
-    """
+    """Give a list's entry the keys of ``sections`` that it lacks; an empty one is as there."""
 
     def made(entry: type[_Entry]) -> type[_Entry]:
         keys: dict[str, Any] = {
@@ -212,7 +200,7 @@ class Pose(Place):
 
     @property
     def heading_rad(self) -> float:
-        """The heading in radians in (-pi, pi]."""
+        """In (-pi, pi]."""
         return wrapped_rad(self.heading_deg)
 
 
@@ -228,7 +216,7 @@ class StationSection(Place):
 
     @property
     def heading_rad(self) -> float | None:
-        """The heading in radians in (-pi, pi], None for any."""
+        """In (-pi, pi], None for any."""
         return None if self.heading_deg is None else wrapped_rad(self.heading_deg)
 
 

@@ -1,8 +1,7 @@
 """Zones from outside a configuration: one of an order, or a file's list.
 
-A file is YAML: the list itself, or the key `zones` with the list, as in a configuration. Relative
-masks are meant from the file's folder. Coordinates and speeds are in the units of the scene that
-the zones are for.
+A file is YAML: the list itself, or the key `zones` with it. Relative masks are meant from the
+file's folder. Coordinates and speeds are in the units of the scene that the zones are for.
 """
 
 from __future__ import annotations
@@ -27,7 +26,7 @@ MOST_SENTENCE = 300
 
 
 class ZoneError(ValueError):
-    """A zone, or a file of zones, is invalid; the message says where and why."""
+    """Error: a zone, or a file of zones, is invalid."""
 
 
 class _ZoneList(Section):
@@ -35,9 +34,9 @@ class _ZoneList(Section):
 
 
 def zone_of(value: Any) -> ZoneSection:
-    """Return the zone of a mapping as in a configuration; :class:`ZoneError` in one sentence.
+    """Zone of a mapping as in a configuration; `ZoneError` in one sentence.
 
-    A mask has to be named by an absolute path: there is no folder that it could be relative to.
+    A mask's path must be absolute: there is no folder that it could be relative to.
     """
     if not isinstance(value, Mapping):
         raise ZoneError(f"zone: must be an object of name, kind and an area, not {in_short(value)}")
@@ -53,7 +52,7 @@ def zone_of(value: Any) -> ZoneSection:
 
 
 def read_zone_sections(path: Path) -> tuple[ZoneSection, ...]:
-    """Read a file's zones as they are written; :class:`ZoneError` with every problem."""
+    """A file's zones as they are written; `ZoneError` with every problem."""
     try:
         text = read_source(path)
         return _zones_in(text, path)
@@ -62,7 +61,7 @@ def read_zone_sections(path: Path) -> tuple[ZoneSection, ...]:
 
 
 def read_zones(path: Path) -> tuple[Zone, ...]:
-    """Read a file's zones as the planner has them; :class:`ZoneError` with every problem."""
+    """A file's zones as the planner has them; `ZoneError` with every problem."""
     return tuple(one.zone() for one in read_zone_sections(path))
 
 
@@ -89,7 +88,6 @@ def _zones_in(text: str, path: Path) -> tuple[ZoneSection, ...]:
 
 
 def _under_its_key(document: Document) -> Document:
-    """Return a bare list as if it were written below the key `zones`."""
     if not isinstance(document.data, list):
         return document
     return Document(

@@ -1,19 +1,17 @@
 """The dashboard: a page that shows the arena live and takes orders, in its own thread.
 
-- `server`: the port, the thread, its life; `app`: the addresses.
+- `server`: the port and its thread; `app`: the addresses.
 - `admission`: who may connect, look and order, and who holds the arena.
-- `hub`: makes messages from the daemon's published state; `viewer` sends them to one page, by its
-  `attention`: its place, and whether it could take a picture.
-- `shown`: the daemon as the dashboard sees it; `chronicles`: each robot's recent past.
-- `messages`: the messages' contents and forms, and the colours shared with the pictures.
+- `hub`: makes messages from the daemon's published state (`shown`); `viewer` sends them to one
+  page, by its `attention`.
+- `messages`: their contents and forms; `chronicles`: each robot's recent past.
 - `orders`: the page's orders, checked and carried out.
-- `visits`: operators' requests beside orders: `settings`, and `calibrating` for the camera's lens.
-- `kept`: earlier runs and saved places on disk.
-- `replay`: a recording on the same page.
-- `metrics`: numbers for Prometheus; `static/`: the page itself (ES modules, no build step).
+- `visits`: operators' other requests: `settings`, and `calibrating` for the camera's lens.
+- `kept`: earlier runs and saved places on disk; `replay`: a recording on the same page.
+- `metrics`: numbers for Prometheus; `static/`: the page itself.
 
-The control loop knows nothing of all this: it replaces `Daemon.state` after each cycle, and the
-dashboard reads it. No viewer can make it wait.
+The control loop replaces `Daemon.state` after each cycle, and the dashboard reads it: no viewer can
+make it wait.
 """
 
 from navigation.dashboard.calibrating.bench import Bench

@@ -1,7 +1,7 @@
 """The dashboard's addresses: the page, its websocket, /api, /metrics and /healthz.
 
 Everything passes the gate first: Host and Origin at once, a token where one is needed. The page's
-own files hold no secrets and are open, since a browser cannot send a token for them.
+own files hold no secrets and need no token: a browser cannot send one for them.
 """
 
 from __future__ import annotations

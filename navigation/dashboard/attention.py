@@ -1,7 +1,7 @@
-"""One viewer's attention: whether it has news, and whether it could take a picture.
+"""One viewer's attention: its news, and whether it could take a picture.
 
-Pictures are sent on credit: at most two are on their way, and each one drawn by the page brings the
-credit back. Seconds of the dashboard's clock.
+Pictures are sent on credit: at most `CREDITS` are on their way, and each one drawn by the page
+brings its credit back.
 """
 
 from __future__ import annotations
@@ -16,13 +16,13 @@ from navigation.dashboard.admission.access import Role
 CREDITS: Final = 2
 NOTICES: Final = 8
 EARLY: Final = 0.75
-"""Pictures come unevenly: one that is early by less than a quarter of the pause is not left out."""
+"""Pictures come unevenly: one that is early by less than a quarter of the pause is sent."""
 
 
 class Attention:
-    """A viewer as the hub sees it; ``key`` is the one it joined with, empty before.
+    """A viewer as the hub sees it; ``number`` counts viewers up, ``key`` is empty until it joins.
 
-    ``number`` counts viewers up; ``displaced`` is set when it has to leave for another.
+    ``displaced`` is set when it has to leave for another.
     """
 
     def __init__(self, role: Role = Role.OPERATOR, number: int = 0) -> None:
@@ -31,23 +31,21 @@ class Attention:
         self.key = ""
         self.is_watching = False
         self.kind = "picture"
-        """Which picture: from above, or ``camera``, as it was taken."""
+        """``picture``, from above, or ``camera``, as it was taken."""
         self.width_px = 0
-        """Width of the pictures that it gets; said with `is_watching`."""
         self.wants_heat = False
         self.news = asyncio.Event()
         self.notices: deque[str] = deque(maxlen=NOTICES)
-        """Sentences for this page alone, which are still to be sent."""
         self._credits = CREDITS
         self._shown_s = -math.inf
 
     @property
     def sees(self) -> tuple[str, int]:
-        """Kind and width of the pictures that it gets."""
+        """Kind and width of its pictures."""
         return self.kind, self.width_px
 
     def wants_picture(self, now_s: float, pause_s: float) -> bool:
-        """True if a new picture could be sent now, ``pause_s`` after the last one or later."""
+        """True if a new picture could be sent now, ``pause_s`` after the last one."""
         due = now_s - self._shown_s >= EARLY * pause_s
         return self.is_watching and self._credits > 0 and due
 

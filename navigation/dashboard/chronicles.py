@@ -1,7 +1,6 @@
-"""The recent past of one robot or several: one common log, tracks and charts for each.
+"""The recent past of one robot or several: a common log, tracks and charts for each.
 
-A single robot's chronicle has no name. With several, each robot has its own by name; the one
-without a name has the log and everything about camera and program.
+With several, each robot's chronicle has a name; the one without has what concerns all.
 """
 
 from __future__ import annotations

@@ -1,12 +1,11 @@
 """The hub: reads the daemon's published state and makes the viewers' messages.
 
 Rules
-- Everything runs in the dashboard's event loop; slow work (warping and packing a picture, a
-  diagram, a preview) runs in a worker thread.
-- A message is made once for all: twenty viewers cost twenty writes, nothing more.
+- Everything runs in the dashboard's event loop; slow work in a worker thread. The control loop and
+  the hub never wait for each other.
+- A message is made once for all viewers.
 - Pictures are made only while somebody looks, once for each size that is looked at; all viewers
   together get at most ``PICTURES_S`` a second.
-- The control loop and the hub never wait for each other.
 """
 
 from __future__ import annotations
@@ -51,11 +50,9 @@ from vision.markers.markers import RobotPose
 
 LOOK_EVERY_S: Final = 1.0 / 60.0
 IDLE_EVERY_S: Final = 0.1
-"""Interval at which the hub looks while it has no viewer."""
 STATE_EVERY_S: Final = 0.1
 PICTURES_S: Final = 120.0
 KINDS: Final = ("picture", "camera")
-"""Pictures: from above, and as they were taken."""
 MOST_VIEWERS: Final = 64
 LOOP_DEAD_S: Final = 1.0
 """A control loop that ended no cycle for longer does not answer."""
@@ -97,9 +94,9 @@ class Hub:
         self.pictures: dict[tuple[str, int], tuple[bytes, int]] = {}
         """The newest of each kind and width that is looked at, with its number."""
         self.picture_number = 0
-        """Number of the newest picture; each has its own, whatever its kind and width."""
+        """Each picture has its own, whatever its kind and width."""
         self.refusal = IT_IS_A_RECORDING if daemon.people is None else None
-        """Why nothing can be ordered here at all; None where it can."""
+        """Reason why nothing can be ordered; None where it can."""
         self.epoch = 0
         """Grows where the past becomes another one: pages are greeted again."""
         self.closing = asyncio.Event()
@@ -157,14 +154,14 @@ class Hub:
             self.wake()
 
     def tell_now(self) -> None:
-        """Make the state again, so that no viewer hears an older one after an answer."""
+        """Make the state again: no viewer hears an older one after an answer."""
         if self._state is not None:
             self.state_text = self._tell(self._state, self.clock())
             self.state_number += 1
             self.wake()
 
     def tell_pages(self, keys: Collection[str], sentence: str) -> None:
-        """Send a sentence to the pages that have joined with one of these keys."""
+        """Send a sentence to the pages that joined with these keys."""
         for viewer in self.viewers:
             if viewer.key in keys:
                 viewer.notices.append(sentence)
@@ -178,7 +175,7 @@ class Hub:
     def admit(self, role: Role) -> Attention | None:
         """Give a viewer a place; None if viewers with the same or more rights hold them all.
 
-        Otherwise the viewer with the fewest rights, and among those the oldest, has to leave.
+        Otherwise the one with the fewest rights, then the oldest, has to leave.
         """
         if len(self.viewers) >= MOST_VIEWERS:
             ranks = list(Role)
@@ -193,7 +190,7 @@ class Hub:
         return attention
 
     def steer(self, _message: Mapping[str, Any]) -> str | None:
-        """Play, pause or seek; return why not: a live run is not replayed."""
+        """Refuse to play, pause or seek, as a live run must."""
         return "nothing is replayed here"
 
     @property
@@ -210,7 +207,7 @@ class Hub:
         return None if self._state is None else self._facts(self._state, self.clock())
 
     def give(self, request: Mapping[str, Any], who: str) -> dict[str, Any]:
-        """Carry out an order of ``who`` and return the answer of `give`."""
+        """Carry out an order of ``who``; return the answer."""
         people = self.daemon.people
         if people is None:
             return {"ok": False, "error": IT_IS_A_RECORDING}
@@ -231,7 +228,7 @@ class Hub:
         return preview_facts(answer)
 
     async def change_places(self, message: Mapping[str, Any]) -> str | None:
-        """Save, rename or remove a place; return None, or the reason for refusing."""
+        """Save, rename or remove a place; return the reason for refusing."""
         async with self._saving:
             work = asyncio.get_running_loop().run_in_executor
             try:
@@ -313,7 +310,6 @@ class Hub:
         self._start("world", self._make(self.world, world_message, roadmap))
 
     def _renew_heat(self, roadmap: Roadmap | None) -> None:
-        """Make the layer only while somebody has it on."""
         if roadmap is None or roadmap is self._heated or "heat" in self._busy:
             return
         if any(viewer.wants_heat for viewer in self.viewers):
@@ -321,7 +317,6 @@ class Hub:
             self._start("heat", self._make(self.heat, heat_message, roadmap, self.view.window))
 
     async def _make(self, made: Made, message: Callable[..., bytes], *contents: object) -> None:
-        """Make the next message in a worker thread, of its contents and its number."""
         number = made.number + 1
         work = asyncio.get_running_loop().run_in_executor
         made.message = await work(self.workers, lambda: message(*contents, number))
@@ -331,7 +326,7 @@ class Hub:
     def _renew_pictures(self, state: RobotSnapshot, now_s: float) -> None:
         """Make the newest picture in each size that some viewer could take now.
 
-        Viewers that change their sizes all the time make it neither more often nor twice.
+        Viewers that keep changing their sizes get it neither more often nor twice.
         """
         if (frame := state.frame) is None:
             return
@@ -370,7 +365,7 @@ class Hub:
         self.wake()
 
     def _start(self, name: str, work: Any) -> None:
-        """Run one piece of work of a name at a time; an error is logged and ends nothing else."""
+        """Run one piece of work of a name at a time; log an error."""
 
         async def guarded() -> None:
             try:
@@ -386,6 +381,6 @@ class Hub:
         task.add_done_callback(self._tasks.discard)
 
     def picture_pause_s(self) -> float:
-        """Least time between two pictures for one viewer, by the number of viewers."""
+        """Least time between two pictures for one viewer."""
         watching = sum(viewer.is_watching for viewer in self.viewers)
         return max(1.0 / self.section.picture_rate_hz, watching / PICTURES_S)

@@ -1,6 +1,6 @@
-"""/metrics: the running program's numbers for Prometheus, gathered only on request.
+"""/metrics: the running program's numbers for Prometheus.
 
-With several robots a robot's value is labelled with its name: ``robot="ada"``.
+With several robots a value has a label: ``robot="ada"``.
 """
 
 from __future__ import annotations
@@ -17,7 +17,7 @@ from navigation.mission.mission import State
 
 
 class DaemonCollector(Collector):
-    """Reads the hub at the time of the scrape; nothing is counted twice."""
+    """Reads the hub at the time of the scrape."""
 
     def __init__(self, hub: Hub) -> None:
         self._hub = hub
@@ -61,7 +61,6 @@ def _daemon_metrics(state: dict[str, Any]) -> Iterator[Any]:
 
 
 def _robot_metrics(state: dict[str, Any]) -> Iterator[Any]:
-    """Yield each robot's metrics, labelled with its name if there are several."""
     named = state.get("robots")
     robots = {one["name"]: one for one in named} if named else {None: state}
     labels = ["robot"] if named else []
@@ -85,7 +84,7 @@ def _robot_metrics(state: dict[str, Any]) -> Iterator[Any]:
 
 
 _Values: TypeAlias = Mapping[str | None, float | bool | None]
-"""By robot's name; of one robot alone, and of what there is once, by None."""
+"""By robot's name; None for a single robot, and for what there is once."""
 _Read: TypeAlias = Callable[[dict[str, Any]], float | bool | None]
 _ROBOT_GAUGES: Final[tuple[tuple[str, str, _Read], ...]] = (
     ("mission_stations", "Stations of the mission.", lambda r: len(r["mission"]["stations"])),

@@ -1,12 +1,10 @@
 """Orders from viewers: read, checked for permission, and carried out like the socket's.
 
 Rules
-- Anyone with a token may STOP, even without holding the arena; it goes straight to the link.
-- Everything else is for the operator who holds the arena.
+- Anyone with a token may STOP; it goes straight to the link. Every other change is for the operator
+  who holds the arena.
 - Only ``rearm`` leaves a stop, and it does nothing else: a page that has missed a stop cannot undo
   it, and a button pressed twice does not set the robot going.
-
-`navigation.orders.table` lists the orders and their buttons.
 """
 
 from __future__ import annotations
@@ -24,14 +22,11 @@ if TYPE_CHECKING:
     from navigation.loop.people import People
 
 REARM: Final = "rearm"
-"""The page's order that leaves a stop, and does nothing else."""
 WHO: Final[Mapping[str, Who]] = {
     **{name: order.who for name, order in ORDERS.items() if order.who is not Who.SOCKET},
     REARM: Who.OPERATOR,
 }
-"""The page's orders, and who may give each."""
 ZONE_ORDERS: Final = frozenset(("zone_put", "zone_remove", "zone_undo"))
-"""Orders that change the zones."""
 BUTTONS: Final = {name: order.button for name, order in ORDERS.items() if order.button is not None}
 
 
@@ -53,7 +48,7 @@ def refusal_of(order: object, *, may_drive: bool, holds: bool, may_stop: bool = 
 
 
 def give(request: Mapping[str, Any], people: People, who: str) -> dict[str, Any]:
-    """Carry out an order; ``{"ok": true, ...}`` or ``{"ok": false, "error": SENTENCE}``."""
+    """Carry out an order; return ``ok``, and ``error`` with a sentence."""
     name, whose = request.get("order"), {k: v for k, v in request.items() if k == "robot"}
     if name == "stop":
         return carry_out({"order": "stop", "reason": f"stopped by {who}", **whose}, people)

@@ -1,9 +1,7 @@
-"""The dashboard's port and thread: it opens, says where it is, and closes; the run continues.
+"""The dashboard's port and thread.
 
-Connections have places (`admission/listener.py`), well below the process's limit, and are cut when
-they keep a request back: a flood of them takes neither the page's STOP nor descriptors from the
-rest. An unavailable port is reported, never raised: the robot needs no page. The thread has its own
-event loop, which no other thread touches.
+An unavailable port is reported, never raised: the robot needs no page. The thread has its own event
+loop, which no other thread touches.
 """
 
 from __future__ import annotations
@@ -46,9 +44,8 @@ class Dashboard:
 
     ``say`` gets the address, or why there is none; ``show_token`` puts the token into the address's
     fragment, which browsers keep to themselves. ``own_token`` is needed to stop and drive if no
-    token is configured. ``desk`` changes the configuration, ``bench`` calibrates the camera.
-    ``runs``: the earlier runs to show, by default the configuration's. ``hub``: makes another hub
-    than a daemon's.
+    token is configured. ``runs`` are by default the configuration's; ``hub`` makes another one than
+    a daemon's.
     """
 
     def __init__(
@@ -73,7 +70,7 @@ class Dashboard:
         self._show_token, self._own_token = show_token, own_token
         self._section = daemon.config.dashboard
         self.url: str | None = None
-        """Address at which it listens; None if it does not."""
+        """None if it does not listen."""
         self.hub: Hub | None = None
         self._socket: Listener | None = None
         self._loop: asyncio.AbstractEventLoop | None = None

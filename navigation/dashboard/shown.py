@@ -12,7 +12,6 @@ from vision.calibration.calibration import Calibration
 from vision.camera.latest_frame import CameraStatus
 
 IT_IS_A_RECORDING: Final = "this is a recording: nothing here drives or stops a robot"
-"""The refusal of any order in a recording."""
 
 
 class ShownZones(Protocol):
@@ -24,7 +23,7 @@ class ShownZones(Protocol):
 
     @property
     def revision(self) -> int:
-        """Number of changes so far; another one when the zones are others."""
+        """Number that changes with the zones."""
         ...
 
 
@@ -33,12 +32,12 @@ class Shown(Protocol):
 
     @property
     def config(self) -> Config:
-        """The run's configuration."""
+        """Configuration of the run."""
         ...
 
     @property
     def calibration(self) -> Calibration:
-        """The camera's mapping from pixels to the floor."""
+        """Mapping from pixels to the floor."""
         ...
 
     @property

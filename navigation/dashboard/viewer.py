@@ -2,9 +2,8 @@
 
 Rules
 - Only answers and notices are queued: a slow viewer gets the newest of everything, less often.
-- Pictures are sent on credit (`attention.py`).
-- Malformed or oversized messages are refused and counted; a viewer that repeats them, or sends
-  more messages than a page has reason to, is cut off.
+- Malformed or oversized messages are refused and counted; a viewer that repeats them, or sends more
+  messages than a page has reason to, is cut off.
 """
 
 from __future__ import annotations
@@ -38,23 +37,22 @@ from navigation.shared.supervisor import in_words
 
 MOST_CHARACTERS: Final = 65_536
 PATIENCE: Final = 20
-"""Number of malformed messages at which a connection is closed."""
+"""Malformed messages at which a connection is closed."""
 ANSWERS: Final = 64
 MESSAGES_S: Final = 60.0
 """Messages a second beside one for each picture, for `BURST_S` at once."""
 BURST_S: Final = 5.0
 NAME_CHARACTERS: Final = 40
 NAMELESS: Final = "somebody"
-"""Name of a viewer that has given none."""
 POLICY, TOO_BIG, GOING_AWAY, TRY_LATER = 1008, 1009, 1001, 1013
 
 
 class MalformedError(ValueError):
-    """A message outside the protocol; the text says why."""
+    """Error: a message outside the protocol."""
 
 
 class Viewer:
-    """The other end of an admitted websocket; ``attention`` is its place."""
+    """The other end of an admitted websocket."""
 
     def __init__(self, hub: Hub, socket: WebSocket, attention: Attention) -> None:
         self.hub, self.attention = hub, attention
@@ -102,7 +100,6 @@ class Viewer:
     # Out.
 
     async def _greet(self) -> None:
-        """Send the greeting, and everything again that was sent before it."""
         self._epoch = self.hub.epoch
         self._sent = dict.fromkeys(self._sent, 0)
         self._next.clear()
@@ -239,7 +236,7 @@ class Viewer:
                 raise MalformedError(f"type {in_short(other)}: is none of the protocol's")
 
     def _watch(self, message: dict[str, Any]) -> None:
-        """Note the pictures that the page shows; ``width_px``: its own, in the screen's pixels."""
+        """Note the pictures that the page shows; ``width_px`` is in the screen's pixels."""
         most_px = self.hub.section.picture_width_px
         shown_px = message.get("width_px", most_px)
         if not isinstance(shown_px, int) or isinstance(shown_px, bool) or shown_px < 1:
@@ -274,7 +271,7 @@ class Viewer:
         self._reply(message, {"ok": error is None, **({"error": error} if error else {})})
 
     def _take_control(self) -> str | None:
-        """Take control and inform both pages if another one loses it; return why not, or None."""
+        """Take control, and inform both pages if another one loses it; return why not."""
         hub, key, before = self.hub, self.attention.key, self.hub.seat.holder
         is_supervisor = self.role is Role.SUPERVISOR
         error = hub.seat.take(key, self.name, hub.clock(), from_anyone=is_supervisor)
@@ -362,7 +359,6 @@ def _read(text: str | None) -> dict[str, Any]:
 
 
 def _number_of(message: dict[str, Any]) -> int | None:
-    """The page's number for its message, for the answer."""
     number = message.get("id")
     return number if isinstance(number, int) and abs(number) < 2**53 else None
 

@@ -1,9 +1,8 @@
-"""Requests of operators beside orders: admission, permission to change, and the answer.
+"""Requests of operators beside orders.
 
 Rules
-- Only operators are served; changes need the holder of the arena.
-- Changes are refused while a mission is under way or a robot is stopped: they can neither set a
-  robot going nor leave a stop.
+- Changes need the holder of the arena, and are refused while a mission is under way or a robot is
+  stopped: they can neither set a robot going nor leave a stop.
 - A body is JSON; its ``key`` is the seat's.
 - Work is done in a worker thread: neither the page nor the control loop waits.
 """
@@ -30,13 +29,13 @@ AT_REST: Final = frozenset(one.value for one in (State.IDLE, State.DONE, State.F
 
 
 class RefusedError(ValueError):
-    """A request cannot be done; the message says why."""
+    """Error: a request cannot be done."""
 
 
 class Visits:
     """Answers operators' requests; ``subject`` names their topic, in the plural.
 
-    ``closed``: why no one is admitted; None if operators are.
+    ``closed``: why no one is admitted.
     """
 
     def __init__(self, hub: Hub, subject: str, closed: Refusal | None) -> None:
@@ -116,7 +115,7 @@ class Visits:
     async def _tried(
         self, work: Callable[[], dict[str, Any]]
     ) -> tuple[Response, dict[str, Any] | None]:
-        """Do the work in a worker thread; return the response, and the answer if it succeeded."""
+        """Do the work in a worker thread; return the answer too if it succeeded."""
         loop = asyncio.get_running_loop()
         try:
             answer = await loop.run_in_executor(self._hub.workers, work)

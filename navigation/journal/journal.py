@@ -1,11 +1,10 @@
 """State that survives a restart: the mission, its progress and the robot's plan.
 
 Rules
-- Everything is written and synced before it takes effect: a mission before it is planned, a plan
-  before its first waypoint is sent, a visited station before anything relies on it.
-- The journal holds the present, not history, and serves its owner only (`journal_records`).
-- A stopped, done or failed mission is over, and a re-armed one waits for an order: a restart never
-  resumes them by itself. A paused one stays paused.
+- Everything is synced before it takes effect: a mission before it is planned, a plan before its
+  first waypoint is sent, a visited station before anything relies on it.
+- A restart never resumes a stopped, done or failed mission by itself, nor a re-armed one, which
+  waits for an order. A paused one stays paused.
 - A journal that cannot be written ends no run: `trouble` reports it, it is tried again every
   ``RETRY_S``, and a deleted file is made again. A file that only lacks stations visited meanwhile
   stays; one that would make a restart drive a stopped, finished or replaced mission is removed.
@@ -35,7 +34,7 @@ class Journal:
     """One journal; a context manager whose constructor opens everything. One thread.
 
     ``JournalError`` if the file must not be used: another program holds it, it is no journal or of
-    a later version, or it is forbidden. ``remark`` says what was put aside; empty: nothing.
+    another version, or it is forbidden. ``remark`` says what was put aside.
     """
 
     def __init__(self, path: Path, owner: Owner) -> None:
@@ -67,11 +66,11 @@ class Journal:
             self._file.close()
 
     def mission(self) -> MissionProgress | None:
-        """Last mission stored; None if there is none."""
+        """Last mission stored, if any."""
         return None if self._kept is None else self._kept.mission
 
     def plan(self) -> SentPlan | None:
-        """Last plan stored; None if there is none of this mission."""
+        """Last plan stored of this mission, if any."""
         return None if self._kept is None else self._kept.plan
 
     def unfinished(self) -> MissionProgress | None:
@@ -88,8 +87,7 @@ class Journal:
     def keep(self, mission: MissionProgress, sent: SentPlan | None, now_s: float) -> None:
         """Store the mission with its progress, and ``sent``, the plan about to be given.
 
-        A plan is kept until the next plan, another mission or another errand is. Nothing is written
-        without a change. Never raises: see `trouble`.
+        A plan is kept until the next plan, mission or errand. Never raises: see `trouble`.
         """
         known = self._failed or self._kept
         if sent is None and known is not None and _is_for(known.mission, mission):
@@ -110,7 +108,6 @@ class Journal:
             self._failed, self._kept = None, wanted
 
     def _write(self, wanted: Contents) -> None:
-        """Write into the open file; if that is gone, into a new one in its place."""
         if self._file is not None:
             try:
                 self._file.save(wanted)
@@ -137,12 +134,12 @@ def _has_work(mission: MissionProgress) -> bool:
 
 
 def _is_for(one: MissionProgress, other: MissionProgress) -> bool:
-    """True if a plan of the one leads through the places of the other."""
+    """True if a plan of one leads through the places of the other."""
     return one.stations is other.stations and one.errand is other.errand
 
 
 def _is_same(one: Contents, other: Contents) -> bool:
-    """True if a restart would do the same: sentences differ every moment."""
+    """True if a restart would do the same; the sentences may differ."""
     return one.plan is other.plan and _progress(one.mission) == _progress(other.mission)
 
 

@@ -1,15 +1,12 @@
 """A journal's file: one sealed text, written whole, used by one program.
 
 Rules
-- A save is on disk when it returns, under another name first: a kill at any moment leaves this
-  entry or the previous one, whole.
-- The seal covers everything: a lost byte or a flipped bit anywhere is damage, never an earlier
-  entry.
+- A save is on disk when it returns: a kill at any moment leaves this entry or the previous one,
+  whole.
 - A file beside it, never replaced, locks it while it is open: a second program is refused.
 - Readable by its owner only.
-- Untrusted content (damage, or another owner's mission) is kept under another name for a person to
-  look at, and the journal begins empty. A file that was never a journal, or of another version, is
-  refused and left alone.
+- Untrusted content (damage, or another owner's mission) is kept under another name, and the journal
+  begins empty. A file that was never a journal, or of another version, is refused and left alone.
 """
 
 from __future__ import annotations
@@ -29,7 +26,7 @@ from navigation.shared.whole_file import UnwrittenFileError, sync_folder, write_
 KIND: Final = "journal"
 VERSION: Final = 3
 OPEN_WITHIN_S: Final = 5.0
-"""Time for which the beginning of a run waits for a program that is about to end."""
+"""Time for which a run that begins waits for a program that is about to end."""
 LOOK_AGAIN_S: Final = 0.05
 MOST_BYTES: Final = 64_000_000
 MOST_ASIDE: Final = 1000
@@ -41,15 +38,15 @@ _NO_ROOM: Final = frozenset({errno.ENOSPC, errno.EDQUOT, errno.EFBIG, errno.EIO}
 
 
 class JournalError(ValueError):
-    """Error: the journal cannot be used; the message says which file and why."""
+    """Error: the journal cannot be used."""
 
 
 class JournalWriteError(JournalError):
-    """Error: the journal cannot be written now: no space, a disk error, a lost file."""
+    """Error: it cannot be written now: no space, a disk error, a lost file."""
 
 
 class _UntrustedError(ValueError):
-    """Error: content must not be used; ``label`` goes into the name it is kept under."""
+    """Error: untrusted content; ``label`` goes into the name it is kept under."""
 
     def __init__(self, label: str, message: str) -> None:
         super().__init__(message)
@@ -86,7 +83,6 @@ class JournalFile:
         self._seen = self._present()
 
     def _make_private(self) -> None:
-        """Let only its owner read it."""
         self._file.parent.mkdir(parents=True, exist_ok=True)
         with contextlib.suppress(FileNotFoundError):
             mode = self._file.stat().st_mode
@@ -135,7 +131,7 @@ class JournalFile:
         return contents
 
     def _look_like_a_journal(self, data: bytes) -> None:
-        """Raise JournalError for other programs' files, which stay as they are."""
+        """Raise JournalError for other programs' files."""
         if data.startswith(_MAGIC) or not data:
             return
         if _is_alike(data) or not any(data):
@@ -143,7 +139,6 @@ class JournalFile:
         raise JournalError(f"journal {self.path}: is no journal: name another file, or remove it")
 
     def _unsealed(self, data: bytes) -> str:
-        """The text; SealError if damaged, JournalError if a later program wrote it."""
         number = data[len(_MAGIC) :].split(b" ", 1)[0]
         version = int(number) if number.isdigit() and len(number) < 4 else VERSION
         text = unseal(KIND, version, data)
@@ -155,7 +150,6 @@ class JournalFile:
         return text
 
     def _put_aside(self, label: str) -> Path:
-        """Rename the file so that nothing is lost; return the new name."""
         for number in range(1, MOST_ASIDE + 1):
             aside = self._file.with_name(f"{self._file.name}.{label}-{number}")
             if not aside.exists():
@@ -182,7 +176,7 @@ class JournalFile:
         return [_identity(self._file), _identity(self._lock_file)]
 
     def discard(self) -> None:
-        """Remove the file if its content would mislead the next program."""
+        """Remove the file: its content would mislead the next program."""
         if self._present() == self._seen:
             with contextlib.suppress(OSError):  # the remains are no worse than before
                 self._file.unlink(missing_ok=True)
@@ -196,7 +190,6 @@ class JournalFile:
 
 
 def _identity(file: Path | int) -> tuple[int, int] | None:
-    """Device and inode; None without such a file."""
     try:
         told = os.stat(file)
     except OSError:
@@ -205,6 +198,5 @@ def _identity(file: Path | int) -> tuple[int, int] | None:
 
 
 def _is_alike(data: bytes) -> bool:
-    """True if it begins like a journal, or like the remains of one."""
     equal = sum(one == other for one, other in zip(data, _MAGIC, strict=False))
     return equal >= _LIKENESS or _MAGIC.startswith(data)

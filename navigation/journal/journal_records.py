@@ -1,12 +1,7 @@
-"""A journal's records as text: the owner, the mission with its progress, the plan sent.
+"""A journal's records as text, read as strictly as a configuration.
 
-Rules
-- Read as strictly as a configuration: unknown keys, wrong types, numbers not finite or beyond
-  their limits, and places outside the arena are errors of one sentence.
-- A record names its owner: a mission is only for one robot, on one port, in one arena, of one
-  configuration.
-
-Metres, radians, seconds.
+A record names its owner: a mission is only for one robot, on one port, in one arena, of one
+configuration. Metres, radians, seconds.
 """
 
 from __future__ import annotations
@@ -38,7 +33,7 @@ LARGEST_RAD: Final = 7.0
 
 
 class RecordError(ValueError):
-    """Error: a journal's record cannot be used; the message says which and why."""
+    """Error: a record cannot be used."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -52,7 +47,7 @@ class Owner:
     bounds_m: tuple[float, float, float, float] = (-1e3, -1e3, 1e3, 1e3)
 
     def difference(self, other: Owner) -> str:
-        """Differences from the other owner, in words; empty if they are the same."""
+        """Differences from the other owner, in words; empty without any."""
         mine, theirs = asdict(self), asdict(other)
         names = {"bounds_m": "arena"}
         parts = [
@@ -66,7 +61,7 @@ class Owner:
 
 
 def owner_of(config: Config, file: Path | None = None) -> Owner:
-    """Owner for a configuration's run; ``file`` is the configuration's source."""
+    """Owner for the run of a configuration from ``file``."""
     own = [one.camera for one in each_camera(config).values()] or [config.camera]
     cameras = [
         (without_user(str(one.source)), str(one.calibration), one.metres_per_pixel) for one in own
@@ -92,14 +87,14 @@ def _shown(value: object) -> str:
 
 @dataclass(frozen=True, slots=True)
 class SentPlan:
-    """A plan given to the robot: its id on the wire, and the station at which it began."""
+    """A plan given to the robot: its id on the wire, and the number of stations before it."""
 
     mission_id: int
     visited_before: int
     targets: tuple[Target, ...]
 
     def visited_after(self, executed: int) -> int:
-        """Number of stations visited when the robot has executed ``executed`` targets."""
+        """Number of stations visited after ``executed`` targets."""
         passed = [t.station for t in self.targets[:executed] if t.station is not None]
         return self.visited_before + max(passed, default=0)
 

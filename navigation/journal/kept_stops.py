@@ -1,7 +1,7 @@
 """The stops of a run on disk: stored before they are answered, lifted by a re-arm only.
 
-One thread alone touches the disk, and no caller waits for it longer than ``ANSWER_S``: a disk that
-hangs delays no stop, and the answer says so. Seconds.
+After the start, one thread alone touches the disk, and a stop waits for it at most ``ANSWER_S``: a
+disk that hangs delays no stop, and the answer says so.
 """
 
 from __future__ import annotations
@@ -25,13 +25,13 @@ from navigation.shared.whole_file import UnwrittenFileError
 ANSWER_S: Final = 0.15
 """A stop is answered within 0.3 s in any case."""
 END_S: Final = 2.0
-"""For what is still to be written when a run ends."""
+"""For what is left to write when a run ends."""
 
 
 class KeptStops:
     """Stops on disk, a context manager; ``ports`` has each robot's, under "" for a lone robot.
 
-    ``held`` gives at the beginning why robots wait, by name.
+    ``held``: why robots wait at the beginning, by name.
     """
 
     def __init__(
@@ -102,7 +102,7 @@ class KeptStops:
             return self._wanted.get(name) is not None
 
     def settled(self) -> str:
-        """Wait for the disk; return its trouble, empty if there is none."""
+        """Wait for the disk; return its trouble, or an empty string."""
         with self._news:
             if not self._wait(ANSWER_S):  # in force until the disk answers
                 self.trouble = f"{self._folder}: not on the disk after {ANSWER_S:g} s"

@@ -2,11 +2,9 @@
 
 Rules
 - Only what differs from the configuration is kept: each zone as it was configured, and as it is in
-  force. A zone that the configuration has changed since keeps the configuration's form, which a
-  person wrote later.
-- The file is written whole and synced, sealed as the journal is, and readable by its owner only.
+  force. A zone that the configuration has changed since keeps that later form.
 - A file that cannot be used is an error, since a keep-out zone may be lost with it. It stays where
-  it is until the robots' stop is on the disk, and is then put aside for a person to look at.
+  it is until the robots' stop is on the disk, and is then put aside.
 """
 
 from __future__ import annotations
@@ -29,24 +27,24 @@ KIND: Final = "zones"
 VERSION: Final = 1
 SUFFIX: Final = ".zones"
 MOST_BYTES: Final = 16_000_000
-"""Bytes of a file: a hundred zones of a thousand corners, twice, take 9 MB."""
+"""A hundred zones of a thousand corners, twice, take 9 MB."""
 MOST_ASIDE: Final = 1000
 
 
 class KeptZonesError(ValueError):
-    """The changes cannot be read or written; the message names the file and says why."""
+    """Error: the changes cannot be read or written."""
 
 
 @dataclass(frozen=True, slots=True)
 class ZoneChange:
-    """One zone that differs: as it is configured, and as it is in force; None where it is not."""
+    """One zone that differs: as configured, and as in force; None where it is not."""
 
     configured: ZoneSection | None
     in_force: ZoneSection | None
 
     @property
     def name(self) -> str:
-        """The zone's name."""
+        """Name of the zone."""
         zone = self.in_force or self.configured
         assert zone is not None
         return zone.name
@@ -73,10 +71,10 @@ def changes_between(
 def with_changes(
     configured: Sequence[ZoneSection], changes: Sequence[ZoneChange], robots: Collection[str]
 ) -> tuple[tuple[ZoneSection, ...], list[str]]:
-    """Return the configured zones with the changes of an earlier run, and a sentence for each.
+    """Return the configured zones with an earlier run's changes, and a sentence for each.
 
-    ``robots`` are the names of this run's. A zone for another robot, and a change of a zone that
-    is configured otherwise meanwhile, are left out, which is said.
+    A change is left out if its zone names a robot that is not in ``robots``, this run's names, or
+    is configured otherwise meanwhile.
     """
     zones = {one.name: one for one in configured}
     said = []
@@ -109,7 +107,7 @@ class KeptZones:
         return cls(journal.with_name(journal.name + SUFFIX))
 
     def read(self) -> tuple[ZoneChange, ...]:
-        """Return the changes, none if there is no file; ``KeptZonesError`` if it is unusable."""
+        """Return the changes, none without a file; ``KeptZonesError`` if it is unusable."""
         try:
             with self.path.open("rb") as file:
                 data = file.read(MOST_BYTES)
@@ -124,7 +122,7 @@ class KeptZones:
             raise KeptZonesError(f"{self.path}: {printable(str(error), 300)}") from None
 
     def put_aside(self) -> str:
-        """Rename the file, so that a new one can be begun; return what became of it."""
+        """Rename the file; return what became of it."""
         for number in range(1, MOST_ASIDE + 1):
             aside = self.path.with_name(f"{self.path.name}.damaged-{number}")
             if not aside.exists():

@@ -1,9 +1,7 @@
 """Stops as files: each is in force until a person re-arms, whatever happens to the program.
 
-Rules
-- A file for each stop, written whole and synced; only a re-arm removes it.
-- A run is held by every stop that shares its socket, its configuration or one of its ports. A file
-  that cannot be read whole is a stop of every robot.
+A run is held by every stop that shares its socket, its configuration or one of its ports. A file
+that cannot be read whole is a stop of every robot.
 """
 
 from __future__ import annotations
@@ -91,7 +89,7 @@ def read_latches(folder: Path) -> list[Kept]:
         return []
     except OSError as error:
         return [Kept(folder, None, f"cannot be read ({error.strerror or error})")]
-    # a name that begins with a dot is a stop being written
+    # a leading dot: a stop being written
     return [_read(folder / name) for name in names if not name.startswith(".")]
 
 

@@ -2,7 +2,7 @@
 
 A stop's reason that is too long or unprintable is shortened and cleaned, never refused.
 
-Units: metres, radians, seconds.
+Metres, radians, seconds.
 """
 
 from __future__ import annotations
@@ -19,13 +19,13 @@ from navigation.orders.errors import ControlError
 from navigation.shared.outside import finite_number, in_short, printable
 
 LONGEST_DWELLS_S: Final = 86_400.0
-"""All stays together: a day. They are planned in parts of 25 s, which must stay countable."""
+"""A day, all stays together: they are planned in parts of 25 s, which must stay countable."""
 REASON_CHARACTERS: Final = 500
 ROBOT_CHARACTERS: Final = 64
 
 
 def read_robot(request: Mapping[str, Any]) -> str | None:
-    """Robot named by a request; None if it names none."""
+    """Robot that a request names; None without one."""
     name = _name(request, "robot")
     return None if name is None else printable(name, ROBOT_CHARACTERS)
 
@@ -45,7 +45,7 @@ def _reason(request: Mapping[str, Any]) -> str:
 
 
 def read_stations(value: Any) -> tuple[Station, ...]:
-    """Stations from JSON; ControlError if they are none."""
+    """Stations from JSON; ControlError if there are none."""
     if not isinstance(value, list) or not 1 <= len(value) <= MOST_STATIONS:
         raise ControlError(f"stations: must be a list of 1 to {MOST_STATIONS} stations")
     stations = tuple(_station(number, item) for number, item in enumerate(value, 1))
@@ -104,4 +104,4 @@ READERS: Final[Mapping[str, Callable[[Mapping[str, Any]], Any]]] = {
     "zone": _zone,
     "name": _zone_name,
 }
-"""By the name of the argument: its value in a request; ``ControlError`` where it has none."""
+"""Value of each argument in a request; ``ControlError`` where it has none."""

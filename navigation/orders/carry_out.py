@@ -1,7 +1,7 @@
 """Orders from outside: checked, carried out by the run, answered.
 
 A request is ``{"order": NAME, ...}``; an answer is ``{"ok": true, ...}`` or ``{"ok": false,
-"error": SENTENCE}``. Malformed requests are refused, never raised.
+"error": SENTENCE}``.
 """
 
 from __future__ import annotations
@@ -19,11 +19,11 @@ if TYPE_CHECKING:
     from navigation.loop.people import People
 
 SCHEMA: Final = "clearway.status/1"
-"""Schema of the answer to any order that was taken."""
+"""Schema of the answer to an order that was taken."""
 
 
 def carry_out(request: Mapping[str, Any], people: People) -> dict[str, Any]:
-    """Carry out a request; return the answer, also for a bad request."""
+    """Carry out a request; return the answer, a refusal too."""
     try:
         order = _order_of(request)
         robot = read_robot(request)

@@ -2,8 +2,8 @@
 
 
 class ControlError(ValueError):
-    """An order that cannot be given or taken; the message says why."""
+    """Error: an order cannot be given or taken."""
 
 
 class NoDaemonError(ControlError):
-    """An order without a recipient, because certainly no daemon runs."""
+    """Error: certainly no daemon runs."""

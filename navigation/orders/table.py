@@ -1,4 +1,4 @@
-"""Every order that people may give, once: name, arguments, permitted people, action, help.
+"""Every order that people may give, once.
 
 A new order is a row here, and the method of `People` that it calls; the command line, the control
 socket and the page then have it. Each row acts on one robot by name, or on all for None.
@@ -19,11 +19,11 @@ if TYPE_CHECKING:
 UNDER_WAY: Final = (State.PLANNING, State.PROVING, State.DRIVING, State.HOLDING)
 
 Act: TypeAlias = "Callable[[People, str | None, Mapping[str, Any]], Mapping[str, Any] | None]"
-"""Carries an order out for a robot, with its arguments; what the answer has beside the state."""
+"""Carries an order out for a robot; returns what the answer has beside the state."""
 
 
 class Who(Enum):
-    """People who may give an order; all of them may at the control socket."""
+    """People who may give an order on the page; the control socket takes every order."""
 
     ANYONE = "everybody with a token"
     OPERATOR = "the operator who holds the arena"
@@ -32,11 +32,7 @@ class Who(Enum):
 
 @dataclass(frozen=True, slots=True)
 class Button:
-    """An order's button on the page.
-
-    ``why_not`` gives the reason why the order would do nothing for a mission that is not stopped;
-    empty if it would.
-    """
+    """An order's button on the page; ``why_not`` is empty if the order would do something."""
 
     label: str
     why_not: Callable[[MissionProgress], str]
@@ -45,10 +41,7 @@ class Button:
 
 @dataclass(frozen=True, slots=True)
 class Order:
-    """One order; ``example`` is a command line and what it does.
-
-    ``arguments`` are keys of a request; `arguments.READERS` reads them.
-    """
+    """One order; ``example`` is a command line and its effect, ``arguments`` are request keys."""
 
     name: str
     summary: str
@@ -59,7 +52,7 @@ class Order:
     who: Who = Who.OPERATOR
     button: Button | None = None
     for_one: bool = False
-    """True if it is for one robot, which has to be named where there are several."""
+    """True if a robot has to be named where there are several."""
     sets_going: bool = False
     """True if a robot may drive by it: the page never gives it to one that is stopped."""
     only_looks: bool = False
@@ -67,7 +60,7 @@ class Order:
     may_repeat: bool = False
     """True if it may be sent again where no answer came."""
     command: str = ""
-    """Command that gives it, if that is not the one of its name that the table makes."""
+    """Command that gives it, if not the one of its name."""
 
 
 def _stop(people: People, robot: str | None, given: Mapping[str, Any]) -> Mapping[str, Any]:

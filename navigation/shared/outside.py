@@ -1,9 +1,7 @@
 """Safe reading and repeating of data from outside the program.
 
-Rules
-- `read_object` turns any bytes or text into one JSON object or one `OutsideError`.
-- Repeated text is printable and short: no control characters, half surrogate pairs or endless
-  numbers reach sentences, logs and answers.
+Repeated text is short and printable: no control characters, half surrogate pairs or endless numbers
+reach sentences, logs and answers.
 """
 
 from __future__ import annotations
@@ -18,11 +16,11 @@ REPLACEMENT: Final = "\N{REPLACEMENT CHARACTER}"
 
 
 class OutsideError(ValueError):
-    """Outside data is not what was asked for; the message says what it must be."""
+    """Error: data from outside is not what it must be."""
 
 
 def read_object(data: bytes | str) -> dict[str, Any]:
-    """Read one JSON object; `OutsideError` for anything else, however long, deep or broken."""
+    """Read one JSON object; `OutsideError` for anything else."""
     try:
         found = json.loads(data)
     except ValueError:
@@ -35,13 +33,13 @@ def read_object(data: bytes | str) -> dict[str, Any]:
 
 
 def printable(text: str, most: int) -> str:
-    """The text on one line, at most ``most`` characters, with unprintable ones replaced."""
+    """The text on one line of at most ``most`` characters, unprintable ones replaced."""
     shown = "".join(c if c.isprintable() else REPLACEMENT for c in text[:most])
     return shown if len(text) <= most else shown[:-1] + "…"
 
 
 def in_short(value: object) -> str:
-    """A JSON value as a sentence repeats it: itself if short, else its kind."""
+    """A JSON value for a sentence: itself if short, else its kind."""
     match value:
         case None | bool() | float():
             return repr(value)
@@ -59,7 +57,7 @@ def in_short(value: object) -> str:
 
 
 def finite_number(value: object) -> float | None:
-    """A JSON number as a finite float, None for everything else."""
+    """A JSON number as a finite float, else None."""
     if isinstance(value, bool) or not isinstance(value, int | float):
         return None
     try:

@@ -1,7 +1,7 @@
-"""Texts under a first line with their kind and checksum, so that any change is noticed.
+"""Texts under a line ``clearway KIND VERSION LENGTH SHA256``.
 
-The line is ``clearway KIND VERSION LENGTH SHA256``. The sum covers the rest of the line and the
-text: a flipped bit or lost byte anywhere makes the whole unusable.
+The sum covers the rest of the line and the text: one flipped bit or lost byte makes the whole
+unusable.
 """
 
 from __future__ import annotations
@@ -10,7 +10,7 @@ import hashlib
 
 
 class SealError(ValueError):
-    """The text is not what was sealed; the message says why."""
+    """Error: the text is not what was sealed."""
 
 
 def seal(kind: str, version: int, text: str) -> bytes:
@@ -21,7 +21,7 @@ def seal(kind: str, version: int, text: str) -> bytes:
 
 
 def unseal(kind: str, version: int, data: bytes) -> str:
-    """The text; ``SealError`` if any of it, or of its line, has changed."""
+    """The text; ``SealError`` if it or its line has changed."""
     line, _, body = data.partition(b"\n")
     head = f"clearway {kind} {version} {len(body)}"
     if line != f"{head} {_sum(head, body)}".encode():

@@ -1,8 +1,7 @@
 """Restarts failed parts of the program with growing pauses, and reports which and why.
 
-A failing part makes the robot hold. The pause starts at a quarter of a second and doubles up to
-``LONGEST_PAUSE_S``; it starts afresh after ``WELL_S`` without failure. The supervisor opens nothing
-and reads no clock.
+A failing part makes the robot hold. The pause starts at ``FIRST_PAUSE_S``, doubles up to
+``LONGEST_PAUSE_S``, and starts again after ``WELL_S`` without failure.
 """
 
 from __future__ import annotations
@@ -18,7 +17,7 @@ WELL_S: Final = 30.0
 
 @dataclass(frozen=True, slots=True)
 class SupervisedPart:
-    """A part of the program: its failure in words, None while it is well, and its restart."""
+    """A part's failure in words, None while it is well, and its restart."""
 
     failure: Callable[[], str | None]
     restart: Callable[[], None]
@@ -33,14 +32,14 @@ class _Record:
 
 
 class Supervisor:
-    """Supervisor of named parts; call `look` once a control cycle."""
+    """Named parts; call `look` once a control cycle."""
 
     def __init__(self, parts: Mapping[str, SupervisedPart]) -> None:
         self._parts = dict(parts)
         self._records = {name: _Record() for name in parts}
 
     def add(self, name: str, part: SupervisedPart) -> None:
-        """Add a part to supervise."""
+        """Add a part."""
         self._parts[name] = part
         self._records[name] = _Record()
 
@@ -50,7 +49,7 @@ class Supervisor:
         return sum(record.failures for record in self._records.values())
 
     def look(self, now_s: float) -> str | None:
-        """All failures in one sentence, or None if every part is well."""
+        """All failures in one sentence; None if every part is well."""
         for name, part in self._parts.items():
             self._look_at(part, self._records[name], now_s)
         return "; ".join(

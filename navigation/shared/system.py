@@ -9,13 +9,13 @@ NEEDED: Final = "linux"
 
 
 class NeedsLinuxError(RuntimeError):
-    """Error: a part that needs Linux is used on another system; the message names it."""
+    """Error: a part is used that needs Linux."""
 
     exit_code: Final = 2
 
 
 def require_linux(part: str) -> None:
-    """Raise NeedsLinuxError unless this is Linux; ``part`` is what needs it."""
+    """Raise NeedsLinuxError, naming ``part``, unless this is Linux."""
     if sys.platform != NEEDED:
         raise NeedsLinuxError(
             f"{part}: needs Linux, and this is {sys.platform}; "

@@ -1,7 +1,6 @@
 """Track of a robot in a buffer of fixed size, and the pieces of it that the robot drove.
 
-Rows are time_s, x_m, y_m, heading_rad; one thread writes, any thread reads. Lifting a robot and
-setting it down elsewhere splits its track into pieces.
+Rows are time_s, x_m, y_m, heading_rad; one thread writes, any thread reads.
 """
 
 from __future__ import annotations
@@ -29,14 +28,11 @@ FASTER: Final = 1.5
 
 
 class Track:
-    """The newest ``most_rows`` rows.
-
-    With ``least_m`` the last row follows the robot until it is that far from the one before.
-    """
+    """The newest ``most_rows`` rows; the last moves until it is ``least_m`` from the one before."""
 
     def __init__(self, most_rows: int = MOST_ROWS, least_m: float = 0.0) -> None:
         self._least_m = least_m
-        # filled, not empty: takes the memory now instead of over hours
+        # filled, not empty: takes the memory now, not over hours
         self._rows = np.full((most_rows, 4), np.nan)
         self._count = 0
         self._lock = threading.Lock()
@@ -66,10 +62,7 @@ class Track:
 
 
 def driven_pieces(rows: FloatArray, fastest_m_s: float) -> list[FloatArray]:
-    """Split a track (n, 4) into pieces (k >= 1, 4) where the robot jumped instead of driving.
-
-    ``fastest_m_s`` is the speed that its wheels do not exceed.
-    """
+    """Split a track (n, 4) into pieces (k >= 1, 4) where no robot so fast can have driven."""
     if not len(rows):
         return []
     passed_s = np.diff(rows[:, 0])
@@ -79,7 +72,7 @@ def driven_pieces(rows: FloatArray, fastest_m_s: float) -> list[FloatArray]:
 
 
 def with_breaks(pieces: Sequence[FloatArray]) -> FloatArray:
-    """Join the pieces (k, m) of a track into one array (n, m), with a row of NaN between two."""
+    """Join the pieces (k, m) of a track into one array (n, m), with rows of NaN between."""
     rows = [row for piece in pieces for row in (np.full((1, piece.shape[1]), np.nan), piece)]
     return np.vstack(rows[1:]) if rows else np.empty((0, 4))
 
@@ -87,7 +80,7 @@ def with_breaks(pieces: Sequence[FloatArray]) -> FloatArray:
 def is_jump(
     before: tuple[float, float, float], after: tuple[float, float, float], fastest_m_s: float
 ) -> bool:
-    """True if no wheels can have brought the robot from one (time_s, x_m, y_m) to the next."""
+    """True if no wheels can have moved the robot from one (time_s, x_m, y_m) to the next."""
     passed_s, moved_m = after[0] - before[0], math.dist(before[1:], after[1:])
     return bool(_jumped(np.array(passed_s), np.array(moved_m), fastest_m_s))
 

@@ -1,4 +1,4 @@
-"""Files that are complete or not there at all, whatever happens while they are written."""
+"""Files that are complete or not there at all."""
 
 from __future__ import annotations
 
@@ -8,17 +8,16 @@ from pathlib import Path
 
 
 class UnwrittenFileError(ValueError):
-    """A file cannot be written; the message names it and says why."""
+    """Error: a file cannot be written."""
 
 
 def write_whole(
     path: Path, data: str | bytes, *, private: bool = False, durable: bool = False
 ) -> None:
-    """Write a file under another name, then rename it.
+    """Write a file under another name, then rename it; ``UnwrittenFileError``.
 
     ``private``: only its owner may read it. ``durable``: the file and its name are on the disk when
-    this returns. Anything but an ordinary file, such as /dev/stdout, is written to directly. Raises
-    ``UnwrittenFileError`` and then leaves nothing behind.
+    this returns. Anything but an ordinary file, such as /dev/stdout, is written to directly.
     """
     content = data.encode() if isinstance(data, str) else data
     fresh = path.with_name(f".{path.name}.new")
@@ -46,7 +45,7 @@ def write_whole(
 
 
 def sync_folder(folder: Path) -> None:
-    """Sync a folder's names (new, changed and removed) to the disk; ``OSError``."""
+    """Sync a folder's names to the disk; ``OSError``."""
     opened = os.open(folder, os.O_RDONLY | os.O_DIRECTORY)
     try:
         os.fsync(opened)

@@ -1,11 +1,8 @@
 """Commands that look at a picture or a map and drive nothing.
 
-- ``sources.py`` reads a picture, a scene or a map into a scene.
-- ``extract.py`` prints the obstacles of a picture, ``markers.py`` its markers.
-- ``roadmap.py`` writes the roadmap of a source.
-- ``audit.py`` checks a route graph: ``audit_answer.py`` writes the answer and
-  ``audit_picture.py`` draws it.
-- ``plan.py`` plans one path; ``plan_answer.py`` writes the answer.
-- ``fleet.py`` plans several robots: ``fleet_robots.py`` reads them, ``fleet_answer.py`` writes the
-  answer and ``fleet_picture.py`` draws it.
+- `sources` reads a picture, a scene or a map into a scene.
+- `extract` prints the obstacles of a picture, `markers` its markers.
+- `roadmap` writes the roadmap of a source, `audit` checks a route graph.
+- `plan` plans one path, `fleet` those of several robots, which `fleet_robots` reads.
+- `*_answer` write the answers, `*_picture` draw them.
 """

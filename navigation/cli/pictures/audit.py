@@ -1,4 +1,4 @@
-"""`clearway audit`: a route graph against a map: exact clearances, and what is wrong with it."""
+"""`clearway audit`: checks a route graph against a map."""
 
 from __future__ import annotations
 
@@ -27,11 +27,11 @@ if TYPE_CHECKING:
     from planner.formats.mask_files import SpeedLevel
 
 UNSAFE = 3
-"""Exit code, the same as for no path."""
+"""As for no path."""
 
 
 class AuditError(ValueError):
-    """The request makes no sense; the message says why."""
+    """Error: the request makes no sense."""
 
 
 @click.command(short_help="What is wrong with a route graph.")
@@ -184,7 +184,6 @@ def command(  # noqa: PLR0913 (an argument for each option of the command line)
 
 
 def _levels(mask: Path, speed_filter: tuple[str, float, float]) -> tuple[SpeedLevel, ...]:
-    """Areas of a speed mask; click's usage error if the filter makes no sense."""
     from navigation.cli.pictures.sources import read_shades
     from planner.formats.mask_files import load_speed_mask
 

@@ -1,7 +1,7 @@
 """The answer of ``clearway audit``: JSON (``clearway.audit/1``), text, or GitHub's annotations.
 
-In JSON every field is always present, null if it does not apply. Lengths are in the map's units,
-timings in milliseconds.
+In JSON every field is present, null if it does not apply. Lengths are in the map's units, timings
+in milliseconds.
 """
 
 from __future__ import annotations
@@ -22,13 +22,12 @@ from planner.shared.figures import placed, sized
 
 SCHEMA = "clearway.audit/1"
 LEVELS: Mapping[Severity, str] = {"unsafe": "error", "error": "error", "warning": "warning"}
-"""GitHub's levels of annotations."""
 PLURALS: Mapping[Severity, str] = {"unsafe": "unsafe", "error": "errors", "warning": "warnings"}
 
 
 @dataclass(frozen=True, slots=True)
 class AuditOutput:
-    """Everything about an audit, to be written in any form."""
+    """An audit, to be written in any form."""
 
     file: str
     audit: GraphAudit
@@ -38,13 +37,13 @@ class AuditOutput:
     repair: GraphRepair | None = None
 
     def as_form(self, form: str) -> str:
-        """Return the answer as ``text``, ``json`` or ``github``."""
+        """The answer as ``text``, ``json`` or ``github``."""
         if form == "json":
             return json.dumps(self.as_object(), allow_nan=False, indent=1) + "\n"
         return "\n".join(self._annotations() if form == "github" else self._lines()) + "\n"
 
     def as_object(self) -> dict[str, Any]:
-        """Return the fields of the JSON answer."""
+        """Fields of the JSON answer."""
         found = self.audit
         return {
             "schema": SCHEMA,

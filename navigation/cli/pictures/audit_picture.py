@@ -1,8 +1,7 @@
 """The picture of an audit: the map, its zones, the graph, and its numbered findings.
 
-An edge has the colour of its worst finding, a pale band as wide as the robot shows what it sweeps,
-and an arrow head where it leads one way. The worst findings have numbers, which the legend
-explains.
+An edge has the colour of its worst finding, a pale band as wide as the robot, and an arrow head
+where it leads one way.
 """
 
 from __future__ import annotations
@@ -43,7 +42,6 @@ from planner.shared.figures import sized
 COLOURS: dict[str, Colour] = {"unsafe": BOTTLENECK, "error": TRACK, "warning": GOAL}
 SOUND, SLOW = PATH, GOAL
 MOST_NUMBERED = 14
-"""Findings that have a number on the picture and a line in the legend."""
 WORDS_WIDTH, ROW, LINE = 420, 22.0, 15.0
 MOST_LETTERS = 62
 FAR = 0.5
@@ -142,7 +140,7 @@ def _edges(audit: GraphAudit, screen: Screen) -> Iterator[Shape]:
 
 
 def _arrow(line: FloatArray) -> FloatArray:
-    """Arrow head in the middle of a line's longest piece, on the screen."""
+    """Arrow head in the middle of a line's longest piece."""
     steps = np.diff(line, axis=0)
     lengths = np.hypot(*steps.T)
     k = int(np.argmax(lengths))

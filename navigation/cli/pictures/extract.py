@@ -1,4 +1,4 @@
-"""`clearway extract`: the minimum geometric structure of a picture."""
+"""`clearway extract`: a picture's obstacles."""
 
 from __future__ import annotations
 
@@ -30,7 +30,7 @@ if TYPE_CHECKING:
 
 
 class ExtractError(ValueError):
-    """The picture or an option cannot be used; the message says which and why."""
+    """Error: the picture or an option cannot be used."""
 
 
 @click.command(short_help="The geometric structure of a picture.")

@@ -1,4 +1,4 @@
-"""`clearway fleet`: paths for several robots at once through a picture, a scene or a map."""
+"""`clearway fleet`: several robots' paths."""
 
 from __future__ import annotations
 
@@ -27,11 +27,11 @@ if TYPE_CHECKING:
     from planner.zones.zone import Zone
 
 NO_PLAN = 3
-"""Exit code without a plan: the entry point's for no path."""
+"""As for no path."""
 
 
 class FleetError(ValueError):
-    """No fleet can be planned with these values; the message says why."""
+    """Error: no fleet can be planned with these values."""
 
 
 @click.command(short_help="Ways for several robots at once, no two of which ever touch.")

@@ -1,6 +1,6 @@
 """The answer of ``clearway fleet``: as one JSON object (``clearway.fleet/1``) and as text.
 
-Every field is always present, null if it does not apply. Lengths are in the scene's units, times in
+Every field is present, null if it does not apply. Lengths are in the scene's units, times in
 seconds from the common start, timings in milliseconds.
 """
 
@@ -20,7 +20,7 @@ SCHEMA = "clearway.fleet/1"
 
 @dataclass(frozen=True, slots=True)
 class FleetOutput:
-    """Everything about a plan for several robots, to be written in either form."""
+    """A fleet's plan, to be written in either form."""
 
     units: str
     robots: Sequence[FleetRobot]
@@ -29,11 +29,11 @@ class FleetOutput:
     remarks: tuple[str, ...] = ()
 
     def as_json(self) -> str:
-        """The object as strict JSON, one line to a field."""
+        """Strict JSON, one line to a field."""
         return json.dumps(self.as_object(), allow_nan=False, indent=1)
 
     def as_object(self) -> dict[str, Any]:
-        """The fields in the order of the design, then units, blocking robots and remarks."""
+        """Fields in the order in which they are written."""
         plan = self.plan
         planned = plan if isinstance(plan, FleetPlan) else None
         refused = None if isinstance(plan, FleetPlan) else plan
@@ -75,7 +75,7 @@ class FleetOutput:
         ]
 
     def sentence(self) -> str:
-        """Reason why there is no plan, with the robots' names; empty if there is one."""
+        """Reason why there is no plan, with the robots' names; else empty."""
         if isinstance(self.plan, FleetPlan):
             return ""
         head, colon, rest = self.plan.reason.partition(":")
@@ -83,7 +83,7 @@ class FleetOutput:
         return f"{named}{colon}{rest}" if head.startswith("robot") else self.plan.reason
 
     def as_text(self) -> str:
-        """Text for people: the result first, then each robot's track."""
+        """The result for people, then each robot's track."""
         return "\n".join(self._lines()) + "\n"
 
     def _lines(self) -> Iterator[str]:

@@ -1,8 +1,7 @@
 """The picture of a fleet's plan: an SVG in which each robot moves along its track (SMIL).
 
-The scene below is that of ``navigation.draw``. Each robot has its colour, its path a line, its
-start a ring and its goal a cross; the legend has its name. The film takes the plan's duration,
-limited to 1 s to ``FILM_S``; it loops, and holds its end for a moment.
+The scene below is that of ``navigation.draw``. The film takes the plan's duration, limited to 1 s
+to ``FILM_S``; it loops, and holds its end for a moment.
 """
 
 from __future__ import annotations
@@ -26,11 +25,9 @@ from planner.scene import FloatArray, Scene
 from planner.zones.zone import Zone
 
 FILM_S = 12.0
-"""A plan that lasts longer is shown faster, so that a film can be watched to its end."""
 HOLD = 0.1
 """Share of the film in which all stand at their goals."""
 ROW = 22.0
-"""Pixels from one name in the legend to the next."""
 
 
 def draw_fleet(
@@ -129,7 +126,6 @@ def _disc(
 
 
 def _animation(track: list[tuple[float, float, float]], makespan_s: float, film_s: float) -> str:
-    """The motion through the track's rows at their times; nothing for a robot that stays."""
     if len(track) == 1 or makespan_s <= 0.0:
         return ""
     shares = [t / makespan_s * (1.0 - HOLD) for t, _, _ in track]
@@ -146,7 +142,6 @@ def _animation(track: list[tuple[float, float, float]], makespan_s: float, film_
 def _legend(
     robots: Sequence[FleetRobot], plan: FleetPlan, left: float, film_s: float
 ) -> Iterator[str]:
-    """The names with their colours and arrivals, and the film's speed."""
     y = MARGIN + 16.0
     faster = plan.makespan_s / (film_s * (1.0 - HOLD))
     yield f'<g id="legend" font-family="{FONT}" fill="#222">'

@@ -1,12 +1,9 @@
 """The robots of ``clearway fleet``: a CSV or JSON file of names, places and radii.
 
-Rules and units
 - CSV has a header row with the columns ``name, start_x, start_y, goal_x, goal_y, radius``; JSON is
   a list of objects with these fields, or an object with that list as ``robots``.
-- ``name`` may be omitted: the robots are then robot1, robot2 and so on. Lengths are in the
-  source's units.
-- Errors name the file, the row and the column; rows count from 1, in CSV as an editor counts
-  lines.
+- ``name`` may be omitted: robot1, robot2 and so on. Lengths are in the source's units.
+- Errors name the file, the row and the column; rows count from 1, in CSV as an editor counts lines.
 """
 
 from __future__ import annotations
@@ -25,7 +22,7 @@ COLUMNS = ("name", *NUMBERS)
 
 
 class RobotsError(ValueError):
-    """The robots' file is invalid; the message names file, row and column."""
+    """Error: the robots' file is invalid."""
 
 
 @dataclass(frozen=True, slots=True)

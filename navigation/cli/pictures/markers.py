@@ -1,4 +1,4 @@
-"""`clearway markers`: the markers in a picture, their corners, and their places."""
+"""`clearway markers`: a picture's markers."""
 
 from __future__ import annotations
 
@@ -18,12 +18,12 @@ if TYPE_CHECKING:
     from vision.markers.reading import Marker
 
 NONE_FOUND = 3
-"""Exit code without a marker, as without a plan: the picture is fine, the answer is none."""
+"""As without a plan: the picture is fine, the answer is none."""
 GREEN, BLUE, RED = (60, 160, 30), (200, 90, 20), (40, 40, 220)
 
 
 class MarkersError(ValueError):
-    """The picture, the dictionary or the calibration cannot be used; the message says why."""
+    """Error: the picture, the dictionary or the calibration cannot be used."""
 
 
 @click.command("markers")
@@ -128,7 +128,6 @@ def _as_text(found: Sequence[Marker]) -> str:
 
 
 def _render(file: Path, picture: Image, found: Sequence[Marker]) -> None:
-    """Draw the corners as a quadrilateral, its first side in another colour, and the id."""
     import cv2
     import numpy as np
 

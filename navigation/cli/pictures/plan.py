@@ -1,4 +1,4 @@
-"""`clearway plan`: one plan through a picture, a scene or a map."""
+"""`clearway plan`: one path."""
 
 from __future__ import annotations
 
@@ -41,7 +41,7 @@ NO_PATH = 3
 
 
 class PlanError(ValueError):
-    """The request makes no sense; the message says why."""
+    """Error: the request makes no sense."""
 
 
 @click.command(short_help="One plan through a picture, scene or map.")
@@ -193,7 +193,6 @@ def _answer(
     path: PlannedPath | NoPath,
     timings_ms: dict[str, float],
 ) -> PlanOutput:
-    """The answer; ``timings_ms`` may still grow."""
     from navigation.cli.pictures.plan_answer import PlanOutput
     from planner.motion.trajectory import default_limits, time_path
     from planner.path import NoPath
@@ -224,10 +223,7 @@ def _answer(
 
 
 def _tell(answer: PlanOutput, form: str, output: Path | None) -> None:
-    """Write the answer to standard output or a file.
-
-    The reason for a missing path goes to standard error.
-    """
+    """Write the answer; only a file gets the reason for a missing path."""
     if form == "json":
         text = answer.as_json() + "\n"
     else:
@@ -243,7 +239,6 @@ def _render(
     stations: list[StationArgument],
     zones: tuple[Zone, ...],
 ) -> float:
-    """Draw the plan; return the milliseconds it took."""
     from navigation.draw import save_picture
 
     begin_s = time.perf_counter()

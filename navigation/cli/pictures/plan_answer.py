@@ -1,12 +1,12 @@
 """The answer of ``clearway plan``: as one JSON object (``clearway.plan/1``) and as text.
 
-Every field is always present, null if it does not apply. Lengths are in the scene's units, headings
-in radians in the scene's own sense, times in seconds, timings in milliseconds; the text has three
-significant digits in sentences, and headings in degrees as given. ``bottleneck`` is the narrowest
+Every field is present, null if it does not apply; ``render`` of the timings only if a picture was
+asked for. Lengths are in the scene's units, headings in radians in the scene's own sense, times in
+seconds, timings in milliseconds; the text has headings in degrees. ``bottleneck`` is the narrowest
 place on the path, or on the widest route if there is none. ``path``, ``length`` and
-``min_clearance`` are of the path with rounded corners, which the waypoints follow
-(``planner.round_corners``); ``unrounded`` has length and clearance of the planned path before that
-(``Roadmap.plan``), and so has ``cost``, its length plus a penalty for narrow places.
+``min_clearance`` are of the path with rounded corners (``planner.round_corners``); ``unrounded``
+has length and clearance of the planned path before that, and so has ``cost``, its length plus a
+penalty for narrow places.
 """
 
 from __future__ import annotations
@@ -43,17 +43,14 @@ STAGES = (
     "total",
 )
 DRAWING = "render"
-"""The stage that there is only where a picture was asked for."""
 NO_LIMITS = "neither pictures nor maps say what the robot can drive"
 
 
 @dataclass(frozen=True, slots=True)
 class PlanOutput:
-    """Everything about a plan, to be written in either form.
+    """A plan, to be written in either form; the trajectory keeps ``limits``.
 
-    ``planned`` is the path of ``Roadmap.plan``, ``path`` the same with rounded corners, of
-    ``planner.round_corners``; each has its own length and least clearance. The trajectory keeps
-    ``limits``.
+    ``planned`` is the path of ``Roadmap.plan``, ``path`` the same with rounded corners.
     """
 
     scene: Scene
@@ -67,11 +64,11 @@ class PlanOutput:
     remarks: tuple[str, ...] = ()
 
     def as_json(self) -> str:
-        """The object as strict JSON, one line to a field."""
+        """Strict JSON, one line to a field."""
         return json.dumps(self.as_object(), allow_nan=False, indent=1)
 
     def as_object(self) -> dict[str, Any]:
-        """The fields in the order of the design."""
+        """Fields in the order in which they are written."""
         common = {
             "schema": SCHEMA,
             "status": "ok" if isinstance(self.path, Path) else "unreachable",
@@ -125,7 +122,7 @@ class PlanOutput:
         }
 
     def no_path_sentence(self) -> str:
-        """Reason why there is no path, for people; ``ValueError`` if there is one."""
+        """Reason why there is no path; ``ValueError`` if there is one."""
         if isinstance(self.path, Path):
             raise ValueError("there is a path")
         radius = sized(self.robot_radius, self.scene.units)
@@ -136,9 +133,9 @@ class PlanOutput:
         return {name: self.timings_ms[name] for name in STAGES if name in self.timings_ms}
 
     def as_text(self, with_reason: bool = True) -> str:
-        """Text for people: the result first, then the waypoints, then how it came about.
+        """The result for people, the waypoints, and how it came about.
 
-        ``with_reason`` False omits why there is no path, for readers who see that elsewhere.
+        ``with_reason`` False omits why there is no path.
         """
         return "\n".join(self._lines(with_reason)) + "\n"
 
@@ -193,7 +190,6 @@ class PlanOutput:
 
 
 def _cost_lines(planned: Path, path: Path, units: str) -> Iterator[str]:
-    """Yield the path's cost, and the changes made by rounding its corners."""
     if planned.cost is not None:
         extra = sized(max(planned.cost - planned.length, 0.0), units)
         length = sized(planned.length, units)

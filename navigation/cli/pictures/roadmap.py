@@ -1,4 +1,4 @@
-"""`clearway roadmap`: the AGVD roadmap of any source as a file for other programs."""
+"""`clearway roadmap`: the AGVD roadmap as a file."""
 
 from __future__ import annotations
 

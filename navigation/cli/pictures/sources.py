@@ -1,8 +1,8 @@
 """From a SOURCE on the command line to a scene: a picture, a scene, a ROS or MovingAI map.
 
-A file, or standard input, is judged by its content: a picture's beginning sends it to
-``vision.extract``, anything else is read by ``planner.load_scene``. The pictures of ROS maps that
-are not PGM (map_saver can write PNG) are decoded here too, since the planner knows no OpenCV.
+A picture, judged by its content or its name, is for ``vision.extract``; anything else is read by
+``planner.load_scene``. The pictures of ROS maps that are not PGM (map_saver can write PNG) are
+decoded here too, since the planner knows no OpenCV.
 """
 
 from __future__ import annotations
@@ -48,16 +48,16 @@ def compile_for(source: Path) -> None:
 
 
 def zones_in(file: Path | None) -> tuple[Zone, ...]:
-    """Zones of a file, none without one; ``ZoneError`` with every problem of it."""
+    """Zones of a file, none without one; ``ZoneError`` with every problem."""
     if file is None:
         return ()
-    from navigation.config.zone_file import read_zones  # only here needs a configuration
+    from navigation.config.zone_file import read_zones
 
     return read_zones(file)
 
 
 def read_source(path: Path) -> bytes:
-    """Bytes of a file, or of standard input; :class:`SceneError` if it cannot be read."""
+    """Bytes of a file, or of standard input; `SceneError` if it cannot be read."""
     return _standard_input() if path == STANDARD_STREAM else read_bytes(path)
 
 
@@ -80,9 +80,8 @@ def load_source(
 ) -> Scene:
     """Scene of any SOURCE; ``timings_ms`` gains ``load``: reading and decoding.
 
-    ``least_area`` leaves out smaller obstacles, see ``Scene.without_specks``. Raises
-    :class:`SceneError`, or a ValueError of ``vision``, naming the file; also if a method is given
-    to binarise something that is not a picture.
+    ``least_area`` leaves out smaller obstacles. `SceneError`, or a ValueError of ``vision``, naming
+    the file; also if a method is given to binarise something that is not a picture.
     """
     begin_s = clock()
     data, file = read_source(path), named(path)
@@ -139,10 +138,9 @@ def hold_points(scene: Scene, points: list[tuple[float, float]], room: float) ->
 
 
 def decode_picture(data: bytes, path: Path) -> tuple[NDArray[Any], tuple[str, ...]]:
-    """A file's picture as shown, and remarks: grey, BGR or BGRA, 8 or 16 bits a channel.
+    """A picture, turned by its EXIF orientation, and remarks: grey, BGR or BGRA, 8 or 16 bits.
 
-    It is turned by its EXIF orientation, as in viewers and ``cv2.imread``. Raises
-    :class:`SceneError`, naming the file, if ``data`` is not a picture or is damaged.
+    `SceneError`, naming the file, if ``data`` is not a picture or is damaged.
     """
     from vision.camera.picture_turn import orientation, turned
 

@@ -1,8 +1,7 @@
 """Commands that drive, or talk to programs that do.
 
-- ``run.py`` runs the daemon on a configuration; ``orders.py`` sends it orders,
-  ``zones.py`` those that change zones.
-- ``demo.py`` is a simulated run without any file; ``robot.py`` is a simulated robot on a port.
-- ``dashboard.py`` shows a recording on the page, ``replay.py`` repeats vision and planning on one.
-- ``sweep.py`` repeats a simulated run with other seeds and errors.
+- `run` runs the daemon on a configuration; `orders` and `zones` send it orders.
+- `demo` is a simulated run without any file; `robot` is a simulated robot on a port.
+- `dashboard` shows a recording on the page, `replay` repeats vision and planning on one.
+- `sweep` repeats a simulated run with other seeds and errors.
 """

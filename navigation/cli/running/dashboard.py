@@ -1,4 +1,4 @@
-"""`clearway dashboard`: a recording on the page, to be played, paused and searched."""
+"""`clearway dashboard`: a recording on the page."""
 
 from __future__ import annotations
 

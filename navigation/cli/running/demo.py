@@ -1,4 +1,4 @@
-"""`clearway demo`: a simulated run with its dashboard, in one command and without any file."""
+"""`clearway demo`: a simulated run with its dashboard."""
 
 from __future__ import annotations
 
@@ -14,7 +14,6 @@ import click
 from navigation.cli.voice import Voice
 
 ADDRESS = "dashboard at "
-"""Beginning of the line with the page's address."""
 
 
 @click.command(short_help="A simulated arena and its dashboard, without any file.")

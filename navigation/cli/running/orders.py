@@ -1,4 +1,4 @@
-"""The commands of the orders, made from their table: they talk to the running daemon."""
+"""The commands of the orders, made from their table."""
 
 from __future__ import annotations
 
@@ -27,7 +27,7 @@ def _send(path: Path | None, form: str, request: dict[str, Any], robot: str | No
     answer = send_order(path, request)
     until_s = time.monotonic() + KNOWN_WITHIN_S
     while request["order"] == "stop" and _stops(answer) and time.monotonic() < until_s:
-        time.sleep(AGAIN_S)  # while the robot brakes; a stop may be ordered twice
+        time.sleep(AGAIN_S)  # a stop may be ordered twice
         answer = send_order(path, request)
     if form == "json":
         click.echo(json.dumps(answer, allow_nan=False))
@@ -38,7 +38,6 @@ def _send(path: Path | None, form: str, request: dict[str, Any], robot: str | No
 
 
 def _stops(answer: dict[str, Any]) -> bool:
-    """True if a stopped robot is not known to be at rest yet."""
     from navigation.mission.mission import STOPPING
 
     told = [one for daemon in answer.get("daemons", [answer]) for one in _robots_of(daemon)]
@@ -65,7 +64,6 @@ def print_state(answer: dict[str, Any], who: str = "") -> None:
 def _command(
     order: Order, callback: Callable[..., None], *, own: Sequence[click.Parameter] = ()
 ) -> click.Command:
-    """Command of an order, with its own arguments and options and the common ones."""
     which = (
         "Which of several robots is meant."
         if order.for_one
@@ -86,7 +84,7 @@ def _command(
         # so that -1.5,2 is a place
         context_settings={"ignore_unknown_options": "stations" in order.arguments},
     )
-    format_option()(command)  # it joins the options
+    format_option()(command)
     return command
 
 
@@ -126,7 +124,6 @@ def _stop(reason: str, robot: str | None, path: Path | None, form: str) -> None:
 
 
 def _latch(path: Path | None, reason: str, robot: str | None) -> Path:
-    """Keep a stop for the next run, and name its file; ControlError if that fails."""
     from datetime import datetime
 
     from navigation.config.last_good import state_folder
@@ -147,7 +144,6 @@ def _latch(path: Path | None, reason: str, robot: str | None) -> Path:
 
 
 def _plain(order: Order) -> click.Command:
-    """Command of an order without arguments."""
 
     def callback(robot: str | None, path: Path | None, form: str) -> None:
         _send(path, form, {"order": order.name}, robot)
@@ -186,4 +182,4 @@ commands: Mapping[str, click.Command] = {
     "go": go,
     "stop": stop,
 }
-"""By name; an order that needs arguments has a command of its own, here or elsewhere."""
+"""An order that needs arguments has a command of its own, here or elsewhere."""

@@ -1,4 +1,4 @@
-"""`clearway replay`: vision and planner once more on a recording, and the differences."""
+"""`clearway replay`: re-runs vision and planning on a recording."""
 
 from __future__ import annotations
 

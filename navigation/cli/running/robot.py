@@ -1,7 +1,6 @@
 """``clearway robot``: a simulated robot on a serial port or on a new pseudo-terminal.
 
-It runs until Ctrl-C, SIGTERM or SIGHUP, and then removes its link. stdout gets the path to open as
-its first line, then a line whenever the robot's state changes.
+stdout gets the path to open as its first line, then a line whenever the robot's state changes.
 """
 
 from __future__ import annotations
@@ -28,7 +27,7 @@ from navigation.simulator.twins.twin import Twin
 LOOK_S = 0.05
 TELL_S = 0.002
 BY_SIGNAL = 128
-"""A shell reports a program that a signal ended as this plus its number."""
+"""A shell adds the number of the signal that ended a program."""
 
 
 @contextmanager

@@ -1,4 +1,4 @@
-"""`clearway run`: the daemon on one configuration, with its progress and its report."""
+"""`clearway run`: the daemon on one configuration."""
 
 from __future__ import annotations
 
@@ -132,8 +132,7 @@ def command(
 
 
 def load_or_go_back(file: Path, last_good: bool, log: EventLog) -> Config:
-    """The configuration; if the file is broken and ``last_good`` is set, the kept one, with a
-    message.
+    """The configuration; if it is broken and ``last_good`` is set, the kept one, with a message.
 
     A good configuration is kept for the next time. ``ConfigError`` says how to go back.
     """
@@ -161,7 +160,6 @@ def load_or_go_back(file: Path, last_good: bool, log: EventLog) -> Config:
 
 
 def _desk(config: Path, reload: _Reload) -> Desk:
-    """The desk for changing this run's configuration from the page."""
     from navigation.cli.setup.check import file_problems
     from navigation.cli.setup.devices import cameras_here, serial_ports
     from navigation.config.last_good import state_folder
@@ -183,9 +181,7 @@ def _desk(config: Path, reload: _Reload) -> Desk:
 
 
 class _Reload:
-    """Action of SIGHUP and the page's settings: read the file, and end the run in order if it has
-    changed.
-    """
+    """Action of SIGHUP and the page: read the file, and end the run if it has changed."""
 
     def __init__(self, file: Path, present: Config, runner: Runner, log: EventLog) -> None:
         from navigation.run.reload import Reloader
@@ -221,7 +217,7 @@ class _Reload:
 
 
 def show(voice: Voice, report: RunReport, kept_in: str) -> None:
-    """Print the report as two columns, and where it is kept."""
+    """Print the report, and where it is kept."""
     width = max(len(label) for label, _ in report.lines())
     voice.tell("")
     for label, value in report.lines():
@@ -231,7 +227,7 @@ def show(voice: Voice, report: RunReport, kept_in: str) -> None:
 
 @contextmanager
 def signals_heard(runner: Runner, reload: _Reload | None = None) -> Iterator[None]:
-    """Ctrl-C and SIGTERM end the run in order, a second one at once; SIGHUP reads CONFIG again.
+    """End the run in order on Ctrl-C or SIGTERM, at once on a second; read CONFIG again on SIGHUP.
 
     Without ``reload`` there is no CONFIG to read: SIGHUP, as of a closed terminal, ends the run.
     """

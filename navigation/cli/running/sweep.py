@@ -1,4 +1,4 @@
-"""`clearway sweep`: a simulated run many times over, with other seeds and other errors."""
+"""`clearway sweep`: a simulated run, many times."""
 
 from __future__ import annotations
 
@@ -133,7 +133,6 @@ def _refuse_what_only_pictures_show(path: Path, config: Config) -> None:
 def _executors(
     config: Config, scheduler: str | None, workers: int | None
 ) -> tuple[Callable[[], Executor], int]:
-    """Function that makes an executor, and its number of workers."""
     if scheduler is None:
         from navigation.run.kernels.warm_up import kernels_are_cold, warm_up
         from navigation.sweep.workers import local_executor

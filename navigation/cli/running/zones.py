@@ -1,4 +1,4 @@
-"""`clearway zone`: the zones of the running daemon, added, removed, taken back and listed."""
+"""`clearway zone`: the zones of the running daemon."""
 
 from __future__ import annotations
 
@@ -41,7 +41,7 @@ class PlacesType(NumbersBase):
     def convert(
         self, value: Any, param: click.Parameter | None, ctx: click.Context | None
     ) -> Places:
-        """Parse; click's usage error unless it is places of ``each`` numbers."""
+        """Parse."""
         try:
             places = tuple(
                 tuple(float(number) for number in place.split(",")) for place in str(value).split()
@@ -60,7 +60,6 @@ def _socket_option() -> Decorator:
 
 
 def _texts(order: str) -> dict[str, Any]:
-    """Summary and example of a command, from the table of orders."""
     one = ORDERS[order]
     return {"short_help": one.summary, "epilog": epilog_of(Example(*one.example))}
 
@@ -204,7 +203,6 @@ def _send(path: Path | None, request: dict[str, Any], after: Sequence[str] = ())
 
 
 def _print(answer: dict[str, Any], form: str, lines: Iterable[str]) -> None:
-    """Print the answer to a change; a change that ends with the run is said to."""
     if form == "json":
         click.echo(json.dumps(answer, allow_nan=False))
         return
@@ -230,7 +228,6 @@ def _sections(answer: dict[str, Any]) -> list[ZoneSection]:
 
 
 def _listed(answer: dict[str, Any]) -> list[str]:
-    """Lines of the zones in force, then of the configured ones that are not."""
     changes = answer["changes"]
     sections = _sections(answer)
     lines = [

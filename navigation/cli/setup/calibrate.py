@@ -1,4 +1,4 @@
-"""``clearway calibrate``: the lens from pictures of a board, the arena from surveyed points."""
+"""``clearway calibrate``: the lens from a board, the arena from surveyed points."""
 
 from __future__ import annotations
 
@@ -116,7 +116,7 @@ def command(  # noqa: PLR0913 (an argument for each option of the command line)
     from navigation.cli.calibrating.chosen_lens import lens_from_views
     from navigation.cli.calibrating.command import taken_live
 
-    # The calibration whose lens is taken may be the one being made.
+    # the calibration whose lens is taken may be the one being made
     read = (*pictures, points, floor_picture)
     keep_apart((("--output", output),), read)
     given_size = None if size is None else _pair(size, "--size")
@@ -174,7 +174,7 @@ def _pair(text: str, option: str) -> tuple[int, int]:
 
 
 def _read(path: Path) -> Image:
-    """The picture as its sensor saw it; ``CameraError`` if there is none, or a damaged one."""
+    """The picture as its sensor saw it; ``CameraError``."""
     from navigation.cli.decoder_lines import caught_decoder_lines
     from vision.camera.camera import CameraError
     from vision.camera.picture_turn import orientation
@@ -196,7 +196,7 @@ def _read(path: Path) -> Image:
 
 
 def _read_all(paths: tuple[Path, ...]) -> list[tuple[str, Image]]:
-    """The named pictures, and those in named folders; damaged ones are reported and left out."""
+    """The pictures and those in folders; damaged ones are reported and left out."""
     from vision.camera.camera import CameraError
     from vision.camera.sources import PICTURE_SUFFIXES
 
@@ -218,7 +218,6 @@ def _read_all(paths: tuple[Path, ...]) -> list[tuple[str, Image]]:
 
 
 def _taken_from_pictures(pictures: tuple[Path, ...], spec: BoardSpec) -> list[BoardView]:
-    """The board's views in these pictures; pictures without one are named."""
     from vision.calibrate.board import find_boards
 
     views, without = find_boards(_read_all(pictures), spec)
@@ -236,7 +235,6 @@ def _save_lens_alone(lens: Lens, output: Path) -> None:
 
 
 def _known_lens(path: Path) -> Lens:
-    """The lens of an earlier calibration, for a camera that was moved."""
     import numpy as np
 
     from vision.calibrate.lens import Lens

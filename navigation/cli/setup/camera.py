@@ -1,4 +1,4 @@
-"""``clearway camera``: a camera's abilities, its real pictures, and its best settings."""
+"""``clearway camera``: a camera's abilities, pictures, and best settings."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ MOST_SECONDS: Final = 3600.0
 
 
 class CameraCommandError(ValueError):
-    """The camera is unclear, or the output cannot be written; the message says what to do."""
+    """Error: the camera is unclear, or the output cannot be written."""
 
 
 @click.command("camera")
@@ -99,7 +99,6 @@ def command(
 
 
 def _configuration(source: str | None) -> Path | None:
-    """The configuration that a source names; None if it is a camera's."""
     if source is None or Path(source).suffix.lower() not in (".yaml", ".yml"):
         return None
     return Path(source)
@@ -170,7 +169,6 @@ def _show(judged: CameraMeasurements, findings: list[Finding], section: dict[str
 
 
 def _table(judged: CameraMeasurements) -> list[str]:
-    """Modes, controls and chosen mode of a device; empty for other sources."""
     from vision.camera.v4l2.modes import rate_text
 
     if judged.kind != "device":

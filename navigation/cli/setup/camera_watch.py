@@ -1,4 +1,4 @@
-"""Opens a configuration's or a source's camera, and watches it for some seconds."""
+"""Opens a camera, and watches it for some seconds."""
 
 from __future__ import annotations
 
@@ -27,7 +27,7 @@ from vision.camera.v4l2.modes import CameraMode, list_modes, rate_text
 from vision.quality import Watching
 
 SETTLES_S: Final = 1.0
-"""Automatic exposure and what a stream had kept: not counted."""
+"""Time for automatic exposure, and for what a stream had kept: not counted."""
 SILENT_S: Final = 5.0
 """A camera without a picture for this time has failed."""
 
@@ -64,7 +64,7 @@ def watch(
     seconds: float,
     tell: Callable[[str], None] = lambda _: None,
 ) -> CameraMeasurements:
-    """Judge a camera over ``seconds``; raises ``CameraError`` if it fails."""
+    """Judge a camera over ``seconds``; ``CameraError`` if it fails."""
     calibration = None if config is None else calibration_of(config)
     watching = Watching(None if config is None else arena_mask(config))
     with opened_camera(wanted, config) as camera:
@@ -131,7 +131,6 @@ SIMULATED_NAME: Final = "simulated camera"
 
 
 def _abilities(camera: Camera) -> tuple[tuple[CameraMode, ...], tuple[CameraControl, ...], str]:
-    """A device's modes and controls, and the agreed mode; nothing for other sources."""
     if not isinstance(camera, DeviceCamera) or camera.node is None or camera.mode is None:
         return (), (), ""
     agreed = camera.mode

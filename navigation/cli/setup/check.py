@@ -1,4 +1,4 @@
-"""`clearway check`: checks a configuration and reports every error at its place."""
+"""`clearway check`: a configuration and the files that it names."""
 
 from __future__ import annotations
 
@@ -27,7 +27,6 @@ if TYPE_CHECKING:
 
 
 FILES: Final = (("camera", "calibration"), ("simulation", "arena"))
-"""Keys that name a file to be read."""
 COARSE_M: Final = 0.01
 """Pixels of a floor plan that only says what several cameras see."""
 
@@ -48,8 +47,8 @@ def command(config: Path) -> None:
 def load_checked(file: Path) -> Config:
     """Load a configuration; ``ConfigError`` also if a file that it names is wrong.
 
-    Errors of the files and of the configuration are reported together, as far as the sections
-    concerned are sound.
+    Errors of the files and of the configuration are reported together, as far as the sections are
+    sound.
     """
     try:
         loaded = load_config(file)
@@ -99,7 +98,6 @@ def _missing_files(text: str, folder: Path) -> Iterator[Problem]:
 
 
 def _problems(sections: Mapping[str, Any]) -> Iterator[tuple[Location, str]]:
-    """Check each group of sections that is complete, and the program that is called."""
     config = Config.model_construct(**sections)
     if {"arena", "camera", "cameras", "robot", "other_robots", "simulation"} <= sections.keys():
         yield from _calibration_problems(config)
@@ -113,7 +111,6 @@ def _problems(sections: Mapping[str, Any]) -> Iterator[tuple[Location, str]]:
 
 
 def _calibration_problems(config: Config) -> Iterator[tuple[Location, str]]:
-    """Check the camera, or each of several and their common view."""
     if not config.cameras:
         calibration, found = _calibration(config)
         yield from found
@@ -134,7 +131,6 @@ def _calibration_problems(config: Config) -> Iterator[tuple[Location, str]]:
 
 
 def _calibration(config: Config) -> tuple[Calibration | None, list[tuple[Location, str]]]:
-    """A camera's calibration, and its own problems."""
     from navigation.simulator.picture.pinhole import pinhole_of
     from vision.calibration.calibration import Calibration, CalibrationError
     from vision.calibration.calibration_file import load_calibration
@@ -337,13 +333,11 @@ def _in_short(config: Config) -> str:
 
 
 def _line_of(config: Config) -> str:
-    """Its port, and its driver if that is not our firmware."""
     driver, port = config.robot.driver, config.serial.port
     return port if driver == CLEARWAY else f"{driver} on {port}"
 
 
 def _places_of_each(config: Config, arena: SimulatedArena) -> Iterator[tuple[Location, str]]:
-    """Yield starts and stations of several robots that are not free."""
     assert config.simulation is not None
     places: list[tuple[Location, str, Place]] = [
         (("simulation", "starts", i), one.name, one)

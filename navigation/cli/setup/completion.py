@@ -1,4 +1,4 @@
-"""`clearway completion`: the script with which a shell completes commands, options and files."""
+"""`clearway completion`: a script for a shell."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""``clearway devices``: the serial ports, by their stable names, and the cameras."""
+"""``clearway devices``: the serial ports and the cameras."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""`clearway doctor`: checks a machine's fitness for a run, and makes a bundle for fault reports."""
+"""`clearway doctor`: a machine's fitness for a run."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ if TYPE_CHECKING:
 
 WELL, ILL = 0, 1
 WATCHED_S = 2.0
-"""Time that the camera is watched; `clearway camera` watches it for longer."""
+"""Shorter than `clearway camera` watches it."""
 COLOURS = {"ok": "green", "warn": "yellow", "fail": "red"}
 
 WAKEUPS_SEEN_S: Final = 1.0
@@ -123,7 +123,6 @@ def configuration_findings(file: Path | None) -> tuple[list[Finding], Config | N
 
 
 def _plugged_in() -> Iterator[Finding]:
-    """Yield all cameras and serial ports, and a warning for each that this user may not open."""
     from dataclasses import replace
 
     from navigation.cli.setup.devices import cameras_here, serial_ports
@@ -180,7 +179,6 @@ def _one_camera(config: Config) -> Iterator[Finding]:
 
 
 def _pictures(config: Config) -> Iterator[Finding]:
-    """Check that pictures come, and warn of properties that may disappoint a run."""
     from dataclasses import replace
 
     from navigation.cli.setup.camera_watch import watch
@@ -204,7 +202,6 @@ def _pictures(config: Config) -> Iterator[Finding]:
 
 
 def _port(config: Config) -> Iterator[Finding]:
-    """Check each robot's line, and other programs that take such ports."""
     from dataclasses import replace
 
     from navigation.config.several.each_robot import robots_of
@@ -235,7 +232,6 @@ def _one_port(config: Config) -> Iterator[Finding]:
 
 
 def _device_of(config: Config) -> Path | None:
-    """The device of the robot's line; None if it is simulated, or an address."""
     from navigation.config.sections import SIMULATED
     from navigation.link.serial_port import is_address
 
@@ -270,7 +266,6 @@ def _free_bytes(folder: Path) -> int:
 
 
 def _latest_wakeup_s() -> float:
-    """Worst delay of a thread's wake-up within a second."""
     from navigation.run.devices.wakeups import Wakeups
 
     wakeups = Wakeups(time.monotonic)
@@ -281,7 +276,6 @@ def _latest_wakeup_s() -> float:
 
 
 def _is_synchronised() -> bool | None:
-    """True if the clock follows a time server; None if unknown."""
     program = shutil.which("timedatectl")
     if program is None:
         return None

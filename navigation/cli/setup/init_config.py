@@ -1,4 +1,4 @@
-"""`clearway init`: a commented configuration to start with, which loads as it is."""
+"""`clearway init`: a commented configuration to start with."""
 
 from __future__ import annotations
 

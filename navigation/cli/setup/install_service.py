@@ -1,4 +1,4 @@
-"""`clearway install-service`: a systemd unit for a configuration, and a udev rule for its port."""
+"""`clearway install-service`: a systemd unit and a udev rule."""
 
 from __future__ import annotations
 
@@ -54,7 +54,6 @@ def command(config: Path, user: bool, run_as: str | None, only_print: bool, root
 
 
 def _program() -> Path:
-    """The `clearway` beside this interpreter."""
     beside = Path(sys.executable).parent / "clearway"
     if not beside.exists():
         raise click.UsageError(f"{beside}: there is no such program; install the package first")
@@ -90,7 +89,6 @@ def _write(file: Path, text: str) -> None:
 
 
 def _verify(unit: Path) -> None:
-    """Report systemd's own opinion of the unit, if it is available."""
     program = shutil.which("systemd-analyze")
     if program is None:
         return

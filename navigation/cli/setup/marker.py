@@ -1,4 +1,4 @@
-"""``clearway marker``: a robot's marker, or a calibration board, to print at true size."""
+"""``clearway marker``: a marker or a board to print."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""``clearway reanchor``: the place of a moved camera, from the floor markers alone."""
+"""``clearway reanchor``: the place of a moved camera."""
 
 from __future__ import annotations
 
@@ -60,7 +60,6 @@ def _ask_the_daemon(path: Path | None, name: str | None) -> None:
 
 
 def _pictures(config: Config, source: str | None) -> list[Image]:
-    """The newest pictures of the camera, or of the source given instead."""
     import time
 
     from navigation.run.devices.device_settings import device_settings

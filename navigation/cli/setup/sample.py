@@ -1,4 +1,4 @@
-"""`clearway sample`: a picture or a map that comes with Clearway, to try commands with."""
+"""`clearway sample`: a picture or a map to try."""
 
 from __future__ import annotations
 
@@ -15,7 +15,6 @@ NEXT = {
     "maze": "plan {file} --start 20,20 --goal 620,460 --radius 9 --render plan.svg",
     "rooms": "plan {file} --start=-1,1 --goal 5.5,2.5 --radius 0.22 --render plan.svg",
 }
-"""The next command to try with each sample."""
 
 
 @click.command(short_help="A picture or a map to try things with.")

@@ -1,4 +1,4 @@
-"""`clearway schema`: the keys of a configuration, for editors and for people."""
+"""`clearway schema`: the keys of a configuration."""
 
 from __future__ import annotations
 

@@ -13,11 +13,10 @@ from navigation.config.known_robots import CLEARWAY, KNOWN_ROBOTS
 
 OWN_RADIUS_M: Final = 0.09
 OWN_MARKER_M: Final = 0.09
-"""The side of the marker that ``clearway marker`` prints and ``clearway init`` writes."""
 SAFE_SHARE: Final = 0.8
 """Share of the highest speed that its maker states."""
 ROOMY: Final = 1.05
-"""The disc around a body whose marker does not sit exactly in the middle."""
+"""Grows the disc around a body whose marker does not sit exactly in the middle."""
 ARENA_TEXT: Final = """#@ clearway.scene/1
 #@ units m
 # a triangle, a bucket, an L and a D whose first edge is an arc; clockwise, x right, y up
@@ -120,12 +119,11 @@ def _arena(grown: float) -> dict[str, Any]:
 
 
 def _scaled(text: str, grown: float) -> str:
-    """A scene's text with every length with a decimal point scaled."""
+    """A scene's text with the numbers that have a decimal point scaled."""
     if grown == 1.0:
         return text
     return re.sub(r"\d+\.\d+", lambda number: f"{float(number[0]) * grown:.4f}", text)
 
 
 def _size(value: float) -> float:
-    """Round to the millimetre."""
     return round(value, 3)

@@ -2,12 +2,10 @@
 
 Rules
 - Numbers, switches, choices, lists of numbers, and the plugged-in camera and port can be changed.
-  The rest is only shown, with the reason: a file's name, an address or a command opens things
-  that the page's user may not open.
-- Each of several robots is a section with its differences from ``robot`` and ``serial``. Its name
-  is only shown, since missions and starts use it. Robots are listed in the file.
+  The rest is only shown: a file's name, an address or a command opens things that the page's user
+  may not open.
 - ``safety``, ``dashboard`` and ``notify`` are only shown: the page's users decide neither on the
-  robot's protection, nor on who else may come, nor on what this program calls.
+  robot's protection, nor on who may come, nor on what this program calls.
 - Typed text is read by YAML's core schema, so a form and a file mean the same.
 """
 
@@ -34,7 +32,7 @@ DEVICE_KEYS: Final = {
     ("serial", "port"): "ports",
     ("robots", "port"): "ports",
 }
-"""The keys that name a device, without the numbers of entries."""
+"""They name a device."""
 ROBOTS: Final = "robots"
 NAME: Final = (ROBOTS, "name")
 MOST_TYPED: Final = 500
@@ -47,12 +45,12 @@ _LIMITS: Final = {
 
 
 class TypedError(ValueError):
-    """Typed text cannot be a value of its key; the message says why."""
+    """Error: typed text cannot be a value of its key."""
 
 
 @dataclass(frozen=True, slots=True)
 class Key:
-    """A key of the form: place, schema, and why it is only shown ("": it can change)."""
+    """A key of the form; ``only_shown``: why it cannot change, or ""."""
 
     where: Location
     kind: str
@@ -96,10 +94,7 @@ class Key:
 
 
 def form_keys(text: str, cameras: Sequence[str] = (), ports: Sequence[str] = ()) -> Iterator[Key]:
-    """Yield a configuration's keys, in the order of the reference; devices by their paths.
-
-    Each of several robots has an entry's keys.
-    """
+    """Yield the keys of a configuration and of its robots; devices are given by their paths."""
     schema, data = json_schema(), read_document(text).data
     models = schema["$defs"]
     devices = {"cameras": cameras, "ports": ports}
@@ -116,8 +111,7 @@ def form_keys(text: str, cameras: Sequence[str] = (), ports: Sequence[str] = ())
 def form(text: str, keys: Sequence[Key]) -> list[dict[str, Any]]:
     """Sections of the form for a configuration's text, as JSON data.
 
-    A key's ``value`` is shown in its field, "" if the text lacks it; ``default`` then applies.
-    Secret values are never shown.
+    A key's ``value`` is "" if the text lacks it; ``default`` then applies. Secrets are never shown.
     """
     data = read_document(text).data
     meanings = {name: p.get("description", "") for name, p in json_schema()["properties"].items()}
@@ -216,7 +210,6 @@ def _key(where: Location, whole: Mapping[str, Any], devices: Mapping[str, Sequen
 def _kind(
     where: Location, ways: Sequence[Mapping[str, Any]], schema: Mapping[str, Any]
 ) -> tuple[str, str]:
-    """Kind of field, and why it is only shown."""
     types = {way.get("type") for way in ways}
     if types == {"boolean"}:
         return "flag", ""

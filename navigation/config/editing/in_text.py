@@ -2,7 +2,6 @@
 
 Rules
 - A value is written as JSON, a part of YAML; words have no quotes where YAML allows it.
-- ``None`` removes a key, so that its default applies again.
 - The result is read again and compared with the intended data. A text that cannot be changed
   rightly (anchors, block scalars, lists on their own lines) is refused, never spoilt.
 """
@@ -25,14 +24,14 @@ _PLAIN: Final = re.compile(r"[A-Za-z_./][\w./:-]*")
 
 
 class EditError(ValueError):
-    """A value cannot be put into this text; the message says which, and what to do."""
+    """Error: a value cannot be put into this text."""
 
 
 def with_values(text: str, changes: Mapping[Location, Any]) -> str:
     """Text with these values at their keys; ``EditError`` if that cannot be done.
 
-    ``text`` is sound YAML whose root is a mapping; values are plain data, None for "no key". A
-    number in a place is that of an existing entry, from 0.
+    ``text`` is sound YAML; values are plain data, None for "no key". A number in a place is that of
+    an existing entry, from 0.
     """
     wanted = read_document(text).data
     if not isinstance(wanted, dict):
@@ -51,14 +50,13 @@ def with_values(text: str, changes: Mapping[Location, Any]) -> str:
 
 
 def _find_entries(data: Any, where: Location) -> None:
-    """Raise ``EditError`` if a place is in a missing entry."""
     for length, key in enumerate(where, 1):
         if isinstance(key, int) and present_value(data, where[:length]) is None:
             raise EditError(f"{key_name(where)}: there is no such entry in this text")
 
 
 def value_text(value: Any) -> str:
-    """Write a value as YAML's core schema reads it back; JSON is a part of it."""
+    """Write a value as YAML's core schema reads it back."""
     if isinstance(value, str) and _PLAIN.fullmatch(value) and read_document(value).data == value:
         return value
     if isinstance(value, float) and value.is_integer() and abs(value) < 2**53:
@@ -119,7 +117,7 @@ def _nested(where: Location, value: Any) -> Any:
 
 
 def _replaced(text: str, name: yaml.Node, held: yaml.Node, value: Any) -> str:
-    """Replace a key's value; a comment on the same line keeps its column if possible."""
+    """Replace a key's value; a comment beside it keeps its column if possible."""
     begin, end = held.start_mark.index, _end_of(held)
     if begin == end:  # the key had no value
         begin = end = text.index(":", name.end_mark.index) + 1
@@ -216,7 +214,7 @@ def _is_same(got: Any, wanted: Any) -> bool:
 
 
 def present_value(data: Any, where: Location) -> Any:
-    """Value in the data at a key; None if absent."""
+    """Value in the data at a key, if present."""
     for key in where:
         if isinstance(key, int):
             data = data[key] if isinstance(data, list) and key < len(data) else None

@@ -1,9 +1,8 @@
 """Places of secrets in a configuration's source, however it writes them.
 
 Rules
-- Readable YAML is searched node by node: plain, quoted, folded, literal, in flow style, on the
-  next line, by an anchor. The same words elsewhere, and comments that mention a secret, are left
-  out too.
+- Readable YAML is searched node by node. The same words elsewhere, and comments that mention a
+  secret, are left out too.
 - Unreadable text is searched line by line, and rather too much is left out: from a secret key to
   the end of its line, and lines below that are indented deeper or hold the value alone.
 """
@@ -56,7 +55,7 @@ def secrets_in_source(text: str) -> set[str]:
 
 
 def secrets_in_environment(environment: Mapping[str, str]) -> set[str]:
-    """Secret values of the variables that override a configuration."""
+    """Secret values of variables that override a configuration."""
     found: set[str] = set()
     for name, value in environment.items():
         if name.startswith("CLEARWAY_"):
@@ -79,10 +78,7 @@ def secret_spans(text: str) -> list[tuple[int, int]]:
 
 
 def masked(text: str, more: Iterable[tuple[int, int]] = ()) -> str:
-    """Replace each character of a secret with a star: lines and columns stay.
-
-    ``more``: other places to hide.
-    """
+    """Put a star for each character of a secret and of ``more`` places; lines and columns stay."""
     parts, end = [], 0
     for start, stop in _merged([*secret_spans(text), *more]):
         parts += [text[end:start], re.sub(r"[^\s]", "*", text[start:stop])]
@@ -125,7 +121,6 @@ def _root(text: str) -> yaml.Node | None:
 def _scalars(
     node: yaml.Node, *, under_secret: bool, seen: set[tuple[int, bool]]
 ) -> Iterator[tuple[yaml.ScalarNode, bool]]:
-    """Yield every scalar value once, and True if it is under a secret key."""
     if (id(node), under_secret) in seen:
         return
     seen.add((id(node), under_secret))

@@ -3,9 +3,9 @@
 Rules
 - `learn` gets the secrets of any configuration this process reads, sound or broken. From then on
   `hide` leaves them out of every sentence, log, page message, report and recording, in each form:
-  plain, percent-encoded, escaped as in JSON.
-- An address's user part, every value in its query (named or not) and its fragment are left out
-  too, learned or not; so is anything like a key in a query without its address.
+  plain, percent-encoded, escaped as in JSON, in base64.
+- An address's user part, every value in its query and its fragment are left out too, learned or
+  not; so is anything like a key in a query without its address.
 - A value under ``LEAST_LENGTH`` characters is left out only in addresses and beside its key:
   elsewhere it would take half the words of every sentence with it.
 """
@@ -25,8 +25,8 @@ from urllib.parse import unquote
 SECRET_KEY: Final = re.compile(
     r"(?i)(token|passw|pwd|passphrase|secret|api_?key|credential|(?<![a-z])url(?![a-z]))"
 )
-"""Pattern of a key whose value is never shown. The path of an address that is called (`notify.url`)
-is usually the key to it."""
+"""Key whose value is never shown. The path of an address that is called (`notify.url`) is usually
+the key to it."""
 SECRET_WORDS: Final = (
     *("token", "password", "passphrase", "secret"),
     *("apikey", "credential", "credentials"),
@@ -78,7 +78,7 @@ class Redactor:
         return _QUERY.sub(rf"\1{HIDDEN}", text) if "=" in text else text
 
     def plain(self, value: Any) -> Any:
-        """Plain JSON data with the secrets left out of every text."""
+        """Plain JSON data without its secrets."""
         if isinstance(value, str):
             return self.text(value)
         if isinstance(value, dict):
@@ -88,7 +88,7 @@ class Redactor:
         return value
 
     def spans(self, text: str) -> Iterator[tuple[int, int]]:
-        """Yield the places of secrets in the text."""
+        """Yield the places of secrets."""
         if self._pattern is not None:
             yield from (match.span() for match in self._pattern.finditer(text))
         yield from ((m.end(1), m.end() - 1) for m in _ADDRESS.finditer(text))
@@ -124,7 +124,7 @@ def _without_values(address: re.Match[str]) -> str:
 
 
 def _values_in(text: str, start: int, stop: int) -> Iterator[tuple[int, int]]:
-    """Yield the values in a query, from ``start`` to ``stop``; a part without a name is one."""
+    """Yield the values in a query; a part without a name is one."""
     for part in _PART.finditer(text, start, stop):
         name, _, value = part[0].partition("=")
         is_named = value.strip("=") != ""  # else it is the padding of base64

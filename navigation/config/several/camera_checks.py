@@ -1,4 +1,4 @@
-"""Checks across several cameras over one arena: names, sources, calibrations."""
+"""Checks across several cameras over one arena."""
 
 from __future__ import annotations
 

@@ -1,7 +1,6 @@
 """The sections `robot`, `serial` and `camera` as defaults of several robots and cameras.
 
-A default that every entry overrides is never used, so it is neither required nor checked. With
-several robots a check of `robot` or `serial` looks at each robot, never at the defaults alone.
+A default that every entry overrides is never used, so it is neither required nor checked.
 """
 
 from __future__ import annotations
@@ -13,7 +12,6 @@ from navigation.config.marks import Location
 from navigation.config.several.each_robot import robot_of, serial_of
 
 _ENTRIES: Final = {"robot": "robots", "serial": "robots", "camera": "cameras"}
-"""By the section: the list whose entries override it."""
 
 
 def is_overridden(sections: Mapping[str, Any], where: Location) -> bool:
@@ -29,10 +27,7 @@ def found_in(
     needed: Sequence[str],
     check: Callable[..., Iterator[tuple[Location, str]]],
 ) -> Iterator[tuple[Location, str]]:
-    """Yield a check's findings in its sections: with several robots, in each one's own.
-
-    A check that takes the list of robots itself sees the sections as they are.
-    """
+    """Yield a check's findings in its sections: with several robots, in each one's own."""
     by_robot = "robots" not in needed and not {"robot", "serial"}.isdisjoint(needed)
     if not by_robot or not sections.get("robots"):
         yield from check(*(sections[name] for name in needed))

@@ -8,19 +8,13 @@ from navigation.config.values import with_own
 
 
 def camera_of(camera: CameraSection, entry: CameraEntry) -> CameraSection:
-    """``camera`` with the differences of one of several cameras.
-
-    A camera with its own calibration has no scale, whatever ``camera`` says.
-    """
+    """``camera`` with the differences of an entry; one with its own calibration has no scale."""
     own = with_own(camera, entry)
     return own if entry.calibration is None else own.model_copy(update={"metres_per_pixel": None})
 
 
 def each_camera(config: Config) -> dict[str, Config]:
-    """Each camera's configuration as if it were alone, by name.
-
-    Empty if the configuration names one camera only, in the section ``camera``.
-    """
+    """Configuration of each of several cameras as if it were alone, by name; else empty."""
     return {
         entry.name: config.model_copy(
             update={

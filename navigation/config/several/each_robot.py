@@ -7,20 +7,17 @@ from navigation.config.values import with_own
 
 
 def robot_of(robot: RobotSection, entry: RobotEntry) -> RobotSection:
-    """``robot`` with the differences of one of several robots."""
+    """``robot`` with the differences of an entry."""
     return with_own(robot, entry)
 
 
 def serial_of(serial: SerialSection, entry: RobotEntry) -> SerialSection:
-    """``serial`` with the differences of one of several robots."""
+    """``serial`` with the differences of an entry."""
     return with_own(serial, entry)
 
 
 def each_robot(config: Config) -> dict[str, Config]:
-    """Each robot's configuration as if it were alone, by name.
-
-    Empty if the configuration names one robot only, in the section ``robot``.
-    """
+    """Configuration of each of several robots as if it were alone, by name; else empty."""
     return {entry.name: _alone(config, i, entry) for i, entry in enumerate(config.robots)}
 
 
@@ -59,10 +56,7 @@ def _alone(config: Config, index: int, entry: RobotEntry) -> Config:
 
 
 def settled(config: Config) -> Config:
-    """The configuration itself, or for a list with a single robot that robot's own.
-
-    One robot is driven as one robot, however it is written.
-    """
+    """The configuration itself, or for a list with a single robot that robot's own."""
     if len(config.robots) != 1:
         return config
     alone = each_robot(config)[config.robots[0].name]

@@ -1,4 +1,4 @@
-"""Checks across several driven robots: names, markers, ports, starts, goals."""
+"""Checks across several driven robots."""
 
 from __future__ import annotations
 

@@ -12,7 +12,7 @@ from planner.zones.zone import LANE_COST
 
 
 def in_words(zone: ZoneSection) -> str:
-    """Describe it in a line: kind, name, area, speed or cost, and the robots."""
+    """Kind, name, area, speed or cost, and the robots, in a line."""
     parts = [_area(zone)]
     if zone.speed_m_s is not None:
         parts.append(f"{zone.speed_m_s:g} m/s")
@@ -36,12 +36,12 @@ def _area(zone: ZoneSection) -> str:
 
 
 def as_written(zone: ZoneSection) -> dict[str, Any]:
-    """Return its keys as in a configuration, in JSON's types; a mask's file is absolute."""
+    """Keys as in a configuration, in JSON's types; a mask's file is absolute."""
     return zone.model_dump(mode="json", exclude_defaults=True)
 
 
 def as_yaml(zones: Iterable[ZoneSection]) -> str:
-    """Return the list `zones` of a configuration."""
+    """The list `zones` of a configuration."""
     written = [as_written(one) for one in zones]
     if not written:
         return "zones: []\n"

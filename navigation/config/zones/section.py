@@ -17,7 +17,7 @@ from planner.zones.areas import Area, BandArea, CircleArea, MaskArea, PolygonAre
 from planner.zones.zone import LEAST_COST, Zone, ZoneKind
 
 MOST_ZONES: Final = 100
-"""Zones of one run: chosen, more than a page can show apart."""
+"""Chosen: more than a page can show apart."""
 MOST_CORNERS: Final = 1000
 """Corners of a polygon, and places of a line: chosen."""
 
@@ -62,7 +62,6 @@ class ZoneSection(Section):
 
     @model_validator(mode="after")
     def _fits_together(self) -> Self:
-        """Reject an area that is given twice, not at all, or badly, in one sentence."""
         given = [key for key in ("polygon", "circle", "line", "mask") if getattr(self, key)]
         if len(given) != 1:
             told = " and ".join(given) if given else "no area"
@@ -77,7 +76,7 @@ class ZoneSection(Section):
         return self
 
     def zone(self) -> Zone:
-        """Return the zone as the planner has it; :class:`SceneError` if it is none."""
+        """Zone as the planner has it; `SceneError` if it is none."""
         return Zone(self.name, self.kind, self._area, self.robots, self.speed_m_s, self.cost)
 
     def is_for(self, robot: str) -> bool:

@@ -1,4 +1,4 @@
-"""Checks across the zones of a configuration: their names, robots and places."""
+"""Checks across the zones of a configuration."""
 
 from __future__ import annotations
 
@@ -36,7 +36,7 @@ def zones_have_few_places(zones: Any) -> _Found:
 
 
 def too_many_places(zones: Sequence[ZoneSection]) -> str | None:
-    """Return that they have too many corners together; None if not."""
+    """Sentence on too many corners together, or None."""
     count = sum(len(zone.polygon or zone.line or ()) for zone in zones)
     if count <= MOST_PLACES:
         return None
@@ -61,7 +61,7 @@ def zones_lie_in_the_arena(arena: Any, zones: Any) -> _Found:
 
 
 def unknown_robot(zone: ZoneSection, known: Collection[str]) -> str | None:
-    """Return why its robots cannot be, given the names of the robots; None if they can."""
+    """Reason why its robots, of the names ``known``, cannot be."""
     for name in zone.robots:
         if not known:
             return f"'{name}': this run has one robot, which has no name: leave it out"
@@ -71,7 +71,7 @@ def unknown_robot(zone: ZoneSection, known: Collection[str]) -> str | None:
 
 
 def outside_arena(zone: ZoneSection, bounds_m: Sequence[float]) -> str | None:
-    """Return why it lies outside of the arena, judged by the extent of each part; None if not."""
+    """Reason why it lies outside of the arena, judged by the extent of each part."""
     x0, y0, x1, y1 = bounds_m
     if not (x0 < x1 and y0 < y1):
         return None  # reported by itself

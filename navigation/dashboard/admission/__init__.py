@@ -1,9 +1,7 @@
 """Admission to the page: connections, rights, and the one operator in control.
 
-- ``listener.py`` accepts connections and cuts late or noisy ones; ``places.py`` limits their
-  number.
-- ``access.py`` checks Host, Origin and token, and gives each visitor a role; ``own_token.py`` makes
-  a token if none is configured.
-- ``allowance.py`` limits the rate of a viewer's messages.
-- ``seat.py`` says which operator holds the arena.
+- `listener` accepts connections and cuts late or noisy ones; `places` limits their number.
+- `access` checks Host, Origin and token, and gives each visitor a role; `own_token` makes a token
+  if none is configured.
+- `allowance` limits the rate of messages; `seat` says who holds the arena.
 """

@@ -1,12 +1,11 @@
 """Access to the dashboard: host names, origins and tokens. Opens nothing.
 
 Rules
-- The Host must be an address or a name of this machine: a foreign page whose name points here
-  (DNS rebinding) is refused with 400.
+- The Host must be an address or a name of this machine: a foreign page whose name points here (DNS
+  rebinding) is refused with 400.
 - The Origin, if a browser sends one, must be the Host itself: else 403.
 - If a token is configured, everything but the page's own files and /healthz needs one.
 - Otherwise the program has its own token: without it one may look, not stop or drive.
-- Every refusal is counted by its kind.
 """
 
 from __future__ import annotations
@@ -22,7 +21,7 @@ from urllib.parse import urlsplit
 from navigation.config.dashboard import DashboardSection
 
 PROTOCOL = "clearway.1"
-"""The websocket's subprotocol; a token travels beside it as ``token.TOKEN``."""
+"""A token travels beside it as ``token.TOKEN``."""
 LOCAL_NAMES = frozenset({"localhost", "127.0.0.1", "::1"})
 
 
@@ -30,20 +29,20 @@ TOKEN_TO_STOP = "stopping and driving need the token: open the link that 'clearw
 
 
 class Role(Enum):
-    """Greatest rights of a visitor, in ascending order."""
+    """Rights of a visitor, ascending."""
 
     VISITOR = "visitor"
-    """Look: who has no token, where looking needs none."""
+    """Look, where that needs no token."""
     VIEWER = "viewer"
     """Look and stop."""
     OPERATOR = "operator"
     """Look, stop, and drive while in control."""
     SUPERVISOR = "supervisor"
-    """The same, and take control from anyone who has it."""
+    """The same, and take control from its holder."""
 
     @property
     def may_drive(self) -> bool:
-        """True for those who may have control of the arena."""
+        """True for those who may take control."""
         return self in (Role.OPERATOR, Role.SUPERVISOR)
 
     def may_less_than(self, other: Role) -> bool:
@@ -54,7 +53,7 @@ class Role(Enum):
 
 @dataclass(frozen=True, slots=True)
 class Refusal:
-    """Reason for turning a visitor away: HTTP status, kind for the count, plain sentence."""
+    """Reason for turning a visitor away: HTTP status, kind for the count, sentence."""
 
     status: int
     kind: str
@@ -62,7 +61,7 @@ class Refusal:
 
 
 class AccessGate:
-    """Admits or turns away, and counts; ``refused`` is by kind.
+    """Admits or turns away, and counts refusals by kind.
 
     ``own_token`` replaces ``dashboard.token`` if none is configured; without either anyone who can
     reach the page may drive.
@@ -90,7 +89,7 @@ class AccessGate:
         return None
 
     def role(self, token: str | None) -> Role | Refusal:
-        """Role of a token's bearer; full rights if there is no token at all."""
+        """Role of a token's bearer; an operator's without any token."""
         section = self._section
         if self._token is None:
             return Role.OPERATOR
@@ -146,7 +145,6 @@ def _same(one: str, other: str) -> bool:
 
 
 def _name_of(host: str) -> str | None:
-    """Name in a Host header, without its port; None if absent."""
     try:
         return urlsplit(f"//{host}").hostname
     except ValueError:
@@ -154,7 +152,6 @@ def _name_of(host: str) -> str | None:
 
 
 def _place_of(origin: str) -> str | None:
-    """Name and port of an Origin header; None if invalid."""
     try:
         return urlsplit(origin).netloc.lower()
     except ValueError:

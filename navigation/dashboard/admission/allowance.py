@@ -4,7 +4,7 @@ from __future__ import annotations
 
 
 class Allowance:
-    """Allowance of messages: ``rate_s`` a second, for ``burst_s`` at once."""
+    """Limit of ``rate_s`` messages a second, for ``burst_s`` at once."""
 
     def __init__(self, rate_s: float, burst_s: float, now_s: float) -> None:
         self._rate_s, self._most = rate_s, rate_s * burst_s

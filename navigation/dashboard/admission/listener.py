@@ -2,14 +2,11 @@
 
 uvicorn accepts from it as from any other socket; the wrapped application (`watched`) reports each
 connection's state. Rules
-- Every connection has a place (`places.py`).
 - A request has ``REQUEST_WITHIN_S`` from its first byte (the first one from the connection's
   beginning) to the end of its answer, and a connection may be idle for that time.
 - A round of the loop reads ``BYTES_A_ROUND`` from a viewer: a thousand tiny frames hold no one up.
 - A viewer's bytes become messages. Others (pings, pongs, a message that is never complete) are
   limited to one message's size and ``STRAY_BYTES_S`` a second, or the connection is cut.
-
-Units: seconds, bytes.
 """
 
 from __future__ import annotations
@@ -35,9 +32,9 @@ App = Callable[[Any, Any, Any], Awaitable[None]]
 REQUEST_WITHIN_S: Final = 5.0
 BYTES_A_ROUND: Final = 1024
 MOST_MESSAGE_BYTES: Final = 80 * 1024
-"""Longer messages are refused by websockets; what pages may send is less (`viewer`)."""
+"""websockets refuses longer messages; the `viewer` takes less."""
 FRAME_BYTES: Final = 14
-"""The longest head of a frame (RFC 6455, 5.2): a message may have one more than its text."""
+"""The longest head of a frame (RFC 6455, 5.2)."""
 STRAY_BYTES_S: Final = 256.0
 """A page answers a ping of ours every few seconds with ten bytes."""
 BACKLOG: Final = 4096
@@ -48,17 +45,17 @@ ACCEPTS_A_ROUND: Final = 32
 MOST_PLACES: Final = 256
 LEAST_PLACES: Final = 16
 SHARE_OF_DESCRIPTORS: Final = 4
-"""The page's connections take this part of the process's descriptors at most: one in four."""
+"""One in this number of the process's descriptors, at most, is for the page."""
 AN_ADDRESS: Final = 0.625
-"""The share of the places that one address may have."""
+"""Share of the places that one address may have."""
 SWEEP_EVERY_S: Final = 0.25
 RESET_AT_CLOSE: Final = struct.pack("ii", 1, 0)
 
 
 class Listener(socket.socket):
-    """Listens on an address; raises ``OSError`` if it is not available.
+    """Listens on an address; ``OSError`` if it is not available.
 
-    ``places``: the connections. Belongs to one event loop, whose thread alone calls it.
+    Belongs to one event loop, whose thread alone calls it.
     """
 
     def __init__(self, host: str, port: int, clock: Callable[[], float] = time.monotonic) -> None:
@@ -79,7 +76,7 @@ class Listener(socket.socket):
             raise
 
     def accept(self) -> tuple[socket.socket, Any]:
-        """Accept a connection and give it a place; another one may lose its own."""
+        """Accept a connection and give it a place; another may lose its own."""
         accepted, address = super().accept()
         connection = Connection(accepted, address[:2], self)
         self._connections[connection.peer] = connection
@@ -93,9 +90,9 @@ class Listener(socket.socket):
             del self._connections[connection.peer]
 
     def watched(self, app: App) -> App:
-        """Wrap the application to report here what its connections are.
+        """Wrap the application to report its connections' states here.
 
-        It must be outside anything that changes ``scope["client"]``, which identifies a connection.
+        Must be outside anything that changes ``scope["client"]``, which identifies a connection.
         """
 
         async def watch(scope: Any, receive: Receive, send: Send) -> None:
@@ -110,7 +107,7 @@ class Listener(socket.socket):
         return watch
 
     async def look_after(self, server: uvicorn.Server) -> None:
-        """Cut late connections, until cancelled; ``server`` accepts from this socket."""
+        """Cut late connections until cancelled; ``server`` accepts from this socket."""
         while not server.started:
             await asyncio.sleep(0.01)
         self.listen(BACKLOG)  # the queue may be longer than one round takes from it
@@ -119,7 +116,7 @@ class Listener(socket.socket):
             await asyncio.sleep(SWEEP_EVERY_S)
 
     async def hang_up(self, within_s: float) -> None:
-        """Wait a moment for the last words, then cut all open connections."""
+        """Wait for the last words, then cut all connections."""
         for cut in (False, True):
             until_s = time.monotonic() + within_s
             if cut:
@@ -144,9 +141,9 @@ class Connection(socket.socket):
         self.place = OpenConnection(self, peer[0], self._counted_s + REQUEST_WITHIN_S)
 
     def recv(self, size: int, flags: int = 0, /) -> bytes:
-        """Receive bytes; the first begins a request, and a viewer's are read in parts.
+        """Receive bytes; a viewer's are read in parts.
 
-        Raises ``ConnectionAbortedError`` if a viewer's bytes become no message.
+        ``ConnectionAbortedError`` if a viewer's bytes become no message.
         """
         if self._is_viewer:
             data = super().recv(min(size, BYTES_A_ROUND), flags)
@@ -177,7 +174,7 @@ class Connection(socket.socket):
         return self._is_over
 
     async def serve_viewer(self, app: App, scope: Any, receive: Receive, send: Send) -> None:
-        """Serve a websocket from its request on: it may stay; after its end it has a moment."""
+        """Serve a websocket: it may stay, and has a moment after its end."""
 
         async def hear() -> Message:
             message = await receive()
@@ -198,7 +195,7 @@ class Connection(socket.socket):
             self._is_over = True
 
     def noting_the_end(self, send: Send) -> Send:
-        """Make a connection idle from the last part of an answer on."""
+        """Make the connection idle after the last part of an answer."""
 
         async def say(message: Message) -> None:
             await send(message)
@@ -212,7 +209,7 @@ class Connection(socket.socket):
         self.place.until_s = self._listener.clock() + REQUEST_WITHIN_S
 
     def _count(self, size: int) -> None:
-        """Count received bytes; a negative size takes off those of a message."""
+        """Count received bytes; a negative size takes off a message."""
         now_s = self._listener.clock()
         allowed = STRAY_BYTES_S * (now_s - self._counted_s)
         self._counted_s = now_s

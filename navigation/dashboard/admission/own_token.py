@@ -1,7 +1,7 @@
 """The program's own token if the configuration has none, kept for the next start.
 
 The file is the user's alone (mode 0600), in the control socket's folder, which is too: anyone who
-can read the token could give orders over the socket as well.
+can read it could give orders over the socket as well.
 """
 
 from __future__ import annotations
@@ -18,10 +18,7 @@ FORM: Final = re.compile(r"[A-Za-z0-9_-]{32}")
 
 
 def own_token(file: Path) -> str:
-    """Token kept in ``file``, or a new one if that is missing or not ours alone.
-
-    OSError if a new one cannot be kept.
-    """
+    """Token kept in ``file``, or a new one if that is missing or not ours alone; ``OSError``."""
     kept = _read(file)
     if kept is not None:
         return kept
@@ -42,7 +39,7 @@ def new_token() -> str:
 
 
 def _read(file: Path) -> str | None:
-    """Token in the file; None if missing, or if others could have read or written it."""
+    """Token in the file; None if others could have read or written it."""
     try:
         number = os.open(file, os.O_RDONLY | os.O_NOFOLLOW | os.O_NONBLOCK | os.O_CLOEXEC)
     except OSError:

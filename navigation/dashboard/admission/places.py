@@ -1,13 +1,10 @@
-"""Connections to the page's port, their deadlines, and the one to cut for another. Opens nothing.
+"""Connections to the page's port, their deadlines, and the one to cut for another.
 
 Rules
-- A connection is cut if it has not sent a whole request, or taken its answer, in time; a closing
-  one has a moment to take the last words.
-- If all places, or all of one address's share, are taken, a new connection replaces the oldest
-  that is not a viewer; a request sent at once is read before that happens. Viewers, limited by the
-  hub, are never cut for a connection.
-
-Seconds of the caller's clock.
+- A connection is cut if it has not sent a whole request, or taken its answer, in time.
+- If all places, or all of one address's share, are taken, a new connection replaces the oldest that
+  is not a viewer; a request sent at once is read first. Viewers, limited by the hub, are never cut
+  for a connection.
 """
 
 from __future__ import annotations
@@ -33,7 +30,7 @@ class Line(Protocol):
 
 @dataclass(slots=True, eq=False)
 class OpenConnection:
-    """One connection: its address and its deadline."""
+    """One connection: its address and its deadline, seconds of the caller's clock."""
 
     line: Line
     address: str
@@ -47,7 +44,7 @@ class OpenConnections:
     def __init__(self, most: int, most_an_address: int) -> None:
         self.most, self.most_an_address = most, most_an_address
         self.cut = 0
-        """Number of connections that were cut: late, or to make room."""
+        """Connections that were cut: late, or to make room."""
         self._waiting: dict[OpenConnection, None] = {}
         self._viewers: dict[OpenConnection, None] = {}
         self._shares: Counter[str] = Counter()
@@ -56,7 +53,7 @@ class OpenConnections:
         return len(self._waiting) + len(self._viewers)
 
     def come(self, place: OpenConnection) -> None:
-        """Add an accepted connection; cut another one if there is no place."""
+        """Add an accepted connection; another may have to go."""
         if self._shares[place.address] >= self.most_an_address:
             self._cut_oldest(place.address)
         elif len(self._waiting) >= self.most:
@@ -65,7 +62,7 @@ class OpenConnections:
         self._shares[place.address] += 1
 
     def look(self, place: OpenConnection) -> None:
-        """Make a connection a viewer: it may stay, and does not count among the others."""
+        """Make a connection a viewer, which may stay."""
         self._leave_waiting(place)
         place.until_s = inf
         self._viewers[place] = None
@@ -76,7 +73,7 @@ class OpenConnections:
         self._viewers.pop(place, None)
 
     def make_room(self) -> None:
-        """Cut the oldest connection that is not a viewer: no descriptor is left."""
+        """Cut the oldest connection that is not a viewer."""
         self._cut_oldest(None)
 
     def sweep(self, now_s: float) -> None:

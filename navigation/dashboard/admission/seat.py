@@ -1,12 +1,10 @@
 """The seat: at most one operator holds the arena; the others watch, and may stop the robot.
 
 Rules
-- The first to ask takes a free seat; releasing leaves it.
-- A supervisor takes it from anyone, at once.
+- The first to ask takes a free seat. A supervisor takes it from anyone, at once.
 - A holder loses it after ``idle_s`` without acting, or when away for longer than a page takes to
   reload (``LEFT_S``) or a lost connection to come back (``AWAY_S``).
-- Time is passed in. A key that only the holder's page knows identifies the holder; others see its
-  ``public`` half.
+- A key that only the holder's page knows identifies the holder.
 """
 
 from __future__ import annotations
@@ -15,29 +13,27 @@ import hashlib
 from dataclasses import dataclass, replace
 
 AWAY_S = 20.0
-"""Time that a lost connection may take to come back."""
 LEFT_S = 4.0
-"""Time in which a page that was left may be loaded again: the same operator."""
 
 
 @dataclass(frozen=True, slots=True)
 class Holder:
-    """The holder of the arena: the secret key, the name that others see, and signs of life."""
+    """The holder of the arena: secret key, name that others see, signs of life."""
 
     key: str
     name: str
     active_s: float
     back_until_s: float | None = None
-    """While away: until when to come back."""
+    """While away: the time limit to come back."""
 
     @property
     def public(self) -> str:
-        """The part of the key that others may know."""
+        """Part of the key that others may know."""
         return public_half(self.key)
 
 
 def public_half(key: str) -> str:
-    """A short digest that distinguishes keys and gives none away."""
+    """A digest that distinguishes keys and gives none away."""
     return hashlib.sha256(key.encode()).hexdigest()[:12]
 
 
@@ -49,7 +45,7 @@ class Seat:
         self.holder: Holder | None = None
 
     def take(self, key: str, name: str, now_s: float, *, from_anyone: bool = False) -> str | None:
-        """Take the seat, if it is free or ``from_anyone``; return None, or a sentence why not."""
+        """Take the seat, if it is free or ``from_anyone``; return None, or why not."""
         holder = self.holder
         if holder is not None and holder.key != key and not from_anyone:
             left_s = self.free_in_s(now_s)
@@ -74,18 +70,18 @@ class Seat:
             self.holder = replace(self.holder, active_s=now_s, back_until_s=None)
 
     def come(self, key: str, name: str) -> None:
-        """Note that the holder's connection is here (again), by this name."""
+        """Note that the holder's connection is here, by this name."""
         if self.holder is not None and self.holder.key == key:
             self.holder = replace(self.holder, name=name, back_until_s=None)
 
     def go(self, key: str, now_s: float, *, left: bool) -> None:
-        """Note that the holder's connection ended; ``left``: in order, as of a closed page."""
+        """Note that the holder's connection ended; ``left`` as a closed page does."""
         if self.holder is not None and self.holder.key == key:
             until_s = now_s + (LEFT_S if left else AWAY_S)
             self.holder = replace(self.holder, back_until_s=until_s)
 
     def free_in_s(self, now_s: float) -> float:
-        """Seconds until an idle seat becomes free; 0 if it is free."""
+        """Seconds until an idle seat is free."""
         holder = self.holder
         if holder is None:
             return 0.0
@@ -95,7 +91,7 @@ class Seat:
         return max(0.0, left_s)
 
     def tick(self, now_s: float) -> str | None:
-        """Free the seat when due; return the sentence for that, else None."""
+        """Free the seat when due, and say so."""
         holder = self.holder
         if holder is None or self.free_in_s(now_s) > 0.0:
             return None

@@ -1,11 +1,10 @@
 """Earlier runs over HTTP: `/api/runs` in pages, `/api/runs/RUN/FILE` in pieces.
 
 Rules
-- Anyone who may look at the page may look at these, with the same token.
+- Anyone who may look at the page may look at these.
 - One listing is made at a time, and serves equal requests within `FRESH_S`.
 - An answer has at most `PIECE_BYTES` of a file (``Range: bytes=FIRST-LAST``), so that a slow line
-  keeps little in memory and no connection for long; larger files are fetched in pieces.
-- The disk is read in worker threads.
+  keeps little in memory.
 """
 
 from __future__ import annotations
@@ -37,7 +36,7 @@ _RANGE: Final = re.compile(r"bytes=(\d{1,15})-(\d{0,15})", re.ASCII)
 
 
 class KeptAnswers:
-    """Answers for one page; ``workers`` are threads that may wait for the disk."""
+    """Answers for one page; ``workers`` may wait for the disk."""
 
     def __init__(
         self, runs: KeptRuns, gate: AccessGate, workers: Executor, clock: Callable[[], float]

@@ -1,12 +1,11 @@
 """Named places, kept in a file beside the journal: operators save, rename and remove them.
 
 Rules
-- A name has 1 to `NAME_CHARACTERS` printable characters and is unique, ignoring case. There are
-  at most `MOST_PLACES`, and each lies in the arena.
+- A name is unique, ignoring case; each place lies in the arena.
 - The file is written whole before a change counts. An unreadable one is left alone: nothing can be
   saved then, and the sentence says why.
 
-Metres, radians in the arena.
+Metres, radians.
 """
 
 from __future__ import annotations
@@ -41,7 +40,7 @@ class SavedPlace:
 
 
 class PlaceError(ValueError):
-    """An impossible change of the places; the message says why."""
+    """Error: an impossible change of the places."""
 
 
 class SavedPlaces:
@@ -51,7 +50,7 @@ class SavedPlaces:
         self.path, self._arena = path, arena
         self.places: tuple[SavedPlace, ...] = ()
         self.trouble = ""
-        """Why nothing can be saved; empty while all is well."""
+        """Reason why nothing can be saved."""
         try:
             self.places = self._read()
         except (OSError, ValueError) as error:
@@ -59,7 +58,7 @@ class SavedPlaces:
             self.trouble = f"{path}: the saved places cannot be read: {reason}"
 
     def body(self) -> dict[str, Any]:
-        """The places in order of their names, as JSON data."""
+        """The places by name, as JSON data."""
         ordered = sorted(self.places, key=lambda place: place.name.casefold())
         return {"places": [asdict(place) for place in ordered]}
 

@@ -1,12 +1,9 @@
-"""Earlier runs: the list, the files of each, and the way from a name to a file.
+"""Earlier runs: the list, the files of each, and the path from a name to a file.
 
 Rules
-- A run is a folder in ``recording.runs_dir`` named by a time, as a run makes it, with the files
-  of `RUN_FILES`. A recording is an MCAP file with a recording's name. Nothing else is seen.
+- A run is a folder in ``recording.runs_dir`` named by a local time, with the files of `RUN_FILES`.
+  A recording is an MCAP file with a recording's name. Nothing else is seen, and no link.
 - A recording belongs to the last run that began before it.
-- Links do not count as files or folders: nothing leads out of the two folders.
-
-Times are local, as in the names; sizes in bytes.
 """
 
 from __future__ import annotations
@@ -45,10 +42,7 @@ class KeptFile:
 
 @dataclass(frozen=True, slots=True)
 class KeptRun:
-    """A run: its folder's name, its beginning, its report if any, its files.
-
-    ``is_running``: it is the run that serves the page.
-    """
+    """A run, by its folder's name; ``is_running``: it serves the page."""
 
     name: str
     began: datetime
@@ -69,7 +63,7 @@ class RunPage:
 
 @dataclass(frozen=True, slots=True)
 class KeptRuns:
-    """The folders; ``running`` is the name of the present run's own, None if it has none."""
+    """The folders; ``running`` is the name of the present run's own, if any."""
 
     runs_dir: Path
     recordings_dir: Path
@@ -88,7 +82,7 @@ class KeptRuns:
 
     @contextmanager
     def opened(self, run: str, file: str) -> Iterator[BinaryIO]:
-        """Open a run's file or one of its recordings for reading; FileNotFoundError otherwise."""
+        """Open a run's file or one of its recordings; FileNotFoundError otherwise."""
         if not is_run(run):
             raise FileNotFoundError(run)
         if file in RUN_FILES:
@@ -114,7 +108,6 @@ class KeptRuns:
         )
 
     def _recordings(self, runs: list[str]) -> dict[str, list[str]]:
-        """Recordings that began after a run and before the next, by the run's name."""
         begins = [_stamp(name) for name in runs]
         found: dict[str, list[str]] = {}
         for name in sorted(_names(self.recordings_dir, is_recording)):
@@ -154,7 +147,6 @@ def _order(name: str) -> tuple[str, int]:
 
 
 def _names(folder: Path, wanted: Any) -> list[str]:
-    """Matching names in a folder, without links; none if the folder is missing."""
     try:
         with os.scandir(folder) as entries:
             return [entry.name for entry in entries if wanted(entry.name) and _is_own(entry)]
@@ -179,7 +171,6 @@ def _sized(folder: Path, names: tuple[str, ...] | list[str]) -> Iterator[KeptFil
 
 
 def _report(path: Path) -> dict[str, Any] | None:
-    """A run's report; None if it cannot be read."""
     try:
         with _opened(path) as file:
             found = json.loads(file.read(MOST_REPORT_BYTES))
@@ -191,7 +182,7 @@ def _report(path: Path) -> dict[str, Any] | None:
 
 @contextmanager
 def _opened(path: Path) -> Iterator[BinaryIO]:
-    """Open an ordinary file, no link and no pipe; OSError otherwise."""
+    """Open an ordinary file, no link and no pipe; ``OSError``."""
     flags = os.O_RDONLY | os.O_NOFOLLOW | os.O_NONBLOCK | os.O_CLOEXEC
     with open(os.open(path, flags), "rb") as file:
         if not stat.S_ISREG(os.fstat(file.fileno()).st_mode):

@@ -1,8 +1,7 @@
 """The camera's own picture for viewers, with the markers and borders found in it.
 
-Nothing is warped: the obstacles' borders and the arena are where the program believes them to be in
-the camera's view, which shows a wrong calibration. Pixels of the largest picture sent, x right, y
-down, as float32. Works in any thread; a frame is never changed.
+Nothing is warped: borders and arena are where the program believes them to be, which shows a wrong
+calibration. Pixels of the largest picture sent, x right, y down, as float32. Works in any thread.
 """
 
 from __future__ import annotations
@@ -28,7 +27,7 @@ SIDE_POINTS = 24
 
 
 class CameraView:
-    """Packs unwarped pictures of one camera; ``width_px`` is the largest width sent."""
+    """Packs pictures of one camera; ``width_px`` is the largest width sent."""
 
     def __init__(self, calibration: Calibration, arena: Bounds, width_px: int, quality: int):
         self._calibration, self._quality = calibration, quality
@@ -60,7 +59,7 @@ class CameraView:
     ) -> dict[int, bytes]:
         """Messages by width: ``jpeg``, marker ``corners`` (k x 4), ``border`` with its firsts.
 
-        ``size_px`` are the pixels that corners and border are in, whatever the JPEG's width.
+        Corners and border are in pixels of ``size_px``, whatever the JPEG's width.
         """
         if self._known[0] is not roadmap:
             scene = None if roadmap is None else roadmap.scene

@@ -1,7 +1,6 @@
 """The recent past, for latecomers: the log, the driven track, the live charts.
 
-Fed with the daemon's states; keeps and numbers the newest of each. Seconds of the run, metres; the
-log's times are wall-clock times.
+Seconds of the run, metres; the log's times are wall-clock times.
 """
 
 from __future__ import annotations
@@ -23,7 +22,7 @@ TRACK_POINTS: Final = 6000
 SAMPLE_EVERY_S: Final = 0.5
 SAMPLES: Final = 240
 STEP_M: Final = 0.004
-"""The robot's track has a point about this often."""
+"""Least distance between points of a track."""
 COLUMNS: Final = (
     "time_s",
     "camera_hz",
@@ -51,8 +50,7 @@ class LogLine:
 class Chronicle:
     """Log, track and samples. ``fastest_m_s``: the robot's highest speed.
 
-    With several robots each has a chronicle and puts its ``name`` before its lines in the common
-    ``log``.
+    One of several puts its ``name`` before its lines in the common ``log``.
     """
 
     def __init__(
@@ -75,7 +73,7 @@ class Chronicle:
         self.log.append(LogLine(wall_s, level, hide(text)))
 
     def see_arena(self, state: RobotSnapshot, camera: CameraStatus, wall_s: float) -> None:
-        """Record news of camera and program, which exist once for all robots."""
+        """Record news of camera and program, common to all robots."""
         if camera.reason or "camera" in self._said:
             self._say("camera", wall_s, "warn" if camera.reason else "info", _of_camera(camera))
         for trouble in state.troubles:

@@ -1,7 +1,7 @@
 """The scene and its diagram as arrays for the page: borders, chains, the usable part.
 
 Metres in the arena's frame, as float32: good to a micrometre in an arena of ten metres. A roadmap
-never changes, so any thread may do this; it costs a few milliseconds.
+never changes, so any thread may do this.
 """
 
 from __future__ import annotations
@@ -19,7 +19,7 @@ from planner.scene import CircleRecord, FloatArray, PolygonRecord, Scene
 
 
 def world_message(roadmap: Roadmap, number: int) -> bytes:
-    """The arena's contents: closed borders by object, open ones, and the diagram's chains.
+    """The arena's contents: borders by object, and the diagram's chains.
 
     Arrays: ``border`` points with ``border_first`` (where each begins, and the end),
     ``border_object`` and ``border_closed``; ``chain`` points with ``chain_clearance``,
@@ -46,7 +46,7 @@ def world_message(roadmap: Roadmap, number: int) -> bytes:
 
 
 def plan_message(path: Path | None, number: int) -> bytes:
-    """The plan being driven; no points if there is none."""
+    """The plan being driven; no points without one."""
     if path is None:
         return pack("plan", {"number": number}, {"points": np.empty(0, dtype=np.float32)})
     fields = {"number": number, **path_facts(path)}
@@ -64,7 +64,7 @@ def plans_message(paths: Mapping[str, Path | None], number: int) -> bytes:
 
 
 def path_facts(path: Path) -> dict[str, object]:
-    """Length and clearance of a path, metres, and the planner's remarks on it."""
+    """Length and clearance of a path, metres, and its remarks."""
     return {
         "length_m": path.length,
         "clearance_m": path.min_clearance,
@@ -75,7 +75,7 @@ def path_facts(path: Path) -> dict[str, object]:
 
 
 def border_lines(scene: Scene) -> tuple[list[FloatArray], list[int], list[bool]]:
-    """Every border as a polyline, its object, and whether it is closed."""
+    """Every border as a polyline, its object, and true if it is closed."""
     borders: list[FloatArray] = []
     owner: list[int] = []
     closed: list[bool] = []

@@ -1,7 +1,6 @@
 """The clearance of every place as a picture: exact at the middle of each cell.
 
-The clearances are the roadmap's own, in the colours of its lines, so that one ramp explains both. A
-roadmap never changes, so any thread may do this: the kernel releases the interpreter, and `CELLS`
+Any thread may do this: a roadmap never changes, the kernel releases the interpreter, and `CELLS`
 bounds its work.
 """
 
@@ -42,7 +41,6 @@ def heat_message(roadmap: Roadmap, window: Bounds, number: int) -> bytes:
 
 
 def _span(roadmap: Roadmap) -> tuple[float, float]:
-    """Least and largest clearance on the robot's roadmap: the page's ramp."""
     chains = roadmap.clipped.chains
     pieces = [chains.rho[chains.first[c] : chains.first[c + 1]] for c in roadmap.kept]
     if not pieces:

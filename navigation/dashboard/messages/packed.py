@@ -1,8 +1,8 @@
 """Arrays on the wire: one binary message with a JSON head, which browsers read without copying.
 
-A message is the head's length (uint32), the head (JSON, padded with spaces to align the rest to
-four bytes), then the arrays in turn. The head has ``type``, its own fields, and ``arrays``: name ->
-[type, first byte after the head, number of values]. Everything is little-endian.
+A message is the head's length (uint32), the head (JSON, padded with spaces to four bytes), then the
+arrays in turn. The head has ``type``, its own fields, and ``arrays``: name -> [type, first byte
+after the head, number of values]. Everything is little-endian.
 """
 
 from __future__ import annotations

@@ -1,4 +1,4 @@
-"""The pictures' colours as the page's style: one visual language, defined in one place.
+"""The pictures' colours as the page's style.
 
 `DAY` and `NIGHT` are the page's own surfaces and inks; drawings in the arena have the colours of
 `navigation.draw.shapes` in both.

@@ -1,13 +1,10 @@
 """The camera's picture for viewers: seen straight from above, to scale, as JPEG.
 
-Rules and units
-- The picture is warped onto the arena's floor, so that metres are pixels times one number: lens and
-  perspective are gone, and the page's drawings lie in place. Things with a height lean outwards,
-  as for the camera.
+- The picture is warped onto the arena's floor, so that the page's drawings lie in place. Things
+  with a height lean outwards, as for the camera.
 - ``window`` is the shown part of the floor: the arena with a rim. x right, y up.
-- A page gets the smallest of eight sizes that is not below its own (`width_for`): pages cannot make
-  the program encode more sizes than these.
-- Works in any thread; a frame is never changed.
+- Pages cannot make the program encode more sizes than `SIZES`.
+- Works in any thread.
 """
 
 from __future__ import annotations
@@ -28,18 +25,18 @@ RIM = 0.04
 """Width shown around the arena, as a share of its longer side."""
 
 OUT_OF_SIGHT_PX = -100.0
-"""Place outside every picture, looked up for floor that no pixel shows."""
+"""Place outside every picture, for floor that no pixel shows."""
 
 SIZES: Final = 8
 """Chosen: a picture's width is one of as many parts of the configured one. A page gets at most an
 eighth more than it shows, and all sizes together have 3.2 times the pixels of the largest."""
 SMOOTHING_PX: Final = 0.6
-"""Measured (`benchmarks.page_traffic`): a fifth of the bytes is noise that this takes away; edges
-stay as sharp as in the next smaller size."""
+"""Measured (`benchmarks.page_traffic`): takes away noise, a fifth of the bytes; edges stay as sharp
+as in the next smaller size."""
 
 
 def width_for(shown_px: int, most_px: int) -> int:
-    """Least width of a picture that fills ``shown_px`` pixels; ``most_px`` where none does."""
+    """Least width of a picture that fills ``shown_px`` pixels, else ``most_px``."""
     widths = (max(1, most_px * part // SIZES) for part in range(1, SIZES + 1))
     return next((width for width in widths if width >= shown_px), most_px)
 
@@ -47,7 +44,7 @@ def width_for(shown_px: int, most_px: int) -> int:
 def encode_widths(
     image: NDArray[np.uint8], widths_px: Iterable[int], quality: int
 ) -> dict[int, NDArray[np.uint8]]:
-    """JPEG of a picture at each width, or at its own if that is less; ``quality`` is OpenCV's."""
+    """JPEG of a picture at each width, or at its own if that is less."""
     height, full_px = image.shape[:2]
     smooth = cv2.GaussianBlur(image, (3, 3), SMOOTHING_PX)
     # progressive with its own code tables: a quarter fewer bytes, mostly of even floor
@@ -68,7 +65,7 @@ def encode_widths(
 
 
 class TopView:
-    """Warps and packs pictures of one camera; the warp is computed once."""
+    """Warps and packs pictures of one camera."""
 
     def __init__(self, calibration: Calibration, arena: Bounds, width_px: int, quality: int):
         rim = RIM * max(arena.width, arena.height)
@@ -100,7 +97,7 @@ class TopView:
         return x, y
 
     def jpegs(self, frame: Frame, widths_px: Iterable[int]) -> dict[int, NDArray[np.uint8]]:
-        """Encoded view of a frame by width; ground out of the camera's sight is mid-grey."""
+        """Encoded view of a frame by width; floor out of the camera's sight is mid-grey."""
         image = np.asarray(frame.image)
         if frame.size != self._calibration.size:
             image = np.asarray(cv2.resize(image, self._calibration.size), dtype=np.uint8)

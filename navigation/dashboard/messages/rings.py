@@ -1,4 +1,4 @@
-"""History for latecomers: the newest items, each with its number."""
+"""The newest items, each with its number, for latecomers."""
 
 from __future__ import annotations
 
@@ -22,10 +22,7 @@ class Ring(Generic[Item]):
         self.next += 1
 
     def since(self, number: int, most: int) -> tuple[int, list[Item]]:
-        """At most ``most`` items from ``number`` on, and the number of the first.
-
-        Dropped items are left out, so the first may have a higher number.
-        """
+        """At most ``most`` kept items from ``number`` on, and the number of the first."""
         first = max(number, self.next - len(self._items))
         skip = first - (self.next - len(self._items))
         return first, list(islice(self._items, skip, skip + most))

@@ -1,7 +1,7 @@
 """Greeting, state and previews of the running program for viewers, as JSON data.
 
-Metres, radians, seconds; ages and latencies in milliseconds, for people. Nothing is infinite or
-NaN: unseen things are null.
+Metres, radians, seconds; ages and latencies in milliseconds. Nothing is infinite or NaN: unseen
+things are null.
 """
 
 from __future__ import annotations
@@ -27,9 +27,7 @@ from vision.markers.markers import RobotPose
 
 
 def greeting(config: Config, view: TopView) -> dict[str, Any]:
-    """Facts that do not change during a run: the arena, the robots, the pictures' place on the
-    floor.
-    """
+    """Facts that do not change during a run."""
     window = view.window
     return {
         "type": "hello",
@@ -48,7 +46,7 @@ def greeting(config: Config, view: TopView) -> dict[str, Any]:
 
 
 def robots_greeting(configs: Mapping[str, Config]) -> list[dict[str, Any]]:
-    """Facts of each of several robots, by name, in the order of the configuration."""
+    """Facts of each of several robots, in the order of the configuration."""
     return [{"name": name, "port": one.serial.port, **_robot(one)} for name, one in configs.items()]
 
 
@@ -71,10 +69,7 @@ def state_message(
     loop_age_s: float,
     viewers: int,
 ) -> dict[str, Any]:
-    """The present state; `loop_age_s` is the time since the control loop's last cycle.
-
-    ``others`` are the other robots' last seen poses, however old.
-    """
+    """The present state; ``others`` are the other robots' last seen poses."""
     return {
         "type": "state",
         "time_s": round(state.time_s, 2),
@@ -89,7 +84,7 @@ def state_message(
 
 
 def robot_facts(state: RobotSnapshot, view: TopView, now_s: float) -> dict[str, Any]:
-    """Facts of one robot: mission, place and link."""
+    """Mission, place and link of one robot."""
     mission = state.mission
     return {
         "paused": mission.paused,
@@ -110,7 +105,7 @@ def robot_facts(state: RobotSnapshot, view: TopView, now_s: float) -> dict[str, 
 
 
 def no_path_facts(answer: NoPath) -> dict[str, Any]:
-    """Reason why there is no path, and the place where the widest one is too narrow."""
+    """Reason why there is no path, and where the widest one is too narrow."""
     gap = answer.bottleneck
     return {
         "reason": answer.reason,
@@ -121,7 +116,7 @@ def no_path_facts(answer: NoPath) -> dict[str, Any]:
 
 
 def preview_facts(answer: PlanAnswer) -> dict[str, Any]:
-    """A preview as JSON data: the path with its figures, or why there is none."""
+    """The path with its figures, or why there is none."""
     path = answer.path
     if isinstance(path, NoPath):
         return {"ok": False, **no_path_facts(path)}
@@ -183,7 +178,6 @@ def _camera(camera: CameraStatus, evidence: Evidence) -> dict[str, Any]:
 
 
 def _stop_doubt(state: RobotSnapshot) -> str | None:
-    """Doubt that a stopped robot is at rest; None if it is, or is not stopped."""
     return doubt_of_stop(state.link) if state.mission.state is State.STOPPED else None
 
 

@@ -1,7 +1,7 @@
 """The zones of a run for viewers: the keys of a configuration, with what only a page needs.
 
-Metres in the arena's frame. ``title`` is the zone as sentences name it; a mask has ``outlines``,
-closed polylines, and the name of its file without the folder.
+Metres. ``title`` is the zone as sentences name it; a mask has ``outlines``, closed polylines, and
+the name of its file without the folder.
 """
 
 from __future__ import annotations

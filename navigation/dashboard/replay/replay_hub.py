@@ -1,7 +1,6 @@
-"""The hub of a recording's page: its viewers steer it, and it begins again after a jump.
+"""The hub of a recording's page: all viewers see the same moment, and steer it.
 
-All viewers see the same moment. A jump changes the past: log, track and charts are rebuilt from the
-recording up to there, and every page is greeted again.
+A jump changes the past: log, track and charts are rebuilt, and every page is greeted again.
 """
 
 from __future__ import annotations
@@ -18,9 +17,9 @@ from navigation.loop.run_state import RunState
 from navigation.shared.outside import finite_number, in_short
 
 TRACK_EVERY_S: Final = 0.2
-"""Places of a track of the past are as far apart, well below where it breaks (`UNSEEN_S`)."""
+"""Time between places of a past track, well below where it breaks (`UNSEEN_S`)."""
 TRACK_PLACES: Final = 12_000
-"""All tracks have as many places together, at most: half a second's work."""
+"""Places of all tracks together, at most: half a second's work."""
 
 
 class ReplayHub(Hub):
@@ -52,7 +51,7 @@ class ReplayHub(Hub):
         super().look(now_s)
 
     def steer(self, message: Mapping[str, Any]) -> str | None:
-        """``{"do": "play"|"pause"|"seek"|"speed", "value": N}``; None, or the reason to refuse."""
+        """``{"do": "play"|"pause"|"seek"|"speed", "value": N}``; the reason to refuse, or None."""
         now_s, player = self.clock(), self._player
         value = finite_number(message.get("value"))
         match message.get("do"):

@@ -1,10 +1,10 @@
-"""A recording at the player's moment, as a daemon would publish it; it takes no orders.
+"""A recording at the player's moment, as a daemon would publish it.
 
 Rules
 - Capture times are moved to the present, so that pages show each age as it was then;
   ``RunState.time_s`` is seconds from the recording's beginning.
 - Unrecorded data is None, never made up. A robot's marker is shown at its pose on the floor.
-- Roadmaps are rebuilt from the recorded scenes in a separate thread; the newest few are kept.
+- Roadmaps are rebuilt in a separate thread.
 """
 
 from __future__ import annotations
@@ -67,12 +67,11 @@ class ReplayedRun:
         configs = robots_of(self.config)
         self._robots = [TapedRobot(tape, name, one) for name, one in configs.items()]
         self._smallest_m = min(one.robot.radius_m for one in configs.values())
-        """Radius of the robot that the roadmap is of, as in a run."""
+        """Radius that the roadmap is of, as in a run."""
         self._builder = ThreadPoolExecutor(1, thread_name_prefix="roadmaps")
         self._roadmaps: OrderedDict[int, Future[Roadmap]] = OrderedDict()
         self._frame: tuple[TapedPicture | None, Frame | None] = (None, None)
         self.people = None
-        """None: a recording takes no orders."""
 
     def close(self) -> None:
         """Stop building roadmaps."""
@@ -110,8 +109,8 @@ class ReplayedRun:
     def at(self, place_s: float, *, as_now: bool = False, in_short: bool = False) -> RunState:
         """State ``place_s`` after the recording's beginning, in the run's own times.
 
-        ``as_now``: with its picture, and with times shifted so that ages are as they were then.
-        ``in_short``: without clearances and plans, the slowest parts.
+        ``as_now``: with its picture, and times shifted to the present. ``in_short``: without
+        clearances and plans, the slowest parts.
         """
         time_s = self.tape.begin_s + place_s
         later_s = self._clock() - time_s if as_now else 0.0
@@ -184,7 +183,6 @@ class ReplayedRun:
 
 
 def _clearances(moment: Moment, robots: list[TapedRobot]) -> list[float | None]:
-    """Clearances of the robots in view, if there is a roadmap."""
     poses = [robot.pose_at(moment) for robot in robots]
     places = [(pose.x, pose.y) for pose in poses if pose is not None]
     if moment.roadmap is None or not places:

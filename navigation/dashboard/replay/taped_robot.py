@@ -1,6 +1,6 @@
-"""One robot of a recording at any moment, as its daemon published it: mission, link, plan.
+"""One robot of a recording at any moment, as its daemon published it.
 
-Unrecorded data is None or empty, never made up. Metres, radians, seconds of the run's clock.
+Unrecorded data is None or empty. Metres, radians, seconds of the run's clock.
 """
 
 from __future__ import annotations
@@ -56,7 +56,7 @@ class TapedRobot:
     def state_at(
         self, moment: Moment, clearance_m: float | None, *, in_short: bool = False
     ) -> RobotSnapshot:
-        """The robot's snapshot, in the times of ``moment``; ``in_short`` without its plan."""
+        """Snapshot in the times of ``moment``; ``in_short`` without a plan."""
         mission, pose = self.mission_at(moment.time_s), self.pose_at(moment)
         path = None
         if mission.state in DRIVEN and not in_short:
@@ -143,7 +143,6 @@ def _to_go_m(path: Path, pose: RobotPose) -> float:
 
 
 def _known(kind: Any, values: object) -> dict[str, Any]:
-    """The recorded counters that exist."""
     names = {one.name for one in fields(kind)}
     given = values if isinstance(values, dict) else {}
     return {name: value for name, value in given.items() if name in names}

@@ -1,8 +1,8 @@
-"""The desk that reads, checks and saves the configuration for the page's routes.
+"""The desk that reads, checks and saves the configuration for the page.
 
 Rules
-- It saves nothing that `clearway check` would refuse, and never over a file that has changed
-  since the visitor read it.
+- It saves nothing that `clearway check` would refuse, and never over a file that has changed since
+  the visitor read it.
 - Before each save the present text is kept; `undo` puts the newest kept one back.
 - A save takes effect like a reload: the run ends in order and begins again.
 """
@@ -26,7 +26,6 @@ from navigation.dashboard.visits import RefusedError
 from navigation.shared.whole_file import UnwrittenFileError, write_whole
 
 MOST_KEPT: Final = 20
-"""Earlier texts; older ones are removed."""
 MOST_CHANGES: Final = 500
 
 
@@ -34,17 +33,15 @@ class Around(NamedTuple):
     """Requirements of the desk on the program."""
 
     file: Path
-    """The configuration that runs."""
     state: Path
-    """The program's state folder: earlier texts are kept in it."""
+    """The program's state folder, with the earlier texts."""
     environment: Mapping[str, str]
-    """Overrides, as at the start."""
     file_problems: Callable[[Config], Iterable[tuple[Location, str]]]
     """Search for faults in the files that a configuration names."""
     devices: Callable[[], tuple[Sequence[str], Sequence[str]]]
-    """The cameras and the serial ports that are plugged in, by their paths."""
+    """Paths of the cameras and the serial ports."""
     reload: Callable[[], None]
-    """Takes over what the file says now."""
+    """Puts the file's text into effect."""
 
 
 class Desk:
@@ -122,7 +119,6 @@ class Desk:
         return list(form_keys(text, cameras, ports))
 
     def _changed(self, text: str, typed: Mapping[str, str]) -> tuple[str, list[dict[str, str]]]:
-        """Text with the new values, and its problems."""
         if len(typed) > MOST_CHANGES:
             raise RefusedError(f"more than {MOST_CHANGES} changes")
         keys = {key.name: key for key in self._keys(text)}
@@ -145,7 +141,6 @@ class Desk:
         return changed, [*problems, *self._problems_of(changed, keys)]
 
     def _problems_of(self, text: str, keys: Collection[str]) -> list[dict[str, str]]:
-        """Problems that `clearway check` finds, each at its field."""
         folder, name = self._file.parent, self._file.name
         try:
             config = parse_config(text, name, folder, self._around.environment)

@@ -1,9 +1,7 @@
 """The settings' addresses: /api/settings to read, /check, /save and /undo below it to change.
 
-Rules
-- `navigation.dashboard.visits` says who may; the restarted run waits for orders.
-- A body is JSON: ``key`` (the seat's), ``changes`` (typed text by key) and ``base`` (the digest
-  of the text that the form was made from).
+A body is JSON: ``key`` (the seat's), ``changes`` (typed text by key) and ``base`` (the digest of
+the text that the form was made from).
 """
 
 from __future__ import annotations
@@ -23,7 +21,7 @@ NO_SETTINGS: Final = Refusal(404, "settings", "the settings of this run are chan
 
 
 def settings_routes(hub: Hub, desk: Desk | None) -> list[Route]:
-    """The routes; without a desk each answers that there is nothing to change."""
+    """The routes; without a desk there is nothing to change."""
     pages = _Settings(hub, desk)
     return [
         Route("/api/settings", pages.show),
@@ -40,7 +38,6 @@ class _Settings:
 
     @property
     def _desk(self) -> Desk:
-        """The desk; only for admitted visitors."""
         assert self._kept is not None
         return self._kept
 
@@ -48,7 +45,6 @@ class _Settings:
         return await self._visits.read(request, lambda: self._desk.show())
 
     async def check(self, request: Request) -> Response:
-        """Report the problems that a save would meet."""
         return await self._visits.ask(
             request, lambda body: {"problems": self._desk.check(_changes(body))}
         )

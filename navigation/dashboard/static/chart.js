@@ -51,7 +51,7 @@ export class Chart {
     this.#from?.focus();
   }
 
-  /** The same series with newer values; another one is left alone. */
+  /** The same series with newer values. */
   renew(series) {
     if (!this.isOpen || series.id !== this.#series?.id) return;
     const shift = this.#at >= 0 ? series.times.indexOf(this.#series.times[this.#at]) : -1;
@@ -98,7 +98,6 @@ export class Chart {
     return Math.max(240, this.area.clientWidth);
   }
 
-  /** Seconds from the left edge to the right one. */
   get #span() {
     const { times } = this.#series;
     const last = times.at(-1) ?? 0;

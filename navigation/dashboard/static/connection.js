@@ -1,8 +1,8 @@
-// The line to the program: connects, connects again, and tells at once when it is lost.
+// The line to the program: connects, connects again, and reports at once when it is lost.
 //
 // - What arrives is handed out by its type: connection.on("state", (message) => ...).
-// - Nothing is kept for later: an order that cannot go out now is refused now, so that a
-//   connection that comes back never fires an old order.
+// - An order that cannot be sent now is refused now, so that a connection that comes back never sends
+//   an old order.
 // - The token travels in the websocket's subprotocol; it comes from the address's fragment.
 
 import { unpack } from "./wire.js";
@@ -21,14 +21,14 @@ export class Connection {
   #number = 0;
   #waiting = new Map();
   #lostSince = performance.now();
-  /** What is looked at: a picture at all and how wide, the camera's own one, the clearances. */
+  /** Viewed contents: a picture at all and how wide, the camera's own one, the clearances. */
   #watched = { on: true, width_px: 1, camera: false, heat: false };
 
   constructor() {
     this.isUp = false;
-    /** What the page's parts are told for one of the program's messages (fleet.js). */
+    /** Messages for the page's parts from one of the program's (fleet.js). */
     this.handOut = (message) => [message];
-    /** An order or question as it goes out. */
+    /** An order or question as it is sent. */
     this.address = (message) => message;
     this.lostReason = ""; // what the program said when it hung up
     this.key = kept("clearway.key", newKey);
@@ -68,21 +68,21 @@ export class Connection {
     socket.onclose = (event) => this.#drop(socket, event.reason);
   }
 
-  /** Say what is looked at, and what has changed in that: nothing else is made and sent. */
+  /** Say what is viewed: nothing else is made and sent. */
   watch(change = {}) {
     Object.assign(this.#watched, change);
     const { on, heat } = this.#watched;
     this.send({ ...this.#watched, type: "watch", on: on && !document.hidden, heat: heat && !document.hidden });
   }
 
-  /** Send a message now; false where that cannot be. */
+  /** Send a message now; false if that is impossible. */
   send(message) {
     if (this.#socket?.readyState !== WebSocket.OPEN) return false;
     this.#socket.send(JSON.stringify(message));
     return true;
   }
 
-  /** Send a message and wait for its answer; {ok: false, error} where there is none. */
+  /** Send a message and wait for its answer; else {ok: false, error}. */
   ask(message, patience = 4000) {
     const id = ++this.#number;
     return new Promise((resolve) => {
@@ -107,7 +107,7 @@ export class Connection {
     this.#retryNow();
   }
 
-  /** Say who is here: the key that a held arena is known by, and the name that others see. */
+  /** Give the key that a held arena is known by, and the name that others see. */
   join() {
     this.send({ type: "join", key: this.key, name: localStorage.getItem("clearway.name") ?? "" });
   }
@@ -139,7 +139,7 @@ export class Connection {
     asked.resolve(message);
   }
 
-  /** A connection that says nothing is lost, whatever the browser thinks of it. */
+  /** A silent connection is lost, whatever the browser thinks of it. */
   #check() {
     const silent = performance.now() - this.#heard;
     if (this.#socket && silent > SILENT_MS && this.isUp) this.#drop(this.#socket);

@@ -1,8 +1,8 @@
-// Files of earlier runs, fetched in pieces as the program gives them, with the page's token.
+// Files of earlier runs, fetched in pieces with the page's token.
 
 const PIECE = 524288;
 
-/** A whole file as a Blob; `tell` hears the share that is here, 0 to 1. Throws an Error in words. */
+/** A whole file as a Blob; `tell` gets the share fetched, 0 to 1. Throws an Error in words. */
 export async function fetchFile(connection, address, type, tell = () => {}) {
   const parts = [];
   let here = 0;
@@ -22,7 +22,7 @@ export async function fetchFile(connection, address, type, tell = () => {}) {
   return new Blob(parts, { type });
 }
 
-/** The answer of an address; throws an Error in words where none comes. */
+/** The answer of an address; throws an Error in words. */
 export async function ask(address, headers) {
   try {
     return await fetch(address, { headers, signal: AbortSignal.timeout(15000) });

@@ -1,9 +1,8 @@
-// Several robots on one page: which of them is chosen. Everything that is about one robot (its
-// mission, a new goal, its link) is about that one; the list and the picture show them all.
+// Several robots on one page. Everything about one robot (its mission, a new goal, its link) is about
+// the chosen one; the list and the picture show them all.
 //
-// The program tells of all robots at once. What arrives is handed on as if the chosen robot were
-// the only one, and orders go to it by name; STOP names nobody and stops all. With one robot
-// nothing is changed on the way.
+// What arrives is handed on as if the chosen robot were the only one, and orders go to it by name; STOP
+// names no robot and stops all.
 
 const KEPT = 240; // rows of the charts
 
@@ -15,7 +14,7 @@ export class Fleet {
 
   constructor(connection) {
     this.connection = connection;
-    /** As the program lists them; none where there is one robot, which has no name. */
+    /** As the program lists them; empty for a single robot, which has no name. */
     this.robots = [];
     this.name = null;
     connection.handOut = (message) => this.#handOut(message);
@@ -43,13 +42,12 @@ export class Fleet {
     if (this.#state) this.connection.emit("state", this.#stateOf(name));
   }
 
-  /** The next robot of the list, or the one before. */
   step(by) {
     const count = this.robots.length;
     this.choose(this.robots[(this.indexOf(this.name) + by + count) % count].name);
   }
 
-  /** Numbers and brackets choose a robot; whether the key was one of these. */
+  /** Numbers and brackets choose a robot; true if the key was one of these. */
   key(event) {
     if (!this.areSeveral) return false;
     const robot = event.shiftKey ? null : this.robots[Number(event.key) - 1];
@@ -110,14 +108,14 @@ export class Fleet {
     this.#samples.set(robot, [...(this.#samples.get(robot) ?? []), ...items].slice(-KEPT));
   }
 
-  /** An order that names nobody is the chosen robot's, except STOP; `robot: null` is for all. */
+  /** An order without a name is the chosen robot's, except STOP; `robot: null` is for all. */
   #address(message) {
     const isMine = message.type === "preview" || (message.type === "order" && message.order !== "stop");
     return this.areSeveral && isMine && message.robot === undefined ? { ...message, robot: this.name } : message;
   }
 }
 
-/** How a robot is, for list and picture: [level, word, mark]; the mark is a sign beside its body. */
+/** Condition of a robot: [level, word, mark]; the mark is a sign beside its body. */
 export function condition(robot) {
   const { mission, pose, link, waits, waits_for: other } = robot;
   if (mission.state === "stopped") return ["bad", "Stopped", "■"];

@@ -16,10 +16,10 @@ export class Goal {
   #hello = null;
   #clearance = null;
   #stations = [];
-  /** What the stations were before each change, for undo. */
+  /** The stations before each change, for undo. */
   #before = [];
   #preview = null;
-  /** Settles when the seat is taken or refused: nothing is asked while that is open. */
+  /** Settles when the seat is taken or refused: nothing is asked before. */
   #taking = Promise.resolve();
   #pressed = null;
   #cursor = null;
@@ -50,7 +50,7 @@ export class Goal {
     this.#listen();
   }
 
-  /** The last station of the draft, as it is sent; undefined where there is none. */
+  /** The last station of the draft, as it is sent, if any. */
   get last() {
     return this.#stations.at(-1);
   }
@@ -66,7 +66,6 @@ export class Goal {
     this.#forgetPreview();
   }
 
-  /** Take the last change of the stations back. */
   undo() {
     if (!this.#before.length) return;
     this.#stations = this.#before.pop();
@@ -158,7 +157,7 @@ export class Goal {
     this.#set(pressed.x, pressed.y, pressed.heading, pressed.more);
   }
 
-  /** Which station of the draft is under the pointer, -1 for none. */
+  /** Number of the draft's station under the pointer, or -1. */
   #stationAt(x, y) {
     const reach = Math.max(this.#hello.robot.radius_m, (HOLD_PX * this.stage.k) / this.stage.scale);
     return this.#stations.findLastIndex((station) => Math.hypot(station.x_m - x, station.y_m - y) < reach);
@@ -199,7 +198,6 @@ export class Goal {
     event.stopPropagation();
   }
 
-  /** Enter on the goal itself sends it. */
   #isAtGoal([x, y]) {
     const last = this.#stations.at(-1);
     return last && Math.hypot(last.x_m - x, last.y_m - y) < STEP_M / 2;
@@ -230,7 +228,7 @@ export class Goal {
     }
   }
 
-  /** Other stations in place of those of the draft; undo brings them back. */
+  /** Replace the draft's stations; undo brings them back. */
   #change(stations) {
     this.#before.push(this.#stations);
     this.#stations = stations;
@@ -265,8 +263,8 @@ export class Goal {
   }
 
   /**
-   * The world has changed. The last preview is shown, and can be sent, until the next one is here:
-   * the program plans again in any case, and a press on its way must not meet a dead button.
+   * The world has changed. The last preview is shown, and can be sent, until the next one is here: the
+   * program plans again in any case, and a press on its way must not meet a dead button.
    */
   #askAgain() {
     if (this.#isAsking) this.#isOutdated = true;
@@ -278,7 +276,7 @@ export class Goal {
     this.#allowSending();
   }
 
-  /** Why the goal cannot be sent now; "" where it can. */
+  /** Reason why the goal cannot be sent now, or "". */
   get #missing() {
     if (!this.connection.isUp) return "there is no connection";
     if (this.seat.mayNot) return this.seat.mayNot;
@@ -353,7 +351,7 @@ export class Goal {
     s.group("draft").replaceChildren(...shapes);
   }
 
-  /** Clearance and radius under the cursor; `crosshair` where it is moved by keys. */
+  /** Clearance and radius under the cursor; `crosshair` if keys move it. */
   #look(place, crosshair = false) {
     this.#cursor = place ?? this.#cursor;
     const group = this.stage.group("probe");

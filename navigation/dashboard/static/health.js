@@ -16,7 +16,7 @@ const ROWS = [
   { id: "speed", title: "Speed", column: "speed_m_s", least: 0.2, unit: "m/s", judge: () => null, detail: (s) => figure(s.pose?.speed_m_s ?? null, "m/s") },
 ];
 
-/** What the link has met that is not usual: shown from the first time on. */
+/** Unusual events of the link: shown from the first time on. */
 const ODDITIES = [
   ["taken_back", "taken back from another program", "Another program had the robot and fell silent; this one has taken it back. Look for a second program on the same line."],
   ["stray_hellos", "greetings that were not ours", "The robot has answered a greeting that this program did not send: another program, or an old recording, is on its line. It changes nothing."],
@@ -145,7 +145,7 @@ function cameraDetail({ camera }) {
   return `${rate}${camera.dropped} skipped${age}${again}`;
 }
 
-/** Of several cameras each, with its rate, or why it gives no picture. */
+/** Each of several cameras with its rate, or why it gives no picture. */
 function showCameras({ item, title, cameras }, each) {
   const names = each.map((one) => one.name).join("\n");
   if (cameras.dataset.names !== names) {
@@ -194,7 +194,6 @@ function figure(value, unit) {
   return `${value >= 100 ? value.toFixed(0) : value >= 10 ? value.toFixed(1) : value.toFixed(2)} ${unit}`;
 }
 
-/** The next round number that is not below. */
 function niceAbove(value) {
   if (!(value > 0)) return 1;
   const power = 10 ** Math.floor(Math.log10(value));

@@ -1,12 +1,12 @@
-// Earlier runs: a list, newest first, and what the chosen one left behind, to look at and to save.
-// Nothing is asked for before it is opened.
+// Earlier runs, newest first, and what the chosen one left behind. Nothing is asked for before it is
+// opened.
 
 import { ask, fetchFile, inBytes, save } from "./download.js";
 
 const A_PAGE = 20;
 const WORDS = { done: "Arrived", failed: "Failed", stopped: "Stopped" };
 const FILE_WORDS = { "report.json": "Report", "track.svg": "Picture of the track", "events.jsonl": "Log of events" };
-/** What of a report is shown: its words, and its figure as text. */
+/** Figures of a report: their words, and their text. */
 const FIGURES = [
   ["Stations visited", (r) => `${r.stations_visited} of ${r.stations}`],
   ["Duration", (r) => duration(r.duration_s)],
@@ -58,7 +58,6 @@ export class History {
     return !this.box.hidden;
   }
 
-  /** Open it and go there, or close it. */
   async toggle() {
     this.box.hidden = this.isOpen;
     this.button.textContent = this.isOpen ? "Hide" : "Show";

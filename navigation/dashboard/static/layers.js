@@ -1,5 +1,5 @@
-// What is drawn over the picture: obstacles, diagram, roadmap, plan, track, robots. Each layer is
-// one SVG group that can be switched off; what was chosen is remembered.
+// Drawings over the picture: obstacles, diagram, roadmap, plan, track, robots. Each layer is one SVG
+// group that can be switched off; the choice is remembered.
 
 import { CameraView, Heat } from "./camera.js";
 import { clearanceSpan, obstaclePlaces } from "./world.js";
@@ -257,7 +257,7 @@ function keyOf(number) {
   return made;
 }
 
-/** From where the robot stands to where the camera sees its top, which is above the floor. */
+/** From the robot's place to where the camera sees its top, which is above the floor. */
 function lean(stage, pose, r) {
   const [x, y] = [stage.x(pose.seen_m[0]) - stage.x(pose.x_m), stage.y(pose.seen_m[1]) - stage.y(pose.y_m)];
   if (Math.hypot(x, y) < 5 * stage.k) return "";
@@ -280,7 +280,7 @@ export function stationMark(stage, station, name, kind, radius) {
   return group;
 }
 
-/** By name: whether a layer was on; nothing for one that was not there yet. */
+/** True by name if a layer was on; nothing for a new one. */
 function remembered() {
   try {
     return JSON.parse(localStorage.getItem("clearway.layers")) ?? {};

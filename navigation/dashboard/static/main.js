@@ -1,4 +1,4 @@
-// The page: what listens to what.
+// The page: wires its parts.
 
 import { Calibration } from "./calibration.js";
 import { Connection } from "./connection.js";
@@ -48,7 +48,7 @@ const settings = new Settings(connection, seat);
 const calibration = new Calibration(connection, seat);
 new Places(connection, goal, seat, say);
 
-// What was refused, until the next order.
+// The last refusal, until the next order.
 function say(text) {
   byId("refusal").hidden = byId("refusal-close").hidden = !text;
   if (text) byId("said").scrollTop = 0; // it stands first

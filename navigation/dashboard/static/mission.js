@@ -1,4 +1,4 @@
-// The mission's state in words: what the robot does, or the plain sentence why it does not move.
+// The mission's state in words: what the robot does, or why it does not move.
 
 import { allow, onPress } from "./press.js";
 
@@ -10,12 +10,12 @@ const WORDS = {
 const UNDER_WAY = ["planning", "proving", "driving", "holding"];
 
 export class MissionPanel {
-  /** What the planner could not keep or make certain in the plan that is driven. */
+  /** Doubts of the planner about the plan that is driven. */
   #remarks = [];
 
   constructor(connection, seat, say) {
     Object.assign(this, { connection, seat, say });
-    /** Which there are, the program says: navigation/orders/table.py. */
+    /** From the program: navigation/orders/table.py. */
     this.buttons = [...document.querySelectorAll("#orders button")];
     for (const button of this.buttons) {
       onPress(button, say, () => this.#order({ order: button.id }));

@@ -1,5 +1,5 @@
-// What a button opens and closes: layers, the legend, the list of keys. None of them is modal: STOP
-// stays where it is, and works. One is open at a time.
+// Boxes that a button opens and closes: layers, the legend, the list of keys. None is modal: STOP stays
+// where it is, and works. One is open at a time.
 
 export class Panel {
   static #all = [];
@@ -14,7 +14,7 @@ export class Panel {
     Panel.#all.push(this);
   }
 
-  /** The one that is open; undefined where none is. */
+  /** The open one, if any. */
   static get open() {
     return Panel.#all.find((panel) => panel.isOpen);
   }

@@ -1,6 +1,5 @@
-// The live picture: decoded beside the page's thread, drawn, and only then acknowledged, so that
-// a slow page gets fewer pictures and never old ones. The page says how large it shows the picture:
-// the program sends no more pixels than that needs.
+// The live picture: decoded beside the page's thread, drawn, and only then acknowledged, so that a slow
+// page gets fewer pictures and never old ones. The program sends no more pixels than are shown.
 
 const OLD_MS = 1000;
 const SETTLED_MS = 200; // a wheel turns through many sizes
@@ -33,7 +32,7 @@ export class Picture {
     if (this.stage.width_px !== this.#said) this.connection.watch({ width_px: this.#said = this.stage.width_px });
   }
 
-  /** Whether the picture is shown at all; where not, it is not asked for. */
+  /** True if the picture is shown; else it is not asked for. */
   set wanted(on) {
     this.#wanted = on;
     this.connection.watch({ on });

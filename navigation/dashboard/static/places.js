@@ -1,9 +1,8 @@
-// Saved places: used as a goal or a station, saved, renamed, removed. They are the program's, and so
-// the same for everybody.
+// Saved places: used as a goal or a station, saved, renamed, removed; the same for everybody.
 
 export class Places {
   #places = [];
-  /** The place whose name is being changed, "" for none. */
+  /** The place whose name is being changed, or "". */
   #renamed = "";
   #robot = null;
 

@@ -1,5 +1,5 @@
-// Buttons that are never dead: one that cannot do its work now keeps its place, hears every press
-// and says why nothing happens. A press is lost neither to a moment's refusal nor in silence.
+// Buttons that are never dead: one that cannot do its work now keeps its place, hears every press and
+// says why nothing happens.
 
 const reasons = new WeakMap();
 

@@ -1,6 +1,6 @@
-// A recording on the page: play, pause, speed, and a bar to jump anywhere. Everybody who looks at
-// it sees the same moment. Nothing drives a robot here, and STOP gives way to a sign that says so:
-// a page that is taken for that of a run must not look as if it could stop one.
+// A recording on the page: play, pause, speed, and a bar to jump anywhere; the same moment for all
+// viewers. Nothing drives a robot here, and STOP gives way to a sign that says so: the page must not
+// look as if it could stop one.
 
 const STEP_S = 5;
 const FAR_S = 30;
@@ -33,7 +33,7 @@ export class Replay {
     connection.on("state", (state) => this.#show(state.replay));
   }
 
-  /** Whether a key was for the recording. */
+  /** True if a key was for the recording. */
   key(event) {
     if (!this.#recording || !this.#state) return false;
     const step = event.shiftKey ? FAR_S : STEP_S;

@@ -1,5 +1,4 @@
-// A question or an order to the program over HTTP, with its answer: what was told, or
-// `{ok: false, error}` with a sentence.
+// A question or an order to the program over HTTP; its answer, or `{ok: false, error}` with a sentence.
 
 /** `body` makes an order of a question. */
 export async function request(connection, address, body) {

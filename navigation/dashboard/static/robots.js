@@ -1,5 +1,5 @@
-// The list of several robots: how each is, whom it waits for and why; to choose one, to stop one
-// alone and to re-arm it, and to pause, resume or re-arm all.
+// The list of several robots: condition, whom each waits for and why; to choose one, to stop one alone
+// and to re-arm it, and to pause, resume or re-arm all.
 
 import { condition } from "./fleet.js";
 import { allow, onPress } from "./press.js";
@@ -137,7 +137,6 @@ export class Robots {
   }
 }
 
-/** Numbers choose robots here. */
 function tellOfKeys() {
   const stage = document.getElementById("stage");
   const more = " Numbers choose a robot, brackets the one before and the next.";
@@ -148,7 +147,7 @@ function figures({ link }) {
   return link.reason || link.round_trip_ms === null ? "" : `link ${link.round_trip_ms.toFixed(0)} ms`;
 }
 
-/** Why it does not drive, or how far it has still to go. */
+/** Reason why it does not drive, or how far it has still to go. */
 function sentence({ waits, mission, link, to_go_m }) {
   if (waits) return upper(waits);
   if (mission.state === "driving" && !link.reason && to_go_m !== null) return `${to_go_m.toFixed(2)} m to go`;

@@ -1,5 +1,5 @@
-// Several robots in the picture: each with its number, name and colour, its path and goal, and a
-// sign where it does not drive; an arrow from one that waits to the one it waits for.
+// Several robots in the picture: each with its number, name and colour, its path and goal, and a sign
+// if it does not drive; an arrow from one that waits to the one it waits for.
 
 import { condition } from "./fleet.js";
 import { element } from "./stage.js";
@@ -63,7 +63,7 @@ export class RobotsLayer {
     this.fleet.choose(near[1]);
   }
 
-  /** An element's class with the robot's colour, its line's pattern, and whether it is chosen. */
+  /** An element's class with the robot's colour, its line's pattern, and if it is chosen. */
   #own(kind, name) {
     const index = this.fleet.indexOf(name);
     return `${kind} own-${index % COLOURS} round-${Math.floor(index / COLOURS)}${name === this.fleet.name ? " chosen" : ""}`;
@@ -96,7 +96,7 @@ export class RobotsLayer {
     this.#hideOver();
   }
 
-  /** Paths that nobody drives any more are out of sight. */
+  /** Hide paths that no robot drives any more. */
   #hideOver() {
     for (const group of this.groups.plans.children) {
       const robot = this.#state?.robots.find(({ name }) => name === group.dataset.robot);

@@ -1,4 +1,4 @@
-// Who holds the arena. A free arena is taken by the first order; it can be taken and left by hand.
+// Control of the arena. A free arena is taken by the first order; it can be taken and left by hand.
 
 const NO_TOKEN = "this page has no token that may drive";
 const RECORDING = "this is a recording: nothing here drives or stops a robot";
@@ -6,7 +6,7 @@ const RECORDING = "this is a recording: nothing here drives or stops a robot";
 export class Seat {
   #mine = "";
   #state = null;
-  /** Taken, but no state tells of it yet: orders need not wait for one. */
+  /** Taken, but no state says so yet: orders need not wait for one. */
   #granted = false;
 
   constructor(connection, say) {
@@ -38,7 +38,7 @@ export class Seat {
     connection.on("down", () => { this.#granted = false; this.#show(); });
   }
 
-  /** Ask for the name of the person in control, once. An empty answer is one, too. */
+  /** Ask once for the name of the person in control; it may be empty. */
   #askName() {
     this.form = document.getElementById("name-form");
     const asked = document.getElementById("name-asked");
@@ -64,18 +64,18 @@ export class Seat {
     return this.role === "supervisor";
   }
 
-  /** Why nobody may drive from this page; "" where somebody may. */
+  /** Reason why nobody may drive from this page, or "". */
   get mayNot() {
     if (this.isRecording) return RECORDING;
     return this.mayDrive ? "" : NO_TOKEN;
   }
 
-  /** What is shown was recorded: there is no robot at the other end. */
+  /** There is no robot at the other end. */
   get isRecording() {
     return this.role === "nobody";
   }
 
-  /** Without a token, where looking needs none: may not even stop. */
+  /** Has no token, where looking needs none: may not even stop. */
   get isVisitor() {
     return this.role === "visitor";
   }
@@ -84,7 +84,7 @@ export class Seat {
     return this.#granted || (Boolean(this.#mine) && this.#state?.seat?.id === this.#mine);
   }
 
-  /** The name of somebody else who holds the arena, "" where nobody does. */
+  /** The name of another holder of the arena, or "". */
   get other() {
     return this.isMine ? "" : this.#state?.seat?.name ?? "";
   }

@@ -1,5 +1,5 @@
-// The configuration as a form: made from what the program tells of its keys, checked as it is
-// typed, saved by the person in control. It is not modal: STOP stays where it is, and works.
+// The configuration as a form: checked as it is typed, saved by the person in control. It is not modal:
+// STOP stays where it is, and works.
 
 import { allow, onPress } from "./press.js";
 import { request } from "./request.js";
@@ -8,7 +8,7 @@ const CHECK_AFTER_MS = 350;
 
 export class Settings {
   #form = null;
-  /** What was typed, by key; a field put back to what the file has is none of them. */
+  /** Typed text by key, without fields that were put back. */
   #typed = new Map();
   #problems = new Map();
   #timer = 0;

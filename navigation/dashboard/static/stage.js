@@ -1,5 +1,5 @@
-// The stage: where metres lie on the page. Canvas for the picture below, SVG for what is drawn
-// over it. The SVG's units are the picture's pixels; `k` of them are one pixel of the screen.
+// The stage: metres on the page. Canvas for the picture below, SVG for drawings over it. The SVG's
+// units are the picture's pixels; `k` of them are one pixel of the screen.
 
 const SVG = "http://www.w3.org/2000/svg";
 const MOST_ZOOM = 12;
@@ -13,13 +13,12 @@ export class Stage {
     this.k = 1;
     /** The part of the picture that is shown, in its pixels: {x, y, w, h}. */
     this.view = null;
-    /** What takes presses and keys in place of goals and robots; null where nothing does. */
+    /** Takes presses and keys in place of goals and robots, if anything does. */
     this.tool = null;
     this.onResize = [];
     new ResizeObserver(() => this.#measure()).observe(this.element);
   }
 
-  /** The greeting says which part of the floor is shown, and in how many pixels. */
   fit(hello) {
     const [width, height] = hello.picture_px;
     this.window = hello.window_m;
@@ -32,7 +31,6 @@ export class Stage {
     this.show(isNew ? null : this.view);
   }
 
-  /** How wide a part of the picture may be shown. */
   allowed(w) {
     return Math.min(this.width, Math.max(this.width / MOST_ZOOM, w));
   }
@@ -61,7 +59,7 @@ export class Stage {
     this.show({ x: Math.min(px - mx, Math.max(px + mx - w, x)), y: Math.min(py - my, Math.max(py + my - h, y)), w });
   }
 
-  /** How wide the whole picture would be on the screen, in the screen's own pixels. */
+  /** Width of the whole picture on the screen, in the screen's own pixels. */
   get width_px() {
     const times = this.view ? this.width / this.view.w : 1;
     return Math.max(1, Math.ceil(this.element.clientWidth * times * devicePixelRatio));
@@ -83,7 +81,6 @@ export class Stage {
     return (this.window[3] - metres) * this.scale;
   }
 
-  /** The picture's pixel under a pointer event. */
   pixel(event) {
     const box = this.svg.getBoundingClientRect();
     return [
@@ -98,7 +95,7 @@ export class Stage {
     return [this.window[0] + x / this.scale, this.window[3] - y / this.scale];
   }
 
-  /** Where a place, metres, is on the screen. */
+  /** A place, metres, on the screen. */
   onScreen(x_m, y_m) {
     const box = this.svg.getBoundingClientRect();
     return [
@@ -133,7 +130,6 @@ export class Stage {
   }
 }
 
-/** An SVG element with attributes. */
 export function element(name, attributes = {}, text = undefined) {
   const made = document.createElementNS(SVG, name);
   for (const [key, value] of Object.entries(attributes)) made.setAttribute(key, value);

@@ -1,9 +1,9 @@
 // STOP: immediate, without a question, for everybody with a token; by the button and the space bar.
 //
-// Only a hand fires it: nothing here runs because the page was loaded or the connection came
-// back. Where the connection is lost, a plain request is tried at once, and it is said whether it
-// arrived. Leaving the stop is another button, and it waits a moment so that a second press of a
-// hurried hand does not undo the first.
+// Only a hand fires it: nothing here runs because the page was loaded or the connection came back.
+// Without a connection a plain request is tried at once, and it is said whether it arrived. Leaving the
+// stop is another button, which waits a moment so that a second press of a hurried hand does not undo
+// the first.
 
 import { allow, onPress } from "./press.js";
 
@@ -59,7 +59,7 @@ export class Stop {
     }
   }
 
-  /** The answer over the websocket; null where none came in time. */
+  /** The answer over the websocket; null without one in time. */
   async #byLine() {
     const answer = await this.connection.ask({ type: "order", order: "stop" }, LINE_MS);
     return answer.type === "answer" ? answer : null; // else the program said nothing
@@ -107,7 +107,7 @@ export class Stop {
   }
 }
 
-/** Whether the robot is known to stand, as the server judges it. */
+/** Sentence on the robot's wheels, as the server judges them. */
 function wheels(link) {
   if (!link.stop_doubt) return "The robot has confirmed; its wheels are off.";
   if (link.reason) return "It is not known whether the robot stands: the link to it is down.";

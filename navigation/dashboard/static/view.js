@@ -1,5 +1,5 @@
-// Which part of the picture is shown: zoomed by wheel, pinch, keys and buttons, moved by the middle
-// button or two fingers, and back to the whole by a double click.
+// The shown part of the picture: zoomed by wheel, pinch, keys and buttons, moved by the middle button
+// or two fingers, and back to the whole by a double click.
 
 const STEP = 1.4;
 const WHEEL = 0.0016;
@@ -23,7 +23,7 @@ export class View {
     stage.onResize.push(() => this.#say());
   }
 
-  /** Larger by a factor; around a place of the picture, else around what is in the middle. */
+  /** Zoom by a factor around a place of the picture, else around the middle. */
   zoom(factor, around = null) {
     const { view } = this.stage;
     if (!view) return;
@@ -86,7 +86,7 @@ export class View {
     this.#grip = this.#gripped();
   }
 
-  /** The middle of two fingers and how far apart they are; the mouse alone is enough. */
+  /** The middle of two fingers and their distance; the mouse alone is enough. */
   #gripped() {
     const all = [...this.#fingers.values()];
     if (all.length === 1 && all[0].pointerType !== "touch") {

@@ -1,8 +1,8 @@
-// Packed messages: a length, a JSON head, arrays. The other end is navigation/dashboard/packed.py.
+// Packed messages: a length, a JSON head, arrays; as navigation/dashboard/messages/packed.py.
 
 const TYPES = { float32: Float32Array, int32: Int32Array, uint8: Uint8Array };
 
-/** Head and arrays of a binary message; the arrays look into it without copying. */
+/** Head and arrays of a binary message, without copying. */
 export function unpack(buffer) {
   const length = new DataView(buffer).getUint32(0, true);
   const head = JSON.parse(new TextDecoder().decode(new Uint8Array(buffer, 4, length)));

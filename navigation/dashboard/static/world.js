@@ -1,7 +1,7 @@
 // The arena's borders and diagram as the page keeps them, and the clearance of any place.
 //
-// Metres, x right, y up. Clearance is the distance to the nearest border or wall, negative
-// inside an obstacle; arcs are polylines here, so it is good to about a tenth of a millimetre.
+// Metres, x right, y up. Clearance is the distance to the nearest border or wall, negative inside an
+// obstacle; arcs are polylines here, so it is good to about a tenth of a millimetre.
 
 /** The narrowest and widest clearance on the robot's roadmap, for the colours. */
 export function clearanceSpan(world) {
@@ -63,7 +63,7 @@ export class Clearance {
     return { clearance: inside ? -distance : distance, nearest, outside };
   }
 
-  /** Whether an odd number of some object's borders lie around the place. */
+  /** True if an odd number of some object's borders lie around the place. */
   #isCovered(x, y) {
     const odd = new Map();
     for (const { owner, ring } of this.#rings) {
@@ -73,7 +73,7 @@ export class Clearance {
   }
 }
 
-/** Whether a closed outline, [[x, y], ...], lies around a place. */
+/** True if a closed outline, [[x, y], ...], lies around a place. */
 export function surrounds(ring, x, y) {
   let inside = false;
   for (let i = 0, j = ring.length - 1; i < ring.length; j = i++) {
@@ -84,7 +84,7 @@ export function surrounds(ring, x, y) {
   return inside;
 }
 
-/** Where the numbers stand that messages name obstacles by: inside each, where it is widest half-way up. */
+/** Places of the numbers that messages name obstacles by: inside each. */
 export function obstaclePlaces(world, most) {
   const { border, border_first: first, border_closed: closed, border_object: owner } = world.arrays;
   const places = new Map();

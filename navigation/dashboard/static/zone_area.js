@@ -6,7 +6,6 @@
 import { surrounds } from "./world.js";
 
 export const SHAPES = { polygon: "Polygon", circle: "Circle", line: "Band" };
-/** Of a zone that has none yet. */
 export const FEWEST = { polygon: 3, circle: 1, line: 2 };
 
 /** The area of a zone as the program sends it. */
@@ -17,7 +16,7 @@ export function areaOf(zone) {
   return { shape: "polygon", points: zone.polygon };
 }
 
-/** The keys of a zone that say its area. */
+/** A zone's keys for its area. */
 export function written({ shape, points, radius_m, width_m }) {
   if (shape === "circle") return { circle: [...points[0], radius_m] };
   return shape === "line" ? { line: points, width_m } : { polygon: points };
@@ -27,7 +26,6 @@ export function moved(area, dx, dy) {
   return { ...area, points: area.points.map(([x, y]) => [round(x + dx), round(y + dy)]) };
 }
 
-/** Whether a place is inside. */
 export function covers(area, x, y) {
   switch (area.shape) {
     case "circle":
@@ -57,7 +55,7 @@ export function along(points, every) {
   return places;
 }
 
-/** Places as text, one a line, and back; null where a line is none. */
+/** Places as text, one a line, and back; null if a line is none. */
 export const asText = (points) => points.map(([x, y]) => `${short(x)}, ${short(y)}`).join("\n");
 export function fromText(text) {
   const rows = text.split("\n").map((row) => row.trim()).filter(Boolean);

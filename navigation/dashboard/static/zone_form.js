@@ -1,5 +1,4 @@
-// One zone as numbers and words, beside the arena where it is drawn: each follows the other. All
-// that the pointer does can be typed here.
+// One zone as numbers and words, beside the arena where it is drawn: each follows the other.
 
 import { allow } from "./press.js";
 import { FEWEST, SHAPES, areaOf, asText, fromText, short, written } from "./zone_area.js";
@@ -7,7 +6,7 @@ import { BANDS_ONLY, KINDS } from "./zones_layer.js";
 
 const byId = (id) => document.getElementById(id);
 const NAME = /^[A-Za-z][A-Za-z0-9_-]{0,31}$/;
-/** What the form says itself; other keys of a zone are kept as they are. */
+/** Keys of the form; a zone's others are kept as they are. */
 const SAID = ["title", "outlines", "mask", "name", "kind", "polygon", "circle", "line", "width_m", "robots", "speed_m_s", "cost"];
 const HINTS = {
   polygon: "Click its corners in the arena; Enter or a double click closes it.",
@@ -31,7 +30,7 @@ export class ZoneForm {
   constructor(tool, fleet, asked) {
     Object.assign(this, { tool, fleet, asked });
     this.form = byId("zone-form");
-    /** The robot's, for the size of a zone that has none yet. */
+    /** The robot's, for the size of a new zone. */
     this.radius_m = 0.1;
     for (const [id, names] of [["zone-kind", KINDS], ["zone-shape", SHAPES]]) {
       byId(id).append(...Object.entries(names).map(([value, text]) => new Option(text, value)));
@@ -52,7 +51,6 @@ export class ZoneForm {
     return !this.form.hidden;
   }
 
-  /** A zone to change; null for a new one. */
   open(zone) {
     this.#zone = zone;
     this.#isNamed = Boolean(zone);
@@ -79,7 +77,6 @@ export class ZoneForm {
     this.tool.end();
   }
 
-  /** The area as it was drawn. */
   take(area) {
     this.#area = area;
     this.#complain("");
@@ -124,7 +121,7 @@ export class ZoneForm {
     return { ...Object.fromEntries(kept), ...this.#words, ...written(this.#area) };
   }
 
-  /** Why it cannot be saved yet; "" where it can. */
+  /** Reason why it cannot be saved yet, or "". */
   get #missing() {
     const { name, kind, speed_m_s: speed, cost } = this.#words;
     const { shape, points, radius_m, width_m } = this.#area;
@@ -157,7 +154,7 @@ export class ZoneForm {
     this.#fill();
   }
 
-  /** What was typed, as far as it can be drawn. */
+  /** Typed values, as far as they can be drawn. */
   #read() {
     const points = fromText(byId("zone-places").value);
     byId("zone-places").setAttribute("aria-invalid", String(points === null));
@@ -208,7 +205,6 @@ export class ZoneForm {
     }));
   }
 
-  /** In the place of the hint. */
   #complain(text) {
     byId("zone-hint").hidden = Boolean(text);
     byId("zone-error").textContent = text ? text[0].toUpperCase() + text.slice(1) + (/[.!?]$/.test(text) ? "" : ".") : "";
@@ -216,7 +212,7 @@ export class ZoneForm {
   }
 }
 
-/** A field as a number; null where it is empty, NaN where it is none. */
+/** A field as a number; null if it is empty, NaN if it is none. */
 function number(id) {
   const text = byId(id).value.trim().replace(",", ".");
   return text ? Number(text) : null;

@@ -1,5 +1,5 @@
-// A zone drawn in the arena: corners by clicks, a circle by its centre and a drag; then corners, or
-// the whole, dragged. While the tool is on, no press and no key of the arena reaches a goal.
+// A zone drawn in the arena: corners by clicks, a circle by its centre and a drag; then corners, or the
+// whole, dragged. While the tool is on, no press and no key of the arena reaches a goal.
 
 import { FEWEST, covers, moved, round } from "./zone_area.js";
 import { element } from "./stage.js";
@@ -10,14 +10,14 @@ const DRAG_PX = 5;
 const MOST_CORNERS = 200;
 
 export class ZoneTool {
-  /** What is drawn: {zone, area, isOpen}, the zone as it is written; null where nothing is. */
+  /** {zone, area, isOpen} with the zone as it is written, or null. */
   #draft = null;
   /** Areas before each change, for undo. */
   #before = [];
   #pressed = null;
   #pointer = null;
 
-  /** `heard` is told: changed(area), done(), cancelled(), picked(x, y, metres). */
+  /** `heard`: changed(area), done(), cancelled(), picked(x, y, metres). */
   constructor(stage, heard) {
     Object.assign(this, { stage, heard });
     this.probe = document.getElementById("probe");
@@ -41,7 +41,6 @@ export class ZoneTool {
     return this.#draft?.area ?? null;
   }
 
-  /** Enough corners for a zone. */
   get isWhole() {
     return Boolean(this.#draft) && this.area.points.length >= FEWEST[this.area.shape] && (this.area.shape !== "circle" || this.area.radius_m > 0);
   }
@@ -66,7 +65,6 @@ export class ZoneTool {
     this.#draw();
   }
 
-  /** Other words or another area from the form. */
   show(zone, area) {
     if (!this.#draft) return;
     this.#draft.zone = zone;
@@ -75,14 +73,14 @@ export class ZoneTool {
     this.#draw();
   }
 
-  /** No more corners, where there are enough. */
+  /** End the corners, if there are enough. */
   close() {
     if (!this.#draft?.isOpen || !this.isWhole) return;
     this.#draft.isOpen = false;
     this.#draw();
   }
 
-  /** Take the last change of the area back; whether there was one. */
+  /** Take the last change of the area back; true if there was one. */
   undo() {
     if (!this.#before.length) return false;
     Object.assign(this.#draft, this.#before.pop());
@@ -117,7 +115,7 @@ export class ZoneTool {
     this.#pressed = { from: [x, y], px: [event.clientX, event.clientY], isDrag: false, held: this.#held(x, y) };
   }
 
-  /** What a press would take: a corner's number, "whole", "rim" of a circle, or "" for a new corner. */
+  /** Target of a press: a corner's number, "whole", "rim" of a circle, or "" for a new corner. */
   #held(x, y) {
     if (!this.#draft) return "";
     const { area, isOpen } = this.#draft;
@@ -171,7 +169,7 @@ export class ZoneTool {
     else this.#change({ ...area, points: [...area.points, corner] });
   }
 
-  /** The area as a drag makes it; null where it moves nothing. */
+  /** The area as a drag makes it; null if it moves nothing. */
   #dragged({ held, from, to }) {
     const { area, isOpen } = this.#draft;
     const [x, y] = to.map(round);

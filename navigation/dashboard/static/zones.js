@@ -1,5 +1,5 @@
 // The zones' card: the list for everybody; for operators a new zone, edit, rename, move, delete, and
-// undo. While it is open the arena is for zones: no press in it sets a goal.
+// undo. While it is open, no press in the arena sets a goal.
 
 import { areaOf, covers } from "./zone_area.js";
 import { ZoneForm } from "./zone_form.js";
@@ -13,7 +13,7 @@ export class Zones {
   #revision = 0;
   /** Revision at which two orders were one change for people: a rename. */
   #renamed = -1;
-  /** Old and new name of a zone whose rename the program has not told of yet. */
+  /** Old and new name of a zone whose rename the program has not reported yet. */
   #renaming = null;
 
   constructor(stage, connection, seat, layers, layer, fleet) {
@@ -74,13 +74,12 @@ export class Zones {
     byId(this.#mayChange ? "zones-new" : "zones-close").focus();
   }
 
-  /** Leave the form, or close the card. */
   escape() {
     if (this.form.isOpen) this.#leaveForm("");
     else this.toggle();
   }
 
-  /** Enter, where nothing has the focus. */
+  /** Enter, without a focus. */
   enter() {
     if (this.form.isOpen) this.form.submit();
   }
@@ -135,7 +134,7 @@ export class Zones {
     byId("zones-new").focus({ preventScroll: true });
   }
 
-  /** A new zone, or one in place of the zone named `before`; why not, "" where it is in force. */
+  /** A new zone, or one in place of the zone named `before`; the reason if it is refused, or "". */
   async #save(zone, before) {
     const isRenamed = before && before !== zone.name;
     const answer = await this.#order("zone_put", { zone });
@@ -205,7 +204,6 @@ export class Zones {
   }
 }
 
-/** What else there is to say of a change that was made. */
 const troubleOf = ({ trouble }) => (trouble ? `, but ${trouble}` : "");
 
 const made = (tag, textContent) => Object.assign(document.createElement(tag), { textContent });

@@ -1,12 +1,11 @@
-// Zones in the arena: each kind has a colour, a pattern and words. Keep-out is hatched, slow is
-// dotted, no waiting is striped; a one-way zone has arrows along its line, a lane a broken one.
+// Zones in the arena: each kind has a colour, a pattern and words.
 
 import { along, areaOf } from "./zone_area.js";
 import { element } from "./stage.js";
 import { middleOf } from "./world.js";
 
 export const KINDS = { keep_out: "Keep out", slow: "Slow", one_way: "One way", lane: "Lane", wait: "No waiting" };
-/** Of these kinds the area is a band: its line gives the direction. */
+/** Kinds whose area is a band: its line gives the direction. */
 export const BANDS_ONLY = ["one_way", "lane"];
 const PATTERNS = {
   "keep-out": ["45", 8, "M-1 4H9"],
@@ -39,7 +38,7 @@ export class ZonesLayer {
     this.#applyMarks();
   }
 
-  /** Leave one of them out, which is drawn elsewhere as it is changed; "" for none. */
+  /** Leave out one of them, which is drawn elsewhere as it is changed; "" for none. */
   hide(name) {
     this.#hidden = name;
     this.#draw();
@@ -86,7 +85,6 @@ export class ZonesLayer {
   }
 }
 
-/** What a zone of a kind allows, in a few words. */
 export function rule({ kind, speed_m_s, cost }) {
   const words = [];
   if (kind !== "slow") words.push(KINDS[kind].toLowerCase());
@@ -97,7 +95,7 @@ export function rule({ kind, speed_m_s, cost }) {
 
 const cssOf = (kind) => kind.replace("_", "-");
 
-/** A zone's area with its pattern and edge; `id` is of its own on the page. */
+/** A zone's area with its pattern and edge; `id` is its own on the page. */
 export function zoneShape(stage, { kind }, area, id) {
   const group = element("g", { class: `zone zone-${cssOf(kind)}` });
   const pattern = PATTERNS[cssOf(kind)] ? `url(#zone-${cssOf(kind)})` : null;
@@ -152,8 +150,8 @@ function arrows(stage, { points, width_m }) {
 }
 
 /**
- * A zone's name and rule: in its middle where they fit, else the name alone, there or below it, with
- * the speed of a slow one; kept within the picture.
+ * A zone's name and rule: in its middle if they fit, else the name alone, there or below it, with the
+ * speed of a slow one; kept within the picture.
  */
 export function zoneName(stage, zone, area) {
   const { k } = stage;
@@ -174,7 +172,7 @@ export function zoneName(stage, zone, area) {
   return group;
 }
 
-/** Where a zone's words are, and how much room is there, in the picture's pixels. */
+/** Place of a zone's words, and the room there, in the picture's pixels. */
 function boxOf(stage, area) {
   if (area.shape === "line") {
     const [x, y, angle] = along(area.points, Infinity)[0] ?? [...area.points[0], 0];
