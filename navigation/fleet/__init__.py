@@ -2,9 +2,9 @@
 
 - `request` has the planner's requests and answers, a promise being a path with gates at shared
   places; `asking` makes a request.
-- `planning` makes promises for all robots, and `joining` adds new ones while others drive;
-  `rounding` smooths the corners of their tracks.
-- `releases` says how far each robot may drive; `orders` says which robots wait or hold, and why.
+- `planning` makes promises for all robots, `joining` adds new ones while others drive, and
+  `rounding` smooths corners.
+- `releases` says how far each robot may drive, `orders` which robots wait or hold.
 - `places_kept` has the places of robots that take no part; `refusals` remembers failed requests.
 - `runaways` finds robots that run away, and `giving_way` moves the others aside.
 - `coordinator` decides with all of these, once a cycle.

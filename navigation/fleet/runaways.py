@@ -72,7 +72,6 @@ def _seen_from(one: Member, held: Held) -> int:
 
 
 def _strays(one: Member, held: Held | None) -> bool:
-    """True if it is off what it was sent by more than a path allows."""
     if held is None or held.broken or held.errand or one.pose is None:
         return False
     if one.state not in (State.DRIVING, State.HOLDING):
