@@ -1,6 +1,5 @@
 """Order of the robots at shared places, from tracks that never touch.
 
-Rules
 - Pieces of two tracks that come nearer than the gap are a shared place. The robot that passes it
   first in the plan, exactly, always does: the other begins its piece only after the first has ended
   its own. So no two robots are ever on near pieces.
@@ -31,7 +30,7 @@ def find_dependencies(tracks: Sequence[FloatArray], radii: Sequence[float]) -> l
 
 
 def _drawn(track: FloatArray) -> FloatArray:
-    """A track with at least two rows: a robot that never moves has one piece of no length."""
+    """Track with at least two rows: a robot that never moves has one piece of no length."""
     return track if len(track) > 1 else np.vstack([track, track])
 
 

@@ -1,9 +1,7 @@
 """Waypoints of a fleet's plan that each robot may be given now, from the progress of all.
 
-Rules
 - ``passed[i]`` is the row of robot i's track that it reached last, 0 at its start. It may be given
-  all rows up to its next unmet dependency; nothing given is ever taken back, because the limit only
-  grows with progress.
+  all rows up to its next unmet dependency; that limit only grows with progress.
 - Whatever the delays, no robots touch: of two near pieces, the second begins after the first has
   ended. If :func:`planner.fleet.dependencies.is_live` holds, some robot can always move until all
   have arrived: waits and track order form no circle, so one unreached row comes first.

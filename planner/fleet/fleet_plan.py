@@ -10,8 +10,9 @@ from dataclasses import dataclass
 from planner.scene import FloatArray
 
 Dependency = tuple[int, int, int, int]
-"""(robot, index of the point of its track that it must have passed, waiting robot, index of the
-point of its track that it must not go beyond before)."""
+"""(robot, point of its track that it must have passed, waiting robot, point of its track that it
+must not pass before).
+"""
 
 
 @dataclass(frozen=True, slots=True)
@@ -21,7 +22,7 @@ class FleetPlan:
     ``tracks`` are read-only arrays (k, 3) of t, x, y from time zero: straight and even between
     rows, at rest after the last. ``dependencies`` keep the order at shared places: robots that keep
     them touch no other, whatever the delays. ``makespan_s`` is the last arrival, ``flowtime_s`` the
-    sum of all arrivals. ``remarks`` are sentences on what is uncertain.
+    sum of all. ``remarks`` are sentences on what is uncertain.
     """
 
     tracks: tuple[FloatArray, ...]

@@ -1,8 +1,7 @@
 """Waits moved out of no-waiting zones, to the last place before them.
 
-A robot that would wait inside begins the whole stretch only when it need not: it waits before the
-zone instead, for the same robots. Where that leads to a circle of waits
-(:func:`planner.fleet.dependencies.is_live`), another plan is needed.
+Where that leads to a circle of waits (:func:`planner.fleet.dependencies.is_live`), another plan is
+needed.
 """
 
 from __future__ import annotations

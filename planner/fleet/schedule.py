@@ -1,13 +1,12 @@
 """Goals that come at any time while others drive, planned against the promised tracks.
 
-Rules and units
 - A schedule holds the tracks promised to all robots, from time zero, when it was made. It never
   changes; a new goal gives a new one. Nothing sent to a robot is taken back.
 - A new goal is first planned among the promised tracks: unless a parked robot cuts the arena apart,
-  such a path always exists (COBRA; Cap et al., ICRA 2015). A robot with a new goal passes behind
-  everything sent to others.
+  such a path always exists (COBRA; Cap et al., ICRA 2015). It passes behind everything sent to
+  others.
 - If that fails, or several goals come at once, all keep their promises to the end, and then the
-  fleet is planned as a whole: robots parked in the way step aside and return, or there is a reason.
+  fleet is planned as a whole: robots parked in the path step aside, or there is a reason.
 """
 
 from __future__ import annotations
@@ -45,7 +44,7 @@ from planner.shared.search_clock import Clock, search_clock_s
 from planner.zones.zone import Zone
 
 ZONE = 8.0
-"""Discs that keep a piece free that was sent, in the gap's length: 0.2 % wider than the piece."""
+"""Discs in a gap's length that keep a sent piece free: 0.2 % wider than the piece."""
 BEFORE_S = 1e6
 """Time before a plan's beginning since which sent pieces are kept free."""
 WAITS_IN_A_CIRCLE = (
@@ -57,7 +56,7 @@ WAITS_IN_A_CIRCLE = (
 class FleetSchedule:
     """Promised tracks of a fleet on one roadmap.
 
-    ``plan`` holds tracks and dependencies from now on; ``sent`` is the row of each new track up to
+    ``plan`` holds tracks and dependencies from now on; ``sent`` is the row of each track up to
     which waypoints were sent. ``changed`` are the robots with a new path.
     """
 
@@ -171,8 +170,8 @@ class FleetSchedule:
     def cut_off_by(self, robot: int, goal: Sequence[float]) -> tuple[int, ...]:
         """Parked robots that cut a robot off from a goal: none if it is well-formed.
 
-        Every other robot is added to the scene as a disc at its track's end. While the roadmap
-        still has a path, others need not move for this goal.
+        Every other robot is a disc at its track's end. While the roadmap still has a path, others
+        need not move for this goal.
         """
         blocking: list[int] = []
         scene = self.roadmap.scene
@@ -258,7 +257,6 @@ class FleetSchedule:
         time_limit_s: float,
         clock: Clock,
     ) -> FleetSchedule | NoFleetPlan:
-        """Keep all promises to their ends, then plan the whole fleet from there."""
         parked = [track[-1, 1:].tolist() for track in tracks]
         limits = [
             replace(default_limits(size), speed=speed)

@@ -1,6 +1,5 @@
 """Matchings of rows to columns at least cost: least sum, or least largest cost.
 
-Rules
 - Costs (n, m) are finite, or infinite for an impossible pair. The best of the largest matchings is
   found, exactly except for the last bits of its sum.
 - Each row is matched along a shortest augmenting path over reduced costs, O(n^2 (n + m)) in all
@@ -66,9 +65,8 @@ def _augment(
 
 
 def match_for_last(costs: FloatArray) -> NDArray[np.int64]:
-    """Column of each row, -1 for none: the least largest cost of the largest matchings.
-
-    Among those with this largest cost, the least sum.
+    """Column of each row, -1 for none: least largest cost of the largest matchings, then least
+    sum.
     """
     most = int((match_for_sum(costs) >= 0).sum())
     levels = np.unique(costs[np.isfinite(costs)])

@@ -1,10 +1,8 @@
 """Proof that two robots can never both reach their goals, whatever the others do.
 
-Rules
 - Only the two are there, in the steps of ``joint_search``: if they have no plan, no fleet has.
-- The search leads back from both goals and forwards from both starts: from one side or the other,
-  a robot confined to a few places is soon found. Each side is limited to a number of pairs of
-  places, beyond which it proves nothing.
+- The search leads back from both goals and forwards from both starts: a robot confined to a few
+  places is soon found from one side. Each side proves nothing beyond a number of pairs of places.
 """
 
 from __future__ import annotations
@@ -16,9 +14,9 @@ from planner.fleet.search.joint_search import JointSearch
 from planner.fleet.search.team import TeamRobot
 
 PAIRS_MOST = 20_000
-"""Pairs of places that are looked at from one side: some seconds, where steps are new."""
+"""Pairs of places examined from one side: some seconds, where steps are new."""
 PAIRS_FEW = 500
-"""The same where most proofs end, in milliseconds: the end of a lane is soon looked at."""
+"""The same where most proofs end, in milliseconds, as at the end of a lane."""
 
 Pair = tuple[int, int]
 
@@ -32,7 +30,7 @@ def can_never_pass(
 ) -> bool:
     """True if the two provably have no plan; ``search`` is of these two.
 
-    Examines at most ``most`` pairs of places from either side.
+    At most ``most`` pairs of places are examined from either side.
     """
     start, goal = (one.start, other.start), (one.goal, other.goal)
     before = _into(one), _into(other)

@@ -1,7 +1,6 @@
-"""Places for robots that are clear of each other, and the ways between them.
+"""Places for robots that are clear of each other, and the paths between them.
 
-Rules
-- No two stations are nearer than two of the largest robots need, and a way between two comes that
+- No two stations are nearer than two of the largest robots need, and a path between two comes that
   near to no third: a robot on it touches no robot at another station.
 - They are packed as tightly as possible from a few seeds, so a queue holds as many as fit.
 """
@@ -19,7 +18,7 @@ from numpy.typing import NDArray
 from planner.scene import FloatArray
 
 STATIONS_MOST = 200
-"""Stations; in larger arenas those on the robots' own routes first, then those around them."""
+"""In larger arenas those on the robots' own routes first, then those around them."""
 TOUCH = 1e-9
 """Distances are enough within this share."""
 
@@ -28,7 +27,7 @@ Pair = tuple[int, int]
 
 @dataclass(frozen=True, slots=True)
 class StationGraph:
-    """Nodes of the shared graph (k,), ways between two as nodes, and each one's neighbours."""
+    """Nodes of the shared graph (k,), paths between two as nodes, and each one's neighbours."""
 
     nodes: list[int]
     ways: dict[Pair, list[int]]
@@ -109,7 +108,7 @@ def _ways(
 def _stations_near(
     places: FloatArray, edges: NDArray[np.int64], stations: FloatArray, gap: float
 ) -> list[list[int]]:
-    """For each edge the stations nearer than the gap to any of it."""
+    """Stations nearer than the gap to any of each edge."""
     begin = places[edges[:, 0]]
     step = places[edges[:, 1]] - begin
     length = np.maximum((step**2).sum(axis=1), np.finfo(float).tiny)
@@ -124,7 +123,7 @@ def _stations_near(
 
 
 def _shortest(places: FloatArray, edges: Sequence[Pair], begin: int, end: int) -> list[int]:
-    """Shortest way over a few two-way edges; empty if there is none."""
+    """Shortest path over a few two-way edges; empty if there is none."""
     after: dict[int, list[tuple[int, float]]] = defaultdict(list)
     for a, b in edges:
         after[a].append((b, float(np.hypot(*(places[b] - places[a])))))
