@@ -4,13 +4,12 @@
 - Any other is planned against the promises of driving robots, which drive on; until the planner
   answers they are sent no more than they have.
 - If that fails, or a robot waits at a gate for one that will not come (stopped, failed, refused, or
-  held for longer than ``PATIENCE_S``), all are planned: driving robots stop under control, and once
-  all are at rest, one plan is made for every robot that wants to move.
-- Other robots keep their places; an unseen one keeps everything that it may have driven to since. A
-  robot without a mission may have to step aside and come back.
-- A refused robot waits until the reasons for its refusal change. A plan of all waits for refused
-  robots that hold, until they ask again: two robots on each other's goals have paths together, but
-  none one by one.
+  held for longer than ``PATIENCE_S``), driving robots stop under control, and once all are at rest,
+  one plan is made for every robot that wants to move.
+- Other robots keep their places, an unseen one everything that it may have driven to since. A robot
+  without a mission may have to step aside and come back.
+- A refused robot waits until the reasons change. A plan of all waits for refused robots that hold,
+  until they ask again: two robots on each other's goals have paths together, but none one by one.
 
 Metres, radians, seconds.
 """
@@ -45,15 +44,15 @@ from planner.path import NoPath
 from planner.scene import FloatArray
 
 PATIENCE_S: Final = 6.0
-"""A robot that holds usually continues by itself: marker hidden, link silent, for a moment."""
+"""A robot that holds usually continues by itself: marker hidden, link silent."""
 ASK_S: Final = 0.6
 """A robot that has to plan again asks within this time, or takes no part."""
 REFUSED_S: Final = 1.5
-"""The same for a refused robot: pilots ask again after a second."""
+"""The same after a refusal: pilots ask again after a second."""
 AHEAD: Final = 40
 """Targets that a robot has beyond the one it drives to: 2 m, a second's upload."""
 SLACK_M: Final = 0.01
-"""Tolerated shortfall of a path's clearance below the radius in a new scene: the camera's error."""
+"""Tolerated shortfall of a path's clearance below the radius: the camera's error."""
 GOING: Final = (State.DRIVING, State.PLANNING, State.PROVING)
 OVER: Final = (State.FAILED, State.STOPPED, State.IDLE)
 
@@ -66,11 +65,11 @@ class Coordinator:
     def __init__(self, clearance_m: Clearance, rules: RulesOf = no_rules) -> None:
         self.held: dict[str, Held] = {}
         self._left: dict[str, Held] = {}
-        """Promises of earlier plans, which an unseen robot may be driving."""
+        """An unseen robot may be driving one of these."""
         self._lines: dict[str, Held] = {}
-        """Lines aside, in the form of promises, on which an unseen robot may be."""
+        """An unseen robot may be on its line aside."""
         self.rounds = 0
-        """Plans requested, of all robots or of some that join driving ones."""
+        """Plans requested."""
         self._clearance_m, self._rules = clearance_m, rules
         self._open: dict[str, PlanRequest] = {}
         self._gathering_s: float | None = None
@@ -201,7 +200,6 @@ class Coordinator:
         return answers
 
     def _fits(self, held: Held, request: PlanRequest) -> bool:
-        """True if the rest of a promise leads from its robot to the requested goal."""
         promise, here = held.promise, request.start[:2]
         if not request.stations or request.stations[0] != promise.station:
             return False
@@ -284,7 +282,6 @@ class Coordinator:
     def _gathered(
         self, now_s: float, members: Mapping[str, Member], revision: int
     ) -> tuple[FleetRequest | None, dict[str, PlanAnswer]]:
-        """Request once all are at rest and all that want to move have asked."""
         assert self._gathering_s is not None
         late = now_s - self._gathering_s > ASK_S
         for name, one in members.items():
@@ -348,7 +345,6 @@ class Coordinator:
     def _take(
         self, now_s: float, answer: FleetAnswer, members: Mapping[str, Member]
     ) -> dict[str, PlanAnswer]:
-        """Replace the promises or add gates to them; return the pilots' answers."""
         assert self._asked is not None
         asked, self._asked = self._asked, None
         starts = {one.name: one.start for one in (*asked.travellers, *asked.idle)}

@@ -5,9 +5,8 @@
   shortest of the clear ones, or the clearest.
 - Before a runaway that is only possible, robots hold, but none leaves its path.
 - Lines aside keep to ground that the roadmap knows to be free and no zone forbids, at the usual
-  distance from other robots and from all that these were sent; one that is nearer now comes no
-  nearer.
-- If no line is better, the robot drives on only if that touches no runaway and is no worse than
+  distance from other robots and from all that these were sent, or no nearer than now.
+- Without a better line, the robot drives on only if that touches no runaway and is no worse than
   standing still.
 - While one drives aside no robot is sent more than it has, and none is planned.
 
@@ -61,7 +60,7 @@ def no_rules(_robot: str) -> Rules | None:
 
 @dataclass(slots=True)
 class Aside:
-    """A robot's line aside, and the request answered."""
+    """A line aside, and the request answered."""
 
     points: FloatArray
     request_id: int
@@ -76,7 +75,7 @@ class GivesWay:
     """Robots that are to leave their paths and ask, and why."""
     answers: Mapping[str, PlanAnswer] = field(default_factory=dict)
     errands: Mapping[str, Station] = field(default_factory=dict)
-    """Robots without a mission that have to leave their places, and come back to them."""
+    """Robots that have to leave their places, and come back to them."""
     holds: Mapping[str, str] = field(default_factory=dict)
 
 
@@ -173,7 +172,6 @@ class GivingWay:
         return None
 
     def _sent_to(self, name: str, one: Member, held: Mapping[str, Held]) -> FloatArray:
-        """Places (n, 2) that another robot may still drive to."""
         assert one.pose is not None
         here = np.array([one.pose[:2]])
         if name in self.aside:
@@ -252,7 +250,6 @@ def _least_gap(one: Member, track: FloatArray, runaways: Sequence[Runaway]) -> _
 
 
 def _standing(one: Member) -> FloatArray:
-    """Positions if it brakes now."""
     assert one.pose is not None
     speed = _speed(one)
     t = np.minimum(_times(), BEGINS_S + speed / one.limits.acceleration)
@@ -333,6 +330,5 @@ def _speed(one: Member) -> float:
 
 
 def _apart(line: FloatArray, way: FloatArray) -> float:
-    """Least distance between the points of two paths, and the second's midpoints."""
     places = np.concatenate([way, 0.5 * (way[1:] + way[:-1])])
     return float(np.hypot(*(line[:, None] - places[None]).T).min())

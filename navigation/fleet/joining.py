@@ -1,12 +1,11 @@
 """New goals while others drive: promises for the robots that ask, more gates for the rest.
 
 - Everything sent to a robot stays: it never has to wait earlier, and a driving robot's path never
-  changes. Robots that ask pass behind what was sent, and in turn with the rest. If none can be
-  added, nothing changes.
-- Robots at rest without a mission may have to step aside and come back.
-- A robot waits for a driving one that would have to step aside until that has arrived. If the
-  promises do not fit the arena, nothing can be added (`FleetAnswer.cannot`), and all are planned
-  together.
+  changes. Robots that ask pass behind what was sent. If none can be added, nothing changes.
+- A robot waits for a driving one that would have to step aside until that has arrived; robots at
+  rest without a mission step aside and come back.
+- If the promises do not fit the arena, nothing can be added (`FleetAnswer.cannot`), and all are
+  planned together.
 
 Metres, radians, seconds.
 """
@@ -60,8 +59,6 @@ class CannotJoinError(Exception):
 
 
 class _CannotDriveError(Exception):
-    """Error: a robot cannot drive its new path; the text says why."""
-
     def __init__(self, one: Traveller, why: str) -> None:
         super().__init__(why)
         self.one = one
@@ -69,8 +66,6 @@ class _CannotDriveError(Exception):
 
 @dataclass(frozen=True, slots=True)
 class _Party:
-    """All robots in one order: driving, asking, and able to step aside."""
-
     driving: tuple[Driving, ...]
     asking: tuple[Traveller, ...]
     idle: tuple[Traveller, ...]
@@ -250,7 +245,7 @@ def _timed(one: Driving) -> FloatArray:
 
 
 def _sizes(here: Roadmap, party: _Party, keep_m: float) -> list[float]:
-    """Each robot's radius with its promised margin, or with what fits."""
+    """Radii with their promised margins, or with what fits."""
     sizes = []
     for one in party.driving:
         rest = np.ascontiguousarray(one.promise.points[one.executed :])

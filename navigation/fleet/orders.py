@@ -25,18 +25,18 @@ class FleetOrders:
     """Results of one cycle."""
 
     plan_again: tuple[tuple[str, str], ...] = ()
-    """Robots that are to stop and ask for a path, and why."""
+    """Robots that are to stop and ask, and why."""
     request: FleetRequest | None = None
     answers: Mapping[str, PlanAnswer] = field(default_factory=dict)
     """For the pilots."""
     waits: Mapping[str, str] = field(default_factory=dict)
     """Sentences of waiting robots."""
     waits_for: Mapping[str, str] = field(default_factory=dict)
-    """Robot awaited, for each in ``waits`` that waits for one other robot."""
+    """Robot awaited, if it is one."""
     holds: Mapping[str, str] = field(default_factory=dict)
-    """Reasons of robots that may not move now."""
+    """Reasons not to move now."""
     errands: Mapping[str, Station] = field(default_factory=dict)
-    """Robots that have to step aside, and the places that they come back to."""
+    """Robots that step aside, and the places that they come back to."""
 
 
 def waits_of(
@@ -47,7 +47,7 @@ def waits_of(
 ) -> tuple[dict[str, str], dict[str, str]]:
     """Sentences of waiting robots, and the one robot each of them waits for, if any.
 
-    ``refused`` have no path yet, with the reason; a robot driving ``aside`` waits for none.
+    ``refused`` have no path yet; a robot driving ``aside`` waits for none.
     """
     waits = {name: f"waits for the others: {why}" for name, why in refused.items()}
     waits_for = {}

@@ -46,7 +46,7 @@ class Member:
     reach_m: float
     """Longest drive after it was last seen, until lease and brakes end it."""
     executed: int | None = None
-    """Targets executed of its present plan; None if it drives none."""
+    """Targets executed of its present plan, if any."""
     request: PlanRequest | None = None
     sentence: str = ""
     """Reason for the mission's state."""
@@ -57,7 +57,6 @@ class Member:
     obeys: bool = True
     """True if it is no faster than its lease, or its brakes since the lease's end, allow."""
     is_silent: bool = False
-    """It is unknown whether it hears."""
     keep_m: float = 0.03
     """Distance from the body of a runaway."""
     at_large: bool = False
@@ -72,7 +71,7 @@ class Member:
 
     @property
     def waits_because(self) -> str:
-        """Reason given by a robot that waits for this one."""
+        """Reason given by a robot that waits for it."""
         if self.state is State.DRIVING:
             return "has to pass first"
         return f"is {self.state.value}: {self.sentence}" if self.sentence else "does not drive"
@@ -111,7 +110,7 @@ def _ahead(here: tuple[float, float], held: Held, reach_m: float) -> Iterator[tu
 
 
 def line_kept(name: str, answer: PlanAnswer) -> Held:
-    """A line on which a robot drives aside, in the form of a promise."""
+    """Line aside in the form of a promise."""
     path = answer.path
     assert isinstance(path, Path)
     station = Station(*path.points[-1].tolist())
@@ -133,7 +132,7 @@ def comes_too_near(way: FloatArray, name: str, members: Mapping[str, Member]) ->
             continue
         bodies_m = radius_m + one.radius_m
         now_m = math.dist((x_m, y_m), one.pose[:2]) - bodies_m
-        if now_m - length_m >= TOUCH_M:  # too far away to be met on it
+        if now_m - length_m >= TOUCH_M:
             continue
         least_m = distance_to_polyline(way, one.pose[:2]) - bodies_m
         if least_m < min(TOUCH_M, now_m - NEARER_M):

@@ -1,10 +1,9 @@
 """From a fleet's plan to promises: each robot's targets, and gates at shared places.
 
 - Every radius gets a margin, so that robots that follow their paths to within it never touch. It
-  shrinks to fit where starts, goals or walls are nearer.
+  shrinks where starts, goals or walls are nearer.
 - Corners are rounded where no robot comes too near (`rounding`): at sharp ones a robot stops.
-- Tracks are cut into short pieces before the order at shared places is taken: a robot waits no
-  longer than it must, at one of its targets.
+- Tracks are cut into short pieces first, so that a robot waits no longer than it must.
 - A robot without a path is left out and keeps its place; the others are planned around it.
 
 Metres, radians, seconds.
@@ -123,7 +122,7 @@ def _try(
     keep_m: float,
     clock: Clock,
 ) -> dict[str, Promise] | tuple[int, str]:
-    """Promises for all of them, or the one to leave out and why."""
+    """Promises, or the one to leave out and why."""
     for i, one in enumerate(moving):
         for other in taken:
             gap_m = math.dist((one.station.x, one.station.y), (other.x_m, other.y_m))
@@ -157,8 +156,7 @@ def _ordered(
 ) -> tuple[list[CutTrack], list[Dependency], list[float]] | NoFleetPlan:
     """Tracks in short pieces, a live order at shared places, and the radii planned with.
 
-    In a live order robots never wait in a circle. Without one, less distance between bodies is
-    tried, then other seeds.
+    Without a live order, less distance between bodies is tried, then other seeds.
     """
     refused: NoFleetPlan | None = None
     zones = [one.zones for one in moving]
@@ -196,7 +194,7 @@ def _ordered(
 def rules_of(
     here: Roadmap, zones: Sequence[tuple[Zone, ...]], sizes: Sequence[float]
 ) -> list[Rules]:
-    """Index each robot's zones for the radius that it is planned with."""
+    """Index each robot's zones for its planned radius."""
     assert isinstance(here.scene, Scene)
     scene = here.scene
     return [rules_for(own, scene, size) for own, size in zip(zones, sizes, strict=True)]
@@ -311,7 +309,6 @@ def _number(numbers: FloatArray, row: int) -> int:
 
 
 def _sizes(here: Roadmap, moving: Sequence[Traveller], keep_m: float) -> list[float]:
-    """Each robot's radius with the margin that fits."""
     margins = [0.5 * keep_m] * len(moving)
     for i, j in combinations(range(len(moving)), 2):
         a, b = moving[i], moving[j]
@@ -354,7 +351,7 @@ def with_names(reason: str, names: Sequence[str]) -> str:
 
 
 def listed(names: Sequence[str]) -> str:
-    """Names for a sentence: "ada, bob and cleo", each once."""
+    """Join names for a sentence, each once."""
     unique = list(dict.fromkeys(names))
     if len(unique) < 2:
         return "".join(unique)

@@ -1,7 +1,4 @@
-"""Robots without a path, the reasons, and the situation that makes a new plan pointless.
-
-Metres.
-"""
+"""Robots without a path, and why a new plan would be pointless."""
 
 from __future__ import annotations
 
@@ -17,7 +14,7 @@ from navigation.mission.mission import State, Station
 
 @dataclass(frozen=True, slots=True)
 class Situation:
-    """Situation behind a refusal: while it lasts, another plan would be refused too."""
+    """While it lasts, another plan would be refused too."""
 
     revision: int
     goals: frozenset[tuple[str, Station]]

@@ -1,8 +1,8 @@
 """Released part of each promise, and the robots waited for.
 
-- A robot is given its targets up to the first gate that another robot has not passed.
-- A robot has passed a target if it reports so and the camera sees it there; one whose promise is
-  unknown has passed nothing.
+A robot is given its targets up to the first gate that another robot has not passed. A robot has
+passed a target if it reports so and the camera sees it there; without a promise it has passed
+nothing.
 """
 
 from __future__ import annotations
@@ -32,7 +32,7 @@ class Held:
     sent: int = 0
     """Targets that the robot may have been given."""
     errand: bool = False
-    """The robot has no mission of its own there, and has not been given this one yet."""
+    """The robot has not been given this errand yet."""
 
     @property
     def is_finished(self) -> bool:

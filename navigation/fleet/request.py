@@ -47,7 +47,7 @@ class FleetRequest:
     travellers: tuple[Traveller, ...]
     taken: tuple[Taken, ...] = ()
     driving: tuple[Driving, ...] = ()
-    """Robots that drive on meanwhile; empty if all are at rest and are planned together."""
+    """Robots that drive on meanwhile; empty if all are at rest and planned together."""
     idle: tuple[Traveller, ...] = ()
     """Robots at rest without a mission, which may step aside and come back."""
 
@@ -92,7 +92,7 @@ class Driving:
 
     @property
     def as_traveller(self) -> Traveller:
-        """The same robot, from the last target that it has executed."""
+        """The same robot, from its last executed target."""
         x, y = self.promise.points[self.executed].tolist()
         promise = self.promise
         return Traveller(
@@ -103,11 +103,11 @@ class Driving:
 
 @dataclass(frozen=True, slots=True)
 class FleetAnswer:
-    """A promise for each traveller that has one, and the reason for each that has none.
+    """Promises, and the reason for each traveller that has none.
 
     ``driving`` are the promises of driving robots with their present gates; ``cannot`` is the
-    reason if nothing could be added to them. A promise of an idle robot asks it to step aside and
-    come back.
+    reason if nothing could be added to them. An idle robot's promise asks it to step aside and come
+    back.
     """
 
     id: int
@@ -119,5 +119,4 @@ class FleetAnswer:
 
 
 Request: TypeAlias = PlanRequest | FleetRequest
-"""A planner's request, for one robot or for several."""
 Answer: TypeAlias = PlanAnswer | FleetAnswer

@@ -1,11 +1,8 @@
 """Rounded corners of a fleet's tracks, at which robots need not stop and turn.
 
-- Each track is rounded like a lone robot's path if it keeps its clearance; waits stay.
-- A rounded track is used if it comes as near to no other robot as the plan allows. Otherwise the
-  legs between its waits are tried one by one.
-- The order at shared places comes from the result, so it is valid for what is driven.
-
-Metres, seconds.
+Each track is rounded like a lone robot's path if it keeps its clearance. If it then comes nearer to
+another robot than the plan allows, the legs between its waits are tried one by one. Metres,
+seconds.
 """
 
 from __future__ import annotations
@@ -70,7 +67,7 @@ def rounded(
     turning_m: Mapping[int, float],
     rules: Sequence[Rules],
 ) -> list[CutTrack]:
-    """Tracks with corners rounded where no robot comes too near and each one's zones permit it.
+    """Round corners where no robot comes too near and each one's zones permit it.
 
     Only tracks in ``turning_m`` are rounded, by bends no tighter than its radii.
     """
@@ -92,7 +89,7 @@ def rounded(
 
 
 def legs_of(track: FloatArray) -> list[FloatArray]:
-    """Cut the track at its waits: each is the time between two legs."""
+    """Cut the track at its waits."""
     stands = np.flatnonzero(~np.any(track[1:, 1:] != track[:-1, 1:], axis=1))
     cuts = [0, *(int(row) + 1 for row in stands), len(track)]
     return [track[a:b] for a, b in pairwise(cuts)]

@@ -61,7 +61,7 @@ def runaways_of(members: Mapping[str, Member], held: Mapping[str, Held]) -> list
 def _seen_from(one: Member, held: Held) -> int:
     """Number of the promised place behind which the camera can still see the robot.
 
-    Its report is newer than its pose: it may have passed targets since.
+    Its report is newer than its pose.
     """
     first = max(0, held.executed - 1)
     late_m = one.limits.speed * one.pose_age_s
