@@ -118,7 +118,6 @@ class FactFinder:
     def _motionless(
         self, now_s: float, sight: Sight, robot: RobotReport, target: Target
     ) -> str | None:
-        """Sentence about a robot on its mission that does not move, which makes it doubted."""
         if not is_to_move(robot, target, None if sight.pose is None else sight.pose[:2]):
             self.stillness.need_not_move()
             return None

@@ -162,7 +162,7 @@ class MissionProgress:
         return replace(self.after(Event.GIVEN, reason), errand=place)
 
     def arrived(self, reason: str) -> MissionProgress:
-        """Mission at its end; an errand is over too."""
+        """Mission at its end, its errand included."""
         return replace(self.after(Event.ARRIVED, reason), visited=len(self.stations), errand=None)
 
     @property

@@ -76,8 +76,6 @@ class Pilot:
         self.has_met_its_devices = False
         """True once robot and camera have both reported; before, no mission is given up."""
 
-    # Orders from people: taken at once, acted on in the next cycle.
-
     @property
     def stop_reason(self) -> str | None:
         """Reason for stopping the robot; None if there is none."""
@@ -191,8 +189,6 @@ class Pilot:
             raise MissionError(self.mission.cannot_skip)
         self._skip = self.mission.remaining[0]
 
-    # The cycle.
-
     def step(
         self, now_s: float, sight: Sight, robot: RobotReport, answer: PlanAnswer | None = None
     ) -> Orders:
@@ -289,7 +285,6 @@ class Pilot:
         self._replan_while_driving(robot_ahead(met))
 
     def _take_rearm(self, robot: RobotReport) -> bool:
-        """True if the robot may leave its stop in this cycle."""
         rearm, self._rearm, self._estopped = self._rearm, False, robot.estopped
         return rearm
 
@@ -323,7 +318,7 @@ class Pilot:
             self.waypoints_executed += executed - self.plan.executed
             self.plan = replace(self.plan, executed=executed)
         last = len(self.mission.places) - 1
-        # the last station counts once the camera has seen the robot at rest there
+        # the last station counts once the camera sees the robot at rest there
         visited = min(self.plan.visited, last)
         if visited > self.mission.visited:
             self.mission = self.mission.with_visited(visited)

@@ -23,7 +23,7 @@ MOVED_M, MOVED_RAD = 0.001, 0.01
 at wheels 0.12 m apart.
 """
 AT_M: Final = 0.03
-"""A robot this near to a target where it is to stay may stay."""
+"""Near enough to a target with a stay."""
 FIRST_PAUSE_S: Final = 1.0
 LONGEST_PAUSE_S: Final = 16.0
 

@@ -19,7 +19,8 @@ from planner.path import Path, TimedWaypoint, Trajectory
 from planner.zones.rules import Rules
 
 LONGEST_DWELL_S = 25.0
-"""Longest stay at one waypoint (the wire's limit is 25.5 s); a longer one is several at one place.
+"""Longest stay at one waypoint (the wire's limit is 25.5 s); a longer one is several at one
+place.
 """
 
 STEERED_RAD: Final = 0.2
@@ -80,7 +81,7 @@ def _targets(path: Path, groups: list[list[TimedWaypoint]]) -> Iterator[Target]:
 
 
 def to_wire(targets: tuple[Target, ...]) -> list[Waypoint]:
-    """Targets as the protocol's waypoints; the robot brakes for a stop by itself."""
+    """Targets as the protocol's waypoints."""
     return [
         Waypoint(
             t.x_m,

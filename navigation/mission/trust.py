@@ -21,7 +21,7 @@ from navigation.mission.targets import Target
 from navigation.witness import Evidence
 
 TURN_RAD: Final = 0.35
-"""Clearly more than the camera's noise and the follower's tolerance; nobody steps back from it."""
+"""Clearly more than the camera's noise and the follower's tolerance."""
 TURNED: Final = 0.7
 """Share of the turn that must be made; the rest is the follower's business."""
 TURN_SLACK_RAD: Final = 0.1
@@ -31,11 +31,9 @@ SLOWLY_OVER_M: Final = 0.2
 """Braking from this speed takes 6 mm at 0.5 m/s2."""
 PROBATION_M: Final = 1.0
 ON_THE_SPOT_M: Final = 0.025
-"""A turn on the spot drives a few millimetres; more means that the place itself moves."""
+"""A turn on the spot drives a few millimetres; with more, the place itself moves."""
 APART_RAD: Final = 2.0 * TURN_RAD
-"""More than late pictures of a whole turn can make them differ: a frozen picture draws the robot
-back, so that it turns for ever.
-"""
+"""Late pictures of a whole turn make less; a frozen one lets the robot turn for ever."""
 PATIENCE_S: Final = 3.0
 """Time that pictures may take to show the turn: longer than any measured latency."""
 LONGEST_PROOF_S: Final = 8.0
@@ -44,12 +42,12 @@ BEGINS_WITHIN_S: Final = 3.0
 BEGUN_RAD: Final = 0.02
 KNOCKED_M: Final = 0.1
 KNOCKED_RAD: Final = 0.7
-"""A robot knocked no further than this may prove itself; one farther from where its wheels brought
-it was carried, or is seen wrongly, and a person must look.
+"""A robot knocked no further may prove itself; farther from where its wheels brought it, it was
+carried or is seen wrongly, and a person must look.
 """
 NEAR_M: Final = 0.02
 """The robot's own estimate has followed the camera when they are this near; otherwise it would
-drive to the place where it is to turn.
+drive to the place of its turn.
 """
 
 
@@ -120,7 +118,7 @@ class Trust:
     def __init__(self) -> None:
         self.level = Level.SURE
         self.why = ""
-        """Why the robot was last doubted; empty if it has been cleared since."""
+        """Why the robot is doubted; empty while it is not."""
         self.proofs = 0
         self._since_m = 0.0
         self._slip_m, self._slip_rad = (0.0, 0.0), 0.0
