@@ -23,9 +23,8 @@ class PilotSettings:
     goal_tolerance_m: float
     goal_tolerance_rad: float
     settle_s: float
-    """Time that a hold's cause must be gone before a new plan, and that the robot must be at rest
-    before the camera judges its arrival.
-    """
+    """Time that a hold's cause must be gone before a new plan, and that the robot must be at
+    rest before the camera judges its arrival."""
     retry_s: float
     """Wait after a failed plan."""
     robot_grace_s: float

@@ -19,9 +19,8 @@ MOTIONLESS: Final = (
 STILL_S: Final = 2.0
 """A robot begins within a second of its order; 3 s is what people are promised."""
 MOVED_M, MOVED_RAD = 0.001, 0.01
-"""Less in ``STILL_S`` is no motion: half of the slowest turn that the follower asks for, 1.25 mm/s
-at wheels 0.12 m apart.
-"""
+"""Less in ``STILL_S`` is no motion: half of the slowest turn that the follower asks for, 1.25
+mm/s at wheels 0.12 m apart."""
 AT_M: Final = 0.03
 """Near enough to a target with a stay."""
 FIRST_PAUSE_S: Final = 1.0

@@ -20,8 +20,7 @@ from planner.zones.rules import Rules
 
 LONGEST_DWELL_S = 25.0
 """Longest stay at one waypoint (the wire's limit is 25.5 s); a longer one is several at one
-place.
-"""
+place."""
 
 STEERED_RAD: Final = 0.2
 """The reference robot turns standing for more (``TURN_STANDING`` of its follower)."""

@@ -43,12 +43,10 @@ BEGUN_RAD: Final = 0.02
 KNOCKED_M: Final = 0.1
 KNOCKED_RAD: Final = 0.7
 """A robot knocked no further may prove itself; farther from where its wheels brought it, it was
-carried or is seen wrongly, and a person must look.
-"""
+carried or is seen wrongly, and a person must look."""
 NEAR_M: Final = 0.02
 """The robot's own estimate has followed the camera when they are this near; otherwise it would
-drive to the place of its turn.
-"""
+drive to the place of its turn."""
 
 
 class Level(Enum):

@@ -1,7 +1,7 @@
 """Assignment of tasks to robots, optimal for the sum of driving times or for the last arrival.
 
-- A pair costs the time that the robot drives alone on its own path over the roadmap, at its speed.
-- As many tasks as possible are assigned; a pair without a path is never chosen.
+A pair costs the time that the robot drives alone on its own path over the roadmap, at its speed. As
+many tasks as possible are assigned; a pair without a path is never chosen.
 """
 
 from __future__ import annotations

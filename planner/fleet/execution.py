@@ -4,7 +4,7 @@
   all rows up to its next unmet dependency; that limit only grows with progress.
 - Whatever the delays, no robots touch: of two near pieces, the second begins after the first has
   ended. If :func:`planner.fleet.dependencies.is_live` holds, some robot can always move until all
-  have arrived: waits and track order form no circle, so one unreached row comes first.
+  have arrived.
 - Nothing here reads a clock or keeps a state: a restart or a replay resumes with equal answers.
 """
 
@@ -37,7 +37,7 @@ class TrackRelease:
 
 
 def releases(plan: FleetPlan, passed: Sequence[int]) -> tuple[TrackRelease, ...]:
-    """Release of each robot now; ``passed`` is the row that each has reached last.
+    """Release of each robot now.
 
     ``ValueError`` if there is not one row each, or a row is not in the track. O(robots +
     dependencies).

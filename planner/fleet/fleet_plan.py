@@ -11,8 +11,7 @@ from planner.scene import FloatArray
 
 Dependency = tuple[int, int, int, int]
 """(robot, point of its track that it must have passed, waiting robot, point of its track that it
-must not pass before).
-"""
+must not pass before)."""
 
 
 @dataclass(frozen=True, slots=True)

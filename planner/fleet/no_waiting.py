@@ -34,7 +34,6 @@ def wait_before(
 
 
 def _inside(track: FloatArray, rules: Rules) -> list[bool]:
-    """True for each row at which any of the body is in a no-waiting zone."""
     held = np.zeros(len(track), np.bool_)
     for one in rules.of("wait"):
         points = np.ascontiguousarray(track[:, 1:])

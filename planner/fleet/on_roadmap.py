@@ -50,12 +50,11 @@ def plan_fleet(
     headings are not planned for. ``radii`` is one for all or one each, the roadmap's if None; other
     radii get their own roadmaps. ``limits`` is one for all or one each: a robot drives at
     ``limits.speed`` or is at rest, and changes of speed and turns take no time here; None means
-    :func:`planner.motion.trajectory.default_limits` of its radius, one diameter a second.
-    ``time_limit_s``, ``improve``, ``seed`` and ``clock`` are as in
-    :func:`planner.fleet.on_graph.plan_on_graph`. ``zones`` are each robot's; times count slow zones
-    and lanes by their cost, and robots may wait in no-waiting zones until
-    :func:`planner.fleet.no_waiting.wait_before` moves their waits. Every track keeps its robot's
-    radius from all borders. ``ValueError`` on senseless input.
+    :func:`planner.motion.trajectory.default_limits` of its radius. ``time_limit_s``, ``improve``,
+    ``seed`` and ``clock`` are as in :func:`planner.fleet.on_graph.plan_on_graph`. ``zones`` are
+    each robot's; times count slow zones and lanes by their cost, and robots may wait in no-waiting
+    zones until :func:`planner.fleet.no_waiting.wait_before` moves their waits. Every track keeps
+    its robot's radius from all borders. ``ValueError`` on senseless input.
     """
     of_kind("roadmap", roadmap, Roadmap)
     effort = replace(check_effort(time_limit_s, improve, seed, clock), live=True)
@@ -115,13 +114,13 @@ class Grounds:
         self._zoned: dict[tuple[float, float, tuple[Zone, ...]], ZonedRoadmap] = {}
 
     def walls(self, radius: float) -> Roadmap:
-        """Return the roadmap without zones for a radius."""
+        """Return the roadmap without zones."""
         if radius not in self._walls:
             self._walls[radius] = roadmap_for(self._roadmap, radius)
         return self._walls[radius]
 
     def zoned(self, radius: float, speed: float, zones: tuple[Zone, ...]) -> ZonedRoadmap:
-        """Return the roadmap with zones for a radius and speed."""
+        """Return the roadmap with zones."""
         key = radius, speed, zones
         if key not in self._zoned:
             self._zoned[key] = ZonedRoadmap(self.walls(radius), zones, speed)

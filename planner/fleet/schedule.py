@@ -1,7 +1,5 @@
 """Goals that come at any time while others drive, planned against the promised tracks.
 
-- A schedule holds the tracks promised to all robots, from time zero, when it was made. It never
-  changes; a new goal gives a new one. Nothing sent to a robot is taken back.
 - A new goal is first planned among the promised tracks: unless a parked robot cuts the arena apart,
   such a path always exists (COBRA; Cap et al., ICRA 2015). It passes behind everything sent to
   others.
@@ -46,7 +44,7 @@ from planner.zones.zone import Zone
 ZONE = 8.0
 """Discs in a gap's length that keep a sent piece free: 0.2 % wider than the piece."""
 BEFORE_S = 1e6
-"""Time before a plan's beginning since which sent pieces are kept free."""
+"""Time before a plan's beginning from which sent pieces are kept free."""
 WAITS_IN_A_CIRCLE = (
     "the robots pass shared places all at once: no goal can be added until they have"
 )
@@ -54,7 +52,7 @@ WAITS_IN_A_CIRCLE = (
 
 @dataclass(frozen=True, slots=True)
 class FleetSchedule:
-    """Promised tracks of a fleet on one roadmap.
+    """Promised tracks of a fleet on one roadmap, immutable; nothing sent is taken back.
 
     ``plan`` holds tracks and dependencies from now on; ``sent`` is the row of each track up to
     which waypoints were sent. ``changed`` are the robots with a new path.
@@ -170,8 +168,7 @@ class FleetSchedule:
     def cut_off_by(self, robot: int, goal: Sequence[float]) -> tuple[int, ...]:
         """Parked robots that cut a robot off from a goal: none if it is well-formed.
 
-        Every other robot is a disc at its track's end. While the roadmap still has a path, others
-        need not move for this goal.
+        Every other robot is a disc at its track's end.
         """
         blocking: list[int] = []
         scene = self.roadmap.scene
@@ -217,7 +214,6 @@ class FleetSchedule:
     def _among_promises(
         self, robot: int, tracks: list[FloatArray], kept: tuple[int, ...], path: FloatArray
     ) -> FleetSchedule | None:
-        """Plan one new track with all others as promised, or return None."""
         size, speed = self.radii[robot], self.speeds[robot]
         smallest = self._grounds.walls(min(self.radii))
         shared = with_paths(smallest, self._base, [path], self.radii)
@@ -308,5 +304,4 @@ def _zone(track: FloatArray, gap: float) -> FloatArray:
 
 
 def _takes_back(plan: FleetPlan, sent: Sequence[int]) -> bool:
-    """True if a robot would have to wait before a waypoint already given."""
     return any(row < sent[waiting] for _, _, waiting, row in plan.dependencies)

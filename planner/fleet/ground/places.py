@@ -1,11 +1,10 @@
 """The graph that several robots share: roadmap chains, each robot's own path, places beside.
 
-- The roadmap's chains for the smallest robot give all paths, niches and dead ends included; each
-  robot's own path joins them, from and to any free place; robots pass each other on a lattice of
-  places beside them.
+- The roadmap's chains for the smallest robot, niches and dead ends included, are joined by each
+  robot's own path; robots pass each other on a lattice of places beside them.
 - Lines are cut into places at most a radius of the smallest robot apart; straight edges join places
   within reach of each other.
-- Clearances are exact for whole edges: a robot uses only edges as wide as it needs.
+- Clearances are exact for whole edges.
 """
 
 from __future__ import annotations
@@ -23,9 +22,8 @@ from planner.roadmap.roadmap import Roadmap
 from planner.scene import FloatArray
 
 STEP = 1.0
-"""Spacing on a line, in radii of the smallest robot: half of what two need to be apart, so that one
-gives way by little more than it must.
-"""
+"""Spacing on a line, in radii of the smallest robot: half of what two need to be apart, so that
+one gives way by little more than it must."""
 LATTICE = 2.2
 """Spacing of the lattice, in radii of the largest robot: two fit side by side."""
 REACH = 2.0
@@ -106,7 +104,7 @@ def with_paths(
 ) -> GroundPlaces:
     """Add a few more polylines, cut and joined to near places: far faster than a new graph.
 
-    ``starts`` and ``goals`` are the ends of these polylines. ``base`` does not change.
+    ``starts`` and ``goals`` are the ends of these polylines.
     """
     smallest, spacing = min(radii), LATTICE * max(radii)
     gather = _Gather(SAME * smallest)
@@ -139,8 +137,6 @@ def _wide(
 
 
 class _Gather:
-    """Numbered places, each once."""
-
     def __init__(self, same: float) -> None:
         self.same = same
         self.places: list[tuple[float, float]] = []

@@ -1,10 +1,9 @@
-"""From robots on a graph to a checked plan, or a reason for none: the stages in order.
+"""Stages from robots on a graph to a checked plan, or a reason for none.
 
-- Every plan is checked: no two tracks ever come nearer than both radii.
-- Counts of work limit the searches, so equal input gives equal answers; the clock ends them only at
-  the time limit, which the answer then reports.
-- The time limit counts from the request. The current piece of work, one search or one robot's
-  times, and the plan's check, about 20 us a pair of robots, may exceed it.
+Counts of work limit the searches, so equal input gives equal answers; the clock ends them only at
+the time limit, which the answer then reports. The limit counts from the request. The current piece
+of work, one search or one robot's times, and the plan's check, about 20 us a pair of robots, may
+exceed it.
 """
 
 from __future__ import annotations
@@ -29,7 +28,7 @@ from planner.scene import FloatArray
 from planner.shared.search_clock import Clock
 
 ROUNDS = 30
-"""Rounds of shortening: ``python -m benchmarks.fleet`` says what they gain and cost."""
+"""``python -m benchmarks.fleet`` says what they gain and cost."""
 FIRST_TRIES = 400
 """Searches before anything else is tried: ten a robot for 40."""
 JOINT_ROUNDS = 500
@@ -41,7 +40,7 @@ LIVE_TRIES = 24
 TRAIL = 0.5
 """Delay of one of a circle, as a share of its longest edge and wait."""
 PAIR_TRIES = 20
-"""Searches for a plan of two robots alone, before a proof that there is none."""
+"""Searches for a plan of two robots alone before a proof."""
 ROUNDING = 1e-9
 """Distances are exact within this share of the coordinates' extent."""
 NOT_LIVE = (
@@ -69,7 +68,7 @@ class Effort:
         return self.clock() >= self.end_s
 
     def out_of_time(self, who: Sequence[int]) -> NoFleetPlan:
-        """Refusal at the time limit: ``who`` has no path yet."""
+        """Refusal at the time limit; ``who`` has no path yet."""
         return NoFleetPlan(
             f"{_listed(who)}: no plan was found within {self.time_limit_s:g} s; that there is none"
             " is not proved", tuple(who), proved=False,
@@ -102,8 +101,7 @@ def search(
 def _live_plan(solver: Solver, junctions: Sequence[int], expired: Callable[[], bool]) -> FleetPlan:
     """Plan of the solver's routes, changed where its robots would wait in a circle.
 
-    If robots turn in a ring all at once, one follows the others later; if that fails, all move one
-    at a time. A plan that cannot be changed keeps its remark.
+    If all turn in a ring at once, one follows later; if that fails, all move one at a time.
     """
     robots = solver.robots
     plan = checked_plan(robots, _in_order(solver.routes))
@@ -166,7 +164,7 @@ def _solve(solver: Solver, junctions: Sequence[int], effort: Effort) -> NoFleetP
 
 
 def _often(solver: Solver) -> tuple[int, ...]:
-    """Robots that failed most often: at least half as often as the first."""
+    """At least half as often as the first."""
     most = max(int(solver.pushed.max(initial=0)), 1)
     found = np.flatnonzero(2 * solver.pushed >= most).tolist()
     return tuple(found or range(len(solver.robots)))
@@ -175,7 +173,6 @@ def _often(solver: Solver) -> tuple[int, ...]:
 def _hopeless_pair(
     solver: Solver, most: int, expired: Callable[[], bool]
 ) -> tuple[int, int] | None:
-    """Two of the robots that failed most often, if they provably have no plan."""
     by_failures = np.argsort(-solver.pushed, kind="stable").tolist()
     failed = [i for i in by_failures if solver.pushed[i] > 0][:1]
     suspects = by_failures[:SUSPECTS]
@@ -198,7 +195,6 @@ def _hopeless_pair(
 
 
 def _is_in_the_way(solver: Solver, i: int, j: int) -> bool:
-    """True if either has no path while the other stays at its start or goal for ever."""
     for one, other in ((i, j), (j, i)):
         robot = solver.robots[other]
         for node in (robot.start, robot.goal):

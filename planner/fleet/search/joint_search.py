@@ -1,12 +1,11 @@
 """All robots at once, step by step: a plan, or the proof that there is none in this model.
 
 - A configuration is a node for each robot. In a step each robot drives along one edge or rests; all
-  begin together, and the next step begins when the last has arrived. A step is allowed if no two
-  discs ever come too near during it, in continuous time.
+  begin together, and the next step begins when the last has arrived. No two discs ever come too
+  near during it, in continuous time.
 - Depth first over configurations, each with a tree of constraints (destinations of robots) that
   grows by one robot at a time: once it is used up, every step out of the configuration has been
-  examined. Once all are, there is no plan of such steps (Okumura, "LaCAM: search-based algorithm
-  for quick multi-agent pathfinding", AAAI 2023).
+  examined (Okumura, "LaCAM: search-based algorithm for quick multi-agent pathfinding", AAAI 2023).
 - A step is filled in robot by robot, by priority; a robot in the path is asked to move first (PIBT;
   Okumura et al., Artificial Intelligence 310, 2022).
 """
@@ -102,7 +101,7 @@ class JointSearch:
             self.stack.append(known)
 
     def _order(self, waits: Sequence[int], at: Configuration) -> list[int]:
-        """Sort robots by longest time away from the goal, then by longest path."""
+        """Sort by longest time away from the goal, then by longest path."""
         to_go = [robot.to_goal[n] for robot, n in zip(self.robots, at, strict=True)]
         return sorted(range(len(at)), key=lambda i: (-waits[i], -to_go[i]))
 
@@ -158,7 +157,7 @@ class JointSearch:
         return self._touches[key]
 
     def is_allowed(self, at: Configuration, then: Configuration) -> bool:
-        """True if all robots can change from one configuration to another in one step."""
+        """True if all robots can do these moves in one step."""
         return not any(
             self._touch(at, i, then[i], j, then[j])
             for i in range(len(at))
@@ -195,7 +194,7 @@ class JointSearch:
         self.steps.reverse()
 
     def routes(self) -> dict[int, Route]:
-        """The plan as a route for each robot, each step begun when the last has ended."""
+        """Route for each robot, each step begun when the last has ended."""
         begin = [0.0]
         for at, then in pairwise(self.steps):
             lasts = [self._lasts(i, u, v) for i, (u, v) in enumerate(zip(at, then, strict=True))]

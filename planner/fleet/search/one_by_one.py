@@ -1,8 +1,8 @@
 """Plans where hardly any robot can move: one at a time, between places out of the way.
 
-- The robots are rearranged as pebbles (``pebbles``) on stations of the shared graph (``stations``).
-  The usual searches bring them to stations first, and from stations to their goals.
-- Each move begins when all earlier ones near it have ended, so robots apart drive at once.
+The robots are rearranged as pebbles (``pebbles``) on stations of the shared graph (``stations``);
+the usual searches bring them there, and from stations to their goals. Each move begins when all
+earlier ones near it have ended, so robots apart drive at once.
 """
 
 from __future__ import annotations
@@ -83,7 +83,7 @@ def _seeds(
 def _by_traffic(
     junctions: Sequence[int], routes: Sequence[NDArray[np.int64]], places: FloatArray, gap: float
 ) -> list[int]:
-    """Junctions by the number of routes that pass them, without unused ones."""
+    """Junctions by the number of routes that pass them, if any."""
     passed = {}
     for node in junctions:
         away = [np.hypot(*(places[route] - places[node]).T).min() for route in routes]
@@ -163,8 +163,6 @@ def _drive(
 
 
 class _Ways:
-    """Paths between stations, and which of them come near to each other."""
-
     def __init__(
         self, stations: StationGraph, part: Sequence[int], robots: Sequence[TeamRobot]
     ) -> None:
@@ -196,7 +194,6 @@ def _polylines_apart(one: FloatArray, other: FloatArray) -> float:
 def _timed(
     robots: Sequence[TeamRobot], nodes: Sequence[int], moves: Sequence[Move], ways: _Ways
 ) -> dict[int, Route]:
-    """The moves as routes."""
     rows: dict[int, tuple[list[int], list[float], list[float]]] = {
         i: ([node], [0.0], []) for i, node in enumerate(nodes)
     }

@@ -1,8 +1,7 @@
 """Proof that two robots can never both reach their goals, whatever the others do.
 
-- Only the two are there, in the steps of ``joint_search``: if they have no plan, no fleet has.
-- The search leads back from both goals and forwards from both starts: a robot confined to a few
-  places is soon found from one side. Each side proves nothing beyond a number of pairs of places.
+Only the two are there, in the steps of ``joint_search``. The search leads back from both goals and
+forwards from both starts: a robot confined to a few places is soon found from one side.
 """
 
 from __future__ import annotations
@@ -30,7 +29,7 @@ def can_never_pass(
 ) -> bool:
     """True if the two provably have no plan; ``search`` is of these two.
 
-    At most ``most`` pairs of places are examined from either side.
+    Beyond ``most`` pairs of places a side proves nothing.
     """
     start, goal = (one.start, other.start), (one.goal, other.goal)
     before = _into(one), _into(other)
@@ -46,7 +45,6 @@ def _is_enclosed(
     expired: Callable[[], bool],
     most: int,
 ) -> bool:
-    """True if all reachable pairs are few and exclude the end."""
     seen = {begin}
     open_pairs = [begin]
     while open_pairs:

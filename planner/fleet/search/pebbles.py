@@ -1,7 +1,6 @@
 """Robots as pebbles on a graph, moved one at a time from one arrangement to another.
 
-- In an undirected graph ``near[n]`` with at most one pebble on a node, a move takes one pebble to
-  an empty neighbouring node.
+- ``near[n]`` are node n's neighbours; a move takes one pebble to an empty one.
 - Both the start and the end arrangement change until they are equal: one node after the other,
   whose removal leaves the rest connected, gets the same pebble in both and is taken out. The moves
   of the second are reversed.
@@ -40,10 +39,11 @@ def rearrange(
     rng: np.random.Generator,
     expired: Callable[[], bool],
 ) -> list[Move] | None:
-    """Moves that take pebble i from ``start[i]`` to ``goal[i]`` for all i; None if not found.
+    """Moves of pebbles i from ``start[i]`` to ``goal[i]``; None, which proves nothing, if not
+    found.
 
-    The nodes must be connected. None proves nothing. Nodes far from the middle are taken out first;
-    if that fails, in random orders.
+    The nodes must be connected. Nodes far from the middle are taken out first, then in random
+    orders.
     """
     depth = np.array(_depths(near))
     goals = np.isin(np.arange(len(near)), goal)
@@ -273,7 +273,6 @@ def _shares(robots: int, room: Sequence[int]) -> Iterator[tuple[int, ...]]:
 def _share_out(
     here: Arrangement, through: int, pieces: Sequence[set[int]], share: Sequence[int]
 ) -> None:
-    """Move pebbles through a node until each piece has its share and the node is empty."""
     near = here.near
     while True:
         missing = [

@@ -2,13 +2,10 @@
 
 - Each robot is planned optimally among the moves of those already planned (prioritised planning;
   Silver, "Cooperative pathfinding", AIIDE 2005).
-- A robot without a path keeps as many planned robots as it can, first those pushed out most often,
-  and removes the others, which are planned again after it: conflicts are repaired locally
-  (MAPF-LNS2; Li et al., AAAI 2022).
-- Shortening plans a few robots again in another order, unless that is no shorter (large
-  neighbourhood search; Li et al., "Anytime multi-agent path finding via large neighborhood search",
-  IJCAI 2021).
-- One generator gives all random numbers, so equal input gives equal plans.
+- A robot without a path removes as few planned robots as it can, those pushed out most often last;
+  they are planned again after it (MAPF-LNS2; Li et al., AAAI 2022).
+- Shortening plans a few robots again in another order (large neighbourhood search; Li et al.,
+  "Anytime multi-agent path finding via large neighborhood search", IJCAI 2021).
 """
 
 from __future__ import annotations
@@ -94,7 +91,7 @@ class Solver:
         return True
 
     def _push_in(self, i: int) -> tuple[Route, int]:
-        """Route among as many others as possible, and the number of searches it took."""
+        """Route among as many others as possible, and the number of searches."""
         chance = self.rng.random(len(self.robots))
         keep = sorted(self.routes, key=lambda j: -self.pushed[j] - 2.0 * chance[j])
         low, high, calls = 0, len(keep), 0
@@ -153,7 +150,6 @@ class Solver:
         ).clip(0.0)
 
     def _neighbourhood(self, delay: FloatArray) -> list[int]:
-        """A late robot and others: those in its path, or any."""
         count = len(self.robots)
         late = int(self.rng.choice(count, p=delay / delay.sum()))
         size = min(int(self.rng.integers(SIZES[0], SIZES[1] + 1)), count)

@@ -1,8 +1,7 @@
 """Places for robots that are clear of each other, and the paths between them.
 
-- No two stations are nearer than two of the largest robots need, and a path between two comes that
-  near to no third: a robot on it touches no robot at another station.
-- They are packed as tightly as possible from a few seeds, so a queue holds as many as fit.
+No two stations are nearer than two of the largest robots need, and a path between two comes that
+near to no third. They are packed as tightly as possible from a few seeds.
 """
 
 from __future__ import annotations
@@ -43,7 +42,7 @@ def choose_stations(
 ) -> StationGraph:
     """Choose stations on a graph (m, 2) of two-way edges, including the seeds if possible.
 
-    After the seeds come nodes of ``routes``, then any with an edge.
+    After them come nodes of ``routes``, then any with an edge.
     """
     chosen = _pack(places, edges, seeds, routes, gap * (1.0 - TOUCH))
     ways = _ways(places, edges, chosen, gap * (1.0 - TOUCH))
@@ -123,7 +122,6 @@ def _stations_near(
 
 
 def _shortest(places: FloatArray, edges: Sequence[Pair], begin: int, end: int) -> list[int]:
-    """Shortest path over a few two-way edges; empty if there is none."""
     after: dict[int, list[tuple[int, float]]] = defaultdict(list)
     for a, b in edges:
         after[a].append((b, float(np.hypot(*(places[b] - places[a])))))

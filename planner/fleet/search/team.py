@@ -1,7 +1,6 @@
 """The robots of a fleet on one graph: possible edges, speed, start and goal.
 
-Lengths are in the graph's units, times in seconds. A robot drives at one speed or rests at a node;
-starts and goals are node numbers.
+Lengths are in the graph's units, times in seconds; starts and goals are node numbers.
 """
 
 from __future__ import annotations
