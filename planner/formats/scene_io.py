@@ -1,8 +1,6 @@
-"""Scene and map files in and out.
+"""Scene and map files in and out, recognised by content, a ROS map also by its suffix.
 
-``load_scene`` recognises the scene text of ``scene_text.py``, the JSON of ``scene_json.py``, the
-YAML of a ROS map and a MovingAI ``.map`` (``map_files.py``) by content. ``vision.extract`` turns a
-picture into a scene.
+``vision.extract`` turns a picture into a scene.
 """
 
 from __future__ import annotations

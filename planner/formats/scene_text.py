@@ -8,8 +8,8 @@ The plain format
     L N (x1,y1)...(xn,yn)       a generalized polygon of N vertices, closed from last to first
 ``#`` begins a comment. Spaces, tabs and commas between coordinates are equivalent.
 
-Extensions of the plain format are comments. They count only if the first line that is not blank is
-``#@ clearway.scene/1``; other readers skip them.
+Extensions are comments to other readers. They count only if the first line that is not blank is
+``#@ clearway.scene/1``.
     #@ units px|m|cells
     #@ bounds given|derived x_min y_min x_max y_max
     #@ size width height            of the picture, in pixels, or of the grid, in cells
@@ -23,8 +23,8 @@ Extensions of the plain format are comments. They count only if the first line t
     #@ residual_px d                distance of the record above from its pixels
 
 A file without extensions is in px; each record is an object of its own; polygons are reoriented
-clockwise as seen on the screen. The bounds are derived generously: the records' bounding box, grown
-by its diagonal on every side. Numbers are written as Python's shortest ``repr``.
+clockwise as seen on the screen. Its bounds are the records' bounding box, grown by its diagonal on
+every side. Numbers are written as Python's shortest ``repr``.
 """
 
 from __future__ import annotations
