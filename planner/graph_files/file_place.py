@@ -11,9 +11,8 @@ from planner.graph_files.route_graph import ExchangeError, GraphId
 from planner.scene import Vec
 
 LARGEST = 1e12
-"""Coordinates and other numbers beyond this are refused: their squares lose all small parts."""
+"""The squares of larger numbers lose all small parts."""
 MOST_SHOWN = 40
-"""Characters of a wrong value that an error shows."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -24,7 +23,7 @@ class FilePlace:
     path: str = ""
 
     def at(self, key: str | int) -> FilePlace:
-        """Place of a member of this one."""
+        """Place of a member."""
         if isinstance(key, int):
             return FilePlace(self.file, f"{self.path}[{key}]")
         return FilePlace(self.file, f"{self.path}.{key}" if self.path else key)
@@ -34,7 +33,7 @@ class FilePlace:
         return ExchangeError(": ".join(part for part in (self.file, self.path, what) if part))
 
     def mapping(self, value: Any) -> dict[str, Any]:
-        """Check that the value is an object, and return a copy of it."""
+        """Check that the value is an object; return a copy."""
         if not isinstance(value, dict):
             raise self.error(f"{shown(value)}: must be an object of keys and values")
         return dict(value)

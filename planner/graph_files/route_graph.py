@@ -1,12 +1,11 @@
 """A route graph: nodes with places, edges with directions, and what else their file says.
 
-Rules and units
 - Places are in the file's own frame and units: metres, y up, for Nav2, LIF and Open-RMF.
 - An edge leads from ``start`` to ``end``; one with ``both_ways`` leads back as well. Its nodes need
-  not exist: that is for an audit to find.
-- ``speed_m_s`` is a limit in metres per second, ``speed_percent`` one in percent of the robot's own
-  largest speed. ``cost`` and ``length`` are as given, None if the file gives none.
-- ``fields`` holds what the format has besides, as the format has it.
+  not exist.
+- ``speed_m_s`` and ``speed_percent``, of the robot's own largest speed, are limits. ``cost`` and
+  ``length`` are as given, or None.
+- ``fields`` holds what the format has besides.
 """
 
 from __future__ import annotations
@@ -21,7 +20,7 @@ from planner.scene import Vec, printable
 GraphId: TypeAlias = str | int
 
 BENT: tuple[GraphFormat, ...] = ("graphml", "node-link")
-"""Formats whose edges may bend; robots drive the edges of the others straight."""
+"""Formats whose edges may bend; robots drive others straight."""
 
 
 class ExchangeError(ValueError):
@@ -33,7 +32,7 @@ class ExchangeError(ValueError):
 
 @dataclass(frozen=True, slots=True)
 class RouteNode:
-    """A place of a route graph; ``part`` is the level or layout of the file that holds it."""
+    """A place; ``part`` is the level or layout of the file that holds it."""
 
     id: GraphId
     x: float
@@ -61,7 +60,7 @@ class RouteEdge:
 
     @property
     def name(self) -> str:
-        """The edge's id, or its nodes' if it has none."""
+        """The edge's id, or its nodes'."""
         return f"{self.start}-{self.end}" if self.id is None else str(self.id)
 
 
@@ -79,7 +78,6 @@ class RouteGraph:
     parts: tuple[Mapping[str, Any], ...] = ()
 
     def __repr__(self) -> str:
-        """Return one line; the fields have the rest."""
         return f"<RouteGraph ({self.format}) of {len(self.nodes)} nodes, {len(self.edges)} edges>"
 
     @property
@@ -88,7 +86,7 @@ class RouteGraph:
         return self.format in BENT
 
     def frame_of(self, node: RouteNode) -> str:
-        """Frame of a node; one that names none is in Nav2's frame "map", else in ""."""
+        """Frame of a node; without one, "map" for Nav2, else ""."""
         return node.frame or ("map" if self.format == "nav2" else "")
 
     @property
