@@ -1,9 +1,7 @@
 """Detours: an edge that is led round obstacles, as a bent line or as a chain of straight edges.
 
-- An edge of a format whose edges bend gets the path as its line.
-- Another one becomes a chain with nodes at the bends. Its first piece keeps the id, and all keep
-  the speed and the other fields. Edges between the same two nodes, in either direction, share
-  these nodes.
+- A chain has nodes at the bends. Its first piece keeps the id, and all keep the speed and the other
+  fields. Edges between the same two nodes, in either direction, share its nodes.
 - A length in the file becomes the true one. A cost grows with the length, and is divided like it.
 """
 
