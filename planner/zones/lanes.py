@@ -1,14 +1,12 @@
 """Paths over lanes and one-way zones: a lazy search over the lanes' lines and free connections.
 
-Method
-- Nodes are the leg's ends, the corners of the lanes' lines, the places on them nearest to the
-  ends, and gates just outside a one-way zone, through which it is entered and left.
-- A lane's pieces join its own nodes, in its direction for a one-way zone. All others are joined by
-  free connections: the roadmap's path, around the one-way zones that it would be driven against.
-- The cost of a free connection is at least its straight length. Only connections on the cheapest
-  sequence of nodes are planned, until that sequence has no other kind (lazy shortest paths;
-  Dellin and Srinivasa, ICAPS 2016).
-- The search has a bound in work, ``MOST_PLANS``: beyond it the cheapest complete sequence counts.
+- Nodes are the leg's ends, the corners of the lanes' lines, the places on them nearest to the ends,
+  and gates just outside a one-way zone, through which it is entered and left.
+- A lane's pieces join its own nodes, in its direction for a one-way zone; free connections join all
+  others: the roadmap's path, around the one-way zones that it would be driven against.
+- A free connection costs at least its straight length. Only connections on the cheapest sequence of
+  nodes are planned, until that sequence has no other kind (lazy shortest paths; Dellin and
+  Srinivasa, ICAPS 2016), or ``MOST_PLANS`` are: then the cheapest complete sequence counts.
 """
 
 from __future__ import annotations
@@ -39,12 +37,11 @@ Connect = Callable[[FloatArray, FloatArray], FloatArray | None]
 
 @dataclass(slots=True)
 class LaneNetwork:
-    """Nodes (places), pieces of lanes as polylines between two, and nodes to connect freely."""
+    """Places, pieces of lanes as polylines between two, and nodes to connect freely."""
 
     places: list[FloatArray] = field(default_factory=list)
     pieces: dict[tuple[int, int], FloatArray] = field(default_factory=dict)
     free: list[int] = field(default_factory=list)
-    """Nodes that free connections may begin and end at."""
     lane: list[int] = field(default_factory=list)
     """Each node's lane: two of one are not connected freely."""
 
@@ -156,7 +153,7 @@ def _with_feet(line: FloatArray, places: list[FloatArray]) -> FloatArray:
 def _search(
     net: LaneNetwork, begin: int, end: int, rules: Rules, connect: Connect
 ) -> FloatArray | None:
-    """Cheapest sequence of nodes, its free connections planned as they are needed."""
+    """Cheapest sequence of nodes, with free connections planned as needed."""
     count = len(net.places)
     places, lane = np.array(net.places), np.array(net.lane)
     cost = np.full((count, count), np.inf)

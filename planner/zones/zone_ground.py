@@ -1,9 +1,6 @@
 """One zone's area, indexed for exact distances; and paths cut into short pieces.
 
-Rules and units
-- Distances are to the area's border, negative inside, in the scene's units.
-- Lengths along a path inside an area are added up over pieces of at most ``step``, by their
-  middles.
+Lengths along a path inside an area are sums over pieces of at most ``step``, by their middles.
 """
 
 from __future__ import annotations

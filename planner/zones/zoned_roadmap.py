@@ -1,8 +1,7 @@
 """A roadmap with zones: it plans and measures as a roadmap does, and keeps the zones' rules.
 
-Rules and units
-- Clearances are those to obstacles and bounds; zones change none of them. Keep-out zones are
-  obstacles to the search only, in a roadmap of its own that is updated where they are.
+- Keep-out zones are obstacles to the search only, in an updated roadmap of its own; clearances are
+  those to obstacles and bounds.
 - Every path is checked against all rules as a whole before it is answered.
 - A robot in a keep-out zone leaves it by the shortest path out first, which a remark reports.
 """
@@ -39,7 +38,7 @@ MOST_CLOSED = 4
 
 @dataclass(frozen=True, slots=True)
 class ZonedRoadmap:
-    """A roadmap and the zones that hold for its robot; see :func:`with_zones`."""
+    """A roadmap and its robot's zones; see :func:`with_zones`."""
 
     walls: Roadmap
     zones: tuple[Zone, ...]
@@ -76,7 +75,6 @@ class ZonedRoadmap:
         return self.closed.graph
 
     def _without(self, shut: Sequence[ZoneGround]) -> Roadmap:
-        """Roadmap on which these zones are obstacles."""
         key = tuple(sorted(one.zone.name for one in shut))
         if not key:
             return self.walls
@@ -101,11 +99,11 @@ class ZonedRoadmap:
         return changed
 
     def clearance(self, points: ArrayLike) -> FloatArray:
-        """Exact clearance to obstacles and bounds, as :meth:`Roadmap.clearance`."""
+        """Exact clearance, as :meth:`Roadmap.clearance`."""
         return self.walls.clearance(points)
 
     def path_clearance(self, polyline: ArrayLike) -> Clearance:
-        """Least distance of a polyline (n, 2) to obstacles and bounds, and where."""
+        """Least distance of a polyline (n, 2), as :meth:`Roadmap.path_clearance`."""
         return self.walls.path_clearance(polyline)
 
     def permits(self, polyline: FloatArray, keep: float) -> bool:
@@ -113,7 +111,7 @@ class ZonedRoadmap:
         return self.rules.permits(polyline, keep)
 
     def speed_limits(self, points: FloatArray, reach: FloatArray) -> FloatArray:
-        """Highest speeds (n,) that zones allow within ``reach`` of points, infinite if any."""
+        """Highest speeds (n,) allowed within ``reach`` of points, infinite without a limit."""
         return self.rules.speed_limits(points, reach)
 
     def plan(
@@ -169,7 +167,6 @@ class ZonedRoadmap:
         return replace(best, alternatives=others, remarks=said)
 
     def _refused(self, request: Request) -> str | None:
-        """Reason why a robot must not be sent to a station, or None."""
         last = len(request.stations) - 1
         for number, place in enumerate(request.stations[1:], 1):
             name = "the goal" if number == last else f"station {number}"
@@ -179,7 +176,7 @@ class ZonedRoadmap:
         return None
 
     def _way_out(self, request: Request) -> tuple[FloatArray | None, str]:
-        """Polyline out of the keep-out zones around the start, of one place if there is none.
+        """Polyline out of the keep-out zones around the start, of one place if there are none.
 
         None, and the reason, if no path leads out.
         """
@@ -306,9 +303,9 @@ def with_zones(
 ) -> ZonedRoadmap:
     """Return a roadmap that plans by the zones' rules too.
 
-    ``zones`` are those that hold for its robot, in the units and frame of its scene. ``speed`` > 0
-    is the fastest that the robot drives, in units a second: with it, slow zones are driven around
-    where that takes less time. ``ValueError`` for a roadmap of anything but a scene.
+    ``zones`` are its robot's, in the units and frame of its scene. ``speed`` > 0 is the fastest
+    that the robot drives, in units a second: with it, slow zones are driven around where that takes
+    less time. ``ValueError`` for a roadmap of anything but a scene.
     """
     of_kind("roadmap", roadmap, Roadmap)
     if not isinstance(roadmap.scene, Scene):
