@@ -1,9 +1,8 @@
 """A route graph for another format: what its edges can say, and ids that it takes.
 
-- Of ``fields``, numbers, texts and truth values go into Nav2's metadata, GraphML, node-link JSON
-  and Open-RMF; LIF has no room.
+- Of ``fields``, numbers, texts and truth values are kept, but LIF has no room for them.
 - Nav2, LIF and Open-RMF have one-way, straight edges: an edge that leads both ways becomes two, one
-  that bends a chain of edges with nodes at its bends.
+  that bends a chain with nodes at its bends.
 - Nav2 and Open-RMF number nodes and edges: other ids are kept as ``name``. Frames become levels.
 """
 
@@ -31,7 +30,7 @@ MOST_NUMBER = 2**32 - 1
 
 
 def converted(graph: RouteGraph, target: GraphFormat) -> RouteGraph:
-    """Return the graph as one of the target's format; the graph itself if it is one."""
+    """Return the graph in the target's format."""
     if graph.format == target:
         return graph
     nodes, edges = list(graph.nodes), list(graph.edges)
@@ -54,7 +53,7 @@ def converted(graph: RouteGraph, target: GraphFormat) -> RouteGraph:
 
 
 def _graph_fields(graph: RouteGraph, target: GraphFormat) -> dict[str, Any]:
-    """Return the graph's fields that both formats have, and what the target needs."""
+    """Return fields that both formats have, and what the target needs."""
     inner = graph.fields.get("graph") if graph.format == "node-link" else graph.fields
     own = _scalars(inner) if isinstance(inner, Mapping) and graph.format in BENT else {}
     directed = graph.fields.get("directed", not all(edge.both_ways for edge in graph.edges))
@@ -171,7 +170,7 @@ def _as_feature(metadata: Mapping[str, Any]) -> dict[str, Any]:
 
 
 def _scalars(fields: Mapping[str, Any], *, lists: bool = False) -> dict[str, Any]:
-    """Return the numbers, texts and truth values, and with ``lists`` also flat lists of them."""
+    """Return the numbers, texts and truth values, and with ``lists`` flat lists of them."""
     plain = str | int | float
     return {
         key: value

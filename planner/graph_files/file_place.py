@@ -45,7 +45,7 @@ class FilePlace:
         return value
 
     def needed(self, record: dict[str, Any], key: str) -> Any:
-        """Remove the record's value of a key, which it must have, and return it."""
+        """Remove and return the value of a key that must exist."""
         if key not in record:
             raise self.error(f"has no {key}: must have one")
         return record.pop(key)
@@ -72,7 +72,7 @@ class FilePlace:
 
 
 def as_number(value: Any) -> float | None:
-    """Return the value as a float; None unless it is a finite number within ``LARGEST``."""
+    """Return a finite number within ``LARGEST`` as a float, otherwise None."""
     if isinstance(value, bool) or not isinstance(value, int | float):
         return None
     if isinstance(value, int) and abs(value) > LARGEST:
@@ -81,7 +81,7 @@ def as_number(value: Any) -> float | None:
 
 
 def take_number(record: dict[str, Any], key: str) -> float | None:
-    """Remove the record's value of a key and return it; leave one that is no number."""
+    """Remove and return a number; leave anything else."""
     number = as_number(record.get(key))
     if number is not None:
         del record[key]

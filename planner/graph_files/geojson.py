@@ -79,7 +79,7 @@ def _edge(here: FilePlace, feature: dict[str, Any], geometry: dict[str, Any]) ->
 
 
 def _line(here: FilePlace, geometry: dict[str, Any], fields: dict[str, Any]) -> tuple[Vec, ...]:
-    """Points of the geometry; puts the rest of it into ``fields``."""
+    """Points of the geometry; its rest goes into ``fields``."""
     rows = here.sequence(geometry.get("coordinates"))
     fields["geometry"] = {key: geometry[key] for key in geometry if key != "coordinates"}
     if geometry["type"] == "LineString":

@@ -168,9 +168,7 @@ def _points(here: FilePlace, text: str, count: int | None = None) -> tuple[Vec, 
 
 
 def write_graphml(graph: RouteGraph) -> str:
-    """Write a graph with this format's fields; values other than text, numbers and truth values
-    become text.
-    """
+    """Write a graph with this format's fields; lists and other such values become text."""
     keys: dict[tuple[str, str], tuple[str, str]] = {}
     fields = dict(graph.fields)
     directed = fields.pop("directed", not all(edge.both_ways for edge in graph.edges))

@@ -86,7 +86,7 @@ def _plain(value: object) -> object:
 
 
 def write_rmf(graph: RouteGraph) -> str:
-    """Write a graph with this format's fields, in the order of its parts.
+    """Write a graph with this format's fields.
 
     Raises :class:`ExchangeError` if a lane leads to no vertex of its level.
     """

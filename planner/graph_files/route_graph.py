@@ -3,9 +3,8 @@
 - Places are in the file's own frame and units: metres, y up, for Nav2, LIF and Open-RMF.
 - An edge leads from ``start`` to ``end``; one with ``both_ways`` leads back as well. Its nodes need
   not exist.
-- ``speed_m_s`` and ``speed_percent``, of the robot's own largest speed, are limits. ``cost`` and
-  ``length`` are as given, or None.
-- ``fields`` holds what the format has besides.
+- ``speed_m_s`` and ``speed_percent``, of the robot's own largest speed, are limits. ``fields``
+  holds what the format has besides.
 """
 
 from __future__ import annotations
@@ -44,7 +43,7 @@ class RouteNode:
 
 @dataclass(frozen=True, slots=True)
 class RouteEdge:
-    """A connection of two nodes; ``line`` is its drawn line, empty if none is given."""
+    """A connection of two nodes; ``line`` is its drawn line, if any."""
 
     id: GraphId | None
     start: GraphId
@@ -82,7 +81,7 @@ class RouteGraph:
 
     @property
     def bends(self) -> bool:
-        """True if robots follow the edges' lines, False if they drive from node to node."""
+        """True if robots follow the edges' lines."""
         return self.format in BENT
 
     def frame_of(self, node: RouteNode) -> str:

@@ -30,8 +30,8 @@ def free_place(
 ) -> Vec | str:
     """Return the free place nearest to an unsafe one, or why there is none.
 
-    One with straight safe lines to more of the neighbours may be a little farther. It has paths to
-    all neighbours, or to as many as any that was tried, and at least to one.
+    One with straight safe lines to more neighbours may be a little farther. It has paths to all
+    neighbours, or to as many as any that was tried, and at least to one.
     """
     places = _places_around(at, ground, farthest)
     if not len(places):

@@ -1,9 +1,8 @@
 """The repair: unsafe nodes move, unsafe edges are led round, and an audit certifies the result.
 
-- Nodes and edges keep their ids and their other fields. What is safe stays, except for edges of
-  nodes that move.
-- A graph of another frame is transformed first if the audit is sure of the transform; otherwise it
-  is not repaired.
+Nodes and edges keep their ids and their other fields. What is safe stays, except for edges of nodes
+that move. A graph of another frame is transformed first if the audit is sure of the transform;
+otherwise it is not repaired.
 """
 
 from __future__ import annotations
@@ -41,9 +40,8 @@ class NodeMove:
 class GraphRepair:
     """A repaired graph with its audit.
 
-    ``moved`` nodes and the ``detours``, names of edges led round, are changes to the given graph
-    after the transform ``frame_fit``, if any. ``unsolved`` has the id of each unsafe finding that
-    remains, and why.
+    ``moved`` nodes and ``detours``, names of edges led round, are changes after the transform
+    ``frame_fit``, if any. ``unsolved`` has the id of each unsafe finding that remains, and why.
     """
 
     graph: RouteGraph
@@ -95,7 +93,7 @@ def repair(
 
 @dataclass(slots=True)
 class _Work:
-    """A repair under way: the graph, and the nodes of the repaired frame, by identity."""
+    """A repair under way; ``inside`` are the nodes of the repaired frame, by identity."""
 
     graph: RouteGraph
     inside: set[int]
@@ -108,7 +106,7 @@ class _Work:
     _reasons: dict[tuple[str, str], str] = field(default_factory=dict)
 
     def move_nodes(self) -> None:
-        """Move every unsafe node; nodes at one place stay at one."""
+        """Move unsafe nodes; those at one place stay at one."""
         own = [k for k, node in enumerate(self.graph.nodes) if id(node) in self.inside]
         places = np.array([(self.graph.nodes[k].x, self.graph.nodes[k].y) for k in own])
         free = self.ground.is_free(places.reshape(-1, 2))
@@ -139,7 +137,6 @@ class _Work:
     def _neighbours(
         self, first: Mapping[GraphId, Vec], sound: set[GraphId]
     ) -> dict[Vec, dict[Vec, None]]:
-        """Places of the safe neighbours of the unsafe nodes at each place."""
         found: dict[Vec, dict[Vec, None]] = {}
         for edge in self.graph.edges:
             for one, other in ((edge.start, edge.end), (edge.end, edge.start)):
@@ -148,7 +145,7 @@ class _Work:
         return found
 
     def lead_edges(self) -> None:
-        """Lead every unsafe edge along a path, and let lines end at the nodes that moved."""
+        """Lead unsafe edges along paths, and let lines end at the nodes that moved."""
         places: dict[GraphId, Vec] = {}
         for old, node in zip(self.graph.nodes, self.nodes, strict=True):
             if id(old) in self.inside:
@@ -189,7 +186,7 @@ class _Work:
         return paths[a, b]
 
     def _attached(self, edge: RouteEdge, places: Mapping[GraphId, Vec]) -> RouteEdge:
-        """Return an edge whose line and length follow its nodes."""
+        """Let an edge's line and length follow its nodes."""
         line = np.array(edge.line).reshape(-1, 2)
         if self.graph.bends and len(line):
             ends = np.array([places[edge.start], places[edge.end]])

@@ -117,7 +117,7 @@ def _positive(what: str, value: float) -> float:
 
 
 def _capsule(a: Vec, b: Vec, radius: float, *, y_down: bool) -> PolygonRecord:
-    """All places within ``radius`` of a segment; its outline runs clockwise on the screen."""
+    """Places within ``radius`` of a segment; its outline runs clockwise on the screen."""
     length = math.dist(a, b)
     # to the left as seen on the screen, so that the outline is clockwise
     turn = -1.0 if y_down else 1.0

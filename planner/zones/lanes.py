@@ -2,11 +2,11 @@
 
 - Nodes are the leg's ends, the corners of the lanes' lines, the places on them nearest to the ends,
   and gates just outside a one-way zone, through which it is entered and left.
-- A lane's pieces join its own nodes, in its direction for a one-way zone; free connections join all
-  others: the roadmap's path, around the one-way zones that it would be driven against.
-- A free connection costs at least its straight length. Only connections on the cheapest sequence of
-  nodes are planned, until that sequence has no other kind (lazy shortest paths; Dellin and
-  Srinivasa, ICAPS 2016), or ``MOST_PLANS`` are: then the cheapest complete sequence counts.
+- A lane's pieces join its own nodes, in its direction for a one-way zone; the roadmap's paths join
+  all others, around one-way zones.
+- A free connection costs at least its straight length. Only those on the cheapest sequence of nodes
+  are planned, until none is left there (lazy shortest paths; Dellin and Srinivasa, ICAPS 2016), or
+  ``MOST_PLANS`` are: then the cheapest complete sequence counts.
 """
 
 from __future__ import annotations
@@ -43,7 +43,7 @@ class LaneNetwork:
     pieces: dict[tuple[int, int], FloatArray] = field(default_factory=dict)
     free: list[int] = field(default_factory=list)
     lane: list[int] = field(default_factory=list)
-    """Each node's lane: two of one are not connected freely."""
+    """Two nodes of one lane are not connected freely."""
 
     def add(self, place: FloatArray, lane: int, *, free: bool) -> int:
         """Add a node; return its number."""
@@ -136,7 +136,7 @@ def _add_gate(
 
 
 def _with_feet(line: FloatArray, places: list[FloatArray]) -> FloatArray:
-    """The line (n, 2) with the places on it that are nearest to two others."""
+    """The line (n, 2) with its places nearest to two others."""
     along = np.concatenate([[0.0], np.cumsum(np.hypot(*np.diff(line, axis=0).T))])
     at = list(along)
     for place in places:
@@ -153,7 +153,6 @@ def _with_feet(line: FloatArray, places: list[FloatArray]) -> FloatArray:
 def _search(
     net: LaneNetwork, begin: int, end: int, rules: Rules, connect: Connect
 ) -> FloatArray | None:
-    """Cheapest sequence of nodes, with free connections planned as needed."""
     count = len(net.places)
     places, lane = np.array(net.places), np.array(net.lane)
     cost = np.full((count, count), np.inf)

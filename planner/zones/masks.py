@@ -48,8 +48,7 @@ def save_speed_mask(
 ) -> None:  # fmt: skip
     """Write all zones with a speed as a mask for Nav2, in metres a second.
 
-    Arguments and errors are those of :func:`planner.save_mask`; where zones overlap, the slowest
-    counts.
+    Arguments and errors are those of :func:`planner.save_mask`.
     """
     slow = [one for one in zones if one.speed is not None]
     levels = [

@@ -2,10 +2,9 @@
 
 - Inside means any of the body, a disc of the robot's radius; for one-way zones and lanes it means
   the centre.
-- A path is against a one-way zone if its progress against the line's direction is more than
-  ``AGAINST_DRIVEN`` radii, for new paths ``AGAINST``; crossing it is allowed.
-- Lengths, costs and directions are measured on pieces of ``PIECE`` radii, keep-out and no-waiting
-  zones exactly.
+- A path may cross a one-way zone, but not progress against the line's direction by more than
+  ``AGAINST_DRIVEN`` radii, for new paths ``AGAINST``.
+- Keep-out and no-waiting zones are measured exactly, the others on pieces of ``PIECE`` radii.
 """
 
 from __future__ import annotations
@@ -35,7 +34,7 @@ ROUNDING = 1e-6
 
 @dataclass(frozen=True, slots=True)
 class Rules:
-    """Zones that hold for a robot of ``radius``; ``speed`` is the fastest it drives, if known."""
+    """Zones of a robot of ``radius``; ``speed`` is the fastest it drives, if known."""
 
     grounds: tuple[ZoneGround, ...]
     radius: float
@@ -57,7 +56,7 @@ class Rules:
         return distance < self.radius * (1.0 - ROUNDING)
 
     def station_breach(self, name: str, place: Vec) -> str | None:
-        """Reason why a robot must not be sent to a place, or None."""
+        """Why a robot must not be sent to a place, or None."""
         for one in self.of("keep_out", "wait"):
             if not self.is_held_by(one, place):
                 continue
@@ -109,7 +108,7 @@ class Rules:
         return f"leads against {against[0].zone}" if against else None
 
     def _after_leaving(self, one: ZoneGround, line: FloatArray) -> FloatArray | None:
-        """The line from where it leaves a zone that it begins in; None if it stays inside."""
+        """Line from where it leaves a zone that it begins in; None if it stays inside."""
         if not self.is_held_by(one, (float(line[0, 0]), float(line[0, 1]))):
             return line
         if len(line) < 2:
@@ -164,7 +163,7 @@ class Rules:
         return limits
 
     def caps(self, line: FloatArray) -> FloatArray:
-        """Highest speed (n - 1,) that zones allow on each piece of a polyline (n, 2): exact."""
+        """Highest speed (n - 1,) on each piece of a polyline (n, 2): exact."""
         caps = np.full(len(line) - 1, np.inf)
         pieces = [line[k : k + 2] for k in range(len(caps))]
         for one in self.grounds:
@@ -181,7 +180,7 @@ class Rules:
 def rules_for(
     zones: Sequence[Zone], scene: Scene, radius: float, speed: float | None = None
 ) -> Rules:
-    """Index the zones in a scene's units and frame, for a robot of ``radius``."""
+    """Index zones in a scene's units and frame."""
     grounds = tuple(ZoneGround.of(zone, scene) for zone in zones)
     return Rules(grounds, radius, scene.units, speed)
 
@@ -195,6 +194,6 @@ def _progress_against(one: ZoneGround, pieces: PathPieces) -> float:
 
 
 def listed_zones(zones: Sequence[ZoneGround]) -> str:
-    """Zones for a sentence: "keep-out zone 'desk' and one-way zone 'hall'"."""
+    """Names for a sentence: "keep-out zone 'desk' and one-way zone 'hall'"."""
     names = [str(one.zone) for one in zones]
     return names[0] if len(names) == 1 else f"{', '.join(names[:-1])} and {names[-1]}"

@@ -88,7 +88,7 @@ def _to_the_border(
     high: FloatArray,
     need: float,
 ) -> FloatArray:
-    """Length (n,) along each direction at which ``need`` begins, between two lengths."""
+    """Length (n,) along each direction at which ``need`` begins."""
     for _ in range(HALVINGS):
         middle = 0.5 * (low + high)
         free = closed.clearance(here + middle[:, None] * units) >= need

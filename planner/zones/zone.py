@@ -88,5 +88,5 @@ class Zone:
 
 
 def zones_for(zones: Iterable[Zone], robot: str) -> tuple[Zone, ...]:
-    """Return the zones that hold for a robot, in their order."""
+    """Return the zones that hold for a robot, in order."""
     return tuple(zone for zone in zones if zone.is_for(robot))

@@ -1,7 +1,6 @@
 """A roadmap with zones: it plans and measures as a roadmap does, and keeps the zones' rules.
 
-- Keep-out zones are obstacles to the search only, in an updated roadmap of its own; clearances are
-  those to obstacles and bounds.
+- Keep-out zones are obstacles to the search only, in an updated roadmap of its own.
 - Every path is checked against all rules as a whole before it is answered.
 - A robot in a keep-out zone leaves it by the shortest path out first, which a remark reports.
 """
@@ -85,7 +84,7 @@ class ZonedRoadmap:
         return self._made[key]  # type: ignore[no-any-return]
 
     def updated(self, scene: Scene, walls: Roadmap | None = None) -> ZonedRoadmap:
-        """Return it for a scene that differs by a few objects, as :meth:`Roadmap.updated`."""
+        """Return it for another scene, as :meth:`Roadmap.updated`."""
         return self._changed(walls or self.walls.updated(scene), self.zones)
 
     def with_zones(self, zones: Sequence[Zone]) -> ZonedRoadmap:
@@ -111,7 +110,7 @@ class ZonedRoadmap:
         return self.rules.permits(polyline, keep)
 
     def speed_limits(self, points: FloatArray, reach: FloatArray) -> FloatArray:
-        """Highest speeds (n,) allowed within ``reach`` of points, infinite without a limit."""
+        """Highest speeds (n,) within ``reach`` of points, infinite without a limit."""
         return self.rules.speed_limits(points, reach)
 
     def plan(
@@ -212,7 +211,6 @@ class ZonedRoadmap:
     def _over_lanes(
         self, start: Vec, goal: Vec, direct: FloatArray, request: Request
     ) -> FloatArray | None:
-        """Cheapest leg over lanes and free ground that breaks no rule, or None."""
         need = self.radius + request.margin
 
         def keeps(line: FloatArray) -> bool:
@@ -233,7 +231,7 @@ class ZonedRoadmap:
     def _connection(
         self, ends: tuple[Vec, Vec], line: FloatArray | None, request: Request
     ) -> FloatArray | None:
-        """Free connection that breaks no rule, and avoids slow zones where that is faster."""
+        """Connection that breaks no rule, and avoids slow zones where that is faster."""
         if line is None:
             line = self._free(self.closed, ends, request)
         shut = self.rules.of("keep_out")
@@ -264,7 +262,6 @@ class ZonedRoadmap:
         return path.points if isinstance(path, Path) else None
 
     def _as_path(self, legs: list[FloatArray], request: Request, order: tuple[int, ...]) -> Path:
-        """Join legs into a path, measured against the walls."""
         whole = as_path(self.walls.borders, legs, self.radius, request, order)
         return replace(whole, scene=self.scene)
 
@@ -276,7 +273,7 @@ class ZonedRoadmap:
         via: Sequence[Sequence[float]],
         kept: dict[str, Any],
     ) -> NoPath:
-        """Refusal that names the keep-out zones, if there is a path without them."""
+        """Name the keep-out zones, if there is a path without them."""
         path = self.walls.plan(start, goal, via=via, **kept)
         if isinstance(path, NoPath):
             return path
@@ -304,8 +301,8 @@ def with_zones(
     """Return a roadmap that plans by the zones' rules too.
 
     ``zones`` are its robot's, in the units and frame of its scene. ``speed`` > 0 is the fastest
-    that the robot drives, in units a second: with it, slow zones are driven around where that takes
-    less time. ``ValueError`` for a roadmap of anything but a scene.
+    that the robot drives, in units a second: with it, slow zones are driven around where that is
+    faster. ``ValueError`` for a roadmap of anything but a scene.
     """
     of_kind("roadmap", roadmap, Roadmap)
     if not isinstance(roadmap.scene, Scene):
