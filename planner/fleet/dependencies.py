@@ -30,7 +30,6 @@ def find_dependencies(tracks: Sequence[FloatArray], radii: Sequence[float]) -> l
 
 
 def _drawn(track: FloatArray) -> FloatArray:
-    """Track with at least two rows: a robot that never moves has one piece of no length."""
     return track if len(track) > 1 else np.vstack([track, track])
 
 

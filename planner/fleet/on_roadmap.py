@@ -140,7 +140,7 @@ def team_on(
     zones: Sequence[tuple[Zone, ...]],
     paths: Sequence[FloatArray],
 ) -> Iterator[TeamRobot]:
-    """The robots one by one, robots of equal radius, speed and zones on one graph.
+    """The robots one by one, equal ones on one graph.
 
     A robot that begins in a keep-out zone has its own, with its path out.
     """
@@ -224,7 +224,7 @@ def check_radii(radii: float | Sequence[float] | None, default: float, count: in
 
 
 def check_zones(zones: Sequence[Sequence[Zone]] | None, count: int) -> list[tuple[Zone, ...]]:
-    """Zones of each robot; ``ValueError`` if there are not as many lists as robots."""
+    """Zones of each robot; ``ValueError`` unless there are as many lists as robots."""
     if zones is None:
         return [()] * count
     each = [as_list("zones", own, "zones") for own in as_list("zones", zones, "lists of zones")]

@@ -1,8 +1,7 @@
 """Goals that come at any time while others drive, planned against the promised tracks.
 
-- A new goal is first planned among the promised tracks: unless a parked robot cuts the arena apart,
-  such a path always exists (COBRA; Cap et al., ICRA 2015). It passes behind everything sent to
-  others.
+- A new goal is first planned among the promised tracks, behind everything sent: unless a parked
+  robot cuts the arena apart, such a path always exists (COBRA; Cap et al., ICRA 2015).
 - If that fails, or several goals come at once, all keep their promises to the end, and then the
   fleet is planned as a whole: robots parked in the path step aside, or there is a reason.
 """
@@ -131,11 +130,10 @@ class FleetSchedule:
 
         Robots on each other's goals get a schedule together, but none one after the other.
 
-        ``passed`` is the row that each robot reached last, ``sent`` the last that it was given; new
-        tracks begin at ``passed`` and are the same up to ``sent``. None means all are at their
-        starts, with nothing sent beyond ``passed``. ``ValueError`` if
-        :func:`planner.fleet.execution.releases` did not allow what was sent. ``clock`` gives the
-        seconds of the time limit.
+        ``passed`` is the row that each robot reached last, by default its start, ``sent`` the last
+        that it was given, by default ``passed``; new tracks begin at ``passed`` and are the same up
+        to ``sent``. ``ValueError`` if :func:`planner.fleet.execution.releases` did not allow what
+        was sent. ``clock`` gives the seconds of the time limit.
         """
         check_effort(time_limit_s, 0, 0, clock)
         places = {robot: check_places("goal", [goal]) for robot, goal in goals.items()}
@@ -292,7 +290,6 @@ def _plan(tracks: Sequence[FloatArray], radii: Sequence[float]) -> FleetPlan:
 
 
 def _zone(track: FloatArray, gap: float) -> FloatArray:
-    """Discs at rest over the part sent, until its robot has passed it."""
     rows = []
     for (_, x, y), (until, u, v) in zip(track[:-1].tolist(), track[1:].tolist(), strict=True):
         parts = int(np.ceil(ZONE * np.hypot(u - x, v - y) / gap))

@@ -1,10 +1,8 @@
 """The graph that several robots share: roadmap chains, each robot's own path, places beside.
 
-- The roadmap's chains for the smallest robot, niches and dead ends included, are joined by each
-  robot's own path; robots pass each other on a lattice of places beside them.
-- Lines are cut into places at most a radius of the smallest robot apart; straight edges join places
-  within reach of each other.
-- Clearances are exact for whole edges.
+The roadmap's chains for the smallest robot include niches and dead ends; robots pass each other on
+a lattice of places beside. Lines are cut into places at most a radius of the smallest robot apart;
+straight edges join near places, and their clearances are exact.
 """
 
 from __future__ import annotations
@@ -127,7 +125,7 @@ def with_paths(
 def _wide(
     roadmap: Roadmap, places: FloatArray, pairs: NDArray[np.int64], radius: float
 ) -> tuple[NDArray[np.int64], FloatArray]:
-    """Pairs of places with straight edges as wide as the radius, and their clearance."""
+    """Pairs with edges as wide as the radius, and their clearance."""
     clearance = edge_clearances(roadmap.borders.tree, places, pairs)
     used, where = np.unique(pairs, return_inverse=True)
     inside = roadmap.clearance(places[used])[where.reshape(pairs.shape)]

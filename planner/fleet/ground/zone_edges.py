@@ -3,8 +3,8 @@
 - On an edge the robot's body must stay out of keep-out zones, measured exactly, and it must not
   drive against a one-way zone. A robot that begins in a keep-out zone may use the edges along its
   own path out.
-- Slow zones take longer, lanes count for less. Only the choice of paths rests on these costs; the
-  order at shared places is right whatever the times.
+- Only the choice of paths rests on costs of slow zones and lanes; the order at shared places is
+  right whatever the times.
 """
 
 from __future__ import annotations
@@ -85,7 +85,6 @@ def _against(one: ZoneGround, places: FloatArray, edges: NDArray[np.int64]) -> F
 def _on_path(
     places: FloatArray, edges: NDArray[np.int64], line: FloatArray, near: float
 ) -> NDArray[np.bool_]:
-    """Mark the edges (m, 2) that lie on a polyline, not only with both ends."""
     on_path: NDArray[np.bool_] = np.asarray((_distances(places, line) <= near)[edges].all(axis=1))
     rows = np.flatnonzero(on_path)
     samples = _distances(_samples(places, edges[rows]), line).reshape(-1, SAMPLES)

@@ -99,9 +99,8 @@ def search(
 
 
 def _live_plan(solver: Solver, junctions: Sequence[int], expired: Callable[[], bool]) -> FleetPlan:
-    """Plan of the solver's routes, changed where its robots would wait in a circle.
-
-    If all turn in a ring at once, one follows later; if that fails, all move one at a time.
+    """Plan of the routes, with robots that would wait in a circle delayed, or all moved one at a
+    time.
     """
     robots = solver.robots
     plan = checked_plan(robots, _in_order(solver.routes))
@@ -235,7 +234,7 @@ def checked_tracks(tracks: Sequence[FloatArray], sizes: Sequence[float]) -> Flee
 
 
 def track_of(robot: TeamRobot, route: Route) -> FloatArray:
-    """Rows t, x, y of a route: each node's arrival and, after a wait, its departure."""
+    """Rows t, x, y: each node's arrival and, after a wait, its departure."""
     places = robot.graph.places[route.way]
     rows = []
     for k, (x, y) in enumerate(places.tolist()):

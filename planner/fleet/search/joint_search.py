@@ -33,7 +33,7 @@ Expired = Callable[[], bool]
 
 @dataclass(slots=True)
 class Visit:
-    """A reached configuration: its parent, the robots' order, and constraints left to try."""
+    """A reached configuration, and the constraints left to try."""
 
     at: Configuration
     parent: Visit | None
@@ -101,7 +101,6 @@ class JointSearch:
             self.stack.append(known)
 
     def _order(self, waits: Sequence[int], at: Configuration) -> list[int]:
-        """Sort by longest time away from the goal, then by longest path."""
         to_go = [robot.to_goal[n] for robot, n in zip(self.robots, at, strict=True)]
         return sorted(range(len(at)), key=lambda i: (-waits[i], -to_go[i]))
 
@@ -114,7 +113,6 @@ class JointSearch:
         return tuple(ends[i] for i in range(len(self.robots)))
 
     def _decide(self, i: int, at: Configuration, ends: dict[int, int]) -> bool:
-        """Choose a robot's next node, and ask robots in its path to move."""
         chance = self.rng.random(len(self.ends(i, at[i]))).tolist()
         choices = sorted(
             (to_go, tie, v) for (v, to_go), tie in zip(self.ends(i, at[i]), chance, strict=True)
@@ -182,7 +180,6 @@ class JointSearch:
         return float(graph.lasts[row][graph.to[row] == v].min())
 
     def _kinds_of_robot(self) -> list[int]:
-        """Numbers of robots, equal if graph and radius are the same."""
         kinds: dict[tuple[int, float], int] = {}
         return [kinds.setdefault((id(r.graph.lasts), r.radius), len(kinds)) for r in self.robots]
 

@@ -35,7 +35,7 @@ Expired = Callable[[], bool]
 def plan_one_by_one(
     solver: Solver, junctions: Sequence[int], expired: Expired
 ) -> dict[int, Route] | None:
-    """Route for each of the solver's robots, or None; ``junctions`` are nodes where paths meet."""
+    """Route for each robot, or None; ``junctions`` are nodes where paths meet."""
     robots, rng = solver.robots, solver.rng
     places = robots[0].graph.places
     gap = 2.0 * max(robot.radius for robot in robots)
@@ -83,7 +83,6 @@ def _seeds(
 def _by_traffic(
     junctions: Sequence[int], routes: Sequence[NDArray[np.int64]], places: FloatArray, gap: float
 ) -> list[int]:
-    """Junctions by the number of routes that pass them, if any."""
     passed = {}
     for node in junctions:
         away = [np.hypot(*(places[route] - places[node]).T).min() for route in routes]
@@ -135,7 +134,6 @@ def _largest_part(stations: StationGraph) -> list[int]:
 def _nearest_stations(
     robots: Sequence[TeamRobot], at: Sequence[int], nodes: Sequence[int]
 ) -> list[int] | None:
-    """Station for each robot at least total distance; a robot on one keeps it."""
     places = robots[0].graph.places
     away = places[list(at)][:, None] - places[list(nodes)][None]
     chosen = match_for_sum(np.hypot(away[:, :, 0], away[:, :, 1])).tolist()

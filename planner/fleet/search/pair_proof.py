@@ -15,7 +15,7 @@ from planner.fleet.search.team import TeamRobot
 PAIRS_MOST = 20_000
 """Pairs of places examined from one side: some seconds, where steps are new."""
 PAIRS_FEW = 500
-"""The same where most proofs end, in milliseconds, as at the end of a lane."""
+"""The same where most proofs end, in milliseconds."""
 
 Pair = tuple[int, int]
 

@@ -39,8 +39,7 @@ def rearrange(
     rng: np.random.Generator,
     expired: Callable[[], bool],
 ) -> list[Move] | None:
-    """Moves of pebbles i from ``start[i]`` to ``goal[i]``; None, which proves nothing, if not
-    found.
+    """Moves of pebbles i from ``start[i]`` to ``goal[i]``, or None, which proves nothing.
 
     The nodes must be connected. Nodes far from the middle are taken out first, then in random
     orders.
@@ -152,7 +151,7 @@ def _path(near: Near, begin: int, is_end: Callable[[int], bool], within: set[int
 def _settle_one(
     front: Arrangement, back: Arrangement, left: set[int], pebbles: set[int], order: Sequence[float]
 ) -> bool:
-    """Bring one pebble to one node in both arrangements and take both out; True on success."""
+    """Settle one pebble on one node in both arrangements; True on success."""
     free = sorted(_removable(front.near, left), key=lambda n: -order[n])
     for node in free[:CANDIDATES]:
         for i in _by_nearness(front, back, node, left, pebbles)[:CANDIDATES]:

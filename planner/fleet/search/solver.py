@@ -91,7 +91,6 @@ class Solver:
         return True
 
     def _push_in(self, i: int) -> tuple[Route, int]:
-        """Route among as many others as possible, and the number of searches."""
         chance = self.rng.random(len(self.robots))
         keep = sorted(self.routes, key=lambda j: -self.pushed[j] - 2.0 * chance[j])
         low, high, calls = 0, len(keep), 0
@@ -128,7 +127,7 @@ class Solver:
         return len(way) > 0
 
     def shorten_each(self) -> None:
-        """Plan each robot again among all others if that brings it to its goal earlier."""
+        """Plan each robot again among all others if that is quicker."""
         for i in sorted(self.routes, key=lambda i: self.robots[i].alone_s):
             others = [j for j in self.routes if j != i]
             route = self.plan_one(i, others, self.routes[i].arrival_s - SAME)
@@ -163,7 +162,7 @@ class Solver:
         return chosen
 
     def _replan(self, chosen: list[int]) -> None:
-        """Plan the chosen again in this order; restore the old routes if it is no better."""
+        """Plan the chosen again in this order, unless that is no better."""
         old = {i: self.routes[i] for i in chosen}
         left = sum(route.arrival_s for route in old.values()) - SAME
         left -= sum(self.robots[i].alone_s for i in chosen)

@@ -26,7 +26,7 @@ Pair = tuple[int, int]
 
 @dataclass(frozen=True, slots=True)
 class StationGraph:
-    """Nodes of the shared graph (k,), paths between two as nodes, and each one's neighbours."""
+    """Nodes of the shared graph (k,), paths between two, and each one's neighbours."""
 
     nodes: list[int]
     ways: dict[Pair, list[int]]
@@ -107,7 +107,6 @@ def _ways(
 def _stations_near(
     places: FloatArray, edges: NDArray[np.int64], stations: FloatArray, gap: float
 ) -> list[list[int]]:
-    """Stations nearer than the gap to any of each edge."""
     begin = places[edges[:, 0]]
     step = places[edges[:, 1]] - begin
     length = np.maximum((step**2).sum(axis=1), np.finfo(float).tiny)

@@ -1,4 +1,4 @@
-"""The robots of a fleet on one graph: possible edges, speed, start and goal.
+"""The robots of a fleet on one graph.
 
 Lengths are in the graph's units, times in seconds; starts and goals are node numbers.
 """
