@@ -2,7 +2,7 @@
 
 Cell (i, j) is column i, row j from the top; it covers [i - 1/2, i + 1/2] x [j - 1/2, j + 1/2] in
 cells, y down. Cells that touch, even at a corner only, belong to one object; free cells that touch
-only at a corner are not connected. Outlines run clockwise on the screen, holes counter-clockwise.
+only at a corner are not connected. Outlines run clockwise on the screen.
 """
 
 from __future__ import annotations
@@ -160,10 +160,7 @@ def _objects(
 
 
 def _trace(obstacle: NDArray[np.bool_]) -> _Borders:
-    """Every border as a closed loop of longest segments, the obstacle on the right.
-
-    Loops are sorted by their first vertex, top row first.
-    """
+    """Every border as a closed loop of longest segments, the obstacle on the right."""
     cell = np.pad(obstacle, 1).view(np.int8)
     across = cell[1:, :] - cell[:-1, :]  # +1: the obstacle begins below this row of edges
     along = cell[:, 1:] - cell[:, :-1]  # +1: the obstacle begins right of this edge
@@ -274,7 +271,6 @@ def _parents(obstacle: NDArray[np.bool_], borders: _Borders) -> list[int]:
 def _left_neighbours(
     obstacle: NDArray[np.bool_], borders: _Borders, loop_of: IndexArray, holes: list[int]
 ) -> dict[int, int]:
-    """Loop that bounds the obstacle left of each hole's leftmost edge."""
     height, width = obstacle.shape
     flat = obstacle.ravel()
     begins = obstacle.copy()

@@ -113,7 +113,7 @@ class Scanner:
         self.skip_space()
 
     def points(self, least: int) -> list[Vec]:
-        """Read the number of points, at least ``least``, then the points."""
+        """Read the number of points, at least ``least``, and the points."""
         at = self.at
         count = self.count("the number of vertices", least)
         points: list[Vec] = []

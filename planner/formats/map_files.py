@@ -1,12 +1,10 @@
-"""Map files: the ROS map_server's YAML with its picture, and MovingAI's ``.map``.
+"""Map files: the ROS map_server's YAML with its picture, and MovingAI's ``.map`` (Sturtevant 2012).
 
-ROS (Nav2 map_server, "map_io"): a cell's occupancy is p = 1 - shade, or the shade if ``negate`` is
-set; in ``raw`` mode the picture's byte in percent. It is occupied if p >= occupied_thresh, else
-free if p <= free_thresh. All other cells are obstacles. map_saver writes the byte 205 for unknown,
-where p = 0.196: in trinary mode without ``negate`` it remains unknown, even below ``free_thresh``.
+A cell's occupancy (Nav2 map_server, "map_io") is p = 1 - shade, or the shade if ``negate`` is set;
+in ``raw`` mode the picture's byte in percent. It is occupied if p >= occupied_thresh, else free if
+p <= free_thresh. All other cells are obstacles. map_saver writes the byte 205 for unknown, where p
+= 0.196: in trinary mode without ``negate`` it remains unknown, even below ``free_thresh``.
 ``origin`` is the pose of the map's lower left corner, in metres and radians.
-
-MovingAI: Sturtevant 2012.
 """
 
 from __future__ import annotations

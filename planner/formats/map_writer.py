@@ -42,7 +42,7 @@ SAGITTA = 0.01
 
 
 def write_map(scene: Scene, path: str | os.PathLike[str], resolution: float) -> None:
-    """Write ``path``, a ``.yaml`` file, and its picture of the same name beside it.
+    """Write ``path``, a ``.yaml`` file, and its picture beside it.
 
     ``resolution`` is a cell's side in metres. Raises :class:`SceneError` if the scene is not in
     metres, the resolution is senseless, or writing fails.
@@ -59,8 +59,8 @@ def write_picture(
 ) -> None:
     """Write a map's YAML and its PGM; row 0 of ``shades`` is at the least y.
 
-    ``thresholds`` are the YAML's lines with mode and thresholds. :class:`SceneError` if a file
-    cannot be written.
+    ``thresholds`` are the YAML's lines with mode and thresholds. :class:`SceneError` if writing
+    fails.
     """
     picture = file.with_suffix(".pgm")
     header = (

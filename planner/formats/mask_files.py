@@ -1,10 +1,9 @@
 """Nav2's filter masks: keep-out zones and speed limits as a map's YAML with its picture.
 
-- A keep-out mask forbids its occupied cells.
-- A speed mask's cell holds a number d from 0 to 100, as the map server reads the picture in its
-  mode. Nav2's SpeedFilter limits a robot whose centre is there to base + multiplier * d, in percent
-  of its largest speed or in m/s. There is no limit where d is 0 or unknown, where the result is 0
-  (Nav2's NO_SPEED_LIMIT), negative, or above 100 %, and off the mask.
+- A speed mask's cell holds a number d from 0 to 100, as the map server reads the picture. Nav2's
+  SpeedFilter limits a robot whose centre is there to base + multiplier * d, in percent of its
+  largest speed or in m/s. There is no limit where d is 0 or unknown, where the result is 0 (Nav2's
+  NO_SPEED_LIMIT), negative, or above 100 %, and off the mask.
 - Masks are written in the mode ``scale``; of several limits in a cell the slowest is kept. A mask
   read from a file without yaw gives the same cells again at its own resolution.
 """
@@ -42,7 +41,7 @@ SCALE = "mode: scale\noccupied_thresh: 1.0\nfree_thresh: 0.0\n"
 class SpeedLevel:
     """An area with one speed limit; the objects of ``area`` are its parts.
 
-    One of ``speed_percent``, percent of the robot's largest speed, and ``speed_m_s`` is given.
+    ``speed_percent``, of the robot's largest speed, or ``speed_m_s`` is given.
     """
 
     area: Scene
@@ -87,8 +86,8 @@ def load_speed_mask(
 ) -> tuple[SpeedLevel, ...]:
     """Load a speed mask of Nav2: the areas of each limit, the slowest first.
 
-    ``percent``, ``base`` and ``multiplier`` are those of Nav2's filter info server; its types are
-    1, ``percent``, and 2, m/s. Raises :class:`SceneError` as :func:`load_scene`, and ``ValueError``
+    ``percent``, ``base`` and ``multiplier`` are those of Nav2's filter info server, whose types 1
+    and 2 are percent and m/s. Raises :class:`SceneError` as :func:`load_scene`, and ``ValueError``
     unless base and multiplier are finite.
     """
     _check_scale(base, multiplier)

@@ -47,7 +47,7 @@ def _binary_values(body: bytes, cells: int, maximum: int, name: str) -> NDArray[
     """Pixels of a P5 file, from the bytes after its maximum.
 
     One white space precedes the pixels. After a comment attached to the maximum, Netpbm's document
-    requires another, but its readers use the comment's line end: the number of bytes decides.
+    requires another, its readers do not: the number of bytes decides.
     """
     kind = np.dtype(np.uint8) if maximum < 256 else np.dtype(">u2")
     size = cells * kind.itemsize

@@ -1,7 +1,4 @@
-"""Scene and map files in and out, recognised by content, a ROS map also by its suffix.
-
-``vision.extract`` turns a picture into a scene.
-"""
+"""Scene and map files in and out, recognised by content, a ROS map also by its suffix."""
 
 from __future__ import annotations
 
@@ -46,10 +43,7 @@ def load_scene(path: str | os.PathLike[str], *, read_picture: ReadPicture | None
 
 
 def scene_from_bytes(data: bytes, file: Path, *, read_picture: ReadPicture | None = None) -> Scene:
-    """Parse a file's bytes like :func:`load_scene`.
-
-    Errors name ``file``; the picture of a ROS map is in its folder.
-    """
+    """Parse a file's bytes like :func:`load_scene`; the picture of a ROS map is beside ``file``."""
     if is_picture(data):
         raise SceneError(
             f"{file}: a picture, not a scene: give it to vision.extract, or, for the picture of"
@@ -75,9 +69,8 @@ def save_scene(scene: Scene, path: str | os.PathLike[str]) -> None:
 
 
 def is_picture(data: bytes) -> bool:
-    """True if a file with this beginning is a picture.
-
-    PNG, JPEG, BMP, GIF, TIFF, WebP, AVIF, JPEG 2000, Netpbm, PFM, PAM, Radiance, Sun raster.
+    """True for PNG, JPEG, BMP, GIF, TIFF, WebP, AVIF, JPEG 2000, Netpbm, PFM, PAM, Radiance and Sun
+    raster.
     """
     if data[:4] == b"RIFF" and data[8:12] == b"WEBP":
         return True
