@@ -21,12 +21,12 @@ class Path:
     """Polyline from the start through the stations to the goal.
 
     ``points`` (n, 2) and ``clearances`` (n,) are read-only; ``min_clearance`` is exact for the
-    whole polyline against every border and the bounds, at ``min_clearance_at``. ``stations`` are
-    indices into ``points``: start, every via, goal. ``order`` is the order of visits to the vias,
-    as indices into the request. ``headings_rad`` has one entry per station, None for any heading.
-    ``remarks`` are sentences on uncertainties of the search. ``cost`` is the planner's criterion:
-    the length, plus a penalty where the path is narrow, before any corner was rounded. ``scene`` is
-    for pictures and not compared.
+    whole polyline against every border and the bounds. ``stations`` are indices into ``points``:
+    start, every via, goal. ``order`` is the order of visits to the vias, as indices into the
+    request. ``headings_rad`` has one entry per station, None for any heading. ``remarks`` are
+    sentences on uncertainties of the search. ``cost`` is the planner's criterion: the length, plus
+    a penalty where the path is narrow, before any corner was rounded. ``scene`` is for pictures and
+    not compared.
     """
 
     points: FloatArray
@@ -49,13 +49,13 @@ class Path:
         return f"<Path of {len(self.points)} points, length {length}, least clearance {least}>"
 
     def layers(self) -> list[StyledLines]:
-        """Layers to draw: the scene, if there is one, the alternatives, and the path itself."""
+        """Layers to draw: the scene, if any, the alternatives, and the path itself."""
         below = self.scene.layers() if self.scene is not None else []
         others = [other.points for other in self.alternatives]
         return [*below, StyledLines(others, PATH, 0.8), StyledLines([self.points], PATH, 2.2)]
 
     def plot(self, axes: Axes | None = None) -> Axes:
-        """Draw the path on Matplotlib axes, by default the current ones, without its scene."""
+        """Draw the path without its scene on Matplotlib axes, by default the current ones."""
         return plot(self.layers()[-2:], self.scene is not None and self.scene.y_down, axes)
 
     def _repr_svg_(self) -> str | None:
@@ -68,7 +68,7 @@ class Path:
 
 @dataclass(frozen=True, slots=True)
 class Bottleneck:
-    """Narrowest place on the widest path: ``width`` is twice the clearance there."""
+    """Narrowest place on the widest path; ``width`` is twice the clearance."""
 
     x: float
     y: float
@@ -80,8 +80,7 @@ class NoPath:
     """Answer that there is no path for this robot; not a failure.
 
     ``widest_radius`` is the largest radius that could make the journey, None if no robot could
-    (start or goal inside an obstacle, outside the bounds, or walled in). ``remarks`` are sentences
-    on uncertainties of the search.
+    (start or goal inside an obstacle, outside the bounds, or walled in).
     """
 
     reason: str
@@ -132,7 +131,7 @@ class TimedWaypoint:
 
 @dataclass(frozen=True, slots=True)
 class Trajectory:
-    """Timed waypoints along a path; the robot is at rest at the first and at the last."""
+    """Timed waypoints; the robot is at rest at the first and at the last."""
 
     waypoints: tuple[TimedWaypoint, ...]
     duration_s: float

@@ -16,10 +16,7 @@ from pathlib import Path
 
 
 def choose_kernel_cache(package_folder: Path) -> Path | None:
-    """Set ``NUMBA_CACHE_DIR`` if numba's own choice would fail; return the chosen folder or None.
-
-    None means that the variable is set already, or the folder beside the source is writable.
-    """
+    """Set ``NUMBA_CACHE_DIR`` if numba's own choice would fail; return the folder or None."""
     if os.environ.get("NUMBA_CACHE_DIR") or _is_writable(package_folder):
         return None
     for folder in _candidates():
@@ -34,9 +31,6 @@ def choose_kernel_cache(package_folder: Path) -> Path | None:
 
 
 def _candidates() -> list[Path]:
-    """Folders for systemd's CacheDirectory=, in the user's cache and among temporary files, in
-    order.
-    """
     found = []
     if service := os.environ.get("CACHE_DIRECTORY"):
         found.append(Path(service.split(":")[0]) / "kernels")

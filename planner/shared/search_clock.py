@@ -19,8 +19,6 @@ Clock: TypeAlias = Callable[[], float]
 
 
 class _Compiling(event.Listener):
-    """Time this process has spent compiling; nested compilations count once."""
-
     def __init__(self) -> None:
         self.total_s = 0.0
         self.began_s = 0.0
