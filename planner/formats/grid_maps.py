@@ -207,9 +207,7 @@ def _runs(sign: NDArray[np.int8]) -> tuple[IndexArray, IndexArray, IndexArray]:
 
 
 def _followers(start: IndexArray, end: IndexArray, heading: IndexArray, columns: int) -> list[int]:
-    """Follower of each segment: left where both turns are open, so that corners hold cells
-    together.
-    """
+    """Follower of each segment: left if both turns are open, so that corners join cells."""
     key = (start[:, 1] * columns + start[:, 0]) * 4 + heading
     at_end = (end[:, 1] * columns + end[:, 0]) * 4
     left = _find(key, at_end + (heading + 3) % 4)

@@ -276,9 +276,7 @@ def read_text(path: Path) -> str:
 
 
 def decode(data: bytes, name: str) -> str:
-    """Decode UTF-8 text, dropping a leading byte order mark; :class:`SceneError` on NUL or other
-    bytes.
-    """
+    """Decode UTF-8 text without its byte order mark; :class:`SceneError` on NUL or other bytes."""
     try:
         text = data.decode("utf-8").removeprefix("\ufeff")
     except UnicodeDecodeError as error:

@@ -76,8 +76,9 @@ def write_picture(
 
 
 def occupied_cells(scene: Scene, resolution: float) -> NDArray[np.bool_]:
-    """Occupied cells as (rows, columns), row 0 at the bounds' least y; errors as
-    :func:`write_map`.
+    """Occupied cells as (rows, columns), row 0 at the bounds' least y.
+
+    Errors as :func:`write_map`.
     """
     occupied = covered_cells(scene, scene.bounds, resolution)
     rows, columns = occupied.shape

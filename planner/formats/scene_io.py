@@ -69,8 +69,9 @@ def save_scene(scene: Scene, path: str | os.PathLike[str]) -> None:
 
 
 def is_picture(data: bytes) -> bool:
-    """True for PNG, JPEG, BMP, GIF, TIFF, WebP, AVIF, JPEG 2000, Netpbm, PFM, PAM, Radiance and Sun
-    raster.
+    """True if a file with this beginning is a picture.
+
+    PNG, JPEG, BMP, GIF, TIFF, WebP, AVIF, JPEG 2000, Netpbm, PFM, PAM, Radiance, Sun raster.
     """
     if data[:4] == b"RIFF" and data[8:12] == b"WEBP":
         return True

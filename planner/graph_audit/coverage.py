@@ -157,8 +157,7 @@ class _Grid:
         return centres
 
     def distances(self, places: FloatArray) -> FloatArray:
-        """Shortest path (rows, columns) from each free cell to one of the places, infinite without
-        any.
+        """Shortest path (rows, columns) from each free cell to one of the places, or infinite.
 
         A place counts for its own cell and the eight around it.
         """

@@ -210,8 +210,7 @@ def without_spurs(clipped: Clipped, radius: float) -> list[int]:
 def without_short_branches(
     chains: Chains, kept: Sequence[int], radius: float, least: float
 ) -> tuple[list[int], tuple[float, ...]]:
-    """Leave out dead ends shorter than ``least``, the shortest first; return the rest, and their
-    lengths.
+    """Leave out dead ends below ``least``, the shortest first; return the rest, and their lengths.
 
     O(k log k) for k tips, but for the lengths walked again.
     """

@@ -1,12 +1,11 @@
 """The roadmap as a route graph for other programs, and its text in their formats.
 
-- GraphML and node-link JSON contain the graph as it is.
 - Nav2's route server (nav2_route, GeoJsonGraphFileLoader) drives straight from node to node and
   reads an edge in one direction. So every edge is cut where it bends, each straight piece keeps the
   robot's radius, and both directions are written. Node and edge numbers are unsigned and distinct;
   ``cost`` is the length; a piece's clearance is in its ``metadata``, which may hold numbers but no
   nested lists. The server's frame is in metres, y up. No edge has length 0.
-- LIF and Open-RMF get Nav2's graph.
+- LIF and Open-RMF get Nav2's graph, GraphML and node-link JSON the graph as it is.
 
 Coordinates and lengths are in the scene's units; no text holds NaN or infinity.
 """

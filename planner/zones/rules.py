@@ -149,9 +149,7 @@ class Rules:
         return factors
 
     def speed_limits(self, points: FloatArray, reach: FloatArray) -> FloatArray:
-        """Highest speeds (n,) allowed within ``reach`` (n,) of points (n, 2), infinite without a
-        limit.
-        """
+        """Highest speeds (n,) within ``reach`` (n,) of points (n, 2), infinite without a limit."""
         return self._limits(points, reach)
 
     def _limits(self, points: FloatArray, reach: FloatArray | float) -> FloatArray:

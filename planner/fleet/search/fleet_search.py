@@ -99,9 +99,7 @@ def search(
 
 
 def _live_plan(solver: Solver, junctions: Sequence[int], expired: Callable[[], bool]) -> FleetPlan:
-    """Plan of the routes, with robots that would wait in a circle delayed, or all moved one at a
-    time.
-    """
+    """Plan in which robots that would wait in a circle come later, or all move one at a time."""
     robots = solver.robots
     plan = checked_plan(robots, _in_order(solver.routes))
     for k in range(LIVE_TRIES):

@@ -64,8 +64,8 @@ def _augment(
 
 
 def match_for_last(costs: FloatArray) -> NDArray[np.int64]:
-    """Column of each row, -1 for none: least largest cost, then least sum, of the largest
-    matchings.
+    """Column of each row, -1 for none: of the largest matchings the least largest cost, then
+    sum.
     """
     most = int((match_for_sum(costs) >= 0).sum())
     levels = np.unique(costs[np.isfinite(costs)])
