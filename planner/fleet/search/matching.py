@@ -64,8 +64,9 @@ def _augment(
 
 
 def match_for_last(costs: FloatArray) -> NDArray[np.int64]:
-    """Column of each row, -1 for none: of the largest matchings the least largest cost, then
-    sum.
+    """Column of each row, -1 for none; of the largest matchings, the least largest cost.
+
+    Among those with this largest cost, the least sum.
     """
     most = int((match_for_sum(costs) >= 0).sum())
     levels = np.unique(costs[np.isfinite(costs)])
