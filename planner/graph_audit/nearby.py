@@ -1,8 +1,8 @@
 """Edges that cross without a node, and nodes that lie on edges that do not lead to them.
 
 - Edges along the same line, in either direction, count once, under the first one's name.
-- Two straight pieces cross if each one's ends surely lie on both sides of the other. A crossing
-  nearer to a node than ``NEAR`` radii is one of the node.
+- Two straight pieces cross if each one's ends surely lie on both sides of the other. Crossings
+  within ``NEAR`` radii of their nodes do not count.
 - A sweep finds the pairs: O(n log n) and the pairs.
 """
 

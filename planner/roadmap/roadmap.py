@@ -272,11 +272,11 @@ class Roadmap:
         1e-9), "length" (the shortest that keeps the radius), "balanced", or a number from 0
         (length) to 1 (clearance). ``order`` "best" orders the stations so that the whole path is
         shortest, of legs planned as preferred; the goal stays last. A leg is the same in both
-        directions. ``margin`` is added to the radius. No path comes nearer to a border than both;
-        with ``relaxed``, a station within the margin is connected by a short straight line that
-        keeps the radius, and a remark reports it. ``alternatives`` is the number of other paths,
-        none a shift of another: the best, once taut, of the cheapest routes without a loop, at
-        least twice as many. ``near`` is the last path, on which the robot is: while it is clear,
+        directions. ``margin`` is added to the radius. No path comes nearer to a border than radius
+        and margin; with ``relaxed``, a station within the margin is connected by a short straight
+        line that keeps the radius, and a remark reports it. ``alternatives`` is the number of other
+        paths, none a shift of another: the best, once taut, of the cheapest routes without a loop,
+        at least twice as many. ``near`` is the last path, on which the robot is: while it is clear,
         and within 2 % as good as the best, the answer is its rest, so that noise does not make
         plans jump. Raises ``ValueError`` on invalid options.
         """

@@ -4,9 +4,9 @@
   and gates just outside a one-way zone, through which it is entered and left.
 - A lane's pieces join its own nodes, in its direction for a one-way zone; the roadmap's paths join
   all others, around one-way zones.
-- A free connection costs at least its straight length. Only those on the cheapest sequence of nodes
-  are planned, until none is left there (lazy shortest paths; Dellin and Srinivasa, ICAPS 2016), or
-  ``MOST_PLANS`` are: then the cheapest complete sequence counts.
+- A free connection costs at least its straight length on the cheapest lane. Only those on the
+  cheapest sequence of nodes are planned, until none is left there (lazy shortest paths; Dellin and
+  Srinivasa, ICAPS 2016), or ``MOST_PLANS`` are: then the cheapest complete sequence counts.
 """
 
 from __future__ import annotations

@@ -4,7 +4,8 @@
   the centre.
 - A path may cross a one-way zone, but not progress against the line's direction by more than
   ``AGAINST_DRIVEN`` radii, for new paths ``AGAINST``.
-- Keep-out and no-waiting zones are measured exactly, the others on pieces of ``PIECE`` radii.
+- Lengths, costs and directions are measured on pieces of ``PIECE`` radii, keep-out and no-waiting
+  zones exactly.
 """
 
 from __future__ import annotations
