@@ -35,7 +35,7 @@ ON_THE_SPOT_M: Final = 0.025
 APART_RAD: Final = 2.0 * TURN_RAD
 """Late pictures of a whole turn make less; a frozen one lets the robot turn for ever."""
 PATIENCE_S: Final = 3.0
-"""Time that pictures may take to show the turn: longer than any measured latency."""
+"""Time that pictures may take to show the turn: longer than any latency measured."""
 LONGEST_PROOF_S: Final = 8.0
 BEGINS_WITHIN_S: Final = 3.0
 """A robot whose wheels have not turned by then will not turn."""

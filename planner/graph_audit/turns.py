@@ -26,7 +26,7 @@ from planner.shared.arguments import as_float
 STRAIGHT_RAD = 1e-6
 """Turns up to this angle are rounding."""
 ARC_STEP_RAD = 0.05
-"""Angle between the points of a measured arc; its chords leave it by 0.03 % of R."""
+"""Angle between the points at which an arc is measured; its chords leave it by 0.03 % of R."""
 
 
 def check_turning_radius(turning_radius: float | None) -> float:
