@@ -164,8 +164,8 @@ def _trace(obstacle: NDArray[np.bool_]) -> _Borders:
     cell = np.pad(obstacle, 1).view(np.int8)
     across = cell[1:, :] - cell[:-1, :]  # +1: the obstacle begins below this row of edges
     along = cell[:, 1:] - cell[:, :-1]  # +1: the obstacle begins right of this edge
-    # horizontal edges run east above an obstacle and west below one; vertical ones run north left
-    # of it and south right of it
+    # horizontal edges run east above an obstacle and west below; vertical ones north left of it and
+    # south right of it
     h_first, h_last, h_sign = _runs(across)
     v_first, v_last, v_sign = _runs(np.ascontiguousarray(along.T))
     # a run of sign s between vertices: (row, column) for across, (column, row) for along

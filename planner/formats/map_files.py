@@ -52,10 +52,9 @@ class MapHeader:
 
 
 def read_ros_map(text: str, path: Path, read_picture: ReadPicture | None = None) -> Scene:
-    """Return the scene of a ROS map from its YAML, ``path``; the picture is in the same folder.
+    """Return the scene of a ROS map from its YAML, ``path``, and the picture in the same folder.
 
-    ``read_picture`` reads pictures other than PGM. Raises :class:`SceneError` with the file and,
-    for the YAML, line and column.
+    ``read_picture`` reads pictures other than PGM. Raises :class:`SceneError` with the place.
     """
     free, unknown, remarks, pose = read_cells(text, path, read_picture)
     return map_scene(~free, pose, remarks, unknown)

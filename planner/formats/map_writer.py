@@ -38,7 +38,7 @@ MOST_CELLS = 100_000_000
 ON_EDGE = 1e-6
 """A border nearer to a cell's edge, in cells, runs along it."""
 SAGITTA = 0.01
-"""Largest gap between arc and chords, in cells; cells are occupied to the outside of that."""
+"""Largest gap between arc and chords, in cells, which are occupied to the outside of that."""
 
 
 def write_map(scene: Scene, path: str | os.PathLike[str], resolution: float) -> None:
@@ -136,7 +136,7 @@ def _chain(record: Record, y_down: bool, sagitta: float) -> FloatArray:
 
 
 def _cells_along(line: FloatArray) -> FloatArray:
-    """(n, 2) places in units of cells, one inside each cell that the line crosses."""
+    """One place (n, 2) inside each cell that the line crosses, in units of cells."""
     return np.concatenate([*(_crossed(a, b) for a, b in pairwise(line)), line])
 
 

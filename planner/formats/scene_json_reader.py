@@ -38,9 +38,8 @@ from planner.scene import (
 def read_scene_json(text: str, name: str = "<text>") -> Scene:
     """Read the scene in ``text``; ``name`` is the file's name in errors.
 
-    Raises :class:`SceneError` on text that is not JSON, another schema, members that are missing or
-    of another kind, numbers beyond ``MAX_COORDINATE``, edges that do not connect, and arcs off
-    their circles.
+    Raises :class:`SceneError` on other text, numbers beyond ``MAX_COORDINATE``, edges that do not
+    connect, and arcs off their circles.
     """
     try:
         document = json.loads(text.removeprefix("\ufeff"), parse_constant=_refuse_constant)

@@ -42,8 +42,7 @@ def read_scene_text(text: str, name: str = "<text>") -> Scene:
     """Read the scene in ``text``; ``name`` is the file's name in errors.
 
     Raises :class:`SceneError` ("name:line:column: what") on unknown records, wrong counts, numbers
-    that are not finite or beyond ``MAX_COORDINATE``, radii <= 0, and trailing characters.
-    O(length).
+    beyond ``MAX_COORDINATE``, radii <= 0, and trailing characters. O(length).
     """
     of_kind("text", text, str)
     reader = SceneReader(name)

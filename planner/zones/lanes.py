@@ -54,7 +54,7 @@ class LaneNetwork:
         return len(self.places) - 1
 
     def join(self, i: int, j: int, keeps: Callable[[FloatArray], bool]) -> bool:
-        """Join two nodes by a straight piece if that is free."""
+        """Join two nodes by a straight piece if it is free."""
         line = np.array([self.places[i], self.places[j]])
         if not keeps(line):
             return False
@@ -72,8 +72,8 @@ def cheapest(
 ) -> FloatArray | None:
     """Return the cheapest polyline (n, 2) from start to goal by lanes or freely; None if none.
 
-    ``keeps`` is True for lines that keep the radius from obstacles and keep-out zones; ``need`` is
-    the distance that gates keep from their zone.
+    ``keeps`` is True for lines clear of obstacles and keep-out zones; ``need`` is the distance that
+    gates keep from their zone.
     """
     net = LaneNetwork()
     begin = net.add(np.array(start), -1, free=True)

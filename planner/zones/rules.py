@@ -25,8 +25,8 @@ PIECE = 0.05
 AGAINST = 0.02
 """Progress against a one-way zone, in radii, that is rounding on a planned path: chosen."""
 AGAINST_DRIVEN = 0.1
-"""The same on a path that robots share, whose pieces are judged one by one, and on the rest of a
-driven path: chosen, a twentieth of the body's width."""
+"""The same on shared paths, whose pieces are judged one by one, and on a driven path's rest:
+chosen, a twentieth of the body's width."""
 SPEED_SLACK = 1.01
 """A target is no faster than a zone allows within this factor: chosen, the wire's rounding."""
 ROUNDING = 1e-6

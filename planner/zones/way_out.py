@@ -58,7 +58,6 @@ def way_out(open_: Roadmap, closed: Roadmap, place: Vec, need: float) -> FloatAr
 def _ends(
     closed: Roadmap, here: FloatArray, angles: FloatArray, steps: FloatArray, need: float
 ) -> FloatArray:
-    """First place (k, 2) in each direction where ``need`` is kept, the nearest first."""
     units = np.column_stack([np.cos(angles), np.sin(angles)])
     ends = here + steps[:, None, None] * units
     free = (closed.clearance(ends.reshape(-1, 2)) >= need).reshape(len(steps), len(units))
@@ -88,7 +87,6 @@ def _to_the_border(
     high: FloatArray,
     need: float,
 ) -> FloatArray:
-    """Length (n,) along each direction at which ``need`` begins."""
     for _ in range(HALVINGS):
         middle = 0.5 * (low + high)
         free = closed.clearance(here + middle[:, None] * units) >= need

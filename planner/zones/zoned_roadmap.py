@@ -106,7 +106,7 @@ class ZonedRoadmap:
         return self.walls.path_clearance(polyline)
 
     def permits(self, polyline: FloatArray, keep: float) -> bool:
-        """True if a polyline (n, 2) keeps a distance from keep-out zones, and all other rules."""
+        """True if a polyline (n, 2) keeps a distance from keep-out zones, and all rules."""
         return self.rules.permits(polyline, keep)
 
     def speed_limits(self, points: FloatArray, reach: FloatArray) -> FloatArray:
@@ -177,7 +177,7 @@ class ZonedRoadmap:
     def _way_out(self, request: Request) -> tuple[FloatArray | None, str]:
         """Polyline out of the keep-out zones around the start, of one place if there are none.
 
-        None, and the reason, if no path leads out.
+        None, with the reason, if no path leads out.
         """
         start = request.stations[0]
         shut = self.rules.of("keep_out")
@@ -289,7 +289,7 @@ def _legs_of(path: Path) -> list[FloatArray]:
 
 
 def with_objects(scene: Scene, objects: Sequence[SceneObject]) -> Scene:
-    """Scene with more objects, numbered after its own."""
+    """Scene with more objects, numbered last."""
     first = 1 + max((thing.id for thing in scene.objects), default=-1)
     more = (replace(one, id=first + i) for i, one in enumerate(objects))
     return replace(scene, objects=(*scene.objects, *more))
