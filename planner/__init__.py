@@ -1,12 +1,12 @@
 """Trajectory planning: from a scene to a roadmap, a path and timed waypoints.
 
-- ``formats`` reads a scene; ``scene`` defines its obstacles and bounds; ``graph_files`` reads and
-  writes route graphs; ``graph_repair`` repairs them.
+- ``formats`` reads a scene; ``scene`` defines its obstacles and bounds.
 - ``borders`` places generators along the borders, ``delaunay`` triangulates them, ``diagram``
   solves the generalized Voronoi diagram, ``roadmap`` clips it for a robot.
-- ``search`` and ``route`` plan on it; ``path.py`` holds the answers. ``zones`` adds rules to it.
-- ``motion`` times a path, ``fleet`` plans for several robots, ``graph_audit`` checks route graphs;
-  ``samples`` are inputs to try.
+- ``search`` and ``route`` plan on it; ``path`` holds the answers. ``zones`` adds rules to it.
+- ``motion`` times a path, ``fleet`` plans for several robots; ``samples`` are inputs to try.
+- ``graph_files`` reads and writes route graphs, ``graph_audit`` checks and ``graph_repair`` repairs
+  them.
 
 ``__init__.pyi`` lists the public names. They are imported on first use, so that modules that need
 only the scene's types do not load the compiled kernels.

@@ -21,13 +21,12 @@ class Path:
     """Polyline from the start through the stations to the goal.
 
     ``points`` (n, 2) and ``clearances`` (n,) are read-only; ``min_clearance`` is exact for the
-    whole polyline (not only its points) against every border and the bounds, at
-    ``min_clearance_at``. ``stations`` are indices into ``points``: start, every via, goal.
-    ``order`` is the order of visits to the vias, as indices into the request. ``headings_rad`` has
-    one entry per station, None for any heading. ``remarks`` are plain sentences on uncertainties of
-    the search. ``cost`` is the planner's criterion: the length, plus a penalty where the path is
-    narrow, before any corner was rounded. ``scene`` is for pictures; it does not count in
-    comparisons of paths.
+    whole polyline against every border and the bounds. ``stations`` are indices into ``points``:
+    start, every via, goal. ``order`` is the order of visits to the vias, as indices into the
+    request. ``headings_rad`` has one entry per station, None for any heading. ``remarks`` are
+    sentences on uncertainties of the search. ``cost`` is the planner's criterion: the length, plus
+    a penalty where the path is narrow, before any corner was rounded. ``scene`` is for pictures and
+    not compared.
     """
 
     points: FloatArray
@@ -45,19 +44,18 @@ class Path:
     scene: Scene | None = field(default=None, repr=False, compare=False)
 
     def __repr__(self) -> str:
-        """Return one line; ``points`` has the rest."""
         units = self.scene.units if self.scene is not None else ""
         length, least = (f"{v:.6g} {units}".rstrip() for v in (self.length, self.min_clearance))
         return f"<Path of {len(self.points)} points, length {length}, least clearance {least}>"
 
     def layers(self) -> list[StyledLines]:
-        """Layers to draw: the scene, if there is one, the alternatives, and the path itself."""
+        """Layers to draw: the scene, if any, the alternatives, and the path itself."""
         below = self.scene.layers() if self.scene is not None else []
         others = [other.points for other in self.alternatives]
         return [*below, StyledLines(others, PATH, 0.8), StyledLines([self.points], PATH, 2.2)]
 
     def plot(self, axes: Axes | None = None) -> Axes:
-        """Draw the path on Matplotlib axes, by default the current ones, without its scene."""
+        """Draw the path without its scene on Matplotlib axes, by default the current ones."""
         return plot(self.layers()[-2:], self.scene is not None and self.scene.y_down, axes)
 
     def _repr_svg_(self) -> str | None:
@@ -70,7 +68,7 @@ class Path:
 
 @dataclass(frozen=True, slots=True)
 class Bottleneck:
-    """Narrowest place on the widest path: ``width`` is twice the clearance there."""
+    """Narrowest place on the widest path; ``width`` is twice the clearance."""
 
     x: float
     y: float
@@ -82,8 +80,7 @@ class NoPath:
     """Answer that there is no path for this robot; not a failure.
 
     ``widest_radius`` is the largest radius that could make the journey, None if no robot could
-    (start or goal inside an obstacle, outside the bounds, or walled in). ``remarks`` are plain
-    sentences on uncertainties of the search.
+    (start or goal inside an obstacle, outside the bounds, or walled in).
     """
 
     reason: str
@@ -99,11 +96,10 @@ class NoPath:
 class Limits:
     """Limits of the robot; units of the scene and seconds, every value > 0.
 
-    ``chord_tolerance`` is the most that the straight line between two waypoints may leave the path;
-    ``spacing`` is the largest distance between waypoints. ``turns_on_spot`` is True for a
-    differential drive. Below ``slow_clearance`` the speed falls linearly to ``slow_speed`` at the
-    robot's radius. ``turning_radius`` >= 0 is that of the tightest bend the robot can drive:
-    tighter ones are turned on the spot, at rest, or refused.
+    The straight line between two waypoints leaves the path by at most ``chord_tolerance``;
+    waypoints are at most ``spacing`` apart. ``turns_on_spot`` is True for a differential drive.
+    Below ``slow_clearance`` the speed falls linearly to ``slow_speed`` at the robot's radius. Bends
+    tighter than ``turning_radius`` >= 0 are turned on the spot, at rest, or refused.
     """
 
     speed: float
@@ -122,7 +118,7 @@ class Limits:
 
 @dataclass(frozen=True, slots=True)
 class TimedWaypoint:
-    """Place on a trajectory with heading, speed and time; ``dwell_s`` is the length of the stay."""
+    """Place on a trajectory; ``dwell_s`` is the length of the stay."""
 
     x: float
     y: float
@@ -135,7 +131,7 @@ class TimedWaypoint:
 
 @dataclass(frozen=True, slots=True)
 class Trajectory:
-    """Timed waypoints along a path; the robot is at rest at the first and at the last."""
+    """Timed waypoints; the robot is at rest at the first and at the last."""
 
     waypoints: tuple[TimedWaypoint, ...]
     duration_s: float

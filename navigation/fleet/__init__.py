@@ -2,12 +2,12 @@
 
 - `request` has the planner's requests and answers, a promise being a path with gates at shared
   places; `asking` makes a request.
-- `planning` makes promises for all robots, and `joining` adds new ones while others drive;
-  `rounding` smooths the corners of their tracks.
-- `releases` says how far each robot may drive; `orders` says which robots wait or hold, and why.
+- `planning` promises paths to all robots, `joining` adds some while others drive, `rounding`
+  smooths corners.
+- `releases` says how far each robot may drive, `orders` which robots wait or hold.
 - `places_kept` has the places of robots that take no part; `refusals` remembers failed requests.
 - `runaways` finds robots that run away, and `giving_way` moves the others aside.
 - `coordinator` decides with all of these, once a cycle.
 
-Decisions only: nothing here opens anything or reads a clock.
+Nothing here opens anything or reads a clock.
 """

@@ -16,7 +16,7 @@ from navigation.mission.mission import Station
 from navigation.mission.traffic import AHEAD_S
 
 SOON: Final = 4
-"""Places at which a plan takes a runaway to be within ``AHEAD_S``."""
+"""Places that a plan keeps free of a runaway, within ``AHEAD_S``."""
 
 
 def request_of(

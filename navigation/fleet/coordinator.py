@@ -1,20 +1,17 @@
 """Order of driving: new goals join driving robots, each of which follows the common order.
 
-Rules
 - A robot that asks for a path and is still on its promise continues there.
-- Any other is planned against the promises of driving robots, which drive on. Until the planner
+- Any other is planned against the promises of driving robots, which drive on; until the planner
   answers they are sent no more than they have.
 - If that fails, or a robot waits at a gate for one that will not come (stopped, failed, refused, or
-  held for longer than ``PATIENCE_S``), all are planned: driving robots stop under control, and once
-  all are at rest, one plan is made for every robot that wants to move.
-- Other robots keep their places; an unseen one keeps everything that it may have driven to since.
-  A robot without a mission may have to step aside and come back.
-- A robot in the way of a runaway drives aside, and asks again (`giving_way`).
-- A refused robot waits until something changes on which the refusal depended. A plan of all waits
-  for refused robots that hold, until they ask again: two robots on each other's goals have paths
-  together, but none one by one.
+  held for longer than ``PATIENCE_S``), driving robots stop under control, and once all are at rest,
+  one plan is made for every robot that wants to move.
+- Other robots keep their places, an unseen one everything that it may have driven to since. A robot
+  without a mission may have to step aside and come back.
+- A refused robot waits until the reasons change. A plan of all waits for refused robots that hold,
+  until they ask again: two robots on each other's goals have paths together, but none one by one.
 
-Decisions only; `Coordinator.step` once a cycle. Metres, radians, seconds.
+Metres, radians, seconds.
 """
 
 from __future__ import annotations
@@ -47,15 +44,15 @@ from planner.path import NoPath
 from planner.scene import FloatArray
 
 PATIENCE_S: Final = 6.0
-"""A robot that holds comes back by itself as a rule: marker hidden, link silent, for a moment."""
+"""A robot that holds usually continues by itself: marker hidden, link silent."""
 ASK_S: Final = 0.6
-"""A robot that is to plan again asks for it within this time, or does not take part."""
+"""A robot that has to plan again asks within this time, or takes no part."""
 REFUSED_S: Final = 1.5
-"""And one that was refused within this: pilots ask again after a second."""
+"""The same after a refusal: pilots ask again after a second."""
 AHEAD: Final = 40
 """Targets that a robot has beyond the one it drives to: 2 m, a second's upload."""
 SLACK_M: Final = 0.01
-"""Length by which a path's clearance may be below the radius in a new scene: the camera's error."""
+"""Tolerated shortfall of a path's clearance below the radius: the camera's error."""
 GOING: Final = (State.DRIVING, State.PLANNING, State.PROVING)
 OVER: Final = (State.FAILED, State.STOPPED, State.IDLE)
 
@@ -68,11 +65,11 @@ class Coordinator:
     def __init__(self, clearance_m: Clearance, rules: RulesOf = no_rules) -> None:
         self.held: dict[str, Held] = {}
         self._left: dict[str, Held] = {}
-        """Promises of earlier plans: a robot that is not seen may be driving one."""
+        """An unseen robot may be driving one of these."""
         self._lines: dict[str, Held] = {}
-        """Lines aside by robot, in the form of promises: one that is not seen may be on its own."""
+        """An unseen robot may be on its line aside."""
         self.rounds = 0
-        """Number of plans asked for, of all robots or of some that join driving ones."""
+        """Plans requested."""
         self._clearance_m, self._rules = clearance_m, rules
         self._open: dict[str, PlanRequest] = {}
         self._gathering_s: float | None = None
@@ -91,7 +88,7 @@ class Coordinator:
         revision: int,
         answer: FleetAnswer | None,
     ) -> FleetOrders:
-        """Run one cycle by the rules of the module's text."""
+        """Run one cycle by the rules above."""
         self._follow(members)
         answers: dict[str, PlanAnswer] = {}
         errands: dict[str, Station] = {}
@@ -141,7 +138,7 @@ class Coordinator:
         return FleetOrders(plan_again, request, answers, waits, waits_for, holds, errands)
 
     def forget(self, name: str) -> None:
-        """Void the robot's promise: it is planned again, and so are all."""
+        """Void a robot's promise: all are planned again."""
         if name in self.held:
             self.held[name].broken = True
 
@@ -185,7 +182,6 @@ class Coordinator:
                     held.executed = executed
 
     def _continued(self, members: Mapping[str, Member], revision: int) -> dict[str, PlanAnswer]:
-        """Answers for robots that are still on their promises."""
         answers = {}
         for name, request in self._open.items():
             held = self.held.get(name)
@@ -204,7 +200,6 @@ class Coordinator:
         return answers
 
     def _fits(self, held: Held, request: PlanRequest) -> bool:
-        """True if the rest of a promise leads from its robot to the requested goal."""
         promise, here = held.promise, request.start[:2]
         if not request.stations or request.stations[0] != promise.station:
             return False
@@ -287,7 +282,6 @@ class Coordinator:
     def _gathered(
         self, now_s: float, members: Mapping[str, Member], revision: int
     ) -> tuple[FleetRequest | None, dict[str, PlanAnswer]]:
-        """Request once all are at rest and all that want to move have asked."""
         assert self._gathering_s is not None
         late = now_s - self._gathering_s > ASK_S
         for name, one in members.items():
@@ -308,7 +302,6 @@ class Coordinator:
     def _joining(
         self, members: Mapping[str, Member], revision: int, answers: Mapping[str, PlanAnswer]
     ) -> tuple[FleetRequest | None, dict[str, PlanAnswer]]:
-        """Request of the robots that ask, once they are at rest, while others drive on."""
         asking = [name for name in self._open if name not in answers]
         if not all(members[name].stands for name in asking):
             return None, {}
@@ -331,7 +324,6 @@ class Coordinator:
         asking: Sequence[str],
         driving: tuple[Driving, ...],
     ) -> tuple[FleetRequest | None, dict[str, PlanAnswer]]:
-        """Request for the robots that ask, or the reason why none can be planned."""
         wishes = {name: self._open[name] for name in asking}
         why = why_nobody_moves(members)
         if why is not None:
@@ -353,7 +345,6 @@ class Coordinator:
     def _take(
         self, now_s: float, answer: FleetAnswer, members: Mapping[str, Member]
     ) -> dict[str, PlanAnswer]:
-        """Replace the promises or add gates to them; return the pilots' answers."""
         assert self._asked is not None
         asked, self._asked = self._asked, None
         starts = {one.name: one.start for one in (*asked.travellers, *asked.idle)}

@@ -1,13 +1,13 @@
 """Clearing the path of a runaway: which robots hold, drive on, or drive aside.
 
-Rules
 - A robot drives on if that stays clear of every runaway for `HORIZON_S`; otherwise it holds if
   standing still does. Otherwise it leaves its promise and drives aside on a straight line: the
   shortest of the clear ones, or the clearest.
-- For a possible runaway robots hold, but none leaves its path.
-- Aside means ground that the roadmap knows to be free and no zone forbids, at the robots' usual
-  distance from the other robots and from all that they were sent; if it is nearer now, no nearer.
-- If no line is better, it drives on only if that touches no robot and beats standing still.
+- Before a runaway that is only possible, robots hold, but none leaves its path.
+- Lines aside keep to ground that the roadmap knows to be free and no zone forbids, at the usual
+  distance from other robots and from all that these were sent, or no nearer than now.
+- Without a better line, the robot drives on only if that touches no runaway and is no worse than
+  standing still.
 - While one drives aside no robot is sent more than it has, and none is planned.
 
 Metres, radians, seconds.
@@ -35,22 +35,22 @@ from planner.scene import FloatArray
 from planner.zones.rules import Rules
 
 HORIZON_S: Final = 4.0
-"""Time for which a runaway is foreseen: to stop, turn and drive a diameter aside takes 3 s."""
+"""Foresight of a runaway: to stop, turn and drive a diameter aside takes 3 s."""
 STEPS: Final = 40
 BEGINS_S: Final = 0.25
 """From the picture to wheels that turn: two cycles, the line, and the camera."""
 HEADINGS: Final = 24
 LENGTHS_M: Final = np.linspace(0.05, 0.6, 12)
 STEERS_RAD: Final = 0.3
-"""Largest turn to the side that a robot drives without a stop."""
+"""Largest turn that a robot drives without a stop."""
 PIECE_M: Final = 0.05
 CERTAIN_M: Final = 0.01
-"""More than its radius a robot that drives aside keeps from walls: the camera's error."""
+"""Kept from walls beyond the radius by a robot that drives aside: the camera's error."""
 ASK_AGAIN_S: Final = 0.5
 
 Clearance = Callable[[FloatArray], float | None]
 RulesOf = Callable[[str], Rules | None]
-"""The zones that hold for a robot, by its name; None before the first scene."""
+"""A robot's zones by its name; None before the first scene."""
 
 
 def no_rules(_robot: str) -> Rules | None:
@@ -60,7 +60,7 @@ def no_rules(_robot: str) -> Rules | None:
 
 @dataclass(slots=True)
 class Aside:
-    """A robot that drives aside: its line, and the request answered."""
+    """A line aside, and the request answered."""
 
     points: FloatArray
     request_id: int
@@ -75,7 +75,7 @@ class GivesWay:
     """Robots that are to leave their paths and ask, and why."""
     answers: Mapping[str, PlanAnswer] = field(default_factory=dict)
     errands: Mapping[str, Station] = field(default_factory=dict)
-    """Robots without a mission that have to leave their places, and come back to them."""
+    """Robots that have to leave their places, and come back to them."""
     holds: Mapping[str, str] = field(default_factory=dict)
 
 
@@ -95,7 +95,7 @@ class GivingWay:
         asking: Mapping[str, PlanRequest],
         runaways: Sequence[Runaway],
     ) -> GivesWay:
-        """Run one cycle by the module's rules. ``asking`` are the open requests."""
+        """Run one cycle by the rules above; ``asking`` are the open requests."""
         for name, driven in list(self.aside.items()):
             one = members[name]
             asks = name in asking and asking[name].id != driven.request_id
@@ -172,7 +172,6 @@ class GivingWay:
         return None
 
     def _sent_to(self, name: str, one: Member, held: Mapping[str, Held]) -> FloatArray:
-        """Places (n, 2) that another robot may still drive to."""
         assert one.pose is not None
         here = np.array([one.pose[:2]])
         if name in self.aside:
@@ -185,7 +184,6 @@ class GivingWay:
     def _is_free(
         self, one: Member, line: FloatArray, known: Sequence[tuple[Member, FloatArray]]
     ) -> bool:
-        """True if the line is on free ground and approaches no other robot."""
         clearance_m = self._clearance_m(line)
         if clearance_m is None or clearance_m < one.radius_m + CERTAIN_M:
             return False
@@ -231,7 +229,6 @@ class _Gap:
 
 
 def _can_move(one: Member) -> bool:
-    """True if the robot is seen and may be asked to drive."""
     if one.pose is None or one.pose_age_s > SEEN_S:
         return False
     return one.obliging or one.state in (State.DRIVING, State.HOLDING, State.PLANNING)
@@ -253,7 +250,6 @@ def _least_gap(one: Member, track: FloatArray, runaways: Sequence[Runaway]) -> _
 
 
 def _standing(one: Member) -> FloatArray:
-    """Positions of the robot if it brakes now."""
     assert one.pose is not None
     speed = _speed(one)
     t = np.minimum(_times(), BEGINS_S + speed / one.limits.acceleration)
@@ -263,7 +259,7 @@ def _standing(one: Member) -> FloatArray:
 
 
 def _driving_on(one: Member, way: FloatArray) -> FloatArray:
-    """Positions along its path (n >= 1, 2), as far as it may drive that now."""
+    """Positions along its path (n >= 1, 2), driven as fast as it can."""
     steps = np.hypot(*np.diff(way, axis=0).T)
     along = np.concatenate([[0.0], np.cumsum(steps)])
     gone = _gone(np.array([along[-1]]), np.zeros(1), _speed(one), one)[0]
@@ -334,6 +330,5 @@ def _speed(one: Member) -> float:
 
 
 def _apart(line: FloatArray, way: FloatArray) -> float:
-    """Least distance between the points of two paths, and the second's midpoints."""
     places = np.concatenate([way, 0.5 * (way[1:] + way[:-1])])
     return float(np.hypot(*(line[:, None] - places[None]).T).min())

@@ -1,15 +1,13 @@
 """New goals while others drive: promises for the robots that ask, more gates for the rest.
 
-Rules
 - Everything sent to a robot stays: it never has to wait earlier, and a driving robot's path never
-  changes. Robots that ask pass behind what was sent, and in turn with the rest. If none can be
-  added, nothing changes.
-- Robots at rest without a mission may have to step aside; they come back to their places.
-- If a driving robot would have to step aside, the one that asks waits until it has arrived. If the
-  promises do not fit the arena, nothing can be added (`FleetAnswer.cannot`), and all are planned
-  together.
+  changes. Robots that ask pass behind what was sent. If none can be added, nothing changes.
+- A robot waits for a driving one that would have to step aside until that has arrived; robots at
+  rest without a mission step aside and come back.
+- If the promises do not fit the arena, nothing can be added (`FleetAnswer.cannot`), and all are
+  planned together.
 
-`planner.FleetSchedule` finds the path. Metres, radians, seconds.
+Metres, radians, seconds.
 """
 
 from __future__ import annotations
@@ -61,8 +59,6 @@ class CannotJoinError(Exception):
 
 
 class _CannotDriveError(Exception):
-    """Error: a robot cannot drive its new path; the text says why."""
-
     def __init__(self, one: Traveller, why: str) -> None:
         super().__init__(why)
         self.one = one
@@ -70,13 +66,10 @@ class _CannotDriveError(Exception):
 
 @dataclass(frozen=True, slots=True)
 class _Party:
-    """All robots in one order: driving, asking, and able to step aside."""
-
     driving: tuple[Driving, ...]
     asking: tuple[Traveller, ...]
     idle: tuple[Traveller, ...]
     clock: Clock
-    """Limits each search."""
 
     @property
     def standing(self) -> tuple[Traveller, ...]:
@@ -88,7 +81,7 @@ class _Party:
 
     @property
     def offsets(self) -> list[int]:
-        """Number of the target at which each new track begins."""
+        """Target at which each new track begins."""
         return [one.executed for one in self.driving] + [0] * len(self.standing)
 
 
@@ -99,7 +92,7 @@ def join_promises(
     keep_m: float,
     clock: Clock = search_clock_s,
 ) -> FleetAnswer:
-    """Make promises for robots that ask, and gates for driving ones; see the module's text.
+    """Make promises for robots that ask, and gates for driving ones.
 
     ``roadmap`` is the smallest robot's in ``scene``; ``clock`` limits each search.
     """
@@ -168,9 +161,9 @@ def _join(
 
 
 def _with_goals(schedule: FleetSchedule, party: _Party) -> tuple[FleetSchedule, dict[str, str]]:
-    """Add the goals of robots that ask; return the schedule and each refusal's reason.
+    """Add the goals of robots that ask, one by one, then failed ones together.
 
-    Goals are added one by one; then the failed ones are tried together.
+    Return the schedule and each refusal's reason.
     """
     first, names = len(party.driving), party.names
     goals = {k: (one.station.x, one.station.y) for k, one in enumerate(party.asking, first)}
@@ -200,7 +193,7 @@ def _with_goals_at_once(
     party: _Party,
     may_move: Container[int],
 ) -> FleetSchedule | NoFleetPlan:
-    """Add goals at once, if no driving robot and none without a path has to step aside."""
+    """Add goals at once, if no robot outside ``may_move`` has to step aside."""
     try:
         found = schedule.with_goals(goals, sent=sent, time_limit_s=TIME_LIMIT_S, clock=party.clock)
     except ValueError as error:
@@ -252,7 +245,7 @@ def _timed(one: Driving) -> FloatArray:
 
 
 def _sizes(here: Roadmap, party: _Party, keep_m: float) -> list[float]:
-    """Each robot's radius with its promised margin, or with what fits."""
+    """Radii with their promised margins, or with what fits."""
     sizes = []
     for one in party.driving:
         rest = np.ascontiguousarray(one.promise.points[one.executed :])
@@ -323,7 +316,6 @@ def _in_pieces(
 def _gates(
     party: _Party, numbers: Sequence[FloatArray], waits: Sequence[Dependency]
 ) -> list[list[Gate]]:
-    """Gates of each robot, by the numbers of its promise's targets."""
     names, offsets = party.names, party.offsets
     for one, number in zip(party.driving, numbers, strict=False):
         if int(number[-1]) != len(one.promise.points) - 1 - one.executed:

@@ -1,7 +1,4 @@
-"""Results of one cycle of the coordinator, and which robots wait or hold.
-
-Metres.
-"""
+"""Results of one cycle of the coordinator, and which robots wait or hold. Metres."""
 
 from __future__ import annotations
 
@@ -20,7 +17,7 @@ from navigation.mission.running_plan import distance_to_polyline
 from planner.scene import FloatArray
 
 ON_TRACK_M: Final = 0.02
-"""A robot that is so near to its promised path continues on it; more is planned for."""
+"""A robot this near to its promised path continues on it; one farther off is planned again."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -28,18 +25,18 @@ class FleetOrders:
     """Results of one cycle."""
 
     plan_again: tuple[tuple[str, str], ...] = ()
-    """Robots that are to stop and ask for a path, and why."""
+    """Robots that are to stop and ask, and why."""
     request: FleetRequest | None = None
     answers: Mapping[str, PlanAnswer] = field(default_factory=dict)
     """For the pilots."""
     waits: Mapping[str, str] = field(default_factory=dict)
-    """Sentences by waiting robot: which one it waits for, and why."""
+    """Sentences of waiting robots."""
     waits_for: Mapping[str, str] = field(default_factory=dict)
-    """Robot awaited, for each in ``waits`` that waits for one other robot."""
+    """Robot awaited, if it is one."""
     holds: Mapping[str, str] = field(default_factory=dict)
-    """Reasons why robots may not move now, by robot."""
+    """Reasons not to move now."""
     errands: Mapping[str, Station] = field(default_factory=dict)
-    """Robots without a mission that have to step aside, and the place that they come back to."""
+    """Robots that step aside, and the places that they come back to."""
 
 
 def waits_of(
@@ -50,7 +47,7 @@ def waits_of(
 ) -> tuple[dict[str, str], dict[str, str]]:
     """Sentences of waiting robots, and the one robot each of them waits for, if any.
 
-    ``refused`` have no path yet, with the reason; a robot driving ``aside`` waits for none.
+    ``refused`` have no path yet; a robot driving ``aside`` waits for none.
     """
     waits = {name: f"waits for the others: {why}" for name, why in refused.items()}
     waits_for = {}
@@ -74,8 +71,8 @@ def holds_of(
 ) -> dict[str, str]:
     """Robots that may not drive now, and why: another robot is in the path, or may be anywhere.
 
-    ``aside`` are the places (n, 2) that are left of the lines on which robots drive aside: they
-    have been chosen with the runaways' motion, and hold for all other robots.
+    ``aside`` are the remaining places (n, 2) of lines aside. They were chosen with the runaways'
+    motion, so only other robots stop those who drive them.
     """
     holds = {}
     known = {name: one for name, one in members.items() if name not in runaways}

@@ -1,7 +1,8 @@
 """The coordinator's knowledge of each robot, and the places of robots that take no part.
 
-A seen robot keeps its body's disc. An unseen one keeps every place along what it was given that it
-can have reached before its lease ran out and its brakes stopped it. Metres, radians, seconds.
+A seen robot keeps its body's disc. An unseen one also keeps every place along what it was given
+that it can have reached before its lease ran out and its brakes stopped it. Metres, radians,
+seconds.
 """
 
 from __future__ import annotations
@@ -22,7 +23,7 @@ from planner.path import Limits, Path
 from planner.scene import FloatArray
 
 SEEN_S: Final = 0.3
-"""A robot that was seen no longer ago is where it was seen."""
+"""A robot seen no longer ago is where it was seen."""
 TOUCH_M: Final = 0.003
 """Two poses' noise: bodies that come nearer may touch."""
 NEARER_M: Final = 0.004
@@ -35,36 +36,34 @@ class Member:
 
     state: State
     pose: tuple[float, float, float] | None
-    """Pose in which it was last seen; None: never."""
+    """Where it was last seen; None: never."""
     pose_age_s: float
     stands: bool
-    """True if it does not move, or, if it is not seen, cannot move any more."""
+    """True if it is at rest or, unseen, can no longer move."""
     radius_m: float
     limits: Limits
     max_deviation_m: float
     reach_m: float
-    """Longest drive after it was last seen, until its lease and its brakes end that."""
+    """Longest drive after it was last seen, until lease and brakes end it."""
     executed: int | None = None
-    """Targets executed of the plan that it drives now; None if it drives none."""
+    """Targets executed of its present plan, if any."""
     request: PlanRequest | None = None
-    """Request of this cycle."""
     sentence: str = ""
-    """Sentence of its mission: the reason for its state."""
+    """Reason for the mission's state."""
     obliging: bool = False
-    """The robot is at rest without a mission, is well, and may be asked to step aside."""
+    """It is at rest without a mission, is well, and may be asked to step aside."""
     velocity: tuple[float, float, float] = (0.0, 0.0, 0.0)
-    """Along both axes, and turning to the left, as it was seen last."""
+    """Along both axes, and turning to the left, as last seen."""
     obeys: bool = True
-    """True if it is no faster than its lease lets it be, or its brakes since that ended."""
+    """True if it is no faster than its lease, or its brakes since the lease's end, allow."""
     is_silent: bool = False
-    """The robot is silent, so it is unknown whether it hears."""
     keep_m: float = 0.03
-    """Distance that it keeps from the body of a runaway."""
+    """Distance from the body of a runaway."""
     at_large: bool = False
-    """It may be anywhere: it is neither seen nor heard, and nothing of its own stops it."""
+    """It may be anywhere: neither seen nor heard, and nothing of its own stops it."""
 
     def limits_at(self, request: PlanRequest) -> Limits:
-        """Its limits, at no more than the speed requested."""
+        """Limits at no more than the requested speed."""
         if request.speed_m_s is None or request.speed_m_s >= self.limits.speed:
             return self.limits
         slow = min(self.limits.slow_speed, request.speed_m_s)
@@ -72,7 +71,7 @@ class Member:
 
     @property
     def waits_because(self) -> str:
-        """Reason given by a robot that waits for this one."""
+        """Reason given by a robot that waits for it."""
         if self.state is State.DRIVING:
             return "has to pass first"
         return f"is {self.state.value}: {self.sentence}" if self.sentence else "does not drive"
@@ -89,7 +88,7 @@ def why_nobody_moves(members: Mapping[str, Member]) -> str | None:
 
 
 def places_kept(name: str, one: Member, held: Held | None) -> Iterator[Taken]:
-    """Discs that hold a robot which takes no part in a plan."""
+    """Discs that hold a robot that takes no part in a plan."""
     if one.pose is None:
         return
     x, y, _ = one.pose
@@ -101,7 +100,6 @@ def places_kept(name: str, one: Member, held: Held | None) -> Iterator[Taken]:
 
 
 def _ahead(here: tuple[float, float], held: Held, reach_m: float) -> Iterator[tuple[float, float]]:
-    """Promised places, closer than a radius each, that it can have reached."""
     gone_m, before = 0.0, here
     for x, y in held.promise.points[held.executed + 1 :].tolist():
         gone_m += math.dist(before, (x, y))
@@ -112,10 +110,7 @@ def _ahead(here: tuple[float, float], held: Held, reach_m: float) -> Iterator[tu
 
 
 def line_kept(name: str, answer: PlanAnswer) -> Held:
-    """A line on which a robot drives aside, in the form of a promise.
-
-    While it is not seen, it may be anywhere on it.
-    """
+    """Line aside in the form of a promise."""
     path = answer.path
     assert isinstance(path, Path)
     station = Station(*path.points[-1].tolist())
@@ -137,7 +132,7 @@ def comes_too_near(way: FloatArray, name: str, members: Mapping[str, Member]) ->
             continue
         bodies_m = radius_m + one.radius_m
         now_m = math.dist((x_m, y_m), one.pose[:2]) - bodies_m
-        if now_m - length_m >= TOUCH_M:  # too far away to be met on it
+        if now_m - length_m >= TOUCH_M:
             continue
         least_m = distance_to_polyline(way, one.pose[:2]) - bodies_m
         if least_m < min(TOUCH_M, now_m - NEARER_M):

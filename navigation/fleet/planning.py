@@ -1,13 +1,10 @@
 """From a fleet's plan to promises: each robot's targets, and gates at shared places.
 
-Rules
-- Every radius gets a margin, so that robots which follow their paths to within it never touch. If
-  two starts, two goals, or a start and a wall are nearer than that, the margin shrinks to fit.
+- Every radius gets a margin, so that robots that follow their paths to within it never touch. It
+  shrinks where starts, goals or walls are nearer.
 - Corners are rounded where no robot comes too near (`rounding`): at sharp ones a robot stops.
-- Tracks are cut into short pieces before the order at shared places is taken from them: a robot
-  waits no longer than it must, at one of its targets.
-- A robot without a path is left out, with the reason, and keeps its place; the others are planned
-  around it.
+- Tracks are cut into short pieces first, so that a robot waits no longer than it must.
+- A robot without a path is left out and keeps its place; the others are planned around it.
 
 Metres, radians, seconds.
 """
@@ -47,19 +44,19 @@ from planner.zones.rules import Rules, listed_zones, rules_for
 from planner.zones.zone import Zone
 
 PIECE_M: Final = 0.05
-"""Between two targets: as `planning.waypoint_spacing_m` is where nothing is said."""
+"""Spacing of targets, the default of `planning.waypoint_spacing_m`."""
 SLACK_M: Final = 1e-4
-"""Less room than this is none: a tenth of what the camera can tell."""
+"""Less room is none: a tenth of the camera's resolution."""
 OVERLAP_M: Final = 0.003
-"""Two poses' noise: robots that touch by less stand side by side."""
+"""Two poses' noise: robots that overlap by less are side by side."""
 STANDS_M_S: Final = 1e-3
-"""A waypoint that is slower is a stop."""
+"""A slower waypoint is a stop."""
 TIME_LIMIT_S: Final = 3.0
-"""Time limit of one search; the robots stand still meanwhile."""
+"""For one search, while the robots are at rest."""
 SEEDS: Final = 4
-"""Number of beginnings tried, one after another, until a plan does not need its timing."""
+"""Beginnings tried until a plan does not need its timing."""
 LESS_ROOM: Final = 0.3
-"""Share of the distance that bodies keep, where there is no live plan with all of it."""
+"""Share of the distance between bodies, if no plan with all of it is live."""
 ROUNDS: Final = 10
 """Rounds of shortening: 40 ms with six robots."""
 NOT_LIVE: Final = "every plan that was found has robots wait for each other in a ring"
@@ -125,7 +122,7 @@ def _try(
     keep_m: float,
     clock: Clock,
 ) -> dict[str, Promise] | tuple[int, str]:
-    """Promises for all of them, or the one to leave out and why."""
+    """Promises, or the one to leave out and why."""
     for i, one in enumerate(moving):
         for other in taken:
             gap_m = math.dist((one.station.x, one.station.y), (other.x_m, other.y_m))
@@ -159,8 +156,7 @@ def _ordered(
 ) -> tuple[list[CutTrack], list[Dependency], list[float]] | NoFleetPlan:
     """Tracks in short pieces, a live order at shared places, and the radii planned with.
 
-    In a live order robots never wait in a circle. If there is none, it tries less distance between
-    the bodies, then other beginnings.
+    Without a live order, less distance between bodies is tried, then other seeds.
     """
     refused: NoFleetPlan | None = None
     zones = [one.zones for one in moving]
@@ -198,7 +194,7 @@ def _ordered(
 def rules_of(
     here: Roadmap, zones: Sequence[tuple[Zone, ...]], sizes: Sequence[float]
 ) -> list[Rules]:
-    """Index each robot's zones for the radius that it is planned with."""
+    """Index each robot's zones for its planned radius."""
     assert isinstance(here.scene, Scene)
     scene = here.scene
     return [rules_for(own, scene, size) for own, size in zip(zones, sizes, strict=True)]
@@ -247,7 +243,7 @@ def make_promise(
 
 
 def path_of(roadmap: Roadmap, points: FloatArray, one: Traveller) -> Path:
-    """The polyline as a path with its clearances."""
+    """Polyline as a path with its clearances."""
     found = roadmap.path_clearance(points)
     clearances = roadmap.clearance(points)
     for array in (points, clearances):
@@ -313,7 +309,6 @@ def _number(numbers: FloatArray, row: int) -> int:
 
 
 def _sizes(here: Roadmap, moving: Sequence[Traveller], keep_m: float) -> list[float]:
-    """Each robot's radius with the margin that fits."""
     margins = [0.5 * keep_m] * len(moving)
     for i, j in combinations(range(len(moving)), 2):
         a, b = moving[i], moving[j]
@@ -331,7 +326,7 @@ def _sizes(here: Roadmap, moving: Sequence[Traveller], keep_m: float) -> list[fl
 
 
 def with_taken(scene: Scene, taken: Sequence[Taken], moving: Sequence[Traveller]) -> Scene:
-    """Scene with taken places as round obstacles, smaller beside a robot."""
+    """Scene with taken places as round obstacles, smaller where a moving robot is beside one."""
     first = 1 + max((thing.id for thing in scene.objects), default=-1)
     things = []
     for i, one in enumerate(taken):
@@ -356,7 +351,7 @@ def with_names(reason: str, names: Sequence[str]) -> str:
 
 
 def listed(names: Sequence[str]) -> str:
-    """Names for a sentence: "ada, bob and cleo", each once."""
+    """Join names for a sentence, each once."""
     unique = list(dict.fromkeys(names))
     if len(unique) < 2:
         return "".join(unique)

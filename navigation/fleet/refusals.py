@@ -1,7 +1,4 @@
-"""Robots without a path, the reasons, and the situation that makes a new plan pointless.
-
-Metres.
-"""
+"""Robots without a path, and why a new plan would be pointless."""
 
 from __future__ import annotations
 
@@ -17,7 +14,7 @@ from navigation.mission.mission import State, Station
 
 @dataclass(frozen=True, slots=True)
 class Situation:
-    """Situation behind a refusal: while it lasts, another plan would be refused too."""
+    """While it lasts, another plan would be refused too."""
 
     revision: int
     goals: frozenset[tuple[str, Station]]
@@ -39,7 +36,7 @@ class Refusals:
 
     def __init__(self) -> None:
         self.reasons: dict[str, str] = {}
-        """By the name of each robot that was refused."""
+        """By robot."""
         self._goals: dict[str, Station] = {}
         self._hung_on: Situation | None = None
         self._asked: tuple[dict[str, Station], Situation] | None = None
@@ -50,12 +47,12 @@ class Refusals:
         revision: int,
         at_rest: Mapping[str, tuple[float, float]],
     ) -> None:
-        """Note that a plan is requested in the present situation."""
+        """Note a plan's request and situation."""
         goals = {name: request.stations[0] for name, request in wishes.items()}
         self._asked = goals, Situation(revision, frozenset(), at_rest)
 
     def take(self, reasons: Mapping[str, str]) -> None:
-        """Take the refusals of the answer."""
+        """Take the answer's refusals."""
         assert self._asked is not None
         goals, situation = self._asked
         self.reasons = dict(reasons)
@@ -63,7 +60,7 @@ class Refusals:
         self._hung_on = replace(situation, goals=frozenset(self._goals.items()))
 
     def refuse(self, names: Iterable[str], why: str) -> None:
-        """Refuse these robots in this cycle, without a request."""
+        """Refuse robots in this cycle, without a request."""
         self.reasons = dict.fromkeys(names, why)
         self._goals, self._hung_on = {}, None
 

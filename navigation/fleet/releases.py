@@ -1,9 +1,8 @@
 """Released part of each promise, and the robots waited for.
 
-Rules
-- A robot is given its targets up to the first gate that another robot has not passed.
-- A robot has passed a target if it reports so and the camera sees it there.
-- A robot whose promise is unknown has passed nothing.
+A robot is given its targets up to the first gate that another robot has not passed. A robot has
+passed a target if it reports so and the camera sees it there; without a promise it has passed
+nothing.
 """
 
 from __future__ import annotations
@@ -25,19 +24,19 @@ class Held:
 
     promise: Promise
     executed: int = 0
-    """Number of the promise's targets that were executed."""
+    """Targets executed."""
     base: int = 0
-    """Number of them that were executed when the plan that is driven now began."""
+    """Targets executed when the present plan began."""
     broken: bool = False
     """The robot will not drive the rest."""
     sent: int = 0
-    """Number of the targets that the robot may have been given."""
+    """Targets that the robot may have been given."""
     errand: bool = False
-    """The robot has no mission of its own there, and has not been given this one yet."""
+    """The robot has not been given this errand yet."""
 
     @property
     def is_finished(self) -> bool:
-        """True if the robot is at its end."""
+        """True at the promise's end."""
         return self.executed >= len(self.promise.targets)
 
 

@@ -16,7 +16,7 @@ from planner.zones.zone import Zone
 
 @dataclass(frozen=True, slots=True)
 class Traveller:
-    """A robot that wants to move: its place, and the station that it drives to."""
+    """A robot that wants to move, and its next station."""
 
     name: str
     start: tuple[float, float, float]
@@ -24,9 +24,8 @@ class Traveller:
     radius_m: float
     limits: Limits
     open_order: tuple[Station, ...] = ()
-    """Its stations, where all but the last may be visited in any order; else empty."""
+    """Its stations, if all but the last may be visited in any order; else empty."""
     zones: tuple[Zone, ...] = ()
-    """Zones that hold for it."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -48,16 +47,14 @@ class FleetRequest:
     travellers: tuple[Traveller, ...]
     taken: tuple[Taken, ...] = ()
     driving: tuple[Driving, ...] = ()
-    """Robots that drive on meanwhile; empty if all are at rest and are planned together."""
+    """Robots that drive on meanwhile; empty if all are at rest and planned together."""
     idle: tuple[Traveller, ...] = ()
-    """Robots at rest without a mission, which may step aside and come back to their station."""
+    """Robots at rest without a mission, which may step aside and come back."""
 
 
 @dataclass(frozen=True, slots=True)
 class Gate:
-    """Limit in a promise: no more than ``before`` targets until another robot has executed
-    ``passed`` of its own.
-    """
+    """Limit in a promise: ``before`` targets until another robot has executed ``passed``."""
 
     before: int
     other: str
@@ -68,7 +65,7 @@ class Gate:
 class Promise:
     """A robot's path, the targets along it, and its gates.
 
-    ``points`` (n + 1, 2): its place at the time, and the place of each of its n targets.
+    ``points`` (n + 1, 2): its place when planned, and the place of each of its n targets.
     """
 
     name: str
@@ -80,7 +77,7 @@ class Promise:
     trajectory: Trajectory | None
     radius_m: float
     margin_m: float = 0.0
-    """By how much larger the robot was planned."""
+    """Excess of the planned radius."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -92,11 +89,10 @@ class Driving:
     sent: int
     limits: Limits
     zones: tuple[Zone, ...] = ()
-    """Zones that hold for it."""
 
     @property
     def as_traveller(self) -> Traveller:
-        """The same robot, from the last target that it has executed."""
+        """The same robot, from its last executed target."""
         x, y = self.promise.points[self.executed].tolist()
         promise = self.promise
         return Traveller(
@@ -107,11 +103,11 @@ class Driving:
 
 @dataclass(frozen=True, slots=True)
 class FleetAnswer:
-    """A promise for each traveller that has one, and the reason for each that has none.
+    """Promises, and the reason for each traveller that has none.
 
-    ``driving`` are the promises of driving robots with their present gates, if any have changed;
-    ``cannot`` is the reason if nothing could be added to them. A promise of an idle robot asks it
-    to step aside and come back.
+    ``driving`` are the promises of driving robots with their present gates; ``cannot`` is the
+    reason if nothing could be added to them. An idle robot's promise asks it to step aside and come
+    back.
     """
 
     id: int
@@ -123,5 +119,4 @@ class FleetAnswer:
 
 
 Request: TypeAlias = PlanRequest | FleetRequest
-"""A planner's request, for one robot or for several."""
 Answer: TypeAlias = PlanAnswer | FleetAnswer

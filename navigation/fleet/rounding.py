@@ -1,13 +1,8 @@
 """Rounded corners of a fleet's tracks, at which robots need not stop and turn.
 
-Rules
-- A plan's tracks are straight pieces between places. Each is rounded like a lone robot's path if it
-  keeps its clearance; waits stay as they are.
-- A rounded track is used if it comes as near to no other robot as the plan allows. Otherwise the
-  legs between its waits are tried one by one, and legs that touch stay as they were.
-- The order at shared places comes from the result, so it is valid for what is driven.
-
-Metres, seconds.
+Each track is rounded like a lone robot's path if it keeps its clearance. If it then comes nearer to
+another robot than the plan allows, the legs between its waits are tried one by one. Metres,
+seconds.
 """
 
 from __future__ import annotations
@@ -32,7 +27,7 @@ CHORD_M: Final = 0.001
 """Largest gap between a rounded corner and the lines between targets: the camera's error."""
 
 ROUNDING_M: Final = 1e-9
-"""Rounding error of distances that are computed twice."""
+"""Of distances computed twice."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -49,17 +44,17 @@ class CutTrack:
 
     @classmethod
     def whole(cls, track: FloatArray) -> CutTrack:
-        """A track whose every point is a target."""
+        """Track whose every point is a target."""
         return cls(track, np.arange(len(track), dtype=np.int64))
 
     @classmethod
     def of(cls, track: FloatArray, piece_m: float) -> CutTrack:
-        """A track in pieces, with a target at each of its points."""
+        """Track in pieces, with a target at each of its points."""
         return cls.whole(split_track(np.asarray(track), piece_m))
 
     @classmethod
     def thinned(cls, track: FloatArray, piece_m: float) -> CutTrack:
-        """A smooth track with no more targets than it needs."""
+        """Smooth track with no more targets than it needs."""
         fine = split_track(track, piece_m)
         return cls(fine, thinned(fine, piece_m))
 
@@ -72,7 +67,7 @@ def rounded(
     turning_m: Mapping[int, float],
     rules: Sequence[Rules],
 ) -> list[CutTrack]:
-    """Tracks with corners rounded where no robot comes too near and each one's zones permit it.
+    """Round corners where no robot comes too near and each one's zones permit it.
 
     Only tracks in ``turning_m`` are rounded, by bends no tighter than its radii.
     """
@@ -94,7 +89,7 @@ def rounded(
 
 
 def legs_of(track: FloatArray) -> list[FloatArray]:
-    """Cut the track at its waits: each wait is the time between two legs."""
+    """Cut the track at its waits."""
     stands = np.flatnonzero(~np.any(track[1:, 1:] != track[:-1, 1:], axis=1))
     cuts = [0, *(int(row) + 1 for row in stands), len(track)]
     return [track[a:b] for a, b in pairwise(cuts)]
@@ -103,7 +98,6 @@ def legs_of(track: FloatArray) -> list[FloatArray]:
 def _rounded_leg(
     here: Roadmap, leg: FloatArray, size: float, turning_m: float, rules: Rules
 ) -> FloatArray:
-    """Leg on a smooth path, in the same time at one speed."""
     if len(leg) < 3:
         return leg
     points = np.ascontiguousarray(leg[:, 1:])
@@ -158,7 +152,7 @@ def split_track(track: FloatArray, piece_m: float) -> FloatArray:
 
 
 def thinned(track: FloatArray, piece_m: float) -> NDArray[np.int64]:
-    """Rows of a track, in order, given to a robot as targets.
+    """Rows of a track given to a robot as targets, in order.
 
     No two are further apart than a piece, the line between them leaves the track by at most
     ``CHORD_M``, and every row at rest is included.
@@ -179,7 +173,6 @@ def thinned(track: FloatArray, piece_m: float) -> NDArray[np.int64]:
 
 
 def _is_straight(points: FloatArray, piece_m: float) -> bool:
-    """True if the line from the first to the last of these points may replace all."""
     chord = points[-1] - points[0]
     length = float(np.hypot(*chord))
     if len(points) > 2 and length > piece_m + 1e-9:

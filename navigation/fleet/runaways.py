@@ -61,7 +61,7 @@ def runaways_of(members: Mapping[str, Member], held: Mapping[str, Held]) -> list
 def _seen_from(one: Member, held: Held) -> int:
     """Number of the promised place behind which the camera can still see the robot.
 
-    Its report is newer than its pose: it may have passed targets since.
+    Its report is newer than its pose.
     """
     first = max(0, held.executed - 1)
     late_m = one.limits.speed * one.pose_age_s
@@ -72,7 +72,6 @@ def _seen_from(one: Member, held: Held) -> int:
 
 
 def _strays(one: Member, held: Held | None) -> bool:
-    """True if it is off what it was sent by more than a path allows."""
     if held is None or held.broken or held.errand or one.pose is None:
         return False
     if one.state not in (State.DRIVING, State.HOLDING):

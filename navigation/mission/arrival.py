@@ -1,7 +1,7 @@
-"""Arrival at the mission's end, which the camera confirms.
+"""Arrival at the mission's end, confirmed by the camera once the robot is at rest.
 
-The robot says that it has executed everything. After a moment at rest the camera checks its place;
-off the goal the last stretch is planned again, a limited number of times. Metres, radians, seconds.
+Off the goal, the last stretch is planned again, a limited number of times. Metres, radians,
+seconds.
 """
 
 from __future__ import annotations

@@ -1,7 +1,4 @@
-"""Input and output of one control cycle: facts in, orders out.
-
-Units: metres, radians, seconds.
-"""
+"""Facts and orders of one control cycle. Metres, radians, seconds."""
 
 from __future__ import annotations
 
@@ -19,33 +16,36 @@ from planner.scene import Bounds
 
 @dataclass(frozen=True, slots=True)
 class PilotSettings:
-    """The pilot's settings, from the configuration."""
+    """The pilot's configuration."""
 
     limits: SafetyLimits
     bounds_m: Bounds
     goal_tolerance_m: float
     goal_tolerance_rad: float
     settle_s: float
-    """Time that the cause of a hold must be gone before a new plan is made, and that the robot must
-    be at rest before the camera judges its arrival."""
+    """Time that a hold's cause must be gone before a new plan, and that the robot must be at
+    rest before the camera judges its arrival."""
     retry_s: float
-    """Time to wait before asking for a plan again where there was none."""
+    """Wait after a failed plan."""
     robot_grace_s: float
-    """Time that the robot may take to begin, or be at rest without having finished."""
+    """Time that the robot may take to begin, or rest unfinished."""
     replan_distance_m: float
-    """A changed obstacle that comes nearer to the path than this asks for a new plan."""
+    """A changed obstacle nearer to the path than this asks for a new plan."""
     give_up_s: float
-    """Time that the robot may wait without any progress before the mission fails."""
+    """Time that the robot may wait without progress before the mission fails."""
     traffic: TrafficLimits
     corrections: int
-    """Most corrections of the last stretch where the camera sees the robot off its goal."""
+    """Most corrections of the last stretch if the camera sees the robot off its goal."""
     turns_on_spot: bool = True
     """True if the robot can prove itself by a turn on the spot."""
 
 
 @dataclass(frozen=True, slots=True)
 class Sight:
-    """The camera's report: the robot's pose, and the ages of picture and pose."""
+    """The camera's report.
+
+    Texts are sentences for people; empty or None without a cause.
+    """
 
     frame_age_s: float = math.inf
     pose_age_s: float = math.inf
@@ -53,25 +53,24 @@ class Sight:
     scene_revision: int = 0
     """Counts the scenes seen; 0 before the first."""
     clearance_m: float | None = None
-    """From the robot's centre to the nearest border in the newest scene."""
+    """From the robot's centre to the nearest border."""
     others: tuple[Mover, ...] = ()
-    """Every other robot that was ever seen."""
+    """Every other robot ever seen."""
     failed: str | None = None
-    """The sentence that says which part of the program has failed and is being restarted."""
+    """A part of the program has failed and is being restarted."""
     camera_reason: str = ""
-    """Remark of the camera on itself; empty while all is well."""
+    """The camera's remark on itself."""
     doubles: tuple[str, ...] = ()
-    """A sentence for each marker that is seen twice."""
+    """Markers seen twice."""
     evidence: Evidence = NO_EVIDENCE
-    """Evidence of camera and wheels together."""
     scene_doubt: str | None = None
-    """The sentence that says why the arena cannot be what the newest scene shows."""
+    """Why the arena cannot be what the newest scene shows."""
     partner: str | None = None
-    """The sentence that says which robot of the same fleet is in the path."""
+    """A robot of the same fleet is in the path."""
     late: str | None = None
-    """The sentence that says why camera and wheels may seem to part though they do not."""
+    """Why camera and wheels may seem to part though they do not."""
     blind: str | None = None
-    """The sentence that says why the last moments were not observed."""
+    """Why the last moments were not observed."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -82,38 +81,36 @@ class RobotReport:
     down_reason: str | None = "not connected yet"
     estopped: bool = False
     leaving_estop: bool = False
-    """True if the robot was re-armed and has not answered yet: it reports the old stop."""
+    """True if the robot was re-armed and has not answered yet."""
     disarmed: bool = False
     mission_id: int | None = None
-    """The mission that the robot holds."""
     executed: int = 0
-    """Number of waypoints of that mission that the robot has reached."""
+    """Waypoints of it that the robot has reached."""
     no_permit: str | None = None
-    """Why the robot cannot be given a lease to drive; None where it can."""
+    """Why the robot can get no lease to drive; None if it can."""
     standing_reason: str | None = None
     """Why the robot does not run its mission; None while it does."""
     waits: bool = False
-    """True if it has reached every waypoint that it was sent, and waits for more."""
+    """True if it has reached every waypoint sent and waits for more."""
     place_m: tuple[float, float] | None = None
-    """Place at which the robot believes itself to be."""
+    """The robot's own estimate of its place."""
     fault: str | None = None
-    """Fault felt by the robot, which made it stop itself."""
 
 
 @dataclass(frozen=True, slots=True)
 class PlanRequest:
-    """Request for a path from here through these stations."""
+    """Request for a path."""
 
     id: int
     start: tuple[float, float, float]
     stations: tuple[Station, ...]
     scene_revision: int
     any_order: bool = False
-    """True if the stations but the last may change places."""
+    """True if all stations but the last may change places."""
     avoid: tuple[Disc, ...] = ()
-    """Places of other robots: kept clear of as obstacles are, in this plan only."""
+    """Other robots, avoided as obstacles in this plan only."""
     speed_m_s: float | None = None
-    """No faster than this, where the camera's pictures are late; None: as fast as it can."""
+    """Speed limit for late pictures; None: none."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -125,7 +122,7 @@ class PlanAnswer:
     path: Path | NoPath
     trajectory: Trajectory | None = None
     targets: tuple[Target, ...] = ()
-    """Targets that the robot is given; empty if there is no path."""
+    """Empty if there is no path."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -136,10 +133,10 @@ class Orders:
     """True if the lease lets the robot move."""
     request: PlanRequest | None = None
     upload: tuple[int, tuple[Target, ...]] | None = None
-    """A new mission for the robot: its id and the targets."""
+    """A new mission for the robot: id and targets."""
     halt: bool = False
     """Stop under control and drop the queue."""
     estop: bool = False
     rearm: bool = False
     measure_latency: bool = False
-    """The camera's latency is to be measured again from here on."""
+    """Measure the camera's latency again from here on."""

@@ -1,7 +1,7 @@
-"""Facts for the safety rules in a cycle: reports of camera and link, and their meaning now.
+"""Facts for the safety rules in a cycle, from the reports of camera and link.
 
-The meaning depends on the robot's task (drive, prove itself, be at rest): only a robot ordered to
-move can be idle, and a late camera about to be measured again is not yet too late. Metres, seconds.
+They depend on the robot's task: only a robot ordered to move can be idle, and a late camera about
+to be measured again is not yet too late. Metres, seconds.
 """
 
 from __future__ import annotations
@@ -26,13 +26,13 @@ class PilotSituation(NamedTuple):
     plan: RunningPlan
     wire_id: int
     rearms: bool
-    """True if the robot is about to be ordered to leave its emergency stop."""
+    """True if the robot is about to leave its emergency stop."""
     stop_ordered: bool
-    """True if it was ordered to stop: standing still is then no second reason."""
+    """True if it was ordered to stop: its own emergency stop is then no second reason."""
 
 
 class FactFinder:
-    """Times since when the robot is idle or motionless, and the camera's latency that counts."""
+    """Times without driving or motion, and the camera's latency that counts."""
 
     def __init__(self, settings: PilotSettings, trust: Trust) -> None:
         self.late_camera = LateCamera()
@@ -79,7 +79,6 @@ class FactFinder:
         )
 
     def _latency_that_matters(self, now_s: float, sight: Sight, state: State) -> float | None:
-        """The camera's latency, except while a new measurement is under way or due."""
         late_s = sight.evidence.latency_s
         if state is State.PROVING or late_s is None:
             return None
@@ -90,9 +89,9 @@ class FactFinder:
     def _idle_reason(
         self, now_s: float, sight: Sight, robot: RobotReport, situation: PilotSituation
     ) -> str | None:
-        """Reason why a robot with time to begin does not drive its plan; then doubted.
+        """Why a robot with time to begin does not drive its plan, which then makes it doubted.
 
-        While it holds and no lease can be dated for it, that is the reason.
+        While it holds and can get no lease, that is the reason.
         """
         targets = situation.plan.targets
         ours = robot.mission_id == situation.wire_id
@@ -119,7 +118,6 @@ class FactFinder:
     def _motionless(
         self, now_s: float, sight: Sight, robot: RobotReport, target: Target
     ) -> str | None:
-        """Sentence about a robot on its mission that does not move; then doubted."""
         if not is_to_move(robot, target, None if sight.pose is None else sight.pose[:2]):
             self.stillness.need_not_move()
             return None

@@ -1,7 +1,7 @@
 """The mission: stations to visit, and the table of its states.
 
-The table is the whole logic of states: what is not in it does not happen. The documentation's
-diagram is drawn from it (`python -m navigation.mission.mission`).
+The table is the whole logic of states; the documentation's diagram is drawn from it (`python -m
+navigation.mission.mission`).
 """
 
 from __future__ import annotations
@@ -12,7 +12,7 @@ from enum import Enum
 from typing import Final
 
 STOPPING: Final = "stopping"
-"""The state that people read in place of `State.STOPPED` until the robot is known to stand."""
+"""People read this for `State.STOPPED` until the robot is known to be at rest."""
 
 
 class State(Enum):
@@ -99,8 +99,7 @@ class Station:
 class MissionProgress:
     """Stations, number visited, state, and the sentence that explains it.
 
-    ``any_order``: all stations but the last may be visited in the shortest order, which the first
-    plan settles.
+    ``any_order``: the first plan puts all stations but the last in the shortest order.
     """
 
     stations: tuple[Station, ...] = ()
@@ -109,9 +108,9 @@ class MissionProgress:
     state: State = State.IDLE
     reason: str = "no mission was given"
     paused: bool = False
-    """True if the operator has paused it; a restart of the program keeps that."""
+    """True if the operator has paused it; kept over a restart."""
     errand: Station | None = None
-    """The place that a robot comes back to which has visited all and steps aside for another."""
+    """Place to return to after stepping aside for another robot, all stations visited."""
 
     @property
     def places(self) -> tuple[Station, ...]:
@@ -163,7 +162,7 @@ class MissionProgress:
         return replace(self.after(Event.GIVEN, reason), errand=place)
 
     def arrived(self, reason: str) -> MissionProgress:
-        """Mission at its end; an errand is over too."""
+        """Mission at its end, its errand included."""
         return replace(self.after(Event.ARRIVED, reason), visited=len(self.stations), errand=None)
 
     @property
@@ -180,8 +179,7 @@ class MissionProgress:
     def without_next(self) -> MissionProgress:
         """Mission without the next station; done if that was the last one.
 
-        A robot under way plans for the rest. One that waits for an order keeps waiting: only
-        `clearway resume` ends a pause, a re-armed stop or a failure.
+        A robot under way plans for the rest. One that waits for an order keeps waiting.
         """
         skipped, rest = self.remaining[0], self.stations[self.visited + 1 :]
         left = replace(self, stations=self.stations[: self.visited] + rest)

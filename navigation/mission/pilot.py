@@ -1,11 +1,10 @@
 """The pilot: every decision of a control cycle, sans-IO.
 
-`Pilot.step` takes a cycle's facts (`Sight`, `RobotReport`, the planner's answer, the time) and
-returns `Orders`. It opens nothing, waits for nothing and reads no clock, so the same pilot runs in
-the daemon, in virtual time and in replay. Units: metres, radians, seconds.
+`Pilot.step` opens nothing, waits for nothing and reads no clock, so the same pilot runs in the
+daemon, in virtual time and in replay. Metres, radians, seconds.
 
-One cycle: judge safety -> follow progress -> change the mission's state -> orders. Every order to
-move is a lease given by this cycle; a pilot that is not stepped moves nothing.
+A cycle judges safety, follows progress, changes the mission's state and gives orders. Every order
+to move is a lease given by this cycle; a pilot that is not stepped moves nothing.
 """
 
 from __future__ import annotations
@@ -55,9 +54,9 @@ class Pilot:
         self.waypoints_executed = 0
         self._stop_reason: str | None = None
         self.stopped_by = ""
-        """Why the mission is stopped; it stays so when what caused it has gone."""
+        """Why the mission is stopped, even after the cause has gone."""
         self._skip: Station | None = None
-        """The station that a person has ordered to be skipped, until the next cycle."""
+        """Station to skip, until the next cycle."""
         self._rearm = False
         self._estopped = False
         self._mission_id = first_mission_id
@@ -73,19 +72,17 @@ class Pilot:
         self._facts = FactFinder(settings, self.trust)
         self._closed_way = NO_PLAN.left
         self.no_path = False
-        """True if the last plan asked for could not be made."""
+        """True if the last request found no path."""
         self.has_met_its_devices = False
-        """True once robot and camera have both been there; until then no mission is given up."""
-
-    # Orders from people: taken at once, acted on in the next cycle.
+        """True once robot and camera have both reported; before, no mission is given up."""
 
     @property
     def stop_reason(self) -> str | None:
-        """A person's reason for stopping the robot; None if there is none."""
+        """Reason for stopping the robot; None if there is none."""
         return self._stop_reason
 
     def begin_stopped(self, reason: str) -> None:
-        """Begin in a stop from an earlier program; missions wait behind it."""
+        """Begin in an earlier program's stop; missions wait behind it."""
         self._stop_reason = self.stopped_by = reason
         self.mission = self.mission.after(Event.STOP, reason)
 
@@ -101,7 +98,7 @@ class Pilot:
         )
 
     def give(self, stations: tuple[Station, ...], *, any_order: bool = False) -> None:
-        """Replace the mission; ``MissionError`` if a station lies outside the arena."""
+        """Replace the mission; ``MissionError`` if stopped, or for a station outside the arena."""
         if self.mission.state is State.STOPPED:
             raise MissionError("the robot is stopped: re-arm it first (clearway resume)")
         for number, station in enumerate(stations, 1):
@@ -114,13 +111,12 @@ class Pilot:
         self._begin_again()
 
     def step_aside(self, place: Station) -> None:
-        """Let a robot whose mission is over make way for another and come back to a place."""
+        """Let a robot whose mission is over make way for another and return to a place."""
         self.mission = self.mission.stepping_aside(place, "stepping aside for another robot")
         self._forget_plan()
         self._begin_again()
 
     def _begin_again(self) -> None:
-        """Reset the counts of a mission's troubles."""
         self._arrival.begin()
         self._progress.begin()
 
@@ -145,18 +141,18 @@ class Pilot:
         self._stop_reason = reason
 
     def pause(self) -> None:
-        """Hold where the robot is, until `resume`."""
+        """Hold until `resume`."""
         self.mission = replace(self.mission, paused=True)
 
     def resume(self) -> None:
         """Let the robot move again, one step each time.
 
-        After a pause the mission continues, with a new plan from the robot's place. After an
-        emergency stop the robot is re-armed and does not move; a second resume continues with the
-        remaining stations. A failed mission is tried again.
+        After a pause, or a failure, the mission continues with a new plan. After an emergency stop
+        the robot is re-armed and does not move; a second resume continues with the remaining
+        stations.
         """
         if self.mission.paused and self.mission.state is State.HOLDING:
-            # until the next plan; what else holds it is said in the next cycle
+            # the next cycle names any other cause
             self.mission = replace(self.mission, reason=CONTINUES)
         self.mission = replace(self.mission, paused=False)
         if self.mission.state is State.STOPPED:
@@ -178,7 +174,7 @@ class Pilot:
         self.trust.vouch()
 
     def replan(self, why: str = "a new plan was asked for", *, holding: bool = False) -> None:
-        """Plan again from the robot's place, if it drives, or holds and ``holding`` is set."""
+        """Plan again from here if driving, or holding and ``holding`` is set."""
         if self.mission.state is State.DRIVING:
             self._replan(why)
         elif holding and self.mission.state is State.HOLDING:
@@ -187,18 +183,16 @@ class Pilot:
     def skip(self) -> None:
         """Give up the next station; ``MissionError`` if none can be skipped.
 
-        A station reached before the next cycle counts as visited, and no other is given up for it.
+        If it is reached before the next cycle, it counts as visited, and no other is given up.
         """
         if self.mission.cannot_skip:
             raise MissionError(self.mission.cannot_skip)
         self._skip = self.mission.remaining[0]
 
-    # The cycle.
-
     def step(
         self, now_s: float, sight: Sight, robot: RobotReport, answer: PlanAnswer | None = None
     ) -> Orders:
-        """Run one control cycle in the order of the module's text."""
+        """Run one control cycle."""
         met = self._look_at_traffic(sight)
         self._look_at_identity(sight)
         ordered = self._stop_reason is not None or self.mission.state is State.STOPPED
@@ -237,7 +231,6 @@ class Pilot:
         )
 
     def _look_at_identity(self, sight: Sight) -> None:
-        """Check that camera and wheels still describe one robot."""
         lost = sight.pose is not None and sight.pose_age_s > self.settings.limits.pose_stale_s
         unseen = "the robot was lost from view" if lost else sight.blind
         refuted = self.trust.look(sight.evidence, unseen, sight.late)
@@ -245,7 +238,6 @@ class Pilot:
             self._stop_reason = refuted
 
     def _slow_down(self, sight: Sight) -> None:
-        """Plan more slowly if pictures have become later than the present plan allows."""
         late_s, allowed_m_s = sight.evidence.longest_latency_s, self._allowed_m_s(sight)
         self._replan_while_driving(later_pictures(late_s, allowed_m_s, self.plan.speed_m_s))
 
@@ -258,7 +250,6 @@ class Pilot:
     def _prove(
         self, now_s: float, sight: Sight, robot: RobotReport
     ) -> tuple[int, tuple[Target, ...]] | None:
-        """Let a doubted robot turn on the spot, and judge what the camera sees."""
         if self.mission.state is State.PROVING:
             step = self._proving.judge(now_s, sight, robot)
         elif self.mission.state is State.PLANNING and self.trust.level is Level.DOUBTED:
@@ -283,7 +274,7 @@ class Pilot:
         return (self._mission_id + 1) & 0xFFFFFFFF or 1
 
     def _look_at_traffic(self, sight: Sight) -> Encounter | None:
-        """Most urgent other robot; while holding, on the path that it had closed."""
+        """Most urgent other robot; while holding, on the path that it closed."""
         if sight.pose is None or not sight.others:
             return None
         left = self.plan.left
@@ -291,11 +282,9 @@ class Pilot:
         return encounter(sight.pose[:2], way, sight.others, self.settings.traffic)
 
     def _make_way(self, met: Encounter | None) -> None:
-        """Plan around a robot at rest in the way."""
         self._replan_while_driving(robot_ahead(met))
 
     def _take_rearm(self, robot: RobotReport) -> bool:
-        """True if the robot gets permission in this cycle to leave its stop."""
         rearm, self._rearm, self._estopped = self._rearm, False, robot.estopped
         return rearm
 
@@ -309,17 +298,14 @@ class Pilot:
             self._forget_plan()
 
     def _say_why_stopped(self) -> None:
-        """Name the cause of the stop, and whatever else forbids driving now."""
+        """Name the cause of the stop first, then what else forbids driving."""
         others = [reason for reason in self.verdict.reasons if reason != self.stopped_by]
         self.verdict = Verdict(Action.STOP, (self.stopped_by, *others))
         self.mission = replace(self.mission, reason=self.verdict.sentence)
 
     @property
     def stands_stopped(self) -> str | None:
-        """Reason for the robot's emergency stop while it has no mission to stop.
-
-        None if there is no such stop, or the mission's own reason gives it.
-        """
+        """Reason for an emergency stop without a mission to stop; None if there is none."""
         if self.verdict.action is not Action.STOP or self.mission.state is State.STOPPED:
             return None
         return self.verdict.reasons[0]
@@ -332,13 +318,12 @@ class Pilot:
             self.waypoints_executed += executed - self.plan.executed
             self.plan = replace(self.plan, executed=executed)
         last = len(self.mission.places) - 1
-        # the last station counts once the camera has seen the robot at rest there
+        # the last station counts once the camera sees the robot at rest there
         visited = min(self.plan.visited, last)
         if visited > self.mission.visited:
             self.mission = self.mission.with_visited(visited)
 
     def _skip_station(self) -> None:
-        """Continue without the station that a person gave up, unless it was just visited."""
         skip, self._skip = self._skip, None
         if skip is not None and self.mission.remaining and self.mission.remaining[0] is skip:
             self.mission = self.mission.without_next()
@@ -383,7 +368,6 @@ class Pilot:
         return self._mission_id, targets
 
     def _look_for_circles(self, now_s: float, sight: Sight, robot: RobotReport) -> None:
-        """Plan again for a robot that moves and comes no nearer to its next target."""
         left, here = self.plan.left, sight.pose
         ours = robot.mission_id == self._mission_id and self.plan.executed < len(self.plan.targets)
         if self.mission.state is not State.DRIVING or not ours or here is None:

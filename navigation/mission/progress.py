@@ -1,8 +1,7 @@
 """Progress of a mission: a station visited, or its end nearer than ever.
 
-States do not show it: a robot can hold, plan and drive in turns for ever. The remaining distance
-counts. A new scene may lengthen it and restart the measurement, a limited number of times. Metres,
-seconds.
+States do not show it: a robot can hold, plan and drive in turns for ever. A new scene may lengthen
+the remaining distance and restart the measurement, ``DETOURS`` times a station. Metres, seconds.
 """
 
 from __future__ import annotations
@@ -17,7 +16,7 @@ DETOURS: Final = 10
 
 
 class Progress:
-    """Time that a mission has waited since its last progress; `look` once a cycle."""
+    """Time waited since the last progress; `look` once a cycle."""
 
     def __init__(self) -> None:
         self.waited_s = 0.0
@@ -35,7 +34,7 @@ class Progress:
     def look(
         self, now_s: float, *, waits: bool, visited: int, left_m: float | None, revision: int
     ) -> None:
-        """Take one cycle's facts: waiting or not, and the distance left while it drives.
+        """Take one cycle's facts; ``left_m`` only while it drives.
 
         ``revision`` is the scene's in which the path was planned.
         """
@@ -57,7 +56,7 @@ class Progress:
             self._least_m, self.waited_s = left_m, 0.0
 
     def circled(self, seconds: float) -> None:
-        """Count time in which the robot moved and came no nearer as waiting."""
+        """Count as waiting a time in which the robot moved and came no nearer."""
         self.waited_s += seconds
 
     def _next_station(self) -> None:

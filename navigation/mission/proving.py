@@ -1,7 +1,6 @@
 """Proof of a doubted robot: it turns on the spot, and the camera must see it turn.
 
-Decides when a robot may be asked to, what its turn has shown, and the mission's next step. Metres,
-radians, seconds.
+Metres, radians, seconds.
 """
 
 from __future__ import annotations
@@ -16,20 +15,18 @@ from navigation.mission.trust import NEAR_M, Proof, ProofVerdict, Trust
 from navigation.witness import Evidence
 
 LATE_S: Final = 1.0
-"""A turn that pictures show later than this is not told from one that the wheels did not make; what
-is less late is found to be so meanwhile, and said."""
+"""Time that wheels must be at rest before a proof, for pictures to catch up."""
 
 
 class ProofStep(NamedTuple):
     """Orders of one cycle of a proof; empty while it continues."""
 
     event: Event | None = None
-    """Event of the mission."""
     sentence: str = ""
     stop: str | None = None
     """Why the robot has to be stopped."""
     targets: tuple[Target, ...] | None = None
-    """The turn to be driven."""
+    """The turn to drive."""
 
 
 _NOTHING = ProofStep()
@@ -42,15 +39,15 @@ class Proving:
         self._trust = trust
         self._proof: Proof | None = None
         self._stood_s = self._asked_s = -math.inf
-        """Since when the wheels stand, and when that was looked at last."""
+        """Since when the wheels are at rest, and the last time of asking."""
 
     def begin(
         self, now_s: float, mission_id: int, sight: Sight, robot: RobotReport, *, turns: bool
     ) -> ProofStep:
-        """Let a doubted robot turn as mission ``mission_id``, as soon as it can be asked to.
+        """Let a doubted robot turn as mission ``mission_id``, once it can be asked to.
 
-        ``turns``: True if it can turn on the spot; otherwise it is believed when it is at rest
-        where its wheels brought it.
+        ``turns`` is False if it cannot turn on the spot: it is then put on probation at rest where
+        its wheels brought it.
         """
         trust, evidence = self._trust, sight.evidence
         if not self._pictures_have_caught_up(now_s, evidence):
@@ -73,14 +70,13 @@ class Proving:
         )
 
     def _pictures_have_caught_up(self, now_s: float, evidence: Evidence) -> bool:
-        """True if the wheels have been at rest long enough for pictures to show it."""
         if not evidence.wheels_stand or now_s - self._asked_s > LATE_S:
             self._stood_s = now_s
         self._asked_s = now_s
         return now_s - self._stood_s >= LATE_S
 
     def judge(self, now_s: float, sight: Sight, robot: RobotReport) -> ProofStep:
-        """Judge the turn under way by what it has shown."""
+        """Judge the turn under way."""
         assert self._proof is not None
         evidence = sight.evidence
         done = robot.mission_id == self._proof.mission_id and robot.executed >= 1

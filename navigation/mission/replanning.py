@@ -1,7 +1,6 @@
-"""Reasons for a new plan while a robot drives: an obstacle, late pictures, a robot at rest ahead.
+"""Reasons for a new plan while a robot drives; None if the present plan may stay.
 
-Each function returns the sentence for the mission, or None if the present plan may stay. Metres,
-seconds.
+Metres, seconds.
 """
 
 from __future__ import annotations
@@ -12,10 +11,10 @@ from navigation.mission.traffic import Encounter
 
 
 def nearer_obstacle(clearance_m: float, planned_m: float, settings: PilotSettings) -> str | None:
-    """Reason if a new scene leaves the path ``clearance_m`` where ``planned_m`` was planned.
+    """Reason if a new scene leaves the path ``clearance_m`` instead of ``planned_m``.
 
-    The robot no longer fits, or something is nearer than ``replan_distance_m`` and nearer than it
-    was, beyond the measurement's slack.
+    The robot no longer fits, or something is nearer than ``replan_distance_m`` and, beyond the
+    measurement's slack, nearer than planned.
     """
     limits = settings.limits
     nearer_m = planned_m - limits.clearance_slack_m

@@ -1,6 +1,6 @@
 """The plan being driven: its destination, the robot's progress, and its sentences.
 
-Immutable: progress and the next plan replace it whole. Metres, seconds.
+Metres, seconds.
 """
 
 from __future__ import annotations
@@ -17,7 +17,7 @@ from planner.path import NoPath, Path, Trajectory
 from planner.scene import FloatArray
 
 TINY: Final = float(np.finfo(float).tiny)
-"""Stands in for the length, squared, of a piece that has none."""
+"""Replaces the squared length of a piece that has none."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -25,19 +25,18 @@ class RunningPlan:
     """A path, the targets given for it, and the part executed."""
 
     path: Path | None = None
-    """None where nothing is driven."""
+    """None if nothing is driven."""
     trajectory: Trajectory | None = None
     targets: tuple[Target, ...] = ()
     speed_m_s: float = math.inf
-    """No faster than this."""
     revision: int = 0
-    """Number of the scene that it was made in."""
+    """Number of the scene in which it was made."""
     visited_before: int = 0
-    """The mission's stations that were visited when it was made."""
+    """Stations visited when it was made."""
     executed: int = 0
-    """Number of targets that the robot has reached."""
+    """Targets that the robot has reached."""
     left: FloatArray = field(init=False, repr=False, compare=False)
-    """The places (n, 2) of the targets that are left."""
+    """Places (n, 2) of the remaining targets."""
 
     def __post_init__(self) -> None:
         places = [(t.x_m, t.y_m) for t in self.targets[self.executed :]]

@@ -1,8 +1,8 @@
 """Speed limit for late pictures.
 
-Between an event and rest the robot drives on for the picture's latency, the loop's reaction and
-braking. This distance stays what it is at full speed with a camera no later than
-``FREE_LATENCY_S``. Metres, seconds.
+From an event to rest the robot drives for the picture's latency, the loop's reaction and the
+braking. The limit keeps this distance at that of full speed with latency ``FREE_LATENCY_S``.
+Metres, seconds.
 """
 
 from __future__ import annotations
@@ -14,11 +14,11 @@ from navigation.mission.trust import Trust
 from navigation.witness.evidence import FREE_LATENCY_S
 
 REACTION_S: Final = 0.07
-"""A control cycle of 50 ms at most, and the order's way over the line."""
+"""A control cycle of 50 ms at most, and the order's time on the line."""
 MEASURE_AGAIN_S: Final = 10.0
-"""Time after which a camera that was too late is measured again."""
+"""Time after which a late camera is measured again."""
 WORTH_A_PLAN: Final = 0.85
-"""A robot that should drive at less than this share of its plan's speed gets a slower plan."""
+"""A robot that should drive slower than this share of its plan's speed gets a new plan."""
 
 
 def speed_with(latency_s: float, full_m_s: float, braking_m_s2: float) -> float:
@@ -31,13 +31,13 @@ def speed_with(latency_s: float, full_m_s: float, braking_m_s2: float) -> float:
 
 
 class LateCamera:
-    """Measures a late camera again now and then, with a turn of the robot."""
+    """Time at which a late camera is measured again, with a turn of the robot."""
 
     def __init__(self) -> None:
         self._again_s: float | None = None
 
     def measured(self) -> None:
-        """Forget the last measurement, as the robot begins to turn."""
+        """Note that a measurement begins."""
         self._again_s = None
 
     def look(self, now_s: float, late_s: float, limit_s: float, trust: Trust) -> float | None:

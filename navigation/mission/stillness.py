@@ -1,7 +1,6 @@
-"""Evidence that a robot ordered to drive moves at all, and comes nearer to its next target.
+"""Evidence that a robot ordered to drive moves, and comes nearer to its next target.
 
-If the camera sees it move all the same, the witness reports how the two differ. Metres, radians,
-seconds.
+Camera and wheels are not compared here; the witness does that. Metres, radians, seconds.
 """
 
 from __future__ import annotations
@@ -20,16 +19,16 @@ MOTIONLESS: Final = (
 STILL_S: Final = 2.0
 """A robot begins within a second of its order; 3 s is what people are promised."""
 MOVED_M, MOVED_RAD = 0.001, 0.01
-"""Less in ``STILL_S`` is no motion: half of the slowest turn that the follower asks for, 1.25 mm/s
-at wheels 0.12 m apart."""
+"""Less in ``STILL_S`` is no motion: half of the slowest turn that the follower asks for, 1.25
+mm/s at wheels 0.12 m apart."""
 AT_M: Final = 0.03
-"""A robot that has come so near to a target where it is to stay, stays there."""
+"""Near enough to a target with a stay."""
 FIRST_PAUSE_S: Final = 1.0
 LONGEST_PAUSE_S: Final = 16.0
 
 
 class RobotStillness:
-    """Time since when the robot has shown no motion, and number of such findings in a row."""
+    """Time without motion, and the number of such findings in a row."""
 
     def __init__(self) -> None:
         self._moved_s: float | None = None
@@ -53,20 +52,20 @@ class RobotStillness:
         return now_s - self._moved_s > STILL_S
 
     def pause_s(self) -> float:
-        """Pause before a motionless robot is tried again, longer each time."""
+        """Count a finding; return the pause before the next try, longer each time."""
         self._found += 1
         self._moved_s = None
         return min(LONGEST_PAUSE_S, FIRST_PAUSE_S * 2.0 ** (self._found - 1))
 
 
 CIRCLES_S: Final = 8.0
-"""Time without a target reached or come nearer to: chosen, twice the longest turn on the spot."""
+"""Longest time without coming nearer: chosen, twice the longest turn on the spot."""
 NEARER_M: Final = 0.01
 """Nearer by less is the camera's noise: chosen."""
 
 
 class Circling:
-    """Time since when a robot that moves has come no nearer to its next target."""
+    """Time since when a moving robot has come no nearer to its next target."""
 
     def __init__(self) -> None:
         self._since_s: float | None = None
@@ -80,7 +79,7 @@ class Circling:
     def look(self, now_s: float, target: tuple[int, int], left_m: float) -> bool:
         """Take one cycle in which it must drive; True if it has circled for too long.
 
-        ``target`` are the numbers of the mission on the wire and of the target in it.
+        ``target``: numbers of the mission on the wire and of the target in it.
         """
         nearer = target != self._target or left_m < self._least_m - NEARER_M
         if self._since_s is None or nearer:
@@ -89,7 +88,7 @@ class Circling:
 
 
 def is_to_move(robot: RobotReport, target: Target, place_m: tuple[float, float] | None) -> bool:
-    """True if a robot on its mission must move towards its next target."""
+    """True unless the robot waits for more, or is where it is to stay."""
     if robot.waits:
         return False
     near = place_m is not None and math.dist(place_m, (target.x_m, target.y_m)) < AT_M

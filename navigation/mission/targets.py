@@ -1,8 +1,7 @@
-"""From a timed trajectory to the waypoints on the wire.
+"""Waypoints on the wire from a timed trajectory.
 
-The robot turns on the spot by itself at sharp bends, so waypoints at one place become one target;
-it rests where the trajectory does. The first waypoint is the robot's place, and is not sent. Units:
-metres, radians, seconds.
+The robot turns on the spot by itself, so waypoints at one place become one target; it rests where
+the trajectory does. The first waypoint, its own place, is not sent. Metres, radians, seconds.
 """
 
 from __future__ import annotations
@@ -20,7 +19,8 @@ from planner.path import Path, TimedWaypoint, Trajectory
 from planner.zones.rules import Rules
 
 LONGEST_DWELL_S = 25.0
-"""Longest stay at one waypoint (the wire can say 25.5 s); a longer one is several at one place."""
+"""Longest stay at one waypoint (the wire's limit is 25.5 s); a longer one is several at one
+place."""
 
 STEERED_RAD: Final = 0.2
 """The reference robot turns standing for more (``TURN_STANDING`` of its follower)."""
@@ -43,10 +43,10 @@ class Target:
 
 
 def begin_as_it_stands(path: Path) -> Path:
-    """Drop the start's heading if the path leads so nearly there that it can be steered.
+    """Drop the start's heading if it is within ``STEERED_RAD`` of the path's direction.
 
-    The camera's headings never match the path's exactly; a robot that cannot turn on the spot
-    steers away up to ``STEERED_RAD`` of difference while it drives.
+    The camera's headings never match the path's exactly, and a robot that cannot turn on the spot
+    steers such a difference away while it drives.
     """
     heading_rad = path.headings_rad[0]
     ahead = np.flatnonzero(np.any(path.points != path.points[0], axis=1))
@@ -60,7 +60,7 @@ def begin_as_it_stands(path: Path) -> Path:
 
 
 def targets_of(path: Path, trajectory: Trajectory) -> tuple[Target, ...]:
-    """Targets after the start; at least one, for a robot that is there already."""
+    """Targets after the start; at least one, even for a robot that is there."""
     groups = [list(g) for _, g in groupby(trajectory.waypoints, key=lambda w: (w.x, w.y))]
     return tuple(_targets(path, groups[1:] or groups[-1:]))
 
@@ -80,7 +80,7 @@ def _targets(path: Path, groups: list[list[TimedWaypoint]]) -> Iterator[Target]:
 
 
 def to_wire(targets: tuple[Target, ...]) -> list[Waypoint]:
-    """Targets as the protocol's waypoints; the robot brakes for a stop by itself."""
+    """Targets as the protocol's waypoints."""
     return [
         Waypoint(
             t.x_m,

@@ -1,13 +1,11 @@
 """Other robots: moving obstacles, seen by their markers, never part of the scene.
 
-`encounter` decides in each cycle to drive, to hold because another robot comes too near, or to plan
-again because one is at rest in the path. `discs_to_avoid` gives the places that a plan avoids.
-Units: metres, seconds.
-
 - A robot is its body's disc, extrapolated with its velocity for our robot's stopping time.
 - A robot not seen for ``LOST_S`` is assumed to be at rest where it was last seen.
 - A robot that comes no nearer than it is now is no reason to hold: otherwise two robots at rest
   side by side would never move.
+
+Metres, seconds.
 """
 
 from __future__ import annotations
@@ -23,23 +21,23 @@ from planner.scene import FloatArray, Vec
 
 LOST_S: Final = 0.5
 STANDING_M_S: Final = 0.04
-"""A robot slower than this is at rest: about the noise of its velocity."""
+"""A slower robot is at rest: about the noise of its velocity."""
 LOOK_AHEAD_M: Final = 1.0
-"""Distance along the path within which a robot at rest makes this one ask for another path."""
+"""Distance along the path within which a robot at rest makes ours plan another path."""
 REACTION_S: Final = 0.5
 """From the exposure of a picture to wheels that brake, with a reserve."""
 STEPS: Final = 8
 NEARER_M: Final = 0.004
-"""Two poses' noise: a gap that shrinks by less does not shrink."""
+"""A gap that shrinks by less does not shrink: two poses' noise."""
 ROOM: Final = 1.5
-"""A plan keeps this times the distance from which the robot holds."""
+"""A plan keeps this times the distance at which the robot holds."""
 AHEAD_S: Final = 1.0
-"""Look-ahead: a plan also takes the robot to be where it will be after this time."""
+"""A plan also avoids where another robot will be after this time."""
 
 
 @dataclass(frozen=True, slots=True)
 class Mover:
-    """Another robot: present place, velocity, body, and age of its sighting."""
+    """Another robot, and the age of its sighting."""
 
     id: int
     x_m: float
@@ -51,7 +49,7 @@ class Mover:
 
     @property
     def stands(self) -> bool:
-        """True if it does not move, as far as is known."""
+        """True if it is at rest, or assumed to be."""
         return self.age_s > LOST_S or math.hypot(self.vx_m_s, self.vy_m_s) < STANDING_M_S
 
     def places(self, horizon_s: float) -> FloatArray:
@@ -96,8 +94,7 @@ def encounter(
 ) -> Encounter | None:
     """Most urgent of the other robots; None if all is clear.
 
-    ``way`` (n, 2) is the rest of the robot's path from ``here``; with no rows the robot is at rest
-    and stays so.
+    ``way`` (n, 2) is the rest of the path from ``here``; with no rows our robot stays at rest.
     """
     if not movers:
         return None
@@ -155,7 +152,7 @@ def cut(here: Vec, way: FloatArray, length_m: float) -> FloatArray:
 
 @dataclass(frozen=True, slots=True)
 class Disc:
-    """Round place to keep clear of, and its robot."""
+    """Place of a robot to keep clear of."""
 
     x_m: float
     y_m: float
@@ -166,9 +163,9 @@ class Disc:
 
 
 def discs_to_avoid(here: Vec, movers: Sequence[Mover], limits: TrafficLimits) -> tuple[Disc, ...]:
-    """Places that a plan from ``here`` avoids: a disc around each robot, now and soon.
+    """Discs around other robots, now and soon, for a plan from ``here`` to avoid.
 
-    A disc shrinks if our robot is nearer than that, so that it can drive off.
+    Our robot is outside each: a disc too near shrinks, so that it can drive off.
     """
     return tuple(disc for mover in movers if (disc := _disc(here, mover, limits)) is not None)
 

@@ -1,13 +1,12 @@
 """Trust that the robot seen is the one whose wheels turn, and its proof.
 
 - SURE: a person has armed the robot, or camera and wheels have agreed for ``PROBATION_M``.
-- DOUBTED: they differed, or the robot was lost from view. It may only prove itself: turn a little
+- DOUBTED: they differed, or the motion was not seen. The robot may only prove itself: turn a little
   on the spot, which leaves its disc in place, and be seen to turn as its wheels do.
-- A robot seen far from where its wheels brought it always needs a person.
-- PROBATION: it has proved itself and drives on, slowly at first. A difference is now a stop.
+- PROBATION: it has proved itself and drives, slowly at first. A difference is now a stop.
 
-A robot that cannot turn on the spot proves itself by the first, slow piece of its path. Decisions
-only, no clock. Metres, radians, seconds.
+A robot seen far from where its wheels brought it always needs a person. One that cannot turn on the
+spot proves itself by the first, slow piece of its path. Metres, radians, seconds.
 """
 
 from __future__ import annotations
@@ -22,34 +21,32 @@ from navigation.mission.targets import Target
 from navigation.witness import Evidence
 
 TURN_RAD: Final = 0.35
-"""Clearly more than the camera's noise and the follower's tolerance; less than a person steps
-back from."""
+"""Clearly more than the camera's noise and the follower's tolerance."""
 TURNED: Final = 0.7
-"""The share of the turn that has to be made: the rest is the follower's business."""
+"""Share of the turn that must be made; the rest is the follower's business."""
 TURN_SLACK_RAD: Final = 0.1
 TURN_ERROR: Final = 0.1
 SLOWLY_M_S: Final = 0.08
 SLOWLY_OVER_M: Final = 0.2
-"""Braking from this speed takes 6 mm at 0.5 m/s2: what goes wrong here goes not far."""
+"""Braking from this speed takes 6 mm at 0.5 m/s2."""
 PROBATION_M: Final = 1.0
 ON_THE_SPOT_M: Final = 0.025
-"""A turn on the spot drives a few millimetres; more means that the place itself moves."""
+"""A turn on the spot drives a few millimetres; with more, the place itself moves."""
 APART_RAD: Final = 2.0 * TURN_RAD
-"""More than the whole turn can make them differ by, however late the pictures are: a robot that is
-drawn back by a picture that stands still turns on and on."""
+"""Late pictures of a whole turn make less; a frozen one lets the robot turn for ever."""
 PATIENCE_S: Final = 3.0
-"""Time that pictures may take to show the turn: longer than any latency that is measured."""
+"""Time that pictures may take to show the turn: longer than any latency measured."""
 LONGEST_PROOF_S: Final = 8.0
 BEGINS_WITHIN_S: Final = 3.0
-"""A robot whose wheels have not turned at all by then will not turn."""
+"""A robot whose wheels have not turned by then will not turn."""
 BEGUN_RAD: Final = 0.02
 KNOCKED_M: Final = 0.1
 KNOCKED_RAD: Final = 0.7
-"""A robot that was knocked this far may prove itself; one that is farther from where its wheels
-brought it was carried, or is not where the camera shows it, and only a person can tell."""
+"""A robot knocked no further may prove itself; farther from where its wheels brought it, it was
+carried or is seen wrongly, and a person must look."""
 NEAR_M: Final = 0.02
-"""The robot's own estimate has followed the camera when they are so near: else it would drive
-to the place where it is ordered to turn."""
+"""The robot's own estimate has followed the camera when they are this near; otherwise it would
+drive to the place of its turn."""
 
 
 class Level(Enum):
@@ -125,11 +122,11 @@ class Trust:
         self._slip_m, self._slip_rad = (0.0, 0.0), 0.0
 
     def arm(self) -> None:
-        """Trust the robot: nothing contradicts it."""
+        """Trust the robot fully."""
         self.level, self.why = Level.SURE, ""
 
     def vouch(self) -> None:
-        """Trust a person's look: the robot is where the camera shows it."""
+        """Trust a person, who has seen the robot where the camera shows it."""
         self.arm()
 
     def doubt(self, why: str) -> None:
@@ -140,8 +137,8 @@ class Trust:
     def look(self, evidence: Evidence, lost: str | None, late: str | None = None) -> str | None:
         """Take new evidence; return a stop's sentence if a robot on probation differs again.
 
-        ``lost``: reason why the robot's motion was not seen. ``late``: reason why pictures or
-        reports may be dated late, so that a difference only asks for a proof.
+        ``lost``: why the robot's motion was not seen. ``late``: why pictures or reports may be
+        dated late, so that a difference only asks for a proof.
         """
         if evidence.parted is not None and late is not None:
             self.doubt(late)
@@ -159,10 +156,10 @@ class Trust:
         return None
 
     def moved(self, evidence: Evidence) -> str | None:
-        """Sentence about a robot at rest too far from where its wheels brought it.
+        """Sentence about a robot at rest too far from where its wheels brought it, or None.
 
-        It was carried, or the camera shows it wrongly; no motion separates the two. Ask when the
-        pictures have caught up, however late they are.
+        It was carried, or the camera shows it wrongly; no motion separates the two. Ask once the
+        pictures have caught up.
         """
         off_m = math.dist(evidence.slip_m, self._slip_m)
         off_rad = abs(math.remainder(evidence.slip_rad - self._slip_rad, math.tau))

@@ -1,7 +1,6 @@
 """Safety rules: conditions for the robot to move, each with the sentence of its failure.
 
-`judge` looks at one cycle's facts and answers go, hold or stop; it opens nothing, keeps nothing and
-is called once a control cycle. Units: metres, radians, seconds.
+`judge` looks at one cycle's facts and keeps nothing. Metres, seconds.
 
 - hold: the cause may pass by itself (a hidden marker, a lost frame); driving then resumes with a
   new plan.
@@ -25,7 +24,7 @@ class Action(IntEnum):
 
 @dataclass(frozen=True, slots=True)
 class SafetyLimits:
-    """Limits of the rules, from the configuration."""
+    """The rules' configuration."""
 
     pose_stale_s: float
     frame_stale_s: float
@@ -33,15 +32,17 @@ class SafetyLimits:
     max_deviation_m: float
     robot_radius_m: float
     clearance_slack_m: float
-    """Length by which the measured clearance may fall below the radius before it is a violation:
-    the camera's own uncertainty."""
+    """Tolerated shortfall of the measured clearance below the radius: the camera's uncertainty."""
     latency_s: float = 0.25
-    """Highest age of pictures when they arrive."""
+    """Highest age of pictures at arrival."""
 
 
 @dataclass(frozen=True, slots=True)
 class Facts:
-    """Facts of one control cycle; ages are infinite for things never seen."""
+    """Facts of one control cycle; ages are infinite for things never seen.
+
+    Texts are sentences for people; empty or None without a cause.
+    """
 
     frame_age_s: float
     pose_age_s: float
@@ -56,28 +57,21 @@ class Facts:
     deviation_m: float | None
     paused: bool
     robot_fault: str | None = None
-    """Fault felt by the robot, which made it stop itself: a bumper, a cliff."""
+    """A bumper, a cliff: the robot has stopped itself."""
     near_robot: str | None = None
-    """The sentence that says which other robot is too near."""
     failed: str | None = None
-    """The sentence that says which part of the program has failed."""
     camera_reason: str = ""
-    """Remark of the camera on itself; empty while all is well."""
     doubles: tuple[str, ...] = ()
-    """A sentence for each of the robot's markers that is seen twice."""
     parted: str | None = None
-    """The sentence that says how camera and wheels differ."""
     latency_s: float | None = None
-    """Age of pictures when they arrive, measured; None while it does not matter."""
+    """Measured age of pictures at arrival; None while it does not matter."""
     partner: str | None = None
-    """The sentence that says which robot of the same fleet is in the path."""
     scene_doubt: str | None = None
-    """The sentence that says why the arena cannot be what the newest scene shows."""
 
 
 @dataclass(frozen=True, slots=True)
 class Verdict:
-    """The most severe action, and every sentence that asks for it or less."""
+    """The most severe action, and the sentences of all reasons."""
 
     action: Action
     reasons: tuple[str, ...]

@@ -1,10 +1,8 @@
 """Several robots on one roadmap: timed tracks, no two of which ever touch.
 
-``ground`` lays the robots' shared graph over the roadmap. ``motions`` is exact: when two moving
-discs touch, and one robot's earliest arrival among moving discs. ``search`` plans one robot after
-the other and shortens the whole; if that fails, it moves all at once, or one at a time, and ends
-with a plan or a proof that there is none. ``fleet_plan`` is the checked answer, ``dependencies``
-orders the robots at shared places, ``no_waiting`` keeps waits out of zones, and ``execution``
-releases waypoints. ``on_graph`` and ``on_roadmap`` are the interfaces, ``assignment`` distributes
-tasks, and ``schedule`` accepts goals at any time (``retiming``).
+``ground`` lays the robots' shared graph over the roadmap; ``motions`` says exactly when moving
+discs touch; ``search`` ends with a plan or a proof that there is none. ``dependencies`` orders the
+robots at shared places, ``no_waiting`` keeps waits out of zones, ``execution`` releases waypoints.
+``on_graph`` and ``on_roadmap`` are the interfaces, ``assignment`` distributes tasks, and
+``schedule`` accepts goals at any time.
 """

@@ -1,9 +1,7 @@
 """Assignment of tasks to robots, optimal for the sum of driving times or for the last arrival.
 
-Rules and units
-- A pair costs the time that the robot drives alone on its own path over the roadmap, at its speed;
-  others in its way are planned for later and do not count.
-- As many tasks as possible are assigned; a pair without a path is never chosen.
+A pair costs the time that the robot drives alone on its own path over the roadmap, at its speed. As
+many tasks as possible are assigned; a pair without a path is never chosen.
 """
 
 from __future__ import annotations
@@ -33,9 +31,8 @@ from planner.zones.zone import Zone
 class Assignment:
     """Task of each robot, by its place in the list, None for a robot without one.
 
-    ``durations_s`` (robots, tasks) is the read-only cost table, infinite if a robot has no path to
-    a task. ``left_over`` are the unassigned tasks. ``total_s`` is the sum of the durations,
-    ``last_s`` the longest.
+    ``durations_s`` (robots, tasks) is the read-only cost table, infinite without a path;
+    ``total_s`` is the sum of the chosen ones, ``last_s`` the longest.
     """
 
     tasks: tuple[int | None, ...]
@@ -57,11 +54,10 @@ def assign_tasks(
 ) -> Assignment:
     """Give each robot at most one task and each task at most one robot, at least cost.
 
-    ``robots`` and ``tasks`` are any number of places (x, y) or (x, y, heading_rad) in free space.
-    ``radii``, ``limits`` and ``zones`` are as in :func:`planner.plan_fleet`. ``objective`` "sum"
-    minimises the sum of durations, "last" the longest one and, among equals, the sum. Paths are
-    planned for every pair, then matched exactly in O(n^2 (n + m)). ``ValueError`` on input that
-    makes no sense.
+    ``robots`` and ``tasks`` are places (x, y) or (x, y, heading_rad) in free space. ``radii``,
+    ``limits`` and ``zones`` are as in :func:`planner.plan_fleet`. ``objective`` "sum" minimises the
+    sum of durations, "last" the longest one and, among equals, the sum. Paths are planned for every
+    pair, then matched exactly in O(n^2 (n + m)). ``ValueError`` on senseless input.
     """
     of_kind("roadmap", roadmap, Roadmap)
     one_of("objective", objective, "sum", "last")

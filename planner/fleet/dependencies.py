@@ -1,9 +1,8 @@
 """Order of the robots at shared places, from tracks that never touch.
 
-Rules
 - Pieces of two tracks that come nearer than the gap are a shared place. The robot that passes it
   first in the plan, exactly, always does: the other begins its piece only after the first has ended
-  its own. So no two robots are ever on near pieces.
+  its own.
 - While the waits form no circle, some robot can always continue (Hoenig et al., "Persistent and
   robust execution of MAPF schedules in warehouses", RA-L 2019).
 """
@@ -31,7 +30,6 @@ def find_dependencies(tracks: Sequence[FloatArray], radii: Sequence[float]) -> l
 
 
 def _drawn(track: FloatArray) -> FloatArray:
-    """A track with at least two rows: a robot that never moves has one piece of no length."""
     return track if len(track) > 1 else np.vstack([track, track])
 
 
@@ -48,7 +46,7 @@ def _waits(first: int, waiting: int, rows: IntArray) -> list[Dependency]:
 def is_live(tracks: Sequence[FloatArray], dependencies: Sequence[Dependency]) -> bool:
     """True if the waits form no circle: whatever the delays, all robots arrive.
 
-    The events are the robots' points; each follows the one before it and those its robot waits for.
+    Events are the robots' points; each follows the one before it and those its robot waits for.
     """
     first = np.concatenate([[0], np.cumsum([len(track) for track in tracks])])
     after: list[list[int]] = [[] for _ in range(int(first[-1]))]

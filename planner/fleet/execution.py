@@ -1,12 +1,10 @@
 """Waypoints of a fleet's plan that each robot may be given now, from the progress of all.
 
-Rules
-- ``passed[i]`` is the row of robot i's track that it reached last, 0 at its start. It may be given
-  all rows up to its next unmet dependency; nothing given is ever taken back, because the limit only
-  grows with progress.
+- A robot may be given all rows of its track up to its next unmet dependency; that limit only grows
+  with progress.
 - Whatever the delays, no robots touch: of two near pieces, the second begins after the first has
   ended. If :func:`planner.fleet.dependencies.is_live` holds, some robot can always move until all
-  have arrived: waits and track order form no circle, so one unreached row comes first.
+  have arrived.
 - Nothing here reads a clock or keeps a state: a restart or a replay resumes with equal answers.
 """
 
@@ -29,17 +27,14 @@ class Wait:
 
 @dataclass(frozen=True, slots=True)
 class TrackRelease:
-    """Last row of its track that a robot may be given now, and its waits there.
-
-    ``waits`` is empty if the row is the track's last.
-    """
+    """Last row of its track that a robot may be given now, and its waits there, if any."""
 
     row: int
     waits: tuple[Wait, ...] = ()
 
 
 def releases(plan: FleetPlan, passed: Sequence[int]) -> tuple[TrackRelease, ...]:
-    """Release of each robot now; ``passed`` is the row that each has reached last.
+    """Release of each robot; ``passed`` is the row that each has reached last, 0 at its start.
 
     ``ValueError`` if there is not one row each, or a row is not in the track. O(robots +
     dependencies).
@@ -63,7 +58,7 @@ def releases(plan: FleetPlan, passed: Sequence[int]) -> tuple[TrackRelease, ...]
 
 
 def deadlocked(plan: FleetPlan) -> tuple[int, ...]:
-    """Robots waiting in a circle once all have driven as far as they may; empty if none do."""
+    """Robots in a circle of waits once all have driven as far as they may; empty if none are."""
     passed = [0] * len(plan.tracks)
     while True:
         rows = [release.row for release in releases(plan, passed)]
@@ -73,10 +68,7 @@ def deadlocked(plan: FleetPlan) -> tuple[int, ...]:
 
 
 def waiting_circle(plan: FleetPlan, passed: Sequence[int]) -> tuple[int, ...]:
-    """Robots waiting in a circle, none of which can ever move; empty if none do.
-
-    Only a plan with a remark on its timing has such a circle.
-    """
+    """Robots in a circle of waits, none of which can ever move; empty if none are."""
     now = releases(plan, passed)
     held = {i: r.waits for i, r in enumerate(now) if r.waits and r.row <= passed[i]}
     while True:

@@ -1,7 +1,4 @@
-"""Answers of planning several robots: their timed tracks, or a reason why none exist.
-
-Units are those of the graph or scene, and seconds.
-"""
+"""Answers of planning several robots, in units of the graph or scene, and seconds."""
 
 from __future__ import annotations
 
@@ -10,8 +7,8 @@ from dataclasses import dataclass
 from planner.scene import FloatArray
 
 Dependency = tuple[int, int, int, int]
-"""(robot, index of the point of its track that it must have passed, waiting robot, index of the
-point of its track that it must not go beyond before)."""
+"""(robot, point of its track that it must have passed, waiting robot, point of its track that it
+must not pass before)."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -19,9 +16,9 @@ class FleetPlan:
     """A track for each robot, no two of which ever come nearer than both radii.
 
     ``tracks`` are read-only arrays (k, 3) of t, x, y from time zero: straight and even between
-    rows, at rest after the last. ``dependencies`` keep the order at shared places: robots that keep
-    them touch no other, whatever the delays. ``makespan_s`` is the last arrival, ``flowtime_s`` the
-    sum of all arrivals. ``remarks`` are sentences on what is uncertain.
+    rows, at rest after the last. Robots that keep ``dependencies`` touch no other, whatever the
+    delays. ``makespan_s`` is the last arrival, ``flowtime_s`` the sum of all. ``remarks`` are
+    sentences on what is uncertain.
     """
 
     tracks: tuple[FloatArray, ...]
@@ -40,8 +37,8 @@ class FleetPlan:
 class NoFleetPlan:
     """Expected refusal, which is false: no plan exists, or none was found.
 
-    ``blocking`` are the robots responsible, by their place in the list. ``proved`` is False if the
-    search ran out of time.
+    ``blocking`` are the robots responsible, by their place in the list. ``proved`` is False if a
+    plan may exist.
     """
 
     reason: str

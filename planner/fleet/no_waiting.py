@@ -1,8 +1,7 @@
 """Waits moved out of no-waiting zones, to the last place before them.
 
-A robot that would wait inside begins the whole stretch only when it need not: it waits before the
-zone instead, for the same robots. Where that leads to a circle of waits
-(:func:`planner.fleet.dependencies.is_live`), another plan is needed.
+Where that leads to a circle of waits (:func:`planner.fleet.dependencies.is_live`), another plan is
+needed.
 """
 
 from __future__ import annotations
@@ -35,7 +34,6 @@ def wait_before(
 
 
 def _inside(track: FloatArray, rules: Rules) -> list[bool]:
-    """True for each row at which any of the body is in a no-waiting zone."""
     held = np.zeros(len(track), np.bool_)
     for one in rules.of("wait"):
         points = np.ascontiguousarray(track[:, 1:])

@@ -36,8 +36,8 @@ def plan_on_graph(
     ``goals`` node numbers; robots drive along straight edges at speed 1 and may wait at nodes.
     ``improve`` is the number of rounds that shorten the sum of arrivals, 0 for the first plan.
     Equal input and ``seed`` give equal plans, unless ``time_limit_s``, which includes setting up,
-    ends the search; ``clock`` gives its seconds. ``ValueError`` on input that makes no sense. The
-    method: see :mod:`planner.fleet.search.solver`.
+    ends the search; ``clock`` gives its seconds. ``ValueError`` on senseless input. Method:
+    :mod:`planner.fleet.search.solver`.
     """
     effort = check_effort(time_limit_s, improve, seed, clock)
     places = _numbers("nodes", nodes)
@@ -80,7 +80,6 @@ def _shared(what: str, chosen: Sequence[int]) -> NoFleetPlan | None:
 
 
 def _numbers(name: str, rows: ArrayLike) -> FloatArray:
-    """A finite copy of rows (n, 2)."""
     array = as_numbers(name, rows, "rows of two numbers")
     if array.size == 0:
         return np.empty((0, 2))

@@ -50,12 +50,11 @@ def plan_fleet(
     headings are not planned for. ``radii`` is one for all or one each, the roadmap's if None; other
     radii get their own roadmaps. ``limits`` is one for all or one each: a robot drives at
     ``limits.speed`` or is at rest, and changes of speed and turns take no time here; None means
-    :func:`planner.motion.trajectory.default_limits` of its radius, one diameter a second.
-    ``time_limit_s``, ``improve``, ``seed`` and ``clock`` are as in
-    :func:`planner.fleet.on_graph.plan_on_graph`. ``zones`` are those that hold for each robot;
-    times count slow zones and lanes by their cost, and robots may wait in no-waiting zones until
-    :func:`planner.fleet.no_waiting.wait_before` moves their waits. Every track keeps its robot's
-    radius from all borders. ``ValueError`` on input that makes no sense.
+    :func:`planner.motion.trajectory.default_limits` of its radius. ``time_limit_s``, ``improve``,
+    ``seed`` and ``clock`` are as in :func:`planner.fleet.on_graph.plan_on_graph`. ``zones`` are
+    each robot's; times count slow zones and lanes by their cost, and robots may wait in no-waiting
+    zones until :func:`planner.fleet.no_waiting.wait_before` moves their waits. Every track keeps
+    its robot's radius from all borders. ``ValueError`` on senseless input.
     """
     of_kind("roadmap", roadmap, Roadmap)
     effort = replace(check_effort(time_limit_s, improve, seed, clock), live=True)
@@ -107,7 +106,7 @@ def plan_fleet(
 
 
 class Grounds:
-    """The roadmaps of one scene for robots of several radii and zones, each made once."""
+    """Roadmaps of one scene for several radii and zones, each made once."""
 
     def __init__(self, roadmap: Roadmap) -> None:
         self._roadmap = roadmap
@@ -115,13 +114,13 @@ class Grounds:
         self._zoned: dict[tuple[float, float, tuple[Zone, ...]], ZonedRoadmap] = {}
 
     def walls(self, radius: float) -> Roadmap:
-        """Return the roadmap without zones for a radius."""
+        """Return the roadmap without zones."""
         if radius not in self._walls:
             self._walls[radius] = roadmap_for(self._roadmap, radius)
         return self._walls[radius]
 
     def zoned(self, radius: float, speed: float, zones: tuple[Zone, ...]) -> ZonedRoadmap:
-        """Return the roadmap with zones for a radius and speed."""
+        """Return the roadmap with zones."""
         key = radius, speed, zones
         if key not in self._zoned:
             self._zoned[key] = ZonedRoadmap(self.walls(radius), zones, speed)
@@ -141,7 +140,7 @@ def team_on(
     zones: Sequence[tuple[Zone, ...]],
     paths: Sequence[FloatArray],
 ) -> Iterator[TeamRobot]:
-    """The robots one by one, robots of equal radius, speed and zones on one graph.
+    """The robots one by one, equal ones on one graph.
 
     A robot that begins in a keep-out zone has its own, with its path out.
     """
@@ -190,17 +189,14 @@ def check_rules(rules: Sequence[Rules], plan: FleetPlan) -> None:
 
 
 def roadmap_for(roadmap: Roadmap, radius: float) -> Roadmap:
-    """Roadmap of the same scene for a robot of this radius, with all its dead ends.
-
-    Robots give way in dead ends, however short.
-    """
+    """Roadmap of the same scene for a radius, with all dead ends, where robots give way."""
     if radius == roadmap.radius and roadmap.least_branch == 0.0:
         return roadmap
     return build_roadmap(roadmap.scene, radius, mode=roadmap.mode)
 
 
 def check_places(name: str, rows: Sequence[Sequence[float]]) -> FloatArray:
-    """Places without their headings, (n, 2); ``ValueError`` if one makes no sense."""
+    """Places without their headings, (n, 2); ``ValueError`` on senseless ones."""
     listed = as_list(name, rows, "places")
     found = np.empty((len(listed), 2))
     for i, row in enumerate(listed):
@@ -214,7 +210,7 @@ def check_places(name: str, rows: Sequence[Sequence[float]]) -> FloatArray:
 
 
 def check_radii(radii: float | Sequence[float] | None, default: float, count: int) -> list[float]:
-    """A radius for each robot; ``ValueError`` if one makes no sense."""
+    """Radius of each robot; ``ValueError`` on senseless ones."""
     values: ArrayLike = default if radii is None else radii
     array = as_numbers("radii", values, "a number, or one each")
     if array.ndim == 0:
@@ -228,7 +224,7 @@ def check_radii(radii: float | Sequence[float] | None, default: float, count: in
 
 
 def check_zones(zones: Sequence[Sequence[Zone]] | None, count: int) -> list[tuple[Zone, ...]]:
-    """The zones of each robot; ``ValueError`` if there are not as many lists as robots."""
+    """Zones of each robot; ``ValueError`` unless there are as many lists as robots."""
     if zones is None:
         return [()] * count
     each = [as_list("zones", own, "zones") for own in as_list("zones", zones, "lists of zones")]
@@ -238,7 +234,7 @@ def check_zones(zones: Sequence[Sequence[Zone]] | None, count: int) -> list[tupl
 
 
 def check_speeds(limits: Limits | Sequence[Limits] | None, sizes: list[float]) -> list[float]:
-    """A speed for each robot; ``ValueError`` if one makes no sense."""
+    """Speed of each robot; ``ValueError`` on senseless ones."""
     if limits is None:
         return [default_limits(size).speed for size in sizes]
     if isinstance(limits, Limits):

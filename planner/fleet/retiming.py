@@ -1,10 +1,7 @@
 """Rest of a plan from each robot's progress: tracks from now on, without new delays.
 
-Rules
-- Time zero is now; a track begins at the row that its robot reached last. A robot begins each
-  piece once it is there and its dependencies are met, and drives it in the planned time; planned
-  waits without a dependency are dropped.
-- The order at shared places is kept, so no robots touch.
+Time zero is now; a track begins at the row that its robot reached last. A robot begins each piece
+once it is there and its dependencies are met; planned waits without a dependency are dropped.
 """
 
 from __future__ import annotations

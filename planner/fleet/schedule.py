@@ -1,13 +1,9 @@
 """Goals that come at any time while others drive, planned against the promised tracks.
 
-Rules and units
-- A schedule holds the tracks promised to all robots, from time zero, when it was made. It never
-  changes; a new goal gives a new one. Nothing sent to a robot is taken back.
-- A new goal is first planned among the promised tracks: unless a parked robot cuts the arena apart,
-  such a path always exists (COBRA; Cap et al., ICRA 2015). A robot with a new goal passes behind
-  everything sent to others.
+- A new goal is first planned among the promised tracks, behind everything sent: unless a parked
+  robot cuts the arena apart, such a path always exists (COBRA; Cap et al., ICRA 2015).
 - If that fails, or several goals come at once, all keep their promises to the end, and then the
-  fleet is planned as a whole: robots parked in the way step aside and return, or there is a reason.
+  fleet is planned as a whole: robots parked in the path step aside, or there is a reason.
 """
 
 from __future__ import annotations
@@ -45,9 +41,9 @@ from planner.shared.search_clock import Clock, search_clock_s
 from planner.zones.zone import Zone
 
 ZONE = 8.0
-"""Discs that keep a piece free that was sent, in the gap's length: 0.2 % wider than the piece."""
+"""Discs in a gap's length that keep a sent piece free: 0.2 % wider than the piece."""
 BEFORE_S = 1e6
-"""Time before a plan's beginning since which sent pieces are kept free."""
+"""Time before a plan's beginning from which sent pieces are kept free."""
 WAITS_IN_A_CIRCLE = (
     "the robots pass shared places all at once: no goal can be added until they have"
 )
@@ -55,9 +51,9 @@ WAITS_IN_A_CIRCLE = (
 
 @dataclass(frozen=True, slots=True)
 class FleetSchedule:
-    """Promised tracks of a fleet on one roadmap.
+    """Promised tracks of a fleet on one roadmap, immutable; nothing sent is taken back.
 
-    ``plan`` holds tracks and dependencies from now on; ``sent`` is the row of each new track up to
+    ``plan`` holds tracks and dependencies from now on; ``sent`` is the row of each track up to
     which waypoints were sent. ``changed`` are the robots with a new path.
     """
 
@@ -134,11 +130,10 @@ class FleetSchedule:
 
         Robots on each other's goals get a schedule together, but none one after the other.
 
-        ``passed`` is the row that each robot reached last, ``sent`` the last that it was given; new
-        tracks begin at ``passed`` and are the same up to ``sent``. None means all are at their
-        starts, with nothing sent beyond ``passed``. ``ValueError`` if
-        :func:`planner.fleet.execution.releases` did not allow what was sent. ``clock`` gives the
-        seconds of the time limit.
+        ``passed`` is the row that each robot reached last, by default its start, ``sent`` the last
+        that it was given, by default ``passed``; new tracks begin at ``passed`` and are the same up
+        to ``sent``. ``ValueError`` if :func:`planner.fleet.execution.releases` did not allow what
+        was sent. ``clock`` gives the seconds of the time limit.
         """
         check_effort(time_limit_s, 0, 0, clock)
         places = {robot: check_places("goal", [goal]) for robot, goal in goals.items()}
@@ -171,8 +166,7 @@ class FleetSchedule:
     def cut_off_by(self, robot: int, goal: Sequence[float]) -> tuple[int, ...]:
         """Parked robots that cut a robot off from a goal: none if it is well-formed.
 
-        Every other robot is added to the scene as a disc at its track's end. While the roadmap
-        still has a path, others need not move for this goal.
+        Every other robot is a disc at its track's end.
         """
         blocking: list[int] = []
         scene = self.roadmap.scene
@@ -218,7 +212,6 @@ class FleetSchedule:
     def _among_promises(
         self, robot: int, tracks: list[FloatArray], kept: tuple[int, ...], path: FloatArray
     ) -> FleetSchedule | None:
-        """Plan one new track with all others as promised, or return None."""
         size, speed = self.radii[robot], self.speeds[robot]
         smallest = self._grounds.walls(min(self.radii))
         shared = with_paths(smallest, self._base, [path], self.radii)
@@ -258,7 +251,6 @@ class FleetSchedule:
         time_limit_s: float,
         clock: Clock,
     ) -> FleetSchedule | NoFleetPlan:
-        """Keep all promises to their ends, then plan the whole fleet from there."""
         parked = [track[-1, 1:].tolist() for track in tracks]
         limits = [
             replace(default_limits(size), speed=speed)
@@ -298,7 +290,6 @@ def _plan(tracks: Sequence[FloatArray], radii: Sequence[float]) -> FleetPlan:
 
 
 def _zone(track: FloatArray, gap: float) -> FloatArray:
-    """Discs at rest over the part sent, until its robot has passed it."""
     rows = []
     for (_, x, y), (until, u, v) in zip(track[:-1].tolist(), track[1:].tolist(), strict=True):
         parts = int(np.ceil(ZONE * np.hypot(u - x, v - y) / gap))
@@ -310,5 +301,4 @@ def _zone(track: FloatArray, gap: float) -> FloatArray:
 
 
 def _takes_back(plan: FleetPlan, sent: Sequence[int]) -> bool:
-    """True if a robot would have to wait before a waypoint already given."""
     return any(row < sent[waiting] for _, _, waiting, row in plan.dependencies)

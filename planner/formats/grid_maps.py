@@ -1,11 +1,8 @@
 """Exact grid maps: an obstacle is the union of its cells.
 
 Cell (i, j) is column i, row j from the top; it covers [i - 1/2, i + 1/2] x [j - 1/2, j + 1/2] in
-cells, y down. Cells that touch, even at a corner only, belong to one object without a gap; free
-cells that touch only at a corner are not connected. Collinear edges are merged. Outlines run
-clockwise on the screen, holes counter-clockwise: the obstacle is always on the right.
-
-All steps use numpy on whole arrays, except the last, which walks the segments.
+cells, y down. Cells that touch, even at a corner only, belong to one object; free cells that touch
+only at a corner are not connected. Outlines run clockwise on the screen.
 """
 
 from __future__ import annotations
@@ -46,7 +43,7 @@ class GridPose:
 
 @dataclass(frozen=True, slots=True)
 class _Borders:
-    """Segments of all borders: ends as grid vertices, heading, loop."""
+    """Segments of all borders."""
 
     start: IndexArray  # (k, 2) column, row of grid vertices
     end: IndexArray  # (k, 2)
@@ -127,7 +124,6 @@ def _checked_shape(obstacle: NDArray[np.bool_]) -> tuple[int, int]:
 
 
 def _fill_rectangle(rim: SceneObject, bounds: Bounds) -> SceneObject:
-    """Grow the rim of a turned map outwards until it fills the upright rectangle."""
     x0, y0, x1, y1 = bounds.x_min, bounds.y_min, bounds.x_max, bounds.y_max
     corners = [(x0, y1), (x1, y1), (x1, y0), (x0, y0)]
     sides = tuple(Segment(corners[k], corners[(k + 1) % 4]) for k in range(4))
@@ -135,7 +131,7 @@ def _fill_rectangle(rim: SceneObject, bounds: Bounds) -> SceneObject:
 
 
 def _border_cells(obstacle: NDArray[np.bool_]) -> int:
-    """Number of obstacle cells with a free side neighbour or on the map's edge: the paper's n."""
+    """Obstacle cells with a free side neighbour or on the map's edge: the paper's n."""
     free = np.pad(~obstacle, 1, constant_values=True)
     beside = free[:-2, 1:-1] | free[2:, 1:-1] | free[1:-1, :-2] | free[1:-1, 2:]
     return int(np.count_nonzero(obstacle & beside))
@@ -164,15 +160,12 @@ def _objects(
 
 
 def _trace(obstacle: NDArray[np.bool_]) -> _Borders:
-    """Every border as a closed loop of longest segments, the obstacle on the right.
-
-    Loops are sorted by their first vertex, top row first; each begins there.
-    """
+    """Every border as a closed loop of longest segments, the obstacle on the right."""
     cell = np.pad(obstacle, 1).view(np.int8)
     across = cell[1:, :] - cell[:-1, :]  # +1: the obstacle begins below this row of edges
     along = cell[:, 1:] - cell[:, :-1]  # +1: the obstacle begins right of this edge
-    # horizontal edges run east above an obstacle and west below one; vertical ones run north left
-    # of an obstacle and south right of one
+    # horizontal edges run east above an obstacle and west below; vertical ones north left of it and
+    # south right of it
     h_first, h_last, h_sign = _runs(across)
     v_first, v_last, v_sign = _runs(np.ascontiguousarray(along.T))
     # a run of sign s between vertices: (row, column) for across, (column, row) for along
@@ -202,7 +195,7 @@ def _trace(obstacle: NDArray[np.bool_]) -> _Borders:
 
 
 def _runs(sign: NDArray[np.int8]) -> tuple[IndexArray, IndexArray, IndexArray]:
-    """Runs of equal non-zero signs along the rows: first and last (row, column), and the sign.
+    """First and last (row, column) and sign of equal non-zero runs along the rows.
 
     Where four cells meet like a chess board the sign flips, so a run ends there.
     """
@@ -214,10 +207,7 @@ def _runs(sign: NDArray[np.int8]) -> tuple[IndexArray, IndexArray, IndexArray]:
 
 
 def _followers(start: IndexArray, end: IndexArray, heading: IndexArray, columns: int) -> list[int]:
-    """Follower of each segment: left where both turns are open, else the only one.
-
-    Obstacle cells that touch at a corner thus stay together.
-    """
+    """Follower of each segment: left if both turns are open, so that corners join cells."""
     key = (start[:, 1] * columns + start[:, 0]) * 4 + heading
     at_end = (end[:, 1] * columns + end[:, 0]) * 4
     left = _find(key, at_end + (heading + 3) % 4)
@@ -227,7 +217,6 @@ def _followers(start: IndexArray, end: IndexArray, heading: IndexArray, columns:
 
 
 def _find(sorted_keys: IndexArray, wanted: IndexArray) -> IndexArray:
-    """Index of each wanted key, -1 if it is missing."""
     if sorted_keys.size == 0:
         return np.empty(0, dtype=np.int64)
     index = np.minimum(np.searchsorted(sorted_keys, wanted), sorted_keys.size - 1)
@@ -252,9 +241,8 @@ def _loops(follower: list[int]) -> list[list[int]]:
 def _parents(obstacle: NDArray[np.bool_], borders: _Borders) -> list[int]:
     """For each loop, -1 if it is an outline, else the number of the outline around it.
 
-    A loop's first vertex is its topmost, leftmost one: an outline leaves it eastwards. The obstacle
-    left of a hole's leftmost edge ends at another loop of its object. Each such step leads further
-    left, so they end at the outline.
+    A loop's first vertex is its topmost, leftmost one: an outline leaves it eastwards. Steps to the
+    left of a hole end at its outline.
     """
     loop_of = np.empty(len(borders.heading), dtype=np.int64)
     for number, loop in enumerate(borders.loops):
@@ -281,7 +269,6 @@ def _parents(obstacle: NDArray[np.bool_], borders: _Borders) -> list[int]:
 def _left_neighbours(
     obstacle: NDArray[np.bool_], borders: _Borders, loop_of: IndexArray, holes: list[int]
 ) -> dict[int, int]:
-    """For each hole, the loop that bounds the obstacle left of its leftmost edge."""
     height, width = obstacle.shape
     flat = obstacle.ravel()
     begins = obstacle.copy()

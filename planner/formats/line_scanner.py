@@ -9,7 +9,7 @@ from typing import Any
 from planner.scene import SceneError, Vec
 
 MAX_COORDINATE = 1e15
-"""Beyond this, sums of squares of coordinates are no use to the planner."""
+"""Sums of squares of coordinates beyond this are no use to the planner."""
 
 _NUMBER = re.compile(r"[+-]?(?:[0-9]+\.?[0-9]*|\.[0-9]+)(?:[eE][+-]?[0-9]+)?(?![\w.])")
 _WORD = re.compile(r"[^\s(),#]+")
@@ -18,7 +18,7 @@ SEPARATOR = re.compile(r"[\s,]*")
 
 
 class Scanner:
-    """A line read from left to right; it knows its position for error messages."""
+    """A line and the position in it."""
 
     def __init__(self, name: str, line_number: int, line: str) -> None:
         self.name = name
@@ -28,7 +28,7 @@ class Scanner:
         self.skip_space()
 
     def error(self, what: str, at: int | None = None) -> SceneError:
-        """The error to raise, with file, line and column; ``at`` indexes the line."""
+        """Error with file, line and column; ``at`` indexes the line."""
         column = (self.at if at is None else at) + 1
         return SceneError(f"{self.name}:{self.line_number}:{column}: {what}")
 
@@ -51,7 +51,7 @@ class Scanner:
             raise self.error(f"nothing more is expected here, found {self.found()}")
 
     def found(self) -> str:
-        """Text at this position, for an error message."""
+        """Text at this position, for an error."""
         rest = self.rest()
         if not rest:
             return "the end of the line"
@@ -113,7 +113,7 @@ class Scanner:
         self.skip_space()
 
     def points(self, least: int) -> list[Vec]:
-        """Read the number of points, at least ``least``, then the points."""
+        """Read the number of points, at least ``least``, and the points."""
         at = self.at
         count = self.count("the number of vertices", least)
         points: list[Vec] = []

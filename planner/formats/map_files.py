@@ -1,14 +1,10 @@
-"""Map files: the ROS map_server's YAML with its picture, and MovingAI's ``.map``.
+"""Map files: the ROS map_server's YAML with its picture, and MovingAI's ``.map`` (Sturtevant 2012).
 
-ROS (Nav2 map_server, "map_io"): a cell's occupancy is p = 1 - shade, or the shade if ``negate`` is
-set; in ``raw`` mode the picture's byte in percent. It is occupied if p >= occupied_thresh, else
-free if p <= free_thresh. All other cells, occupied, unknown or in between, are obstacles. map_saver
-writes the byte 205 for unknown, where p = 0.196: in trinary mode without ``negate`` it
-remains unknown, even below ``free_thresh``. ``origin`` is the pose of the lower left corner of the
-lower left cell, in metres and radians.
-
-MovingAI (Sturtevant 2012): ``.``, ``G`` and ``S`` are passable; ``@``, ``O``, ``T`` and ``W`` are
-not.
+A cell's occupancy (Nav2 map_server, "map_io") is p = 1 - shade, or the shade if ``negate`` is set;
+in ``raw`` mode the picture's byte in percent. It is occupied if p >= occupied_thresh, else free if
+p <= free_thresh. All other cells are obstacles. map_saver writes the byte 205 for unknown, where p
+= 0.196: in trinary mode without ``negate`` it remains unknown, even below ``free_thresh``.
+``origin`` is the pose of the map's lower left corner, in metres and radians.
 """
 
 from __future__ import annotations
@@ -35,11 +31,11 @@ ReadPicture: TypeAlias = Callable[[Path], Shades]
 MAP_SAVER_UNKNOWN = 205
 NAV2_OCCUPIED_THRESH, NAV2_FREE_THRESH = 0.65, 0.25
 MOST_BYTES = 1 << 30
-"""Bytes of a file that are read at most: a device or a sparse file may have no end."""
+"""Bytes read of a file at most: a device or a sparse file may have no end."""
 LEAST_RESOLUTION_M = 1e-6
 """Smaller cells would vanish beside an origin of 1e9 m."""
 MOST_NAME = 255
-"""Characters of a picture's name, folders included: errors name it in one readable sentence."""
+"""Characters of a picture's name: errors name it in one readable sentence."""
 PASSABLE, BLOCKED = ".GS", "@OTW"
 
 
@@ -56,10 +52,9 @@ class MapHeader:
 
 
 def read_ros_map(text: str, path: Path, read_picture: ReadPicture | None = None) -> Scene:
-    """Return the scene of a ROS map from its YAML, ``path``; the picture is in the same folder.
+    """Return the scene of a ROS map from its YAML, ``path``, and the picture in the same folder.
 
-    ``read_picture`` reads pictures other than PGM. Raises :class:`SceneError` with the file and,
-    for the YAML, line and column.
+    ``read_picture`` reads pictures other than PGM. Raises :class:`SceneError` with the place.
     """
     free, unknown, remarks, pose = read_cells(text, path, read_picture)
     return map_scene(~free, pose, remarks, unknown)
@@ -68,7 +63,7 @@ def read_ros_map(text: str, path: Path, read_picture: ReadPicture | None = None)
 def read_cells(
     text: str, path: Path, read_picture: ReadPicture | None
 ) -> tuple[NDArray[np.bool_], NDArray[np.bool_], tuple[str, ...], GridPose]:
-    """Certainly free cells, unknown cells, remarks on the latter, and the map's pose."""
+    """Certainly free cells, unknown cells, remarks on them, and the map's pose."""
     shade, transparent, header = read_map_picture(text, path, read_picture)
     return *classify(shade, transparent, header), header.pose
 
@@ -96,7 +91,7 @@ def parse_map_header(text: str, name: str) -> MapHeader:
 def classify(
     shade: NDArray[np.float64], transparent: NDArray[np.bool_], header: MapHeader
 ) -> tuple[NDArray[np.bool_], NDArray[np.bool_], tuple[str, ...]]:
-    """Certainly free cells, unknown cells, and remarks on the latter."""
+    """Certainly free cells, unknown cells, and remarks on them."""
     byte = np.rint(shade * 255.0)
     unknown = transparent.copy()
     if header.mode == "raw":
@@ -168,8 +163,6 @@ def _map_side(fields: dict[str, str], key: str, name: str) -> int:
 
 
 class _HeaderReader:
-    """Checker of the YAML's values; errors include the place."""
-
     def __init__(self, text: str, name: str) -> None:
         self.name = name
         try:
@@ -282,10 +275,7 @@ def read_text(path: Path) -> str:
 
 
 def decode(data: bytes, name: str) -> str:
-    """Decode UTF-8 text without NUL bytes, dropping a leading byte order mark.
-
-    Raises :class:`SceneError` on other bytes.
-    """
+    """Decode UTF-8 text without its byte order mark; :class:`SceneError` on NUL or other bytes."""
     try:
         text = data.decode("utf-8").removeprefix("\ufeff")
     except UnicodeDecodeError as error:

@@ -1,10 +1,9 @@
 """A scene as a ROS map: a YAML header and a PGM picture that Nav2's map_server loads.
 
-Rules and units
-- A cell is occupied if it contains part of an obstacle or its border, so no obstacle shrinks; a
-  border along the cell's edge does not count. Cells across the bounds are occupied too.
-- Map and scene are in metres with y up. A scene read from a ROS map gives the same cells again at
-  its own resolution.
+A cell is occupied if it contains part of an obstacle or its border, so no obstacle shrinks; a
+border along the cell's edge does not count. Cells across the bounds are occupied too. Map and scene
+are in metres with y up. A scene read from a ROS map gives the same cells again at its own
+resolution.
 """
 
 from __future__ import annotations
@@ -34,20 +33,19 @@ from planner.scene import (
 )
 
 OCCUPIED, FREE = 0, 254
-"""The bytes that map_saver writes."""
 TRINARY = "mode: trinary\noccupied_thresh: 0.65\nfree_thresh: 0.196\n"
 MOST_CELLS = 100_000_000
 ON_EDGE = 1e-6
 """A border nearer to a cell's edge, in cells, runs along it."""
 SAGITTA = 0.01
-"""Largest gap between arc and chords, in cells; cells are occupied to the outside of that."""
+"""Largest gap between arc and chords, in cells, which are occupied to the outside of that."""
 
 
 def write_map(scene: Scene, path: str | os.PathLike[str], resolution: float) -> None:
-    """Write ``path``, a ``.yaml`` file, and its picture of the same name beside it.
+    """Write ``path``, a ``.yaml`` file, and its picture beside it.
 
     ``resolution`` is a cell's side in metres. Raises :class:`SceneError` if the scene is not in
-    metres, the resolution makes no sense, or writing fails.
+    metres, the resolution is senseless, or writing fails.
     """
     file = Path(path)
     occupied = occupied_cells(scene, resolution)
@@ -61,8 +59,8 @@ def write_picture(
 ) -> None:
     """Write a map's YAML and its PGM; row 0 of ``shades`` is at the least y.
 
-    ``thresholds`` are the YAML's lines with mode and thresholds. :class:`SceneError` if a file
-    cannot be written.
+    ``thresholds`` are the YAML's lines with mode and thresholds. :class:`SceneError` if writing
+    fails.
     """
     picture = file.with_suffix(".pgm")
     header = (
@@ -78,9 +76,9 @@ def write_picture(
 
 
 def occupied_cells(scene: Scene, resolution: float) -> NDArray[np.bool_]:
-    """Occupied cells as (rows, columns); row 0 is at the bounds' least y.
+    """Occupied cells as (rows, columns), row 0 at the bounds' least y.
 
-    Raises :class:`SceneError`, see :func:`write_map`.
+    Errors as :func:`write_map`.
     """
     occupied = covered_cells(scene, scene.bounds, resolution)
     rows, columns = occupied.shape
@@ -91,9 +89,9 @@ def occupied_cells(scene: Scene, resolution: float) -> NDArray[np.bool_]:
 
 
 def covered_cells(scene: Scene, b: Bounds, resolution: float) -> NDArray[np.bool_]:
-    """Cells that contain part of an object, as (rows, columns); row 0 is at ``b``'s least y.
+    """Cells that contain part of an object, as (rows, columns), row 0 at ``b``'s least y.
 
-    Raises :class:`SceneError`, see :func:`write_map`.
+    Errors as :func:`write_map`.
     """
     if scene.units != "m":
         raise SceneError(f"a scene in {scene.units}: a ROS map is in metres, calibrate it first")
@@ -119,7 +117,7 @@ def covered_cells(scene: Scene, b: Bounds, resolution: float) -> NDArray[np.bool
 
 
 def _chain(record: Record, y_down: bool, sagitta: float) -> FloatArray:
-    """A record's border as (n, 2); chords of an arc lie at most sagitta outside it."""
+    """Border as (n, 2); chords of an arc lie at most sagitta outside it."""
     if isinstance(record, PointRecord):
         return np.array([record.at, record.at])
     points: list[FloatArray] = []
@@ -138,12 +136,11 @@ def _chain(record: Record, y_down: bool, sagitta: float) -> FloatArray:
 
 
 def _cells_along(line: FloatArray) -> FloatArray:
-    """(n, 2) places in units of cells, one inside each cell that the line crosses."""
+    """One place (n, 2) inside each cell that the line crosses, in units of cells."""
     return np.concatenate([*(_crossed(a, b) for a, b in pairwise(line)), line])
 
 
 def _crossed(a: FloatArray, b: FloatArray) -> FloatArray:
-    """Midpoints of a segment's parts between grid lines."""
     cuts = [np.array([0.0, 1.0])]
     for axis in range(2):
         low, high = sorted((a[axis], b[axis]))
@@ -156,7 +153,6 @@ def _crossed(a: FloatArray, b: FloatArray) -> FloatArray:
 
 
 def _mark(occupied: NDArray[np.bool_], places: FloatArray) -> None:
-    """Occupy the cells that contain the places; places on cell edges occupy none."""
     off = np.abs(places - np.rint(places))
     inside = places[(off > ON_EDGE).all(axis=1)]
     cell = np.floor(inside).astype(np.int64)
@@ -181,7 +177,7 @@ def _fill(occupied: NDArray[np.bool_], rings: list[FloatArray]) -> None:
 
 
 def _row_crossings(rings: list[FloatArray]) -> Iterator[tuple[int, float]]:
-    """Crossings of the rings with the lines through the cells' centres: row, x."""
+    """Row and x of the rings' crossings with the lines through the cells' centres."""
     for ring in rings:
         for (ax, ay), (bx, by) in zip(ring.tolist(), np.roll(ring, -1, 0).tolist(), strict=True):
             low, high = min(ay, by), max(ay, by)

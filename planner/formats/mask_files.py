@@ -1,14 +1,11 @@
 """Nav2's filter masks: keep-out zones and speed limits as a map's YAML with its picture.
 
-Rules and units
-- A keep-out mask forbids its occupied cells.
-- A speed mask's cell holds a number d from 0 to 100, as the map server reads the picture in its
-  mode. Nav2's SpeedFilter limits a robot whose centre is there to base + multiplier * d, in percent
-  of its largest speed or in m/s. There is no limit where d is 0 or unknown, where the result is
-  0 (Nav2's NO_SPEED_LIMIT), negative, or above 100 %, and off the mask.
-- Masks are written in the mode ``scale``, with a cell for each place that an area reaches into; of
-  several limits in a cell the slowest is kept. A mask read from a file without yaw gives the same
-  cells again at its own resolution.
+- A speed mask's cell holds a number d from 0 to 100, as the map server reads the picture. Nav2's
+  SpeedFilter limits a robot whose centre is there to base + multiplier * d, in percent of its
+  largest speed or in m/s. There is no limit where d is 0 or unknown, where the result is 0 (Nav2's
+  NO_SPEED_LIMIT), negative, or above 100 %, and off the mask.
+- Masks are written in the mode ``scale``; of several limits in a cell the slowest is kept. A mask
+  read from a file without yaw gives the same cells again at its own resolution.
 """
 
 from __future__ import annotations
@@ -44,7 +41,7 @@ SCALE = "mode: scale\noccupied_thresh: 1.0\nfree_thresh: 0.0\n"
 class SpeedLevel:
     """An area with one speed limit; the objects of ``area`` are its parts.
 
-    One of ``speed_percent``, percent of the robot's largest speed, and ``speed_m_s`` is given.
+    ``speed_percent``, of the robot's largest speed, or ``speed_m_s`` is given.
     """
 
     area: Scene
@@ -61,20 +58,18 @@ class SpeedLevel:
 
     @property
     def limit(self) -> float:
-        """The given limit, whichever it is."""
+        """The given limit, in its own unit."""
         given = self.speed_m_s if self.speed_percent is None else self.speed_percent
         return float(given or 0.0)
 
     def __str__(self) -> str:
-        """Return the limit with its unit."""
         return f"{self.limit:.4g} {'m/s' if self.speed_percent is None else '%'}"
 
 
 def load_mask(path: str | os.PathLike[str], *, read_picture: ReadPicture | None = None) -> Scene:
     """Load a keep-out mask of Nav2, a YAML file with its picture: each zone becomes an object.
 
-    All cells that are not occupied, and the outside of the mask, are no zone. Raises
-    :class:`SceneError` as :func:`load_scene`.
+    Raises :class:`SceneError` as :func:`load_scene`.
     """
     file = Path(path)
     free, unknown, _, pose = read_cells(read_text(file), file, read_picture)
@@ -91,8 +86,8 @@ def load_speed_mask(
 ) -> tuple[SpeedLevel, ...]:
     """Load a speed mask of Nav2: the areas of each limit, the slowest first.
 
-    ``percent``, ``base`` and ``multiplier`` are those of Nav2's filter info server; its types are
-    1, ``percent``, and 2, m/s. Raises :class:`SceneError` as :func:`load_scene`, and ``ValueError``
+    ``percent``, ``base`` and ``multiplier`` are those of Nav2's filter info server, whose types 1
+    and 2 are percent and m/s. Raises :class:`SceneError` as :func:`load_scene`, and ``ValueError``
     unless base and multiplier are finite.
     """
     _check_scale(base, multiplier)
@@ -122,7 +117,6 @@ def _check_scale(base: float, multiplier: float) -> None:
 
 
 def _limit(number: int, base: float, multiplier: float, percent: bool) -> float | None:
-    """Limit of a cell's number, None if it is none."""
     limit = base + multiplier * number
     return limit if limit > 0.0 and (limit <= 100.0 or not percent) else None
 
@@ -132,7 +126,7 @@ def cell_data(
 ) -> NDArray[np.int64]:
     """Return the numbers that Nav2's map server publishes, 0 to 100, -1 for unknown; row 0 the top.
 
-    It computes in 32 bits: a shade at a threshold falls on the same side.
+    Like the server, it computes in 32 bits.
     """
     byte = np.rint(shade * 255.0)
     if header.mode == "raw":
@@ -162,10 +156,10 @@ def save_mask(
 ) -> None:
     """Write a keep-out mask of a scene's objects, or a speed mask of levels, for Nav2.
 
-    ``path`` is a ``.yaml`` file; its picture, of the same name, is written beside it. The mask
-    covers the bounds of the areas in cells of ``resolution`` metres. A limit that ``base`` and
-    ``multiplier`` cannot express is rounded to the next slower one. Raises :class:`SceneError` if
-    the areas are not in metres, a limit cannot be expressed, or writing fails.
+    ``path`` is a ``.yaml`` file; its picture is written beside it. The mask covers the bounds of
+    the areas in cells of ``resolution`` metres. A limit that ``base`` and ``multiplier`` cannot
+    express is rounded to the next slower one. Raises :class:`SceneError` if the areas are not in
+    metres, a limit cannot be expressed, or writing fails.
     """
     _check_scale(base, multiplier)
     if isinstance(areas, Scene):
@@ -193,7 +187,6 @@ def _speed_data(
     base: float,
     multiplier: float,
 ) -> NDArray[np.int64]:
-    """Return the cells' numbers, row 0 at the bounds' least y; the slowest limit wins."""
     if len({level.speed_percent is None for level in levels}) > 1:
         raise SceneError("levels: must all be in percent, or all in m/s")
     data: NDArray[np.int64] | None = None
@@ -206,7 +199,7 @@ def _speed_data(
 
 
 def _number(level: SpeedLevel, base: float, multiplier: float) -> int:
-    """Number of a cell with a limit, of several the fastest that is not faster."""
+    """Number of the fastest cell that is not faster than a limit."""
     percent = level.speed_percent is not None
     exact = (level.limit - base) / multiplier
     number = math.ceil(exact - ON_EDGE) if multiplier < 0.0 else math.floor(exact + ON_EDGE)

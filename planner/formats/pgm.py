@@ -15,11 +15,11 @@ PGM_HEADER = re.compile(
     rb"(?:\s|#[^\r\n]*[\r\n])+(\d{1,9})"
 )
 GLUED_COMMENTS = re.compile(rb"(?:#[^\r\n]*[\r\n])+")
-"""Comments that follow a number of a PGM's header with nothing between."""
+"""Comments attached to a number of a PGM's header."""
 
 
 def parse_pgm(data: bytes, name: str) -> NDArray[np.float64]:
-    """Parse a PGM file, P2 (text) or P5 (binary), into (h, w) shades in [0, 1].
+    """Parse a PGM file into (h, w) shades in [0, 1].
 
     A comment may directly follow any number, including the maximum.
     """
@@ -47,7 +47,7 @@ def _binary_values(body: bytes, cells: int, maximum: int, name: str) -> NDArray[
     """Pixels of a P5 file, from the bytes after its maximum.
 
     One white space precedes the pixels. After a comment attached to the maximum, Netpbm's document
-    requires another, but Netpbm's readers use the comment's line end: the number of bytes decides.
+    requires another, its readers do not: the number of bytes decides.
     """
     kind = np.dtype(np.uint8) if maximum < 256 else np.dtype(">u2")
     size = cells * kind.itemsize

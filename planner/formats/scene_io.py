@@ -1,9 +1,4 @@
-"""Scene and map files in and out.
-
-``load_scene`` recognises the scene text of ``scene_text.py``, the JSON of ``scene_json.py``, the
-YAML of a ROS map and a MovingAI ``.map`` (``map_files.py``) by content. ``vision.extract`` turns a
-picture into a scene.
-"""
+"""Scene and map files in and out, recognised by content, a ROS map also by its suffix."""
 
 from __future__ import annotations
 
@@ -48,10 +43,7 @@ def load_scene(path: str | os.PathLike[str], *, read_picture: ReadPicture | None
 
 
 def scene_from_bytes(data: bytes, file: Path, *, read_picture: ReadPicture | None = None) -> Scene:
-    """Parse a file's bytes like :func:`load_scene`.
-
-    Errors name ``file``; the picture of a ROS map is in its folder.
-    """
+    """Parse a file's bytes like :func:`load_scene`; the picture of a ROS map is beside ``file``."""
     if is_picture(data):
         raise SceneError(
             f"{file}: a picture, not a scene: give it to vision.extract, or, for the picture of"

@@ -1,10 +1,8 @@
 """The scene as JSON, schema ``clearway.scene/1``, for programs that read ``clearway extract``.
 
-Rules and units
-- Coordinates are the scene's own (``units``); residuals are pixels of the picture.
-- Outlines run clockwise as seen on the screen, holes counter-clockwise, and so do arcs' ``ccw``.
-- ``scene_json_reader.py`` reads an equal scene back; ``counts`` are for people and not read, but
-  for ``border_pixels``.
+Coordinates are the scene's own (``units``), residuals pixels of the picture. Outlines run clockwise
+as seen on the screen, holes counter-clockwise; arcs' ``ccw`` is as seen there, too. Of the
+``counts``, only ``border_pixels`` is read again.
 """
 
 from __future__ import annotations
@@ -28,7 +26,7 @@ SCHEMA = "clearway.scene/1"
 
 
 def scene_to_json(scene: Scene) -> dict[str, Any]:
-    """Convert a scene to a dictionary of plain values; every number keeps all its digits."""
+    """Convert a scene to a dictionary of plain values."""
     b = scene.bounds
     how = scene.binarisation
     return {

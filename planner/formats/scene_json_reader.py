@@ -1,7 +1,7 @@
 """Reader of the scene's JSON (:mod:`planner.formats.scene_json`).
 
-Errors name the file and the member, as in ``objects[3].records[0].radius``. Members that are not
-known are skipped.
+Errors name the file and the member, as in ``objects[3].records[0].radius``. Unknown members are
+skipped.
 """
 
 from __future__ import annotations
@@ -38,8 +38,7 @@ from planner.scene import (
 def read_scene_json(text: str, name: str = "<text>") -> Scene:
     """Read the scene in ``text``; ``name`` is the file's name in errors.
 
-    Raises :class:`SceneError` on text that is not JSON, another schema, members that are missing or
-    of another kind, numbers that are not finite or beyond ``MAX_COORDINATE``, edges that do not
+    Raises :class:`SceneError` on other text, numbers beyond ``MAX_COORDINATE``, edges that do not
     connect, and arcs off their circles.
     """
     try:
@@ -67,27 +66,23 @@ def _refuse_constant(constant: str) -> NoReturn:
 
 
 class _Member:
-    """A value in the document, with its place for error messages."""
-
     def __init__(self, name: str, place: str, value: Any) -> None:
         self.name, self.place, self.value = name, place, value
 
     def refuse(self, must: str) -> NoReturn:
-        """Raise the error that the value must be something else."""
         where = f"{self.name}: {self.place or 'the document'}"
         if self.value is None:
             raise SceneError(f"{where}: is missing: must be {must}")
         raise SceneError(f"{where} = {reprlib.repr(self.value)}: must be {must}")
 
     def get(self, key: str) -> _Member:
-        """Member of an object; its value is None if it is missing or null."""
+        """Member of an object, with the value None if it is missing."""
         if not isinstance(self.value, dict):
             self.refuse("an object")
         place = f"{self.place}.{key}" if self.place else key
         return _Member(self.name, place, self.value.get(key))
 
     def rows(self) -> list[_Member]:
-        """Members of a list."""
         if not isinstance(self.value, list):
             self.refuse("a list")
         return [
@@ -96,14 +91,12 @@ class _Member:
         ]
 
     def number(self) -> float:
-        """A finite number within +-``MAX_COORDINATE``."""
         is_number = isinstance(self.value, int | float) and not isinstance(self.value, bool)
         if not is_number or not abs(self.value) <= MAX_COORDINATE:
             self.refuse(f"a number within +-{MAX_COORDINATE:g}")
         return float(self.value)
 
     def count(self, least: int) -> int:
-        """A whole number >= ``least``."""
         if type(self.value) is not int or self.value < least:
             self.refuse(f"a whole number >= {least}")
         return int(self.value)
@@ -115,25 +108,21 @@ class _Member:
         return str(self.value)
 
     def flag(self) -> bool:
-        """True or false."""
         if not isinstance(self.value, bool):
             self.refuse("true or false")
         return bool(self.value)
 
     def one_of(self, *words: str) -> str:
-        """One of some strings."""
         if not isinstance(self.value, str) or self.value not in words:
             self.refuse(f"one of {', '.join(words)}")
         return str(self.value)
 
     def numbers(self, count: int) -> list[float]:
-        """A list of a given number of numbers."""
         if not isinstance(self.value, list) or len(self.value) != count:
             self.refuse(f"a list of {count} numbers")
         return [row.number() for row in self.rows()]
 
     def point(self) -> Vec:
-        """A list of x and y."""
         x, y = self.numbers(2)
         return x, y
 

@@ -8,8 +8,8 @@ The plain format
     L N (x1,y1)...(xn,yn)       a generalized polygon of N vertices, closed from last to first
 ``#`` begins a comment. Spaces, tabs and commas between coordinates are equivalent.
 
-Extensions of the plain format are comments. They count only if the first line that is not blank is
-``#@ clearway.scene/1``; other readers skip them.
+Extensions are comments to other readers. They count only if the first line that is not blank is
+``#@ clearway.scene/1``.
     #@ units px|m|cells
     #@ bounds given|derived x_min y_min x_max y_max
     #@ size width height            of the picture, in pixels, or of the grid, in cells
@@ -23,8 +23,8 @@ Extensions of the plain format are comments. They count only if the first line t
     #@ residual_px d                distance of the record above from its pixels
 
 A file without extensions is in px; each record is an object of its own; polygons are reoriented
-clockwise as seen on the screen. The bounds are derived generously: the records' bounding box, grown
-by its diagonal on every side. Numbers are written as Python's shortest ``repr``.
+clockwise as seen on the screen. Its bounds are the records' bounding box, grown by its diagonal on
+every side. Numbers are written as Python's shortest ``repr``.
 """
 
 from __future__ import annotations
@@ -42,8 +42,7 @@ def read_scene_text(text: str, name: str = "<text>") -> Scene:
     """Read the scene in ``text``; ``name`` is the file's name in errors.
 
     Raises :class:`SceneError` ("name:line:column: what") on unknown records, wrong counts, numbers
-    that are not finite or beyond ``MAX_COORDINATE``, radii <= 0, and trailing characters.
-    O(length).
+    beyond ``MAX_COORDINATE``, radii <= 0, and trailing characters. O(length).
     """
     of_kind("text", text, str)
     reader = SceneReader(name)

@@ -31,7 +31,7 @@ from planner.scene import (
 HEADER = "#@ clearway.scene/1"
 ARC_END_TOLERANCE = 0.25
 """Largest distance of an arc's ends from its circle, as a part of the radius: fitted arcs are a
-fraction of a pixel off; more means that the numbers belong to another edge."""
+fraction of a pixel off; with more, the numbers belong to another edge."""
 
 
 class SceneReader:

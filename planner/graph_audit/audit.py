@@ -30,7 +30,7 @@ class GraphAudit:
     ``lines`` are the edges' lines as robots drive them, ``clearances`` (m,) their exact clearances,
     ``places`` (m, 2) where these are least, ``zone_clearances`` (m,) the same to keep-out zones, or
     None. Edges that name a missing node are not measured. ``frame_fit`` puts a graph of another
-    frame onto the map, None if it is not one. Lengths are in the scene's ``units``.
+    frame onto the map, or is None. Lengths are in the scene's ``units``.
     """
 
     radius: float
@@ -54,7 +54,6 @@ class GraphAudit:
         return tuple(one for one in self.findings if one.severity == severity)
 
     def __repr__(self) -> str:
-        """Return one line; ``findings`` has the rest."""
         counts = ", ".join(f"{len(self.of(s))} {s}" for s in ("unsafe", "error", "warning"))
         return f"<GraphAudit of {len(self.edges)} edges: {counts}>"
 
@@ -74,15 +73,15 @@ def audit(
 ) -> GraphAudit:
     """Measure every edge of a route graph exactly, and find what is wrong with the graph.
 
-    ``radius`` > 0 is the robot's, in the scene's units; the graph has the same frame and units.
-    The objects of ``keepout`` are zones that the robot's body must not enter, see
-    :func:`planner.load_mask`. ``speed`` are areas with speed limits that edges must not exceed, see
-    :func:`planner.load_speed_mask`; ``max_speed_m_s`` > 0 is the robot's, to compare limits in
-    percent with those in m/s. With ``passing``, stretches are reported on which two robots cannot
-    pass. A ``turning_radius`` > 0 is that of the tightest bend that the robot can drive. ``goals``
-    are places (x, y) that a robot must reach from the graph. A graph of several frames needs the
-    ``frame`` that the scene has. Raises ``ValueError`` for a radius, speed, goal or frame that
-    makes no sense. O(n log n) for n edges that lie near few others.
+    ``radius`` > 0 is the robot's, in the scene's units; the graph has the same frame and units. The
+    robot's body must not enter the objects of ``keepout``, see :func:`planner.load_mask`. ``speed``
+    are areas with speed limits that edges must not exceed, see :func:`planner.load_speed_mask`;
+    ``max_speed_m_s`` > 0 is the robot's, to compare limits in percent with those in m/s. With
+    ``passing``, stretches are reported on which two robots cannot pass. ``turning_radius`` is that
+    of the tightest bend that the robot can drive. ``goals`` are places (x, y) that a robot must
+    reach from the graph. A graph of several frames needs the ``frame`` of the scene. Raises
+    ``ValueError`` for a senseless radius, speed, goal or frame. O(n log n) for n edges that lie
+    near few others.
     """
     size, top_speed = check_radius(radius), check_speed(max_speed_m_s)
     turning, places = check_turning_radius(turning_radius), check_goals(goals)

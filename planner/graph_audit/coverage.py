@@ -1,15 +1,14 @@
 """Coverage: the share of the free space that a graph serves.
 
-Rules and units
-- Free space is where the robot's centre may be: places that keep the radius. It is counted in
-  square cells as large as the radius, by their centres, or in ``MOST_CELLS`` larger ones.
-- A cell is within reach if a robot can drive from it to the graph, through free cells, by a path
-  of at most ``reach``. Paths lead from cell to cell in eight directions: they are up to 8 % longer
-  than the shortest. Unsafe parts of the graph serve nobody.
-- SWAGGER's measures (nvidia-isaac) are those of its documentation, for the
-  same cells: the share of the free space whose connected region has a node; the mean and the
-  largest straight distance from these regions' cells to the nearest node; the share per node; and
-  the share of pairs of nodes between which there is a path, here of all pairs.
+- Free space is where the robot's centre may be. It is counted in square cells as large as the
+  radius, by their centres, or in ``MOST_CELLS`` larger ones.
+- A cell is within reach if a robot can drive from it to the graph, through free cells, by a path of
+  at most ``reach``. Paths lead from cell to cell in eight directions: they are up to 8 % longer
+  than the shortest. Unsafe edges serve nobody.
+- SWAGGER's measures (nvidia-isaac) are those of its documentation, for the same cells: the share of
+  the free space whose connected region has a node; the mean and the largest straight distance from
+  these regions' cells to the nearest node; the share per node; and the share of pairs of nodes
+  between which there is a path, here of all pairs.
 """
 
 from __future__ import annotations
@@ -29,11 +28,11 @@ from planner.scene import FloatArray, Scene
 from planner.shared.arguments import as_float
 
 REACH_RADII = 10.0
-"""Reach where none is given, in robot radii (chosen: two metres for many robots)."""
+"""In robot radii (chosen: two metres for many robots)."""
 MOST_CELLS = 60_000
 """Cells on the map at most (chosen: 0.5 s)."""
 AT_ONCE = 4_000_000
-"""Distances that are computed in one step (indifferent)."""
+"""Distances computed in one step (indifferent)."""
 CellMask = NDArray[np.bool_]
 
 
@@ -41,7 +40,7 @@ CellMask = NDArray[np.bool_]
 class GraphCoverage:
     """Shares in 0..1 of the free space near a graph; lengths and areas in the scene's units.
 
-    ``covered`` is the share within ``reach``; ``farthest`` the longest way to the graph, None if
+    ``covered`` is the share within ``reach``; ``farthest`` the longest path to the graph, None if
     some free place has none. ``region_share``, ``mean_to_node`` and ``farthest_to_node`` (None
     without a node in free space), ``share_per_node`` and ``connected_pairs`` are SWAGGER's.
     """
@@ -61,8 +60,8 @@ class GraphCoverage:
 def measure_coverage(audit: GraphAudit, scene: Scene, reach: float | None = None) -> GraphCoverage:
     """Measure the coverage of the free space by an audited graph.
 
-    ``reach`` > 0 is in the scene's units, by default ten radii; ``ValueError`` otherwise.
-    O(c log c) for c cells.
+    ``reach`` > 0 is in the scene's units, by default ten radii; ``ValueError`` otherwise. O(c log
+    c) for c cells.
     """
     far = REACH_RADII * audit.radius if reach is None else as_float("reach", reach)
     if not (math.isfinite(far) and far > 0.0):
@@ -90,7 +89,7 @@ def measure_coverage(audit: GraphAudit, scene: Scene, reach: float | None = None
 
 
 def _served(audit: GraphAudit, cell: float) -> FloatArray:
-    """Points along the safe edges, and the nodes, no farther apart than half a cell."""
+    """Points on the safe edges, no farther apart than half a cell, and the nodes."""
     places = [np.array([(n.x, n.y) for n in audit.graph.nodes]).reshape(-1, 2)]
     unsafe = {one.name for one in audit.of("unsafe") if one.subject == "edge"}
     for edge, line in zip(audit.edges, audit.lines, strict=True):
@@ -103,7 +102,6 @@ def _served(audit: GraphAudit, cell: float) -> FloatArray:
 
 
 def _to_nearest(places: FloatArray, nodes: FloatArray) -> FloatArray:
-    """Straight distance of every place to the nearest node; empty without nodes."""
     if not len(nodes) or not len(places):
         return np.empty(0)
     step = max(1, AT_ONCE // len(nodes))
@@ -115,7 +113,6 @@ def _to_nearest(places: FloatArray, nodes: FloatArray) -> FloatArray:
 
 
 def _connected_pairs(audit: GraphAudit) -> float:
-    """Share of the ordered pairs of nodes with a path from one to the other; 0 without a pair."""
     import networkx as nx  # late: it takes 0.2 s
 
     ways: nx.DiGraph[object] = nx.DiGraph()
@@ -154,16 +151,15 @@ class _Grid:
         return cls(free.reshape(shape), cell, empty.low, ground)
 
     def centres(self) -> FloatArray:
-        """Centres (rows * columns, 2) of all cells."""
         rows, columns = self.free.shape
         x, y = np.meshgrid(np.arange(columns) + 0.5, np.arange(rows) + 0.5)
         centres: FloatArray = self.low + self.cell * np.stack([x.ravel(), y.ravel()], axis=1)
         return centres
 
     def distances(self, places: FloatArray) -> FloatArray:
-        """Length of the shortest path (rows, columns) from each free cell to one of the places.
+        """Shortest path (rows, columns) from each free cell to one of the places, or infinite.
 
-        Infinite where there is none. A place counts for its own cell and the eight around it.
+        A place counts for its own cell and the eight around it.
         """
         rows, columns = self.free.shape
         found = np.full(rows * columns, np.inf)

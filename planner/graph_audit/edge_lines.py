@@ -1,7 +1,6 @@
 """The edges of a route graph as lines in the plane.
 
-An edge that names a node which does not exist has no line and is left out. Of several nodes with
-one id the first counts, as edges cannot tell them apart.
+An edge that names a missing node is left out. Of several nodes with one id the first counts.
 """
 
 from __future__ import annotations
@@ -17,7 +16,7 @@ from planner.graph_files.route_graph import GraphId, RouteEdge, RouteGraph
 from planner.scene import FloatArray, IntArray, Vec
 
 DRAWN = 0.01
-"""Distance that a drawn line may bend or miss its nodes by, in robot radii; less is invisible."""
+"""Largest invisible bend, or distance from its nodes, of a drawn line, in robot radii."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -77,7 +76,7 @@ def _has_trajectory(edge: RouteEdge) -> bool:
 def _line(
     graph: RouteGraph, edge: RouteEdge, ends: FloatArray, tolerance: float, findings: FindingList
 ) -> FloatArray:
-    """Line that robots drive: from node to node, with the drawn bends where the format has any."""
+    """Line that robots drive, with the drawn bends where the format has any."""
     if not edge.line:
         return ends
     drawn = np.array(edge.line)
@@ -104,7 +103,6 @@ def _gap(drawn: FloatArray, ends: FloatArray) -> float:
 
 
 def _off_chord(drawn: FloatArray) -> FloatArray:
-    """Distance of every point to the chord from the first to the last."""
     begin, chord = drawn[0], drawn[-1] - drawn[0]
     square = float(chord @ chord)
     part = (

@@ -186,7 +186,7 @@ KINDS: dict[str, FindingKind] = {
         "Put nodes at the bends.",
     ),
 }
-"""All kinds, in the order in which an audit lists them within a severity."""
+"""All kinds, in an audit's order within a severity."""
 ROUNDING = 1e-12
 """Lengths up to this are written as 0."""
 ORDER = {kind: number for number, kind in enumerate(KINDS)}
@@ -196,8 +196,7 @@ ORDER = {kind: number for number, kind in enumerate(KINDS)}
 class GraphFinding:
     """One finding: its subject's name, its place (x, y) or None, and ``value`` against ``limit``.
 
-    Lengths are in the scene's units. ``id`` is unique in an audit, and the same in the next audit
-    of the same graph.
+    Lengths are in the scene's units. ``id`` is unique in an audit, and stays in the next one.
     """
 
     id: str
@@ -212,7 +211,6 @@ class GraphFinding:
     cure: str
 
     def __str__(self) -> str:
-        """Return the finding as one sentence with its place."""
         place = "" if self.at is None else f" at {placed(*self.at)}"
         name = "the graph" if self.subject == "graph" else f"{self.subject} {self.name}"
         return f"{name}{place} {self.sentence}"

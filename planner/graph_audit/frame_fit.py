@@ -1,9 +1,7 @@
 """A transform that puts a graph of another frame onto its map, and the frames that have names.
 
-Rules and units
-- A place p of the graph goes to scale * turn * (p, mirrored at the x axis if ``mirrored``) + shift.
-- The named frames of a map are those in which people note its places: pixels from its corner, with
-  y down or up, metres from its corner or its centre, swapped axes, centimetres and millimetres.
+A place p of the graph goes to scale * turn * (p, mirrored at the x axis if ``mirrored``) + shift.
+People note a map's places in the named frames.
 """
 
 from __future__ import annotations
@@ -28,8 +26,8 @@ class FrameFit:
     """A transform that puts most of a graph into free space, and how sure it is.
 
     ``before`` and ``after`` are the shares of the graph's length that keep the radius, and
-    ``runner_up`` is that of the best transform to other places. ``named`` says which frame it is,
-    "" for none.
+    ``runner_up`` is that of the best transform to other places. ``named`` is the frame's name, or
+    "".
     """
 
     scale: float
@@ -71,7 +69,6 @@ class FrameFit:
         return replace(edge, line=tuple((x, y) for x, y in line), length=length)
 
     def __str__(self) -> str:
-        """Return the transform in words."""
         parts = ["mirror y"] if self.mirrored else []
         if abs(self.scale - 1.0) > 1e-9:
             parts.append(f"scale by {self.scale:.6g}")

@@ -1,13 +1,11 @@
 """The search for the frame of a graph that lies mostly in obstacles.
 
-Rules
 - A graph fits as well as the share of its length that keeps the robot's radius, counted at points
-  along its edges. It is looked for only if less than ``LOST`` of it does, and offered only if
-  ``FOUND`` of it then do.
-- The named frames come first. Then every turn by ``TURN_STEP_RAD``, with each scale that makes
-  sense, by correlation over all shifts; the best are refined.
-- A transform that is not sure is offered only if hardly anything is free without it. Of equally
-  good fits a named one is offered, else the one that turns least.
+  along its edges. A frame is looked for if less than ``LOST`` of it does, and offered if ``FOUND``
+  of it then does.
+- The named frames come first; then, by correlation over all shifts, every turn by ``TURN_STEP_RAD``
+  with each scale that makes sense; the best are refined.
+- Of equally good fits a named one is offered, else the one that turns least.
 """
 
 from __future__ import annotations
@@ -33,35 +31,35 @@ from planner.graph_audit.unsafe import TIGHT
 from planner.scene import FloatArray, Scene, Vec
 
 LOST, FOUND = 0.7, 0.95
-"""Shares of a graph that are free: less is lost, more is found (chosen: a graph by hand has few
-edges in obstacles)."""
+"""Free share of a graph that is lost below and found from (chosen: a graph by hand has few edges
+in obstacles)."""
 HARDLY = 0.3
-"""A graph with less than this free is offered a transform though others fit as well (chosen: with
-more of it free, it may be a bad graph of the right frame)."""
+"""Free share below which a transform is offered though others fit as well (chosen: with more, it
+may be a bad graph of the right frame)."""
 LEAST_EDGES = 3
-"""Edges that a graph must have: fewer fit anywhere (chosen)."""
+"""Fewest edges: fewer fit anywhere (chosen)."""
 MOST_POINTS = 2000
-"""Points along the edges at which a fit is counted (chosen: 0.1 s for all named frames)."""
+"""Points at which a fit is counted (chosen: 0.1 s for all named frames)."""
 FEWER = 4
-"""Every such point is looked at while a fit is refined (chosen: 0.3 s)."""
+"""Every such point is counted while a fit is refined (chosen: 0.3 s)."""
 GRID = 128
 """Cells of the coarse map along its longer side (chosen: 0.5 s for all turns)."""
 TURN_STEP_RAD = math.pi / 36.0
-"""Step of the turns: the end of a graph as long as the map moves by 5 cells of ``GRID``."""
+"""The end of a graph as long as the map moves by 5 cells of ``GRID``."""
 REFINED = 8
 """Coarse fits that are refined (indifferent from 4 to 16)."""
 AMPLE_RADII, ROOM_COUNTS = 4.0, 0.1
-"""Clearance up to this counts for a fit while it is refined, and how much (chosen)."""
+"""Clearance up to this counts while a fit is refined, and how much (chosen)."""
 PROMISING = 0.8
-"""Shares on the coarse map below which no fit is refined (measured: 1.0 for those that are found on
-Nav2's maps, 0.7 for what no frame puts into free space)."""
+"""Share on the coarse map from which fits are refined (measured: 1.0 for those found on Nav2's
+maps, 0.7 for what no frame puts into free space)."""
 HALVINGS = 6
-"""Halvings of the step of a refinement: to a 64th of a coarse cell (indifferent from 5 on)."""
+"""Halvings of a refinement's step: to a 64th of a coarse cell (indifferent from 5 on)."""
 SMALL, LARGE = 0.25, 1.5
 """Sizes of the graph, in those of the free space, that make sense (chosen: smaller ones fit
 anywhere)."""
 OTHER_PLACE = 0.1
-"""A fit is another one if it moves the nodes by this share of the graph's size (chosen)."""
+"""A fit is another if it moves the nodes by this share of the graph's size (chosen)."""
 
 
 def find_frame(lines: EdgeLines, scene: Scene, ground: Ground, radius: float) -> FrameFit | None:
@@ -104,7 +102,7 @@ def _apart(places: FloatArray, others: FloatArray) -> float:
 
 
 def _points_along(lines: EdgeLines, radius: float) -> FloatArray:
-    """Points along the edges' lines, equally far apart, those of each line once."""
+    """Equally spaced points along the edges' lines, those of each line once."""
     seen: dict[bytes, FloatArray] = {}
     for line in lines.lines:
         back = np.ascontiguousarray(line[::-1])
@@ -130,7 +128,7 @@ def _scales(scene: Scene) -> list[float]:
 
 @dataclass(frozen=True, slots=True)
 class _Search:
-    """Points (n, 2) of a graph, and the ground that they have to keep the radius on."""
+    """A graph's points (n, 2), and the ground on which they have to keep the radius."""
 
     points: FloatArray
     ground: Ground
@@ -138,7 +136,6 @@ class _Search:
     radius: float
 
     def share(self, places: FloatArray) -> float:
-        """Share of the places that keep the radius and lie on the map."""
         return float((self._clearances(places) >= self.radius).mean())
 
     def score(self, fit: FrameFit) -> float:
@@ -148,7 +145,6 @@ class _Search:
         return float((clearances >= self.radius).mean() + ROOM_COUNTS * room.mean())
 
     def _clearances(self, places: FloatArray) -> FloatArray:
-        """Clearance of every place, -inf off the map."""
         on = ((places >= self.box[:2]) & (places <= self.box[2:])).all(axis=1)
         clearances = np.full(len(places), -np.inf)
         clearances[on] = self.ground.signed(places[on])
@@ -158,7 +154,6 @@ class _Search:
         return self.share(placed(self.points, fit))
 
     def in_free_space(self) -> _Search:
-        """Return the search on the part of the map that has free space."""
         free, cell = self._coarse_map()
         rows, columns = np.nonzero(free)
         if not len(rows):
@@ -169,13 +164,11 @@ class _Search:
         return replace(self, box=np.concatenate([low, high]))
 
     def makes_sense(self, scale: float) -> bool:
-        """True if the scaled graph is about as large as the free space."""
         size = float((self.box[2:] - self.box[:2]).max())
         spread = float(np.ptp(self.points, axis=0).max())
         return SMALL * size <= scale * spread <= LARGE * size
 
     def anywhere(self, still: FrameFit, scales: Sequence[float]) -> list[FrameFit]:
-        """Return the best fits of all scales, turns and shifts, refined."""
         grid, cell = self._coarse_map()
         coarse: list[tuple[float, FrameFit]] = []
         spectrum = np.fft.rfft2(grid, (2 * GRID, 2 * GRID))
@@ -204,7 +197,7 @@ class _Search:
     def _best_shift(
         self, fit: FrameFit, spectrum: NDArray[np.complex128], cell: float
     ) -> tuple[float, FrameFit] | None:
-        """Best shift of a turned and scaled graph, by correlation of its cells with free ones."""
+        """Shift with the best correlation of the graph's cells with free ones."""
         places = placed(self.points, fit)
         low = places.min(axis=0)
         index = np.floor((places - low) / cell).astype(np.int64)
@@ -214,14 +207,12 @@ class _Search:
         np.add.at(image, (index[:, 1], index[:, 0]), 1.0 / len(index))
         scores = np.fft.irfft2(spectrum * np.conj(np.fft.rfft2(image)), image.shape)
         row, column = divmod(int(np.argmax(scores)), 2 * GRID)
-        # shifts beyond the map are negative ones
         steps = np.array([column, row], np.float64)
         steps[steps >= GRID] -= 2 * GRID
         x, y = (self.box[:2] + steps * cell - low).tolist()
         return float(scores[row, column]), replace(fit, shift=(x, y))
 
     def _different(self, coarse: list[tuple[float, FrameFit]]) -> list[tuple[float, FrameFit]]:
-        """Return the best coarse fits that do not lie next to a better one."""
         kept: list[tuple[float, FrameFit]] = []
         some = self.points[:: max(1, len(self.points) // 64)]
         for score, fit in coarse:
@@ -234,7 +225,6 @@ class _Search:
         return kept
 
     def _refined(self, fit: FrameFit, cell: float) -> FrameFit:
-        """Improve shift and turn by steps that halve."""
         few = replace(self, points=self.points[::FEWER])
         best, most = fit, few.score(fit)
         middle = self.points.mean(axis=0, keepdims=True)
@@ -256,7 +246,6 @@ _STEPS = ((1, 0, 0), (-1, 0, 0), (0, 1, 0), (0, -1, 0), (0, 0, 1), (0, 0, -1))
 
 
 def _turned_about(fit: FrameFit, middle: FloatArray, turn: float, shift: Vec) -> FrameFit:
-    """Turn a fit about the graph's middle, and shift it."""
     before = placed(middle, fit)[0]
     other = replace(fit, turn_rad=math.remainder(fit.turn_rad + turn, math.tau))
     after = placed(middle, other)[0]

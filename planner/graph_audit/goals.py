@@ -36,7 +36,7 @@ def judge_goals(
     radius: float,
     findings: FindingList,
 ) -> None:
-    """Add findings on goals to which no path leads from the nearest safe node of the graph."""
+    """Add findings on goals to which no path leads from the nearest safe node."""
     nodes = sorted(part)
     places = lines.places[nodes].reshape(-1, 2)
     places = places[ground.signed(places) >= radius * (1.0 - TIGHT)]

@@ -1,11 +1,9 @@
-"""Edges that cross without a node, and nodes that lie on edges which do not lead to them.
+"""Edges that cross without a node, and nodes that lie on edges that do not lead to them.
 
-Rules
 - Edges along the same line, in either direction, count once, under the first one's name.
-- Two straight pieces cross if each one's ends surely lie on both sides of the other. An edge
-  passes a node that is nearer to it than ``NEAR`` radii; a crossing so near to a node is that.
-- Pairs are found by a sweep along the axis on which fewer of them overlap: O(n log n) and the
-  pairs.
+- Two straight pieces cross if each one's ends surely lie on both sides of the other. Crossings
+  within ``NEAR`` radii of their nodes do not count.
+- A sweep finds the pairs: O(n log n) and the pairs.
 """
 
 from __future__ import annotations
@@ -21,9 +19,9 @@ from planner.graph_audit.findings import FindingList
 from planner.scene import FloatArray, IntArray, Vec
 
 NEAR = 0.01
-"""A node so near to an edge, in robot radii, is on it: a person who draws aims no better."""
+"""A node this near to an edge, in robot radii, is on it: people draw no better."""
 AT_ONCE = 2_000_000
-"""Pairs that are looked at in one step: some 200 MB."""
+"""Pairs looked at in one step: some 200 MB."""
 TURN_SLACK = 1e-15
 """Error bound of a turn's determinant over its products (Shewchuk 1997: 3.3e-16)."""
 
@@ -54,7 +52,6 @@ def find_nearby(lines: EdgeLines, radius: float, findings: FindingList) -> None:
 
 
 def _distinct(lines: EdgeLines) -> IntArray:
-    """First edge along each line, whichever way it leads."""
     first: dict[bytes, int] = {}
     for k, line in enumerate(lines.lines):
         way = min(line.tobytes(), np.ascontiguousarray(line[::-1]).tobytes())
@@ -65,10 +62,10 @@ def _distinct(lines: EdgeLines) -> IntArray:
 def _pairs(
     low: FloatArray, high: FloatArray, other_low: FloatArray, other_high: FloatArray
 ) -> Iterator[tuple[NDArray[np.int64], NDArray[np.int64]]]:
-    """Yield pairs of intervals, of one list and another, that begin in one another or overlap."""
+    """Yield overlapping pairs of intervals of two lists."""
     order = np.argsort(other_low, kind="stable")
     begins = other_low[order]
-    # those that begin before an interval ends, and end after it begins: no longer than the longest
+    # candidates begin before an interval ends, and by the longest one before it begins
     longest = float((other_high - other_low).max(initial=0.0))
     first = np.searchsorted(begins, low - longest, side="left")
     last = np.searchsorted(begins, high, side="right")
@@ -87,7 +84,6 @@ def _pairs(
 
 
 def _boxes(xy: FloatArray) -> tuple[FloatArray, FloatArray]:
-    """Lower and upper corners (p, 2) of the pieces' boxes."""
     return np.minimum(xy[:, :2], xy[:, 2:]), np.maximum(xy[:, :2], xy[:, 2:])
 
 
@@ -112,7 +108,6 @@ def _passed(pieces: _Pieces, places: FloatArray, near: float) -> Iterator[tuple[
 
 
 def _distance(points: FloatArray, xy: FloatArray) -> FloatArray:
-    """Distance of each point (n, 2) to its piece (n, 4)."""
     along = xy[:, 2:] - xy[:, :2]
     off = points - xy[:, :2]
     square = (along * along).sum(axis=1)
@@ -122,7 +117,7 @@ def _distance(points: FloatArray, xy: FloatArray) -> FloatArray:
 
 
 def _crossings(pieces: _Pieces, places: FloatArray, near: float) -> Iterator[tuple[int, int, Vec]]:
-    """Yield two edges and a place where they cross, once for each two edges."""
+    """Yield two edges and a place where they cross, once for each two."""
     low, high = _boxes(pieces.xy)
     done: set[tuple[int, int]] = set()
     axis = _narrower(low, high)
@@ -144,7 +139,7 @@ def _crossings(pieces: _Pieces, places: FloatArray, near: float) -> Iterator[tup
 
 
 def _narrower(low: FloatArray, high: FloatArray) -> int:
-    """Axis along which the pieces are shorter, compared with all of them together."""
+    """Axis along which the pieces are shorter, as a share of all of them together."""
     if not len(low):
         return 0
     low_end, high_end = low.min(axis=0), high.max(axis=0)

@@ -1,9 +1,6 @@
-"""Stretches on which two robots cannot pass each other.
+"""Stretches on which two robots cannot pass each other: clearances below two radii.
 
-Two discs of radius r pass side by side where the line between them keeps 2 r from every border:
-each drives r beside it. So an edge is too narrow where its clearance is less than 2 r. Only edges
-that lead both ways, alone or with one along the same line back, are looked at. Narrow parts that
-meet at a node are one stretch.
+Only edges driven both ways count. Narrow parts that meet at a node are one stretch.
 """
 
 from __future__ import annotations
@@ -25,7 +22,7 @@ MOST_NAMED = 6
 
 @dataclass(frozen=True, slots=True)
 class _Part:
-    """A narrow part of an edge: its length, its middle, and the nodes that it reaches."""
+    """A narrow part of an edge, and the nodes that it reaches."""
 
     edge: int
     length: float
@@ -49,7 +46,6 @@ def find_narrow(lines: EdgeLines, ground: Ground, radius: float, findings: Findi
 
 
 def _parts(lines: EdgeLines, ground: Ground, level: float) -> list[_Part]:
-    """Narrow parts of the edges that are driven both ways, each line once."""
     edges = driven_both_ways(lines)
     chosen = [lines.lines[k] for k in edges]
     owner, begin, end = ground.parts_below(chosen, level)
@@ -81,7 +77,6 @@ def driven_both_ways(lines: EdgeLines) -> list[int]:
 
 
 def _stretches(parts: list[_Part]) -> list[list[_Part]]:
-    """Group the parts that are connected at nodes."""
     leader = list(range(len(parts)))
 
     def find(k: int) -> int:

@@ -1,8 +1,8 @@
-"""Edges whose own speed limit is faster than that of an area which they run through.
+"""Edges whose own speed limit is faster than that of an area that they run through.
 
-An area's limit counts for the robot's centre, as in Nav2's SpeedFilter. A limit in percent and one
-in m/s are compared by the robot's largest speed, and not at all if that is not given. An edge
-without a limit of its own is left to the speed filter.
+An area's limit counts for the robot's centre, as in Nav2's SpeedFilter. Limits in percent and in
+m/s are compared by the robot's largest speed, if it is given. An edge without a limit is left to
+the speed filter.
 """
 
 from __future__ import annotations
@@ -55,13 +55,12 @@ def find_fast(
 
 
 def _is_faster(edge: RouteEdge, level: SpeedLevel, max_speed_m_s: float | None) -> bool:
-    """True if a limit of the edge is surely above the area's."""
     own = _in_units_of(level, edge, max_speed_m_s)
     return own is not None and own > level.limit * (1.0 + FASTER)
 
 
 def _in_units_of(level: SpeedLevel, edge: RouteEdge, max_speed_m_s: float | None) -> float | None:
-    """The edge's limit in the area's unit, the slower if it has two; None if it has none."""
+    """The edge's limit in the area's unit, the slower of two; None if it has none."""
     percent, speed = edge.speed_percent, edge.speed_m_s
     if level.speed_percent is not None:
         other = None if speed is None or max_speed_m_s is None else 100.0 * speed / max_speed_m_s

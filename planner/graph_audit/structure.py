@@ -1,7 +1,7 @@
 """Findings that need no map: ids, doubles, lengths, and where robots can drive on the graph.
 
-Reachability is that of the graph's directions alone, unsafe edges included. The largest part is the
-largest set of nodes between which robots can drive forth and back, of equal ones the first.
+Only the graph's directions count, unsafe edges included. The largest part is the largest set of
+nodes between which robots can drive forth and back, of equal ones the first.
 """
 
 from __future__ import annotations
@@ -35,7 +35,7 @@ def find_taken_ids(graph: RouteGraph, findings: FindingList) -> None:
 
 
 def find_doubles(lines: EdgeLines, findings: FindingList) -> None:
-    """Add findings on nodes at one place, and on edges that are there twice."""
+    """Add findings on nodes at one place, and on edges that exist twice."""
     same = _same_place(lines)
     order = np.lexsort(lines.places.T[::-1])
     before: list[int] = []
@@ -62,12 +62,11 @@ def find_doubles(lines: EdgeLines, findings: FindingList) -> None:
 
 
 def _same_place(lines: EdgeLines) -> float:
-    """Distance up to which two places are one."""
     return SAME_PLACE * float(np.ptp(lines.places, axis=0).max()) if len(lines.places) else 0.0
 
 
 def find_lengths(lines: EdgeLines, radius: float, findings: FindingList) -> None:
-    """Add findings on edges without length, and on lengths in the file that are wrong."""
+    """Add findings on edges without length, and on wrong lengths in the file."""
     same = _same_place(lines)
     rows = zip(lines.edges, lines.lines, lines.lengths.tolist(), strict=True)
     for edge, line, length in rows:

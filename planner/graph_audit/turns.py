@@ -1,12 +1,11 @@
 """Turns that are too tight for a robot with a turning radius R.
 
-Rules
-- A turn by the angle t from one straight piece to the next is driven as an arc of radius R that
-  touches both. It takes R tan(t / 2) of each piece, and is too tight if a piece is shorter, or if
-  the arc, which cuts the corner, comes nearer to an obstacle than the robot's radius.
-- Within an edge's line, the arcs at both ends of a piece must fit on it together. At a node, the
-  other arcs depend on the route and are not considered.
-- Turning back along the line by which a robot came is no turn, unless there is no other edge.
+- A turn by the angle t is driven as an arc of radius R that touches both pieces. It takes R tan(t /
+  2) of each, and is too tight if a piece is shorter, or if the arc comes nearer to an obstacle than
+  the robot's radius.
+- Within an edge's line, the arcs at both ends of a piece must fit on it together; at a node, other
+  arcs depend on the route and do not count.
+- Turning back along the same line is no turn, unless there is no other edge.
 """
 
 from __future__ import annotations
@@ -27,7 +26,7 @@ from planner.shared.arguments import as_float
 STRAIGHT_RAD = 1e-6
 """Turns up to this angle are rounding."""
 ARC_STEP_RAD = 0.05
-"""Angle between the points of an arc that is measured; its chords leave it by 0.03 % of R."""
+"""Angle between the points at which an arc is measured; its chords leave it by 0.03 % of R."""
 
 
 def check_turning_radius(turning_radius: float | None) -> float:
@@ -66,7 +65,6 @@ def find_tight_turns(
 
 
 def _once(lines: EdgeLines) -> list[int]:
-    """First edge along each line, in either direction."""
     first: dict[bytes, int] = {}
     for k, line in enumerate(lines.lines):
         back = np.ascontiguousarray(line[::-1]).tobytes()
@@ -75,14 +73,13 @@ def _once(lines: EdgeLines) -> list[int]:
 
 
 def _distinct(line: FloatArray) -> FloatArray:
-    """The line without repeated points."""
     kept = np.ones(len(line), np.bool_)
     kept[1:] = (np.diff(line, axis=0) != 0.0).any(axis=1)
     return line[kept]
 
 
 Driven = tuple[int, FloatArray]
-"""An edge's number, and its line in the direction that is driven."""
+"""An edge's number, and its line in the direction driven."""
 
 
 def _turns(lines: EdgeLines) -> Iterator[tuple[Driven, Driven, int]]:
@@ -113,13 +110,13 @@ def _turns(lines: EdgeLines) -> Iterator[tuple[Driven, Driven, int]]:
 def _bends(
     line: FloatArray, ground: Ground, radius: float, limit: float
 ) -> Iterator[tuple[Vec, float]]:
-    """Yield places and the widest radius of bends within a line that are too tight."""
+    """Yield place and widest radius of the bends that are too tight."""
     if len(line) < 3:
         return
     tangents = np.array([_tangent(line[k - 1 : k + 2]) for k in range(1, len(line) - 1)])
     lengths = np.hypot(*np.diff(line, axis=0).T)
     shares = np.concatenate([[0.0], tangents, [0.0]])
-    # a piece is shared by the arcs at both of its ends, in proportion to what they need
+    # arcs at both ends share a piece in proportion to what they need
     needed = np.array([a + b for a, b in pairwise(shares)])
     scale = np.where(needed > 0.0, lengths / np.where(needed > 0.0, needed, 1.0), np.inf)
     for k in range(1, len(line) - 1):
@@ -142,13 +139,11 @@ def _widest(corner: FloatArray, ground: Ground, radius: float, limit: float) -> 
 
 
 def _angle(corner: FloatArray) -> float:
-    """Signed angle of the turn at the middle of three points."""
     u, v = np.diff(corner, axis=0)
     return math.atan2(u[0] * v[1] - u[1] * v[0], u[0] * v[0] + u[1] * v[1])
 
 
 def _tangent(corner: FloatArray) -> float:
-    """Length of each piece that an arc of radius 1 takes: tan(t / 2)."""
     angle = abs(_angle(corner))
     return 0.0 if angle <= STRAIGHT_RAD else math.tan(0.5 * angle)
 

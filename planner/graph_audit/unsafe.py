@@ -15,7 +15,7 @@ from planner.scene import FloatArray, Scene
 TIGHT = 1e-7
 """A clearance may be less than the radius by this part of it: roadmaps round as much."""
 NOTICED = 1e-6
-"""Lengths inside obstacles below this part of an edge's are rounding."""
+"""Smaller shares of an edge inside obstacles are rounding."""
 
 
 def judge_edges(
@@ -52,7 +52,7 @@ def judge_edges(
 
 
 def _tight(lines: EdgeLines, clearances: FloatArray, radius: float) -> list[int]:
-    """Edges that are nearer than the radius; one without length is judged as its node."""
+    """Edges nearer than the radius; one without length is judged as its node."""
     tight: list[int] = np.flatnonzero(
         (clearances < radius * (1.0 - TIGHT)) & (lines.lengths > 0.0)
     ).tolist()
@@ -60,7 +60,6 @@ def _tight(lines: EdgeLines, clearances: FloatArray, radius: float) -> list[int]
 
 
 def _length_off(line: FloatArray, box: FloatArray) -> float:
-    """Length of a line outside a box, exact."""
     total = 0.0
     for a, b in pairwise(line):
         low, high = 0.0, 1.0
@@ -95,7 +94,7 @@ def judge_nodes(
 
 
 def _lengths_inside(lines: EdgeLines, ground: Ground, clearances: FloatArray) -> dict[int, float]:
-    """Lengths within the ground's obstacles, by edge, of the edges that touch one."""
+    """Lengths within the ground's obstacles, by edge."""
     touching = np.flatnonzero(clearances <= 0.0).tolist()
     lengths = ground.lengths_inside([lines.lines[k] for k in touching])
     return dict(zip(touching, map(float, lengths), strict=True))

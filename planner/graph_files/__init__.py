@@ -1,12 +1,12 @@
 """Route graphs as files: Nav2 GeoJSON, LIF, Open-RMF, GraphML, node-link JSON.
 
-- ``route_graph.py`` defines the graph in memory; ``convert.py`` fits it to another format.
-- ``geojson.py``, ``lif.py``, ``rmf.py``, ``graphml.py`` and ``node_link.py`` each read and write
-  one format; ``file_place.py`` checks values and names their place in errors.
-- ``graph_io.py`` recognises a file by its content and chooses a format by a file's suffix.
+- ``route_graph`` defines the graph in memory; ``convert`` fits it to another format.
+- ``geojson``, ``lif``, ``rmf``, ``graphml`` and ``node_link`` each read and write one format;
+  ``file_place`` checks values.
+- ``graph_io`` recognises a file by its content and chooses a format by a file's suffix.
 
-A format reads what it knows into the graph's own fields and keeps all the rest in ``fields``, so
-that reading, writing and reading again gives an equal graph.
+A format keeps all that it does not know in ``fields``, so that reading, writing and reading again
+gives an equal graph.
 """
 
 from collections.abc import Mapping
@@ -21,4 +21,4 @@ SUFFIXES: Final[Mapping[str, GraphFormat]] = {
     ".yaml": "rmf",
     ".yml": "rmf",
 }
-"""Formats by the suffix of a written file; here, so that ``--help`` loads nothing else."""
+"""By the suffix of a written file; here, so that ``--help`` loads nothing else."""

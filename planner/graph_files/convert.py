@@ -1,10 +1,8 @@
 """A route graph for another format: what its edges can say, and ids that it takes.
 
-Rules
-- Ids, places, frames, directions, speeds, costs and lengths go over. Of ``fields``, numbers, texts
-  and truth values go into Nav2's metadata, GraphML, node-link JSON and Open-RMF; LIF has no room.
+- Of ``fields``, numbers, texts and truth values are kept, but LIF has no room for them.
 - Nav2, LIF and Open-RMF have one-way, straight edges: an edge that leads both ways becomes two, one
-  that bends becomes a chain of edges with nodes at its bends.
+  that bends a chain with nodes at its bends.
 - Nav2 and Open-RMF number nodes and edges: other ids are kept as ``name``. Frames become levels.
 """
 
@@ -27,13 +25,12 @@ from planner.scene import Vec
 
 LIF_VERSION = "1.0.0"
 LIF_VEHICLE = "robot"
-"""Type of the vehicles in a LIF of a graph from another format."""
 MOST_NUMBER = 2**32 - 1
 """Nav2's ids have 32 bits; this one means that there is no id."""
 
 
 def converted(graph: RouteGraph, target: GraphFormat) -> RouteGraph:
-    """Return the graph as one of the target's format; the graph itself if it is one."""
+    """Return the graph in the target's format."""
     if graph.format == target:
         return graph
     nodes, edges = list(graph.nodes), list(graph.edges)
@@ -56,7 +53,7 @@ def converted(graph: RouteGraph, target: GraphFormat) -> RouteGraph:
 
 
 def _graph_fields(graph: RouteGraph, target: GraphFormat) -> dict[str, Any]:
-    """Return the whole graph's fields: those that both formats have, and what the target needs."""
+    """Return fields that both formats have, and what the target needs."""
     inner = graph.fields.get("graph") if graph.format == "node-link" else graph.fields
     own = _scalars(inner) if isinstance(inner, Mapping) and graph.format in BENT else {}
     directed = graph.fields.get("directed", not all(edge.both_ways for edge in graph.edges))
@@ -114,7 +111,6 @@ def _on_levels(
 def _straightened(
     nodes: list[RouteNode], edges: list[RouteEdge], taken: set[GraphId]
 ) -> tuple[list[RouteNode], list[RouteEdge]]:
-    """Put a node at every bend of an edge's line."""
     by_id = {node.id: node for node in nodes}
     more, pieces = list(nodes), []
     for k, edge in enumerate(edges):
@@ -141,7 +137,7 @@ def _straightened(
 
 
 def _inner(edge: RouteEdge, by_id: Mapping[GraphId, RouteNode]) -> list[Vec]:
-    """Points of an edge's line between its nodes, from its start on."""
+    """Points of an edge's line between its nodes."""
     line = list(edge.line)
     if edge.start in by_id and line and line[0] == _at(by_id[edge.start]):
         line = line[1:]
@@ -163,20 +159,18 @@ def _one_way(edge: RouteEdge) -> Iterator[RouteEdge]:
 
 
 def _carried(fields: Mapping[str, Any], source: GraphFormat, target: GraphFormat) -> dict[str, Any]:
-    """Return the fields that the target has room for."""
     plain = fields.get("properties", {}).get("metadata", {}) if source == "nav2" else fields
     values = _scalars(plain, lists=target in BENT) if isinstance(plain, Mapping) else {}
     return _as_feature(values) if target == "nav2" else values
 
 
 def _as_feature(metadata: Mapping[str, Any]) -> dict[str, Any]:
-    """Fields of a GeoJSON feature."""
     properties = {"metadata": metadata} if metadata else {}
     return {"type": "Feature", "properties": properties}
 
 
 def _scalars(fields: Mapping[str, Any], *, lists: bool = False) -> dict[str, Any]:
-    """Return the numbers, texts and truth values, and with ``lists`` also flat lists of them."""
+    """Return the numbers, texts and truth values, and with ``lists`` flat lists of them."""
     plain = str | int | float
     return {
         key: value
@@ -189,7 +183,7 @@ def _scalars(fields: Mapping[str, Any], *, lists: bool = False) -> dict[str, Any
 def _numbered(
     nodes: list[RouteNode], edges: list[RouteEdge]
 ) -> tuple[list[RouteNode], list[RouteEdge]]:
-    """Give numbers to nodes and edges unless all have different ones that Nav2 takes."""
+    """Number nodes and edges unless all have different numbers that Nav2 takes."""
     ids = [*(node.id for node in nodes), *(edge.id for edge in edges)]
     if len(set(ids)) == len(ids) and all(_is_number(one) for one in ids):
         return nodes, edges
@@ -228,7 +222,6 @@ def _with_name(fields: Mapping[str, Any], name: GraphId) -> dict[str, Any]:
 
 
 def _named(edges: list[RouteEdge]) -> list[RouteEdge]:
-    """Give an id to every edge that has none."""
     taken = {edge.id for edge in edges}
     fresh = (f"e{k}" for k in count() if f"e{k}" not in taken)
     return [replace(edge, id=next(fresh)) if edge.id is None else edge for edge in edges]

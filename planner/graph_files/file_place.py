@@ -11,9 +11,8 @@ from planner.graph_files.route_graph import ExchangeError, GraphId
 from planner.scene import Vec
 
 LARGEST = 1e12
-"""Coordinates and other numbers beyond this are refused: their squares lose all small parts."""
+"""The squares of larger numbers lose all small parts."""
 MOST_SHOWN = 40
-"""Characters of a wrong value that an error shows."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -24,7 +23,7 @@ class FilePlace:
     path: str = ""
 
     def at(self, key: str | int) -> FilePlace:
-        """Place of a member of this one."""
+        """Place of a member."""
         if isinstance(key, int):
             return FilePlace(self.file, f"{self.path}[{key}]")
         return FilePlace(self.file, f"{self.path}.{key}" if self.path else key)
@@ -34,7 +33,7 @@ class FilePlace:
         return ExchangeError(": ".join(part for part in (self.file, self.path, what) if part))
 
     def mapping(self, value: Any) -> dict[str, Any]:
-        """Check that the value is an object, and return a copy of it."""
+        """Check that the value is an object; return a copy."""
         if not isinstance(value, dict):
             raise self.error(f"{shown(value)}: must be an object of keys and values")
         return dict(value)
@@ -46,7 +45,7 @@ class FilePlace:
         return value
 
     def needed(self, record: dict[str, Any], key: str) -> Any:
-        """Remove the record's value of a key, which it must have, and return it."""
+        """Remove and return the value of a key that must exist."""
         if key not in record:
             raise self.error(f"has no {key}: must have one")
         return record.pop(key)
@@ -73,7 +72,7 @@ class FilePlace:
 
 
 def as_number(value: Any) -> float | None:
-    """Return the value as a float; None unless it is a finite number within ``LARGEST``."""
+    """Return a finite number within ``LARGEST`` as a float, otherwise None."""
     if isinstance(value, bool) or not isinstance(value, int | float):
         return None
     if isinstance(value, int) and abs(value) > LARGEST:
@@ -82,7 +81,7 @@ def as_number(value: Any) -> float | None:
 
 
 def take_number(record: dict[str, Any], key: str) -> float | None:
-    """Remove the record's value of a key and return it; leave one that is no number."""
+    """Remove and return a number; leave anything else."""
     number = as_number(record.get(key))
     if number is not None:
         del record[key]

@@ -3,11 +3,10 @@
 A Point is a node, with ``id`` and perhaps ``frame`` among its properties; a LineString or
 MultiLineString is an edge, with ``id``, ``startid``, ``endid`` and perhaps ``cost``. An edge leads
 one way, straight from node to node: its line is for pictures. Its ``metadata`` may have
-``speed_limit`` (percent), ``abs_speed_limit`` (m/s) and ``length``. The server passes over other
-features; they are kept here.
+``speed_limit`` (percent), ``abs_speed_limit`` (m/s) and ``length``. Other features are kept.
 
-In ``fields`` are the feature's other members: its other ``properties``, its ``geometry`` without
-the coordinates, ``lines``, the number of points of each of several lines, and ``heights``, what
+``fields`` are the feature's other members and ``properties``, its ``geometry`` without the
+coordinates, ``lines``, the number of points of each of several lines, and ``heights``, what
 coordinates have besides x and y.
 """
 
@@ -23,7 +22,7 @@ LINES = ("LineString", "MultiLineString")
 
 
 def read_geojson(text: str, file: str) -> RouteGraph:
-    """Parse a route graph; :class:`ExchangeError` with the place of what is wrong."""
+    """Parse a route graph; :class:`ExchangeError` with the place of an error."""
     root = FilePlace(file)
     document = {"type": "FeatureCollection"} | parse_json(text, file)
     nodes: list[RouteNode] = []
@@ -80,7 +79,7 @@ def _edge(here: FilePlace, feature: dict[str, Any], geometry: dict[str, Any]) ->
 
 
 def _line(here: FilePlace, geometry: dict[str, Any], fields: dict[str, Any]) -> tuple[Vec, ...]:
-    """Points of the geometry; puts the rest of it into ``fields``."""
+    """Points of the geometry; its rest goes into ``fields``."""
     rows = here.sequence(geometry.get("coordinates"))
     fields["geometry"] = {key: geometry[key] for key in geometry if key != "coordinates"}
     if geometry["type"] == "LineString":
@@ -96,7 +95,7 @@ def _line(here: FilePlace, geometry: dict[str, Any], fields: dict[str, Any]) -> 
 
 
 def write_geojson(graph: RouteGraph) -> str:
-    """Write a graph whose fields are those of this format."""
+    """Write a graph with this format's fields."""
     document = dict(graph.fields)
     others = document.pop("other_features", [])
     places = {node.id: (node.x, node.y) for node in graph.nodes}
@@ -150,7 +149,7 @@ def _lines(edge: RouteEdge, places: dict[Any, Vec]) -> dict[str, Any]:
 
 
 def _split(rows: list[Any], sizes: list[int]) -> list[list[Any]]:
-    """Rows as lines of the given sizes, or one line if they have other points by now."""
+    """Rows as lines of the given sizes, or one line if their number has changed."""
     if sum(sizes) != len(rows):
         return [rows]
     ends = [sum(sizes[: i + 1]) for i in range(len(sizes))]

@@ -37,8 +37,7 @@ WRITERS: Mapping[GraphFormat, Callable[[RouteGraph], str]] = {
 def load_graph(path: str | os.PathLike[str]) -> RouteGraph:
     """Load a route graph: Nav2 GeoJSON, LIF, Open-RMF YAML, GraphML or node-link JSON.
 
-    The content decides, not the suffix. Raises :class:`ExchangeError` with the file and the place
-    of what is wrong.
+    The content decides, not the suffix. Raises :class:`ExchangeError` with the file and the place.
     """
     try:
         return read_graph(read_text(Path(path)), os.fspath(path))
@@ -78,7 +77,7 @@ def graph_text(graph: RouteGraph, form: GraphFormat) -> str:
 
 
 def format_of(path: str | os.PathLike[str]) -> GraphFormat:
-    """Format of a file that is to be written; :class:`ExchangeError` for another suffix."""
+    """Format of a file to write; :class:`ExchangeError` for another suffix."""
     suffix = Path(path).suffix.lower()
     if suffix not in SUFFIXES:
         raise ExchangeError(f"suffix '{suffix}': must be one of {', '.join(SUFFIXES)}")
@@ -90,7 +89,7 @@ def save_graph(
 ) -> None:
     """Write a graph in a format, by default that of the suffix.
 
-    Raises :class:`ExchangeError` if the suffix is another, or the file cannot be written.
+    Raises :class:`ExchangeError` for another suffix, or a file that cannot be written.
     """
     text = graph_text(graph, format_of(path) if form is None else form)
     try:

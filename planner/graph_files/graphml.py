@@ -1,8 +1,8 @@
 """GraphML with places in the attributes ``x`` and ``y``, or ``pos`` ("x,y").
 
 Edges have the attributes of node-link JSON, see ``node_link.py``; a ``polyline`` is "x,y x,y ...".
-``directed`` of the graph or of an edge says whether an edge leads one way. Ids are text. Nested
-graphs, hyperedges and ports are refused.
+``directed`` of the graph or of an edge says whether an edge leads one way. Nested graphs,
+hyperedges and ports are refused.
 """
 
 from __future__ import annotations
@@ -34,7 +34,7 @@ class AttributeKey:
 
 
 def read_graphml(text: str, file: str) -> RouteGraph:
-    """Parse GraphML; :class:`ExchangeError` with the place of what is wrong."""
+    """Parse GraphML; :class:`ExchangeError` with the place of an error."""
     if "<!DOCTYPE" in text:
         raise ExchangeError(f"{file}: has a document type: must have none")
     try:
@@ -129,7 +129,6 @@ def _node(
 
 
 def _number(value: Any) -> Any:
-    """Number in a text, for attributes that are declared as text."""
     try:
         return float(value) if isinstance(value, str) else value
     except ValueError:
@@ -169,9 +168,7 @@ def _points(here: FilePlace, text: str, count: int | None = None) -> tuple[Vec, 
 
 
 def write_graphml(graph: RouteGraph) -> str:
-    """Write a graph whose fields are those of this format; values other than text, numbers and
-    truth values become text.
-    """
+    """Write a graph with this format's fields; lists and other such values become text."""
     keys: dict[tuple[str, str], tuple[str, str]] = {}
     fields = dict(graph.fields)
     directed = fields.pop("directed", not all(edge.both_ways for edge in graph.edges))
@@ -224,5 +221,4 @@ def _typed(value: Any) -> tuple[str, str]:
 
 
 def _printed(text: str) -> str:
-    """Text without characters that XML cannot hold."""
     return re.sub(r"[^\t\n\r\x20-\ud7ff\ue000-\ufffd\U00010000-\U0010ffff]", "?", text)

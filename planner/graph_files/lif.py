@@ -1,9 +1,9 @@
 """LIF, the VDMA's layout interchange format, for masters that speak VDA 5050.
 
 ``layouts`` hold ``nodes`` (``nodeId``, ``nodePosition``, perhaps ``mapId``, the frame) and
-``edges`` (``edgeId``, ``startNodeId``, ``endNodeId``). An edge leads one way. Its
-``vehicleTypeEdgeProperties`` may have a ``maxSpeed`` each; the least of them is the edge's speed.
-Stations and all else stay in ``fields`` and ``parts``.
+``edges`` (``edgeId``, ``startNodeId``, ``endNodeId``). An edge leads one way. Its speed is the
+least ``maxSpeed`` of its ``vehicleTypeEdgeProperties``. Stations and all else stay in ``fields``
+and ``parts``.
 """
 
 from __future__ import annotations
@@ -15,7 +15,7 @@ from planner.graph_files.route_graph import RouteEdge, RouteGraph, RouteNode
 
 
 def read_lif(text: str, file: str) -> RouteGraph:
-    """Parse a LIF; :class:`ExchangeError` with the place of what is wrong."""
+    """Parse a LIF; :class:`ExchangeError` with the place of an error."""
     root = FilePlace(file)
     document = parse_json(text, file)
     nodes: list[RouteNode] = []
@@ -54,7 +54,6 @@ def _edge(here: FilePlace, value: Any, part: int) -> RouteEdge:
 
 
 def _speed(fields: dict[str, Any]) -> float | None:
-    """Return the least ``maxSpeed`` of all vehicle types."""
     rows = fields.get("vehicleTypeEdgeProperties")
     found = [as_number(row.get("maxSpeed")) for row in _objects(rows)]
     return min((speed for speed in found if speed is not None), default=None)
@@ -65,7 +64,7 @@ def _objects(rows: object) -> list[dict[str, Any]]:
 
 
 def write_lif(graph: RouteGraph) -> str:
-    """Write a graph whose fields are those of this format."""
+    """Write a graph with this format's fields."""
     layouts: list[dict[str, Any]] = []
     for i, part in enumerate(graph.parts):
         nodes = [_node_record(node) for node in graph.nodes if node.part == i]

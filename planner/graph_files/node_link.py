@@ -2,8 +2,8 @@
 
 A node has ``id``, its place in ``x`` and ``y`` or ``pos``, and perhaps ``frame``. An edge has
 ``source``, ``target``, and perhaps ``id``, ``polyline`` ([[x, y], ...]), ``length``, ``cost``,
-``speed`` (m/s) and ``speed_percent``. The list of edges is ``edges``, or ``links`` in files of
-earlier networkx versions. In a file that is not ``directed`` every edge leads both ways.
+``speed`` (m/s) and ``speed_percent``. The list of edges is ``edges``, or ``links`` from earlier
+networkx versions. In a file that is not ``directed`` every edge leads both ways.
 """
 
 from __future__ import annotations
@@ -15,7 +15,7 @@ from planner.graph_files.route_graph import RouteEdge, RouteGraph, RouteNode
 
 
 class EdgeLimits(NamedTuple):
-    """Limits that an edge's attributes give, None for each that they do not."""
+    """Limits in an edge's attributes, or None."""
 
     cost: float | None
     length: float | None
@@ -24,7 +24,7 @@ class EdgeLimits(NamedTuple):
 
 
 def read_node_link(text: str, file: str) -> RouteGraph:
-    """Parse node-link JSON; :class:`ExchangeError` with the place of what is wrong."""
+    """Parse node-link JSON; :class:`ExchangeError` with the place of an error."""
     root = FilePlace(file)
     document = parse_json(text, file)
     nodes = root.at("nodes").sequence(root.needed(document, "nodes"))
@@ -68,14 +68,14 @@ def take_text(fields: dict[str, Any], key: str) -> str:
 
 
 def take_limits(fields: dict[str, Any]) -> EdgeLimits:
-    """Remove and return cost, length, speed and speed_percent."""
+    """Remove and return an edge's limits."""
     return EdgeLimits(
         *(take_number(fields, key) for key in ("cost", "length", "speed", "speed_percent"))
     )
 
 
 def limits_of(edge: RouteEdge) -> dict[str, float]:
-    """Return cost, length, speed and speed_percent, as far as they are given."""
+    """Return an edge's limits, as far as they are given."""
     values = {
         "cost": edge.cost,
         "length": edge.length,
@@ -92,7 +92,7 @@ def node_fields(node: RouteNode) -> dict[str, Any]:
 
 
 def write_node_link(graph: RouteGraph) -> str:
-    """Write a graph whose fields are those of this format."""
+    """Write a graph with this format's fields."""
     directed = graph.fields.get("directed", not all(edge.both_ways for edge in graph.edges))
     edges: list[dict[str, Any]] = []
     for edge in graph.edges:

@@ -1,8 +1,8 @@
 """Open-RMF navigation graphs: YAML with levels of vertices and lanes.
 
-A vertex is [x, y, {name, ...}], a lane [first vertex, last vertex, {speed_limit, ...}]; the
-vertices of a level are numbered from 0, and a lane leads one way. A vertex's id here is
-``level/number``, its frame the level.
+A vertex is [x, y, {name, ...}], a lane [first vertex, last vertex, {speed_limit, ...}]; a level's
+vertices are numbered from 0, and a lane leads one way. A vertex's id here is ``level/number``, its
+frame the level.
 """
 
 from __future__ import annotations
@@ -17,7 +17,7 @@ from planner.graph_files.route_graph import ExchangeError, GraphId, RouteEdge, R
 
 
 def read_rmf(text: str, file: str) -> RouteGraph:
-    """Parse a navigation graph; :class:`ExchangeError` with the place of what is wrong."""
+    """Parse a navigation graph; :class:`ExchangeError` with the place of an error."""
     root = FilePlace(file)
     document = root.mapping(_parse(text, file))
     levels = root.at("levels").mapping(root.needed(document, "levels"))
@@ -76,7 +76,7 @@ def _fields(here: FilePlace, rest: list[Any]) -> dict[str, Any]:
 
 
 def _plain(value: object) -> object:
-    """Value as a number if it is one to YAML 1.2 and C++, as 1e-5, but text to YAML 1.1."""
+    """A number to YAML 1.2 and C++, as 1e-5, is text to YAML 1.1."""
     if isinstance(value, str):
         try:
             return float(value)
@@ -86,7 +86,7 @@ def _plain(value: object) -> object:
 
 
 def write_rmf(graph: RouteGraph) -> str:
-    """Write a graph whose fields are those of this format, in the order of its parts.
+    """Write a graph with this format's fields.
 
     Raises :class:`ExchangeError` if a lane leads to no vertex of its level.
     """
@@ -114,7 +114,7 @@ def _lane(edge: RouteEdge, number: Mapping[GraphId, int], level: str) -> list[An
 
 
 def _vertex(edge: RouteEdge, node: GraphId, number: Mapping[GraphId, int], level: str) -> int:
-    """Number of a vertex; of one that is missing, the one it has in the file it was read from."""
+    """Number of a vertex; a missing one keeps that of the file it was read from."""
     if node in number:
         return number[node]
     part, _, last = str(node).rpartition("/")

@@ -1,12 +1,10 @@
 """A route graph: nodes with places, edges with directions, and what else their file says.
 
-Rules and units
 - Places are in the file's own frame and units: metres, y up, for Nav2, LIF and Open-RMF.
 - An edge leads from ``start`` to ``end``; one with ``both_ways`` leads back as well. Its nodes need
-  not exist: that is for an audit to find.
-- ``speed_m_s`` is a limit in metres per second, ``speed_percent`` one in percent of the robot's own
-  largest speed. ``cost`` and ``length`` are as given, None if the file gives none.
-- ``fields`` holds what the format has besides, as the format has it.
+  not exist.
+- ``speed_m_s`` and ``speed_percent``, of the robot's own largest speed, are limits. ``fields``
+  holds what the format has besides.
 """
 
 from __future__ import annotations
@@ -21,7 +19,7 @@ from planner.scene import Vec, printable
 GraphId: TypeAlias = str | int
 
 BENT: tuple[GraphFormat, ...] = ("graphml", "node-link")
-"""Formats whose edges may bend; robots drive the edges of the others straight."""
+"""Formats whose edges may bend; robots drive others straight."""
 
 
 class ExchangeError(ValueError):
@@ -33,7 +31,7 @@ class ExchangeError(ValueError):
 
 @dataclass(frozen=True, slots=True)
 class RouteNode:
-    """A place of a route graph; ``part`` is the level or layout of the file that holds it."""
+    """A place; ``part`` is the level or layout of the file that holds it."""
 
     id: GraphId
     x: float
@@ -45,7 +43,7 @@ class RouteNode:
 
 @dataclass(frozen=True, slots=True)
 class RouteEdge:
-    """A connection of two nodes; ``line`` is its drawn line, empty if none is given."""
+    """A connection of two nodes; ``line`` is its drawn line, if any."""
 
     id: GraphId | None
     start: GraphId
@@ -61,7 +59,7 @@ class RouteEdge:
 
     @property
     def name(self) -> str:
-        """The edge's id, or its nodes' if it has none."""
+        """The edge's id, or its nodes'."""
         return f"{self.start}-{self.end}" if self.id is None else str(self.id)
 
 
@@ -79,16 +77,15 @@ class RouteGraph:
     parts: tuple[Mapping[str, Any], ...] = ()
 
     def __repr__(self) -> str:
-        """Return one line; the fields have the rest."""
         return f"<RouteGraph ({self.format}) of {len(self.nodes)} nodes, {len(self.edges)} edges>"
 
     @property
     def bends(self) -> bool:
-        """True if robots follow the edges' lines, False if they drive from node to node."""
+        """True if robots follow the edges' lines."""
         return self.format in BENT
 
     def frame_of(self, node: RouteNode) -> str:
-        """Frame of a node; one that names none is in Nav2's frame "map", else in ""."""
+        """Frame of a node; without one, "map" for Nav2, else ""."""
         return node.frame or ("map" if self.format == "nav2" else "")
 
     @property

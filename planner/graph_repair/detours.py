@@ -1,10 +1,8 @@
 """Detours: an edge that is led round obstacles, as a bent line or as a chain of straight edges.
 
-- An edge of a format whose edges bend gets the path as its line.
-- Another one becomes a chain with nodes at the bends. Its first piece keeps the id, and all keep
-  the speed and the other fields. Edges between the same two nodes, in either direction, share
-  these nodes.
-- A length in the file becomes the true one. A cost grows with the length, and is divided like it.
+A chain's first piece keeps the id, and all keep the speed and the other fields. Edges between the
+same two nodes, in either direction, share its nodes. A length in the file becomes the true one; a
+cost grows with it, and is divided like it.
 """
 
 from __future__ import annotations
@@ -90,7 +88,7 @@ class Detours:
 
 
 def _plain_fields(near: RouteNode, form: str) -> Mapping[str, Any]:
-    """Fields that a node of the format must have, without those of the node near it."""
+    """Fields that a node of the format must have."""
     if form == "nav2":
         return {"type": "Feature", "properties": {}}
     rows = near.fields.get("vehicleTypeNodeProperties")

@@ -11,16 +11,16 @@ from planner.graph_repair.solid_ground import SolidGround
 from planner.scene import FloatArray, Vec
 
 DIRECTIONS = 48
-"""Directions in which places are looked for (chosen: 8 degrees apart)."""
+"""Directions in which places are sought (chosen: 8 degrees apart)."""
 FIRST_RADII, GROWTH = 0.02, 1.12
 """Distance of the nearest ring of places, in radii, and from ring to ring (chosen: a place is at
 most an eighth farther than the nearest)."""
 HALVINGS = 12
 """Halvings of the last step towards the node: to 3e-5 of the distance."""
 MOST_TRIED = 12
-"""Places that are tried until one has a path to a neighbour (chosen)."""
+"""Places tried until one has a path to a neighbour (chosen)."""
 MOST_ASKED = 4
-"""Neighbours to which a path is looked for (chosen)."""
+"""Neighbours to which a path is sought (chosen)."""
 FARTHER = 1.5
 """A place up to this much farther is taken if more neighbours then see it (chosen)."""
 
@@ -30,8 +30,8 @@ def free_place(
 ) -> Vec | str:
     """Return the free place nearest to an unsafe one, or why there is none.
 
-    One that has straight safe lines to more of the neighbours may be a little farther. It has paths
-    to all neighbours, or to as many as any that was tried, and at least to one.
+    One with straight safe lines to more neighbours may be a little farther. It has paths to all
+    neighbours, or to as many as any that was tried, and at least to one.
     """
     places = _places_around(at, ground, farthest)
     if not len(places):
@@ -55,7 +55,6 @@ def free_place(
 
 
 def _seen(place: FloatArray, neighbours: Sequence[Vec], ground: SolidGround) -> int:
-    """Count the neighbours to which a straight line is safe."""
     return sum(ground.is_safe(np.array([place, other])) for other in neighbours)
 
 

@@ -1,4 +1,4 @@
-"""Ids for the nodes and edges that a repair adds: in the format's own kind, and not taken."""
+"""Ids for the nodes and edges that a repair adds: in the format's own kind."""
 
 from __future__ import annotations
 
@@ -24,14 +24,14 @@ class FreshIds:
         self._edges = Counter(edge.part for edge in graph.edges)
 
     def node(self, part: int, near: GraphId) -> GraphId:
-        """Id of a new node, added after all others."""
+        """Id of a new node, added last."""
         if self._by_place:
             self._nodes[part] += 1
             return f"{self._levels[part]}/{self._nodes[part] - 1}"
         return self._free(near)
 
     def edge(self, whole: RouteEdge) -> GraphId | None:
-        """Id of a further piece of an edge, added after all others; None if edges have none."""
+        """Id of a further piece of an edge, added last; None if edges have none."""
         if self._by_place:
             self._edges[whole.part] += 1
             return f"{self._levels[whole.part]}/lane {self._edges[whole.part] - 1}"

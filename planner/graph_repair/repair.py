@@ -1,10 +1,8 @@
 """The repair: unsafe nodes move, unsafe edges are led round, and an audit certifies the result.
 
-- Nodes and edges keep their ids and their other fields. What is safe stays, except for edges of
-  nodes that move.
-- The certificate is a further audit. What it still finds unsafe has a reason in ``unsolved``.
-- A graph of another frame is transformed first if the audit is sure of the transform, and not
-  repaired if it is not.
+Nodes and edges keep their ids and their other fields. What is safe stays, except for edges of nodes
+that move. A graph of another frame is transformed first if the audit is sure of the transform;
+otherwise it is not repaired.
 """
 
 from __future__ import annotations
@@ -42,9 +40,8 @@ class NodeMove:
 class GraphRepair:
     """A repaired graph with its audit.
 
-    ``moved`` nodes and the ``detours``, names of edges that were led round, differ from the graph
-    that was given, after the transform ``frame_fit`` if that is not None. ``unsolved`` has the id
-    of each unsafe finding of the audit that remains, and why.
+    ``moved`` nodes and ``detours``, names of edges led round, are changes after the transform
+    ``frame_fit``, if any. ``unsolved`` has the id of each unsafe finding that remains, and why.
     """
 
     graph: RouteGraph
@@ -55,7 +52,6 @@ class GraphRepair:
     frame_fit: FrameFit | None = None
 
     def __repr__(self) -> str:
-        """Return one line; the fields have the rest."""
         done = f"{len(self.moved)} nodes moved, {len(self.detours)} edges led round"
         return f"<GraphRepair: {done}, {len(self.unsolved)} unsolved>"
 
@@ -71,8 +67,8 @@ def repair(
     """Repair what an audit finds unsafe in a route graph.
 
     Arguments and errors are those of :func:`planner.audit`. Unsafe nodes move to the nearest free
-    places from which paths lead to their neighbours. Unsafe edges are led along paths that keep the
-    radius from obstacles and zones.
+    places from which paths lead to their neighbours. Unsafe edges follow paths that keep the radius
+    from obstacles and zones.
     """
     found = audit(graph, scene, radius, keepout=keepout, frame=frame)
     fit = found.frame_fit
@@ -97,7 +93,7 @@ def repair(
 
 @dataclass(slots=True)
 class _Work:
-    """A repair under way: the graph, and the nodes of the frame that is repaired, by identity."""
+    """A repair under way; ``inside`` are the nodes of the repaired frame, by identity."""
 
     graph: RouteGraph
     inside: set[int]
@@ -110,7 +106,7 @@ class _Work:
     _reasons: dict[tuple[str, str], str] = field(default_factory=dict)
 
     def move_nodes(self) -> None:
-        """Move every unsafe node; nodes at one place stay at one."""
+        """Move unsafe nodes; those at one place stay at one."""
         own = [k for k, node in enumerate(self.graph.nodes) if id(node) in self.inside]
         places = np.array([(self.graph.nodes[k].x, self.graph.nodes[k].y) for k in own])
         free = self.ground.is_free(places.reshape(-1, 2))
@@ -141,7 +137,6 @@ class _Work:
     def _neighbours(
         self, first: Mapping[GraphId, Vec], sound: set[GraphId]
     ) -> dict[Vec, dict[Vec, None]]:
-        """Places of the safe nodes to and from which edges of the unsafe ones at a place lead."""
         found: dict[Vec, dict[Vec, None]] = {}
         for edge in self.graph.edges:
             for one, other in ((edge.start, edge.end), (edge.end, edge.start)):
@@ -150,7 +145,7 @@ class _Work:
         return found
 
     def lead_edges(self) -> None:
-        """Lead every unsafe edge along a path, and let lines end at the nodes that moved."""
+        """Lead unsafe edges along paths, and let lines end at the nodes that moved."""
         places: dict[GraphId, Vec] = {}
         for old, node in zip(self.graph.nodes, self.nodes, strict=True):
             if id(old) in self.inside:
@@ -191,7 +186,7 @@ class _Work:
         return paths[a, b]
 
     def _attached(self, edge: RouteEdge, places: Mapping[GraphId, Vec]) -> RouteEdge:
-        """Return an edge whose line and length follow its nodes."""
+        """Let an edge's line and length follow its nodes."""
         line = np.array(edge.line).reshape(-1, 2)
         if self.graph.bends and len(line):
             ends = np.array([places[edge.start], places[edge.end]])
@@ -207,7 +202,6 @@ class _Work:
         return replace(kept, length=length_of(self._line(kept, places)))
 
     def _line(self, edge: RouteEdge, places: Mapping[GraphId, Vec]) -> FloatArray:
-        """Line that robots drive."""
         ends = np.array([places[edge.start], places[edge.end]])
         inner = np.array(edge.line).reshape(-1, 2)[1:-1]
         if not self.graph.bends or not len(inner):
@@ -221,12 +215,11 @@ class _Work:
         return np.concatenate([ends[:1], inner, ends[1:]])
 
     def result(self) -> RouteGraph:
-        """Return the repaired graph: what it had, in its order, and then what detours added."""
+        """Return the repaired graph, additions last."""
         nodes, edges = self.extra
         return replace(self.graph, nodes=(*self.nodes, *nodes), edges=(*self.edges, *edges))
 
     def reason(self, finding: GraphFinding) -> str:
-        """Return why a finding remains."""
         if finding.subject == "edge" and ("edge", finding.name) in self._reasons:
             return self._reasons["edge", finding.name]
         return self._reasons.get((finding.subject, finding.name), MISSING)

@@ -16,11 +16,11 @@ from planner.roadmap.roadmap import Roadmap, build_roadmap
 from planner.scene import Bounds, FloatArray, Scene, Vec
 
 EASE = 0.1
-"""Part of the radius that paths keep more than that, where there is room: their bends can then be
-fewer (measured: for Nav2's three graphs and radii of 0.5, 0.35 and 0.8 m detours have 87 new nodes;
-266 without it, as many from 0.05 to 0.2)."""
+"""Part of the radius that paths keep more than that, where there is room: their bends can then
+be fewer (measured: for Nav2's three graphs and radii of 0.5, 0.35 and 0.8 m detours have 87 new
+nodes; 266 without it, as many from 0.05 to 0.2)."""
 ROOM_RADII = 20.0
-"""Room around a graph on a map without bounds, in which detours may run (chosen)."""
+"""Room for detours around a graph on a map without bounds (chosen)."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -35,7 +35,7 @@ class SolidGround:
     def of(
         cls, scene: Scene, keepout: Scene | None, radius: float, nodes: Sequence[RouteNode]
     ) -> SolidGround:
-        """Join a scene with zones; a scene without bounds gets some around the nodes."""
+        """Join a scene with zones; one without bounds gets some around the nodes."""
         ground = Ground.of(scene, bounds=scene.bounds_given)
         if keepout is not None:
             ground = replace(ground, zones=Ground.of(keepout, bounds=False))
@@ -43,7 +43,7 @@ class SolidGround:
         objects = [*scene.objects, *(() if keepout is None else keepout.objects)]
         numbered = tuple(replace(one, id=k) for k, one in enumerate(objects))
         joined = replace(scene, objects=numbered, bounds=bounds, unknown=None)
-        # a node at the limit of what an audit allows is one from which paths lead
+        # paths lead from nodes at the limit of what an audit allows
         return cls(ground, build_roadmap(joined, radius * (1.0 - TIGHT)), radius)
 
     def is_free(self, points: FloatArray) -> NDArray[np.bool_]:
@@ -70,7 +70,7 @@ class SolidGround:
         return plan.reason
 
     def _with_few_bends(self, line: FloatArray) -> FloatArray:
-        """Leave out points as long as the straight pieces keep the radius; greedy."""
+        """Leave out points while straight pieces keep the radius; greedy."""
         kept, k = [0], 0
         while k < len(line) - 1:
             step = len(line) - 1 - k

@@ -1,11 +1,7 @@
 """Chains for a robot: cut where their clearance passes its radius.
 
-Rules and units
-- A chain that is wide enough only in places is cut: its wide parts, and the narrow ones between
-  them, become chains; the cuts become nodes.
-- A chain narrower than the robot only by rounding is wide enough.
-- Nodes at one place are merged: beside walls much thinner than the generators' spacing a vertex
-  may occur twice, joined by parts too narrow for any robot.
+Nodes at one place are merged: beside walls much thinner than the generators' spacing a vertex may
+occur twice, joined by parts too narrow for any robot.
 """
 
 from __future__ import annotations
@@ -21,10 +17,9 @@ from planner.roadmap import clip_kernels
 from planner.search.chain_search import ROUNDING
 
 EQUAL = 4.0
-"""Multiple of the rounding by which a path may be narrower than the robot and still count as wide
-enough."""
+"""Multiple of the rounding by which a path may be too narrow and still count as wide enough."""
 ASTRAY = 16.0
-"""Multiple of the rounding beyond which the end of a chain is too far off its bisector to be a dead
+"""Multiple of the rounding beyond which a chain's end is too far off its bisector for a dead
 end."""
 
 
@@ -32,7 +27,7 @@ end."""
 class Clipped:
     """Chains that the robot follows throughout, or nowhere: ``wide`` (c,) says which.
 
-    Nodes keep their numbers; those of the cuts come after them.
+    Nodes of the cuts come after the others.
     """
 
     chains: Chains

@@ -1,7 +1,6 @@
 """The roadmap as lines with clearances, for pictures, without its graph.
 
-A graph of thousands of edges takes seconds to make, with each edge's exact geometry and owners; a
-picture needs only places and clearances, in a few arrays.
+A graph of thousands of edges takes seconds to make.
 """
 
 from __future__ import annotations
@@ -26,8 +25,8 @@ class Curves:
     """Consecutive lines: line i is ``points[first[i] : first[i + 1]]``.
 
     ``clearances`` (n,) are the points', exact; ``pairs`` (n, 2) the pieces beside the link to the
-    next point, -1 if it is straight, ``END`` at a line's last. ``narrowest`` is the least clearance
-    of all lines.
+    next point, -1 if it is straight, ``END`` at a line's last. ``narrowest`` is the least
+    clearance.
     """
 
     points: FloatArray

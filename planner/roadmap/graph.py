@@ -1,18 +1,13 @@
 """The roadmap as a ``networkx.Graph`` of edges that a robot of the radius can use, without spurs.
 
-Rules
-- The graph holds the parts of chains that keep the radius; the cuts, see ``clip.py``, are nodes.
-- A dead end is a spur, and left out, if the disc at its end reaches less than ``REACH`` radii
-  beyond the disc at its junction, or if it only runs into a corner: there the clearance falls by
-  more than ``TAPER`` a step. Everything that a spur leads to is reached from its junction. The
-  branches into a U, or into a room whose wall is one object, stay.
-- A dead end shorter than the ``least_branch`` asked for is left out, too, the shortest first; two
-  edges that then meet are one. A way between two branches, and a loop, stay.
-- Chains that meet two by two are one edge. A ``Graph`` holds one edge per pair of nodes and no
-  loop: one of two edges between the same nodes is halved by an extra node, and an edge that
-  returns to its node is cut in three.
-- An edge's polyline stays near its bisectors, and is as wide as the edge but for ``NARROWER``,
-  never less than the radius but for ``TIGHT``: chords that cut in are halved.
+- A dead end is a spur if the disc at its end reaches less than ``REACH`` radii beyond the disc at
+  its junction, or if it only runs into a corner, where the clearance falls by more than ``TAPER`` a
+  step. Branches into a U, or into a room whose wall is one object, stay.
+- Chains that meet two by two are one edge. As a ``Graph`` holds one edge per pair of nodes and no
+  loop, one of two edges between the same nodes is halved by an extra node, and a loop is cut in
+  three.
+- An edge's polyline is as wide as the edge but for ``NARROWER``, never less than the radius but for
+  ``TIGHT``.
 """
 
 from __future__ import annotations
@@ -38,13 +33,13 @@ from planner.scene import FloatArray, IntArray
 REACH = 1.0
 """Least reach of a dead end beyond its junction, in robot radii (lambda in the literature)."""
 TAPER = 0.3
-"""Sine of half the angle of a corner that counts as one: 35 degrees between its sides."""
+"""Sine of half the angle of a corner: 35 degrees between its sides."""
 NARROWER = 1e-4
-"""An edge's polyline may come nearer to the borders than the edge by this part of its clearance."""
+"""Share of an edge's clearance by which its polyline may come nearer to the borders."""
 TIGHT = 1e-7
-"""A bend exactly as wide as the robot is followed in chords that take so much of the radius."""
+"""Share of the radius lost by the chords of a bend exactly as wide as the robot."""
 ALIKE = 1e-5
-"""Dead ends whose lengths differ by so small a part of the scene are equally long."""
+"""Dead ends whose lengths differ by less, as a share of the scene, are equally long."""
 BULGE = 0.05
 """Largest gap between the bisectors and the polyline's chords, in spacings."""
 SAME = 1e-9
@@ -79,7 +74,7 @@ class StrandPoints:
     proved: BoolArray
 
     def part(self, first: int, last: int) -> StrandPoints:
-        """Part from one point to another, both included."""
+        """Part between two points, both included."""
         s = slice(first, last + 1)
         return StrandPoints(
             self.points[s], self.rho[s], self.pairs[s], self.gap[s], self.step[s], self.proved[s]
@@ -90,7 +85,7 @@ def make_graph(
     chains: Chains, kept: Sequence[int], borders: Borders, radius: float, spacing: float
 ) -> nx.Graph[int]:
     """Graph of the ``kept`` chains, all of which keep the radius."""
-    import networkx as nx  # late: it takes 0.2 s, and a plan counts the graph without it
+    import networkx as nx  # late: it takes 0.2 s, and a plan does not need it
 
     graph: nx.Graph[int] = nx.Graph(radius=radius)
     owners: defaultdict[int, set[int]] = defaultdict(set)
@@ -171,7 +166,7 @@ def lay_strands(chains: Chains, kept: Sequence[int]) -> list[Strand]:
 
 
 def without_spurs(clipped: Clipped, radius: float) -> list[int]:
-    """The wide chains, without the dead ends that lead nowhere of their own."""
+    """The wide chains without spurs."""
     chains = clipped.chains
     kept = set(np.flatnonzero(clipped.wide).tolist())
     if not kept:
@@ -215,10 +210,9 @@ def without_spurs(clipped: Clipped, radius: float) -> list[int]:
 def without_short_branches(
     chains: Chains, kept: Sequence[int], radius: float, least: float
 ) -> tuple[list[int], tuple[float, ...]]:
-    """Leave out dead ends shorter than ``least``; return the rest, and the lengths left out.
+    """Leave out dead ends below ``least``, the shortest first; return the rest, and their lengths.
 
-    A dead end runs from its tip to where three edges meet. O(k log k) for k tips, but for the
-    lengths walked again.
+    O(k log k) for k tips, but for the lengths walked again.
     """
     if not kept:
         return [], ()
@@ -269,13 +263,12 @@ def _met(ends: list[list[int]], kept: Sequence[int]) -> defaultdict[int, list[tu
 
 
 def _rounded_places(chains: Chains, radius: float) -> tuple[float, list[list[float]]]:
-    """Length below which two lengths are alike, and the nodes' places in it."""
+    """Length below which two are alike, and the nodes' places in it."""
     step = ALIKE * max(float(np.ptp(chains.node_xy, axis=0).max()), radius)
     return step, np.rint(chains.node_xy / step).tolist()
 
 
 def _run(chains: Chains, strand: Strand) -> StrandPoints:
-    """Join the strand's chains to one line."""
     runs = []
     for c, forwards in strand.chains:
         s = slice(int(chains.first[c]), int(chains.first[c + 1]))
@@ -295,7 +288,6 @@ def _turned(of_links: NDArray[Any]) -> NDArray[Any]:
 
 
 def _followed(borders: Borders, run: StrandPoints, radius: float, bulge: float) -> StrandPoints:
-    """Halve the run's proved links on their bisectors if chords leave them too far."""
     keep = max(radius * (1.0 - TIGHT), float(run.gap[:-1].min()) * (1.0 - NARROWER))
     pairs = np.where(run.proved[:, None], run.pairs, -1)
     points, _ = bisector_kernels.follow(
@@ -303,7 +295,6 @@ def _followed(borders: Borders, run: StrandPoints, radius: float, bulge: float) 
     )
     if len(points) == len(run.points):
         return run
-    # every point of the run is still there, in order
     link = np.zeros(len(points), np.int32)
     at = 0
     for i in range(1, len(run.points)):
@@ -316,7 +307,6 @@ def _followed(borders: Borders, run: StrandPoints, radius: float, bulge: float) 
 
 
 def _divisible(borders: Borders, run: StrandPoints, parts: int) -> StrandPoints:
-    """Return the run with at least ``parts`` links, dividing each evenly if there are fewer."""
     links = len(run.points) - 1
     if links >= parts:
         return run
@@ -370,7 +360,7 @@ def _add_node(graph: nx.Graph[int], n: int, xy: FloatArray, clearance: float) ->
 def _add_edge(
     graph: nx.Graph[int], borders: Borders, u: int, v: int, run: StrandPoints, radius: float
 ) -> None:
-    """Add a wide run; anything narrower than ``radius`` is so by rounding."""
+    """Add a wide run, narrower than ``radius`` only by rounding."""
     polyline = np.array(run.points)
     polyline.setflags(write=False)
     graph.add_edge(

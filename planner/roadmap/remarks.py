@@ -1,9 +1,7 @@
 """Remarks on a scene as the planner sees it, in plain sentences.
 
-Rules
-- Objects that touch, cross, nest or coincide, or leave the bounds, are accepted: the solid is
-  everything in any of them. A remark says so, since a picture seldom means it.
-- Obstacles are named by their index in the scene, as in the reasons of ``NoPath``.
+Objects that touch, cross, nest or coincide, or leave the bounds, are accepted, but a picture seldom
+means it. Obstacles are named by their index in the scene, as in the reasons of ``NoPath``.
 """
 
 from __future__ import annotations
@@ -19,9 +17,9 @@ from planner.scene import FloatArray, primitive_kernels
 from planner.shared.figures import sized
 
 MOST = 8
-"""Sentences of a kind that are said in full; the others are counted."""
+"""Sentences of a kind that are given in full."""
 COMPASS = np.array([(1.0, 0.0), (0.0, 1.0), (-1.0, 0.0), (0.0, -1.0)])
-"""Directions along the axes, in which a circle reaches farthest."""
+"""Directions in which a circle reaches farthest."""
 
 
 def remarks_on(borders: Borders, clipped: Clipped, radius: float) -> tuple[str, ...]:
@@ -37,7 +35,7 @@ def remarks_on(borders: Borders, clipped: Clipped, radius: float) -> tuple[str, 
 
 
 def remark_on_branches(left_out: Sequence[float], least: float, units: str) -> str:
-    """Sentence on the dead ends, by length, that are shorter than ``least``."""
+    """Sentence on the dead ends shorter than ``least``."""
     limit = sized(least, units)
     if not left_out:
         return f"no dead end of the roadmap is shorter than {limit}: none was left out"
@@ -76,7 +74,7 @@ def _relations(borders: Borders) -> list[str]:
 
 
 def _strays(borders: Borders) -> list[str]:
-    """Sentences on objects that reach the bounds' walls, if there are bounds."""
+    """Sentences on objects that reach the bounds' walls."""
     if not (borders.owner < 0).any():
         return []
     x0, y0, x1, y1 = borders.box

@@ -1,12 +1,7 @@
 """The roadmap: the diagram's chains as a graph with exact clearances, and plans on it.
 
-Rules and units
-- Everything is in the scene's units. The clearance of a place is its distance to the nearest
-  border or wall of the bounds, exact, negative inside an obstacle or outside the bounds.
-- A roadmap is for a robot of one radius: its graph holds the edges which that robot can use.
-- The stages are separate functions, so that a caller can time them:
-  ``gather_borders``, ``place_generators``, ``make_mesh``, then ``solve_chains``, or in the paper's
-  mode ``omit_invalid``, ``join_chains``.
+Everything is in the scene's units. The clearance of a place is its exact distance to the nearest
+border or wall of the bounds, negative inside an obstacle or outside the bounds.
 """
 
 from __future__ import annotations
@@ -56,9 +51,9 @@ if TYPE_CHECKING:
 
 
 FINER = 4.0
-"""Factor by which generators are denser if the widest path is narrower than their spacing."""
+"""Factor of density if the widest path is narrower than the generators' spacing."""
 FINER_MOST = 200_000
-"""At most this number of generators, which take about 0.2 s: a refusal is an answer, too."""
+"""Generators at most, which take about 0.2 s."""
 NOT_FINER = "ways narrower than the generators' spacing were not looked for: the limit was reached"
 
 
@@ -89,7 +84,6 @@ class Roadmap:
     _made: dict[str, Any] = field(default_factory=dict, repr=False, compare=False)
 
     def __repr__(self) -> str:
-        """Return one line; ``graph`` and ``counts`` have the rest."""
         units = str(getattr(self.scene, "units", ""))
         radius = f"{self.radius:.6g} {units}".rstrip()
         return f"<Roadmap for radius {radius}, {len(self.chains)} chains of {self.scene!r}>"
@@ -108,12 +102,11 @@ class Roadmap:
 
     @property
     def kept(self) -> Sequence[int]:
-        """Numbers of the clipped chains that the graph holds, ascending."""
+        """Numbers of the clipped chains in the graph, ascending."""
         return self._shortened[0]
 
     @property
     def _shortened(self) -> tuple[Sequence[int], Sequence[float]]:
-        """Kept chains, and the lengths of dead ends left out because they are short."""
         if "shortened" not in self._made:
             from planner.roadmap.graph import without_short_branches, without_spurs
 
@@ -128,7 +121,7 @@ class Roadmap:
 
     @property
     def remarks(self) -> tuple[str, ...]:
-        """Plain sentences: objects that touch, cross, nest or coincide; an empty roadmap."""
+        """Sentences on objects that touch or coincide, and on an empty roadmap."""
         if "remarks" not in self._made:
             from planner.roadmap.remarks import remark_on_branches, remarks_on
 
@@ -186,7 +179,7 @@ class Roadmap:
         """Write the graph as .graphml, .json, .geojson (Nav2), .lif (LIF) or .yaml (Open-RMF).
 
         ``frame`` is the frame of its coordinates, for all but the first two. Raises
-        :class:`planner.graph_files.route_graph.ExchangeError` if the suffix is another, or the file
+        :class:`planner.graph_files.route_graph.ExchangeError` for another suffix or a file that
         cannot be written.
         """
         from planner.graph_files.route_graph import ExchangeError
@@ -221,8 +214,7 @@ class Roadmap:
     def updated(self, scene: Scene) -> Roadmap:
         """Roadmap of a scene that differs by a few objects, much faster than from scratch.
 
-        Finds the objects added, removed or moved, see :mod:`planner.diagram.update`. This roadmap
-        does not change.
+        Finds the objects added, removed or moved, see :mod:`planner.diagram.update`.
         """
         from planner.diagram.update import update_diagram
 
@@ -283,11 +275,10 @@ class Roadmap:
         directions. ``margin`` is added to the radius. No path comes nearer to a border than radius
         and margin; with ``relaxed``, a station within the margin is connected by a short straight
         line that keeps the radius, and a remark reports it. ``alternatives`` is the number of other
-        paths, if they exist, none a shift of another: the best, once taut, of the cheapest routes
-        without a loop, at least twice as many. ``near`` is the last path, on which the robot is:
-        while it is clear, and within 2 % as good as the best, the answer is that path from here on,
-        so that noise does not make plans jump; a refusal is no path to stay on. Raises
-        ``ValueError`` on invalid options.
+        paths, none a shift of another: the best, once taut, of the cheapest routes without a loop,
+        at least twice as many. ``near`` is the last path, on which the robot is: while it is clear,
+        and within 2 % as good as the best, the answer is its rest, so that noise does not make
+        plans jump. Raises ``ValueError`` on invalid options.
         """
         if near is not None:
             of_kind("near", near, Path, NoPath)
@@ -310,9 +301,9 @@ class Roadmap:
         return answer
 
     def _finer(self) -> Roadmap:
-        """The same roadmap from denser generators, made if narrow places decide a refusal.
+        """Make the roadmap from denser generators, if narrow places decide a refusal.
 
-        With generators every delta, paths narrower than delta are not distinguished from walls.
+        Between generators, paths narrower than their spacing look like walls.
         """
         if "finer" not in self._made:
             spacing = self.spacing / FINER
@@ -336,7 +327,6 @@ class Roadmap:
 
 
 def _places(name: str, points: ArrayLike) -> FloatArray:
-    """Points (n, 2) for the kernels; ``ValueError`` if one is not finite."""
     # a copy: numba would compile the kernels again for read-only arrays
     xy = as_numbers(name, points, "places (n, 2)")
     if xy.size == 0:
@@ -363,10 +353,10 @@ def build_roadmap(
 
     ``radius`` > 0 and ``spacing`` < 2 radius (default: one radius) are in the scene's units;
     otherwise ``ValueError``. ``mode="paper"`` follows the paper's section 2.3.1 to the letter:
-    edges between generators of one object are omitted. ``least_branch``, in the scene's units,
-    leaves dead ends shorter than that out of the graph, which a remark counts; loops and the way
-    between two branches stay, and paths are planned as without it. ``lap`` is called with the name
-    of each stage as it ends: geometry, voronoi, roadmap. O(n) on average for n generators.
+    edges between generators of one object are omitted. ``least_branch`` leaves shorter dead ends
+    out of the graph, which a remark counts; loops and paths between two branches stay, and paths
+    are planned as without it. ``lap`` is called with the name of each stage as it ends: geometry,
+    voronoi, roadmap. O(n) on average for n generators.
     """
     if not hasattr(scene, "primitives"):
         of_kind("scene", scene, Scene)

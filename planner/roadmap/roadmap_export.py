@@ -1,15 +1,11 @@
 """The roadmap as a route graph for other programs, and its text in their formats.
 
-- The formats are those of :mod:`planner.graph_files`; LIF and Open-RMF get the graph that Nav2
-  gets.
-- GraphML and node-link JSON contain the graph as it is: nodes with x, y, clearance and owners,
-  edges with length, clearance, owners and their polyline.
 - Nav2's route server (nav2_route, GeoJsonGraphFileLoader) drives straight from node to node and
-  reads an edge in one direction. So every edge is cut where it bends, each straight piece keeps
-  the robot's radius, and both directions are written. Node and edge numbers are unsigned and
-  distinct; ``cost`` is the length; a piece's clearance is in its ``metadata``, which may hold
-  numbers but no nested lists. The server's frame is in metres, y up. No edge has length 0: nodes
-  at one place are merged.
+  reads an edge in one direction. So every edge is cut where it bends, each straight piece keeps the
+  robot's radius, and both directions are written. Node and edge numbers are unsigned and distinct;
+  ``cost`` is the length; a piece's clearance is in its ``metadata``, which may hold numbers but no
+  nested lists. The server's frame is in metres, y up. No edge has length 0.
+- LIF and Open-RMF get Nav2's graph, GraphML and node-link JSON the graph as it is.
 
 Coordinates and lengths are in the scene's units; no text holds NaN or infinity.
 """
@@ -46,8 +42,7 @@ STRAIGHT_TOLERANCE = 0.02
 SAME_PLACE = 1e-9
 """Places nearer than this share of the scene's extent are one."""
 NAV2_CRS = "urn:ogc:def:crs:EPSG::3857"
-"""Coordinate system of Nav2's own graphs; the route server takes the coordinates as metres in its
-frame."""
+"""Coordinate system of Nav2's own graphs; the server takes coordinates as metres in its frame."""
 
 
 class Exported(Protocol):
@@ -82,7 +77,7 @@ def as_text(
 ) -> str:
     """Graph in the format of a file's suffix: .graphml, .geojson, .json, .lif, .yaml or .yml.
 
-    ``frame`` and ``generated`` are for formats of straight edges, see :func:`to_geojson`. Raises
+    ``frame`` and ``generated`` are as :func:`to_geojson`'s, for straight edges. Raises
     :class:`ExchangeError` for another suffix.
     """
     form = format_of(f"roadmap{suffix}")
@@ -92,7 +87,7 @@ def as_text(
 def route_graph(
     roadmap: Exported, form: GraphFormat, frame: str = "map", generated: str | None = None
 ) -> RouteGraph:
-    """Graph for a format, with bent or straight edges; arguments as :func:`as_text`'s."""
+    """Graph for a format; arguments as :func:`as_text`'s."""
     if form in BENT:
         return bent_graph(roadmap)
     return straight_graph(roadmap, frame, generated)
@@ -131,7 +126,7 @@ def to_geojson(roadmap: Exported, frame: str = "map", generated: str | None = No
 
 
 def bent_graph(roadmap: Exported) -> RouteGraph:
-    """Return the graph as it is: every edge leads both ways along its polyline."""
+    """Return the graph as it is."""
     nodes = [
         RouteNode(node, data.pop("x"), data.pop("y"), fields=data) for node, data in _nodes(roadmap)
     ]
@@ -191,9 +186,7 @@ def straight_graph(
 def _numbered(
     roadmap: Exported, points: list[RouteNode], frame: str, same: float
 ) -> dict[int, int]:
-    """Append the nodes to ``points``; return each one's number. Ends of a zero-length edge share
-    one.
-    """
+    """Append the nodes; return their numbers, one for both ends of a zero-length edge."""
     first: dict[int, int] = {}
 
     def leader(node: int) -> int:
@@ -224,7 +217,6 @@ def _straight(roadmap: Exported, line: FloatArray) -> list[int]:
 
 
 def _from_to(roadmap: Exported, u: int, line: FloatArray) -> FloatArray:
-    """Turn the polyline so that it begins at node ``u``."""
     x, y = roadmap.graph.nodes[u]["pos"]
     ends = np.hypot(*(line[[0, -1]] - (x, y)).T)
     return line if ends[0] <= ends[1] else line[::-1]

@@ -1,9 +1,9 @@
 """Folder of the compiled kernels, chosen before numba is imported.
 
-numba keeps compiled code beside the source, or else in the user's cache directory, and raises
-``RuntimeError: cannot cache function`` on import if neither is writable: a system-wide install
-under a service user without a home. Then a private directory is chosen here. As it holds code, a
-directory that others can write to is never used.
+numba keeps compiled code beside the source or in the user's cache directory, and raises
+``RuntimeError: cannot cache function`` if neither is writable: a system-wide install under a
+service user without a home. Then a private directory is chosen here. As it holds code, a directory
+that others can write to is never used.
 """
 
 from __future__ import annotations
@@ -16,11 +16,7 @@ from pathlib import Path
 
 
 def choose_kernel_cache(package_folder: Path) -> Path | None:
-    """Set ``NUMBA_CACHE_DIR`` if numba's own choice would fail; return the chosen folder or None.
-
-    None means that numba's own rules suffice: the variable is set already, or the folder beside the
-    source is writable.
-    """
+    """Set ``NUMBA_CACHE_DIR`` if numba's own choice would fail; return the folder or None."""
     if os.environ.get("NUMBA_CACHE_DIR") or _is_writable(package_folder):
         return None
     for folder in _candidates():
@@ -35,7 +31,6 @@ def choose_kernel_cache(package_folder: Path) -> Path | None:
 
 
 def _candidates() -> list[Path]:
-    """systemd's CacheDirectory=, the user's cache, the temporary folder: the first that works."""
     found = []
     if service := os.environ.get("CACHE_DIRECTORY"):
         found.append(Path(service.split(":")[0]) / "kernels")
@@ -64,7 +59,7 @@ def _make_private(folder: Path) -> bool:
 
 
 def _is_private(info: os.stat_result) -> bool:
-    """True if no other user can write; on Windows a user's own folders are, and no bits say it."""
+    """True if no other user can write; on Windows a user's own folders have no such bits."""
     if os.name == "nt":
         return True
     return info.st_uid == os.getuid() and not info.st_mode & 0o022

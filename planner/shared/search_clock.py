@@ -1,7 +1,6 @@
 """Clock for searches with a time limit: it stops while kernels are compiled.
 
-The first search on a machine compiles its kernels; with an ordinary clock its time would be over at
-once, and it would find no plan.
+The first search on a machine compiles its kernels, which may take longer than its limit.
 """
 
 # mypy: allow-untyped-calls
@@ -16,25 +15,21 @@ from numba.core import event
 
 COMPILING = "numba:compile"
 Clock: TypeAlias = Callable[[], float]
-"""Gives seconds; a search may be given another one than this process's."""
+"""Gives seconds."""
 
 
 class _Compiling(event.Listener):
-    """Time this process has spent compiling; nested compilations count once."""
-
     def __init__(self) -> None:
         self.total_s = 0.0
         self.began_s = 0.0
         self.depth = 0
 
     def on_start(self, event: Any) -> None:
-        """Note that a kernel's compilation begins."""
         if self.depth == 0:
             self.began_s = time.monotonic()
         self.depth += 1
 
     def on_end(self, event: Any) -> None:
-        """Note that it has ended, or failed."""
         self.depth -= 1
         if self.depth == 0:
             self.total_s += time.monotonic() - self.began_s

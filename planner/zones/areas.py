@@ -1,9 +1,7 @@
-"""Areas of the floor: a polygon, a circle, a band along a line, or a mask's cells.
+"""Areas of the floor, in the scene's units and frame.
 
-Rules and units
-- Everything is in the scene's units and frame.
-- ``outlines`` are closed records; those of a band are one capsule for each piece of its line, which
-  overlap at its corners, so the band is exact: all places within half its width of the line.
+``outlines`` are closed records; those of a band are one capsule for each piece of its line, which
+overlap at its corners, so the band is exact.
 """
 
 from __future__ import annotations
@@ -119,9 +117,9 @@ def _positive(what: str, value: float) -> float:
 
 
 def _capsule(a: Vec, b: Vec, radius: float, *, y_down: bool) -> PolygonRecord:
-    """All places within ``radius`` of a segment; its outline runs clockwise on the screen."""
+    """Places within ``radius`` of a segment; its outline runs clockwise on the screen."""
     length = math.dist(a, b)
-    # to the left of the direction as seen on the screen, so that the outline is clockwise
+    # to the left as seen on the screen, so that the outline is clockwise
     turn = -1.0 if y_down else 1.0
     nx = -turn * (b[1] - a[1]) / length * radius
     ny = turn * (b[0] - a[0]) / length * radius

@@ -1,14 +1,12 @@
 """Paths over lanes and one-way zones: a lazy search over the lanes' lines and free connections.
 
-Method
-- Nodes are the leg's ends, the corners of the lanes' lines, the places on them nearest to the
-  ends, and gates just outside a one-way zone, through which it is entered and left.
-- A lane's pieces join its own nodes, in its direction for a one-way zone. All others are joined by
-  free connections: the roadmap's path, around the one-way zones that it would be driven against.
-- The cost of a free connection is at least its straight length. Only connections on the cheapest
-  sequence of nodes are planned, until that sequence has no other kind (lazy shortest paths;
-  Dellin and Srinivasa, ICAPS 2016).
-- The search has a bound in work, ``MOST_PLANS``: beyond it the cheapest complete sequence counts.
+- Nodes are the leg's ends, the corners of the lanes' lines, the places on them nearest to the ends,
+  and gates just outside a one-way zone, through which it is entered and left.
+- A lane's pieces join its own nodes, in its direction for a one-way zone; the roadmap's paths join
+  all others, around one-way zones.
+- A free connection costs at least its straight length on the cheapest lane. Only those on the
+  cheapest sequence of nodes are planned, until none is left there (lazy shortest paths; Dellin and
+  Srinivasa, ICAPS 2016), or ``MOST_PLANS`` are: then the cheapest complete sequence counts.
 """
 
 from __future__ import annotations
@@ -39,14 +37,13 @@ Connect = Callable[[FloatArray, FloatArray], FloatArray | None]
 
 @dataclass(slots=True)
 class LaneNetwork:
-    """Nodes (places), pieces of lanes as polylines between two, and nodes to connect freely."""
+    """Places, pieces of lanes as polylines between two, and nodes to connect freely."""
 
     places: list[FloatArray] = field(default_factory=list)
     pieces: dict[tuple[int, int], FloatArray] = field(default_factory=dict)
     free: list[int] = field(default_factory=list)
-    """Nodes that free connections may begin and end at."""
     lane: list[int] = field(default_factory=list)
-    """Each node's lane: two of one are not connected freely."""
+    """Two nodes of one lane are not connected freely."""
 
     def add(self, place: FloatArray, lane: int, *, free: bool) -> int:
         """Add a node; return its number."""
@@ -57,7 +54,7 @@ class LaneNetwork:
         return len(self.places) - 1
 
     def join(self, i: int, j: int, keeps: Callable[[FloatArray], bool]) -> bool:
-        """Join two nodes by a straight piece if that is free."""
+        """Join two nodes by a straight piece if it is free."""
         line = np.array([self.places[i], self.places[j]])
         if not keeps(line):
             return False
@@ -75,8 +72,8 @@ def cheapest(
 ) -> FloatArray | None:
     """Return the cheapest polyline (n, 2) from start to goal by lanes or freely; None if none.
 
-    ``keeps`` is True for lines that keep the radius from obstacles and keep-out zones; ``need`` is
-    the distance that gates keep from their zone.
+    ``keeps`` is True for lines clear of obstacles and keep-out zones; ``need`` is the distance that
+    gates keep from their zone.
     """
     net = LaneNetwork()
     begin = net.add(np.array(start), -1, free=True)
@@ -139,7 +136,7 @@ def _add_gate(
 
 
 def _with_feet(line: FloatArray, places: list[FloatArray]) -> FloatArray:
-    """The line (n, 2) with the places on it that are nearest to two others."""
+    """The line (n, 2) with its places nearest to two others."""
     along = np.concatenate([[0.0], np.cumsum(np.hypot(*np.diff(line, axis=0).T))])
     at = list(along)
     for place in places:
@@ -156,7 +153,6 @@ def _with_feet(line: FloatArray, places: list[FloatArray]) -> FloatArray:
 def _search(
     net: LaneNetwork, begin: int, end: int, rules: Rules, connect: Connect
 ) -> FloatArray | None:
-    """Cheapest sequence of nodes, its free connections planned as they are needed."""
     count = len(net.places)
     places, lane = np.array(net.places), np.array(net.lane)
     cost = np.full((count, count), np.inf)

@@ -17,8 +17,8 @@ def speed_zones(
 ) -> tuple[Zone, ...]:
     """Return a slow zone for each level of a speed mask, see :func:`planner.load_speed_mask`.
 
-    They are called ``name`` with a number. ``robot_speed`` > 0, in metres a second, is what percent
-    are of. Raises :class:`SceneError` for levels in percent without it.
+    They are called ``name`` with a number. Percent are of ``robot_speed`` > 0, in metres a second.
+    Raises :class:`SceneError` for levels in percent without it.
     """
     zones = []
     for number, level in enumerate(levels, 1):
@@ -48,8 +48,7 @@ def save_speed_mask(
 ) -> None:  # fmt: skip
     """Write all zones with a speed as a mask for Nav2, in metres a second.
 
-    Arguments and errors are those of :func:`planner.save_mask`; where zones overlap, the slowest
-    counts.
+    Arguments and errors are those of :func:`planner.save_mask`.
     """
     slow = [one for one in zones if one.speed is not None]
     levels = [

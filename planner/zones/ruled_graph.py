@@ -15,10 +15,9 @@ from planner.zones.rules import Rules
 def ruled_graph(graph: RouteGraph, rules: Rules) -> RouteGraph:
     """Return the graph with each edge's speed and cost by zones, and without those they forbid.
 
-    An edge through a keep-out zone goes, and so does the direction against a one-way zone. The
-    lowest speed on an edge is its limit; its cost is its length as
-    :meth:`planner.zones.rules.Rules.cost` weighs it, without its time. Edges whose nodes do not
-    exist stay as they are.
+    Edges through keep-out zones go, as do directions against one-way zones. The lowest speed on an
+    edge is its limit; its cost is its length weighed by lanes. Edges whose nodes do not exist stay
+    as they are.
     """
     places = {node.id: (node.x, node.y) for node in reversed(graph.nodes)}
     edges = (one for edge in graph.edges for one in _ruled(edge, places, rules))
@@ -49,7 +48,6 @@ def _ruled(
 
 
 def _priced(edge: RouteEdge, line: FloatArray, rules: Rules) -> RouteEdge:
-    """The edge with the zones' speed limit and cost."""
     lanes = replace(rules, speed=None)
     cost = lanes.cost(line) if rules.of("lane") else edge.cost
     limit = float(rules.caps(line).min(initial=np.inf))

@@ -1,12 +1,11 @@
 """The zones' rules for one robot: breaches by a path or a place, and the cost and speed along it.
 
-Rules and units
-- Inside means any of the body, a disc of the robot's radius, but for one-way zones and lanes:
-  there it means the centre.
-- Against a one-way zone counts the length of a path's progress against the line's direction,
-  beyond ``AGAINST_DRIVEN`` radii, for new paths ``AGAINST``; crossing it is allowed.
-- Paths are cut into pieces of ``PIECE`` radii for lengths, costs and directions; keep-out and
-  no-waiting zones are measured exactly.
+- Inside means any of the body, a disc of the robot's radius; for one-way zones and lanes it means
+  the centre.
+- A path may cross a one-way zone, but not progress against the line's direction by more than
+  ``AGAINST_DRIVEN`` radii, for new paths ``AGAINST``.
+- Lengths, costs and directions are measured on pieces of ``PIECE`` radii, keep-out and no-waiting
+  zones exactly.
 """
 
 from __future__ import annotations
@@ -26,8 +25,8 @@ PIECE = 0.05
 AGAINST = 0.02
 """Progress against a one-way zone, in radii, that is rounding on a planned path: chosen."""
 AGAINST_DRIVEN = 0.1
-"""The same on a path that robots share, whose pieces are judged one by one, and on the rest of a
-path that is driven: chosen, a twentieth of the body's width."""
+"""The same on shared paths, whose pieces are judged one by one, and on a driven path's rest:
+chosen, a twentieth of the body's width."""
 SPEED_SLACK = 1.01
 """A target is no faster than a zone allows within this factor: chosen, the wire's rounding."""
 ROUNDING = 1e-6
@@ -36,7 +35,7 @@ ROUNDING = 1e-6
 
 @dataclass(frozen=True, slots=True)
 class Rules:
-    """Zones that hold for a robot of ``radius``; ``speed`` is the fastest it drives, if known."""
+    """Zones of a robot of ``radius``; ``speed`` is the fastest it drives, if known."""
 
     grounds: tuple[ZoneGround, ...]
     radius: float
@@ -49,7 +48,7 @@ class Rules:
 
     @property
     def directed(self) -> bool:
-        """True if some zone makes the choice of a path more than one of free ground."""
+        """True if a zone makes some free ground better than other."""
         return bool(self.of("one_way", "lane", "slow"))
 
     def is_held_by(self, one: ZoneGround, place: Vec) -> bool:
@@ -58,7 +57,7 @@ class Rules:
         return distance < self.radius * (1.0 - ROUNDING)
 
     def station_breach(self, name: str, place: Vec) -> str | None:
-        """Reason why a robot must not be sent to a place, or None."""
+        """Why a robot must not be sent to a place, or None."""
         for one in self.of("keep_out", "wait"):
             if not self.is_held_by(one, place):
                 continue
@@ -95,8 +94,8 @@ class Rules:
     def breach(self, line: FloatArray, *, stops: bool = True) -> str | None:
         """Sentence about the first rule that driving along a polyline (n, 2) breaks, or None.
 
-        ``stops`` is True if the robot stays at the line's end. A line that begins in a keep-out
-        zone may leave it, and not come back.
+        ``stops``: the robot stays at the line's end. A line that begins in a keep-out zone may
+        leave it, and not come back.
         """
         for one in self.of("keep_out"):
             outside = self._after_leaving(one, line)
@@ -110,7 +109,7 @@ class Rules:
         return f"leads against {against[0].zone}" if against else None
 
     def _after_leaving(self, one: ZoneGround, line: FloatArray) -> FloatArray | None:
-        """The line from where it is out of a zone that it begins in; None if it stays inside."""
+        """Line from where it leaves a zone that it begins in; None if it stays inside."""
         if not self.is_held_by(one, (float(line[0, 0]), float(line[0, 1]))):
             return line
         if len(line) < 2:
@@ -151,7 +150,7 @@ class Rules:
         return factors
 
     def speed_limits(self, points: FloatArray, reach: FloatArray) -> FloatArray:
-        """Highest speeds (n,) allowed within ``reach`` (n,) of points (n, 2), infinite if any."""
+        """Highest speeds (n,) within ``reach`` (n,) of points (n, 2), infinite without a limit."""
         return self._limits(points, reach)
 
     def _limits(self, points: FloatArray, reach: FloatArray | float) -> FloatArray:
@@ -163,7 +162,7 @@ class Rules:
         return limits
 
     def caps(self, line: FloatArray) -> FloatArray:
-        """Highest speed (n - 1,) that zones allow on each piece of a polyline (n, 2): exact."""
+        """Highest speed (n - 1,) on each piece of a polyline (n, 2): exact."""
         caps = np.full(len(line) - 1, np.inf)
         pieces = [line[k : k + 2] for k in range(len(caps))]
         for one in self.grounds:
@@ -173,20 +172,19 @@ class Rules:
         return caps
 
     def least_factor(self) -> float:
-        """Least cost of a unit of length anywhere."""
+        """Least cost of a unit of length."""
         return min((one.zone.cost or 1.0 for one in self.of("lane")), default=1.0)
 
 
 def rules_for(
     zones: Sequence[Zone], scene: Scene, radius: float, speed: float | None = None
 ) -> Rules:
-    """Index the zones in a scene's units and frame, for a robot of ``radius``."""
+    """Index zones in a scene's units and frame."""
     grounds = tuple(ZoneGround.of(zone, scene) for zone in zones)
     return Rules(grounds, radius, scene.units, speed)
 
 
 def _progress_against(one: ZoneGround, pieces: PathPieces) -> float:
-    """Length of progress against the zone's direction by pieces inside it."""
     inside = one.distances(pieces.middles) < 0.0
     if not inside.any():
         return 0.0
@@ -195,6 +193,6 @@ def _progress_against(one: ZoneGround, pieces: PathPieces) -> float:
 
 
 def listed_zones(zones: Sequence[ZoneGround]) -> str:
-    """Zones for a sentence: "keep-out zone 'desk' and one-way zone 'hall'"."""
+    """Names for a sentence: "keep-out zone 'desk' and one-way zone 'hall'"."""
     names = [str(one.zone) for one in zones]
     return names[0] if len(names) == 1 else f"{', '.join(names[:-1])} and {names[-1]}"

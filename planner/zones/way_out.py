@@ -1,10 +1,9 @@
 """The shortest path out of keep-out zones, for a robot that is in one.
 
-Rules and units
 - The robot may drive inside the zones that it is in, and nowhere nearer to an obstacle or another
   keep-out zone than its radius, or than it is now.
-- The shortest of the straight lines in ``DIRECTIONS`` directions is taken; where all are blocked,
-  the shortest path to the ``PLACES`` nearest places outside that have one.
+- The shortest straight line in ``DIRECTIONS`` directions is taken; if all are blocked, the shortest
+  path to one of the ``PLACES`` nearest places outside.
 """
 
 from __future__ import annotations
@@ -24,9 +23,9 @@ DISTANCES = 64
 FINER_DISTANCES = 256
 """The same around the best direction: chosen, to 0.2 % of the distance."""
 HALVINGS = 20
-"""Number of times that the last step out is halved: chosen, to 1e-6 of it."""
+"""Halvings of the last step out: chosen, to 1e-6 of it."""
 PLACES = 8
-"""Places outside to which a path is sought where every straight line is blocked: chosen."""
+"""Places outside to which a path is sought: chosen."""
 
 
 def way_out(open_: Roadmap, closed: Roadmap, place: Vec, need: float) -> FloatArray | None:
@@ -59,7 +58,6 @@ def way_out(open_: Roadmap, closed: Roadmap, place: Vec, need: float) -> FloatAr
 def _ends(
     closed: Roadmap, here: FloatArray, angles: FloatArray, steps: FloatArray, need: float
 ) -> FloatArray:
-    """First place (k, 2) in each direction where ``need`` is kept, the nearest first."""
     units = np.column_stack([np.cos(angles), np.sin(angles)])
     ends = here + steps[:, None, None] * units
     free = (closed.clearance(ends.reshape(-1, 2)) >= need).reshape(len(steps), len(units))
@@ -74,7 +72,6 @@ def _ends(
 def _first_free(
     open_: Roadmap, here: FloatArray, ends: FloatArray, keep: float
 ) -> FloatArray | None:
-    """Shortest straight line to one of the ends that keeps its distance, or None."""
     for end in ends[np.argsort(np.hypot(*(ends - here).T), kind="stable")]:
         line = np.array([here, end])
         if open_.path_clearance(line).distance >= keep * (1.0 - 1e-9):
@@ -90,7 +87,6 @@ def _to_the_border(
     high: FloatArray,
     need: float,
 ) -> FloatArray:
-    """Length (n,) along each direction at which ``need`` begins, between two lengths."""
     for _ in range(HALVINGS):
         middle = 0.5 * (low + high)
         free = closed.clearance(here + middle[:, None] * units) >= need
@@ -99,7 +95,6 @@ def _to_the_border(
 
 
 def _around(open_: Roadmap, here: FloatArray, ends: list[FloatArray]) -> FloatArray | None:
-    """Shortest path to one of the places."""
     best: Path | None = None
     for end in ends:
         path = open_.plan(tuple(here), tuple(end), prefer="length", relaxed=True)

@@ -1,10 +1,9 @@
 """The zones: a name, a kind, an area, the robots it is for, and a speed or cost.
 
-Kinds
 - ``keep_out``: the body never enters.
 - ``slow``: no faster than ``speed`` while any of the body is inside.
 - ``one_way``: a band that is not driven against the direction of its line; it may be crossed.
-- ``lane``: a band that is preferred: its length costs ``cost`` times as much as open floor.
+- ``lane``: a band whose length costs ``cost`` times as much as open floor.
 - ``wait``: no goal and no waiting inside: a crossing, a door.
 """
 
@@ -27,9 +26,8 @@ KIND_NAMES: Final[dict[ZoneKind, str]] = {
     "lane": "lane",
     "wait": "no-waiting zone",
 }
-"""The kinds as sentences name them."""
 LANE_COST: Final = 0.5
-"""Cost of a lane's length where none is given: chosen, a detour to a lane may double the length."""
+"""Default cost of a lane's length: chosen, a detour to a lane may double the length."""
 LEAST_COST: Final = 0.05
 """Least cost of a lane's length: chosen, far below any that a person would set."""
 
@@ -82,14 +80,13 @@ class Zone:
             raise SceneError(f"{self}: cost = {cost:g}: must be from {LEAST_COST:g} to 1")
 
     def __str__(self) -> str:
-        """Return the kind and the name, as in a sentence."""
         return f"{KIND_NAMES[self.kind]} '{self.name}'"
 
     def is_for(self, robot: str) -> bool:
-        """True if it holds for the robot of this name."""
+        """True if it holds for a robot."""
         return not self.robots or robot in self.robots
 
 
 def zones_for(zones: Iterable[Zone], robot: str) -> tuple[Zone, ...]:
-    """Return the zones that hold for a robot, in their order."""
+    """Return the zones that hold for a robot, in order."""
     return tuple(zone for zone in zones if zone.is_for(robot))

@@ -1,10 +1,4 @@
-"""One zone's area, indexed for exact distances; and paths cut into short pieces.
-
-Rules and units
-- Distances are to the area's border, negative inside, in the scene's units.
-- Lengths along a path inside an area are added up over pieces of at most ``step``, by their
-  middles.
-"""
+"""One zone's area, indexed for exact distances; and paths cut into short pieces."""
 
 from __future__ import annotations
 
@@ -29,7 +23,7 @@ class ZoneGround:
 
     @classmethod
     def of(cls, zone: Zone, scene: Scene) -> ZoneGround:
-        """Index a zone in the units and frame of a scene."""
+        """Index a zone in a scene's units and frame."""
         objects = zone.area.outlines(y_down=scene.y_down)
         alone = replace(scene, objects=objects, unknown=None)
         return cls(zone, objects, Ground.of(alone, bounds=False))
@@ -60,7 +54,7 @@ class ZoneGround:
 
 @dataclass(frozen=True, slots=True)
 class PathPieces:
-    """A path as short straight pieces: their middles (n, 2), and their steps (n, 2)."""
+    """A path as short straight pieces: middles (n, 2) and steps (n, 2)."""
 
     middles: FloatArray
     steps: FloatArray

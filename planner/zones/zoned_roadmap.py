@@ -1,8 +1,6 @@
 """A roadmap with zones: it plans and measures as a roadmap does, and keeps the zones' rules.
 
-Rules and units
-- Clearances are those to obstacles and bounds; zones change none of them. Keep-out zones are
-  obstacles to the search only, in a roadmap of its own that is updated where they are.
+- Keep-out zones are obstacles to the search only, in an updated roadmap of its own.
 - Every path is checked against all rules as a whole before it is answered.
 - A robot in a keep-out zone leaves it by the shortest path out first, which a remark reports.
 """
@@ -39,7 +37,7 @@ MOST_CLOSED = 4
 
 @dataclass(frozen=True, slots=True)
 class ZonedRoadmap:
-    """A roadmap and the zones that hold for its robot; see :func:`with_zones`."""
+    """A roadmap and its robot's zones; see :func:`with_zones`."""
 
     walls: Roadmap
     zones: tuple[Zone, ...]
@@ -76,7 +74,6 @@ class ZonedRoadmap:
         return self.closed.graph
 
     def _without(self, shut: Sequence[ZoneGround]) -> Roadmap:
-        """Roadmap on which these zones are obstacles."""
         key = tuple(sorted(one.zone.name for one in shut))
         if not key:
             return self.walls
@@ -87,7 +84,7 @@ class ZonedRoadmap:
         return self._made[key]  # type: ignore[no-any-return]
 
     def updated(self, scene: Scene, walls: Roadmap | None = None) -> ZonedRoadmap:
-        """Return it for a scene that differs by a few objects, as :meth:`Roadmap.updated`."""
+        """Return it for another scene, as :meth:`Roadmap.updated`."""
         return self._changed(walls or self.walls.updated(scene), self.zones)
 
     def with_zones(self, zones: Sequence[Zone]) -> ZonedRoadmap:
@@ -101,19 +98,19 @@ class ZonedRoadmap:
         return changed
 
     def clearance(self, points: ArrayLike) -> FloatArray:
-        """Exact clearance to obstacles and bounds, as :meth:`Roadmap.clearance`."""
+        """Exact clearance, as :meth:`Roadmap.clearance`."""
         return self.walls.clearance(points)
 
     def path_clearance(self, polyline: ArrayLike) -> Clearance:
-        """Least distance of a polyline (n, 2) to obstacles and bounds, and where."""
+        """Least distance of a polyline (n, 2), as :meth:`Roadmap.path_clearance`."""
         return self.walls.path_clearance(polyline)
 
     def permits(self, polyline: FloatArray, keep: float) -> bool:
-        """True if a polyline (n, 2) keeps a distance from keep-out zones, and all other rules."""
+        """True if a polyline (n, 2) keeps a distance from keep-out zones, and all rules."""
         return self.rules.permits(polyline, keep)
 
     def speed_limits(self, points: FloatArray, reach: FloatArray) -> FloatArray:
-        """Highest speeds (n,) that zones allow within ``reach`` of points, infinite if any."""
+        """Highest speeds (n,) within ``reach`` of points, infinite without a limit."""
         return self.rules.speed_limits(points, reach)
 
     def plan(
@@ -169,7 +166,6 @@ class ZonedRoadmap:
         return replace(best, alternatives=others, remarks=said)
 
     def _refused(self, request: Request) -> str | None:
-        """Reason why a robot must not be sent to a station, or None."""
         last = len(request.stations) - 1
         for number, place in enumerate(request.stations[1:], 1):
             name = "the goal" if number == last else f"station {number}"
@@ -179,9 +175,9 @@ class ZonedRoadmap:
         return None
 
     def _way_out(self, request: Request) -> tuple[FloatArray | None, str]:
-        """Polyline out of the keep-out zones around the start, of one place if there is none.
+        """Polyline out of the keep-out zones around the start, of one place if there are none.
 
-        None, and the reason, if no path leads out.
+        None, with the reason, if no path leads out.
         """
         start = request.stations[0]
         shut = self.rules.of("keep_out")
@@ -215,7 +211,6 @@ class ZonedRoadmap:
     def _over_lanes(
         self, start: Vec, goal: Vec, direct: FloatArray, request: Request
     ) -> FloatArray | None:
-        """Cheapest leg over lanes and free ground that breaks no rule, or None."""
         need = self.radius + request.margin
 
         def keeps(line: FloatArray) -> bool:
@@ -236,7 +231,7 @@ class ZonedRoadmap:
     def _connection(
         self, ends: tuple[Vec, Vec], line: FloatArray | None, request: Request
     ) -> FloatArray | None:
-        """Free connection that breaks no rule, and avoids slow zones where that is faster."""
+        """Connection that breaks no rule, and avoids slow zones where that is faster."""
         if line is None:
             line = self._free(self.closed, ends, request)
         shut = self.rules.of("keep_out")
@@ -267,7 +262,6 @@ class ZonedRoadmap:
         return path.points if isinstance(path, Path) else None
 
     def _as_path(self, legs: list[FloatArray], request: Request, order: tuple[int, ...]) -> Path:
-        """Join legs into a path, measured against the walls."""
         whole = as_path(self.walls.borders, legs, self.radius, request, order)
         return replace(whole, scene=self.scene)
 
@@ -279,7 +273,7 @@ class ZonedRoadmap:
         via: Sequence[Sequence[float]],
         kept: dict[str, Any],
     ) -> NoPath:
-        """Refusal that names the keep-out zones, if there is a path without them."""
+        """Name the keep-out zones, if there is a path without them."""
         path = self.walls.plan(start, goal, via=via, **kept)
         if isinstance(path, NoPath):
             return path
@@ -295,7 +289,7 @@ def _legs_of(path: Path) -> list[FloatArray]:
 
 
 def with_objects(scene: Scene, objects: Sequence[SceneObject]) -> Scene:
-    """Scene with more objects, numbered after its own."""
+    """Scene with more objects, numbered last."""
     first = 1 + max((thing.id for thing in scene.objects), default=-1)
     more = (replace(one, id=first + i) for i, one in enumerate(objects))
     return replace(scene, objects=(*scene.objects, *more))
@@ -306,9 +300,9 @@ def with_zones(
 ) -> ZonedRoadmap:
     """Return a roadmap that plans by the zones' rules too.
 
-    ``zones`` are those that hold for its robot, in the units and frame of its scene. ``speed`` > 0
-    is the fastest that the robot drives, in units a second: with it, slow zones are driven around
-    where that takes less time. ``ValueError`` for a roadmap of anything but a scene.
+    ``zones`` are its robot's, in the units and frame of its scene. ``speed`` > 0 is the fastest
+    that the robot drives, in units a second: with it, slow zones are driven around where that is
+    faster. ``ValueError`` for a roadmap of anything but a scene.
     """
     of_kind("roadmap", roadmap, Roadmap)
     if not isinstance(roadmap.scene, Scene):

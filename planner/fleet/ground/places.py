@@ -1,12 +1,8 @@
 """The graph that several robots share: roadmap chains, each robot's own path, places beside.
 
-Rules and units
-- The roadmap's chains for the smallest robot give all ways, niches and dead ends included; each
-  robot's own path joins them, from and to any free place; robots pass each other on a lattice of
-  places beside them.
-- Lines are cut into places at most a radius of the smallest robot apart; straight edges join places
-  within reach of each other.
-- Clearances are exact for whole edges: a robot uses only edges as wide as it needs.
+The roadmap's chains for the smallest robot include niches and dead ends; robots pass each other on
+a lattice of places beside. Lines are cut into places at most a radius of the smallest robot apart;
+straight edges join near places, and their clearances are exact.
 """
 
 from __future__ import annotations
@@ -24,16 +20,16 @@ from planner.roadmap.roadmap import Roadmap
 from planner.scene import FloatArray
 
 STEP = 1.0
-"""Between places of a line, in radii of the smallest robot: half of what two need to be apart,
-so that one gives way by little more than it must."""
+"""Spacing on a line, in radii of the smallest robot: half of what two need to be apart, so that
+one gives way by little more than it must."""
 LATTICE = 2.2
-"""Between places of the lattice, in radii of the largest robot: two fit side by side."""
+"""Spacing of the lattice, in radii of the largest robot: two fit side by side."""
 REACH = 2.0
 """Lattice spacings within which places are joined: straight lines in 12 directions and more."""
 LATTICE_MOST = 2500
 """Places of the lattice; in larger arenas those nearest to the robots' own paths."""
 ASKED_MOST = 400
-"""Most places of the paths whose surroundings are searched, spread evenly over all of them."""
+"""Places of the paths, evenly spread, whose surroundings are searched."""
 SAME = 1e-6
 """Places are one within this share of the smallest radius."""
 
@@ -66,8 +62,8 @@ def lay_places(
 ) -> GroundPlaces:
     """Build the shared graph; ``paths`` are polylines from each robot's start to its goal.
 
-    ``chains`` are the roadmaps whose chains count, this one alone by default: those on which
-    keep-out zones are obstacles. ``check`` is called before each piece of work, and may raise
+    ``chains`` are the roadmaps whose chains count, by default this one: those on which keep-out
+    zones are obstacles. ``check`` is called before each piece of work, and may raise
     :class:`OutOfTime`.
     """
     smallest, largest = min(radii), max(radii)
@@ -106,7 +102,7 @@ def with_paths(
 ) -> GroundPlaces:
     """Add a few more polylines, cut and joined to near places: far faster than a new graph.
 
-    ``starts`` and ``goals`` are the ends of these polylines. ``base`` does not change.
+    ``starts`` and ``goals`` are the ends of these polylines.
     """
     smallest, spacing = min(radii), LATTICE * max(radii)
     gather = _Gather(SAME * smallest)
@@ -129,7 +125,7 @@ def with_paths(
 def _wide(
     roadmap: Roadmap, places: FloatArray, pairs: NDArray[np.int64], radius: float
 ) -> tuple[NDArray[np.int64], FloatArray]:
-    """Pairs of places with straight edges as wide as the radius, and their clearance."""
+    """Pairs with edges as wide as the radius, and their clearance."""
     clearance = edge_clearances(roadmap.borders.tree, places, pairs)
     used, where = np.unique(pairs, return_inverse=True)
     inside = roadmap.clearance(places[used])[where.reshape(pairs.shape)]
@@ -139,8 +135,6 @@ def _wide(
 
 
 class _Gather:
-    """Numbered places, each once."""
-
     def __init__(self, same: float) -> None:
         self.same = same
         self.places: list[tuple[float, float]] = []
@@ -148,7 +142,6 @@ class _Gather:
         self._numbers: dict[tuple[int, int], int] = {}
 
     def number(self, x: float, y: float) -> int:
-        """Number of a place, a new one if it is unknown."""
         key = round(x / self.same), round(y / self.same)
         if key not in self._numbers:
             self._numbers[key] = len(self.places)
@@ -173,7 +166,6 @@ class _Gather:
 
 
 def _cut(line: FloatArray, step: float) -> FloatArray:
-    """The polyline with points at most a step apart."""
     points = [line[:1]]
     for a, b in pairwise(line):
         parts = max(math.ceil(math.dist(a, b) / step), 1)
@@ -215,7 +207,6 @@ def _lattice(
 
 
 def _nearest(points: FloatArray, to: FloatArray) -> NDArray[np.int64]:
-    """Numbers of the points nearest to a sample of places on the paths."""
     distance = np.full(len(points), np.inf)
     for x, y in to[:: -(-len(to) // ASKED_MOST)].tolist():
         np.minimum(distance, np.hypot(points[:, 0] - x, points[:, 1] - y), out=distance)

@@ -1,11 +1,10 @@
 """Edges of the shared graph that the zones leave to one robot, and the time that they cost.
 
-Rules and units
-- An edge is a robot's only if its body stays out of keep-out zones, measured exactly, and if it is
-  not driven against a one-way zone. A robot that begins in a keep-out zone may use the edges along
-  its own path out.
-- Costs are taken at ``SAMPLES`` places of an edge: slow zones take longer, lanes count for less.
-  Only the choice of paths rests on them; the order at shared places is right whatever the times.
+- On an edge the robot's body must stay out of keep-out zones, measured exactly, and it must not
+  drive against a one-way zone. A robot that begins in a keep-out zone may use the edges along its
+  own path out.
+- Only the choice of paths rests on costs of slow zones and lanes; the order at shared places is
+  right whatever the times.
 """
 
 from __future__ import annotations
@@ -23,10 +22,10 @@ from planner.zones.zone_ground import ZoneGround
 SAMPLES = 8
 """Places of an edge: chosen, edges are a few radii long."""
 MOST_EDGES = 20
-"""Edges inside a one-way zone that may each be driven against by rounding: chosen, so that a path
-of them stays within what is allowed for all."""
+"""Edges inside a one-way zone that may each be driven against by rounding: chosen, so that a
+path of them stays within what is allowed for all."""
 SAME = 1e-6
-"""A place lies on a path within this share of the radius: as places of the graph are equal."""
+"""A place lies on a path within this share of the radius."""
 
 
 def usable_edges(
@@ -86,7 +85,6 @@ def _against(one: ZoneGround, places: FloatArray, edges: NDArray[np.int64]) -> F
 def _on_path(
     places: FloatArray, edges: NDArray[np.int64], line: FloatArray, near: float
 ) -> NDArray[np.bool_]:
-    """Mark the edges (m, 2) that lie on a polyline, not only with both ends."""
     on_path: NDArray[np.bool_] = np.asarray((_distances(places, line) <= near)[edges].all(axis=1))
     rows = np.flatnonzero(on_path)
     samples = _distances(_samples(places, edges[rows]), line).reshape(-1, SAMPLES)

@@ -1,11 +1,9 @@
-"""From robots on a graph to a checked plan, or a reason for none: the stages in order.
+"""Stages from robots on a graph to a checked plan, or a reason for none.
 
-Rules
-- Every plan is checked: no two tracks ever come nearer than both radii.
-- Counts of work limit the searches, so equal input gives equal answers; the clock ends them only
-  at the time limit, which the answer then reports.
-- The time limit counts from the request, setting up included. The current piece of work, one
-  search or one robot's times, and the plan's check, about 20 us a pair of robots, may exceed it.
+Counts of work limit the searches, so equal input gives equal answers; the clock ends them only at
+the time limit, which the answer then reports. The limit counts from the request. The current piece
+of work, one search or one robot's times, and the plan's check, about 20 us a pair of robots, may
+exceed it.
 """
 
 from __future__ import annotations
@@ -30,7 +28,7 @@ from planner.scene import FloatArray
 from planner.shared.search_clock import Clock
 
 ROUNDS = 30
-"""Rounds of shortening: ``python -m benchmarks.fleet`` says what they gain and cost."""
+"""``python -m benchmarks.fleet`` says what they gain and cost."""
 FIRST_TRIES = 400
 """Searches before anything else is tried: ten a robot for 40."""
 JOINT_ROUNDS = 500
@@ -38,11 +36,11 @@ JOINT_ROUNDS = 500
 SUSPECTS = 6
 """Robots that failed most often, whose pairs are asked for a proof."""
 LIVE_TRIES = 24
-"""Robots that are planned again where a plan's waits form a circle, four of them six times."""
+"""Robots planned again where a plan's waits form a circle, four of them six times."""
 TRAIL = 0.5
-"""By how much one of a circle comes later, as a share of its longest edge and wait."""
+"""Delay of one of a circle, as a share of its longest edge and wait."""
 PAIR_TRIES = 20
-"""Searches for a plan of two robots alone before a proof that there is none is tried."""
+"""Searches for a plan of two robots alone before a proof."""
 ROUNDING = 1e-9
 """Distances are exact within this share of the coordinates' extent."""
 NOT_LIVE = (
@@ -53,7 +51,7 @@ NOT_LIVE = (
 
 @dataclass(frozen=True, slots=True)
 class Effort:
-    """Limits of a search; ``clock`` gives seconds, ``end_s`` is its time to stop.
+    """Limits of a search; ``end_s`` is the time on its ``clock`` to stop.
 
     With ``live``, a plan whose waits form a circle is changed if possible.
     """
@@ -70,7 +68,7 @@ class Effort:
         return self.clock() >= self.end_s
 
     def out_of_time(self, who: Sequence[int]) -> NoFleetPlan:
-        """Refusal at the time limit: ``who`` has no path yet."""
+        """Refusal at the time limit; ``who`` has no path yet."""
         return NoFleetPlan(
             f"{_listed(who)}: no plan was found within {self.time_limit_s:g} s; that there is none"
             " is not proved", tuple(who), proved=False,
@@ -80,9 +78,9 @@ class Effort:
 def search(
     robots: Sequence[TeamRobot], junctions: Sequence[int], effort: Effort
 ) -> FleetPlan | NoFleetPlan:
-    """A checked plan for robots whose starts and goals do not touch, or a reason for none.
+    """Plan for robots whose starts and goals do not touch; checked, or a reason for none.
 
-    ``junctions`` are nodes where ways meet.
+    ``junctions`` are nodes where paths meet.
     """
     if not robots:
         return FleetPlan((), (), 0.0, 0.0)
@@ -101,11 +99,7 @@ def search(
 
 
 def _live_plan(solver: Solver, junctions: Sequence[int], expired: Callable[[], bool]) -> FleetPlan:
-    """Plan of the solver's routes, changed where its robots would wait in a circle.
-
-    If robots turn in a ring all at once, one is made to follow the others later; if that fails, all
-    move one at a time. A plan that cannot be changed keeps its remark.
-    """
+    """Plan in which robots that would wait in a circle come later, or all move one at a time."""
     robots = solver.robots
     plan = checked_plan(robots, _in_order(solver.routes))
     for k in range(LIVE_TRIES):
@@ -167,7 +161,7 @@ def _solve(solver: Solver, junctions: Sequence[int], effort: Effort) -> NoFleetP
 
 
 def _often(solver: Solver) -> tuple[int, ...]:
-    """Robots that failed most often: at least half as often as the first."""
+    """At least half as often as the first."""
     most = max(int(solver.pushed.max(initial=0)), 1)
     found = np.flatnonzero(2 * solver.pushed >= most).tolist()
     return tuple(found or range(len(solver.robots)))
@@ -176,12 +170,11 @@ def _often(solver: Solver) -> tuple[int, ...]:
 def _hopeless_pair(
     solver: Solver, most: int, expired: Callable[[], bool]
 ) -> tuple[int, int] | None:
-    """Two of the robots that failed most often, if they provably have no plan."""
     by_failures = np.argsort(-solver.pushed, kind="stable").tolist()
     failed = [i for i in by_failures if solver.pushed[i] > 0][:1]
     suspects = by_failures[:SUSPECTS]
     pairs = [(min(pair), max(pair)) for pair in combinations(suspects, 2)]
-    # a robot may fail because of one that stands still and so never fails itself
+    # a robot may fail because of one that is at rest and so never fails itself
     pairs += [(min(i, j), max(i, j)) for i in failed for j in by_failures[SUSPECTS:]]
     for i, j in pairs:
         if expired():
@@ -199,7 +192,6 @@ def _hopeless_pair(
 
 
 def _is_in_the_way(solver: Solver, i: int, j: int) -> bool:
-    """True if either has no way while the other stays at its start or goal for ever."""
     for one, other in ((i, j), (j, i)):
         robot = solver.robots[other]
         for node in (robot.start, robot.goal):
@@ -240,7 +232,7 @@ def checked_tracks(tracks: Sequence[FloatArray], sizes: Sequence[float]) -> Flee
 
 
 def track_of(robot: TeamRobot, route: Route) -> FloatArray:
-    """Rows t, x, y of a route: each node's arrival and, after a wait, its departure."""
+    """Rows t, x, y: each node's arrival and, after a wait, its departure."""
     places = robot.graph.places[route.way]
     rows = []
     for k, (x, y) in enumerate(places.tolist()):
@@ -253,7 +245,7 @@ def track_of(robot: TeamRobot, route: Route) -> FloatArray:
 
 
 def touching(what: str, places: FloatArray, radii: Sequence[float]) -> NoFleetPlan | None:
-    """A refusal if two robots' places of one kind are nearer than both radii."""
+    """Refusal if two robots' places of one kind are nearer than both radii."""
     sizes, largest = np.asarray(radii), np.abs(places).max(axis=1, initial=0.0).max(initial=0.0)
     for i in range(len(places)):
         needs = sizes[i] + sizes[i + 1 :]

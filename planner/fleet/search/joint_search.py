@@ -1,14 +1,12 @@
 """All robots at once, step by step: a plan, or the proof that there is none in this model.
 
-Rules
-- A configuration is a node for each robot. In a step each robot drives along one edge or rests;
-  all begin together, and the next step begins when the last has arrived. A step is allowed if no
-  two discs ever come too near during it, in continuous time.
+- A configuration is a node for each robot. In a step each robot drives along one edge or rests; all
+  begin together, and the next step begins when the last has arrived. No two discs ever come too
+  near during it, in continuous time.
 - Depth first over configurations, each with a tree of constraints (destinations of robots) that
   grows by one robot at a time: once it is used up, every step out of the configuration has been
-  examined. Once all are, there is no plan of such steps (Okumura, "LaCAM: search-based algorithm
-  for quick multi-agent pathfinding", AAAI 2023).
-- A step is filled in robot by robot, by priority; a robot in the way is asked to move first (PIBT;
+  examined (Okumura, "LaCAM: search-based algorithm for quick multi-agent pathfinding", AAAI 2023).
+- A step is filled in robot by robot, by priority; a robot in the path is asked to move first (PIBT;
   Okumura et al., Artificial Intelligence 310, 2022).
 """
 
@@ -26,7 +24,7 @@ from planner.fleet.motions.motion_kernels import do_steps_touch
 from planner.fleet.search.team import Route, TeamRobot
 
 ASKED_MOST = 400
-"""Choices that are tried to fill in one step, ten a robot for 40; the constraints do the rest."""
+"""Choices tried to fill in one step, ten a robot for 40; the constraints do the rest."""
 
 Configuration = tuple[int, ...]
 Constraint = tuple[tuple[int, int], ...]
@@ -35,7 +33,7 @@ Expired = Callable[[], bool]
 
 @dataclass(slots=True)
 class Visit:
-    """A reached configuration: its parent, the robots' order, and constraints left to try."""
+    """A reached configuration, and the constraints left to try."""
 
     at: Configuration
     parent: Visit | None
@@ -103,12 +101,10 @@ class JointSearch:
             self.stack.append(known)
 
     def _order(self, waits: Sequence[int], at: Configuration) -> list[int]:
-        """Sort robots by longest time away from the goal, then by longest way."""
         to_go = [robot.to_goal[n] for robot, n in zip(self.robots, at, strict=True)]
         return sorted(range(len(at)), key=lambda i: (-waits[i], -to_go[i]))
 
     def _fill_in(self, visit: Visit, fixed: Constraint) -> Configuration | None:
-        """A whole step that keeps a constraint, or None."""
         ends = dict(fixed)
         self._asked = 0
         for i in visit.order:
@@ -117,7 +113,6 @@ class JointSearch:
         return tuple(ends[i] for i in range(len(self.robots)))
 
     def _decide(self, i: int, at: Configuration, ends: dict[int, int]) -> bool:
-        """Choose a robot's next node, and ask robots in its way to move."""
         chance = self.rng.random(len(self.ends(i, at[i]))).tolist()
         choices = sorted(
             (to_go, tie, v) for (v, to_go), tie in zip(self.ends(i, at[i]), chance, strict=True)
@@ -152,7 +147,6 @@ class JointSearch:
         return self._choices[key]
 
     def _touch(self, at: Configuration, i: int, v: int, j: int, w: int) -> bool:
-        """True if robots i and j touch while i drives to v and j to w in the same step."""
         key = (self._kinds[i], at[i], v, self._kinds[j], at[j], w)
         if key not in self._touches:
             gap = self.robots[i].radius + self.robots[j].radius
@@ -161,7 +155,7 @@ class JointSearch:
         return self._touches[key]
 
     def is_allowed(self, at: Configuration, then: Configuration) -> bool:
-        """True if all robots can change from one configuration to another in one step."""
+        """True if all robots can do these moves in one step."""
         return not any(
             self._touch(at, i, then[i], j, then[j])
             for i in range(len(at))
@@ -179,7 +173,6 @@ class JointSearch:
         return x, y, vx, vy, lasts
 
     def _lasts(self, i: int, u: int, v: int) -> float:
-        """Time of a robot along an edge; zero at rest."""
         if u == v:
             return 0.0
         graph = self.robots[i].graph
@@ -187,7 +180,6 @@ class JointSearch:
         return float(graph.lasts[row][graph.to[row] == v].min())
 
     def _kinds_of_robot(self) -> list[int]:
-        """A number for each robot, equal if graph and radius are the same."""
         kinds: dict[tuple[int, float], int] = {}
         return [kinds.setdefault((id(r.graph.lasts), r.radius), len(kinds)) for r in self.robots]
 
@@ -199,7 +191,7 @@ class JointSearch:
         self.steps.reverse()
 
     def routes(self) -> dict[int, Route]:
-        """The plan as a route for each robot, each step begun when the last has ended."""
+        """Route for each robot, each step begun when the last has ended."""
         begin = [0.0]
         for at, then in pairwise(self.steps):
             lasts = [self._lasts(i, u, v) for i, (u, v) in enumerate(zip(at, then, strict=True))]

@@ -1,11 +1,9 @@
 """Matchings of rows to columns at least cost: least sum, or least largest cost.
 
-Rules
-- Costs (n, m) are finite, or infinite for an impossible pair. The best of the largest matchings is
-  found, exactly except for the last bits of its sum.
-- Each row is matched along a shortest augmenting path over reduced costs, O(n^2 (n + m)) in all
-  (Jonker and Volgenant, Computing 38, 1987). Such a path always exists, as a row may take a column
-  of its own that costs more than any matching.
+Costs (n, m) are infinite for an impossible pair; of the largest matchings the best is found,
+exactly except for the last bits of its sum. Each row is matched along a shortest augmenting path
+over reduced costs, O(n^2 (n + m)) in all (Jonker and Volgenant, Computing 38, 1987). Such a path
+always exists, as a row may take a column of its own that costs more than any matching.
 """
 
 from __future__ import annotations
@@ -51,7 +49,7 @@ def _augment(
         if owner[column] < 0:
             break
         other = int(owner[column])
-        # the other row's own column has reduced cost zero: it may change to any column at this cost
+        # the other row may change to any column at this cost: its own has reduced cost zero
         through = far[column] + costs[other] - price - (costs[other, column] - price[column])
         nearer = ~done & (through < far)
         far[nearer] = through[nearer]
@@ -66,7 +64,7 @@ def _augment(
 
 
 def match_for_last(costs: FloatArray) -> NDArray[np.int64]:
-    """Column of each row, -1 for none: the least largest cost of the largest matchings.
+    """Column of each row, -1 for none; of the largest matchings, the least largest cost.
 
     Among those with this largest cost, the least sum.
     """

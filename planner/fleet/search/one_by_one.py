@@ -1,11 +1,8 @@
 """Plans where hardly any robot can move: one at a time, between places out of the way.
 
-Rules
-- The robots are rearranged as pebbles (``pebbles``) on stations of the shared graph
-  (``stations``), which needs no luck in narrow places. The usual searches bring them to stations
-  first, and from stations to their goals.
-- The moves become a timed plan: each begins when all earlier ones near it have ended, so robots
-  apart drive at once.
+The robots are rearranged as pebbles (``pebbles``) on stations of the shared graph (``stations``);
+the usual searches bring them there, and from stations to their goals. Each move begins when all
+earlier ones near it have ended, so robots apart drive at once.
 """
 
 from __future__ import annotations
@@ -26,11 +23,11 @@ from planner.fleet.search.team import Route, TeamRobot, edges_of, make_robot
 from planner.scene import FloatArray
 
 CHANCES = 4
-"""Choices of stations by chance, after those of reason."""
+"""Random choices of stations, after those of reason."""
 TRIES = 100
 """Searches of one robot to bring all to stations, or from there to their goals."""
 STEPS = 1000
-"""Constraints of the joint search, where these do not do."""
+"""Constraints of the joint search if these fail."""
 
 Expired = Callable[[], bool]
 
@@ -38,7 +35,7 @@ Expired = Callable[[], bool]
 def plan_one_by_one(
     solver: Solver, junctions: Sequence[int], expired: Expired
 ) -> dict[int, Route] | None:
-    """A route for each of the solver's robots, or None; ``junctions`` are nodes where ways meet."""
+    """Route for each robot, or None; ``junctions`` are nodes where paths meet."""
     robots, rng = solver.robots, solver.rng
     places = robots[0].graph.places
     gap = 2.0 * max(robot.radius for robot in robots)
@@ -74,7 +71,6 @@ def _seeds(
     on_way: NDArray[np.int64],
     rng: np.random.Generator,
 ) -> Iterator[list[int]]:
-    """Seeds around which to pack the stations, first to last."""
     starts, goals = [r.start for r in robots], [r.goal for r in robots]
     yield [*goals, *starts]
     for count in sorted({1, 2, len(junctions)} & set(range(1, len(junctions) + 1))):
@@ -87,7 +83,6 @@ def _seeds(
 def _by_traffic(
     junctions: Sequence[int], routes: Sequence[NDArray[np.int64]], places: FloatArray, gap: float
 ) -> list[int]:
-    """Junctions by the number of routes that pass them, without unused ones."""
     passed = {}
     for node in junctions:
         away = [np.hypot(*(places[route] - places[node]).T).min() for route in routes]
@@ -139,7 +134,6 @@ def _largest_part(stations: StationGraph) -> list[int]:
 def _nearest_stations(
     robots: Sequence[TeamRobot], at: Sequence[int], nodes: Sequence[int]
 ) -> list[int] | None:
-    """A station for each robot at least total distance; a robot on one keeps it."""
     places = robots[0].graph.places
     away = places[list(at)][:, None] - places[list(nodes)][None]
     chosen = match_for_sum(np.hypot(away[:, :, 0], away[:, :, 1])).tolist()
@@ -167,8 +161,6 @@ def _drive(
 
 
 class _Ways:
-    """Ways between stations, and which of them come near to each other."""
-
     def __init__(
         self, stations: StationGraph, part: Sequence[int], robots: Sequence[TeamRobot]
     ) -> None:
@@ -178,11 +170,10 @@ class _Ways:
         self._near: dict[tuple[int, ...], bool] = {}
 
     def way(self, u: int, v: int) -> list[int]:
-        """Nodes from one station to the next."""
         return self.stations.ways[self.part[u], self.part[v]]
 
     def are_near(self, one: tuple[int, int], other: tuple[int, int]) -> bool:
-        """True if robots on these two ways could touch."""
+        """True if robots on these two paths could touch."""
         key = (*sorted(one), *sorted(other))
         if key not in self._near:
             a, b = (self.places[self.way(*pair)] for pair in (one, other))
@@ -201,7 +192,6 @@ def _polylines_apart(one: FloatArray, other: FloatArray) -> float:
 def _timed(
     robots: Sequence[TeamRobot], nodes: Sequence[int], moves: Sequence[Move], ways: _Ways
 ) -> dict[int, Route]:
-    """The moves as routes: each begins when all earlier ones near it have ended."""
     rows: dict[int, tuple[list[int], list[float], list[float]]] = {
         i: ([node], [0.0], []) for i, node in enumerate(nodes)
     }

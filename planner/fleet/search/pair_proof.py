@@ -1,10 +1,7 @@
 """Proof that two robots can never both reach their goals, whatever the others do.
 
-Rules
-- Only the two are there, in the steps of ``joint_search``: if they have no plan, no fleet has.
-- The search leads back from both goals and forwards from both starts: from one side or the other,
-  a robot confined to a few places is soon found. Each side is limited to a number of pairs of
-  places, beyond which it proves nothing.
+Only the two are there, in the steps of ``joint_search``. The search leads back from both goals and
+forwards from both starts: a robot confined to a few places is soon found from one side.
 """
 
 from __future__ import annotations
@@ -16,9 +13,9 @@ from planner.fleet.search.joint_search import JointSearch
 from planner.fleet.search.team import TeamRobot
 
 PAIRS_MOST = 20_000
-"""Pairs of places that are looked at from one side: some seconds, where steps are new."""
+"""Pairs of places examined from one side: some seconds, where steps are new."""
 PAIRS_FEW = 500
-"""The same where most proofs end, in milliseconds: the end of a lane is soon looked at."""
+"""The same where most proofs end, in milliseconds."""
 
 Pair = tuple[int, int]
 
@@ -32,7 +29,7 @@ def can_never_pass(
 ) -> bool:
     """True if the two provably have no plan; ``search`` is of these two.
 
-    Examines at most ``most`` pairs of places from either side.
+    Beyond ``most`` pairs of places a side proves nothing.
     """
     start, goal = (one.start, other.start), (one.goal, other.goal)
     before = _into(one), _into(other)
@@ -48,7 +45,6 @@ def _is_enclosed(
     expired: Callable[[], bool],
     most: int,
 ) -> bool:
-    """True if all reachable pairs are few and exclude the end."""
     seen = {begin}
     open_pairs = [begin]
     while open_pairs:

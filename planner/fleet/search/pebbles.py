@@ -1,13 +1,11 @@
 """Robots as pebbles on a graph, moved one at a time from one arrangement to another.
 
-Rules
-- An undirected graph ``near[n]``, with at most one pebble on a node. A move takes one pebble to an
-  empty neighbouring node; the others are never in its way.
+- ``near[n]`` are node n's neighbours; a move takes one pebble to an empty one.
 - Both the start and the end arrangement change until they are equal: one node after the other,
   whose removal leaves the rest connected, gets the same pebble in both and is taken out. The moves
   of the second are reversed.
-- While one pebble is brought to a node, all others are alike. They can be arranged at will within
-  each part that its node leaves of the graph, so a state is its node and the number of others in
+- While one pebble is brought to a node, all others are alike and can be arranged at will within
+  each part that its node leaves of the graph. A state is thus its node and the number of others in
   each part: there are few, and the search always ends (Papadimitriou et al., "Motion planning on a
   graph", FOCS 1994; Auletta et al., "A linear-time algorithm for the feasibility of pebble motion
   on trees", Algorithmica 23, 1999).
@@ -27,7 +25,7 @@ Move = tuple[int, int, int]
 """(pebble, from node, to node)."""
 Near = Sequence[Sequence[int]]
 SPLITS_MOST = 400
-"""Ways to share the others out among the parts of a graph that are looked at for one step."""
+"""Divisions of the others among a graph's parts that are tried for one step."""
 CANDIDATES = 6
 """Nodes, and pebbles for each, that are tried before an order is given up."""
 ORDERS = 8
@@ -41,14 +39,14 @@ def rearrange(
     rng: np.random.Generator,
     expired: Callable[[], bool],
 ) -> list[Move] | None:
-    """Moves that take pebble i from ``start[i]`` to ``goal[i]`` for all i; None if not found.
+    """Moves of pebbles i from ``start[i]`` to ``goal[i]``, or None, which proves nothing.
 
-    The nodes must be connected. None does not prove that there are none. Nodes far from the middle
-    are taken out first; if that fails, in randomly changed orders.
+    The nodes must be connected. Nodes far from the middle are taken out first, then in random
+    orders.
     """
     depth = np.array(_depths(near))
     goals = np.isin(np.arange(len(near)), goal)
-    # first nodes that hold a pebble at the end, which then has nothing to move there
+    # first nodes that hold a pebble at the end: it then has nothing to move there
     orders = [depth + len(near) * goals, depth]
     orders += [depth + rng.uniform(0.0, 2.0, len(near)) for _ in range(ORDERS - 2)]
     for order in orders:
@@ -65,7 +63,6 @@ def _in_order(
     order: Sequence[float],
     expired: Callable[[], bool],
 ) -> list[Move] | None:
-    """Rearrange, taking the last nodes in the order out first."""
     front, back = Arrangement(near, start), Arrangement(near, goal)
     left = set(range(len(near)))
     pebbles = set(range(len(start)))
@@ -92,7 +89,7 @@ class Arrangement:
         self.moves.append((pebble, u, v))
 
     def copy(self) -> Arrangement:
-        """A copy without moves."""
+        """Copy without moves."""
         return Arrangement(self.near, self.at)
 
     def shift(self, path: Sequence[int]) -> None:
@@ -115,7 +112,6 @@ def _steps(path: Sequence[int], node: int, to: int) -> Iterator[tuple[int, int]]
 
 
 def _depths(near: Near) -> list[int]:
-    """Distance of each node from the middle of the graph."""
     reach = [max(_distances(near, n, set(range(len(near)))).values()) for n in range(len(near))]
     middle = max(range(len(near)), key=lambda n: (-reach[n], len(near[n])))
     far = _distances(near, middle, set(range(len(near))))
@@ -135,7 +131,7 @@ def _distances(near: Near, begin: int, within: set[int]) -> dict[int, int]:
 
 
 def _path(near: Near, begin: int, is_end: Callable[[int], bool], within: set[int]) -> list[int]:
-    """Shortest path to the nearest node that is an end; empty if there is none."""
+    """Shortest path to the nearest end; empty if there is none."""
     parent = {begin: -1}
     queue = deque([begin])
     while queue:
@@ -155,7 +151,7 @@ def _path(near: Near, begin: int, is_end: Callable[[int], bool], within: set[int
 def _settle_one(
     front: Arrangement, back: Arrangement, left: set[int], pebbles: set[int], order: Sequence[float]
 ) -> bool:
-    """Bring one pebble to one node in both arrangements and take both out; True on success."""
+    """Settle one pebble on one node in both arrangements; True on success."""
     free = sorted(_removable(front.near, left), key=lambda n: -order[n])
     for node in free[:CANDIDATES]:
         for i in _by_nearness(front, back, node, left, pebbles)[:CANDIDATES]:
@@ -182,7 +178,6 @@ def _removable(near: Near, left: set[int]) -> list[int]:
 
 
 def _parts(near: Near, node: int, left: set[int]) -> list[set[int]]:
-    """Connected parts of the remaining nodes without this one."""
     rest = left - {node}
     parts = []
     for n in near[node]:
@@ -195,8 +190,6 @@ def _parts(near: Near, node: int, left: set[int]) -> list[set[int]]:
 
 @dataclass(slots=True)
 class _State:
-    """The pebble's way to a node: the arrangement there, and the moves from the last."""
-
     arrangement: Arrangement
     parent: _State | None
     cost: int
@@ -247,7 +240,7 @@ def _moves_to(last: _State) -> list[Move]:
 def _steps_into(here: Arrangement, at: int, to: int, part: set[int]) -> Iterator[Arrangement]:
     """Arrangements after the pebble's step from ``at`` to ``to``.
 
-    One for each way to share the part's others among the pieces that ``to`` leaves of it.
+    One for each division of the part's others among the pieces that ``to`` leaves of it.
     """
     near = here.near
     pieces = _parts(near, to, part)
@@ -265,7 +258,7 @@ def _steps_into(here: Arrangement, at: int, to: int, part: set[int]) -> Iterator
 
 
 def _shares(robots: int, room: Sequence[int]) -> Iterator[tuple[int, ...]]:
-    """All ways to share robots out among pieces with these capacities."""
+    """Divisions of robots among pieces with these capacities."""
     if not room:
         if robots == 0:
             yield ()
@@ -279,7 +272,6 @@ def _shares(robots: int, room: Sequence[int]) -> Iterator[tuple[int, ...]]:
 def _share_out(
     here: Arrangement, through: int, pieces: Sequence[set[int]], share: Sequence[int]
 ) -> None:
-    """Move pebbles through a node until each piece has its share and the node is empty."""
     near = here.near
     while True:
         missing = [

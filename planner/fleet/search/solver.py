@@ -1,15 +1,11 @@
 """Plans for all robots: one after the other, failing robots push others out; then shortened.
 
-Rules
 - Each robot is planned optimally among the moves of those already planned (prioritised planning;
   Silver, "Cooperative pathfinding", AIIDE 2005).
-- A robot without a way keeps as many planned robots as it can, first those pushed out most often,
-  and removes the others, which are planned again after it. Conflicts are thus repaired locally
-  (MAPF-LNS2; Li et al., AAAI 2022), and repeated blockers are left in peace.
-- Shortening removes a few robots and plans them again in another order, unless that is no shorter
-  (large neighbourhood search; Li et al., "Anytime multi-agent path finding via large neighborhood
-  search", IJCAI 2021).
-- One generator gives all random numbers, so equal input gives equal plans.
+- A robot without a path removes as few planned robots as it can, those pushed out most often last;
+  they are planned again after it (MAPF-LNS2; Li et al., AAAI 2022).
+- Shortening plans a few robots again in another order (large neighbourhood search; Li et al.,
+  "Anytime multi-agent path finding via large neighborhood search", IJCAI 2021).
 """
 
 from __future__ import annotations
@@ -23,7 +19,7 @@ from planner.fleet.search.team import Route, TeamRobot
 from planner.scene import FloatArray
 
 SIZES = (2, 8)
-"""Robots that are taken out at once: what Li et al. 2021 found best is 8; fewer are quicker."""
+"""Robots taken out at once: Li et al. 2021 found 8 best; fewer are quicker."""
 SAME = 1e-9
 """Sums of times that differ by less are equal."""
 NO_MOVES = np.empty((0, 7))
@@ -43,7 +39,7 @@ class Solver:
 
     @property
     def flowtime_s(self) -> float:
-        """Sum of the arrivals of all planned robots."""
+        """Sum of all planned arrivals."""
         return sum(route.arrival_s for route in self.routes.values())
 
     def plan_one(
@@ -72,7 +68,7 @@ class Solver:
         return Route(way, arrivals, departures, rows)
 
     def plan_all(self, expired: Expired, tries: int) -> bool:
-        """Plan all, the longest way first, in at most ``tries`` calls of the search."""
+        """Plan all, the longest path first, in at most ``tries`` calls of the search."""
         queue = sorted(range(len(self.robots)), key=lambda i: -self.robots[i].alone_s)
         self.routes.clear()
         while queue:
@@ -95,7 +91,6 @@ class Solver:
         return True
 
     def _push_in(self, i: int) -> tuple[Route, int]:
-        """A route among as many others as possible, and the number of searches it took."""
         chance = self.rng.random(len(self.robots))
         keep = sorted(self.routes, key=lambda j: -self.pushed[j] - 2.0 * chance[j])
         low, high, calls = 0, len(keep), 0
@@ -111,7 +106,7 @@ class Solver:
         return best, calls
 
     def alone(self, i: int) -> Route:
-        """Route of a robot without any others."""
+        """Route of a robot without others."""
         if i not in self._alone:
             route = self.plan_one(i, ())
             if route is None:
@@ -124,7 +119,7 @@ class Solver:
         return bool(do_touch(route.moves, self.routes[j].moves, gap))
 
     def can_pass(self, i: int, j: int, node: int) -> bool:
-        """True if a robot has a way while another stays at a node for ever."""
+        """True if a robot has a path while another stays at a node for ever."""
         one, other = self.robots[i], self.robots[j]
         x, y = other.graph.places[node].tolist()
         standing = np.array([[x, y, 0.0, 0.0, 0.0, HORIZON, one.radius + other.radius]])
@@ -132,7 +127,7 @@ class Solver:
         return len(way) > 0
 
     def shorten_each(self) -> None:
-        """Plan each robot again among all others if that brings it to its goal earlier."""
+        """Plan each robot again among all others if that is quicker."""
         for i in sorted(self.routes, key=lambda i: self.robots[i].alone_s):
             others = [j for j in self.routes if j != i]
             route = self.plan_one(i, others, self.routes[i].arrival_s - SAME)
@@ -154,7 +149,6 @@ class Solver:
         ).clip(0.0)
 
     def _neighbourhood(self, delay: FloatArray) -> list[int]:
-        """A late robot and others: those in its way, or any."""
         count = len(self.robots)
         late = int(self.rng.choice(count, p=delay / delay.sum()))
         size = min(int(self.rng.integers(SIZES[0], SIZES[1] + 1)), count)
@@ -168,7 +162,7 @@ class Solver:
         return chosen
 
     def _replan(self, chosen: list[int]) -> None:
-        """Plan the chosen again in this order; restore the old routes if it is no better."""
+        """Plan the chosen again in this order, unless that is no better."""
         old = {i: self.routes[i] for i in chosen}
         left = sum(route.arrival_s for route in old.values()) - SAME
         left -= sum(self.robots[i].alone_s for i in chosen)

@@ -1,9 +1,7 @@
-"""Places for robots that are clear of each other, and the ways between them.
+"""Places for robots that are clear of each other, and the paths between them.
 
-Rules
-- No two stations are nearer than two of the largest robots need, and a way between two comes that
-  near to no third: a robot on it touches no robot at another station.
-- They are packed as tightly as possible from a few seeds, so a queue holds as many as fit.
+No two stations are nearer than two of the largest robots need, and a path between two comes that
+near to no third. They are packed as tightly as possible from a few seeds.
 """
 
 from __future__ import annotations
@@ -19,7 +17,7 @@ from numpy.typing import NDArray
 from planner.scene import FloatArray
 
 STATIONS_MOST = 200
-"""Stations; in larger arenas those on the robots' own routes first, then those around them."""
+"""In larger arenas those on the robots' own routes first, then those around them."""
 TOUCH = 1e-9
 """Distances are enough within this share."""
 
@@ -28,7 +26,7 @@ Pair = tuple[int, int]
 
 @dataclass(frozen=True, slots=True)
 class StationGraph:
-    """Nodes of the shared graph (k,), ways between two as nodes, and each one's neighbours."""
+    """Nodes of the shared graph (k,), paths between two, and each one's neighbours."""
 
     nodes: list[int]
     ways: dict[Pair, list[int]]
@@ -44,7 +42,7 @@ def choose_stations(
 ) -> StationGraph:
     """Choose stations on a graph (m, 2) of two-way edges, including the seeds if possible.
 
-    After the seeds come nodes of ``routes``, then any with an edge.
+    After them come nodes of ``routes``, then any with an edge.
     """
     chosen = _pack(places, edges, seeds, routes, gap * (1.0 - TOUCH))
     ways = _ways(places, edges, chosen, gap * (1.0 - TOUCH))
@@ -109,7 +107,6 @@ def _ways(
 def _stations_near(
     places: FloatArray, edges: NDArray[np.int64], stations: FloatArray, gap: float
 ) -> list[list[int]]:
-    """For each edge the stations nearer than the gap to any of it."""
     begin = places[edges[:, 0]]
     step = places[edges[:, 1]] - begin
     length = np.maximum((step**2).sum(axis=1), np.finfo(float).tiny)
@@ -124,7 +121,6 @@ def _stations_near(
 
 
 def _shortest(places: FloatArray, edges: Sequence[Pair], begin: int, end: int) -> list[int]:
-    """Shortest way over a few two-way edges; empty if there is none."""
     after: dict[int, list[tuple[int, float]]] = defaultdict(list)
     for a, b in edges:
         after[a].append((b, float(np.hypot(*(places[b] - places[a])))))

@@ -1,9 +1,6 @@
-"""The robots of a fleet on one graph: possible edges, speed, start and goal.
+"""The robots of a fleet on one graph.
 
-Rules and units
-- Lengths are in the graph's units, times in seconds; a robot drives at one speed or rests at a
-  node.
-- Starts and goals are node numbers; a robot is known by its place in the list.
+Lengths are in the graph's units, times in seconds; starts and goals are node numbers.
 """
 
 from __future__ import annotations
@@ -20,7 +17,7 @@ from planner.scene import FloatArray
 
 @dataclass(frozen=True, slots=True)
 class TeamRobot:
-    """A robot: its graph with driving times, and the times to its goal alone."""
+    """A robot, its graph with driving times, and the times to its goal alone."""
 
     graph: MotionGraph
     radius: float
@@ -36,7 +33,7 @@ class TeamRobot:
 
 @dataclass(frozen=True, slots=True)
 class Route:
-    """A robot's way: nodes (k,), arrivals (k,), departures (k - 1,), and its moves (m, 7).
+    """A robot's nodes (k,), arrivals (k,), departures (k - 1,), and moves (m, 7).
 
     It stays at its last node for ever; the moves are rows as in ``interval_search_kernels``, with
     the robot's radius in place of the gap.
@@ -49,7 +46,7 @@ class Route:
 
     @property
     def arrival_s(self) -> float:
-        """Time of its final arrival at the goal."""
+        """Time of its arrival at the goal."""
         return float(self.arrivals[-1])
 
 
@@ -59,7 +56,7 @@ def make_graph(
     speed: float = 1.0,
     factors: FloatArray | None = None,
 ) -> MotionGraph:
-    """The graph of a robot of one speed; ``edges`` (m, 2) from and to, directed.
+    """Graph of a robot of one speed; ``edges`` (m, 2) from and to, directed.
 
     ``factors`` (m,) multiply the edges' times.
     """
@@ -74,7 +71,7 @@ def make_graph(
 
 
 def edges_of(graph: MotionGraph) -> NDArray[np.int64]:
-    """The graph's edges (m, 2), from and to."""
+    """Edges (m, 2), from and to."""
     row = np.repeat(np.arange(len(graph.places)), np.diff(graph.starts))
     return np.column_stack([row, graph.to]).astype(np.int64)
 
@@ -82,11 +79,11 @@ def edges_of(graph: MotionGraph) -> NDArray[np.int64]:
 def make_robot(
     graph: MotionGraph, edges: NDArray[np.int64], radius: float, start: int, goal: int
 ) -> TeamRobot:
-    """A robot with its times to the goal; ``edges`` from :func:`edges_of`."""
+    """Robot with its times to the goal; ``edges`` from :func:`edges_of`."""
     to_goal = times_to(goal, len(graph.places), edges, graph.lasts)
     return TeamRobot(graph, radius, start, goal, to_goal)
 
 
 def cut_off(robots: Sequence[TeamRobot]) -> list[int]:
-    """Robots that have no way to their goal even alone."""
+    """Robots that cannot reach their goal even alone."""
     return [i for i, robot in enumerate(robots) if robot.alone_s >= HORIZON]
