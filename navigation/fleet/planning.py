@@ -24,6 +24,7 @@ from typing import Final
 import numpy as np
 
 import planner
+from navigation.fleet.refusals import because_of, listed
 from navigation.fleet.request import (
     FleetAnswer,
     FleetRequest,
@@ -107,8 +108,7 @@ def _plan_for(
     moving, taken = [*request.travellers, *idle], list(kept)
     refused: dict[str, str] = {}
     while moving:
-        here = roadmap.updated(with_taken(scene, taken, moving)) if taken else roadmap
-        found = _try(here, moving, taken, keep_m, clock)
+        found = _try(roadmap, scene, moving, taken, keep_m, clock)
         if isinstance(found, dict):
             return FleetAnswer(request.id, request.scene_revision, found, refused)
         blocking, reason = found
@@ -119,7 +119,8 @@ def _plan_for(
 
 
 def _try(
-    here: Roadmap,
+    roadmap: Roadmap,
+    scene: Scene,
     moving: Sequence[Traveller],
     taken: Sequence[Taken],
     keep_m: float,
@@ -131,11 +132,14 @@ def _try(
             gap_m = math.dist((one.station.x, one.station.y), (other.x_m, other.y_m))
             if gap_m < one.radius_m + other.radius_m:
                 return i, f"{other.name} is at its goal"
+    here = _around(roadmap, scene, taken, moving)
     found = _ordered(here, moving, keep_m, clock)
     if isinstance(found, NoFleetPlan):
-        around = f" around {listed([one.name for one in taken])}" if taken else ""
         who = found.blocking or tuple(range(len(moving)))
-        return who[-1], f"{with_names(found.reason, [one.name for one in moving])}{around}"
+        reason = with_names(found.reason, [one.name for one in moving])
+        if found.proved:
+            reason += in_the_way(roadmap, scene, [moving[i] for i in who], taken, keep_m, clock)
+        return who[-1], reason
     tracks, waits, sizes = found
     promises = {}
     numbers = [point_numbers(track.targets) for track in tracks]
@@ -154,6 +158,47 @@ def _try(
     return promises
 
 
+def in_the_way(
+    roadmap: Roadmap,
+    scene: Scene,
+    moving: Sequence[Traveller],
+    taken: Sequence[Taken],
+    keep_m: float,
+    clock: Clock,
+) -> str:
+    """End of the sentence that refuses these travellers: the taken places it depends on."""
+
+    def is_refused(names: Sequence[str]) -> bool:
+        here = _around(roadmap, scene, [one for one in taken if one.name in names], moving)
+        sizes = _sizes(here, moving, LESS_ROOM * keep_m)
+        return isinstance(_plan(here, moving, sizes, clock), NoFleetPlan)
+
+    return because_of((one.name for one in taken), is_refused)
+
+
+def _around(
+    roadmap: Roadmap, scene: Scene, taken: Sequence[Taken], moving: Sequence[Traveller]
+) -> Roadmap:
+    return roadmap.updated(with_taken(scene, taken, moving)) if taken else roadmap
+
+
+def _plan(
+    here: Roadmap, moving: Sequence[Traveller], sizes: Sequence[float], clock: Clock, seed: int = 0
+) -> FleetPlan | NoFleetPlan:
+    return planner.plan_fleet(
+        here,
+        [one.start[:2] for one in moving],
+        [(one.station.x, one.station.y) for one in moving],
+        radii=sizes,
+        limits=[one.limits for one in moving],
+        time_limit_s=TIME_LIMIT_S,
+        improve=ROUNDS,
+        seed=seed,
+        clock=clock,
+        zones=[one.zones for one in moving],
+    )
+
+
 def _ordered(
     here: Roadmap, moving: Sequence[Traveller], keep_m: float, clock: Clock
 ) -> tuple[list[CutTrack], list[Dependency], list[float]] | NoFleetPlan:
@@ -166,18 +211,7 @@ def _ordered(
     zones = [one.zones for one in moving]
     for share, seed in ((1.0, 0), (LESS_ROOM, 0), *((1.0, seed) for seed in range(1, SEEDS))):
         sizes = _sizes(here, moving, share * keep_m)
-        plan = planner.plan_fleet(
-            here,
-            [one.start[:2] for one in moving],
-            [(one.station.x, one.station.y) for one in moving],
-            radii=sizes,
-            limits=[one.limits for one in moving],
-            time_limit_s=TIME_LIMIT_S,
-            improve=ROUNDS,
-            seed=seed,
-            clock=clock,
-            zones=zones,
-        )
+        plan = _plan(here, moving, sizes, clock, seed)
         if isinstance(plan, FleetPlan):
             rules = rules_of(here, zones, sizes)
             as_planned = [CutTrack.of(track, PIECE_M) for track in plan.tracks]
@@ -187,12 +221,12 @@ def _ordered(
                 waits = wait_before(tracks, find_dependencies(tracks, sizes), rules)
                 if is_live(tracks, waits):
                     return cut, waits, sizes
-            refused = refused or NoFleetPlan(NOT_LIVE)
+            refused = refused or NoFleetPlan(NOT_LIVE, proved=False)
         elif seed == 0:
             refused = plan
             if share < 1.0:
                 return refused
-    return refused or NoFleetPlan(NOT_LIVE)
+    return refused or NoFleetPlan(NOT_LIVE, proved=False)
 
 
 def rules_of(
@@ -353,11 +387,3 @@ def with_names(reason: str, names: Sequence[str]) -> str:
         return listed([names[int(n)] for n in re.findall(r"\d+", found.group(0))])
 
     return re.sub(r"\brobots? \d+(?:, \d+)*(?: and \d+)?", named, reason)
-
-
-def listed(names: Sequence[str]) -> str:
-    """Names for a sentence: "ada, bob and cleo", each once."""
-    unique = list(dict.fromkeys(names))
-    if len(unique) < 2:
-        return "".join(unique)
-    return f"{', '.join(unique[:-1])} and {unique[-1]}"
