@@ -29,10 +29,9 @@ from navigation.fleet.planning import (
     make_promise,
     point_numbers,
     rules_of,
-    with_names,
     with_taken,
 )
-from navigation.fleet.refusals import listed
+from navigation.fleet.refusals import listed, with_names
 from navigation.fleet.request import (
     Driving,
     FleetAnswer,

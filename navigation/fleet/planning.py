@@ -15,7 +15,6 @@ Metres, radians, seconds.
 from __future__ import annotations
 
 import math
-import re
 from collections.abc import Sequence
 from dataclasses import replace
 from itertools import combinations
@@ -24,7 +23,7 @@ from typing import Final
 import numpy as np
 
 import planner
-from navigation.fleet.refusals import because_of, listed
+from navigation.fleet.refusals import because_of, with_names
 from navigation.fleet.request import (
     FleetAnswer,
     FleetRequest,
@@ -57,6 +56,8 @@ STANDS_M_S: Final = 1e-3
 """A waypoint that is slower is a stop."""
 TIME_LIMIT_S: Final = 3.0
 """Time limit of one search; the robots stand still meanwhile."""
+CAUSE_S: Final = 1.0
+"""Time limit of finding the robots that a refusal depends on: chosen, a third of a search's."""
 SEEDS: Final = 4
 """Number of beginnings tried, one after another, until a plan does not need its timing."""
 LESS_ROOM: Final = 0.3
@@ -166,14 +167,25 @@ def in_the_way(
     keep_m: float,
     clock: Clock,
 ) -> str:
-    """End of the sentence that refuses these travellers: the taken places it depends on."""
+    """End of the sentence that refuses these travellers: the taken places it depends on.
+
+    Empty if that is not known within ``CAUSE_S``.
+    """
+    end_s = clock() + CAUSE_S
 
     def is_refused(names: Sequence[str]) -> bool:
         here = _around(roadmap, scene, [one for one in taken if one.name in names], moving)
         sizes = _sizes(here, moving, LESS_ROOM * keep_m)
-        return isinstance(_plan(here, moving, sizes, clock), NoFleetPlan)
+        left_s = end_s - clock()
+        plan = _plan(here, moving, sizes, clock, time_limit_s=left_s) if left_s > 0.0 else None
+        if plan is None or (isinstance(plan, NoFleetPlan) and not plan.proved):
+            raise TimeoutError
+        return isinstance(plan, NoFleetPlan)
 
-    return because_of((one.name for one in taken), is_refused)
+    try:
+        return because_of((one.name for one in taken), is_refused)
+    except TimeoutError:
+        return ""
 
 
 def _around(
@@ -183,7 +195,12 @@ def _around(
 
 
 def _plan(
-    here: Roadmap, moving: Sequence[Traveller], sizes: Sequence[float], clock: Clock, seed: int = 0
+    here: Roadmap,
+    moving: Sequence[Traveller],
+    sizes: Sequence[float],
+    clock: Clock,
+    seed: int = 0,
+    time_limit_s: float = TIME_LIMIT_S,
 ) -> FleetPlan | NoFleetPlan:
     return planner.plan_fleet(
         here,
@@ -191,7 +208,7 @@ def _plan(
         [(one.station.x, one.station.y) for one in moving],
         radii=sizes,
         limits=[one.limits for one in moving],
-        time_limit_s=TIME_LIMIT_S,
+        time_limit_s=time_limit_s,
         improve=ROUNDS,
         seed=seed,
         clock=clock,
@@ -378,12 +395,3 @@ def with_taken(scene: Scene, taken: Sequence[Taken], moving: Sequence[Traveller]
         if radius_m > 0.0:
             things.append(SceneObject(first + i, (CircleRecord(at, radius_m),)))
     return replace(scene, objects=(*scene.objects, *things))
-
-
-def with_names(reason: str, names: Sequence[str]) -> str:
-    """Replace robots' numbers in a reason by their names."""
-
-    def named(found: re.Match[str]) -> str:
-        return listed([names[int(n)] for n in re.findall(r"\d+", found.group(0))])
-
-    return re.sub(r"\brobots? \d+(?:, \d+)*(?: and \d+)?", named, reason)

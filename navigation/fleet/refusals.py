@@ -6,6 +6,7 @@ Metres.
 from __future__ import annotations
 
 import math
+import re
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 
@@ -30,6 +31,15 @@ def because_of(others: Iterable[str], is_refused: Callable[[Sequence[str]], bool
         if is_refused(fewer):
             left = fewer
     return f", because {listed(left)} {'are' if len(left) > 1 else 'is'} in the way"
+
+
+def with_names(reason: str, names: Sequence[str]) -> str:
+    """Replace robots' numbers in a reason by their names."""
+
+    def named(found: re.Match[str]) -> str:
+        return listed([names[int(n)] for n in re.findall(r"\d+", found.group(0))])
+
+    return re.sub(r"\brobots? \d+(?:, \d+)*(?: and \d+)?", named, reason)
 
 
 def listed(names: Sequence[str]) -> str:
