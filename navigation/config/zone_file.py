@@ -6,6 +6,7 @@ file's folder. Coordinates and speeds are in the units of the scene that the zon
 
 from __future__ import annotations
 
+import contextlib
 from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
@@ -19,6 +20,8 @@ from navigation.config.values import Section
 from navigation.config.zones.section import MOST_ZONES, ZoneSection
 from navigation.config.zones.zone_checks import zone_names_differ
 from navigation.shared.outside import in_short, printable
+from planner.formats.mask_files import mask_picture
+from planner.scene import SceneError
 from planner.zones.zone import Zone
 
 MOST_SENTENCE = 300
@@ -49,6 +52,33 @@ def zone_of(value: Any) -> ZoneSection:
         found = next(iter(problems_of(error.errors(include_url=False), Document(""), ZoneSection)))
         where = key_name(("zone", *found.where))
         raise ZoneError(printable(f"{where}: {found.message}", MOST_SENTENCE)) from None
+
+
+def ordered_zone(value: Any, masks_in: Path | None) -> ZoneSection:
+    """Return the zone of an order, as :func:`zone_of`, which names no file outside ``masks_in``.
+
+    A mask and its picture are in that folder or below it, links followed; neither is opened before
+    that is known. None allows no mask.
+    """
+    mask = value.get("mask") if isinstance(value, Mapping) else None
+    if isinstance(mask, str) and Path(mask).is_absolute():
+        _check_place(mask, Path(mask), masks_in)
+        with contextlib.suppress(SceneError):  # which `zone_of` finds too, and reports
+            _check_place(mask, mask_picture(mask), masks_in)
+    return zone_of(value)
+
+
+def _check_place(mask: str, file: Path, folder: Path | None) -> None:
+    if folder is None:
+        raise ZoneError("zone.mask: this run has no configuration file that a mask could be beside")
+    try:
+        is_there = file.resolve().is_relative_to(folder.resolve())
+    except (OSError, RuntimeError, ValueError):  # no name of a file, or links in a circle
+        is_there = False
+    if not is_there:
+        what = "" if file == Path(mask) else "its picture "
+        sentence = f"{what}must be in the configuration's folder, {folder}"
+        raise ZoneError(printable(f"zone.mask = {in_short(mask)}: {sentence}", MOST_SENTENCE))
 
 
 def read_zone_sections(path: Path) -> tuple[ZoneSection, ...]:

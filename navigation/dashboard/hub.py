@@ -45,6 +45,8 @@ from navigation.mission.mission import MissionError, Station
 from planner.path import Path
 from planner.roadmap.roadmap import Roadmap
 from planner.scene import Bounds
+from planner.zones.zone import zones_for
+from planner.zones.zoned_roadmap import ZonedRoadmap, with_zones
 from vision.camera.camera import Frame
 from vision.markers.markers import RobotPose
 
@@ -108,8 +110,9 @@ class Hub:
         self._told_s = -math.inf
         self._frames: dict[tuple[str, int], Frame] = {}
         self._made_s: dict[str, float] = {}
-        self._heated: Roadmap | None = None
-        self._roadmap: Roadmap | None = None
+        self._roadmap: ZonedRoadmap | None = None
+        self._closed_by = -1
+        self._heated: ZonedRoadmap | None = None
         self._paths: tuple[Path | None, ...] = ()
         self._zoned: int | None = None
         self._others: dict[int, RobotPose] = {}
@@ -143,7 +146,7 @@ class Hub:
             news = self._renew_plan(state)
             self._renew_world(state.together.roadmap)
         together = state.together
-        self._renew_heat(together.roadmap)
+        self._renew_heat()
         self._renew_pictures(together, now_s)
         if now_s - self._told_s >= STATE_EVERY_S:
             self._told_s = now_s
@@ -303,18 +306,24 @@ class Hub:
         self._zoned = revision
         self._start("zones", self._make(self.zones, zones_message, zones.zones(), revision))
 
-    def _renew_world(self, roadmap: Roadmap | None) -> None:
-        if roadmap is None or roadmap is self._roadmap or "world" in self._busy:
+    def _renew_world(self, walls: Roadmap | None) -> None:
+        """Make the roadmap again, with the zones for all robots, where either has changed."""
+        zones, known = self.daemon.zones, self._roadmap
+        revision = zones.revision  # read before them: what comes between is made next
+        same = known is not None and known.walls is walls and revision == self._closed_by
+        if walls is None or same or "world" in self._busy:
             return
-        self._roadmap = roadmap
-        self._start("world", self._make(self.world, world_message, roadmap))
+        self._closed_by, self._roadmap = revision, with_zones(walls, zones_for(zones.zones(), ""))
+        self._start("world", self._make(self.world, world_message, self._roadmap))
 
-    def _renew_heat(self, roadmap: Roadmap | None) -> None:
-        if roadmap is None or roadmap is self._heated or "heat" in self._busy:
+    def _renew_heat(self) -> None:
+        """Make the layer only while somebody has it on."""
+        zoned = self._roadmap
+        if zoned is None or zoned is self._heated or "heat" in self._busy:
             return
         if any(viewer.wants_heat for viewer in self.viewers):
-            self._heated = roadmap
-            self._start("heat", self._make(self.heat, heat_message, roadmap, self.view.window))
+            self._heated = zoned
+            self._start("heat", self._make(self.heat, heat_message, zoned, self.view.window))
 
     async def _make(self, made: Made, message: Callable[..., bytes], *contents: object) -> None:
         number = made.number + 1

@@ -13,7 +13,7 @@ Metres, radians, seconds.
 from __future__ import annotations
 
 import math
-from collections.abc import Container, Mapping, Sequence
+from collections.abc import Callable, Container, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Final
 
@@ -23,13 +23,13 @@ from navigation.fleet.planning import (
     OVERLAP_M,
     PIECE_M,
     SLACK_M,
-    listed,
+    in_the_way,
     make_promise,
     point_numbers,
     rules_of,
-    with_names,
     with_taken,
 )
+from navigation.fleet.refusals import listed, with_names
 from navigation.fleet.request import (
     Driving,
     FleetAnswer,
@@ -70,6 +70,9 @@ class _Party:
     asking: tuple[Traveller, ...]
     idle: tuple[Traveller, ...]
     clock: Clock
+    """Limits each search."""
+    cause: Callable[[Traveller], str]
+    """End of the sentence that refuses a robot even alone: the taken places it depends on."""
 
     @property
     def standing(self) -> tuple[Traveller, ...]:
@@ -97,12 +100,16 @@ def join_promises(
     ``roadmap`` is the smallest robot's in ``scene``; ``clock`` limits each search.
     """
     taken, out = request.taken, dict[str, str]()
+
+    def cause(one: Traveller) -> str:
+        return in_the_way(roadmap, scene, [one], taken, keep_m, clock)
+
     while True:
         asking, idle = (
             tuple(one for one in standing if one.name not in out)
             for standing in (request.travellers, request.idle)
         )
-        party = _Party(request.driving, asking, idle, clock)
+        party = _Party(request.driving, asking, idle, clock, cause)
         everybody = [*(one.as_traveller for one in party.driving), *party.standing]
         here = roadmap.updated(with_taken(scene, taken, everybody)) if taken else roadmap
         try:
@@ -183,7 +190,10 @@ def _with_goals(schedule: FleetSchedule, party: _Party) -> tuple[FleetSchedule, 
         if isinstance(found, FleetSchedule):
             schedule = found
             refused = {k: why for k, why in refused.items() if k not in together}
-    return schedule, {names[k]: with_names(why.reason, names) for k, why in refused.items()}
+    alone = {k: party.cause(party.asking[k - first]) for k in refused.keys() - together.keys()}
+    return schedule, {
+        names[k]: with_names(why.reason, names) + alone.get(k, "") for k, why in refused.items()
+    }
 
 
 def _with_goals_at_once(

@@ -49,7 +49,7 @@ def waits_of(
 
     ``refused`` have no path yet; a robot driving ``aside`` waits for none.
     """
-    waits = {name: f"waits for the others: {why}" for name, why in refused.items()}
+    waits = {name: f"has no path yet: {why}" for name, why in refused.items()}
     waits_for = {}
     for name, one in members.items():
         if one.state is not State.DRIVING or name not in held or name in aside:

@@ -12,7 +12,6 @@ Metres, radians, seconds.
 from __future__ import annotations
 
 import math
-import re
 from collections.abc import Sequence
 from dataclasses import replace
 from itertools import combinations
@@ -21,6 +20,7 @@ from typing import Final
 import numpy as np
 
 import planner
+from navigation.fleet.refusals import because_of, with_names
 from navigation.fleet.request import (
     FleetAnswer,
     FleetRequest,
@@ -52,7 +52,9 @@ OVERLAP_M: Final = 0.003
 STANDS_M_S: Final = 1e-3
 """A slower waypoint is a stop."""
 TIME_LIMIT_S: Final = 3.0
-"""For one search, while the robots are at rest."""
+"""Time limit of one search; the robots stand still meanwhile."""
+CAUSE_S: Final = 1.0
+"""Time limit of finding the robots that a refusal depends on: chosen, a third of a search's."""
 SEEDS: Final = 4
 """Beginnings tried until a plan does not need its timing."""
 LESS_ROOM: Final = 0.3
@@ -104,8 +106,7 @@ def _plan_for(
     moving, taken = [*request.travellers, *idle], list(kept)
     refused: dict[str, str] = {}
     while moving:
-        here = roadmap.updated(with_taken(scene, taken, moving)) if taken else roadmap
-        found = _try(here, moving, taken, keep_m, clock)
+        found = _try(roadmap, scene, moving, taken, keep_m, clock)
         if isinstance(found, dict):
             return FleetAnswer(request.id, request.scene_revision, found, refused)
         blocking, reason = found
@@ -116,7 +117,8 @@ def _plan_for(
 
 
 def _try(
-    here: Roadmap,
+    roadmap: Roadmap,
+    scene: Scene,
     moving: Sequence[Traveller],
     taken: Sequence[Taken],
     keep_m: float,
@@ -128,11 +130,14 @@ def _try(
             gap_m = math.dist((one.station.x, one.station.y), (other.x_m, other.y_m))
             if gap_m < one.radius_m + other.radius_m:
                 return i, f"{other.name} is at its goal"
+    here = _around(roadmap, scene, taken, moving)
     found = _ordered(here, moving, keep_m, clock)
     if isinstance(found, NoFleetPlan):
-        around = f" around {listed([one.name for one in taken])}" if taken else ""
         who = found.blocking or tuple(range(len(moving)))
-        return who[-1], f"{with_names(found.reason, [one.name for one in moving])}{around}"
+        reason = with_names(found.reason, [one.name for one in moving])
+        if found.proved:
+            reason += in_the_way(roadmap, scene, [moving[i] for i in who], taken, keep_m, clock)
+        return who[-1], reason
     tracks, waits, sizes = found
     promises = {}
     numbers = [point_numbers(track.targets) for track in tracks]
@@ -151,6 +156,63 @@ def _try(
     return promises
 
 
+def in_the_way(
+    roadmap: Roadmap,
+    scene: Scene,
+    moving: Sequence[Traveller],
+    taken: Sequence[Taken],
+    keep_m: float,
+    clock: Clock,
+) -> str:
+    """End of the sentence that refuses these travellers: the taken places it depends on.
+
+    Empty if that is not known within ``CAUSE_S``.
+    """
+    end_s = clock() + CAUSE_S
+
+    def is_refused(names: Sequence[str]) -> bool:
+        here = _around(roadmap, scene, [one for one in taken if one.name in names], moving)
+        sizes = _sizes(here, moving, LESS_ROOM * keep_m)
+        left_s = end_s - clock()
+        plan = _plan(here, moving, sizes, clock, time_limit_s=left_s) if left_s > 0.0 else None
+        if plan is None or (isinstance(plan, NoFleetPlan) and not plan.proved):
+            raise TimeoutError
+        return isinstance(plan, NoFleetPlan)
+
+    try:
+        return because_of((one.name for one in taken), is_refused)
+    except TimeoutError:
+        return ""
+
+
+def _around(
+    roadmap: Roadmap, scene: Scene, taken: Sequence[Taken], moving: Sequence[Traveller]
+) -> Roadmap:
+    return roadmap.updated(with_taken(scene, taken, moving)) if taken else roadmap
+
+
+def _plan(
+    here: Roadmap,
+    moving: Sequence[Traveller],
+    sizes: Sequence[float],
+    clock: Clock,
+    seed: int = 0,
+    time_limit_s: float = TIME_LIMIT_S,
+) -> FleetPlan | NoFleetPlan:
+    return planner.plan_fleet(
+        here,
+        [one.start[:2] for one in moving],
+        [(one.station.x, one.station.y) for one in moving],
+        radii=sizes,
+        limits=[one.limits for one in moving],
+        time_limit_s=time_limit_s,
+        improve=ROUNDS,
+        seed=seed,
+        clock=clock,
+        zones=[one.zones for one in moving],
+    )
+
+
 def _ordered(
     here: Roadmap, moving: Sequence[Traveller], keep_m: float, clock: Clock
 ) -> tuple[list[CutTrack], list[Dependency], list[float]] | NoFleetPlan:
@@ -162,18 +224,7 @@ def _ordered(
     zones = [one.zones for one in moving]
     for share, seed in ((1.0, 0), (LESS_ROOM, 0), *((1.0, seed) for seed in range(1, SEEDS))):
         sizes = _sizes(here, moving, share * keep_m)
-        plan = planner.plan_fleet(
-            here,
-            [one.start[:2] for one in moving],
-            [(one.station.x, one.station.y) for one in moving],
-            radii=sizes,
-            limits=[one.limits for one in moving],
-            time_limit_s=TIME_LIMIT_S,
-            improve=ROUNDS,
-            seed=seed,
-            clock=clock,
-            zones=zones,
-        )
+        plan = _plan(here, moving, sizes, clock, seed)
         if isinstance(plan, FleetPlan):
             rules = rules_of(here, zones, sizes)
             as_planned = [CutTrack.of(track, PIECE_M) for track in plan.tracks]
@@ -183,12 +234,12 @@ def _ordered(
                 waits = wait_before(tracks, find_dependencies(tracks, sizes), rules)
                 if is_live(tracks, waits):
                     return cut, waits, sizes
-            refused = refused or NoFleetPlan(NOT_LIVE)
+            refused = refused or NoFleetPlan(NOT_LIVE, proved=False)
         elif seed == 0:
             refused = plan
             if share < 1.0:
                 return refused
-    return refused or NoFleetPlan(NOT_LIVE)
+    return refused or NoFleetPlan(NOT_LIVE, proved=False)
 
 
 def rules_of(
@@ -339,20 +390,3 @@ def with_taken(scene: Scene, taken: Sequence[Taken], moving: Sequence[Traveller]
         if radius_m > 0.0:
             things.append(SceneObject(first + i, (CircleRecord(at, radius_m),)))
     return replace(scene, objects=(*scene.objects, *things))
-
-
-def with_names(reason: str, names: Sequence[str]) -> str:
-    """Replace robots' numbers in a reason by their names."""
-
-    def named(found: re.Match[str]) -> str:
-        return listed([names[int(n)] for n in re.findall(r"\d+", found.group(0))])
-
-    return re.sub(r"\brobots? \d+(?:, \d+)*(?: and \d+)?", named, reason)
-
-
-def listed(names: Sequence[str]) -> str:
-    """Join names for a sentence, each once."""
-    unique = list(dict.fromkeys(names))
-    if len(unique) < 2:
-        return "".join(unique)
-    return f"{', '.join(unique[:-1])} and {unique[-1]}"

@@ -3,13 +3,48 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Mapping
+import re
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 
 from navigation.fleet.orders import ON_TRACK_M
 from navigation.fleet.places_kept import Member
 from navigation.mission.cycle import PlanRequest
 from navigation.mission.mission import State, Station
+
+
+def because_of(others: Iterable[str], is_refused: Callable[[Sequence[str]], bool]) -> str:
+    """End of a refusal's sentence: other robots such that without any of them there is a plan.
+
+    Empty if the refusal depends on no other robot, or on more than these. ``is_refused`` answers
+    for the robots of these names alone; it is asked once a name, and twice more. Where each of
+    several robots closes the path, one of them is named.
+    """
+    left = list(dict.fromkeys(others))
+    if not left or is_refused([]) or not is_refused(left):
+        return ""
+    for name in left if len(left) > 1 else ():
+        fewer = [one for one in left if one != name]
+        if is_refused(fewer):
+            left = fewer
+    return f", because {listed(left)} {'are' if len(left) > 1 else 'is'} in the way"
+
+
+def with_names(reason: str, names: Sequence[str]) -> str:
+    """Replace robots' numbers in a reason by their names."""
+
+    def named(found: re.Match[str]) -> str:
+        return listed([names[int(n)] for n in re.findall(r"\d+", found.group(0))])
+
+    return re.sub(r"\brobots? \d+(?:, \d+)*(?: and \d+)?", named, reason)
+
+
+def listed(names: Sequence[str]) -> str:
+    """Names for a sentence: "ada, bob and cleo", each once."""
+    unique = list(dict.fromkeys(names))
+    if len(unique) < 2:
+        return "".join(unique)
+    return f"{', '.join(unique[:-1])} and {unique[-1]}"
 
 
 @dataclass(frozen=True, slots=True)

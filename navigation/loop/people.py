@@ -6,6 +6,7 @@ Any thread may give them; the next cycle acts on them. Metres, radians, seconds.
 from __future__ import annotations
 
 from collections.abc import Callable
+from pathlib import Path
 from threading import Lock
 from typing import Any, Protocol
 
@@ -51,11 +52,13 @@ class People:
     """Takes the orders of a run; ``robot`` is a name, None for all robots.
 
     ``reanchor`` finds the place of the named or only camera again and returns the lines to say.
+    ``masks_in`` is the folder that the masks of ordered zones are in; None allows no mask.
     """
 
     def __init__(self, daemon: OrderedRun) -> None:
         self._daemon = daemon
         self.reanchor: Callable[[str | None], list[str]] = _cannot_reanchor
+        self.masks_in: Path | None = None
 
     def _chosen(self, robot: str | None) -> list[ControlledRobot]:
         robots = self._daemon.robots

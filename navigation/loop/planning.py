@@ -14,6 +14,7 @@ from typing import Generic, Literal, Protocol, TypeVar
 import numpy as np
 
 import planner
+from navigation.fleet.refusals import because_of
 from navigation.mission.cycle import PlanAnswer, PlanRequest
 from navigation.mission.mission import Station
 from navigation.mission.targets import begin_as_it_stands, targets_of, within_caps
@@ -142,14 +143,24 @@ class ArenaPlanner:
     ) -> tuple[ZonedRoadmap, Path | NoPath]:
         """The route and its roadmap: around all robots, or at least around those at rest.
 
-        The robot waits for moving robots when it meets them.
+        The robot waits for moving robots when it meets them. A refusal names those at rest that it
+        depends on.
         """
+
+        def is_refused(names: Sequence[str]) -> bool:
+            left = [disc for disc in standing if _name_of(disc) in names]
+            here = roadmap.updated(with_discs(scene, left)) if left else roadmap
+            return isinstance(self._route(here, request), NoPath)
+
         standing = tuple(disc for disc in request.avoid if not disc.moves)
         for discs in dict.fromkeys((request.avoid, standing)):
             here = roadmap.updated(with_discs(scene, discs)) if discs else roadmap
             path = self._route(here, request)
             if isinstance(path, Path):
                 break
+        if isinstance(path, NoPath):
+            cause = because_of(map(_name_of, standing), is_refused)
+            path = replace(path, reason=f"{path.reason}{cause}")
         return here, path
 
     def path_clearance_m(self, points: FloatArray) -> float | None:
@@ -189,6 +200,10 @@ class ArenaPlanner:
         """The last path if the request is for the rest of the same stations in order."""
         rest = self._stations[-len(request.stations) :]
         return self._way if rest == request.stations and not request.any_order else None
+
+
+def _name_of(disc: Disc) -> str:
+    return f"robot {disc.robot_id}"
 
 
 def with_discs(scene: Scene, discs: Sequence[Disc]) -> Scene:

@@ -339,7 +339,7 @@ class Pilot:
         if self.mission.state is not State.PLANNING:
             return None
         if isinstance(answer.path, NoPath):
-            self.mission = self.mission.after(Event.NO_PLAN, why_no_plan(answer.path, asked))
+            self.mission = self.mission.after(Event.NO_PLAN, why_no_plan(answer.path))
             self._ask_again_s = now_s + self.settings.retry_s
             self.no_path = True
             self._clear_since_s = None

@@ -11,7 +11,6 @@ from typing import Final
 
 import numpy as np
 
-from navigation.mission.cycle import PlanRequest
 from navigation.mission.targets import Target
 from planner.path import NoPath, Path, Trajectory
 from planner.scene import FloatArray
@@ -87,11 +86,9 @@ def what_is_driven(path: Path, stations_left: int) -> str:
     )
 
 
-def why_no_plan(answer: NoPath, asked: PlanRequest) -> str:
+def why_no_plan(answer: NoPath) -> str:
     """Sentence about a missing plan."""
-    robots = sorted({disc.robot_id for disc in asked.avoid})
-    around = f" around robot {' and '.join(map(str, robots))}" if robots else ""
-    return f"no safe plan{around}: {answer.reason}{_remarked(answer)}"
+    return f"no safe plan: {answer.reason}{_remarked(answer)}"
 
 
 def _remarked(answer: Path | NoPath) -> str:

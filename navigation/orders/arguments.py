@@ -9,14 +9,17 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Mapping
-from typing import Any, Final
+from typing import TYPE_CHECKING, Any, Final
 
 from navigation.config.values import LONGEST_DWELL_S, MOST_STATIONS
-from navigation.config.zone_file import ZoneError, zone_of
+from navigation.config.zone_file import ZoneError, ordered_zone
 from navigation.config.zones import ZoneSection
 from navigation.mission.mission import Station
 from navigation.orders.errors import ControlError
 from navigation.shared.outside import finite_number, in_short, printable
+
+if TYPE_CHECKING:
+    from navigation.loop.people import People
 
 LONGEST_DWELLS_S: Final = 86_400.0
 """A day, all stays together: they are planned in parts of 25 s, which must stay countable."""
@@ -83,9 +86,9 @@ def _number(number: int, item: Mapping[str, Any], key: str) -> float:
     return found
 
 
-def _zone(request: Mapping[str, Any]) -> ZoneSection:
+def _zone(request: Mapping[str, Any], people: People) -> ZoneSection:
     try:
-        return zone_of(request.get("zone"))
+        return ordered_zone(request.get("zone"), people.masks_in)
     except ZoneError as error:
         raise ControlError(str(error)) from None
 
@@ -97,11 +100,12 @@ def _zone_name(request: Mapping[str, Any]) -> str:
     return printable(name, ROBOT_CHARACTERS)
 
 
-READERS: Final[Mapping[str, Callable[[Mapping[str, Any]], Any]]] = {
-    "stations": lambda request: read_stations(request.get("stations")),
-    "reason": _reason,
-    "camera": lambda request: _name(request, "camera"),
+READERS: Final[Mapping[str, Callable[[Mapping[str, Any], People], Any]]] = {
+    "stations": lambda request, _: read_stations(request.get("stations")),
+    "reason": lambda request, _: _reason(request),
+    "camera": lambda request, _: _name(request, "camera"),
     "zone": _zone,
-    "name": _zone_name,
+    "name": lambda request, _: _zone_name(request),
 }
-"""Value of each argument in a request; ``ControlError`` where it has none."""
+"""By the name of the argument: its value in a request to people; ``ControlError`` if it has none.
+"""

@@ -27,7 +27,7 @@ def carry_out(request: Mapping[str, Any], people: People) -> dict[str, Any]:
     try:
         order = _order_of(request)
         robot = read_robot(request)
-        given = {name: READERS[name](request) for name in order.arguments}
+        given = {name: READERS[name](request, people) for name in order.arguments}
         further = order.act(people, robot, given) or {}
         told = people.describe(robot)
     except (ControlError, MissionError) as error:

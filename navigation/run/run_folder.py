@@ -24,6 +24,8 @@ from navigation.shared.track import driven_pieces, with_breaks
 from navigation.shared.whole_file import UnwrittenFileError
 from planner.borders.polyline import arc_lengths, points_at
 from planner.scene import FloatArray
+from planner.zones.zone import zones_for
+from planner.zones.zoned_roadmap import with_zones
 
 REACH_SHARE, REACH_M = 1.1, 0.02
 """Reach of a robot along its plan: a share of the length it drove, and metres more."""
@@ -74,7 +76,8 @@ def prepare_picture(daemon: Daemon) -> None:
 def write_picture(file: Path, daemon: Daemon, report: RunReport) -> None:
     """Draw zones, roadmap, plans and tracks if a scene was seen; ``DrawError`` on failure.
 
-    The track of a real robot is the camera's. Each robot has its colour.
+    The roadmap is that of the search, around keep-out zones for all robots. The track of a real
+    robot is the camera's. Each robot has its colour.
     """
     if daemon.scene is None:
         return
@@ -89,12 +92,15 @@ def write_picture(file: Path, daemon: Daemon, report: RunReport) -> None:
         for one in daemon.config.other_robots
     ]
     title, zones = f"Clearway: {report.state}", daemon.zones.zones()
+    roadmap = None
+    if daemon.roadmap is not None:
+        roadmap = with_zones(daemon.roadmap, zones_for(zones, "")).closed
     if "" not in daemon.robots:
         driven = [_driven(name, robot, daemon) for name, robot in daemon.robots.items()]
         save_picture(
             file,
             daemon.scene,
-            daemon.roadmap,
+            roadmap,
             driven=driven,
             others=others,
             zones=zones,
@@ -113,7 +119,7 @@ def write_picture(file: Path, daemon: Daemon, report: RunReport) -> None:
     save_picture(
         file,
         daemon.scene,
-        daemon.roadmap,
+        roadmap,
         plans[-1].path if plans else None,
         track=with_breaks(driven_pieces(track, fastest_m_s))[:, 1:3],
         earlier=driven_stretches(plans, track, fastest_m_s),

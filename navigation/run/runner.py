@@ -81,8 +81,8 @@ class Runner:
     printed address includes its token; the program's own token is printed without it too, but not
     into the system's journal. ``log`` gets every event. ``notifier`` reports to systemd: ready,
     stopping and, at least every ``watchdog_s``, healthy. ``file`` is the configuration's source,
-    the owner of missions in the journal. ``stops`` is the folder of stops that outlive a run;
-    without it none do.
+    the owner of missions in the journal; orders may name masks in its folder. ``stops`` is the
+    folder of stops that outlive a run; without it none do.
     """
 
     def __init__(  # noqa: PLR0913 (what a command gives a run, each with a default)
@@ -155,6 +155,7 @@ class Runner:
             )
             zones = RestoredZones(daemon, self._say, self._log)
             daemon.people.reanchor = lambda camera: self.reanchor(camera, daemon.newest)
+            daemon.people.masks_in = None if self._file is None else self._file.absolute().parent
             taking = TakingOrders(open_things, socket, daemon, self._log, self._say)
             named = " --robot NAME" if self.config.robots else ""
             self._say(f"orders at {socket}: clearway go X,Y{named}, stop, pause, resume, status")

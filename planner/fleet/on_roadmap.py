@@ -50,11 +50,13 @@ def plan_fleet(
     headings are not planned for. ``radii`` is one for all or one each, the roadmap's if None; other
     radii get their own roadmaps. ``limits`` is one for all or one each: a robot drives at
     ``limits.speed`` or is at rest, and changes of speed and turns take no time here; None means
-    :func:`planner.motion.trajectory.default_limits` of its radius. ``time_limit_s``, ``improve``,
-    ``seed`` and ``clock`` are as in :func:`planner.fleet.on_graph.plan_on_graph`. ``zones`` are
-    each robot's; times count slow zones and lanes by their cost, and robots may wait in no-waiting
-    zones until :func:`planner.fleet.no_waiting.wait_before` moves their waits. Every track keeps
-    its robot's radius from all borders. ``ValueError`` on senseless input.
+    :func:`planner.motion.trajectory.default_limits` of its radius, one diameter a second.
+    ``time_limit_s``, ``improve``, ``seed`` and ``clock`` are as in
+    :func:`planner.fleet.on_graph.plan_on_graph`. ``zones`` are those that hold for each robot;
+    times count slow zones and lanes by their cost, and robots may wait in no-waiting zones until
+    :func:`planner.fleet.no_waiting.wait_before` moves their waits. A robot whose goal is its start
+    stays there where a zone forbids goals. Every track keeps its robot's radius from all borders.
+    ``ValueError`` on input that makes no sense.
     """
     of_kind("roadmap", roadmap, Roadmap)
     effort = replace(check_effort(time_limit_s, improve, seed, clock), live=True)
@@ -75,9 +77,11 @@ def plan_fleet(
     for i, size in enumerate(sizes):
         if effort.expired():
             return effort.out_of_time(range(i, len(sizes)))
-        path = grounds.zoned(size, speeds[i], ruled[i]).plan(tuple(begin[i]), tuple(end[i]))
+        stays = bool((begin[i] == end[i]).all())  # zones forbid new stops, not those there are
+        ground = grounds.walls(size) if stays else grounds.zoned(size, speeds[i], ruled[i])
+        path = ground.plan(tuple(begin[i]), tuple(end[i]))
         if isinstance(path, NoPath):
-            return NoFleetPlan(f"robot {i}: there is no way even alone: {path.reason}", (i,))
+            return NoFleetPlan(f"robot {i}: no path even alone: {path.reason}", (i,))
         # the path's own ends may be rounded: use the exact places
         paths.append(np.concatenate([begin[i : i + 1], path.points[1:-1], end[i : i + 1]]))
 
@@ -142,7 +146,8 @@ def team_on(
 ) -> Iterator[TeamRobot]:
     """The robots one by one, equal ones on one graph.
 
-    A robot that begins in a keep-out zone has its own, with its path out.
+    A robot that begins in a keep-out zone has its own, with its path out. One that is to stay where
+    a zone forbids goals has a graph without edges: it could not come back.
     """
     graphs: dict[tuple[Any, ...], tuple[MotionGraph, NDArray[np.int64]]] = {}
     largest = float(np.abs(shared.places).max())
@@ -150,11 +155,15 @@ def team_on(
         rules = grounds.zoned(size, speed, zones[i]).rules
         begin = (float(paths[i][0, 0]), float(paths[i][0, 1]))
         held = any(rules.is_held_by(one, begin) for one in rules.of("keep_out"))
-        key = size, speed, zones[i], i if held else -1
+        stays = bool((paths[i][0] == paths[i][-1]).all())
+        rooted = stays and rules.station_breach("its place", begin) is not None
+        key = size, speed, zones[i], i if held or rooted else -1
         if key not in graphs:
             wide = shared.edges[shared.clearance >= size - ROUNDING * largest]
             factors = None
-            if zones[i]:
+            if rooted:
+                wide = wide[:0]
+            elif zones[i]:
                 wide = wide[usable_edges(shared.places, wide, rules, paths[i])]
                 factors = cost_factors(shared.places, wide, rules)
             graph = make_graph(shared.places, wide, speed, factors)

@@ -204,9 +204,7 @@ class FleetSchedule:
         roadmap = self._grounds.zoned(self.radii[robot], self.speeds[robot], self.zones[robot])
         path = roadmap.plan(tuple(begin), tuple(goal[0]))
         if isinstance(path, NoPath):
-            return NoFleetPlan(
-                f"robot {robot}: there is no way even alone: {path.reason}", (robot,)
-            )
+            return NoFleetPlan(f"robot {robot}: no path even alone: {path.reason}", (robot,))
         return np.concatenate([begin[None], path.points[1:-1], goal])
 
     def _among_promises(

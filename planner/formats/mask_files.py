@@ -23,6 +23,7 @@ from planner.formats.grid_maps import map_scene
 from planner.formats.map_files import (
     MapHeader,
     ReadPicture,
+    parse_map_header,
     read_cells,
     read_map_picture,
     read_text,
@@ -74,6 +75,12 @@ def load_mask(path: str | os.PathLike[str], *, read_picture: ReadPicture | None 
     file = Path(path)
     free, unknown, _, pose = read_cells(read_text(file), file, read_picture)
     return map_scene(~free & ~unknown, pose, rim=False)
+
+
+def mask_picture(path: str | os.PathLike[str]) -> Path:
+    """Return the file of the picture that a mask's YAML names; errors as :func:`load_mask`."""
+    file = Path(path)
+    return file.parent / parse_map_header(read_text(file), str(file)).image
 
 
 def load_speed_mask(

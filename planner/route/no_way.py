@@ -71,7 +71,7 @@ def _no_way(blocked: Blocked, units: str) -> str:
     start, goal = _at(blocked.start), _at(blocked.goal)
     if len(blocked.stations) > 2:
         start, goal = f"{blocked.names[0]} {start}", f"{blocked.names[1]} {goal}"
-    return f"no way from {start} to {goal} is {width} wide throughout"
+    return f"no path from {start} to {goal} is {width} wide throughout"
 
 
 def widest_way(

@@ -16,33 +16,40 @@ from navigation.draw.outlines import chain_points
 from planner.path import Path
 from planner.roadmap.roadmap import Roadmap
 from planner.scene import CircleRecord, FloatArray, PolygonRecord, Scene
+from planner.zones.zoned_roadmap import ZonedRoadmap
 
 
-def world_message(roadmap: Roadmap, number: int) -> bytes:
-    """The arena's contents: borders by object, and the diagram's chains.
+def world_message(zoned: ZonedRoadmap, number: int) -> bytes:
+    """The arena's contents: closed borders by object, open ones, and the diagram's chains.
 
-    Arrays: ``border`` points with ``border_first`` (where each begins, and the end),
-    ``border_object`` and ``border_closed``; ``chain`` points with ``chain_clearance``,
-    ``chain_first`` and ``chain_usable`` (1: on the roadmap of this robot), cut where that ends.
+    The chains are those of the search, around keep-out zones too, which are no borders. Arrays:
+    ``border`` points with ``border_first`` (where each begins, and the end), ``border_object`` and
+    ``border_closed``; ``chain`` points with ``chain_clearance``, ``chain_first`` and
+    ``chain_usable`` (1: on the roadmap of this robot), cut where that ends.
     """
-    scene = roadmap.scene
-    assert isinstance(scene, Scene)
+    scene = zoned.scene
     borders, owner, closed = border_lines(scene)
-    chains = roadmap.clipped.chains
+    chains = zoned.closed.clipped.chains
     usable = np.zeros(len(chains), dtype=np.uint8)
-    usable[list(roadmap.kept)] = 1
+    usable[list(zoned.closed.kept)] = 1
     arrays: dict[str, NDArray[np.generic]] = {
         "border": _single(borders),
         "border_first": _firsts(borders),
         "border_object": np.array(owner, dtype=np.int32),
         "border_closed": np.array(closed, dtype=np.uint8),
         "chain": np.asarray(chains.points, dtype=np.float32),
-        "chain_clearance": np.asarray(chains.rho, dtype=np.float32),
+        "chain_clearance": chain_clearances(zoned).astype(np.float32),
         "chain_first": np.asarray(chains.first, dtype=np.int32),
         "chain_usable": usable,
     }
-    fields = {"number": number, "objects": len(scene.objects), "counts": _counts(roadmap)}
+    fields = {"number": number, "objects": len(scene.objects), "counts": _counts(zoned.walls)}
     return pack("world", fields, arrays)
+
+
+def chain_clearances(zoned: ZonedRoadmap) -> FloatArray:
+    """Distance (n,) of each of the chains' points from walls and obstacles: zones are none."""
+    chains = zoned.closed.clipped.chains
+    return chains.rho if zoned.closed is zoned.walls else zoned.clearance(chains.points)
 
 
 def plan_message(path: Path | None, number: int) -> bytes:

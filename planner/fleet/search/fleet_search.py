@@ -87,7 +87,7 @@ def search(
     lost = cut_off(robots)
     if lost:
         who = _listed(lost)
-        return NoFleetPlan(f"{who}: there is no way to the goal, even alone", tuple(lost))
+        return NoFleetPlan(f"{who}: no path to the goal, even alone", tuple(lost))
     solver = Solver(robots, np.random.default_rng(effort.seed))
     refused = _solve(solver, junctions, effort)
     if refused is not None:
@@ -152,7 +152,7 @@ def _solve(solver: Solver, junctions: Sequence[int], effort: Effort) -> NoFleetP
             if pair is not None:
                 return NoFleetPlan(
                     f"{_listed(pair)}: they cannot both reach their goals, one is always in the"
-                    " other's only way (proved)", pair,
+                    " other's only path (proved)", pair,
                 )  # fmt: skip
         first = False
         if solver.plan_all(expired, FIRST_TRIES):

@@ -110,7 +110,7 @@ class Solver:
         if i not in self._alone:
             route = self.plan_one(i, ())
             if route is None:
-                raise ValueError(f"robot {i}: has no way even alone")
+                raise ValueError(f"robot {i}: no path even alone")
             self._alone[i] = route
         return self._alone[i]
 

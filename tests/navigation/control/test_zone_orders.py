@@ -23,7 +23,8 @@ from navigation.loop.daemon import Daemon
 from navigation.orders.carry_out import carry_out
 from navigation.orders.table import ORDERS
 from navigation.run.virtual_world import VirtualWorld
-from tests.navigation.config.test_zones import ALL_KINDS, write_mask
+from planner.formats import map_files
+from tests.navigation.config.test_zones import ALL_KINDS, MASK_YAML, write_mask
 from tests.navigation.config.texts import GOOD
 from tests.support.people import RecordedPeople
 
@@ -82,7 +83,7 @@ def test_zones_are_put_removed_taken_back_and_listed_over_the_socket(
         ),
         (
             {"order": "zone_put", "zone": {"name": "a", "kind": "wait", "mask": "/none.yaml"}},
-            "/none.yaml",
+            "zone.mask: this run has no configuration file",
         ),
         ({"order": "zone_remove"}, "name: is missing"),
         ({"order": "zone_remove", "name": 7}, "name: must be a name"),
@@ -98,6 +99,52 @@ def test_a_wrong_order_is_refused_in_one_sentence(
     assert words in answer["error"]
     assert "\n" not in answer["error"]
     assert daemon.zones.revision == 0
+
+
+def put_mask(daemon: Daemon, mask: object) -> dict[str, Any]:
+    zone = {"name": "a", "kind": "keep_out", "mask": mask}
+    return carry_out({"order": "zone_put", "zone": zone}, daemon.people)
+
+
+@pytest.fixture
+def opened(monkeypatch: pytest.MonkeyPatch) -> list[Path]:
+    """Each file that is opened for a scene or a mask from now on."""
+    files: list[Path] = []
+    read_bytes = map_files.read_bytes
+
+    def note(path: Path) -> bytes:
+        files.append(path.resolve())
+        return read_bytes(path)
+
+    monkeypatch.setattr(map_files, "read_bytes", note)
+    return files
+
+
+def test_an_order_opens_no_file_outside_the_configurations_folder(
+    daemon: Daemon, tmp_path: Path, opened: list[Path]
+) -> None:
+    here, there = tmp_path / "configs", tmp_path / "configs-of-others"
+    for folder in (here / "masks", there):
+        folder.mkdir(parents=True)
+        write_mask(folder)
+    daemon.people.masks_in = here
+    (here / "link.yaml").symlink_to(there / "mask.yaml")
+    (here / "loop.yaml").symlink_to(here / "loop.yaml")
+    (here / "picture.yaml").write_text(MASK_YAML.replace("mask.pgm", str(there / "mask.pgm")))
+    (here / "above.yaml").write_text(MASK_YAML.replace("mask.pgm", "../mask.pgm"))
+    outside = [there / "mask.yaml", here / ".." / there.name / "mask.yaml", here / "link.yaml"]
+    outside += [here / "loop.yaml", here / "picture.yaml", here / "above.yaml", tmp_path / "none"]
+    for mask in (*map(str, outside), "/etc/passwd\0.yaml"):
+        answer = put_mask(daemon, mask)
+        assert answer["ok"] is False
+        assert answer["error"].startswith("zone.mask = ")
+        assert answer["error"].endswith(f"must be in the configuration's folder, {here}")
+        assert "\n" not in answer["error"]
+    assert all(here in file.parents for file in opened)
+    assert daemon.zones.revision == 0
+    assert put_mask(daemon, str(here / "masks" / "mask.yaml"))["ok"] is True
+    assert daemon.zones.sections[-1].mask == here / "masks" / "mask.yaml"
+    assert "none.yaml" in put_mask(daemon, str(here / "none.yaml"))["error"]
 
 
 def test_changes_are_the_operator_s_and_anybody_may_look() -> None:
@@ -193,6 +240,7 @@ def test_a_file_of_zones_is_added_with_its_masks(
     socket: Path, daemon: Daemon, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     write_mask(tmp_path)
+    daemon.people.masks_in = tmp_path
     file = tmp_path / "zones.yaml"
     listed = [DESK, {"name": "old", "kind": "keep_out", "mask": "mask.yaml"}]
     at = ["--file", str(file), "--socket", str(socket)]
@@ -206,6 +254,12 @@ def test_a_file_of_zones_is_added_with_its_masks(
     assert run(["zone", "add", *at]) == 2
     assert "outside the arena" in (error := capsys.readouterr().err)
     assert "added before: desk" in error
+    daemon.people.masks_in = tmp_path / "configs"
+    file.write_text(yaml.safe_dump(listed))
+    assert run(["zone", "add", *at]) == 2
+    error = capsys.readouterr().err
+    assert "must be in the configuration's folder" in error
+    assert len(error.splitlines()) == 1
 
 
 @pytest.mark.parametrize(

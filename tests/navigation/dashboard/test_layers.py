@@ -7,12 +7,16 @@ import numpy as np
 
 import planner
 from navigation.dashboard.messages.camera_view import CameraView
+from navigation.dashboard.messages.geometry import world_message
 from navigation.dashboard.messages.heat import BLOCKED, CELLS, TIGHT, heat_message
 from navigation.dashboard.messages.packed import unpack
 from navigation.draw.shapes import RAMP_STEPS
 from planner.formats.scene_io import load_scene
 from planner.formats.scene_json import scene_to_json
 from planner.scene import Bounds
+from planner.zones.areas import CircleArea
+from planner.zones.zone import Zone
+from planner.zones.zoned_roadmap import with_zones
 from tests.navigation.dashboard.site import Site
 from tests.support.oracles.brute_clearance import borders, distances, inside, outline
 from tests.support.runs.shown import RADIUS_M, ROOT, SCALE_M, SIZE_PX, frame, laboratory, pose
@@ -24,7 +28,7 @@ ARENA = Bounds(0.0, 0.0, 2.4, 1.8)
 
 
 def test_every_cell_has_the_clearance_of_its_middle() -> None:
-    head, arrays = unpack(heat_message(laboratory(), WINDOW, 3))
+    head, arrays = unpack(heat_message(with_zones(laboratory(), ()), WINDOW, 3))
     columns, rows, steps = head["columns"], head["rows"], arrays["steps"]
     assert head["number"] == 3
     assert 0.9 * CELLS < columns * rows <= CELLS
@@ -53,6 +57,25 @@ def test_every_cell_has_the_clearance_of_its_middle() -> None:
     ramp = steps[steps < RAMP_STEPS]
     assert ramp.min() == 0
     assert ramp.max() >= RAMP_STEPS - 2, "the widest place is no cell's middle"
+
+
+def test_zones_change_no_clearance_and_the_colours_are_those_of_the_roadmaps_lines() -> None:
+    window = CircleArea((2.0, 1.4), 0.25)  # over the widest place of the roadmap
+    zoned = with_zones(laboratory(), [Zone("desk", "keep_out", window)])
+    _, plain = unpack(heat_message(with_zones(laboratory(), ()), WINDOW, 1))
+    head, arrays = unpack(heat_message(zoned, WINDOW, 2))
+    for code in (BLOCKED, TIGHT):
+        np.testing.assert_array_equal(plain["steps"] == code, arrays["steps"] == code)
+    _, world = unpack(world_message(zoned, 1))
+    usable = np.repeat(world["chain_usable"], np.diff(world["chain_first"])).astype(bool)
+    low, high = (float(f(world["chain_clearance"][usable])) for f in (np.min, np.max))
+    columns, rows = head["columns"], head["rows"]
+    at = np.flatnonzero(arrays["steps"] < RAMP_STEPS)[::50]
+    x = -0.1 + (at % columns + 0.5) * 2.6 / columns
+    y = 1.9 - (at // columns + 0.5) * 2.0 / rows
+    shares = (laboratory().clearance(np.column_stack([x, y])) - low) / (high - low)
+    expected = np.clip(shares * (RAMP_STEPS - 1), 0, RAMP_STEPS - 1)
+    assert np.abs(arrays["steps"][at] - expected).max() <= 0.51
 
 
 def test_what_was_found_lies_in_the_camera_picture_where_it_was_found() -> None:

@@ -30,6 +30,10 @@ from navigation.mission.trust import Level
 from planner.path import Bottleneck, NoPath, Path
 from planner.roadmap.roadmap import Roadmap
 from planner.scene import Bounds
+from planner.zones.areas import CircleArea
+from planner.zones.zone import Zone
+from planner.zones.zoned_roadmap import with_zones
+from tests.planner.zones.plain_geometry import dense, distances
 from tests.support.runs.shown import RADIUS_M, SCALE_M, SIZE_PX, FakeDaemon, frame, laboratory
 from vision.calibration.calibration import Calibration
 from vision.markers.markers import RobotPose
@@ -93,7 +97,7 @@ def test_a_ring_gives_the_newest_items_with_their_numbers(
 
 
 def test_the_world_has_every_border_of_the_scene(roadmap: Roadmap) -> None:
-    head, arrays = unpack(world_message(roadmap, 3))
+    head, arrays = unpack(world_message(with_zones(roadmap, ()), 3))
     assert (head["number"], head["objects"]) == (3, 7)
     first = arrays["border_first"]
     assert len(first) == len(arrays["border_closed"]) + 1 == len(arrays["border_object"]) + 1
@@ -109,14 +113,14 @@ def test_the_world_has_every_border_of_the_scene(roadmap: Roadmap) -> None:
 
 
 def test_the_diagrams_clearances_are_those_of_its_places(roadmap: Roadmap) -> None:
-    _, arrays = unpack(world_message(roadmap, 1))
+    _, arrays = unpack(world_message(with_zones(roadmap, ()), 1))
     points = arrays["chain"].reshape(-1, 2)
     told = arrays["chain_clearance"]
     np.testing.assert_allclose(roadmap.clearance(points), told, atol=1e-5)
 
 
 def test_what_is_told_to_be_usable_is_the_roadmap(roadmap: Roadmap) -> None:
-    _, arrays = unpack(world_message(roadmap, 1))
+    _, arrays = unpack(world_message(with_zones(roadmap, ()), 1))
     first, usable = arrays["chain_first"], arrays["chain_usable"].astype(bool)
     for c in np.flatnonzero(usable):
         assert (arrays["chain_clearance"][first[c] : first[c + 1]] >= RADIUS_M - 1e-6).all()
@@ -127,6 +131,23 @@ def test_what_is_told_to_be_usable_is_the_roadmap(roadmap: Roadmap) -> None:
     # the graph's edges follow their bisectors more closely than the chains' points do
     assert whole_m * (1.0 - 1e-3) <= told_m <= whole_m + 1e-6
     assert not usable.all(), "the arena has places that are too tight"
+
+
+def test_the_roadmap_keeps_off_a_keep_out_zone_and_its_colours_are_the_clearance_to_walls(
+    roadmap: Roadmap,
+) -> None:
+    closing, beside = CircleArea((1.2, 0.9), 0.15), CircleArea((0.3, 0.3), 0.15)
+    zones = Zone("desk", "keep_out", closing), Zone("bend", "slow", beside, speed=0.1)
+    head, arrays = unpack(world_message(with_zones(roadmap, zones), 1))
+    assert head["objects"] == 7, "a zone is no obstacle"
+    assert set(arrays["border_object"]) == set(range(7))
+    points, first = arrays["chain"].reshape(-1, 2), arrays["chain_first"]
+    np.testing.assert_allclose(roadmap.clearance(points), arrays["chain_clearance"], atol=1e-5)
+    usable = np.flatnonzero(arrays["chain_usable"])
+    lines = [dense(points[first[c] : first[c + 1]]) for c in usable]
+    on_roadmap = np.concatenate(lines)
+    assert distances(closing, on_roadmap).min() >= RADIUS_M - 1e-3
+    assert distances(beside, on_roadmap).min() < 0.0, "only keep-out zones close the roadmap"
 
 
 def test_the_plan_is_told_with_its_length_and_clearance(roadmap: Roadmap) -> None:

@@ -15,6 +15,7 @@ from navigation.dashboard.replay.player import Player
 from navigation.dashboard.replay.replayed_run import ReplayedRun
 from navigation.recording.events import ZonesChanged
 from navigation.recording.tape import read_tape
+from planner.scene import FloatArray
 from tests.navigation.dashboard.site import TOKEN, VIEWER, Page, Site
 from tests.support.runs.recordings import EVERY, RecordedBench, make_recording
 
@@ -29,6 +30,7 @@ SLOW: dict[str, Any] = {
     "circle": [0.5, 0.5, 0.25],
     "speed_m_s": 0.1,
 }
+SQUARE = [[1.0, 0.7], [1.4, 0.7], [1.4, 1.1], [1.0, 1.1]]
 LANE: dict[str, Any] = {
     "name": "aisle",
     "kind": "lane",
@@ -100,6 +102,25 @@ def test_a_page_hears_the_zones_when_it_comes_and_when_they_change(site: Site) -
         "somebody: ZONE REMOVE 'desk'",
         "somebody: ZONE UNDO",
     ]
+
+
+def test_a_page_hears_the_roadmap_again_when_a_keep_out_zone_is_put_and_removed(site: Site) -> None:
+    def roads(told: dict[str, Any]) -> FloatArray:
+        """Points of the roadmap within the corners of the zone."""
+        arrays = told["arrays"]
+        usable = np.repeat(arrays["chain_usable"], np.diff(arrays["chain_first"])).astype(bool)
+        x, y = arrays["chain"].reshape(-1, 2)[usable].T
+        return np.flatnonzero((np.abs(x - 1.2) < 0.2) & (np.abs(y - 0.9) < 0.2))
+
+    shut = {"name": "shut", "kind": "keep_out", "polygon": SQUARE}
+    with site.live() as page:
+        assert len(roads(page.hear("world")))
+        for change, is_open in ((shut, False), ({**shut, "kind": "wait"}, True)):
+            site.daemon.zones.put(ZoneSection.model_validate(change))
+            site.daemon.cycle()
+            told = page.hear("world")
+            assert (len(roads(told)) > 0) is is_open
+            assert told["objects"] == 7
 
 
 def test_a_zone_that_cannot_be_is_refused_in_a_sentence_and_nothing_is_changed(site: Site) -> None:

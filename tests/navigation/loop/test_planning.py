@@ -87,6 +87,20 @@ def test_one_that_moves_and_closes_the_only_way_is_waited_for_on_the_way() -> No
     assert isinstance(arena_planner.answer(parked).path, NoPath)
 
 
+def test_a_refusal_names_the_robot_at_rest_that_closes_the_only_path_and_no_other() -> None:
+    arena_planner = planner_with(*[(1.0, y, 0.1) for y in (0.0, 0.2, 0.8, 1.0)])
+    closes, far = Disc(1.0, 0.5, 0.15, 8, False), Disc(1.7, 0.2, 0.1, 9, False)
+    moves = Disc(0.3, 0.9, 0.05, 7, True)
+    across = replace(ACROSS, stations=(Station(1.8, 0.5),))
+    refused = arena_planner.answer(replace(across, avoid=(far, closes, moves))).path
+    assert isinstance(refused, NoPath)
+    assert refused.reason.endswith(", because robot 8 is in the way")
+    outside = replace(ACROSS, stations=(Station(2.8, 0.5),), avoid=(far, closes))
+    refused = arena_planner.answer(outside).path
+    assert isinstance(refused, NoPath)
+    assert refused.reason == "the goal (2.8, 0.5) lies outside the bounds"
+
+
 def test_before_the_first_scene_there_is_no_plan_and_no_clearance() -> None:
     arena_planner = ArenaPlanner(SETTINGS)
     assert isinstance(arena_planner.answer(ACROSS).path, NoPath)

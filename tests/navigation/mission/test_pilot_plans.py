@@ -187,12 +187,12 @@ def test_a_robot_that_stands_in_the_way_is_planned_around(world: World) -> None:
     assert not orders.permit
 
 
-def test_while_another_robot_leaves_no_way_the_reason_names_it(world: World) -> None:
-    world.no_path = NoPath("no way is wide enough")
+def test_the_reason_for_no_path_is_the_planners_and_names_no_other_robot(world: World) -> None:
+    world.no_path = NoPath("no path is wide enough")
     world.sight = replace(world.sight, others=(Mover(8, 0.8, 0.3, 0.0, 0.0, 0.1),))
     world.pilot.give(TOUR)
     world.run(3)
-    assert world.pilot.mission.reason == "no safe plan around robot 8: no way is wide enough"
+    assert world.pilot.mission.reason == "no safe plan: no path is wide enough"
 
 
 def test_a_part_that_has_failed_holds_the_robot(world: World) -> None:

@@ -11,16 +11,20 @@ import pytest
 from navigation.config import load_config
 from navigation.loop.daemon import Daemon
 from navigation.loop.run_state import RunState
+from navigation.run import run_folder
 from navigation.run.run_folder import write_run
+from navigation.run.run_report import RunReport
 from navigation.run.virtual_run import run_virtually
+from planner.roadmap.curves import curves_of
+from planner.roadmap.roadmap import Roadmap
 
 CONFIGS = Path(__file__).parents[3] / "configs"
 RADIUS_M = 0.07
 
 
 @pytest.fixture(scope="module")
-def tracks(tmp_path_factory: pytest.TempPathFactory) -> dict[str, np.ndarray]:
-    """Rows of seconds, x_m, y_m of each robot; the run is done, and has left its picture."""
+def driven(tmp_path_factory: pytest.TempPathFactory) -> tuple[Daemon, RunReport]:
+    """The run, which is done and has left its picture."""
     daemons: list[Daemon] = []
     folder = tmp_path_factory.mktemp("zones")
     config = load_config(CONFIGS / "zones.yaml", {})
@@ -35,14 +39,41 @@ def tracks(tmp_path_factory: pytest.TempPathFactory) -> dict[str, np.ndarray]:
     assert write_run(folder, daemons[0], report) == []
     picture = (folder / "track.svg").read_text()
     assert all(f">{name}" in picture for name in ("desk", "crossing", "alley", "road", "door"))
-    return {name: one.track()[:, :3] for name, one in daemons[0].world.truths.items()}
+    return daemons[0], report
+
+
+@pytest.fixture(scope="module")
+def tracks(driven: tuple[Daemon, RunReport]) -> dict[str, np.ndarray]:
+    """Rows of seconds, x_m, y_m of each robot."""
+    return {name: one.track()[:, :3] for name, one in driven[0].world.truths.items()}
+
+
+def test_the_picture_draws_no_roadmap_through_the_desk_and_one_through_a_zone_of_one_robot(
+    driven: tuple[Daemon, RunReport], monkeypatch: pytest.MonkeyPatch, tmp_path: Path
+) -> None:
+    daemon, report = driven
+    drawn: list[Roadmap] = []
+    monkeypatch.setattr(run_folder, "save_picture", lambda *given, **_: drawn.append(given[2]))
+    for robots in ((), ("ada",)):
+        daemon.zones.put(daemon.config.zones[0].model_copy(update={"robots": robots}))
+        run_folder.write_picture(tmp_path / "track.svg", daemon, report)
+    through = []
+    for roadmap in drawn:
+        curves = curves_of(roadmap)
+        assert curves is not None
+        through.append(bool((from_the_desk(curves.points) < RADIUS_M - 1e-6).any()))
+    assert through == [False, True]
+
+
+def from_the_desk(places: np.ndarray) -> np.ndarray:
+    """Distance (n,) of places (n, 2) from the desk, 0 inside."""
+    off = np.abs(places - (1.2, 1.52)) - (0.2, 0.1)
+    return np.hypot(*np.maximum(off, 0.0).T)
 
 
 def test_no_body_enters_the_desk(tracks: dict[str, np.ndarray]) -> None:
     for track in tracks.values():
-        dx = np.maximum(np.abs(track[:, 1] - 1.2) - 0.2, 0.0)
-        dy = np.maximum(np.abs(track[:, 2] - 1.52) - 0.1, 0.0)
-        assert np.hypot(dx, dy).min() >= RADIUS_M
+        assert from_the_desk(track[:, 1:]).min() >= RADIUS_M
 
 
 def test_the_crossing_is_driven_slowly_and_the_alley_to_the_right(

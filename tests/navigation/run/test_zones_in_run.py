@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -12,6 +13,7 @@ import pytest
 from benchmarks.zones.judge import depth_m, violations
 from navigation.config import Config
 from navigation.config.zones import ZoneSection
+from navigation.control import ControlError, send_order
 from navigation.loop.daemon import Daemon
 from navigation.loop.run_state import RunState
 from navigation.mission.mission import State
@@ -19,8 +21,10 @@ from navigation.run.run_report import RunReport
 from navigation.run.virtual_run import run_virtually
 from navigation.run.virtual_world import VirtualWorld
 from planner.scene import FloatArray
+from tests.navigation.config.test_zones import write_mask
 from tests.support.runs.boundaries import several_robots
 from tests.support.runs.virtual import short_config
+from tests.support.runs.whole_run import run_whole
 
 
 def one_robot() -> Config:
@@ -44,6 +48,33 @@ BOTH = pytest.mark.parametrize("make", [one_robot, two_robots], ids=["one", "sev
 
 def zone(kind: str, **keys: Any) -> ZoneSection:
     return ZoneSection.model_validate({"name": "desk", "kind": kind, **keys})
+
+
+def test_a_run_takes_a_mask_beside_its_configuration_and_no_other(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    refused = []
+    for folder in (tmp_path / "configs", tmp_path / "others"):
+        folder.mkdir()
+        write_mask(folder)
+
+    def order(folder: str) -> dict[str, Any]:
+        mask = {"name": "old", "kind": "wait", "mask": str(tmp_path / folder / "mask.yaml")}
+        return {"order": "zone_put", "zone": mask}
+
+    def elsewhere(_: VirtualWorld) -> None:
+        with pytest.raises(ControlError) as error:
+            send_order(tmp_path / "control.sock", order("others"))
+        refused.append(str(error.value))
+
+    monkeypatch.chdir(tmp_path)
+    ran = run_whole(
+        one_robot(), tmp_path, monkeypatch, {0.3: order("configs"), 0.6: elsewhere},
+        file=Path("configs/run.yaml"),
+    )  # fmt: skip
+    assert [one["name"] for one in ran.report["zones"]] == ["old"]
+    (sentence,) = refused
+    assert sentence.endswith(f"must be in the configuration's folder, {tmp_path / 'configs'}")
 
 
 class Played:

@@ -13,6 +13,8 @@ import pytest
 from planner import FleetPlan, NoFleetPlan, build_roadmap, plan_fleet
 from planner.motion.trajectory import default_limits
 from planner.scene import Bounds, CircleRecord, Scene, SceneObject
+from planner.zones.areas import CircleArea
+from planner.zones.zone import Zone
 from tests.support.oracles.fleet_judge import delayed, least_gap
 from tests.support.scenes.planner_scenes import box, scene_of, slow_distance
 
@@ -130,6 +132,28 @@ def test_a_goal_in_a_wall_names_its_robot_and_why() -> None:
     assert isinstance(plan, NoFleetPlan)
     assert plan.blocking == (1,)
     assert "alone" in plan.reason
+
+
+def test_a_goal_in_a_keep_out_zone_names_the_robot_the_goal_and_the_zone() -> None:
+    desk = Zone("desk", "keep_out", CircleArea((2.0, 0.5), 0.1))
+    zones = [[desk]] * 3
+    starts, goals = [*ENDS, (1.5, 0.5)], [ENDS[0], (2.0, 0.5), (1.5, 0.5)]
+    plan = plan_fleet(build_roadmap(CORRIDOR, radius=0.1), starts, goals, zones=zones)
+    assert isinstance(plan, NoFleetPlan)
+    assert plan.blocking == (1,)
+    assert plan.reason == (
+        "robot 1: no path even alone: the goal (2, 0.5) is in keep-out zone 'desk'"
+    )
+
+
+def test_a_robot_that_is_to_stay_where_a_zone_forbids_goals_hinders_only_those_it_blocks() -> None:
+    for kind in ("keep_out", "wait"):
+        around = Zone("drawn later", kind, CircleArea((1.5, 0.86), 0.1))
+        roadmap, starts = build_roadmap(ALCOVE, radius=0.1), [(0.3, 0.5), (1.5, 0.86)]
+        goals, zones = [(2.7, 0.5), (1.5, 0.86)], [[], [around]]
+        plan = plan_fleet(roadmap, starts, goals, zones=zones)
+        judge(plan, ALCOVE, starts, goals, [0.1, 0.1], [0.2, 0.2])
+        assert len(plan.tracks[1]) == 1
 
 
 def test_starts_that_overlap_are_refused_with_distance_and_need() -> None:

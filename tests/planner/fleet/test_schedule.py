@@ -10,6 +10,8 @@ import pytest
 from planner import FleetSchedule, NoFleetPlan, build_roadmap
 from planner.fleet.execution import releases
 from planner.scene import Bounds
+from planner.zones.areas import CircleArea
+from planner.zones.zone import Zone
 from tests.planner.fleet.test_on_roadmap import random_task
 from tests.support.oracles.fleet_judge import least_gap
 from tests.support.scenes.planner_scenes import box, scene_of
@@ -126,6 +128,18 @@ def test_a_robot_out_of_the_way_stays() -> None:
     assert isinstance(new, FleetSchedule)
     assert new.changed == (0,)
     assert len(new.plan.tracks[1]) == 1
+
+
+def test_a_robot_parked_in_a_zone_hinders_no_plan_of_others_that_step_aside() -> None:
+    scene = scene_of(
+        box(0, 0, 3, 0.35), box(0, 0.65, 1.3, 1), box(1.7, 0.65, 3, 1), bounds=Bounds(0, 0, 4, 1)
+    )
+    desk = Zone("desk", "keep_out", CircleArea((3.7, 0.2), 0.1))
+    places = [(0.3, 0.5), (1.5, 0.5), (3.7, 0.2)]
+    schedule = FleetSchedule.parked(build_roadmap(scene, radius=0.1), places, zones=[[desk]] * 3)
+    new = schedule.with_goals({0: (2.7, 0.5)})
+    assert isinstance(new, FleetSchedule), new
+    assert new.changed == (0, 1)
 
 
 def test_a_goal_where_another_parks_is_refused_with_both_names() -> None:

@@ -152,7 +152,7 @@ def test_what_cannot_be_repaired_says_why_and_stays():
     left = {one.name for one in done.audit.of("unsafe")}
     assert left == {"10", "20", "12", "22"}
     assert set(done.unsolved) == {one.id for one in done.audit.of("unsafe")}
-    assert all("no way from" in reason for reason in done.unsolved.values())
+    assert all("no path from" in reason for reason in done.unsolved.values())
     assert done.graph.edges == graph.edges
     full = Scene.from_polygons([[(0, 0), (10, 0), (10, 10), (0, 10)]], bounds=(0, 0, 10, 10))
     nowhere = planner.repair(graph, full, 0.5)

@@ -119,7 +119,7 @@ def test_of_several_legs_the_one_that_cannot_be_is_named() -> None:
     answer = planner.build_roadmap(hand_made()["wall with a door"], 12.0).plan(
         (20, 60), (20, 100), via=[(30, 20), (140, 20)]
     )
-    assert answer.reason.startswith("no way from station 1 (30, 20) to station 2 (140, 20)")
+    assert answer.reason.startswith("no path from station 1 (30, 20) to station 2 (140, 20)")
 
 
 def test_a_refusal_takes_no_longer_than_a_denser_roadmap() -> None:

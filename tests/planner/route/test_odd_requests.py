@@ -84,4 +84,4 @@ def test_the_station_that_is_out_of_reach_is_named(order: str) -> None:
     # of two stations both are known by name
     told = halved.plan((20, 20), (120, 100))
     assert isinstance(told, planner.NoPath)
-    assert told.reason.startswith("no way from (20, 20) to (120, 100)")
+    assert told.reason.startswith("no path from (20, 20) to (120, 100)")

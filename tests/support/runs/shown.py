@@ -32,6 +32,7 @@ from planner.formats.scene_io import load_scene
 from planner.path import Limits, NoPath
 from planner.roadmap.roadmap import Roadmap
 from planner.scene import Bounds
+from planner.zones.zoned_roadmap import with_zones
 from tests.support.people import RecordedPeople
 from vision.calibration.calibration import Calibration
 from vision.camera.camera import Frame
@@ -63,8 +64,9 @@ def laboratory() -> Roadmap:
     """
     scene = load_scene(ROOT / "configs/arenas/laboratory.txt")
     roadmap = planner.build_roadmap(scene, RADIUS_M)
-    world_message(roadmap, 1)
-    heat_message(roadmap, Bounds(0.0, 0.0, 2.4, 1.8), 1)
+    zoned = with_zones(roadmap, ())
+    world_message(zoned, 1)
+    heat_message(zoned, Bounds(0.0, 0.0, 2.4, 1.8), 1)
     path = roadmap.plan((0.2, 0.2), (0.3, 1.5))
     assert not isinstance(path, NoPath)
     planner.time_path(path, LIMITS)

@@ -75,10 +75,12 @@ def run_whole(
     *,
     dashboard: bool = False,
     interrupted: bool = False,
+    file: Path | None = None,
 ) -> WholeRun:
     """Run the configuration with ``once``; ``at`` seconds something happens, or an order is given.
 
-    What the run leaves behind is in ``folder``. ``interrupted``: before it has begun.
+    What the run leaves behind is in ``folder``. ``interrupted``: before it has begun. ``file`` is
+    the configuration's.
     """
     ran, socket = WholeRun(), folder / "control.sock"
 
@@ -105,6 +107,7 @@ def run_whole(
     driven = Runner(
         config,
         once=True,
+        file=file,
         say=ran.said.append,
         socket=socket,
         dashboard=dashboard,
