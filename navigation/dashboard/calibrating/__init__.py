@@ -5,6 +5,6 @@
 - `routes`: the addresses.
 - `shown`, `said`: a live calibration as JSON, as a picture and in sentences.
 
-`clearway calibrate --live` shows the same panel alone (`static/calibration.html`, `calibration.js`),
+`clearway calibrate --live` shows the same panel alone (`static/calibration.html` and its module),
 from the addresses that only look.
 """
