@@ -80,8 +80,10 @@ export class Calibration {
   }
 
   #refuse(error) {
+    const pill = byId("calibration-phase");
+    pill.hidden ||= pill.textContent !== "enough views";
     if (!this.seat) return this.#say("the program has ended, or is not reached");
-    for (const name of ["board", "view", "phase", "save", "cancel"]) byId(`calibration-${name}`).hidden = true;
+    for (const name of ["board", "view", "save", "cancel"]) byId(`calibration-${name}`).hidden = true;
     this.#say(error);
   }
 

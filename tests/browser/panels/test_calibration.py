@@ -127,3 +127,10 @@ def test_the_page_of_the_command_shows_the_same_and_only_looks(
         live.end("enough views")
         expect(page.locator("#calibration-phase")).to_have_text("ended")
     expect(page.locator("#calibration-said")).to_have_text("Enough views.")
+
+
+def test_the_page_of_a_command_that_is_gone_says_so(open_page: OpenPage) -> None:
+    with LivePage(0) as live:
+        page = open_page(live.url, allowed="Failed to load resource")
+        expect(page.locator("#calibration-said")).to_have_text("Waiting for a picture.")
+    expect(page.locator("#calibration-said")).to_contain_text("The program has ended, or is not")
