@@ -41,7 +41,7 @@ class LivePage:
         self._asked = False
         self._heard = threading.Event()
         self._ended = ""
-        routes = [*file_routes("calibrate.html"), *looking_routes(self, lambda _request: None)]
+        routes = [*file_routes("calibrate.html"), *looking_routes(lambda: self, lambda _: None)]
         gate = AccessGate(DashboardSection(host=HOST, port=number))
         self._server = server_on(self._socket, Gatekeeper(Starlette(routes=routes), gate))
         self._thread = threading.Thread(target=self._run, name="page", daemon=True)

@@ -41,25 +41,27 @@ class Watched(Protocol):
 
 
 def looking_routes(
-    watched: Watched | None,
+    watched: Callable[[], Watched],
     refusal: Callable[[Request], Refusal | None],
     workers: Executor | None = None,
 ) -> list[Route]:
-    """The routes that only look, for visitors without a refusal; None is for no one."""
+    """The routes that only look; ``watched`` is called for visitors without a refusal alone."""
+
+    def show(_request: Request) -> Response:
+        return JSONResponse(hide_in({"ok": True, **watched().told()}))
+
+    def picture(request: Request) -> Response:
+        data = watched().picture(request.query_params.get("frame", ""))
+        return (
+            Response(status_code=404) if data is None else Response(data, media_type="image/jpeg")
+        )
 
     async def look(request: Request) -> Response:
         why = refusal(request)
         if why is not None:
             return refused(why)
-        assert watched is not None
-        work = asyncio.get_running_loop().run_in_executor
-        if request.url.path == ADDRESS:
-            return JSONResponse(hide_in({"ok": True, **await work(workers, watched.told)}))
-        number = request.query_params.get("frame", "")
-        data = await work(workers, watched.picture, number)
-        if data is None:
-            return Response(status_code=404)
-        return Response(data, media_type="image/jpeg")
+        answer = show if request.url.path == ADDRESS else picture
+        return await asyncio.get_running_loop().run_in_executor(workers, answer, request)
 
     return [Route(ADDRESS, look), Route(f"{ADDRESS}/picture.jpg", look)]
 
@@ -83,9 +85,8 @@ def calibration_routes(hub: Hub, bench: Bench | None) -> list[Route]:
         return await visits.ask(request, lambda _body: {"said": kept().cancel()})
 
     return [
-        *looking_routes(bench, visits.refusal, hub.workers),
-        *(
-            Route(f"{ADDRESS}/{act.__name__}", act, methods=["POST"])
-            for act in (start, save, cancel)
-        ),
+        *looking_routes(kept, visits.refusal, hub.workers),
+        Route(f"{ADDRESS}/start", start, methods=["POST"]),
+        Route(f"{ADDRESS}/save", save, methods=["POST"]),
+        Route(f"{ADDRESS}/cancel", cancel, methods=["POST"]),
     ]
