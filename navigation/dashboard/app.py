@@ -11,7 +11,7 @@ from typing import Final
 
 from starlette.applications import Starlette
 from starlette.requests import Request
-from starlette.responses import JSONResponse, PlainTextResponse, Response
+from starlette.responses import JSONResponse, Response
 from starlette.routing import Route, WebSocketRoute
 from starlette.types import ASGIApp, Message, Receive, Scope, Send
 from starlette.websockets import WebSocket
@@ -28,10 +28,11 @@ from navigation.dashboard.orders import buttons
 from navigation.dashboard.settings.desk import Desk
 from navigation.dashboard.settings.routes import settings_routes
 from navigation.dashboard.viewer import Viewer
+from navigation.dashboard.visits import refused
 
 MOST_BODY_BYTES: Final = 4096
+HTML: Final = "text/html; charset=utf-8"
 TYPES: Final = {
-    ".html": "text/html; charset=utf-8",
     ".css": "text/css; charset=utf-8",
     ".js": "text/javascript; charset=utf-8",
     ".svg": "image/svg+xml",
@@ -60,7 +61,7 @@ def make_app(
     pages = _Pages(hub)
     kept = KeptAnswers(runs, hub.gate, hub.workers, hub.clock)
     routes = [
-        *[Route(address, pages.show) for address in pages.files],
+        *file_routes("index.html"),
         Route("/api/state", pages.state),
         Route("/api/stop", pages.stop, methods=["POST"]),
         Route("/api/runs", kept.list_runs),
@@ -71,16 +72,17 @@ def make_app(
         *calibration_routes(hub, bench),
         WebSocketRoute("/live", pages.live),
     ]
-    return _Gatekeeper(Starlette(routes=routes), hub.gate)
+    return Gatekeeper(Starlette(routes=routes), hub.gate)
 
 
-class _Gatekeeper:
+class Gatekeeper:
     """Checks Host and Origin first, and adds the headers of every answer."""
 
     def __init__(self, app: ASGIApp, gate: AccessGate) -> None:
         self._app, self._gate = app, gate
 
     async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
+        """Serve one connection, or refuse it."""
         if scope["type"] not in ("http", "websocket"):
             await self._app(scope, receive, send)
             return
@@ -89,7 +91,7 @@ class _Gatekeeper:
         if refusal is not None and scope["type"] == "websocket":
             await _deny(WebSocket(scope, receive, send), refusal)
         elif refusal is not None:
-            await _refused(refusal)(scope, receive, send)
+            await refused(refusal)(scope, receive, send)
         else:
             await self._app(scope, receive, _with_headers(send))
 
@@ -108,17 +110,11 @@ def _with_headers(send: Send) -> Send:
 class _Pages:
     def __init__(self, hub: Hub) -> None:
         self._hub = hub
-        self.files = _page_files()
-
-    async def show(self, request: Request) -> Response:
-        """Serve one of the page's files."""
-        body, kind = self.files[request.url.path]
-        return Response(body, media_type=kind)
 
     async def state(self, request: Request) -> Response:
         role = self._hub.gate.role(bearer_of(request.headers.get("authorization")))
         if isinstance(role, Refusal):
-            return _refused(role)
+            return refused(role)
         state = self._hub.state_now()
         return JSONResponse(state or {"type": "state", "mission": None})
 
@@ -126,13 +122,13 @@ class _Pages:
         """Stop without a websocket: the page's fallback when its own is lost."""
         refusal = self._hub.gate.may_stop(bearer_of(request.headers.get("authorization")))
         if refusal is not None:
-            return _refused(refusal)
+            return refused(refusal)
         size = 0
         async for part in request.stream():
             size += len(part)
             if size > MOST_BODY_BYTES:
                 self._hub.gate.count("oversized")
-                return _refused(Refusal(413, "oversized", "the request is too long"))
+                return refused(Refusal(413, "oversized", "the request is too long"))
         client = request.client.host if request.client else "somebody"
         result = self._hub.give({"order": "stop"}, client)
         self._hub.note("stop", f"{client}: STOP")
@@ -141,7 +137,7 @@ class _Pages:
     async def metrics(self, request: Request) -> Response:
         role = self._hub.gate.role(bearer_of(request.headers.get("authorization")))
         if isinstance(role, Refusal):
-            return _refused(role)
+            return refused(role)
         return Response(metrics_text(self._hub), media_type="text/plain; version=0.0.4")
 
     async def health(self, _request: Request) -> Response:
@@ -178,24 +174,25 @@ class _Pages:
         await Viewer(hub, socket, place).serve()
 
 
-def _refused(refusal: Refusal) -> Response:
-    headers = {"www-authenticate": "Bearer"} if refusal.status == 401 else {}
-    return PlainTextResponse(refusal.sentence + "\n", refusal.status, headers=headers)
-
-
 async def _deny(socket: WebSocket, refusal: Refusal) -> None:
-    await socket.send_denial_response(_refused(refusal))
+    await socket.send_denial_response(refused(refusal))
 
 
-def _page_files() -> dict[str, tuple[bytes, str]]:
-    """Every file of the page by its address, read once: nothing else is served."""
+def file_routes(page: str) -> list[Route]:
+    """Addresses of a page, which is at /, and its files, read once: nothing else is served."""
     folder = files("navigation.dashboard") / "static"
     found = {
         f"/{item.name}": (item.read_bytes(), TYPES["." + item.name.rsplit(".", 1)[-1]])
         for item in folder.iterdir()
         if "." + item.name.rsplit(".", 1)[-1] in TYPES
     }
-    page, kind = found["/index.html"]
-    found["/"] = found["/index.html"] = page.replace(b"<!-- orders -->", buttons().encode()), kind
+    text = (folder / page).read_bytes().replace(b"<!-- orders -->", buttons().encode())
+    text = text.replace(b"<!-- calibration -->", (folder / "calibration.html").read_bytes())
+    found["/"] = found[f"/{page}"] = text, HTML
     found["/palette.css"] = (stylesheet().encode(), TYPES[".css"])
-    return found
+
+    async def show(request: Request) -> Response:
+        body, kind = found[request.url.path]
+        return Response(body, media_type=kind)
+
+    return [Route(address, show) for address in found]

@@ -22,6 +22,7 @@ from navigation.config.secrecy.secrets import hide
 from navigation.dashboard.admission.listener import (
     ACCEPTS_A_ROUND,
     MOST_MESSAGE_BYTES,
+    App,
     Listener,
 )
 from navigation.dashboard.admission.places import OpenConnections
@@ -142,25 +143,7 @@ class Dashboard:
         app = ProxyHeadersMiddleware(
             make_app(hub, self._runs, self._desk, self._bench)  # type: ignore[arg-type]
         )
-        server = uvicorn.Server(
-            uvicorn.Config(
-                listener.watched(app),
-                proxy_headers=False,
-                http="h11",
-                ws="websockets-sansio",
-                ws_max_size=MOST_MESSAGE_BYTES,
-                ws_ping_interval=PING_EVERY_S,
-                ws_ping_timeout=PONG_WITHIN_S,
-                ws_per_message_deflate=False,
-                lifespan="off",
-                log_config=None,
-                log_level="critical",
-                access_log=False,
-                server_header=False,
-                backlog=ACCEPTS_A_ROUND,
-                timeout_graceful_shutdown=round(CLOSE_WITHIN_S),
-            )
-        )
+        server = server_on(listener, app)
         if self._closing.is_set():  # the run ended before its page was ready
             return
         self._loop.set_exception_handler(partial(_on_error, hub, listener.places))
@@ -172,6 +155,29 @@ class Dashboard:
         await serving
         await listener.hang_up(LAST_WORDS_S)
         hub.workers.shutdown(wait=False, cancel_futures=True)
+
+
+def server_on(listener: Listener, app: App) -> uvicorn.Server:
+    """Server of an application, which accepts from this socket."""
+    return uvicorn.Server(
+        uvicorn.Config(
+            listener.watched(app),
+            proxy_headers=False,
+            http="h11",
+            ws="websockets-sansio",
+            ws_max_size=MOST_MESSAGE_BYTES,
+            ws_ping_interval=PING_EVERY_S,
+            ws_ping_timeout=PONG_WITHIN_S,
+            ws_per_message_deflate=False,
+            lifespan="off",
+            log_config=None,
+            log_level="critical",
+            access_log=False,
+            server_header=False,
+            backlog=ACCEPTS_A_ROUND,
+            timeout_graceful_shutdown=round(CLOSE_WITHIN_S),
+        )
+    )
 
 
 def _on_error(

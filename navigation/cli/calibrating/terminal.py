@@ -76,7 +76,7 @@ def drawn(state: LiveState, remark: str) -> Group:
     """The whole display of a state; ``remark`` is the last remark on a view."""
     lines = Text()
     lines.append(_upper(wanted_line(state)), style="bold green" if state.done else "bold")
-    lines.append(f"\n\n{_upper(board_line(state))}", style="" if state.view else "yellow")
+    lines.append(f"\n\nBoard: {board_line(state)}", style="" if state.view else "yellow")
     lines.append("\n")
     lines.append_text(_stillness(state.still))
     lines.append(f"\n\nViews: {state.count}; {cells_line(state)}")

@@ -75,14 +75,8 @@ class Bench:
 
     def told(self) -> dict[str, Any]:
         """Facts for the page."""
-        views = self._views
-        return {
-            "refusal": self._refusal,
-            "phase": self._phase,
-            "state": None if self._phase == "idle" else views.state,
-            "remarks": views.remarks,
-            "said": self._said,
-        }
+        told = {"refusal": self._refusal, "phase": self._phase, "said": self._said}
+        return {**told, **self._views.told()}
 
     def picture(self, number: str) -> bytes | None:
         """Frame of a state, or the newest if it is gone; None without any."""

@@ -17,12 +17,12 @@ def figure_px(value: float) -> str:
 def board_line(state: LiveState) -> str:
     """State of the board."""
     if state.view is None:
-        return f"board: not seen: {state.remark}"
+        return f"not seen: {state.remark}"
     if state.taken or state.remark:
-        return f"board: seen; {state.remark}"
+        return f"seen; {state.remark}"
     if state.still > 0.0:
-        return "board: seen, stands still"
-    return "board: seen, moves"
+        return "seen, stands still"
+    return "seen, moves"
 
 
 def known_line(state: LiveState) -> str:

@@ -46,11 +46,10 @@ class ShownViews:
         self._frames.append(frame)
         self._shown = state, frame
 
-    @property
-    def state(self) -> dict[str, Any] | None:
-        """The newest state; None before the first frame."""
+    def told(self) -> dict[str, Any]:
+        """The newest state, None before the first frame, and the remarks."""
         shown = self._shown
-        return None if shown is None else as_json(*shown)
+        return {"state": None if shown is None else as_json(*shown), "remarks": self.remarks}
 
     def picture(self, number: str) -> bytes | None:
         """Frame of a state, or the newest if it is gone; None without any."""

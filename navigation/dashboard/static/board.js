@@ -39,10 +39,10 @@ function drawBoard(overlay, state) {
   }
 }
 
-/** Draw a state into an SVG element over the picture, in a frame of its shape. */
+/** Draw a state into an SVG element over the picture, in a frame of its shape (board.css). */
 export function drawBoardView(frame, overlay, state) {
   overlay.setAttribute("viewBox", `-0.5 -0.5 ${state.size[0]} ${state.size[1]}`);
-  frame.style.aspectRatio = `${state.size[0]} / ${state.size[1]}`;
+  frame.style.setProperty("--ratio", state.size[0] / state.size[1]);
   overlay.replaceChildren();
   drawCells(overlay, state);
   drawBoard(overlay, state);

@@ -1,5 +1,5 @@
-// The camera's lens calibrated from the page: the board's numbers, the picture with what is still needed,
-// and what came of it. It is not modal: STOP stays where it is, and works.
+// A live calibration: the board's numbers, the picture with what is still needed, and what came of it.
+// In the dashboard it is a panel, which is not modal: STOP stays where it is, and works.
 
 import { drawBoardView } from "./board.js";
 import { allow, onPress } from "./press.js";
@@ -7,18 +7,32 @@ import { request } from "./request.js";
 
 const ADDRESS = "/api/calibration";
 const ASK_EVERY_MS = 150;
+const ASK_AGAIN_MS = 2000;
 const byId = (id) => document.getElementById(id);
 const upper = (text) => text.slice(0, 1).toUpperCase() + text.slice(1);
 const FIELDS = ["kind", "squares", "square_mm", "marker_mm", "dictionary"];
+
+function say(place, text) {
+  if (place.textContent !== text) place.textContent = text;
+}
 
 export class Calibration {
   #timer = 0;
   #frame = null;
   #answered = "";
 
+  /** Without a seat it is always open, and only looks. */
   constructor(connection, seat) {
     Object.assign(this, { connection, seat });
     this.box = byId("calibration");
+    if (seat) this.#makePanel();
+    else {
+      this.box.hidden = false;
+      this.#ask();
+    }
+  }
+
+  #makePanel() {
     this.open = byId("calibration-open");
     this.open.addEventListener("click", () => this.toggle());
     byId("calibration-close").addEventListener("click", () => this.close());
@@ -31,7 +45,7 @@ export class Calibration {
     onPress(byId("calibration-start"), (text) => this.#say(text), () => this.#start());
     onPress(byId("calibration-save"), (text) => this.#say(text), () => this.#order("save"));
     onPress(byId("calibration-cancel"), (text) => this.#say(text), () => this.#order("cancel"));
-    connection.on("hello", () => { this.open.hidden = !seat.mayDrive; });
+    this.connection.on("hello", () => { this.open.hidden = !this.seat.mayDrive; });
   }
 
   get isOpen() {
@@ -62,26 +76,30 @@ export class Calibration {
     if (told.ok) await this.#show(told);
     else this.#refuse(told.error);
     clearTimeout(this.#timer);
-    this.#timer = setTimeout(() => this.#ask(), ASK_EVERY_MS);
+    if (told.phase !== "ended") this.#timer = setTimeout(() => this.#ask(), told.ok ? ASK_EVERY_MS : ASK_AGAIN_MS);
   }
 
   #refuse(error) {
-    byId("calibration-board").hidden = byId("calibration-view").hidden = true;
-    byId("calibration-save").hidden = byId("calibration-cancel").hidden = true;
+    const pill = byId("calibration-phase");
+    pill.hidden ||= pill.textContent !== "enough views";
+    if (!this.seat) return this.#say("the program has ended, or is not reached");
+    for (const name of ["board", "view", "save", "cancel"]) byId(`calibration-${name}`).hidden = true;
     this.#say(error);
   }
 
   async #show(told) {
     const isIdle = told.phase === "idle";
+    const isShown = !isIdle && told.state !== null;
     byId("calibration-board").hidden = !isIdle || told.refusal !== "";
-    byId("calibration-view").hidden = isIdle || told.state === null;
+    byId("calibration-view").hidden = byId("calibration-phase").hidden = !isShown;
     byId("calibration-cancel").hidden = isIdle;
     byId("calibration-save").hidden = told.phase !== "found";
     allow(byId("calibration-save"), "");
     const fitting = told.phase === "fitting" ? "enough views: the lens is being fitted" : "";
     const sentence = told.phase === "taking" ? told.state?.sentence ?? "waiting for a picture" : "";
     this.#say(told.refusal || this.#answered || fitting || told.said || sentence);
-    if (told.state && told.state.frame !== this.#frame && !isIdle) await this.#draw(told);
+    if (isShown && told.state.frame !== this.#frame) await this.#draw(told);
+    if (isShown) this.#showPhase(told);
   }
 
   async #draw({ state, remarks }) {
@@ -94,10 +112,29 @@ export class Calibration {
     await picture.decode().catch(() => undefined);
     if (before) URL.revokeObjectURL(before);
     drawBoardView(byId("calibration-frame"), byId("calibration-overlay"), state);
-    const lines = [state.board.replace(/^board: /, "the board is "), state.parts, `largest spread ${state.spread} of ${state.limit_px} px wanted`, state.focal, `${state.count} ${state.count === 1 ? "view" : "views"}`];
-    byId("calibration-known").textContent = `${lines.map(upper).join(". ")}.`;
+    for (const place of this.box.querySelectorAll("[data-fact]")) say(place, upper(String(state[place.dataset.fact])));
     byId("calibration-still").value = state.still;
-    byId("calibration-last").textContent = remarks.length ? upper(remarks.at(-1)) : "";
+    byId("calibration-reached").value = state.worst_px === null ? 0 : Math.min(1, state.limit_px / state.worst_px);
+    this.#list(remarks);
+  }
+
+  #showPhase({ phase, state }) {
+    const pill = byId("calibration-phase");
+    const still = state.still > 0 ? ["hold still", "good"] : ["board seen", ""];
+    const seen = state.outline ? still : ["no board seen", "warn"];
+    const [text, kind] = phase === "ended" ? ["ended", "good"] : state.done ? ["enough views", "good"] : seen;
+    pill.dataset.state = kind;
+    say(pill, text);
+  }
+
+  #list(remarks) {
+    const list = byId("calibration-remarks");
+    if (list.childElementCount === remarks.length && list.firstChild?.textContent === upper(remarks.at(-1) ?? "")) return;
+    list.replaceChildren(...remarks.toReversed().map((text) => {
+      const item = document.createElement("li");
+      item.textContent = upper(text);
+      return item;
+    }));
   }
 
   async #start() {
@@ -119,7 +156,6 @@ export class Calibration {
   }
 
   #say(text) {
-    const said = text ? upper(text) + (/[.!?]$/.test(text) ? "" : ".") : "";
-    if (byId("calibration-said").textContent !== said) byId("calibration-said").textContent = said;
+    say(byId("calibration-said"), text ? upper(text) + (/[.!?]$/.test(text) ? "" : ".") : "");
   }
 }

@@ -1,4 +1,6 @@
-"""The camera calibrated from the page: a simulated hand holds the board, a person saves."""
+"""The camera calibrated from the page: a simulated hand holds the board, a person saves.
+
+The command's page is the same, without what starts, saves and cancels."""
 
 from __future__ import annotations
 
@@ -13,12 +15,13 @@ import pytest
 pytest.importorskip("playwright.sync_api", reason="playwright is not installed")
 from playwright.sync_api import Page, expect
 
+from navigation.cli.calibrating.page import LivePage
 from navigation.dashboard import Bench
 from navigation.run.anchoring import take_over_lens
 from tests.browser.acting import start_calibration
 from tests.browser.axe import serious_findings
 from tests.browser.programs.served import PATIENCE_S, ShownProgram, until
-from tests.support.runs.held_board import VirtualTime, small_config
+from tests.support.runs.held_board import VirtualTime, small_config, states
 from vision.calibrate.lens import Lens
 from vision.calibration.calibration_file import load_calibration, load_lens
 from vision.camera.camera import Image
@@ -81,7 +84,7 @@ def test_a_lens_is_found_on_the_page_and_saved(
     start_calibration(page)
     expect(page.locator("#calibration-said")).to_contain_text("Hold the board")
     expect(page.locator("#calibration-overlay .asked-line")).to_have_count(1)
-    expect(page.locator("#calibration-last")).to_contain_text("View 1: taken")
+    expect(page.locator("#calibration-remarks")).to_contain_text("View 1: taken")
     keep(page, "calibration")
     assert serious_findings(page) == []
     time.may_pass.set()
@@ -103,3 +106,31 @@ def test_stop_is_never_covered_by_the_calibration(
     keep(page, f"calibration_{size[0]}")
     page.locator("#stop").click()
     until(program.is_stopped)
+
+
+def test_the_page_of_the_command_shows_the_same_and_only_looks(
+    open_page: OpenPage, keep: Keep
+) -> None:
+    with LivePage(0) as live:
+        page = open_page(live.url)
+        expect(page.locator("#calibration-said")).to_have_text("Waiting for a picture.")
+        for state, frame in states(26):
+            live.show(state, frame)
+        expect(page.locator("#calibration-said")).to_contain_text("Hold the board")
+        expect(page.locator("#calibration-overlay .asked-line")).to_have_count(1)
+        expect(page.locator("#calibration-remarks li")).to_have_text(
+            ["View 2: taken", "View 1: taken"]
+        )
+        expect(page.locator(":is(button, input, select):visible")).to_have_count(0)
+        keep(page, "calibration_of_the_command")
+        assert serious_findings(page) == []
+        live.end("enough views")
+        expect(page.locator("#calibration-phase")).to_have_text("ended")
+    expect(page.locator("#calibration-said")).to_have_text("Enough views.")
+
+
+def test_the_page_of_a_command_that_is_gone_says_so(open_page: OpenPage) -> None:
+    with LivePage(0) as live:
+        page = open_page(live.url, allowed="Failed to load resource")
+        expect(page.locator("#calibration-said")).to_have_text("Waiting for a picture.")
+    expect(page.locator("#calibration-said")).to_contain_text("The program has ended, or is not")

@@ -8,7 +8,8 @@ from navigation.config import Config, load_config
 from navigation.simulator.picture.held_board import HeldBoardCamera
 from vision.calibrate.board import BoardSpec
 from vision.calibrate.live.guide import HeldPose
-from vision.calibrate.live.session import LiveSession
+from vision.calibrate.live.session import LiveSession, LiveState
+from vision.camera.camera import Frame
 
 CHARUCO = BoardSpec("charuco", 8, 6, 0.1, 0.075, "DICT_5X5_100")
 CHESSBOARD = BoardSpec("chessboard", 9, 6, 0.08)
@@ -51,3 +52,16 @@ def held_board(
         return None if session is None or session.wanted is None else session.wanted.pose
 
     return HeldBoardCamera(small_config(), spec, time.clock, time.wait, seed, asked)
+
+
+def states(count: int) -> list[tuple[LiveState, Frame]]:
+    """The first states of a live calibration, each with its frame."""
+    session, time = LiveSession(CHARUCO), VirtualTime()
+    camera = held_board(CHARUCO, session, time)
+    camera.open()
+    found = []
+    for _ in range(count):
+        frame = camera.read(1.0)
+        assert frame is not None
+        found.append((session.look(frame), frame))
+    return found

@@ -18,8 +18,8 @@ from navigation.cli.calibrating import command, live
 from navigation.cli.calibrating.page import LivePage
 from navigation.cli.calibrating.terminal import TerminalLines, drawn
 from navigation.cli.main import run
-from tests.support.runs.held_board import CHARUCO, VirtualTime, held_board, small_config
-from vision.calibrate.live.session import LiveSession, LiveState
+from tests.support.runs.held_board import VirtualTime, small_config, states
+from vision.calibrate.live.session import LiveState
 from vision.calibration.calibration_file import load_lens
 from vision.camera.camera import Frame
 
@@ -35,18 +35,6 @@ def virtual(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> VirtualTime:
     monkeypatch.setattr(live, "load_config", lambda _: small_config())
     monkeypatch.chdir(tmp_path)
     return time
-
-
-def states(count: int) -> list[tuple[LiveState, Frame]]:
-    session, time = LiveSession(CHARUCO), VirtualTime()
-    camera = held_board(CHARUCO, session, time)
-    camera.open()
-    found = []
-    for _ in range(count):
-        frame = camera.read(1.0)
-        assert frame is not None
-        found.append((session.look(frame), frame))
-    return found
 
 
 @pytest.fixture(scope="module")
@@ -145,27 +133,30 @@ def get(url: str, host: str | None = None) -> tuple[int, bytes]:
 
 def test_the_page_shows_the_picture_of_the_state(seen: list[tuple[LiveState, Frame]]) -> None:
     with LivePage(0) as page:
-        assert json.loads(get(page.url + "state")[1]) == {
-            "state": None, "remarks": [], "ended": "",
+        address = page.url + "api/calibration"
+        assert json.loads(get(address)[1]) == {
+            "ok": True, "refusal": "", "phase": "taking", "said": "", "state": None, "remarks": [],
         }  # fmt: skip
-        assert get(page.url + "picture.jpg")[0] == 404
+        assert get(address + "/picture.jpg")[0] == 404
         for state, frame in seen:
             page.show(state, frame)
-        told = json.loads(get(page.url + "state")[1])
+        told = json.loads(get(address)[1])
         state, frame = seen[-1]
         assert told["state"]["frame"] == frame.sequence
         assert told["state"]["count"] == 2
         assert told["remarks"] == ["view 1: taken", "view 2: taken"]
         assert np.shape(told["state"]["cells"]) == state.cells.done.shape
-        code, data = get(page.url + f"picture.jpg?frame={seen[-4][1].sequence}")
+        code, data = get(address + f"/picture.jpg?frame={seen[-4][1].sequence}")
         assert code == 200
         shown = cv2.imdecode(np.frombuffer(data, np.uint8), cv2.IMREAD_GRAYSCALE)
         assert np.abs(shown.astype(float) - seen[-4][1].image).mean() < 4.0
-        for name in ("", "calibrate.js", "calibrate.css", "palette.css"):
+        for name in ("", "calibrate.js", "calibration.js", "board.css", "palette.css"):
             assert get(page.url + name)[0] == 200
-        assert get(page.url + "../command.py")[0] == 404
+        for name in ("../command.py", "index.html", "live", "api/stop", "api/calibration/start"):
+            assert get(page.url + name)[0] == 404
         page.end("enough views")
-        assert json.loads(get(page.url + "state")[1])["ended"] == "enough views"
+        told = json.loads(get(address)[1])
+        assert (told["phase"], told["said"]) == ("ended", "enough views")
 
 
 def test_the_page_is_this_machine_s_and_a_port_that_is_taken_is_said(
@@ -173,7 +164,7 @@ def test_the_page_is_this_machine_s_and_a_port_that_is_taken_is_said(
 ) -> None:
     monkeypatch.chdir(tmp_path)
     with LivePage(0) as page:
-        assert get(page.url + "state", host="elsewhere.example")[0] == 400
+        assert get(page.url + "api/calibration", host="elsewhere.example")[0] == 400
         port = page.url.rsplit(":", 1)[1].strip("/")
         cv2.imwrite("a.png", np.full((64, 64), 128, np.uint8))
         assert run(["calibrate", "--live", "a.png", *BOARD, "--page", port]) == 2
