@@ -1,7 +1,6 @@
-"""Notifications: the configured call, made once when a mission is done, stopped or failed.
+"""The configured call, made once when a mission is done, stopped or failed.
 
-The calls are made by another thread (`machine/outside_calls.py`): the control loop never waits for
-them, and none of their errors reaches it.
+Another thread makes it: the control loop never waits for it and gets none of its errors.
 """
 
 from __future__ import annotations
@@ -30,10 +29,10 @@ LONE: Final = "robot"
 
 
 class Notifications:
-    """Observer of a run's cycles; a context manager. Call `cycle` after each, `end` once.
+    """Observer of a run's cycles; call `cycle` after each, `end` once.
 
-    ``now`` gives the wall time. ``say`` gets a line for the terminal if a call fails. What is
-    already over in the first cycle, by a journal or a kept stop, is no news.
+    ``now`` gives the wall time. ``say`` gets a line if a call fails. Missions that are over in the
+    first cycle, by a journal or a kept stop, are no news.
     """
 
     def __init__(
@@ -102,11 +101,11 @@ class Notifications:
 
 
 def filled(argument: str, values: Mapping[str, str]) -> str:
-    """The argument with its placeholders replaced, once: values have none."""
+    """Replace an argument's placeholders, and none within their values."""
     return PLACEHOLDER.sub(lambda match: values[match[1]], argument)
 
 
 def _is_news(before: MissionProgress, now: MissionProgress) -> bool:
-    """True if a mission is over now; back from stepping aside for another, it was done before."""
+    """True if a mission is over now; one that only stepped aside was done before."""
     was_aside = before.errand is not None and now.state is State.DONE
     return now.state in ENDED and now.state is not before.state and not was_aside

@@ -1,7 +1,4 @@
-"""Report of one robot's run, as data and as lines for a person.
-
-Units: metres, degrees, seconds; latencies in milliseconds.
-"""
+"""Report of one robot's run. Metres, degrees, seconds; latencies in milliseconds."""
 
 from __future__ import annotations
 
@@ -77,10 +74,9 @@ class Report:
     frames: FrameCounts
     latency_ms: Latencies
     ground_truth: bool
-    """True if clearance, tracking and goal errors come from the simulation's truth, not the
-    camera."""
+    """True if clearance, tracking and goal errors are the simulation's truth, not the camera's."""
     track_jumps: int = 0
-    """Number of jumps to where the robot had not driven: it was lifted, or unseen between."""
+    """Jumps of the track: the robot was lifted, or was unseen between."""
 
     @classmethod
     def of_nothing(cls, reason: str, stations: int) -> Report:

@@ -1,7 +1,4 @@
-"""The report of a run: each robot's own, and the least gap between two robots.
-
-Units: metres, degrees, seconds; latencies in milliseconds.
-"""
+"""The report of a run: each robot's own, and the least gap between two robots."""
 
 from __future__ import annotations
 
@@ -98,7 +95,7 @@ class RunReport:
 
 
 def summarise_run(daemon: Daemon, state: State, reason: str, duration_s: float) -> RunReport:
-    """Make the report from everything that the daemon kept."""
+    """Make the report from what the daemon kept."""
     alone = "" in daemon.robots
     robots = {}
     for name, robot in daemon.robots.items():

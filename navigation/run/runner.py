@@ -1,7 +1,4 @@
-"""One run from start to report: warm-up, mission, news, end.
-
-Units: metres, radians, seconds.
-"""
+"""One run from its warm-up to its report."""
 
 from __future__ import annotations
 
@@ -58,9 +55,8 @@ if TYPE_CHECKING:
 
 DONE, FAILED, NO_PATH = 0, 1, 3
 NO_ROOM = frozenset((errno.ENOSPC, errno.EDQUOT, errno.EFBIG))
-"""Errors of a write where the disk, or the share of it, is full."""
+"""The disk, or the share of it, is full."""
 EVENTS_FILE = "events.jsonl"
-"""In a run's folder: the log of its events."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -75,14 +71,12 @@ class RunResult:
 class Runner:
     """Runner of a configuration; ``say`` gets a line for each piece of news.
 
-    Setting ``interrupt``, from anywhere, ends the run in order: the robot stops first. While
-    ``is_warming_up`` there is no robot yet, and a KeyboardInterrupt may be raised in it.
-    ``dashboard`` False serves none, whatever the configuration says. With ``show_token`` the
+    Setting ``interrupt`` ends the run in order: the robot stops first. While ``is_warming_up``
+    there is no robot yet, and a KeyboardInterrupt may be raised in it. With ``show_token`` the
     printed address includes its token; the program's own token is printed without it too, but not
-    into the system's journal. ``log`` gets every event. ``notifier`` reports to systemd: ready,
-    stopping and, at least every ``watchdog_s``, healthy. ``file`` is the configuration's source,
-    the owner of missions in the journal. ``stops`` is the folder of stops that outlive a run;
-    without it none do.
+    into the system's journal. ``watchdog_s`` is the longest time between reports of health to
+    systemd. ``file`` owns the missions in the journal. ``stops`` is the folder of stops that
+    outlive a run; without it none do.
     """
 
     def __init__(  # noqa: PLR0913 (what a command gives a run, each with a default)
@@ -119,7 +113,7 @@ class Runner:
         """For orders, instead of driving the configured mission."""
         self.is_warming_up = False
         self.reload: Callable[[], None] | None = None
-        """Reads the configuration again, and what it names; None where nothing was read."""
+        """Reads the configuration and its calibration again; None where nothing was read."""
         self.reload_and_wait: Callable[[], None] | None = None
         """The same, and the run that begins again waits for orders."""
         self._say: Callable[[str], None] = lambda line: say(hide(line))
@@ -199,7 +193,7 @@ class Runner:
         )
 
     def _warm_up(self) -> bool:
-        """Compile or load the kernels; return True if not interrupted."""
+        """True unless interrupted."""
         self.is_warming_up = True
         try:
             warm_up(self.config, self._say)
@@ -329,7 +323,6 @@ class Runner:
         return recorder
 
     def _hold_what_was_stopped(self, open_things: ExitStack, daemon: Daemon, socket: Path) -> None:
-        """Begin with the stops kept from before this run."""
         if self._stops is None:
             return
         ports = {name: ports_of(one.serial.port) for name, one in self._robots.items()}
@@ -404,7 +397,6 @@ class Runner:
 
 
 def _port_words(world: World) -> str:
-    """Port of a single robot, or of each with its name."""
     named = (f"{name} on {port}" if name else port for name, port in world.ports.items())
     return ", ".join(named)
 

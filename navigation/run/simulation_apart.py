@@ -1,11 +1,9 @@
 """The simulation in a process of its own, which takes no time from the daemon.
 
-Like real robots and cameras, it works beside the daemon. In one process its threads would share the
-interpreter with the control loop and make it late. Only what a cable would carry passes: port
-names, pictures and, for the report, the truth.
+In one process its threads would share the interpreter with the control loop and make it late. Only
+what a cable would carry passes: port names, pictures and, for the report, the truth.
 
 Each pipe answers one question at a time; every camera has its own. The process ends with this one.
-Both share a clock through shared memory.
 """
 
 from __future__ import annotations
@@ -35,7 +33,7 @@ class SimulationEndedError(RuntimeError):
 
 
 class _Asked:
-    """This end of a pipe: calls a method and returns its result or raises its exception."""
+    """One end of a pipe: returns a method's result or raises its exception."""
 
     def __init__(self, pipe: Connection) -> None:
         self._pipe = pipe
@@ -145,7 +143,6 @@ def _simulate(
     shared: MutableSequence[float],
     config: Config,
 ) -> None:
-    """Run the process: answer until the simulation stops or the pipe closes."""
     simulation = Simulation(config, world_clock(config, shared, side=1))
     for name, side in pictures.items():
         camera = _CameraHere(simulation, name)
@@ -161,7 +158,7 @@ class _CameraHere:
         self._camera: Camera | None = None
 
     def make(self) -> tuple[str, bool]:
-        """Make a camera; return its name and if its pictures may repeat."""
+        """Return a new camera's name, and True if its pictures may repeat."""
         self.close()
         self._camera = self._simulation.open_camera(self._name)
         return self._camera.name, self._camera.may_repeat
@@ -183,7 +180,6 @@ class _CameraHere:
 
 
 def _answer(pipe: Connection, side: object, last: str = "") -> None:
-    """Carry out each request and send the result."""
     while True:
         try:
             name, arguments = pipe.recv()

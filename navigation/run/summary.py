@@ -1,7 +1,6 @@
-"""One robot's report of a finished run.
+"""One robot's report of a finished run, by the simulation's truth, else the camera's sightings.
 
-Clearance, tracking and goal errors come from the simulation's truth, else from the camera's
-sightings. Units: metres, radians, seconds.
+Metres, radians, seconds.
 """
 
 from __future__ import annotations
@@ -32,7 +31,7 @@ from planner.scene import FloatArray
 def summarise(
     daemon: Daemon, robot: ControlledRobot, state: State, reason: str, duration_s: float
 ) -> Report:
-    """Make one robot's report from everything that the daemon kept."""
+    """Make the report from what the daemon kept."""
     track = driven_track(daemon, robot)
     pieces = driven_pieces(track, robot.config.robot.speed_m_s)
     snapshot, camera = robot.link.snapshot(), daemon.camera.status()

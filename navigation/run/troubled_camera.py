@@ -1,7 +1,6 @@
 """The simulated camera with the faults of real ones, for runs in virtual time.
 
-A test switches `CameraTroubles` during a run. Only the picture and its stamp change: the program
-sees what a frozen, late or swapped camera would give. Seconds.
+A test switches `CameraTroubles` during a run; only pictures and their stamps change. Seconds.
 """
 
 from __future__ import annotations
@@ -25,19 +24,19 @@ class CameraTroubles:
     camera_lost: bool = False
     """Reading fails, and so does opening it again."""
     camera_silent: bool = False
-    """It gives no picture any more, without an error."""
+    """It gives no picture, without an error."""
     camera_frozen: bool = False
-    """It gives its last picture over and over, with new times."""
+    """It repeats its last picture with new times."""
     frozen_noise: bool = False
-    """A frozen picture has fresh noise, as if only the sensor were alive."""
+    """A frozen picture has fresh noise."""
     clock_in_the_corner: bool = False
-    """Every picture shows the time, as network cameras draw it: no two are the same."""
+    """Every picture shows the time: no two are the same."""
     stream_latency_s: float = 0.0
-    """Pictures come so late, stamped when they arrive, as a stream's are."""
+    """Pictures come this late, stamped when they arrive, as a stream's are."""
     future_s: float = 0.0
-    """Pictures are stamped so far in the future."""
+    """Pictures are stamped this far in the future."""
     looping: bool = False
-    """It plays its last three seconds again and again."""
+    """It repeats its last `RECORDED` pictures."""
 
 
 RECORDED = 90

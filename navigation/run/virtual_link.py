@@ -1,7 +1,4 @@
-"""The link to the robot in virtual time: on the loop's own line, without thread or port.
-
-Metres, radians, virtual seconds.
-"""
+"""The link to the robot in virtual time. Metres, radians, virtual seconds."""
 
 from __future__ import annotations
 

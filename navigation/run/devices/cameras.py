@@ -1,6 +1,6 @@
 """The configured cameras in real time: one, or several as one.
 
-Each source reopens its own camera; knowledge of a device is kept between openings.
+Knowledge of a device is kept between openings.
 """
 
 from __future__ import annotations

@@ -1,7 +1,4 @@
-"""The clock of a run: the wall's, or that of an entirely simulated world.
-
-Seconds.
-"""
+"""The clock of a run in seconds: the wall's, or that of an entirely simulated world."""
 
 from __future__ import annotations
 

@@ -2,8 +2,7 @@
 
     NUMBA_CPU_NAME=x86-64-v3 python -m navigation.run.kernels.compile_ahead FOLDER
 
-``.ci/compile-wheel`` calls this for each processor; ``planner.shared.kernel_locator`` describes the
-result.
+``.ci/compile-wheel`` calls this for each processor.
 """
 
 from __future__ import annotations

@@ -25,7 +25,7 @@ from vision.watch.change import Change, SceneWatcher
 from vision.watch.refit import outline_points
 
 COVERED_PX: Final = 4.0
-"""A robot covers cells of the picture, which are so large at least, wherever it touches them."""
+"""Least size of the picture's cells, which a robot covers wherever it touches them."""
 STEP_M: Final = 0.01
 """A body that has moved by less shows no change."""
 
