@@ -1,12 +1,11 @@
-"""Main loop for one or several robots: newest frame, eye, decisions, orders, once a cycle.
+"""Main loop for one or several robots: newest frame, eye, decisions, orders.
 
 Threads: the camera's (newest frame wins), the planner's (newest scene and request win), one per
 link (sole owner of its port), and this one. A cycle runs once a frame, at once on the planner's
 news, and at least every ``LONGEST_CYCLE_S``, so that a lost camera stops the robots too. Only this
 loop grants the leases that let robots move: if it hangs, all stop.
 
-The clock is the world's: real, or virtual in a simulation at full speed. Units: metres, radians,
-seconds.
+Metres, radians, seconds of the world's clock.
 """
 
 from __future__ import annotations
@@ -55,9 +54,8 @@ SETTLE_S: Final = 0.3
 class Daemon:
     """Runs a configuration; a context manager that opens and closes everything.
 
-    ``first_mission_id``: ids on the wire count up from the next one. Journals, by robot name, store
-    mission, progress and plan before they take effect. A ``recorder`` gets everything seen, planned
-    and decided. People's orders go to ``people``.
+    Ids on the wire count up from the one after ``first_mission_id``. Journals, by robot name, store
+    mission, progress and plan before they take effect.
     """
 
     def __init__(
@@ -120,15 +118,12 @@ class Daemon:
         self.state: RunState | None = None
         """State after the last cycle; replaced as a whole, so any thread may read it."""
         self.troubles: dict[str, str] = {}
-        """Troubles that people must know of although the run continues, by subject; set by the
-        loop's thread."""
+        """Further troubles by subject; set by the loop's thread."""
         self.started_s = self._clock()
         self._reopened, self._forget_latency = 0, False
         self._cycles = self._ended = 0
         self._further_turns: dict[str, Callable[[], int]] = {}
         self._turned = threading.Condition()
-
-    # Life.
 
     def __enter__(self) -> Daemon:
         self.world.start()
@@ -158,8 +153,7 @@ class Daemon:
     def let_the_robots_stop(self) -> list[str]:
         """`halt`, then wait until all robots report rest, or should be at rest.
 
-        Return a sentence for each robot that is not known to be at rest then. The camera is closed
-        meanwhile; no decision needs it.
+        Return a sentence for each robot that is not known to be at rest then.
         """
         self.halt()
         self.camera.stop()
@@ -182,7 +176,7 @@ class Daemon:
             self._planner.see(self.scene, self.view.revision, None, self._zones)
 
     def look_after(self, name: str, part: SupervisedPart, turns: Callable[[], int]) -> None:
-        """Watch another stage like the loop's: its failures and its turns."""
+        """Watch another stage's failures and turns."""
         self._supervisor.add(name, part)
         self._further_turns[name] = turns
 
@@ -216,7 +210,7 @@ class Daemon:
 
     @property
     def scene(self) -> Scene | None:
-        """The newest scene."""
+        """Newest scene."""
         return self.view.scene
 
     @property
@@ -231,7 +225,7 @@ class Daemon:
 
     @property
     def frame(self) -> Frame | None:
-        """The newest picture."""
+        """Newest picture."""
         return self.view.frame
 
     @property
@@ -259,8 +253,6 @@ class Daemon:
         """True if every robot and the camera have reported at least once."""
         return all(one.pilot.has_met_its_devices for one in self.robots.values())
 
-    # The cycle.
-
     def cycle(self) -> RunState:
         """Wait for a frame or the planner's news, at most ``LONGEST_CYCLE_S``, and decide."""
         self._cycles += 1
@@ -280,7 +272,6 @@ class Daemon:
         return self.state
 
     def _zones_changed(self) -> bool:
-        """True if people have changed the zones since the last cycle, and there is a scene."""
         if self.zones.revision == self._zones_revision or self.scene is None:
             return False
         self._zones_revision = self.zones.revision
@@ -291,7 +282,6 @@ class Daemon:
         return True
 
     def _show_planner(self) -> None:
-        """Hand the newest scene and zones to the planner."""
         assert self.scene is not None
         self._news.gets_scene()
         points = self.traffic.checked_points()
@@ -310,12 +300,10 @@ class Daemon:
             note(f"{_of(name) or 'the '}link's thread", one.link.late_s(), now_s)
 
     def _tell_poses(self, poses: Mapping[int, RobotPose]) -> None:
-        """Send the robots their newest poses at once."""
         for one in self.robots.values():
             one.sees(poses, self.view.frame_s)
 
     def _look_at_camera(self, camera: CameraStatus) -> None:
-        """Forget the latency if the camera was reopened or accepted."""
         reopened = camera_openings(camera)
         forget = reopened != self._reopened or self._forget_latency
         self._reopened, self._forget_latency = reopened, False
@@ -324,7 +312,6 @@ class Daemon:
                 one.witness.forget_latency()
 
     def _decide(self, now_s: float, failed: str | None, camera: CameraStatus) -> RunState:
-        """Send orders to robots and planner; return the new state."""
         checks, answer = self._news.take()
         for check in self.traffic.checked(checks):
             if check.breach is not None:
@@ -346,7 +333,6 @@ class Daemon:
     def _decide_one(
         self, robot: ControlledRobot, now_s: float, failed: str | None, camera: CameraStatus
     ) -> Decided:
-        """Run one pilot's cycle."""
         snapshot = robot.link.snapshot()
         robot.hears()
         sight = robot.sight(
@@ -368,7 +354,6 @@ class Daemon:
         return Decided(orders, sight, snapshot)
 
     def _let_drive(self, now_s: float, decided: Mapping[str, Decided]) -> None:
-        """Apply the traffic's decisions and send every robot its orders."""
         ordered = self.traffic.step(now_s, decided, self._news.known_revision)
         for name, why in ordered.plan_again:
             with self.lock:
@@ -415,7 +400,6 @@ class Daemon:
 
     @property
     def _hold(self) -> str | None:
-        """Reason why all robots hold; None if they need not."""
         return self.lent or self.view.hold or self.punctuality.hold(self._clock())
 
     @property
@@ -426,5 +410,4 @@ class Daemon:
 
 
 def _of(name: str) -> str:
-    """Possessive prefix of a robot's part; empty for a lone robot."""
     return f"{name}'s " if name else ""

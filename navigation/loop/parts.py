@@ -1,9 +1,7 @@
-"""Protocols of the loop's parts (camera, eye, planner, link, world) in two kinds of time.
+"""Protocols of the loop's parts, in real or in virtual time.
 
-In real time every part except the eye is a thread (`vision.camera.latest_frame`,
-`planning.PlannerThread`, `serial_link.SerialLink`). In virtual time (`run.virtual_world`) the same
-code runs without threads, so a run takes a fraction of its time and repeats exactly. Seconds of the
-world's clock, metres, radians.
+In real time every part except the eye is a thread. In virtual time (`run.virtual_world`) the same
+code runs without threads, so a run repeats exactly. Metres, radians, seconds of the world's clock.
 """
 
 from __future__ import annotations
@@ -57,7 +55,7 @@ class FrameSource(Protocol):
         """Wait for the newest frame not yet taken; `wake` ends the wait."""
 
     def wake(self) -> None:
-        """End the present wait of `take`, or the next: there is other news."""
+        """End the present wait of `take`, or the next."""
 
     def status(self) -> CameraStatus:
         """State of the camera."""
@@ -79,7 +77,7 @@ class RobotLink(Protocol):
 
     @property
     def turns(self) -> int:
-        """Counter that grows while it works or rightly waits for work."""
+        """Counter like `FrameSource.turns`."""
         ...
 
     @property
@@ -110,7 +108,7 @@ class RobotLink(Protocol):
         start: bool = True,
         released: int | None = None,
     ) -> object:
-        """Replace the robot's mission and drive the released part of it."""
+        """Replace the robot's mission and drive its released part."""
 
     def release(self, mission: int, count: int) -> None:
         """Let the first ``count`` waypoints of this mission be sent."""
@@ -122,7 +120,7 @@ class RobotLink(Protocol):
         """Stop under control and drop the mission."""
 
     def lease(self, permit: bool, pose_age_s: float = math.inf, ttl_s: float = 0.5) -> None:
-        """Renew the lease: the control loop is alive, and the robot may drive."""
+        """Renew the lease, and say whether the robot may drive."""
 
     def pose_fix(self, x_m: float, y_m: float, heading_rad: float, captured_s: float) -> None:
         """Send the pose that the camera saw."""
@@ -147,7 +145,7 @@ class PlannerPart(Protocol[_Q_contra]):
 
     @property
     def turns(self) -> int:
-        """Counter that grows while it works or rightly waits for work."""
+        """Counter like `FrameSource.turns`."""
         ...
 
     def start(self) -> None:
@@ -190,7 +188,7 @@ class Surroundings(Protocol):
 
     @property
     def truths(self) -> Mapping[str, Truth]:
-        """Facts only a simulation knows of each simulated robot, by name."""
+        """Ground truth of the simulated robots, by name."""
         ...
 
     def clock(self) -> float:
@@ -201,7 +199,7 @@ class Surroundings(Protocol):
         """Let time pass."""
 
     def late_s(self) -> float:
-        """Longest delay in waking a thread of this program since the last call."""
+        """Longest delay in waking this program's threads since the last call."""
         ...
 
     def make_frames(self) -> FrameSource:
@@ -211,7 +209,7 @@ class Surroundings(Protocol):
     def make_vision(
         self, config: Config, witness: KnowsLatency, driven: Sequence[RobotSection]
     ) -> VisionStage:
-        """Make vision; ``driven`` are the driven robots if there are several."""
+        """Make vision for the driven robots."""
         ...
 
     def search_clock(self) -> float:

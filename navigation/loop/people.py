@@ -1,6 +1,6 @@
 """Orders from people: to all robots of a run, or to one by name.
 
-Any thread may give them; the next cycle acts on them. Metres, radians, seconds.
+Any thread may give them; the next cycle acts on them.
 """
 
 from __future__ import annotations
@@ -69,7 +69,6 @@ class People:
         raise MissionError(f"robot '{robot}': there are {', '.join(robots)}")
 
     def _one(self, robot: str | None) -> ControlledRobot:
-        """The one robot meant; ``MissionError`` if it could be any of several."""
         chosen = self._chosen(robot)
         if len(chosen) > 1:
             names = ", ".join(self._daemon.robots)
@@ -79,10 +78,7 @@ class People:
     def give(
         self, stations: tuple[Station, ...], robot: str | None = None, *, any_order: bool = False
     ) -> None:
-        """Give one robot a new mission; ``MissionError`` if it cannot take it.
-
-        That includes a station where the robot does not fit in the newest scene.
-        """
+        """Give one robot a new mission; ``MissionError`` if it cannot take it or fit there."""
         one = self._one(robot)
         if self._daemon.lent is not None:
             raise MissionError(self._daemon.lent)
@@ -173,10 +169,9 @@ class People:
         return self.zones()
 
     def zones(self) -> dict[str, Any]:
-        """Zones in force for JSON, as in a configuration, and what differs from the configured.
+        """Zones in force for JSON, and their changes against the configuration.
 
-        ``changes`` says of a name that it was added, changed or removed; ``kept`` if a restart
-        knows of it, and ``trouble`` why it does not although it should.
+        ``kept`` is true if a file keeps changes for a restart; ``trouble`` says why it failed to.
         """
         zones = self._daemon.zones
         told: dict[str, Any] = {
@@ -187,7 +182,7 @@ class People:
         return told | ({"trouble": zones.trouble} if zones.trouble else {})
 
     def preview(self, stations: tuple[Station, ...], robot: str | None = None) -> PlanAnswer:
-        """The plan through these stations for a lone robot; changes nothing."""
+        """Plan through these stations for a lone robot; changes nothing."""
         one = self._one(robot)
         pose = one.pose
         if pose is None:
@@ -200,7 +195,7 @@ class People:
         self._daemon.settle()
 
     def describe(self, robot: str | None = None) -> dict[str, Any]:
-        """The present state for JSON: of one robot, or of several by name."""
+        """Present state for JSON: of one robot, or of several by name."""
         chosen = self._chosen(robot)
         told = {one.name: self._describe_one(one) for one in chosen}
         if robot is not None or "" in told:

@@ -1,7 +1,4 @@
-"""Results of the planner's thread, kept for the control loop's next cycle.
-
-Seconds of the world's clock.
-"""
+"""Results of the planner's thread, kept for the control loop's next cycle."""
 
 from __future__ import annotations
 
@@ -47,9 +44,9 @@ class PlannerNews:
         self.known_revision = 0
         """The newest scene whose roadmap the loop knows of."""
         self.roadmap_s: float | None = None
-        """From a new scene to its roadmap, the last time."""
+        """Last time from a new scene to its roadmap."""
         self.plan_s: float | None = None
-        """From a request to its answer, the last time."""
+        """Last time from a request to its answer."""
 
     # From the control loop.
 

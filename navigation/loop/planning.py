@@ -1,8 +1,4 @@
-"""The daemon's planner: from the newest scene and a request to a plan.
-
-`ArenaPlanner` is plain and synchronous. `PlannerThread` runs one beside the control loop, with a
-one-slot hand-off each way: the newest scene and request win. Units: metres, radians, seconds.
-"""
+"""The daemon's planner: from the newest scene and a request to a plan. Metres, radians, seconds."""
 
 from __future__ import annotations
 
@@ -29,7 +25,7 @@ from planner.zones.zone import Zone, zones_for
 from planner.zones.zoned_roadmap import ZonedRoadmap, with_objects, with_zones
 
 LONGEST_WAIT_S = 0.25
-"""Longest wait of an idle planner for work, so that it can be distinguished from one that hangs."""
+"""Longest wait of an idle planner, which distinguishes it from one that hangs."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -65,7 +61,7 @@ class ArenaPlanner:
         self._scene: Scene | None = None
         self._stations: tuple[Station, ...] = ()
         self._way: Path | None = None
-        """The last way that was answered with, through ``_stations``."""
+        """Path of the last answer through ``_stations``."""
 
     def see(self, scene: Scene, revision: int, zones: Sequence[Zone] = ()) -> None:
         """Take over a new scene and its zones: only their changes change the roadmap."""
@@ -91,8 +87,7 @@ class ArenaPlanner:
         """Plan from the request's start through its stations; `NoPath` gives the reason.
 
         Among paths equal within noise the one of the last answer through these stations wins; a
-        ``preview`` is no such answer. A request on which the planner fails has no path: the failure
-        is that answer's, not the program's.
+        ``preview`` is no such answer. If the planner fails, that answer has no path.
         """
         try:
             return self._answer(request, preview=preview)
@@ -103,7 +98,6 @@ class ArenaPlanner:
             return PlanAnswer(request.id, self.revision, NoPath(reason))
 
     def _answer(self, request: PlanRequest, *, preview: bool) -> PlanAnswer:
-        """Answer as :meth:`answer`; raises if a path cannot be smoothed or timed."""
         roadmap, scene = self.zoned, self._scene
         if roadmap is None or scene is None:
             return PlanAnswer(request.id, 0, NoPath("no scene was seen yet"))
@@ -140,10 +134,7 @@ class ArenaPlanner:
     def _around_robots(
         self, roadmap: ZonedRoadmap, scene: Scene, request: PlanRequest
     ) -> tuple[ZonedRoadmap, Path | NoPath]:
-        """The route and its roadmap: around all robots, or at least around those at rest.
-
-        The robot waits for moving robots when it meets them.
-        """
+        """Return the route around all robots, or at least those at rest, and its roadmap."""
         standing = tuple(disc for disc in request.avoid if not disc.moves)
         for discs in dict.fromkeys((request.avoid, standing)):
             here = roadmap.updated(with_discs(scene, discs)) if discs else roadmap
@@ -221,10 +212,10 @@ class Answering(Protocol[_Q_contra, _A_co]):
 
 
 class PlannerThread(Generic[_Q, _A]):
-    """An `ArenaPlanner` in its own thread; the newest scene and request win.
+    """A planner in its own thread; the newest scene and request win.
 
-    ``on_scene`` and ``on_answer`` are called in the thread. A request's error is its answer. A
-    scene's error ends the thread; `failure` names it, and `restart` starts a new thread.
+    ``on_scene`` and ``on_answer`` are called in the thread. A scene's error ends the thread;
+    `failure` names it, and `restart` starts a new thread.
     """
 
     def __init__(

@@ -1,8 +1,8 @@
 """Punctuality of the program's own threads.
 
 A computer that is too busy dates pictures and reports late, so camera and wheels disagree though
-nothing is wrong with the robot. The robots then hold, with that reason, until the threads have been
-on time for a while. Seconds of the world's clock.
+nothing is wrong with the robot. The robots hold until the threads have been on time for a while.
+Seconds of the world's clock.
 """
 
 from __future__ import annotations
@@ -13,11 +13,11 @@ from collections.abc import Callable
 from typing import Final
 
 LATE_S: Final = 0.35
-"""Robots hold if a thread is late by this: without reports for this time the motion of the wheels
-is unknown, and a robot's lease is nearly over."""
+"""Robots hold if a thread is this late: the motion of the wheels is unknown without reports for
+this time, and a robot's lease is nearly over."""
 DOUBTFUL_S: Final = 0.05
-"""With so late a thread camera and wheels may seem to part though they do not: in this time a robot
-at 0.4 m/s drives as far as the two may differ."""
+"""With a thread this late, camera and wheels may seem to differ: in this time a robot at 0.4 m/s
+drives as far as the two may differ."""
 CALM_S: Final = 1.0
 """Time for which all threads have to be on time before robots drive again."""
 

@@ -1,6 +1,6 @@
 """Leases and stops of a cycle, sent as orders on the link.
 
-The lease is renewed at least every ``LEASE_EVERY_S``, and at once if it changes. Metres, seconds.
+The lease is renewed at least every ``LEASE_EVERY_S``, and at once if it changes.
 """
 
 from __future__ import annotations

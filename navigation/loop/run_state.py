@@ -1,6 +1,6 @@
 """State of a run after a cycle, for each robot and for all; driven plans.
 
-These objects are immutable: any thread may keep and read them. Units: metres, radians, seconds.
+The objects are immutable: any thread may keep and read them. Metres, radians, seconds.
 """
 
 from __future__ import annotations
@@ -47,21 +47,18 @@ class RobotSnapshot:
     clearance_m: float | None
     verdict: Verdict
     frame: Frame | None
-    """The newest picture."""
     poses: Mapping[int, RobotPose]
-    """By marker id: every robot in that picture."""
+    """Every robot in that picture, by marker id."""
     roadmap: Roadmap | None
-    """The newest; its ``scene`` is what it was made of."""
     path: Path | None
-    """The plan that is being driven."""
+    """The driven plan."""
     times: StageTimes
     evidence: Evidence = NO_EVIDENCE
     """Evidence of camera and wheels together."""
     trust: Level = Level.SURE
     """Trust in the robot's identity."""
     troubles: tuple[str, ...] = ()
-    """Troubles that people must know of although the run continues: a journal or log that cannot be
-    written."""
+    """Troubles that people must know of although the run continues."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -71,7 +68,7 @@ class RunState:
     time_s: float
     robots: Mapping[str, RobotSnapshot]
     waits: Mapping[str, str] = field(default_factory=dict)
-    """Sentences by waiting robot: which one it waits for, and why."""
+    """Sentence for each waiting robot: which one it waits for, and why."""
     rounds: int = 0
     """Number of plans asked for, of all robots or of some that join driving ones."""
     waits_for: Mapping[str, str] = field(default_factory=dict)
@@ -87,7 +84,7 @@ class RunState:
     def together(self) -> RobotSnapshot:
         """Robot of a run of one; several combined, without a place, stations or a path.
 
-        The combined link is the one that most needs attention.
+        The link is the one that most needs attention.
         """
         each = list(self.robots.values())
         if "" in self.robots:

@@ -14,7 +14,7 @@ from navigation.mission.mission import MissionError, State
 
 
 class Stopping:
-    """Stops robots; ``kept`` stores stops on disk, None if none are stored."""
+    """Stops robots; ``kept`` stores stops on disk, if any are stored."""
 
     def __init__(self, lock: Lock) -> None:
         self._lock = lock
@@ -27,7 +27,7 @@ class Stopping:
 
     @property
     def trouble(self) -> str:
-        """Warning about stops that are not on disk; empty if there are none."""
+        """Warning about stops that are not on disk, if any."""
         trouble = "" if self.kept is None else self.kept.trouble
         return f"a restart would not know whether robots are stopped: {trouble}" if trouble else ""
 

@@ -1,8 +1,7 @@
 """Zones of a running program: those configured, and the changes that people make.
 
-Any thread may change them; the control loop acts on a change in its next cycle. A zone keeps the
-form it was written in, so that a page can draw it, and a file can hold it. A change is on the disk,
-where a file keeps them, before it is answered.
+Any thread may change them; the control loop acts in its next cycle. A zone keeps its written form,
+for pages and files. A change that a file keeps is on the disk before it is answered.
 """
 
 from __future__ import annotations
@@ -31,7 +30,7 @@ class ZonesInForce:
     """The zones by name, in the order in which they were made; ``robots`` are the known names.
 
     ``changed`` is called after each change, in the thread that made it. ``trouble`` says why a
-    restart would not know of the changes so far; empty if it would, or if nothing keeps them.
+    restart would not know of the changes, although a file keeps them.
     """
 
     def __init__(self, zones: Sequence[ZoneSection], robots: Collection[str]) -> None:
@@ -49,11 +48,11 @@ class ZonesInForce:
 
     @property
     def sections(self) -> tuple[ZoneSection, ...]:
-        """The zones as they are written in a configuration."""
+        """Zones as a configuration has them."""
         return self._sections
 
     def zones(self) -> tuple[Zone, ...]:
-        """Return the zones as the planner has them."""
+        """Zones as the planner has them."""
         return tuple(one.zone() for one in self._sections)
 
     @property
@@ -68,8 +67,7 @@ class ZonesInForce:
     def restore(self, kept: KeptZones) -> list[str]:
         """Take over the changes of the last run, and keep further ones; return what to say.
 
-        ``KeptZonesError`` if they are lost: the configuration's zones hold then, and no change is
-        kept before :meth:`keep_in`.
+        ``KeptZonesError`` if they are lost: then no change is kept before :meth:`keep_in`.
         """
         sections, said = with_changes(self._configured, kept.read(), self._robots)
         self._kept = kept

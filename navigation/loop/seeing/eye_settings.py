@@ -1,7 +1,4 @@
-"""Settings of the eye from a configuration: robots, markers, and the camera's place.
-
-Metres, radians, seconds.
-"""
+"""Settings of the eye from a configuration. Metres, radians, seconds."""
 
 from __future__ import annotations
 
@@ -23,7 +20,7 @@ from vision.watch.camera_place import FloorMarker, PlaceSettings
 
 
 def eye_settings(config: Config, driven: Sequence[RobotSection] = ()) -> EyeSettings:
-    """Settings of the eye; ``driven`` are the driven robots if there are several."""
+    """Settings of the eye; ``driven`` are the driven robots, by default the configured one."""
     robots = tuple(driven) or (config.robot,)
     seen = (*robots, *config.other_robots)
     return EyeSettings(

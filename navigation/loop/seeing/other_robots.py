@@ -1,7 +1,4 @@
-"""Last position and track of each of the other robots.
-
-Metres, radians, seconds of the world's clock; by marker id.
-"""
+"""Last position and track of each of the other robots, by marker id. Metres, radians, seconds."""
 
 from __future__ import annotations
 
@@ -14,7 +11,7 @@ from vision.markers.markers import RobotPose
 
 TRACK_ROWS: Final = 20_000
 TRACK_STEP_M: Final = 0.005
-"""The tracks are drawn, no more: a row every 5 mm, for 100 m."""
+"""For drawing only: a row every 5 mm, for 100 m."""
 
 
 class OtherRobots:

@@ -23,10 +23,7 @@ from planner.zones.zone import Zone, zones_for
 
 
 class FleetPlanner:
-    """Keeps the smallest robot's roadmap of the newest scene, and answers with it.
-
-    ``clock`` gives the seconds that limit a search.
-    """
+    """Keeps the smallest robot's roadmap of the newest scene, and answers with it."""
 
     def __init__(self, configs: dict[str, Config], clock: Clock = search_clock_s) -> None:
         self._clock = clock
@@ -40,7 +37,7 @@ class FleetPlanner:
         self._alone = {
             name: ArenaPlanner(plan_settings(one), name) for name, one in configs.items()
         }
-        """For previews: each robot as if it were alone, brought up to date when it is asked for."""
+        """For previews of each robot alone, brought up to date when it is asked for."""
 
     @property
     def roadmap(self) -> Roadmap | None:
@@ -114,7 +111,7 @@ class FleetPlanner:
         return replace(one, zones=zones_for(self._zones, one.name))
 
     def _best_order(self, one: Traveller) -> tuple[int, ...]:
-        """Shortest order of its stations except the last, if alone; else as written."""
+        """Shortest order of its stations but the last if it were alone; else as written."""
         stations = one.open_order
         if len(stations) < 3:
             return tuple(range(len(stations) - 1))
@@ -124,5 +121,4 @@ class FleetPlanner:
 
 
 def _bound_first(one: Traveller, order: tuple[int, ...]) -> Traveller:
-    """The traveller, bound for the first station of this order."""
     return replace(one, station=one.open_order[order[0]]) if order else one

@@ -1,7 +1,6 @@
 """Interface between the control loop and the planning and release of its robots.
 
-`alone` serves one robot, which may drive all of its plan; `coordinated` serves several, which drive
-as far as their common order lets them. Metres, radians, seconds.
+Metres, radians, seconds.
 """
 
 from __future__ import annotations
@@ -42,7 +41,7 @@ class TrafficOrders:
     answers: Mapping[str, PlanAnswer] = field(default_factory=dict)
     """For pilots, in the next cycle."""
     holds: Mapping[str, str] = field(default_factory=dict)
-    """Reasons why robots may not move now, by robot."""
+    """Reasons why robots may not move now."""
     errands: Mapping[str, Station] = field(default_factory=dict)
     """New missions of robots that step aside."""
 
@@ -91,7 +90,7 @@ class Traffic(Protocol):
 
     @property
     def waits_for(self) -> Mapping[str, str]:
-        """The one robot awaited, for each in `waits` that waits for another robot."""
+        """Robot awaited, for each in `waits` that waits for one other robot."""
         ...
 
     def checked_points(self) -> FloatArray | None:
@@ -123,8 +122,7 @@ class Traffic(Protocol):
 def breach_of(robot: ControlledRobot, rules: Rules | None, *, zones_changed: bool) -> str | None:
     """Sentence on the zone's rule that the rest of a robot's plan breaks, or None.
 
-    A robot in a keep-out zone is on its way out; where the zones have changed, that path is planned
-    again too, because it may not be the shortest.
+    A changed zone breaks the path out of a keep-out zone too: it may not be the shortest.
     """
     plan, pose = robot.pilot.plan, robot.pose
     if rules is None or not rules.grounds or plan.path is None or pose is None:
