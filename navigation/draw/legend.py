@@ -1,4 +1,4 @@
-"""The legend beside the plot: the meaning and figures of each mark, and a scale."""
+"""The legend beside the plot, and a scale."""
 
 from __future__ import annotations
 
@@ -78,7 +78,6 @@ def wrapped(text: str, width: int) -> list[str]:
 
 
 def _rows(content: Content, left: float, first_y: float) -> Iterator[tuple[list[Shape], str]]:
-    """Yield the rows' marks and words, from ``first_y`` down, one every ``ROW`` pixels."""
     units = content.scene.units
     y = first_y
     found = content.found
