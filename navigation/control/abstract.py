@@ -1,9 +1,8 @@
 """The socket without a file: its name, and the names of all daemons listening on this computer.
 
 It reaches a daemon whose file is gone: an abstract socket lives while its process does, and cannot
-be removed. Its name has the user, a digest of the daemon's path, and random digits, so that it
-cannot be taken beforehand. Names are per network namespace: a container without the host's network
-and the host do not see each other's daemons.
+be removed. Random digits in its name keep it from being taken beforehand. Names are per network
+namespace: a container without the host's network and the host do not see each other's daemons.
 """
 
 from __future__ import annotations
@@ -43,7 +42,7 @@ def digest_of(path: Path) -> str:
 
 
 def listen_without_a_file(path: Path, backlog: int) -> socket.socket:
-    """Listen under a new name for the daemon of ``path``."""
+    """Listen under a new name for ``path``."""
     one = socket.socket(socket.AF_UNIX, socket.SOCK_STREAM)
     try:
         one.bind(f"\0clearway-{os.geteuid()}-{digest_of(path)}-{secrets.token_hex(8)}")
@@ -56,7 +55,7 @@ def listen_without_a_file(path: Path, backlog: int) -> socket.socket:
 
 
 def all_listening() -> list[Abstract]:
-    """Every listening socket with such a name, of any user; OSError if they cannot be listed."""
+    """Every such listening socket, of any user; OSError if they cannot be listed."""
     found = []
     for line in LISTS_SOCKETS.read_bytes().splitlines():
         fields = line.split(None, 7)  # address, count, protocol, flags, type, state, inode, name

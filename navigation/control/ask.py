@@ -109,7 +109,6 @@ def _found(file: Path, *, any_path: bool) -> list[Abstract]:
 def _ask_all(
     found: Sequence[Abstract], request: Mapping[str, Any], until_s: float
 ) -> list[dict[str, Any]]:
-    """Answers of the daemons among them; only a stop is given to more than one."""
     if request.get("order") != "stop" and len(found) > 1:
         statuses = [one for one in _at_once(found, {"order": "status"}, until_s) if one is not None]
         if len(statuses) > 1:

@@ -64,7 +64,7 @@ class Client:
         self.socket.close()
 
     def late(self, now_s: float) -> str | None:
-        """Reason to give it up; None while it is in time."""
+        """Reason to give it up, if any."""
         if self.job is None and now_s - self.came_s > REQUEST_WITHIN_S:
             return f"no request came within {REQUEST_WITHIN_S:g} s"
         if self.job is not None and now_s - self.job.came_s > ANSWER_WITHIN_S:
@@ -81,7 +81,6 @@ def who_makes_room(clients: list[Client]) -> Client:
 
 
 def _without_infinities(value: Any) -> Any:
-    """Copy for JSON: infinities and NaN become null."""
     if isinstance(value, float) and not math.isfinite(value):
         return None
     if isinstance(value, Mapping):

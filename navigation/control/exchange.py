@@ -21,7 +21,7 @@ class NobodyError(OSError):
 
 
 def exchange(address: str, line: bytes, until_s: float) -> bytes:
-    """Answer to a line; `CrowdedError`, `NobodyError`, another OSError or OutsideError without."""
+    """Answer to a line; `CrowdedError`, `NobodyError`, another OSError, or OutsideError."""
     with socket.socket(socket.AF_UNIX, socket.SOCK_STREAM) as client:
         client.settimeout(_left_s(until_s))
         _connect(client, address)

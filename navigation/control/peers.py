@@ -45,7 +45,7 @@ def peer_of(connected: socket.socket) -> Peer:
 
 
 def may_order(peer: Peer) -> bool:
-    """True if a daemon of this user takes its orders: those of its own user and root."""
+    """True if a daemon of this user takes its orders: its own user's and root's."""
     return peer.uid in (ROOT, os.geteuid())
 
 

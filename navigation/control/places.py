@@ -2,7 +2,7 @@
 
 Rules
 - If the file or its folder was removed, it is made again; until that succeeds, one in the temporary
-  folder replaces it. `trouble` says so.
+  folder replaces it.
 - The socket without a file is always there.
 - Two daemons never share a file: one that answers is left alone, a leftover is replaced.
 
@@ -40,7 +40,6 @@ class _Bound:
 
     @property
     def is_there(self) -> bool:
-        """True if the file at the path is still this socket."""
         try:
             found = self.path.lstat()
         except OSError:
@@ -51,8 +50,8 @@ class _Bound:
 class OrderSocket:
     """Listens at ``path`` and without a file, from `open` on.
 
-    ``watch`` is called with each socket that `look` makes, ``unwatch`` before one is closed;
-    ``release`` gives a descriptor back if none is left, and returns True if it could.
+    ``watch`` gets each socket that `look` makes, ``unwatch`` one before it is closed; ``release``
+    gives back a descriptor if none is left, and is True if it could.
     """
 
     def __init__(
@@ -88,7 +87,7 @@ class OrderSocket:
         return [one for one in (bound, self._abstract) if one is not None]
 
     def look(self, now_s: float) -> None:
-        """Make a missing file again; cheap, call it a few times a second."""
+        """Make a missing file again; call it a few times a second."""
         if now_s < self._look_at_s:
             return
         self._look_at_s = now_s + LOOK_EVERY_S
@@ -104,7 +103,7 @@ class OrderSocket:
         self.trouble = ""
 
     def close(self) -> None:
-        """Stop listening and remove the file, if it is still this daemon's."""
+        """Stop listening and remove the file, if still this daemon's."""
         self._leave()
         if self._abstract is not None:
             self._abstract.close()
@@ -149,7 +148,7 @@ class OrderSocket:
 
 
 def in_its_place(path: Path) -> Path:
-    """File in the temporary folder that replaces ``path`` for this process."""
+    """File in the temporary folder that replaces ``path``."""
     folder = Path(tempfile.gettempdir()) / f"clearway-{os.getuid()}"
     return folder / f"{path.name[:40]}.{os.getpid()}"
 

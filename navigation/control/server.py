@@ -4,9 +4,7 @@ Rules
 - The thread never waits: all clients are read as their bytes come, orders are carried out in their
   own threads, and a slow client makes way.
 - If no descriptor is left, one of those held back lets the next client in.
-- The thread is watched like every other stage, and `restart` starts it again on the same socket.
-- Its sockets are checked several times a second. Clients must be of this daemon's user, or root:
-  others are hung up on unread.
+- Clients must be of this daemon's user, or root: others are hung up on unread.
 
 Seconds.
 """
@@ -100,7 +98,7 @@ class ControlServer:
 
     @property
     def trouble(self) -> str:
-        """Reason why orders cannot come to ``path``, and where they can; empty if they can."""
+        """Reason why orders cannot come to ``path``, if they cannot."""
         return self._places.trouble
 
     def news(self) -> list[str]:
@@ -112,7 +110,7 @@ class ControlServer:
         return found
 
     def failure(self) -> str | None:
-        """Error that ended the thread, in words; None while it runs."""
+        """Error that ended the thread, in words."""
         return None if self._crash is None else in_words(self._crash)
 
     def restart(self) -> None:
@@ -186,7 +184,6 @@ class ControlServer:
             self._read(client)  # most have sent their line before they are let in
 
     def _make_room(self) -> bool:
-        """Free a descriptor for the next client."""
         if self._spare.release():
             return True
         if self._clients:
@@ -248,12 +245,10 @@ class ControlServer:
 
 
 def _is_due(job: Job, now_s: float) -> bool:
-    """True if an executed stop has waited long enough for the control loop."""
     if not job.is_stop or now_s - job.came_s < STOP_ANSWER_S:
         return False
     return job.answer is not None and bool(job.answer["ok"])
 
 
 def _trouble_of(job: Job) -> dict[str, Any]:
-    """Part of a stop's answer that says it is not on the disk."""
     return {key: said for key, said in (job.answer or {}).items() if key == "trouble"}

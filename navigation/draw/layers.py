@@ -1,4 +1,4 @@
-"""The layers of a picture, bottom up: obstacles, zones, roadmap, path, track, places."""
+"""The layers of a picture, bottom up."""
 
 from __future__ import annotations
 
@@ -58,7 +58,7 @@ if TYPE_CHECKING:
 FLATNESS_PX = 0.2
 """Largest error of the roadmap's drawn curves."""
 COLOUR_STEP_PX = 5.0
-"""Along an edge the colour follows the clearance this often."""
+"""Distance along an edge at which the colour follows the clearance."""
 
 CROP_BELOW = 0.5
 """Largest share of the scene that a picture of a part shows."""

@@ -40,9 +40,9 @@ from planner.shared.figures import at_most, sized
 
 LEGEND_WIDTH = 236
 ROW = 26.0
-"""Pixels from one row to the next."""
+"""Pixels between rows."""
 _TEXT = 40.0
-"""From the legend's left side to its words."""
+"""Left side of the words."""
 
 
 def legend(content: Content, screen: Screen, left: float, top: float, bottom: float) -> Layer:

@@ -24,7 +24,7 @@ DIGIT_WIDTH = 8.0
 MOST_BESIDE = 150
 """Most obstacles whose numbers are also drawn beside them."""
 ROWS = (0.5, 0.4, 0.6, 0.3, 0.7, 0.2, 0.8, 0.1, 0.9)
-"""Heights at which an obstacle's widest place is sought, as shares of its own."""
+"""Heights at which the widest place is sought, as shares of an obstacle's."""
 LOOKED_AT = 64
 """Places along an alternative; the farthest from all others bears its cost."""
 
@@ -32,7 +32,7 @@ LOOKED_AT = 64
 def obstacle_labels(
     borders: list[list[FloatArray]], texts: list[str], screen: Screen, inside: Colour
 ) -> Iterator[Label]:
-    """Label each obstacle, given its closed borders (n, 2) in screen pixels, or its points."""
+    """Label each obstacle, given its closed borders (n, 2) or its points, in screen pixels."""
     low, high = screen.frame.min(axis=0), screen.frame.max(axis=0)
     crowded = len(borders) > MOST_BESIDE
     for rings, text in zip(borders, texts, strict=True):
@@ -80,7 +80,7 @@ def _widest_row(sides: FloatArray) -> tuple[float, float]:
 
 
 def costs(path: Path, units: str, screen: Screen) -> Iterator[Label]:
-    """Label each alternative with its cost, far from the path and from the others."""
+    """Label each alternative with its cost, far from other lines."""
     lines = [screen.points(path.points), *(screen.points(p.points) for p in path.alternatives)]
     taken: list[FloatArray] = []
     for number, other in enumerate(path.alternatives, start=1):

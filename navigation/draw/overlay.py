@@ -1,8 +1,7 @@
 """The records of a scene, drawn over the picture they were found in.
 
 The scene is in pixels. The picture is enlarged, in lower contrast so that the lines stand out.
-Segments are crimson, arcs violet, circles green, corners dots of ink. Every obstacle bears its
-number and its outline's letters.
+Segments are crimson, arcs violet, circles green, corners dots of ink.
 """
 
 from __future__ import annotations
@@ -64,7 +63,7 @@ LETTERS: dict[type[Record], tuple[str, str, str]] = {
 
 
 def overlay_drawing(image: NDArray[Any], scene: Scene, title: str = "Clearway") -> Drawing:
-    """Draw every record over the enlarged, pale picture, with labels and a legend."""
+    """Draw every record over the enlarged, pale picture."""
     rows, columns = image.shape[:2]
     scale = max(1, min(MOST_SCALE, LARGEST_PX // max(rows, columns)))
     screen = Screen(scene.bounds, True, float(scale), MARGIN, MARGIN)

@@ -1,9 +1,9 @@
-"""Pictures of a scene, its roadmap and path, as SVG or PNG, in one visual language.
+"""Pictures of a scene, its roadmap and path, as SVG or PNG.
 
 Obstacles are dark on a light floor; zones are tinted and patterned. The roadmap's colour goes from
 warm (tight) to cool (wide). The path is green with the corridor that the robot sweeps; replaced
 plans are pale green as far as they were driven. Waypoints are dots; the driven track is violet,
-other robots and their tracks pale violet. A red circle marks the narrowest place.
+other robots pale violet. A red circle marks the narrowest place.
 """
 
 from __future__ import annotations
@@ -89,12 +89,12 @@ def save_picture(
     path: Path | NoPath | None = None,
     **shown: Unpack[PictureOptions],
 ) -> None:
-    """Write the picture as ``.svg`` or ``.png``; :class:`DrawError` if that fails."""
+    """Write a picture; :class:`DrawError` if that fails."""
     save_drawing(file, _drawing(scene, roadmap, path, shown))
 
 
 def save_drawing(file: str | os.PathLike[str], drawing: Drawing) -> None:
-    """Write a drawing as ``.svg`` or as pixels; :class:`DrawError` if that fails."""
+    """Write ``.svg`` or pixels; :class:`DrawError` if that fails."""
     target = FilePath(file)
     suffix = target.suffix.lower()
     if suffix == ".svg":

@@ -164,7 +164,6 @@ def _band_edges(band: BandArea, screen: Screen) -> Iterator[FloatArray]:
 
 
 def _densely(ring: FloatArray, step: float) -> FloatArray:
-    """Closed line through a ring's points, at most ``step`` apart."""
     line = np.vstack([ring, ring[:1]])
     lengths = arc_lengths(line)
     at = np.union1d(lengths, np.arange(0.0, lengths[-1], step))
@@ -208,6 +207,6 @@ def _arrows(line: FloatArray, size: float) -> Iterator[FloatArray]:
 
 
 def _barb(x: float, y: float, angle: float, size: float) -> FloatArray:
-    """Two strokes that meet at (x, y) like a greater-than sign along an angle."""
+    """Two strokes that meet at (x, y) like a greater-than sign."""
     ends = [(x - size * math.cos(angle + t), y - size * math.sin(angle + t)) for t in (-0.7, 0.7)]
     return np.array([ends[0], (x, y), ends[1]])

@@ -48,7 +48,7 @@ if TYPE_CHECKING:
 
 LONGEST_CYCLE_S: Final = 0.05
 SETTLE_S: Final = 0.3
-"""Longest time that an order's answer waits for a cycle that acts on it."""
+"""Longest wait of an order's answer for a cycle that acts on it."""
 
 
 class Daemon:
@@ -114,9 +114,9 @@ class Daemon:
         self.punctuality = Punctuality()
         self._cycled_s, self._looked = math.inf, 0
         self.lent: str | None = None
-        """Why the robots hold while the camera serves something else."""
+        """Why robots hold while the camera serves something else."""
         self.state: RunState | None = None
-        """State after the last cycle; replaced as a whole, so any thread may read it."""
+        """State after the last cycle, replaced as a whole: any thread may read it."""
         self.troubles: dict[str, str] = {}
         """Further troubles by subject; set by the loop's thread."""
         self.started_s = self._clock()
@@ -168,20 +168,18 @@ class Daemon:
                 doubts.append(f"{name} is not known to be at rest; its lease is over")
         return doubts
 
-    # Restarts after errors of the program, timed by the supervisor.
-
     def _restart_planner(self) -> None:
         self._planner.restart()
         if self.scene is not None:
             self._planner.see(self.scene, self.view.revision, None, self._zones)
 
     def look_after(self, name: str, part: SupervisedPart, turns: Callable[[], int]) -> None:
-        """Watch another stage's failures and turns."""
+        """Watch another stage."""
         self._supervisor.add(name, part)
         self._further_turns[name] = turns
 
     def turns(self) -> dict[str, int]:
-        """A counter per stage that grows while it works or rightly waits for work."""
+        """Counters of stages, which grow while they work or rightly wait for work."""
         turns = {
             "control loop": self._cycles,
             "camera": self.camera.turns,
@@ -192,15 +190,13 @@ class Daemon:
             turns["recorder"] = self._recorder.turns
         return turns | {name: count() for name, count in self._further_turns.items()}
 
-    # Orders from people, from any thread.
-
     def accept_arena(self) -> None:
-        """Accept arena and camera as they are seen now, on a person's word."""
+        """Accept arena and camera as seen now."""
         self.view.doubt.accept()
         self._forget_latency = True
 
     def settle(self) -> None:
-        """Wait briefly, in another thread, until a cycle has acted on the orders so far."""
+        """Wait briefly, in another thread, until a cycle has acted on earlier orders."""
         wanted = self._ended + 2  # the cycle under way may have decided already
         self.camera.wake()
         with self._turned:
@@ -239,7 +235,7 @@ class Daemon:
 
     @property
     def roadmap(self) -> Roadmap | None:
-        """Newest roadmap, with several robots the smallest one's, for pictures."""
+        """Newest roadmap; the smallest robot's of several."""
         return self.traffic.planner.roadmap
 
     @property
@@ -250,7 +246,7 @@ class Daemon:
 
     @property
     def has_met_its_devices(self) -> bool:
-        """True if every robot and the camera have reported at least once."""
+        """True if all robots and the camera have reported."""
         return all(one.pilot.has_met_its_devices for one in self.robots.values())
 
     def cycle(self) -> RunState:
@@ -288,7 +284,7 @@ class Daemon:
         self._planner.see(self.scene, self.view.revision, points, self._zones)
 
     def _note_lateness(self) -> None:
-        """Record the threads' delays, without this thread's own look at a picture."""
+        """Record delays, without this thread's own look at a picture."""
         now_s = self._clock()
         looked_s = (self.view.vision.look_s or 0.0) if self.view.processed != self._looked else 0.0
         self._looked = self.view.processed

@@ -34,7 +34,7 @@ _Q_contra = TypeVar("_Q_contra", contravariant=True)
 
 
 class FrameSource(Protocol):
-    """Newest frame of a camera that is reopened when it fails."""
+    """Newest frame of a camera, reopened when it fails."""
 
     @property
     def turns(self) -> int:
@@ -42,13 +42,13 @@ class FrameSource(Protocol):
         ...
 
     def start(self) -> None:
-        """Start reading the camera."""
+        """Start it."""
 
     def stop(self) -> None:
         """Close it."""
 
     def has_died(self) -> bool:
-        """True if an error of the program ended it."""
+        """True if an error ended it."""
         ...
 
     def take(self, timeout_s: float) -> Frame | None:
@@ -58,7 +58,7 @@ class FrameSource(Protocol):
         """End the present wait of `take`, or the next."""
 
     def status(self) -> CameraStatus:
-        """State of the camera."""
+        """Its state."""
         ...
 
 
@@ -82,21 +82,21 @@ class RobotLink(Protocol):
 
     @property
     def capture_to_wire_s(self) -> Sequence[float]:
-        """Ages of pose fixes when they were sent."""
+        """Ages of pose fixes when sent."""
         ...
 
     def open(self) -> None:
         """Open the port."""
 
     def failure(self) -> str | None:
-        """The error that ended it, in words."""
+        """Error that ended it, in words."""
 
     def late_s(self) -> float:
         """Longest delay in waking its thread since the last call."""
         ...
 
     def restart(self) -> None:
-        """Restart it after an error."""
+        """Restart it."""
 
     def close(self) -> None:
         """Close it."""
@@ -111,7 +111,7 @@ class RobotLink(Protocol):
         """Replace the robot's mission and drive its released part."""
 
     def release(self, mission: int, count: int) -> None:
-        """Let the first ``count`` waypoints of this mission be sent."""
+        """Let the mission's first ``count`` waypoints be sent."""
 
     def pause(self) -> None:
         """Stop under control and keep the mission."""
@@ -161,16 +161,16 @@ class PlannerPart(Protocol[_Q_contra]):
         path_points: FloatArray | None,
         zones: Sequence[Zone] = (),
     ) -> None:
-        """Hand over a new scene, the robot's present path, and the zones."""
+        """Hand over scene, present path and zones."""
 
     def ask(self, request: _Q_contra) -> None:
         """Hand over a request."""
 
     def failure(self) -> str | None:
-        """The error that ended it, in words."""
+        """Error that ended it, in words."""
 
     def restart(self) -> None:
-        """Restart it after an error."""
+        """Restart it."""
 
 
 class Surroundings(Protocol):
@@ -178,7 +178,7 @@ class Surroundings(Protocol):
 
     @property
     def calibration(self) -> Calibration:
-        """Map from pixels to the floor for the picture shown to people."""
+        """Calibration of the picture shown to people."""
         ...
 
     @property
@@ -199,7 +199,7 @@ class Surroundings(Protocol):
         """Let time pass."""
 
     def late_s(self) -> float:
-        """Longest delay in waking this program's threads since the last call."""
+        """Longest delay in waking a thread since the last call."""
         ...
 
     def make_frames(self) -> FrameSource:
@@ -217,7 +217,7 @@ class Surroundings(Protocol):
         ...
 
     def make_link(self, name: str) -> RobotLink:
-        """Make the link to a robot; the name is empty for a lone robot."""
+        """Make the link to a robot."""
         ...
 
     def make_planner(
@@ -226,7 +226,7 @@ class Surroundings(Protocol):
         on_scene: Callable[[SceneCheck], None],
         on_answer: Callable[[_A], None],
     ) -> PlannerPart[_Q]:
-        """Make the planner beside the control loop."""
+        """Make the planner."""
         ...
 
     def start(self) -> None:

@@ -77,8 +77,8 @@ class RecordingCounts:
 class Recorder:
     """Recorder of one run; a context manager that starts and ends the thread.
 
-    ``clock`` is the run's; ``began`` is its present reading as wall time. ``file`` is the name of
-    the only file in ``folder``, see :class:`RecordingFiles`.
+    ``began`` is the clock's present reading as wall time. ``file`` names the only file in
+    ``folder``.
     """
 
     def __init__(
@@ -109,7 +109,6 @@ class Recorder:
         self._put = self._pictures = self._dropped = self._events = 0
         self._failed = ""
         self.turns = 0
-        """Grows while the thread writes, or waits for something to write."""
         names = {one.robot.marker_id: name for name, one in each_robot(config).items()}
         self._files = RecordingFiles(
             folder, config.recording, began, self._header, self._stamp_ns, names, file
@@ -148,7 +147,7 @@ class Recorder:
 
     @property
     def path(self) -> Path:
-        """Path of the file being written."""
+        """File being written."""
         return self._files.path
 
     def counts(self) -> RecordingCounts:
@@ -165,7 +164,7 @@ class Recorder:
             )
 
     def has_ended(self) -> bool:
-        """True if it failed or the thread died: nothing more will be written."""
+        """True if nothing more will be written."""
         return bool(self._failed) or not self._thread.is_alive()
 
     def summary(self) -> str:
@@ -182,7 +181,7 @@ class Recorder:
     # From the loops: never waits.
 
     def saw(self, frame: Frame, poses: Mapping[int, RobotPose], seen: SceneSeen | None) -> None:
-        """Record a picture, its robots by marker id, and the scene if it is new."""
+        """Record a picture, its robots by marker id, and the scene if new."""
         self._picture(frame)
         revision = None if seen is None else seen.revision
         self.put(RobotsSeen(frame.captured_s, tuple(poses.values()), revision))
@@ -190,7 +189,6 @@ class Recorder:
             self.put(seen)
 
     def _picture(self, frame: Frame) -> None:
-        """Queue a picture; omit it beyond the rate, drop it if the writer is behind."""
         period_s = 1.0 / self.config.recording.picture_rate_hz
         if frame.captured_s - self._last_picture_s < RATE_SLACK * period_s:
             return
@@ -245,7 +243,7 @@ class Recorder:
         waits_for: Mapping[str, str],
         time_s: float,
     ) -> None:
-        """Record the states of several robots and, if new, which wait, why, and for which."""
+        """Record the states of several robots and, if new, which wait."""
         for name, one in each.items():
             self.state(one, time_s, name)
         if (waits, waits_for) != self._waits:

@@ -35,7 +35,7 @@ def robot_report(snapshot: LinkSnapshot) -> RobotReport:
 
 
 def camera_reason(camera: CameraStatus) -> str:
-    """The camera's reason, except its silence, which the pilot reports itself."""
+    """Camera's reason, except its silence, which the pilot reports."""
     return "" if camera.state == "stalled" else camera.reason
 
 
@@ -67,8 +67,8 @@ def describe(
 ) -> dict[str, Any]:
     """Return mission, robot, link and camera for JSON.
 
-    ``seen``: the robot's last seen pose, and its age. A stop is "stopping", with what is not known,
-    until the robot is known to be at rest.
+    ``seen``: the robot's last seen pose, and its age. A stop is "stopping" until the robot is known
+    to be at rest.
     """
     doubt = doubt_of_stop(snapshot) if mission.state is State.STOPPED else None
     return {

@@ -57,14 +57,14 @@ class ControlledRobot:
         self.partner: str | None = None
         """Sentence on the robot of the fleet that is in the path."""
         self.moved_s = math.inf
-        """When it was seen to move last."""
+        """Time when it was last seen to move."""
         self.permitted_s = -math.inf
-        """When it was last permitted to drive."""
+        """Time when it was last permitted to drive."""
         self._sent: tuple[int, int] | None = None
-        """A plan's mission on the wire, and the number of targets to be sent, if not all."""
+        """A plan's mission on the wire and the targets to be sent, if not all."""
 
     def sees(self, poses: Mapping[int, RobotPose], frame_s: float) -> None:
-        """Take the newest picture's poses and send the robot its own at once."""
+        """Take the newest poses and send the robot its own at once."""
         pose = poses.get(self.config.robot.marker_id)
         if pose is None:
             return
@@ -138,13 +138,12 @@ class ControlledRobot:
         return self.journal.trouble
 
     def _journal_is_stale(self) -> bool:
-        """True if the journal still lists stations of a mission that ended without any."""
         kept = None if self.journal is None else self.journal.mission()
         has_more = kept is not None and bool(kept.remaining)
         return has_more and self.pilot.mission.state is State.DONE
 
     def drive(self, orders: Orders, now_s: float, sight: Sight, released: int | None) -> None:
-        """Send the cycle's decision; ``released`` targets of a plan, or all if None."""
+        """Send the cycle's decision; ``released`` targets of a plan, None: all."""
         if orders.permit:
             self.permitted_s = now_s
         self.orders.carry_out(orders, now_s, sight.pose_age_s)
@@ -189,7 +188,7 @@ class ControlledRobot:
         troubles: tuple[str, ...],
         waits: str | None,
     ) -> RobotSnapshot:
-        """State to report after a cycle, ``time_s`` after the start."""
+        """State to report, ``time_s`` after the start."""
         mission = self.pilot.mission
         return RobotSnapshot(
             time_s=time_s,
@@ -211,13 +210,12 @@ class ControlledRobot:
         )
 
     def _stop_to_leave(self) -> str:
-        """Advice on the robot's own emergency stop while it has no mission."""
         why = self.pilot.stands_stopped
         return "" if why is None else f"{why}; re-arm it before it is to drive (clearway resume)"
 
 
 class Witnesses:
-    """Latency of the shared eye: the largest that any robot's witness measured."""
+    """Latency of the shared eye: the largest that a witness measured."""
 
     def __init__(self, robots: Mapping[str, ControlledRobot]) -> None:
         self._robots = robots

@@ -50,7 +50,7 @@ class Stopping:
         return said
 
     def stop(self, robots: Sequence[ControlledRobot], reason: str) -> str | None:
-        """Send an emergency stop to the links past every queue, then latch and store it.
+        """Send a stop to the links past every queue, then latch and store it.
 
         Returns a sentence if the stop is not on disk.
         """
@@ -71,7 +71,7 @@ class Stopping:
             self.kept.stop([robot.name], robot.pilot.stopped_by)
 
     def resume(self, robots: Sequence[ControlledRobot]) -> None:
-        """End a pause; lift a stop and re-arm; continue at the next call.
+        """End a pause; re-arm after a stop, and continue at the next call.
 
         ``MissionError`` if a stop came meanwhile.
         """

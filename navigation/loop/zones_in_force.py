@@ -23,11 +23,11 @@ from navigation.mission.mission import MissionError
 from planner.zones.zone import Zone
 
 MOST_UNDONE: Final = 50
-"""Changes that can be taken back: chosen."""
+"""Chosen: changes that can be taken back."""
 
 
 class ZonesInForce:
-    """The zones by name, in the order in which they were made; ``robots`` are the known names.
+    """The zones in the order in which they were made; ``robots`` are the known names.
 
     ``changed`` is called after each change, in the thread that made it. ``trouble`` says why a
     restart would not know of the changes, although a file keeps them.
@@ -57,7 +57,7 @@ class ZonesInForce:
 
     @property
     def are_kept(self) -> bool:
-        """True if a file keeps the changes for the next run."""
+        """True if a file keeps the changes."""
         return self._kept is not None
 
     def changes(self) -> tuple[ZoneChange, ...]:
@@ -65,7 +65,7 @@ class ZonesInForce:
         return changes_between(self._configured, self._sections)
 
     def restore(self, kept: KeptZones) -> list[str]:
-        """Take over the changes of the last run, and keep further ones; return what to say.
+        """Take over the last run's changes, and keep further ones; return what to say.
 
         ``KeptZonesError`` if they are lost: then no change is kept before :meth:`keep_in`.
         """
@@ -83,7 +83,7 @@ class ZonesInForce:
         self._write()
 
     def put(self, zone: ZoneSection) -> None:
-        """Add a zone, or replace the one of its name; ``MissionError`` if that cannot be."""
+        """Add a zone, or replace the one of its name; ``MissionError``."""
         unknown = sorted(set(zone.robots) - self._robots)
         if unknown:
             there = ", ".join(sorted(self._robots)) or "one robot, which has no name"
@@ -99,7 +99,7 @@ class ZonesInForce:
         self._tell()
 
     def remove(self, name: str) -> None:
-        """Remove a zone; ``MissionError`` if there is none of that name."""
+        """Remove a zone; ``MissionError``."""
         with self._lock:
             others = tuple(one for one in self._sections if one.name != name)
             if len(others) == len(self._sections):
@@ -109,7 +109,7 @@ class ZonesInForce:
         self._tell()
 
     def undo(self) -> None:
-        """Take the last change back; ``MissionError`` if there is none."""
+        """Take the last change back; ``MissionError``."""
         with self._lock:
             if not self._before:
                 raise MissionError("no change of zones to take back")

@@ -40,7 +40,6 @@ def record_polyline(record: Record, y_down: bool, tolerance: float) -> FloatArra
 
 
 def _edge_points(edge: Edge, y_down: bool, tolerance: float) -> FloatArray:
-    """Points of an edge from its start, without its end."""
     if isinstance(edge, Segment):
         return np.array([edge.start], dtype=np.float64)
     start_rad, sweep_rad = edge.sweep(y_down)

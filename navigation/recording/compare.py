@@ -36,7 +36,7 @@ class ComparisonTolerances:
 
 @dataclass(frozen=True, slots=True)
 class Difference:
-    """One difference: kind (``pose``, ``scene``, ``plan``), time and sentence."""
+    """Kind (``pose``, ``scene``, ``plan``), time and sentence."""
 
     kind: str
     time_s: float
@@ -117,7 +117,7 @@ def plan_offset_m(recorded: dict[str, Any], found: Path | NoPath) -> float:
 
 
 def gates_problem(recorded: Sequence[Mapping[str, Any]], others: Sequence[str]) -> str | None:
-    """Difference in right of way at shared places, in words; None if they agree."""
+    """Difference in right of way, in words; None if they agree."""
     before = [gate["other"] for gate in recorded]
     if before == list(others):
         return None

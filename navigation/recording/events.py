@@ -1,6 +1,6 @@
-"""Events of a recording: one class each, made in the loops and written by the recorder.
+"""Events of a recording, made in the loops and written by the recorder.
 
-They carry objects that do not change: making one costs nothing. Times are the run's clock, seconds.
+They carry objects that do not change. Times are the run's clock, seconds.
 """
 
 from __future__ import annotations
@@ -42,7 +42,7 @@ class RobotsSeen:
 
 @dataclass(frozen=True, slots=True)
 class SceneSeen:
-    """A new scene; ``carried`` from an earlier file of the recording."""
+    """A new scene; ``carried`` from an earlier file."""
 
     time_s: float
     revision: int
@@ -69,7 +69,7 @@ class PlanAsked:
 
 @dataclass(frozen=True, slots=True)
 class PlanAnswered:
-    """An answer of the planner; ``carried`` from an earlier file of the recording."""
+    """An answer of the planner; ``carried`` from an earlier file."""
 
     time_s: float
     answer: Answer

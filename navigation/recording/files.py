@@ -63,8 +63,8 @@ class RecordingFiles:
     """Files of one recording, written by one thread.
 
     ``header(part)`` gives the configuration's message for file ``part``, from 1; ``stamp_ns`` turns
-    the run's clock into nanoseconds since 1970. ``names`` by marker id name the channels of several
-    robots. ``file`` is the name of the one file in ``folder``; without it files are named by time.
+    the run's clock into nanoseconds since 1970. ``names`` by marker id name robots' channels.
+    ``file`` is the only file in ``folder``; without it files are named by time.
     """
 
     def __init__(

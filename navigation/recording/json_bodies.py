@@ -63,8 +63,6 @@ _REQUEST: TypeAdapter[PlanRequest] = TypeAdapter(PlanRequest)
 
 @dataclass(frozen=True, slots=True)
 class _Promised:
-    """Promise of a driving robot as its planner uses it, without targets and path."""
-
     name: str
     station: Station
     points: tuple[tuple[float, float], ...]
@@ -115,8 +113,6 @@ class _Promised:
 
 @dataclass(frozen=True, slots=True)
 class _FleetRequest:
-    """Plain values of a `FleetRequest`."""
-
     id: int
     scene_revision: int
     travellers: tuple[Traveller, ...]
@@ -143,7 +139,7 @@ def _finite(text: str) -> float:
 def configuration_body(
     config: Config, calibration: str, version: str, part: int, anchor_s: float, anchor_ns: int
 ) -> dict[str, Any]:
-    """First message of every file, which explains the pictures.
+    """First message of every file.
 
     ``anchor_s`` on the run's clock was ``anchor_ns`` since 1970, the messages' time base. Since
     recordings are given away, secrets are left out: the dashboard's section, and the password in a

@@ -41,8 +41,8 @@ _HEAD: Final = struct.Struct("<BQ")
 class Messages:
     """Messages of a file in order, each with its topic and the place of its record.
 
-    ``cut`` is True if the file's end was missing. Raises ``RecordingError`` for a file that is no
-    MCAP, or claims more than the bounds.
+    ``cut`` is True if the file's end was missing. Raises ``RecordingError`` for what is no MCAP, or
+    claims more than the bounds.
     """
 
     def __init__(self, path: Path) -> None:
@@ -70,7 +70,7 @@ class Messages:
 
 
 def messages_at(path: Path, place: int) -> list[Message]:
-    """Read the messages in the record at a place in the file; ``RecordingError`` if damaged."""
+    """Read the messages in the record at a place; ``RecordingError`` if damaged."""
     try:
         with path.open("rb") as file:
             file.seek(place)
@@ -82,7 +82,6 @@ def messages_at(path: Path, place: int) -> list[Message]:
 
 
 def _records(file: BinaryIO, path: Path) -> Iterator[tuple[int, int, bytes]]:
-    """Yield place, kind and bytes of the records that may hold messages."""
     size = os.fstat(file.fileno()).st_size
     while True:
         place = file.tell()
@@ -123,7 +122,6 @@ def _inner(data: bytes, path: Path) -> Iterator[Channel | Message]:
 
 
 def _unpacked(chunk: Chunk, path: Path) -> bytes:
-    """Return a chunk's contents; `McapError` if they are not as declared."""
     size = chunk.uncompressed_size
     if chunk.compression:
         _refuse_beyond(size, min(MOST_RECORD_BYTES, MOST_TIMES * len(chunk.data)), path)
@@ -168,7 +166,6 @@ class _Body(ReadDataStream):
         self._size = len(data)
 
     def read(self, length: int) -> bytes:
-        """Return ``length`` bytes; ``McapError`` if there are fewer."""
         left = self._size - self.count
         if not 0 <= length <= left:
             raise McapError(f"a length of {length} bytes where {left} are left")

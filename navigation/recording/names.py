@@ -1,4 +1,4 @@
-"""File names of recordings, for programs that look for one without writing any."""
+"""File names of recordings."""
 
 from __future__ import annotations
 

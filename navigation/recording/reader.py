@@ -53,7 +53,7 @@ class SeenFrame:
 
 @dataclass(frozen=True, slots=True)
 class SeenScene:
-    """A scene and the time since which it was the newest; ``carried`` from an earlier file."""
+    """A scene and its time; ``carried`` from an earlier file."""
 
     captured_s: float
     revision: int
@@ -147,7 +147,7 @@ def read_recording(path: Path) -> Recording:
 
 
 def unreadable(path: Path, topic: str, error: Exception) -> RecordingError:
-    """Error for a message, in one sentence."""
+    """Error for a message."""
     why = " ".join(f"{type(error).__name__}: {error}".split())[:MOST_CHARACTERS]
     return RecordingError(f"{path}: a message of {topic} cannot be read: {why}")
 

@@ -45,7 +45,7 @@ MISSION: Final = "mission"
 
 @dataclass(frozen=True, slots=True)
 class TapedPicture:
-    """A picture's time and number, and the place of its chunk in the file."""
+    """A picture's time and number, and its chunk's place in the file."""
 
     captured_s: float
     stamp_ns: int
@@ -78,7 +78,7 @@ class Tape:
     pictures: list[TapedPicture] = field(default_factory=list)
     plans: dict[str, list[TapedPlan]] = field(default_factory=lambda: defaultdict(list))
     said: dict[str, list[tuple[float, str]]] = field(default_factory=lambda: defaultdict(list))
-    """States of the mission and their reasons: ``state: sentence``."""
+    """States and reasons of the mission: ``state: sentence``."""
     links: dict[str, list[tuple[float, dict[str, Any]]]] = field(
         default_factory=lambda: defaultdict(list)
     )
@@ -111,7 +111,7 @@ class Tape:
                 yield last_s
 
     def told_until(self, time_s: float, most: int) -> list[float]:
-        """Newest ``most`` times at which something was said of a mission."""
+        """Newest ``most`` times of a mission's sentences."""
         return sorted({at_s for said in self.said.values() for at_s, _ in said if at_s <= time_s})[
             -most:
         ]
@@ -125,7 +125,7 @@ class Tape:
         return scenes[at - 1] if at else None
 
     def plan_at(self, time_s: float, robot: str = "") -> TapedPlan | None:
-        """Newest plan of a robot, or the newest message that there is none."""
+        """Newest plan of a robot, or the message that there is none."""
         plans = self.plans.get(robot, [])
         at = bisect_right(plans, time_s, key=lambda plan: plan.time_s)
         return plans[at - 1] if at else None
@@ -157,7 +157,7 @@ class Tape:
 
 
 def read_tape(path: Path) -> Tape:
-    """Read a recording for viewing; `RecordingError` if it is invalid or has no sighting."""
+    """Read a recording; `RecordingError` if it is invalid or has no sighting."""
     recording = read_recording(path)
     if not recording.frames:
         raise RecordingError(f"{path}: nothing was seen in it")

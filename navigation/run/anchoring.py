@@ -80,8 +80,8 @@ def renew(
 ) -> Renewed:
     """Place the configured camera again from the floor markers in its pictures.
 
-    ``lens`` replaces the file's. Raises ``AnchoringError`` without a configured file or markers, or
-    if the pictures show too little.
+    ``lens`` replaces the file's. Raises ``AnchoringError`` without file or markers, or if the
+    pictures show too little.
     """
     file = config.camera.calibration
     if file is None:
@@ -173,7 +173,7 @@ def take_over_lens(
 
 
 def _corners(picture: Image, dictionary: str, calibration: Calibration) -> dict[int, FloatArray]:
-    """Corners of a picture's markers by id, without ids seen twice."""
+    """Corners of markers by id, without ids seen twice."""
     grey = grey_of(picture).view()
     grey.setflags(write=False)  # read-only as in a run: the kernels are compiled for that type
     found = find_markers(grey, dictionary, calibration=calibration)
@@ -187,10 +187,7 @@ def renew_while_running(
     newest: Callable[[str | None], Frame | None],
     reload: Callable[[], None] | None,
 ) -> list[str]:
-    """Renew from a camera's newest picture, have the run take it over, and return the report.
-
-    Raises ``MissionError``.
-    """
+    """Renew from a camera's newest picture and have the run take it over, or ``MissionError``."""
     try:
         meant = of_camera(config, camera)
         frame = newest(camera)

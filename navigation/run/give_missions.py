@@ -59,7 +59,7 @@ class GiveMissions:
         self.cycle()
 
     def _rearmed(self) -> set[str]:
-        """Names of robots re-armed but not resumed, which wait for the second resume."""
+        """Names of robots re-armed, which wait for the second resume."""
         found = set()
         for name, robot in self._daemon.robots.items():
             mission = None if robot.journal is None else robot.journal.rearmed()
@@ -134,7 +134,6 @@ class GiveMissions:
         self._tasks = ()
 
     def _continue(self, name: str) -> None:
-        """Restore the journal's mission after the robot's report of its progress, or a timeout."""
         robot, mission = self._daemon.robots[name], self._left[name]
         assert robot.journal is not None
         plan = robot.journal.plan()

@@ -25,7 +25,7 @@ MOST_CHARACTERS: Final = 2000
 """Chosen: of a sentence; a fleet's has a part for each robot."""
 ENDED: Final = (State.DONE, State.STOPPED, State.FAILED)
 LONE: Final = "robot"
-"""Name of a robot that has none, being alone."""
+"""Name of a lone robot."""
 
 
 class Notifications:
@@ -63,7 +63,7 @@ class Notifications:
             self._report(self._calls)
 
     def cycle(self, now: RunState) -> None:
-        """Call for each robot whose mission has come to an end in this cycle."""
+        """Call for each robot whose mission has ended in this cycle."""
         if self._calls is None:
             return
         for name, one in now.robots.items():
@@ -74,7 +74,7 @@ class Notifications:
         self._report(self._calls)
 
     def end(self, state: State, reason: str) -> None:
-        """Call for each robot that was under way when its run failed, by a limit of time."""
+        """Call for each robot that was under way when a limit of time failed the run."""
         if self._calls is None or state is not State.FAILED:
             return
         for name, mission in self._before.items():

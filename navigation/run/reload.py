@@ -1,10 +1,9 @@
 """Read the configuration again during a run; a broken file changes nothing.
 
-SIGHUP asks for it (`systemctl reload clearway`). A thread reads, so the control loop continues. A
-changed calibration counts too.
+SIGHUP asks for it. A thread reads, so the control loop continues. A changed calibration counts too.
 
 Concurrent requests merge, and the stricter one wins: a person who changes settings on the page has
-ordered no drive, even if another request comes just before or after.
+ordered no drive, whatever other requests come.
 """
 
 from __future__ import annotations
@@ -51,7 +50,7 @@ class Reloader:
     def ask(self, *, waits: bool = False) -> None:
         """Request a reading without waiting, as a signal handler must.
 
-        ``waits``: the restarted run waits for orders, whatever other requests ask for.
+        ``waits``: the restarted run waits for orders, whatever others ask.
         """
         self._waiting_asked += waits
         self._asked.set()

@@ -1,8 +1,8 @@
 """Run vision and planner again on a recording and report differences.
 
 Rules
-- Pictures go through the same `Eye`, requests through the same planner, with the recorded
-  configuration, calibration, zones, starts and stations.
+- Pictures and requests go through the same parts, with the recorded configuration, calibration,
+  zones, starts and stations.
 - A recording may hold fewer pictures than the run saw: a scene is found if the replay produces it
   while it was the newest, or within ``SCENE_LAG_S`` after.
 - Tracking may find a robot later than the run: only one missed for ``SEARCH_S`` is a difference.
@@ -160,7 +160,7 @@ class Replay:
         self._equal_scenes: set[int] = set()
 
     def run(self) -> ReplayResult:
-        """Replay every picture, then compare scenes and plans."""
+        """Compare every picture, then scenes and plans."""
         for number, (time_ns, image) in enumerate(self.recording.pictures()):
             seen = self.recording.frames.get(time_ns)
             if seen is None:
@@ -246,7 +246,7 @@ class Replay:
     def _nearest(
         self, recorded: SeenScene, begin_s: float, end_s: float
     ) -> tuple[Scene | None, float]:
-        """Nearest of the replay's scenes that were the newest during an interval."""
+        """Nearest of the replay's scenes that were newest in an interval."""
         before = [f for f in self._found if f.captured_s <= begin_s][-1:]
         between = [f for f in self._found if begin_s < f.captured_s <= end_s]
         best: Scene | None = None
@@ -280,7 +280,6 @@ class Replay:
             self._differ("plan", planned.answer["time_s"], sentence)
 
     def _offset(self, planner: _Plans, planned: Planned, scene: Scene) -> tuple[float, str | None]:
-        """Compare a plan made in this scene; results as for `_Plans.compare`."""
         revision = int(planned.answer["revision"])
         if planner.revision != revision:
             planner.see(scene, revision, self.recording.zones_in(revision))

@@ -1,8 +1,8 @@
 """The zones that people changed in an earlier run, restored from beside the journal.
 
-If they are lost, a keep-out zone may be lost with them: the configuration's zones hold, and all
-robots are stopped until a person resumes. The damaged file is put aside only when that stop is on
-the disk, so that a run killed in between does not drive either.
+If they are lost, the configuration's zones hold, and all robots are stopped until a person resumes:
+a keep-out zone may be lost with them. The damaged file is put aside only when that stop is on the
+disk, so that a run killed in between does not drive either.
 """
 
 from __future__ import annotations

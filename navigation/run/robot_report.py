@@ -80,7 +80,7 @@ class Report:
 
     @classmethod
     def of_nothing(cls, reason: str, stations: int) -> Report:
-        """Make the report of a run that ended before it had a robot and a camera."""
+        """Make the report of a run that ended before it had its devices."""
         return cls(
             state="stopped",
             reason=reason,
@@ -158,7 +158,7 @@ def rms_and_max(errors: FloatArray) -> TrackingError:
 
 
 def percentiles_ms(latencies_s: list[float]) -> CaptureToWire:
-    """Median and 99th percentile of latencies, in milliseconds."""
+    """Median and 99th percentile."""
     if not latencies_s:
         return CaptureToWire()
     p50, p99 = np.percentile(np.array(latencies_s) * 1e3, [50.0, 99.0])

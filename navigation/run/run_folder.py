@@ -25,7 +25,7 @@ from planner.scene import FloatArray
 REACH_SHARE, REACH_M = 1.1, 0.02
 """Reach of a robot along its plan: a share of its driven length, and metres more."""
 ANYTHING_M_S = 10.0
-"""The speed of other robots is unknown: their tracks break only where they were not seen."""
+"""Tracks of other robots, whose speed is unknown, break only where they were not seen."""
 STRETCH_STEP_M = 0.005
 """Distance of points along the driven stretches of replaced plans."""
 
@@ -137,7 +137,7 @@ def driven_stretches(
     """Driven points (n, 2) of every plan but the last, up to its replacement.
 
     ``track`` (k, 4) of seconds, x_m, y_m, heading_rad. Where a plan crosses itself, the driven
-    length decides which pass was reached.
+    length decides.
     """
     stretches = []
     for plan, following in pairwise(plans):

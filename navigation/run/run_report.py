@@ -32,18 +32,18 @@ class RunReport:
     duration_s: float
     robots: Mapping[str, Report]
     least_gap_m: float | None = None
-    """Between the bodies of the two robots that came nearest; below 0 they touched."""
+    """Between the bodies of two robots; below 0 they touched."""
     least_gap_between: tuple[str, str] | None = None
     min_clearance_m: float | None = None
-    """Clearance of the robot that came nearest to an obstacle, from its centre."""
+    """Of the robot that came nearest to an obstacle, from its centre."""
     rounds: int = 0
-    """Number of plans asked for, of all robots or of some that join driving ones."""
+    """Number of plans asked for."""
     zones: tuple[Mapping[str, Any], ...] = ()
     """Zones in force at the end, as a configuration has them."""
 
     @classmethod
     def of_nothing(cls, reason: str, stations: Mapping[str, int]) -> RunReport:
-        """Make the report of a run that ended before it had robots and a camera."""
+        """Make the report of a run that ended before it had its devices."""
         robots = {name: Report.of_nothing(reason, count) for name, count in stations.items()}
         return cls(State.STOPPED.value, reason, 0.0, robots)
 
@@ -54,7 +54,7 @@ class RunReport:
         return report
 
     def as_json(self) -> dict[str, Any]:
-        """Return the report in JSON's types."""
+        """Return JSON's types."""
         if "" in self.robots:
             return {**asdict(self.only), "zones": list(self.zones)}
         return {

@@ -74,9 +74,8 @@ class Runner:
     Setting ``interrupt`` ends the run in order: the robot stops first. While ``is_warming_up``
     there is no robot yet, and a KeyboardInterrupt may be raised in it. With ``show_token`` the
     printed address includes its token; the program's own token is printed without it too, but not
-    into the system's journal. ``watchdog_s`` is the longest time between reports of health to
-    systemd. ``file`` owns the missions in the journal. ``stops`` is the folder of stops that
-    outlive a run; without it none do.
+    into the system's journal. ``watchdog_s`` is the longest time between reports to systemd.
+    ``file`` owns the missions in the journal. ``stops`` is the folder of stops that outlive a run.
     """
 
     def __init__(  # noqa: PLR0913 (what a command gives a run, each with a default)
@@ -108,7 +107,7 @@ class Runner:
         self._watchdog_s = watchdog_s
         self.interrupt_reason = "interrupted"
         self.desk: Desk | None = None
-        """Desk by which the page changes the configuration; set before `run`."""
+        """The page's changes of the configuration; set before `run`."""
         self.waits = False
         """For orders, instead of driving the configured mission."""
         self.is_warming_up = False
@@ -270,7 +269,6 @@ class Runner:
         )
 
     def _own_token(self, file: Path) -> str:
-        """Token kept in the file, or one for this run if that fails."""
         from navigation.dashboard.admission.own_token import new_token, own_token
 
         try:
@@ -294,7 +292,6 @@ class Runner:
         return journals
 
     def _open_folder(self, open_things: ExitStack) -> Path | None:
-        """Make the run's folder with its event log; None if the disk is full."""
         runs_dir = self.config.recording.runs_dir
         try:
             folder = make_run_folder(runs_dir, datetime.now())
@@ -364,7 +361,7 @@ class Runner:
                 return now.state, now.sentence
 
     def why_interrupted(self, stopped: str | None) -> str:
-        """Reason of an interrupted run, after an emergency stop for that cause."""
+        """Reason of an interrupted run, after an emergency stop's cause."""
         return f"{stopped}; then {self.interrupt_reason}" if stopped else self.interrupt_reason
 
     def _exit_code(self, state: State, daemon: Daemon) -> int:
@@ -380,13 +377,13 @@ class Runner:
     def reanchor(
         self, camera: str | None, newest: Callable[[str | None], Frame | None]
     ) -> list[str]:
-        """Place a camera again from its newest picture and report, or raise ``MissionError``."""
+        """Place a camera again from its newest picture and report, or ``MissionError``."""
         told = renew_while_running(self.config, camera, newest, self.reload)
         self._log.write("warning", "anchoring", reason="; ".join(told))
         return told
 
     def take_over_lens(self, lens: Lens, picture: Image | None) -> str:
-        """Save a newly found lens and begin again with it; ``ValueError`` on failure."""
+        """Save a new lens and begin again with it; ``ValueError`` on failure."""
         said = take_over_lens(self.config, lens, picture, datetime.now(), self.reload_and_wait)
         self._log.write("warning", "calibration", reason=said)
         return said
@@ -402,6 +399,6 @@ def _port_words(world: World) -> str:
 
 
 def camera_words(config: Config) -> str:
-    """The camera, or each of several with its name, as printed."""
+    """The camera, or each with its name, as printed."""
     named = [f"{name} {one.camera.source}" for name, one in each_camera(config).items()]
     return f"cameras {', '.join(named)}" if named else f"camera {config.camera.source}"

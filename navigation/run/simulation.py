@@ -80,7 +80,7 @@ class Simulation:
         return pose_of(self._configs[name], self.robots.get(name), self._shared.get(name))
 
     def open_camera(self, name: str | None = None) -> TimedCamera[Any] | KnockedCamera:
-        """Make a closed camera, always of the same source; ``name`` is one of several."""
+        """Make a closed camera, always of the same source."""
         camera = camera_over(
             self._cameras[name],
             self._arenas,

@@ -25,7 +25,7 @@ from vision.camera.camera import Camera, CameraError, Frame, Image, SourceState
 
 ENDED: Final = "the simulation's process has ended"
 END_S: Final = 2.0
-"""Time that the process has to end by itself."""
+"""For the process to end by itself."""
 
 
 class SimulationEndedError(RuntimeError):
@@ -81,7 +81,7 @@ class SimulationApart:
         return pose
 
     def open_camera(self, name: str | None = None) -> Camera:
-        """Make a closed camera; ``name`` is one of several."""
+        """Make a closed camera."""
         return CameraApart(self._cameras[name])
 
     def start(self) -> None:
@@ -151,14 +151,12 @@ def _simulate(
 
 
 class _CameraHere:
-    """The camera's side of the pipe, one camera at a time."""
-
     def __init__(self, simulation: Simulation, name: str | None) -> None:
         self._simulation, self._name = simulation, name
         self._camera: Camera | None = None
 
     def make(self) -> tuple[str, bool]:
-        """Return a new camera's name, and True if its pictures may repeat."""
+        """Name, and True if its pictures may repeat."""
         self.close()
         self._camera = self._simulation.open_camera(self._name)
         return self._camera.name, self._camera.may_repeat
@@ -168,7 +166,7 @@ class _CameraHere:
         self._camera.open()
 
     def read(self, timeout_s: float) -> tuple[tuple[Image, float, int] | None, float]:
-        """Return the next frame's picture, time and number, and the rate."""
+        """Picture, time and number of a frame, and the rate."""
         assert self._camera is not None
         frame = self._camera.read(timeout_s)
         seen = None if frame is None else (frame.image, frame.captured_s, frame.sequence)

@@ -66,7 +66,7 @@ def summarise(
 
 
 def driven_track(daemon: Daemon, robot: ControlledRobot) -> FloatArray:
-    """Track (n, 4) of seconds, x_m, y_m, heading_rad: the truth if simulated, else sightings."""
+    """Track (n, 4) of seconds, x_m, y_m, heading_rad: the truth, or sightings."""
     truth = daemon.world.truths.get(robot.name)
     return robot.sightings.rows() if truth is None else truth.track()
 
@@ -83,7 +83,6 @@ def _least_clearance_m(
 
 
 def _tracking(robot: ControlledRobot, track: FloatArray) -> FloatArray:
-    """Distance of each position from the plan driven at its time."""
     errors = []
     plans = list(robot.plans)
     ends = [*(plan.since_s for plan in plans[1:]), math.inf]

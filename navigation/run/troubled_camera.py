@@ -32,7 +32,7 @@ class CameraTroubles:
     clock_in_the_corner: bool = False
     """Every picture shows the time: no two are the same."""
     stream_latency_s: float = 0.0
-    """Pictures come this late, stamped when they arrive, as a stream's are."""
+    """Pictures come this late, stamped when they arrive."""
     future_s: float = 0.0
     """Pictures are stamped this far in the future."""
     looping: bool = False
@@ -43,7 +43,7 @@ RECORDED = 90
 
 
 class TroubledCamera:
-    """A camera between the simulated one and the program; ``now`` gives virtual seconds."""
+    """A camera between the simulated one and the program."""
 
     def __init__(
         self,
@@ -78,11 +78,11 @@ class TroubledCamera:
         return self._camera.may_repeat
 
     def open(self) -> None:
-        """Open the camera."""
+        """Open it."""
         self._camera.open()
 
     def close(self) -> None:
-        """Close the camera; pictures under way still arrive, as from a stream's server."""
+        """Close it; pictures under way still arrive, as from a stream."""
         self._camera.close()
 
     def read(self, timeout_s: float) -> Frame | None:
@@ -139,7 +139,7 @@ class SeenPictures:
 
 
 def with_clock(image: Image, time_s: float) -> Image:
-    """Draw the time into the picture's corner, as network cameras do."""
+    """Draw the time into the picture's corner."""
     shown = image.copy()
     cv2.rectangle(shown, (0, 0), (120, 14), 230, -1)
     cv2.putText(shown, f"12:00:{time_s:06.3f}", (2, 11), cv2.FONT_HERSHEY_PLAIN, 0.9, 20, 1)

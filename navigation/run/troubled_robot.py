@@ -43,7 +43,7 @@ class RobotTroubles:
     cable_out: bool = False
     """Nothing passes in either direction, without an error."""
     wire_to_robot_cut: bool = False
-    """Nothing sent reaches it, and its reports still come."""
+    """Its reports still come."""
     motors_dead: bool = False
     """The wheels do not turn."""
     carried_to: Place | None = None
@@ -54,7 +54,7 @@ class RobotTroubles:
     """Its pose while stuck."""
 
     def meet(self, loop: VirtualLoop) -> None:
-        """Apply the present faults to a robot and its line."""
+        """Apply the present faults."""
         loop.knobs.cable = not (self.cable_out or self.port_broken)
         loop.knobs.to_robot = not self.wire_to_robot_cut
         loop.drive.has_power = not self.motors_dead
@@ -102,7 +102,7 @@ class TroubledRobot:
     processor: ProcessorFaults
     troubles: RobotTroubles = field(default_factory=RobotTroubles)
     frozen: bool = False
-    """Its processor does nothing, and its wheels turn on as they did."""
+    """Its processor does nothing, and its wheels turn on."""
     off: bool = False
     """It has no power."""
 

@@ -40,7 +40,7 @@ from vision.camera.latest_frame import CameraStatus, LatestFrame, WatchLimits
 from vision.camera.several_frames import SeveralFrames
 
 WATCH_EVERY_S = 0.005
-"""Time that a read of the camera may keep the control loop waiting."""
+"""Longest wait of the control loop for a read of the camera."""
 VIRTUAL_LIMITS = WatchLimits(read_timeout_s=WATCH_EVERY_S)
 
 
@@ -52,7 +52,7 @@ class VirtualTimes:
     scene_s: float = 0.03
     plan_s: float = 0.03
     search_s: float = 0.001
-    """0.4 to 1.8 ms of processor time in the shipped configurations, per look."""
+    """0.4 to 1.8 ms of processor time per look in the shipped configurations."""
 
 
 _Q = TypeVar("_Q")
@@ -180,7 +180,7 @@ class VirtualWorld:
         return VirtualPlanner(self, planner, on_scene, on_answer)
 
     def open_camera(self, name: str | None = None) -> Camera:
-        """Make a camera over the arena as it is now; ``name`` is one of several."""
+        """Make a camera over the arena as it is now."""
         troubles = self.cameras[name]
         if troubles.camera_lost:
             raise CameraError("simulated camera: is unplugged")

@@ -131,7 +131,7 @@ class World:
         return PlannerThread(planner, on_scene, on_answer)
 
     def open_camera(self, name: str | None = None) -> Camera:
-        """Make a closed camera, always of the same source; ``name`` is one of several."""
+        """Make a closed camera, always of the same source."""
         return self._cameras.open(name)
 
     def _simulated(self, name: str | None, _config: Config) -> Camera:
@@ -168,7 +168,7 @@ class _RobotOf:
 
 
 def _simulation_of(config: Config) -> Simulation | SimulationApart | None:
-    """Several robots are simulated in a process of their own, which does not delay this one."""
+    """Several robots are simulated in another process, which does not delay this one."""
     if not is_simulated(config):
         return None
     if len(config.robots) > 1:

@@ -35,9 +35,9 @@ class ArenaView:
         self.revision = 0
         """Number of the newest scene; 0 before the first."""
         self.frame: Frame | None = None
-        """Newest picture that was looked at, with its own time."""
+        """Newest picture, with its exposure time."""
         self.frame_s = -math.inf
-        """When the newest picture was captured, as the camera says."""
+        """Time of the newest picture, as the camera says."""
         self.glimpse = Glimpse(-math.inf, {}, None, None)
         self.others = OtherRobots({one.marker_id: one.radius_m for one in config.other_robots})
         self.doubt = SceneDoubt(floor_markers=bool(config.arena.floor_markers))
@@ -72,7 +72,7 @@ class ArenaView:
         return glimpse.scene is not None
 
     def zones_changed(self) -> None:
-        """Number the scene again: what was planned in it knew other zones."""
+        """Number the scene again: its plans knew other zones."""
         self.revision += 1
 
     @property

@@ -29,7 +29,7 @@ Poses: TypeAlias = Mapping[int, RobotPose]
 
 @dataclass(frozen=True, slots=True)
 class RobotShape:
-    """Robot's shape for the camera: the disc around it, and its marker's height."""
+    """The disc around a robot, and its marker's height."""
 
     radius_m: float
     marker_height_m: float
@@ -48,8 +48,8 @@ class EyeSettings:
     bodies: Mapping[int, RobotShape]
     """Driven robots and others, by marker id."""
     reach_m: float = 0.0
-    """Distance that an unseen driven robot may be from where it was last seen: while another one is
-    seen, the arena is looked at but for the places where it may be."""
+    """Distance that an unseen driven robot may be from where it was last seen: only these places
+    are left out while another robot is seen."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -65,7 +65,7 @@ class Glimpse:
     place: PlaceReport | None = None
     """Report on the camera's place; None if that is not watched."""
     picture: Frame | None = None
-    """Picture that people are shown, if not the frame itself."""
+    """For people, if not the frame itself."""
     hold: str | None = None
     """Why no robot may drive by what is seen now."""
     troubles: Mapping[str, str] = field(default_factory=dict)
@@ -73,7 +73,7 @@ class Glimpse:
 
 
 class Eye:
-    """Trackers, and the picture of the arena without its robots; ``camera_place`` outlives it."""
+    """Trackers, and the picture of the arena without its robots."""
 
     def __init__(
         self,
@@ -116,7 +116,7 @@ class Eye:
         return Glimpse(frame.captured_s, poses, scene, change, self._doubles(), place)
 
     def _look_at_camera_place(self, frame: Frame, discs: FloatArray | None) -> PlaceReport | None:
-        """Learn the camera's place only once the robots were seen, off their bodies."""
+        """Look at the camera's place, which is learned once the robots were seen."""
         if self._camera_place is None:
             return None
         return self._camera_place.look(
@@ -127,7 +127,7 @@ class Eye:
         return doubles_of(self._tracker, self.settings.driven_ids)
 
     def _body_discs(self, poses: Poses) -> FloatArray:
-        """Return the discs of all robots' bodies at their last known places."""
+        """Discs of all robots' bodies at their last known places."""
         bodies = self.settings.bodies
         return np.concatenate(
             [
@@ -142,7 +142,7 @@ class Eye:
         )
 
     def _brought_up_to_date(self, change: Change | None) -> KnownScene:
-        """Return the present scene; only changes are fitted again, if that can be trusted."""
+        """Present scene; only changes are fitted again, if that can be trusted."""
         background = self._watcher.background
         if self._known is not None and change is not None and not (change.first or change.relit):
             known = self._known.refitted(background, change.rectangles)
@@ -158,7 +158,7 @@ class Eye:
 
 
 class ExtractSettings(TypedDict):
-    """Settings that separate obstacles from the floor."""
+    """Arguments of ``vision.extract``."""
 
     polarity: Polarity
     method: Method
@@ -166,7 +166,7 @@ class ExtractSettings(TypedDict):
 
 
 def extract_settings(settings: EyeSettings) -> ExtractSettings:
-    """Settings in the form that ``vision.extract`` takes."""
+    """Make the arguments of ``vision.extract``."""
     return ExtractSettings(
         polarity=settings.polarity,
         method=settings.method,

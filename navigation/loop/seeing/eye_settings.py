@@ -50,7 +50,6 @@ def place_settings(config: Config, one_of_several: Calibration | None = None) ->
 
 
 def _is_in_picture(marker: FloorMarkerSection, calibration: Calibration) -> bool:
-    """True if a camera shows a marker whole, at any turn, with some white around it."""
     if marker.place_m is None:
         return False
     reach = 0.5 * math.sqrt(2.0) * 1.25 * marker.size_m
@@ -59,7 +58,7 @@ def _is_in_picture(marker: FloorMarkerSection, calibration: Calibration) -> bool
 
 
 def stop_s(robot: RobotSection, safety: SafetySection) -> float:
-    """Longest time a robot can drive after it was last seen: lease, reaction, brakes."""
+    """Longest time a robot can drive after it was last seen."""
     braking_s = robot.speed_m_s / robot.acceleration_m_s2
     return safety.pose_stale_s + safety.lease_s + REACTION_S + braking_s
 

@@ -15,7 +15,7 @@ TRACK_STEP_M: Final = 0.005
 
 
 class OtherRobots:
-    """Other robots, fed with each picture; ``radii_m`` gives their bodies' radii."""
+    """Other robots, fed with each picture."""
 
     def __init__(self, radii_m: Mapping[int, float]) -> None:
         self._radii_m = dict(radii_m)
@@ -30,12 +30,12 @@ class OtherRobots:
                 self.tracks[marker_id].add(pose.captured_s, pose.x, pose.y, pose.heading_rad)
 
     def movers(self, now_s: float) -> tuple[Mover, ...]:
-        """Every robot ever seen, extrapolated to now while its velocity can be trusted."""
+        """Every robot ever seen, extrapolated while its velocity can be trusted."""
         return tuple(mover_of(one, self._radii_m[one.id], now_s) for one in self._last.values())
 
 
 def mover_of(other: RobotPose, radius_m: float, now_s: float) -> Mover:
-    """A seen robot, extrapolated to now while its velocity can be trusted."""
+    """A seen robot, extrapolated while its velocity can be trusted."""
     age_s = now_s - other.captured_s
     x, y, _ = other.at(now_s) if age_s < LOST_S else (other.x, other.y, 0.0)
     return Mover(other.id, x, y, other.vx, other.vy, radius_m, age_s)

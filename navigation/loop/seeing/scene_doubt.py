@@ -48,18 +48,18 @@ class SceneDoubt:
             self._objects_before = len(scene.objects)
 
     def accept(self) -> None:
-        """Accept the arena as seen, whatever it was before."""
+        """Accept the arena as seen."""
         self._accepted = bool(self._doubt)
         self._accepted_loss = bool(self._place.lost) and not self._floor_markers
 
     @property
     def remark(self) -> str | None:
-        """Remark on the newest scene; None if it is sound."""
+        """Remark on the newest scene, if it is not sound."""
         return self._doubt or None
 
     @property
     def hold(self) -> str | None:
-        """Reason why the robot holds; None if it need not."""
+        """Reason why the robot holds, if any."""
         return self._place.moved or self._hold_for_loss() or self._hold_for_scene()
 
     def _hold_for_loss(self) -> str | None:

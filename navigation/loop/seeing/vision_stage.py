@@ -44,10 +44,7 @@ class EyeParts:
 
 
 class VisionStage:
-    """The eye, the error that ended the last one, and the duration of the last look.
-
-    ``driven`` are the driven robots; ``floor_plan`` is that of several cameras.
-    """
+    """The eye, the error that ended the last one, and the duration of the last look."""
 
     def __init__(
         self,
@@ -71,7 +68,7 @@ class VisionStage:
         self.look_s: float | None = None
 
     def failure(self) -> str | None:
-        """The error that ended it, in words; None while it works."""
+        """Error that ended it, in words."""
         return self._failure
 
     def restart(self) -> None:
@@ -84,7 +81,7 @@ class VisionStage:
     ) -> tuple[Frame, Glimpse] | None:
         """Return the frame with its own time and what it shows; None if the eye fails.
 
-        ``tell`` gets the poses before anything else is looked at.
+        ``tell`` gets the poses first.
         """
         began_s = self._clock()
         if self._failure is not None:
@@ -100,12 +97,11 @@ class VisionStage:
         return glimpse.picture or frame, glimpse
 
     def newest(self, camera: str | None) -> Frame | None:
-        """Newest picture of the only camera, or of the named one of several."""
+        """Newest picture of the only or the named camera."""
         newest = tuple(self._newest.values()) if camera is None else (self._newest.get(camera),)
         return newest[0] if newest else None
 
     def _watched_places(self) -> tuple[CameraPlace, ...]:
-        """Make the watches of the cameras' places; they outlive an eye."""
         config, plan, began_s = self._config, self._floor_plan, self._clock()
         if not self._parts.watches_place:
             return ()

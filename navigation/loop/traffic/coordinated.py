@@ -26,7 +26,7 @@ from navigation.mission.traffic import STANDING_M_S
 from planner.shared.search_clock import Clock
 
 BRAKES_S: Final = 0.3
-"""Beyond a lease: the time of the last one on the line, and of wheels and camera to react."""
+"""Beyond a lease: time on the line, and for wheels and camera to react."""
 STOOD_S: Final = 0.25
 """A robot that was seen without motion for this time is at rest."""
 
@@ -45,14 +45,14 @@ class Coordinated:
 
     @property
     def rounds(self) -> int:
-        """Number of plans asked for, of all robots or of some that join driving ones."""
+        """Number of plans asked for."""
         return self._coordinator.rounds
 
     def checked_points(self) -> None:
-        """Return None: there are several paths, and `checked` measures them."""
+        """None: `checked` measures all paths."""
 
     def checked(self, checks: Sequence[SceneCheck]) -> Iterable[PathCheck]:
-        """Yield the check of each driven path in the newest scene and zones."""
+        """Yield the check of each driven path."""
         if not checks:
             return
         changed = any(check.zones_changed for check in checks)
@@ -91,7 +91,7 @@ class Coordinated:
         self._coordinator.forget(name)
 
     def preview(self, name: str, request: PlanRequest) -> PlanAnswer:
-        """Return one robot's plan as if it were alone; any thread may ask."""
+        """Return one robot's plan alone; any thread may ask."""
         return self.planner.preview(name, request)
 
 

@@ -37,7 +37,7 @@ class TrafficOrders:
 
     request: Request | None = None
     plan_again: Sequence[tuple[str, str]] = ()
-    """Robots whose pilots ask for a path again, with the reason."""
+    """Robots that are planned again, and why."""
     answers: Mapping[str, PlanAnswer] = field(default_factory=dict)
     """For pilots, in the next cycle."""
     holds: Mapping[str, str] = field(default_factory=dict)
@@ -47,7 +47,7 @@ class TrafficOrders:
 
 
 class TrafficPlanner(Answering[Any, Any], Protocol):
-    """Planner that answers `Traffic`, with the newest scene's roadmap."""
+    """Planner with the newest scene's roadmap."""
 
     @property
     def roadmap(self) -> Roadmap | None:
@@ -58,7 +58,7 @@ class TrafficPlanner(Answering[Any, Any], Protocol):
         """Exact clearance of a place in the newest scene; None before the first."""
 
     def rules(self, robot: str) -> Rules | None:
-        """The zones that hold for a robot, in the newest scene; None before the first."""
+        """Zones for a robot in the newest scene; None before the first."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -90,18 +90,18 @@ class Traffic(Protocol):
 
     @property
     def waits_for(self) -> Mapping[str, str]:
-        """Robot awaited, for each in `waits` that waits for one other robot."""
+        """Robot awaited, for each that waits for one other robot."""
         ...
 
     def checked_points(self) -> FloatArray | None:
-        """Path whose clearance the planner's thread measures in each new scene, (n, 2)."""
+        """Path (n, 2) whose clearance the planner's thread measures in each scene."""
 
     def checked(self, checks: Sequence[SceneCheck]) -> Iterable[PathCheck]:
         """Yield the check of each driven path in new scenes and zones."""
         ...
 
     def take(self, answer: Answer | None) -> Mapping[str, PlanAnswer]:
-        """Take the planner's answer; return the pilots' answers in this same cycle."""
+        """Take the planner's answer; return the pilots' answers in this cycle."""
         ...
 
     def step(self, now_s: float, decided: Mapping[str, Decided], revision: int) -> TrafficOrders:
@@ -115,7 +115,7 @@ class Traffic(Protocol):
         """Forget the robot's promise, so that it is planned again."""
 
     def preview(self, name: str, request: PlanRequest) -> PlanAnswer:
-        """Return one robot's plan as if it were alone; any thread may ask."""
+        """Return one robot's plan alone; any thread may ask."""
         ...
 
 

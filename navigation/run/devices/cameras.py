@@ -30,7 +30,7 @@ class Cameras:
         self._clock, self._simulated = clock, simulated
 
     def open(self, name: str | None = None) -> Camera:
-        """Make a closed camera, always of the same source; ``name`` is one of several."""
+        """Make a closed camera, always of the same source."""
         config = self._config if name is None else self._named[name]
         camera = config.camera
         if camera.source == SIMULATED:

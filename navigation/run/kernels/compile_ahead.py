@@ -72,9 +72,9 @@ def copy_kernels(checkout: Path) -> None:
 
 
 def note_what_is_loaded(work: Callable[[], None], into: Path) -> None:
-    """Do the work again from the compiled kernels, and list the files that it loads.
+    """Do the work from the compiled kernels, and list the files that it loads.
 
-    Kernels called only by kernels are compiled into their files: their own are never opened.
+    Kernels called only by kernels are compiled into those: their own files are never opened.
     """
     work()
     files = []

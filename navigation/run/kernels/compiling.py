@@ -101,7 +101,7 @@ def _compile_and_count(
 
 
 class _Counter(event.Listener):
-    """Counter of our kernels, each once for all its types."""
+    """Counts each of our kernels once for all its types."""
 
     def __init__(self, pipe: Connection) -> None:
         self._pipe = pipe
@@ -130,7 +130,6 @@ class _Counter(event.Listener):
 
 
 def _kernels_known() -> int:
-    """Number of kernels in the modules imported so far."""
     modules = [
         module
         for name, module in list(sys.modules.items())

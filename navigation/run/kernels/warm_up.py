@@ -1,8 +1,8 @@
 """Compile or load every kernel before the robot may move.
 
 A small arena goes through the daemon's own parts. A kernel first needed during a drive would cost a
-moving robot half a second. Loading from the kernel cache takes about a second; the first time on a
-machine, two processes compile the kernels.
+moving robot half a second. Loading takes about a second; the first time on a machine, two processes
+compile.
 """
 
 from __future__ import annotations

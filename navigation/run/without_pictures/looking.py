@@ -64,7 +64,7 @@ def looking_of(
 
 
 def _why_pictures(config: Config) -> str:
-    """Reason why a camera needs pictures; empty if there is none."""
+    """Reason why a camera needs pictures, if any."""
     assert config.simulation is not None
     if config.simulation.camera.knocks:
         return "simulation.camera.knocks: only a picture shows that a camera was knocked"
@@ -96,7 +96,6 @@ def _calibration_off_m(config: Config) -> float:
 
 
 def _empties(arenas: Sequence[tuple[float, SimulatedArena]]) -> bool:
-    """True if, at some time, more than half of the arena's first things are gone."""
     first = {one.records for one in arenas[0][1].scene.objects}
     return any(
         2 * len(first & {one.records for one in arena.scene.objects}) < len(first)

@@ -137,7 +137,7 @@ class SightCamera(TimedCamera[Scene]):
         return self._sights.keep(TrueSight(prepared, bodies, markers))
 
     def _marker_corners(self, poses: FloatArray) -> FloatArray:
-        """Corners of the markers (n, 4, 2) in metres, each at its marker's height."""
+        """Corners (n, 4, 2), each at its marker's height."""
         angle = poses[:, 2] + self._turns
         c, s = np.cos(angle), np.sin(angle)
         turned = np.empty((len(poses), 2, 2))
@@ -158,7 +158,7 @@ class SightCamera(TimedCamera[Scene]):
         return tuple((self._bodies[i].marker_id, pixels[i]) for i in np.flatnonzero(shown))
 
     def _hidden(self, floor: FloatArray, poses: FloatArray) -> Any:
-        """True (n,) if a body nearer to the lens hides a corner of a marker."""
+        """True (n,) if a body nearer to the lens hides a corner."""
         if len(poses) < 2:
             return np.zeros(len(poses), np.bool_)
         from_lens = np.hypot(*(poses[:, :2] - self._pinhole.position_m[:2]).T)
@@ -185,7 +185,7 @@ def make_sight_camera(
 
 
 def _changed_px(noise_grey: float, size_px: tuple[int, int]) -> float:
-    """Average number of a picture's pixels that noise would change."""
+    """Average number of pixels that noise would change."""
     if noise_grey <= 0.0:
         return 0.0
     return size_px[0] * size_px[1] * math.erfc(0.5 / (noise_grey * math.sqrt(2.0)))

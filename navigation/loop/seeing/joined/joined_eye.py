@@ -2,11 +2,10 @@
 
 Rules
 - Each camera has its own marker tracker and its own watch for changes. Its background is laid onto
-  the floor plan only after a change, and the plan's picture is extracted like a single camera's.
+  the floor plan only after a change; the plan's picture is extracted like a single camera's.
 - A camera is lost (unplugged, frozen or hung) if it gives no new picture for ``stale_s`` while the
-  others do. What only it saw is an obstacle at once, like all ground that no camera sees; a robot
-  in there holds. Its ground is open again from its first picture in which the robots' places are
-  known.
+  others do. What only it saw is an obstacle at once, like all unseen ground; a robot there holds.
+  Its ground is open again from its first picture in which the robots' places are known.
 - A camera that was knocked holds every robot, because what it looks at is unknown. While it is
   lost, nothing relies on its word.
 - There is no scene until every camera has shown the arena, or was lost after ``START_S``.
@@ -39,7 +38,7 @@ from vision.watch.change import Change, SceneWatcher
 from vision.watch.refit import KnownScene
 
 START_S: Final = 3.0
-"""Longest time of a camera to its first picture after another one's."""
+"""Longest wait for a camera's first picture after another one's."""
 MISSED_FRAMES: Final = 3
 """Pictures of others after which a camera may be lost: a late loop has old pictures of all."""
 WITHIN_M: Final = 1e-3
@@ -62,7 +61,7 @@ class _View:
     tracker: MarkerTracker
     watcher: SceneWatcher
     background: Image | None = None
-    """Its arena without robots; None while it is lost or only just back."""
+    """Arena without robots; None while the camera is lost or only just back."""
     last_s: float = -math.inf
     missed: int = 0
     """Frames of the other cameras since its last."""
@@ -73,7 +72,7 @@ class _View:
 
 
 class JoinedEye:
-    """Views of each camera, fused poses, and the picture of the whole arena."""
+    """Views of each camera, fused poses, and the whole arena's picture."""
 
     def __init__(
         self,
@@ -154,10 +153,7 @@ class JoinedEye:
             troubles=self._troubles(),
         )
 
-    # Available cameras.
-
     def _note_arrival(self, index: int, captured_s: float) -> None:
-        """Update which cameras are lost, after a picture of this one."""
         self._first_s = captured_s if self._first_s is None else self._first_s
         for other, view in enumerate(self._views):
             view.missed = 0 if other == index else view.missed + 1
@@ -194,8 +190,6 @@ class JoinedEye:
     def _live_now(self) -> tuple[bool, ...]:
         return tuple(one.background is not None for one in self._views)
 
-    # Changes.
-
     def _present(self, now_s: float) -> dict[int, RobotPose]:
         stale_s = self._joined.stale_s
         return {i: p for i, p in self._last_seen.items() if abs(now_s - p.captured_s) <= stale_s}
@@ -212,7 +206,7 @@ class JoinedEye:
         return change
 
     def _body_discs(self, index: int, now_s: float, now: Poses) -> FloatArray:
-        """Return the discs of all robots' bodies in this camera's picture."""
+        """Discs of all robots' bodies in this camera's picture."""
         calibration = self.plan.cameras[index]
         discs = [np.empty((0, 3))]
         for robot_id, pose in self._last_seen.items():
@@ -238,10 +232,8 @@ class JoinedEye:
             back = calibration.arena_from_image(pixel)
         return bool(np.hypot(*(back - place)[0]) < WITHIN_M)
 
-    # The scene.
-
     def _brought_up_to_date(self, index: int, change: Change | None) -> KnownScene:
-        """Return the present scene; only changes are fitted again, if that can be trusted."""
+        """Present scene; only changes are fitted again, if that can be trusted."""
         is_new = self._note_live()
         if is_new:
             self._parts = [CameraPart.of(self._owners, i) for i in range(len(self._live))]
@@ -312,8 +304,6 @@ class JoinedEye:
             apart_m = outlines_apart_m(self.plan, one, other, a, b)
             if apart_m is not None:
                 self._apart[one, other] = apart_m
-
-    # Reports.
 
     def _picture(self, captured_s: float) -> Frame:
         self._count += 1
