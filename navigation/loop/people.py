@@ -78,7 +78,7 @@ class People:
     def give(
         self, stations: tuple[Station, ...], robot: str | None = None, *, any_order: bool = False
     ) -> None:
-        """Give one robot a mission; ``MissionError`` if it cannot take it or does not fit there."""
+        """Give one robot a mission; ``MissionError`` if it cannot, or does not fit at a station."""
         one = self._one(robot)
         if self._daemon.lent is not None:
             raise MissionError(self._daemon.lent)
@@ -182,7 +182,7 @@ class People:
         return told | ({"trouble": zones.trouble} if zones.trouble else {})
 
     def preview(self, stations: tuple[Station, ...], robot: str | None = None) -> PlanAnswer:
-        """Plan through these stations; changes nothing."""
+        """Plan as if the robot were alone; changes nothing."""
         one = self._one(robot)
         pose = one.pose
         if pose is None:

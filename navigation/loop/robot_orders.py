@@ -14,7 +14,7 @@ from navigation.mission.cycle import Orders
 
 LEASE_EVERY_S: Final = 0.08
 STOP_GRACE_S: Final = 0.35
-"""For the last words on the wire."""
+"""Beyond lease and brakes, for the last words on the wire."""
 
 
 class RobotOrders:

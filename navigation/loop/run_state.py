@@ -56,7 +56,7 @@ class RobotSnapshot:
     evidence: Evidence = NO_EVIDENCE
     """Evidence of camera and wheels together."""
     trust: Level = Level.SURE
-    """In the robot's identity."""
+    """Trust in the robot's identity."""
     troubles: tuple[str, ...] = ()
     """Troubles that people must know of."""
 

@@ -22,7 +22,7 @@ def calibration_of(config: Config) -> Calibration:
 
 
 def floor_plan_of(config: Config) -> FloorPlan | None:
-    """Floor under several cameras, else None; ``CalibrationError`` if one sees no arena."""
+    """Floor under several cameras, else None; ``CalibrationError`` if one sees none of it."""
     cameras = each_camera(config)
     if not cameras:
         return None

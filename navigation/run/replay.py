@@ -1,7 +1,7 @@
 """Run vision and planner again on a recording and report differences.
 
 Rules
-- Pictures and requests go through the same parts, with the recorded configuration, calibration,
+- Pictures and requests go through a run's own parts, with the recorded configuration, calibration,
   zones, starts and stations.
 - A recording may hold fewer pictures than the run saw: a scene is found if the replay produces it
   while it was the newest, or within ``SCENE_LAG_S`` after.

@@ -32,7 +32,7 @@ class RunReport:
     duration_s: float
     robots: Mapping[str, Report]
     least_gap_m: float | None = None
-    """Between the bodies of two robots; below 0 they touched."""
+    """Between the two bodies that came nearest; below 0 they touched."""
     least_gap_between: tuple[str, str] | None = None
     min_clearance_m: float | None = None
     """Of the robot that came nearest to an obstacle, from its centre."""
@@ -54,7 +54,7 @@ class RunReport:
         return report
 
     def as_json(self) -> dict[str, Any]:
-        """Return JSON's types."""
+        """Return the report in JSON's types."""
         if "" in self.robots:
             return {**asdict(self.only), "zones": list(self.zones)}
         return {

@@ -107,7 +107,7 @@ class Runner:
         self._watchdog_s = watchdog_s
         self.interrupt_reason = "interrupted"
         self.desk: Desk | None = None
-        """The page's changes of the configuration; set before `run`."""
+        """Desk for the page's changes of the configuration; set before `run`."""
         self.waits = False
         """For orders, instead of driving the configured mission."""
         self.is_warming_up = False

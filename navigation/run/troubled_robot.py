@@ -102,7 +102,7 @@ class TroubledRobot:
     processor: ProcessorFaults
     troubles: RobotTroubles = field(default_factory=RobotTroubles)
     frozen: bool = False
-    """Its processor does nothing, and its wheels turn on."""
+    """Its processor does nothing, and its wheels keep turning."""
     off: bool = False
     """It has no power."""
 

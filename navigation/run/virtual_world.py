@@ -1,7 +1,7 @@
 """The running program's world in virtual time, without threads or waiting.
 
 Time passes only while the control loop waits for a frame: then bytes travel, robots drive and
-cameras take pictures. Frames, both ends of the wire and the drive model are the real ones.
+cameras take pictures. `LatestFrame`, both ends of the wire and the drive model are the real ones.
 `VirtualTimes` sets the time for computing, so a run is always the same. Metres, radians, seconds.
 """
 
