@@ -1,9 +1,8 @@
 """The socket without a file: its name, and the names of all daemons listening on this computer.
 
-It is the second path to a daemon, if its file is gone: an abstract socket lives while its process
-does, and cannot be removed. Its name has the user, a digest of the daemon's path, and random
-digits, so that it cannot be taken beforehand. Names are per network namespace: from inside a
-container without the host's network a daemon outside is not seen, nor the reverse.
+It reaches a daemon whose file is gone: an abstract socket lives while its process does, and cannot
+be removed. Random digits in its name keep it from being taken beforehand. Names are per network
+namespace: a container without the host's network and the host do not see each other's daemons.
 """
 
 from __future__ import annotations
@@ -19,7 +18,7 @@ from typing import Final
 
 LISTS_SOCKETS: Final = Path("/proc/net/unix")
 LISTENS: Final = 0x10000
-"""Among the flags of `LISTS_SOCKETS` (the kernel's ``__SO_ACCEPTCON``)."""
+"""The kernel's ``__SO_ACCEPTCON``."""
 _NAME: Final = re.compile(rb"@(clearway-(\d{1,10})-([0-9a-f]{16})-[0-9a-f]{16})")
 
 
@@ -38,12 +37,12 @@ class Abstract:
 
 
 def digest_of(path: Path) -> str:
-    """Digest of a path for a socket's name: equal for every spelling of the path."""
+    """Digest of a path, equal for every spelling of it."""
     return hashlib.sha256(os.fsencode(os.path.realpath(path))).hexdigest()[:16]
 
 
 def listen_without_a_file(path: Path, backlog: int) -> socket.socket:
-    """Listen under a new name for the daemon of ``path``."""
+    """Listen under a new name for ``path``."""
     one = socket.socket(socket.AF_UNIX, socket.SOCK_STREAM)
     try:
         one.bind(f"\0clearway-{os.geteuid()}-{digest_of(path)}-{secrets.token_hex(8)}")
@@ -56,7 +55,7 @@ def listen_without_a_file(path: Path, backlog: int) -> socket.socket:
 
 
 def all_listening() -> list[Abstract]:
-    """Every listening socket with such a name, of any user; OSError if none can be listed."""
+    """Every such listening socket, of any user; OSError if they cannot be listed."""
     found = []
     for line in LISTS_SOCKETS.read_bytes().splitlines():
         fields = line.split(None, 7)  # address, count, protocol, flags, type, state, inode, name

@@ -7,10 +7,9 @@ Rules
 - ``NoDaemonError`` means that certainly no daemon listens. Another user's process that has taken a
   name or a file is no daemon.
 - A whole order, answer included, has ``PATIENCE_S``.
-- A stop and a status may be repeated, so a crowded daemon is asked again; any other order is sent
-  once.
+- Only orders that may be repeated are sent again to a crowded daemon.
 
-Units: seconds.
+Seconds.
 """
 
 from __future__ import annotations
@@ -70,7 +69,6 @@ def send_order(path: Path | None, request: Mapping[str, Any]) -> dict[str, Any]:
 
 
 def _ask(address: str, who: str, request: Mapping[str, Any], until_s: float) -> dict[str, Any]:
-    """Answer of the daemon at one address; ``ControlError`` if it has none for us."""
     line = json.dumps(request).encode() + b"\n"
     while True:
         try:
@@ -95,7 +93,7 @@ def _ask(address: str, who: str, request: Mapping[str, Any], until_s: float) -> 
 
 
 def _found(file: Path, *, any_path: bool) -> list[Abstract]:
-    """Sockets without a file that may be daemons of this user, for root of any user."""
+    """Sockets without a file that may be daemons of this user; of any user for root."""
     try:
         everybody = all_listening()
     except OSError as error:
@@ -111,7 +109,6 @@ def _found(file: Path, *, any_path: bool) -> list[Abstract]:
 def _ask_all(
     found: Sequence[Abstract], request: Mapping[str, Any], until_s: float
 ) -> list[dict[str, Any]]:
-    """Answers of the daemons among them; only a stop is given to more than one."""
     if request.get("order") != "stop" and len(found) > 1:
         statuses = [one for one in _at_once(found, {"order": "status"}, until_s) if one is not None]
         if len(statuses) > 1:
@@ -123,7 +120,7 @@ def _ask_all(
 def _at_once(
     found: Sequence[Abstract], request: Mapping[str, Any], until_s: float
 ) -> list[dict[str, Any] | None]:
-    """Answer of each, None if it is no daemon; none waits for another."""
+    """Answers of all, None where there is no daemon; none waits for another."""
     if not found:
         return []
 
@@ -145,7 +142,6 @@ def _at_once(
 
 
 def _together(answers: Sequence[dict[str, Any]]) -> dict[str, Any]:
-    """One answer for several."""
     states = {str(one.get("state")) for one in answers}
     return {
         "schema": SCHEMA,

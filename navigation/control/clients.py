@@ -3,10 +3,9 @@
 Rules
 - A whole request has ``REQUEST_WITHIN_S``, however its bytes drip in.
 - If ``MOST_CLIENTS`` are connected, a new one replaces the one that has held back its request
-  longest: a client that sends a whole line at once is read before that.
-- Clients waiting for the answer to a stop leave last of all.
+  longest; clients waiting for the answer to a stop leave last.
 
-Units: seconds.
+Seconds.
 """
 
 from __future__ import annotations
@@ -42,7 +41,7 @@ class Client:
     data: bytearray = field(default_factory=bytearray)
 
     def read(self) -> bytes | None:
-        """Return the bytes once they are a whole line or the end; None while more is needed.
+        """Return a whole line or all to the end; None while more is needed.
 
         ``TooLongError`` if it is too long; OSError if the client is gone.
         """
@@ -65,7 +64,7 @@ class Client:
         self.socket.close()
 
     def late(self, now_s: float) -> str | None:
-        """Reason to give it up; None while it is in time."""
+        """Reason to give it up, if any."""
         if self.job is None and now_s - self.came_s > REQUEST_WITHIN_S:
             return f"no request came within {REQUEST_WITHIN_S:g} s"
         if self.job is not None and now_s - self.job.came_s > ANSWER_WITHIN_S:
@@ -74,7 +73,7 @@ class Client:
 
 
 def who_makes_room(clients: list[Client]) -> Client:
-    """Client whose place is given to another."""
+    """Client that is dropped for a new one."""
     return min(
         clients,
         key=lambda one: (one.job is not None, one.job is not None and one.job.is_stop, one.came_s),
@@ -82,7 +81,6 @@ def who_makes_room(clients: list[Client]) -> Client:
 
 
 def _without_infinities(value: Any) -> Any:
-    """Value for JSON: infinities and NaN become null."""
     if isinstance(value, float) and not math.isfinite(value):
         return None
     if isinstance(value, Mapping):

@@ -1,7 +1,4 @@
-"""One request to a local socket and its answer, from a process that may be this user's daemon.
-
-Units: seconds.
-"""
+"""One request to a local socket and its answer, from a process that may be this user's daemon."""
 
 from __future__ import annotations
 
@@ -16,7 +13,7 @@ MOST_ANSWER_BYTES: Final = 1_000_000
 
 
 class CrowdedError(OSError):
-    """Error: the daemon had no place for us just now; nothing was sent."""
+    """Error: the daemon had no place for us; nothing was sent."""
 
 
 class NobodyError(OSError):
@@ -24,7 +21,7 @@ class NobodyError(OSError):
 
 
 def exchange(address: str, line: bytes, until_s: float) -> bytes:
-    """Answer to a line; `CrowdedError`, `NobodyError` or another OSError without one."""
+    """Answer to a line; `CrowdedError`, `NobodyError`, another OSError, or OutsideError."""
     with socket.socket(socket.AF_UNIX, socket.SOCK_STREAM) as client:
         client.settimeout(_left_s(until_s))
         _connect(client, address)

@@ -1,7 +1,4 @@
-"""A thread that carries out all waiting orders at once, and returns their answers.
-
-Stops have a thread of their own: they wait for no other order. Seconds of the given clock.
-"""
+"""A thread that carries out all waiting orders at once. Seconds of the given clock."""
 
 from __future__ import annotations
 

@@ -1,7 +1,7 @@
 """The process at the other end of a local socket, named by the kernel, and its rights.
 
-An abstract socket has no file and so no permissions: anyone in the same network namespace may bind
-its name or connect to it. The kernel's word on the other end cannot be forged.
+An abstract socket has no permissions: anyone in the same network namespace may bind its name or
+connect to it. The kernel's word on the other end cannot be forged.
 """
 
 from __future__ import annotations
@@ -25,7 +25,7 @@ class Peer:
 
     @property
     def has_ended(self) -> bool:
-        """True if no such process runs: anything bound in its name is a leftover."""
+        """True if no such process runs: its socket is a leftover."""
         if self.pid <= 0:
             return False
         try:
@@ -45,10 +45,10 @@ def peer_of(connected: socket.socket) -> Peer:
 
 
 def may_order(peer: Peer) -> bool:
-    """True if a daemon of this user takes its orders: those of its own user and root."""
+    """True if a daemon of this user takes its orders: its own user's and root's."""
     return peer.uid in (ROOT, os.geteuid())
 
 
 def may_answer(peer: Peer) -> bool:
-    """True if it may be this user's daemon: its own or root's; for root anybody's."""
+    """True if it may be this user's daemon: its own or root's; for root anyone's."""
     return peer.uid in (ROOT, os.geteuid()) or os.geteuid() == ROOT

@@ -1,13 +1,12 @@
 """The sockets that a daemon listens at: its file, and one without a file.
 
 Rules
-- The file is watched: if it or its folder was removed, so that it is not this daemon's own socket,
-  it is made again; until that succeeds, one in the temporary folder replaces it. `trouble` says so.
+- If the file or its folder was removed, it is made again; until that succeeds, one in the temporary
+  folder replaces it.
 - The socket without a file is always there.
-- Two daemons never share a file: one that answers is left alone, one that does not is a leftover
-  and is replaced.
+- Two daemons never share a file: one that answers is left alone, a leftover is replaced.
 
-Units: seconds.
+Seconds.
 """
 
 from __future__ import annotations
@@ -30,20 +29,17 @@ from navigation.orders.errors import ControlError
 BACKLOG: Final = 512
 PROBE_S: Final = 2.0
 LOOK_EVERY_S: Final = 0.25
-"""A removed socket is noticed within this time and one turn of the server's thread."""
+"""A removed socket is noticed within this time and one turn of the server."""
 
 
 @dataclass(frozen=True, slots=True)
 class _Bound:
-    """A socket at a path, and its file."""
-
     path: Path
     socket: socket.socket
     file: tuple[int, int]
 
     @property
     def is_there(self) -> bool:
-        """True if the file at the path is still this socket."""
         try:
             found = self.path.lstat()
         except OSError:
@@ -54,8 +50,8 @@ class _Bound:
 class OrderSocket:
     """Listens at ``path`` and without a file, from `open` on.
 
-    ``watch`` is called with each socket that `look` makes, ``unwatch`` before one is closed, and
-    ``release`` if no descriptor is left: True if it gave one back.
+    ``watch`` gets each socket that `look` makes, ``unwatch`` one before it is closed; ``release``
+    gives back a descriptor if none is left, and is True if it could.
     """
 
     def __init__(
@@ -71,9 +67,9 @@ class OrderSocket:
         self._abstract: socket.socket | None = None
         self._look_at_s = 0.0
         self.trouble = ""
-        """Why orders cannot come where they should, and where they can; empty: they can."""
+        """Why orders cannot come to the path, and where they can; empty if they can."""
         self.news: queue.SimpleQueue[str] = queue.SimpleQueue()
-        """Sentences for a person: a socket that was made again."""
+        """Sentences for people."""
 
     def open(self) -> None:
         """Begin to listen; ``ControlError`` if that fails."""
@@ -91,7 +87,7 @@ class OrderSocket:
         return [one for one in (bound, self._abstract) if one is not None]
 
     def look(self, now_s: float) -> None:
-        """Make a missing file again; call a few times a second, cheap if it is there."""
+        """Make a missing file again; call it a few times a second."""
         if now_s < self._look_at_s:
             return
         self._look_at_s = now_s + LOOK_EVERY_S
@@ -107,13 +103,12 @@ class OrderSocket:
         self.trouble = ""
 
     def close(self) -> None:
-        """Stop listening and remove the file, if it is still this daemon's."""
+        """Stop listening and remove the file, if still this daemon's."""
         self._leave()
         if self._abstract is not None:
             self._abstract.close()
 
     def _stand_in(self, other: Path, reason: str) -> None:
-        """Listen at another file, or at none."""
         where = f"orders work at {other}"
         if not self._is_at(other):
             try:
@@ -153,7 +148,7 @@ class OrderSocket:
 
 
 def in_its_place(path: Path) -> Path:
-    """File in the temporary folder that replaces ``path``, this process's own."""
+    """File in the temporary folder that replaces ``path``."""
     folder = Path(tempfile.gettempdir()) / f"clearway-{os.getuid()}"
     return folder / f"{path.name[:40]}.{os.getpid()}"
 

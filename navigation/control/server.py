@@ -2,14 +2,11 @@
 
 Rules
 - The thread never waits: all clients are read as their bytes come, orders are carried out in their
-  own threads (`order_thread`), and a slow client makes way (`clients`).
+  own threads, and a slow client makes way.
 - If no descriptor is left, one of those held back lets the next client in.
-- The thread is watched like every other stage: `turns` grows while it works, `failure` gives the
-  error that ended it, `restart` starts it again on the same socket.
-- Its sockets are checked several times a second (`places`). Clients must be of this daemon's user,
-  or root (`peers`): others are hung up on unread.
+- Clients must be of this daemon's user, or root: others are hung up on unread.
 
-Units: seconds.
+Seconds.
 """
 
 from __future__ import annotations
@@ -43,9 +40,9 @@ SPARE: Final = 4
 IDLE_S: Final = 0.2
 BUSY_S: Final = 0.02
 STOP_ANSWER_S: Final = 0.2
-"""A stop that was carried out is confirmed by then, whether the control loop has acted or not."""
+"""An executed stop is confirmed by then, whether the control loop has acted or not."""
 STUCK_S: Final = 5.0
-"""An order takes milliseconds; a thread that is at one for longer hangs."""
+"""An order takes milliseconds: a thread at one for longer hangs."""
 STOP_SENT: Final = {
     "ok": True,
     "state": STOPPING,
@@ -54,14 +51,14 @@ STOP_SENT: Final = {
 
 
 class ControlServer:
-    """Listens at ``path``, and without a file, in a thread of its own; a context manager."""
+    """Listens at ``path``, and without a file, in a thread; a context manager."""
 
     def __init__(
         self, path: Path, people: People, *, clock: Callable[[], float] = time.monotonic
     ) -> None:
         self.path = path
         self.refused = 0
-        """Number of requests that were malformed or refused."""
+        """Number of malformed or refused requests."""
         self.turns = 0
         """Grows while the thread works, and the orders' threads do not hang."""
         self._people, self._clock = people, clock
@@ -69,8 +66,6 @@ class ControlServer:
         self._clients: list[Client] = []
         self._crash: BaseException | None = None
         self._stopping = threading.Event()
-
-    # Life.
 
     def __enter__(self) -> ControlServer:
         self._places.open()
@@ -103,11 +98,11 @@ class ControlServer:
 
     @property
     def trouble(self) -> str:
-        """Reason why orders cannot come to their place, and where they can; empty if they can."""
+        """Reason why orders cannot come to ``path``, if they cannot."""
         return self._places.trouble
 
     def news(self) -> list[str]:
-        """News for people, each once: a socket that was removed and made again."""
+        """News for people, each once."""
         found = []
         with contextlib.suppress(queue.Empty):
             while True:
@@ -115,7 +110,7 @@ class ControlServer:
         return found
 
     def failure(self) -> str | None:
-        """Error that ended the thread, in words; None while it runs."""
+        """Error that ended the thread, in words."""
         return None if self._crash is None else in_words(self._crash)
 
     def restart(self) -> None:
@@ -132,8 +127,6 @@ class ControlServer:
         # a full pipe wakes the thread too, and a closed one has none to wake
         with contextlib.suppress(OSError):
             self._wake_in.send(b"!")
-
-    # The thread.
 
     def _run(self) -> None:
         try:
@@ -191,7 +184,6 @@ class ControlServer:
             self._read(client)  # most have sent their line before they are let in
 
     def _make_room(self) -> bool:
-        """Free a descriptor for the next client: a reserve, else another client's."""
         if self._spare.release():
             return True
         if self._clients:
@@ -253,12 +245,10 @@ class ControlServer:
 
 
 def _is_due(job: Job, now_s: float) -> bool:
-    """True if an executed stop has waited long enough for the control loop."""
     if not job.is_stop or now_s - job.came_s < STOP_ANSWER_S:
         return False
     return job.answer is not None and bool(job.answer["ok"])
 
 
 def _trouble_of(job: Job) -> dict[str, Any]:
-    """The part of a stop's answer that says it is not on the disk; empty if it is."""
     return {key: said for key, said in (job.answer or {}).items() if key == "trouble"}

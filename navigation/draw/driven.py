@@ -23,7 +23,7 @@ PLAN_DASH: Final = (3.0, 5.0)
 class DrawnRobot:
     """One of several robots, with its track (n, 3) of x, y, heading_rad; a row of NaN breaks it.
 
-    ``goals`` (x, y) are the stations of its last mission, ``plan`` (n, 2) its last planned path.
+    ``goals`` (x, y) are of its last mission, ``plan`` (n, 2) is its last planned path.
     """
 
     name: str
@@ -39,7 +39,7 @@ def colour_of(number: int) -> Colour:
 
 
 def plan_shapes(robots: Sequence[DrawnRobot], screen: Screen) -> Iterator[Shape]:
-    """Draw each last plan dashed; a track that follows it covers it."""
+    """Draw each last plan dashed."""
     for number, robot in enumerate(robots):
         if len(robot.plan) > 1:
             line = (screen.points(robot.plan),)

@@ -1,4 +1,4 @@
-"""The layers of a picture, bottom up: obstacles, zones, roadmap, path, track, places."""
+"""The layers of a picture, bottom up."""
 
 from __future__ import annotations
 
@@ -56,20 +56,17 @@ if TYPE_CHECKING:
     from planner.roadmap.roadmap import Roadmap
 
 FLATNESS_PX = 0.2
-"""Largest distance of the roadmap's drawn curves from where they are."""
+"""Largest error of the roadmap's drawn curves."""
 COLOUR_STEP_PX = 5.0
-"""Along an edge the colour follows the clearance this often."""
+"""Distance along an edge at which the colour follows the clearance."""
 
 CROP_BELOW = 0.5
-"""A picture shows a part of the scene only where that is less than this share of it."""
+"""Largest share of the scene that a picture of a part shows."""
 
 
 @dataclass(frozen=True, slots=True)
 class OtherRobot:
-    """Another robot as seen, at the end of its track (n, 3) of x, y, heading_rad.
-
-    A row of NaN breaks the line.
-    """
+    """Another robot at the end of its track (n, 3) of x, y, heading_rad; NaN breaks the line."""
 
     name: str
     radius: float
@@ -95,7 +92,7 @@ class Content:
 
     @property
     def found(self) -> Path | None:
-        """The path, if there is one."""
+        """The path, if any."""
         return self.path if isinstance(self.path, Path) else None
 
     @property
@@ -106,16 +103,14 @@ class Content:
         return self.roadmap.radius if self.roadmap else None
 
     def clearance_span(self) -> tuple[float, float] | None:
-        """Least and largest clearance on the roadmap: the ends of the colour ramp."""
+        """Ends of the colour ramp: least and largest clearance on the roadmap."""
         if self.curves is None:
             return None
         low = self.curves.narrowest
         return low, max(float(self.curves.clearances.max()), low)
 
     def window(self) -> Bounds:
-        """Part of the scene to show: all of it, or the reachable part with a rim if that is less
-        than half, as on a map with much unknown ground.
-        """
+        """Part of the scene to show: all of it, or a small reachable part with a rim."""
         whole = self.scene.bounds
         if self.roadmap is None or self.curves is None:
             return whole
@@ -236,9 +231,7 @@ def _roadmap(content: Content, screen: Screen) -> Iterator[Shape]:
 
 
 def _densely(curves: Curves, step: float) -> tuple[FloatArray, FloatArray, NDArray[np.bool_]]:
-    """Points at most ``step`` apart with interpolated clearances, and a mask of the last point of
-    each line.
-    """
+    """Points at most ``step`` apart, their clearances, and a mask of each line's last point."""
     last = np.zeros(len(curves.points), dtype=np.bool_)
     last[curves.first[1:] - 1] = True
     ahead = np.minimum(np.arange(len(last)) + 1, len(last) - 1)

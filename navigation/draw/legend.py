@@ -1,4 +1,4 @@
-"""The legend beside the plot: the meaning and figures of each mark, and a scale."""
+"""The legend beside the plot, and a scale."""
 
 from __future__ import annotations
 
@@ -40,9 +40,9 @@ from planner.shared.figures import at_most, sized
 
 LEGEND_WIDTH = 236
 ROW = 26.0
-"""Pixels from one row to the next."""
+"""Pixels between rows."""
 _TEXT = 40.0
-"""From the legend's left side to its words."""
+"""Left side of the words."""
 
 
 def legend(content: Content, screen: Screen, left: float, top: float, bottom: float) -> Layer:
@@ -78,7 +78,6 @@ def wrapped(text: str, width: int) -> list[str]:
 
 
 def _rows(content: Content, left: float, first_y: float) -> Iterator[tuple[list[Shape], str]]:
-    """Yield the rows' marks and words, from ``first_y`` down, one every ``ROW`` pixels."""
     units = content.scene.units
     y = first_y
     found = content.found

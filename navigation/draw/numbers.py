@@ -1,8 +1,7 @@
 """Labels with the obstacles' numbers, which messages use, and the costs of the alternatives.
 
-Rules and units
-- A number is inside its obstacle if it fits, else beside it; among very many obstacles, numbers
-  that do not fit inside are left out.
+- A number is inside its obstacle if it fits, else beside it; among very many obstacles, those that
+  do not fit are left out.
 - Widths of text are estimates, in screen pixels: SVG and PNG have different fonts.
 """
 
@@ -23,20 +22,17 @@ from planner.shared.figures import sized
 SIZE = 12.0
 DIGIT_WIDTH = 8.0
 MOST_BESIDE = 150
-"""Most obstacles whose numbers are also drawn beside them, where these do not fit inside."""
+"""Most obstacles whose numbers are also drawn beside them."""
 ROWS = (0.5, 0.4, 0.6, 0.3, 0.7, 0.2, 0.8, 0.1, 0.9)
-"""Heights at which an obstacle's widest place is looked for, as shares of its own."""
+"""Heights at which the widest place is sought, as shares of an obstacle's."""
 LOOKED_AT = 64
-"""Places along an alternative, of which the one farthest from all others bears its cost."""
+"""Places along an alternative; the farthest from all others bears its cost."""
 
 
 def obstacle_labels(
     borders: list[list[FloatArray]], texts: list[str], screen: Screen, inside: Colour
 ) -> Iterator[Label]:
-    """Label each obstacle, given its closed borders (n, 2) in screen pixels, or its points.
-
-    ``inside`` is the colour of labels inside their obstacles.
-    """
+    """Label each obstacle, given its closed borders (n, 2) or its points, in screen pixels."""
     low, high = screen.frame.min(axis=0), screen.frame.max(axis=0)
     crowded = len(borders) > MOST_BESIDE
     for rings, text in zip(borders, texts, strict=True):
@@ -60,7 +56,7 @@ def obstacle_labels(
 
 
 def _holds(sides: FloatArray, places: FloatArray) -> NDArray[np.bool_]:
-    """Mask of the places (m, 2) inside borders of the sides (n, 2, 2), by even-odd."""
+    """Mask of the places (m, 2) inside the sides (n, 2, 2), by even-odd."""
     (x0, y0), (x1, y1) = sides[:, 0].T, sides[:, 1].T
     x, y = places[:, 0, None], places[:, 1, None]
     cut = (y0 <= y) != (y1 <= y)
@@ -69,10 +65,7 @@ def _holds(sides: FloatArray, places: FloatArray) -> NDArray[np.bool_]:
 
 
 def _widest_row(sides: FloatArray) -> tuple[float, float]:
-    """Middle of the widest horizontal stretch inside borders of the sides (n, 2, 2).
-
-    Among stretches of about the same width, the one nearest to the middle wins.
-    """
+    """Middle of the widest horizontal stretch inside borders, preferably at mid-height."""
     (x0, y0), (x1, y1) = sides[:, 0].T, sides[:, 1].T
     top, bottom = float(y0.min()), float(y0.max())
     best, most = (float(x0.mean()), float(y0.mean())), 0.0
@@ -87,7 +80,7 @@ def _widest_row(sides: FloatArray) -> tuple[float, float]:
 
 
 def costs(path: Path, units: str, screen: Screen) -> Iterator[Label]:
-    """Label each alternative with its cost, farthest from the path and from the others."""
+    """Label each alternative with its cost, far from other lines."""
     lines = [screen.points(path.points), *(screen.points(p.points) for p in path.alternatives)]
     taken: list[FloatArray] = []
     for number, other in enumerate(path.alternatives, start=1):

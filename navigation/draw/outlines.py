@@ -18,11 +18,11 @@ from planner.scene import (
 )
 
 ARC_STEP_RAD: Final = math.radians(3.0)
-"""Largest angle between two points of an arc: chosen, a circle looks round."""
+"""Chosen: a circle looks round."""
 
 
 def ring_points(records: tuple[Record, ...], y_down: bool) -> Iterator[FloatArray]:
-    """Yield the closed borders among the records as (n, 2) rings in the scene's units."""
+    """Yield the closed borders among the records as (n, 2) rings."""
     for record in records:
         if isinstance(record, PolygonRecord | CircleRecord):
             yield chain_points(record, y_down)

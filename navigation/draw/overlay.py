@@ -1,10 +1,7 @@
 """The records of a scene, drawn over the picture they were found in.
 
-Rules and units
-- The scene is in pixels. The picture is enlarged to show half a pixel, in lower contrast so that
-  the lines stand out.
-- Colours as in the other pictures (``shapes.py``): segments crimson, arcs violet, circles green,
-  corners dots of ink. Every obstacle bears its number and its outline's letters.
+The scene is in pixels. The picture is enlarged, in lower contrast so that the lines stand out.
+Segments are crimson, arcs violet, circles green, corners dots of ink.
 """
 
 from __future__ import annotations
@@ -54,7 +51,7 @@ from planner.scene import (
 
 SEGMENT, ARC, CIRCLE, CORNER = BOTTLENECK, TRACK, PATH, INK
 LARGEST_PX, MOST_SCALE = 1920, 4
-"""Width or height that an enlarged picture stays below, and how much it is enlarged at most."""
+"""Width or height that an enlarged picture stays below, and its largest enlargement."""
 MARGIN, LEAST_HEIGHT = 24, 380
 LETTERS: dict[type[Record], tuple[str, str, str]] = {
     PointRecord: ("P", "point", "points"),
@@ -66,7 +63,7 @@ LETTERS: dict[type[Record], tuple[str, str, str]] = {
 
 
 def overlay_drawing(image: NDArray[Any], scene: Scene, title: str = "Clearway") -> Drawing:
-    """Draw every record over the enlarged, pale picture, with labels and a legend."""
+    """Draw every record over the enlarged, pale picture."""
     rows, columns = image.shape[:2]
     scale = max(1, min(MOST_SCALE, LARGEST_PX // max(rows, columns)))
     screen = Screen(scene.bounds, True, float(scale), MARGIN, MARGIN)

@@ -1,10 +1,9 @@
-"""Pictures of a scene, its roadmap and path, as SVG or PNG, in one visual language.
+"""Pictures of a scene, its roadmap and path, as SVG or PNG.
 
 Obstacles are dark on a light floor; zones are tinted and patterned. The roadmap's colour goes from
 warm (tight) to cool (wide). The path is green with the corridor that the robot sweeps; replaced
 plans are pale green as far as they were driven. Waypoints are dots; the driven track is violet,
-other robots and their tracks pale violet. A red measure crosses the narrowest place. A legend and a
-scale follow. Both formats use the same shapes (``shapes.py``).
+other robots pale violet. A red circle marks the narrowest place.
 """
 
 from __future__ import annotations
@@ -31,15 +30,15 @@ if TYPE_CHECKING:
     from planner.roadmap.roadmap import Roadmap
 
 PLOT_WIDTH, PLOT_HEIGHT = 1000, 760
-"""Pixels that the scene may take."""
+"""Most pixels of the scene."""
 LEAST_HEIGHT = 420
-"""So that the legend has room."""
+"""Room for the legend."""
 MARGIN = 24
 PIXEL_SUFFIXES = (".png", ".jpg", ".jpeg", ".webp", ".tif", ".tiff", ".bmp")
 
 
 class DrawError(ValueError):
-    """A picture cannot be written; the message says why."""
+    """A picture cannot be written."""
 
 
 class PictureOptions(TypedDict, total=False):
@@ -47,12 +46,12 @@ class PictureOptions(TypedDict, total=False):
 
     trajectory: Trajectory | None
     track: ArrayLike | None
-    """(n, 2): where the robot drove, in the scene's units; a row of NaN where the line breaks."""
+    """(n, 2) in the scene's units; a row of NaN where the line breaks."""
     earlier: Sequence[ArrayLike]
-    """The driven stretches (n, 2) of plans that the path replaced."""
+    """Driven stretches (n, 2) of replaced plans."""
     others: Sequence[OtherRobot]
     driven: Sequence[DrawnRobot]
-    """Several robots, each with its track in its own colour."""
+    """Several robots in their own colours."""
     stations: Sequence[Sequence[float]]
     """(x, y) or (x, y, heading_rad) each: start, vias, goal."""
     title: str
@@ -90,12 +89,12 @@ def save_picture(
     path: Path | NoPath | None = None,
     **shown: Unpack[PictureOptions],
 ) -> None:
-    """Write the picture as ``.svg`` or ``.png``; :class:`DrawError` if that fails."""
+    """Write a picture; :class:`DrawError` if that fails."""
     save_drawing(file, _drawing(scene, roadmap, path, shown))
 
 
 def save_drawing(file: str | os.PathLike[str], drawing: Drawing) -> None:
-    """Write a drawing as ``.svg`` or as pixels; :class:`DrawError` if that fails."""
+    """Write ``.svg`` or pixels; :class:`DrawError` if that fails."""
     target = FilePath(file)
     suffix = target.suffix.lower()
     if suffix == ".svg":

@@ -1,4 +1,4 @@
-"""A drawing as pixels with OpenCV: drawn at twice the size, then scaled down for smooth edges."""
+"""A drawing as pixels with OpenCV, made smooth by drawing it at twice the size."""
 
 from __future__ import annotations
 
@@ -27,10 +27,10 @@ Canvas: TypeAlias = NDArray[Any]
 
 SUPERSAMPLING = 2
 _SHIFT = 4
-"""Fractional bits of OpenCV's coordinates."""
+"""Fractional bits of coordinates."""
 _FONT = cv2.FONT_HERSHEY_SIMPLEX
 _FONT_HEIGHT = 22.0
-"""Pixels of a capital letter of the font at scale 1."""
+"""Pixels of a capital letter at scale 1."""
 
 
 def to_pixels(drawing: Drawing) -> NDArray[np.uint8]:

@@ -1,7 +1,6 @@
 """The flat shapes of pictures, in screen pixels, and their shared colours.
 
-A picture is drawn once, as a list of shapes; ``svg.py`` and ``png.py`` write it down. Screen
-pixels: x right, y down, (0, 0) is the picture's upper left corner.
+x is right, y down; (0, 0) is the picture's upper left corner.
 """
 
 from __future__ import annotations
@@ -45,10 +44,9 @@ ROBOTS: tuple[Colour, ...] = (
     (0, 0, 72),
     (46, 0, 24),
 )
-"""Colours of several robots, in the order of the configuration, and again from the ninth on: every
-robot has its number and name, too. White on each has a contrast of 4.5 at least, and any two differ
-by 28 (CIE 1976) for people who lack one kind of cones as for others: found by search, and tested
-(`test_palette.py`)."""
+"""Colours of several robots, repeated from the ninth on: names and numbers differ too. White on
+each has a contrast of 4.5 at least, and any two differ by 28 (CIE 1976), also for people who lack
+one kind of cones: found by search, and tested."""
 
 CLEARANCE_RAMP: tuple[Colour, ...] = (
     (202, 40, 36),
@@ -58,7 +56,7 @@ CLEARANCE_RAMP: tuple[Colour, ...] = (
     (44, 128, 184),
     (30, 66, 140),
 )
-"""From tight, warm, to wide, cool; brightness distinguishes them too."""
+"""From tight to wide; brightness distinguishes them too."""
 RAMP_STEPS = 24
 
 
@@ -74,7 +72,7 @@ class Area:
 
 @dataclass(frozen=True, slots=True)
 class Strokes:
-    """Open polylines, (n, 2) each, of one colour and width; ``dash`` is on and off in pixels."""
+    """Open polylines (n, 2); ``dash`` is on and off in pixels."""
 
     lines: tuple[FloatArray, ...]
     colour: Colour
@@ -98,7 +96,7 @@ class DiscShape:
 
 @dataclass(frozen=True, slots=True)
 class Label:
-    """A line of text; (x, y) is the left end, middle or right end of its base line."""
+    """A line of text; (x, y) is the ``anchor`` of its base line."""
 
     x: float
     y: float
@@ -112,7 +110,7 @@ class Label:
 
 @dataclass(frozen=True, slots=True)
 class Photo:
-    """Pixels (h, w, 3) uint8, BGR, over the rectangle from (x, y); each stays a sharp square."""
+    """Pixels (h, w, 3) uint8, BGR, over the rectangle from (x, y); each is a sharp square."""
 
     pixels: NDArray[np.uint8]
     x: float
@@ -127,10 +125,7 @@ Shape: TypeAlias = Area | Strokes | DiscShape | Label | Photo
 
 @dataclass(frozen=True, slots=True)
 class Layer:
-    """A named group of shapes; the SVG keeps the name.
-
-    ``clipped``: nothing shows outside the drawing's ``view``.
-    """
+    """A named group of shapes; ``clipped`` to the drawing's ``view``."""
 
     name: str
     shapes: tuple[Shape, ...]
@@ -139,10 +134,7 @@ class Layer:
 
 @dataclass(frozen=True, slots=True)
 class Drawing:
-    """A whole picture: its size in pixels and its layers, bottom up.
-
-    ``view`` is the plot's rectangle: left, top, right, bottom.
-    """
+    """A whole picture: size in pixels, layers bottom up, ``view`` left, top, right, bottom."""
 
     width: int
     height: int
@@ -153,7 +145,7 @@ class Drawing:
 
 @dataclass(frozen=True, slots=True)
 class Screen:
-    """Position of the scene on the page: a window of ``bounds`` at ``scale`` pixels a unit."""
+    """Window of the scene on the page, at ``scale`` pixels a unit."""
 
     bounds: Bounds
     y_down: bool
@@ -175,7 +167,7 @@ class Screen:
         return np.stack([x, self.top + down * self.scale], axis=1)
 
     def heading(self, heading_rad: float) -> float:
-        """Heading as an angle on the screen, clockwise from the right."""
+        """Angle on the screen, clockwise from the right."""
         return heading_rad if self.y_down else -heading_rad
 
 

@@ -1,4 +1,4 @@
-"""A drawing as SVG text: one group per layer, two decimals, no script, no outside resources."""
+"""A drawing as SVG text: two decimals, no script, no outside resources."""
 
 from __future__ import annotations
 

@@ -4,8 +4,6 @@
   differ without colour. Slow is amber, with its speed.
 - A one-way zone has arrows along its line, a lane a dashed line in its middle.
 - A band is drawn as one area, however its pieces overlap.
-
-Units are those of the screen, except the zones' own.
 """
 
 from __future__ import annotations
@@ -34,16 +32,16 @@ COLOURS: Final[dict[ZoneKind, Colour]] = {
     "lane": (24, 128, 60),
     "wait": (44, 84, 196),
 }
-"""By kind, on the page too; chosen, dark enough for words on the floor's colour: tested."""
+"""On the page too; chosen, dark enough for words on the floor's colour: tested."""
 FILL: Final = 0.13
-"""Opacity of an area: chosen, so that roadmap and paths show through."""
+"""Chosen, so that roadmap and paths show through."""
 EDGE: Final = 1.6
 EDGE_STEP: Final = 0.02
-"""Distance of the points of a band's edge, in its widths: indifferent, gaps at bends are less."""
+"""Distance of a band edge's points, in its widths: indifferent, gaps at bends are less."""
 SAG: Final = 1e-3
 """Depth of the chords of an arc's points, in the arc's diameters: derived, 1.7e-4 of 3 degrees."""
 HATCH: Final[dict[ZoneKind, tuple[float, float]]] = {"keep_out": (9.0, 45.0), "wait": (15.0, -45.0)}
-"""Distance of the hatching's lines, and their angle in degrees."""
+"""Distance of the lines, and their angle in degrees."""
 ARROW_EVERY: Final = 46.0
 ARROW: Final = 7.0
 """Length of an arrow's barbs; shorter in a narrow band."""
@@ -51,7 +49,7 @@ LANE_DASH: Final = (9.0, 7.0)
 
 
 def zone_shapes(zones: Sequence[Zone], screen: Screen) -> Iterator[Shape]:
-    """Draw all zones, the areas of all of them first."""
+    """Draw all zones, their areas first."""
     for zone in zones:
         yield from _area(zone, screen)
     for zone in zones:
@@ -74,7 +72,7 @@ def zone_names(zones: Sequence[Zone], screen: Screen, units: str) -> Iterator[Sh
 
 
 def zone_kinds(zones: Sequence[Zone]) -> list[tuple[ZoneKind, str]]:
-    """Return the kinds that are there, with their count in words for the legend."""
+    """Return the kinds of zones, with their count in words for the legend."""
     counts = {kind: sum(zone.kind == kind for zone in zones) for kind in KIND_NAMES}
     return [
         (kind, f"{KIND_NAMES[kind]}{'s' * (count > 1)} ({count})")
@@ -84,7 +82,7 @@ def zone_kinds(zones: Sequence[Zone]) -> list[tuple[ZoneKind, str]]:
 
 
 def zone_mark(kind: ZoneKind, left: float, y: float) -> list[Shape]:
-    """Draw a kind's mark for a row of the legend, 28 pixels wide."""
+    """Draw a kind's mark for the legend, 28 pixels wide."""
     colour = COLOURS[kind]
     x0, x1, y0, y1 = left + 2.0, left + 30.0, y - 7.0, y + 7.0
     box = np.array([(x0, y0), (x1, y0), (x1, y1), (x0, y1)])
@@ -140,7 +138,7 @@ def _pattern(zone: Zone, screen: Screen) -> Iterator[Shape]:
 
 
 def _rings(zone: Zone, screen: Screen) -> list[FloatArray]:
-    """Closed outlines (n, 2) on the screen; of a band one for each piece."""
+    """Closed outlines (n, 2) on the screen, one for each piece of a band."""
     return [
         screen.points(ring)
         for one in zone.area.outlines(y_down=screen.y_down)
@@ -150,7 +148,7 @@ def _rings(zone: Zone, screen: Screen) -> list[FloatArray]:
 
 
 def _band_edges(band: BandArea, screen: Screen) -> Iterator[FloatArray]:
-    """Parts (k, 2) of the pieces' outlines that lie inside no other piece, on the screen."""
+    """Yield the parts (k, 2) of the pieces' outlines that are in no other piece."""
     pieces = list(pairwise(np.array(band.line)))
     for number, outline in enumerate(band.outlines(y_down=screen.y_down)):
         ring = _densely(chain_points(outline.records[0], screen.y_down), EDGE_STEP * band.width)
@@ -166,7 +164,6 @@ def _band_edges(band: BandArea, screen: Screen) -> Iterator[FloatArray]:
 
 
 def _densely(ring: FloatArray, step: float) -> FloatArray:
-    """Return a closed line through a ring's points, at most ``step`` apart."""
     line = np.vstack([ring, ring[:1]])
     lengths = arc_lengths(line)
     at = np.union1d(lengths, np.arange(0.0, lengths[-1], step))
@@ -181,7 +178,7 @@ def _distances(places: FloatArray, a: FloatArray, b: FloatArray) -> FloatArray:
 
 
 def _hatching(rings: Sequence[FloatArray], distance: float, angle_deg: float) -> list[FloatArray]:
-    """Parallel lines (2, 2) inside closed rings, by even-odd; the same for rings side by side."""
+    """Parallel lines (2, 2) inside closed rings, by even-odd; they continue from ring to ring."""
     if not rings:
         return []
     c, s = math.cos(math.radians(angle_deg)), math.sin(math.radians(angle_deg))
@@ -201,7 +198,6 @@ def _hatching(rings: Sequence[FloatArray], distance: float, angle_deg: float) ->
 
 
 def _arrows(line: FloatArray, size: float) -> Iterator[FloatArray]:
-    """Barbs along a line, in its direction."""
     lengths = arc_lengths(line)
     count = max(1, int(lengths[-1] / ARROW_EVERY))
     for k in range(count):
@@ -211,6 +207,6 @@ def _arrows(line: FloatArray, size: float) -> Iterator[FloatArray]:
 
 
 def _barb(x: float, y: float, angle: float, size: float) -> FloatArray:
-    """Two strokes that meet at (x, y) like a greater-than sign along an angle on the screen."""
+    """Two strokes that meet at (x, y) like a greater-than sign."""
     ends = [(x - size * math.cos(angle + t), y - size * math.sin(angle + t)) for t in (-0.7, 0.7)]
     return np.array([ends[0], (x, y), ends[1]])

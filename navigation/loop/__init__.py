@@ -3,10 +3,9 @@
 - `daemon` runs a cycle: `seeing/` gives poses and scene, `planning` a path, `traffic/` says how
   far each robot may drive along it, `robot` decides with its pilot, and `robot_orders` puts the
   decision on the link.
-- `people` and `stopping` take the orders of people: stops go past every queue.
-- `planner_news` and `punctuality` say what the planner's thread found, and which thread runs late.
+- `people` and `stopping` take people's orders, `zones_in_force` their zones.
+- `planner_news` and `punctuality` report the planner's findings, and late threads.
 - `run_state`, `reports` and `recorder` pass the state on after each cycle.
-- `parts` names what the loop needs of camera, planner, link and world, in real or virtual time.
-- `stages` and `firmware_settings` turn a configuration into settings of the parts, and of the
-  robot.
+- `parts` names what the loop needs of its world; `stages` and `firmware_settings` turn a
+  configuration into settings.
 """

@@ -1,12 +1,11 @@
-"""Main loop for one or several robots: newest frame, eye, decisions, orders, once a cycle.
+"""Main loop for one or several robots: newest frame, eye, decisions, orders.
 
 Threads: the camera's (newest frame wins), the planner's (newest scene and request win), one per
 link (sole owner of its port), and this one. A cycle runs once a frame, at once on the planner's
 news, and at least every ``LONGEST_CYCLE_S``, so that a lost camera stops the robots too. Only this
 loop grants the leases that let robots move: if it hangs, all stop.
 
-The clock is the world's: real, or virtual in a simulation at full speed. Units: metres, radians,
-seconds.
+Metres, radians, seconds of the world's clock.
 """
 
 from __future__ import annotations
@@ -49,15 +48,14 @@ if TYPE_CHECKING:
 
 LONGEST_CYCLE_S: Final = 0.05
 SETTLE_S: Final = 0.3
-"""Longest time that an order's answer waits for a cycle that acts on it."""
+"""Longest wait of an order's answer for a cycle that acts on it."""
 
 
 class Daemon:
     """Runs a configuration; a context manager that opens and closes everything.
 
-    ``first_mission_id``: ids on the wire count up from the next one. Journals, by robot name, store
-    mission, progress and plan before they take effect. A ``recorder`` gets everything seen, planned
-    and decided. People's orders go to ``people``.
+    Ids on the wire count up from the one after ``first_mission_id``. Journals, by robot name, store
+    mission, progress and plan before they take effect.
     """
 
     def __init__(
@@ -116,19 +114,16 @@ class Daemon:
         self.punctuality = Punctuality()
         self._cycled_s, self._looked = math.inf, 0
         self.lent: str | None = None
-        """Why the robots hold while the camera serves something else."""
+        """Why robots hold while the camera serves something else."""
         self.state: RunState | None = None
-        """State after the last cycle; replaced as a whole, so any thread may read it."""
+        """State after the last cycle, replaced as a whole: any thread may read it."""
         self.troubles: dict[str, str] = {}
-        """Troubles that people must know of although the run continues, by subject; set by the
-        loop's thread."""
+        """Further troubles by subject; set by the loop's thread."""
         self.started_s = self._clock()
         self._reopened, self._forget_latency = 0, False
         self._cycles = self._ended = 0
         self._further_turns: dict[str, Callable[[], int]] = {}
         self._turned = threading.Condition()
-
-    # Life.
 
     def __enter__(self) -> Daemon:
         self.world.start()
@@ -158,8 +153,7 @@ class Daemon:
     def let_the_robots_stop(self) -> list[str]:
         """`halt`, then wait until all robots report rest, or should be at rest.
 
-        Return a sentence for each robot that is not known to be at rest then. The camera is closed
-        meanwhile; no decision needs it.
+        Return a sentence for each robot that is not known to be at rest then.
         """
         self.halt()
         self.camera.stop()
@@ -174,20 +168,18 @@ class Daemon:
                 doubts.append(f"{name} is not known to be at rest; its lease is over")
         return doubts
 
-    # Restarts after errors of the program, timed by the supervisor.
-
     def _restart_planner(self) -> None:
         self._planner.restart()
         if self.scene is not None:
             self._planner.see(self.scene, self.view.revision, None, self._zones)
 
     def look_after(self, name: str, part: SupervisedPart, turns: Callable[[], int]) -> None:
-        """Watch another stage like the loop's: its failures and its turns."""
+        """Watch another stage."""
         self._supervisor.add(name, part)
         self._further_turns[name] = turns
 
     def turns(self) -> dict[str, int]:
-        """A counter per stage that grows while it works or rightly waits for work."""
+        """Counters of stages, which grow while they work or rightly wait for work."""
         turns = {
             "control loop": self._cycles,
             "camera": self.camera.turns,
@@ -198,15 +190,13 @@ class Daemon:
             turns["recorder"] = self._recorder.turns
         return turns | {name: count() for name, count in self._further_turns.items()}
 
-    # Orders from people, from any thread.
-
     def accept_arena(self) -> None:
-        """Accept arena and camera as they are seen now, on a person's word."""
+        """Accept arena and camera as seen now."""
         self.view.doubt.accept()
         self._forget_latency = True
 
     def settle(self) -> None:
-        """Wait briefly, in another thread, until a cycle has acted on the orders so far."""
+        """Wait briefly, in another thread, until a cycle has acted on earlier orders."""
         wanted = self._ended + 2  # the cycle under way may have decided already
         self.camera.wake()
         with self._turned:
@@ -216,7 +206,7 @@ class Daemon:
 
     @property
     def scene(self) -> Scene | None:
-        """The newest scene."""
+        """Newest scene."""
         return self.view.scene
 
     @property
@@ -231,7 +221,7 @@ class Daemon:
 
     @property
     def frame(self) -> Frame | None:
-        """The newest picture."""
+        """Newest picture."""
         return self.view.frame
 
     @property
@@ -245,7 +235,7 @@ class Daemon:
 
     @property
     def roadmap(self) -> Roadmap | None:
-        """Newest roadmap, with several robots the smallest one's, for pictures."""
+        """Newest roadmap; the smallest robot's of several."""
         return self.traffic.planner.roadmap
 
     @property
@@ -256,10 +246,8 @@ class Daemon:
 
     @property
     def has_met_its_devices(self) -> bool:
-        """True if every robot and the camera have reported at least once."""
+        """True if all robots and the camera have reported."""
         return all(one.pilot.has_met_its_devices for one in self.robots.values())
-
-    # The cycle.
 
     def cycle(self) -> RunState:
         """Wait for a frame or the planner's news, at most ``LONGEST_CYCLE_S``, and decide."""
@@ -280,7 +268,6 @@ class Daemon:
         return self.state
 
     def _zones_changed(self) -> bool:
-        """True if people have changed the zones since the last cycle, and there is a scene."""
         if self.zones.revision == self._zones_revision or self.scene is None:
             return False
         self._zones_revision = self.zones.revision
@@ -291,14 +278,13 @@ class Daemon:
         return True
 
     def _show_planner(self) -> None:
-        """Hand the newest scene and zones to the planner."""
         assert self.scene is not None
         self._news.gets_scene()
         points = self.traffic.checked_points()
         self._planner.see(self.scene, self.view.revision, points, self._zones)
 
     def _note_lateness(self) -> None:
-        """Record the threads' delays, without this thread's own look at a picture."""
+        """Record delays, without this thread's own look at a picture."""
         now_s = self._clock()
         looked_s = (self.view.vision.look_s or 0.0) if self.view.processed != self._looked else 0.0
         self._looked = self.view.processed
@@ -310,12 +296,10 @@ class Daemon:
             note(f"{_of(name) or 'the '}link's thread", one.link.late_s(), now_s)
 
     def _tell_poses(self, poses: Mapping[int, RobotPose]) -> None:
-        """Send the robots their newest poses at once."""
         for one in self.robots.values():
             one.sees(poses, self.view.frame_s)
 
     def _look_at_camera(self, camera: CameraStatus) -> None:
-        """Forget the latency if the camera was reopened or accepted."""
         reopened = camera_openings(camera)
         forget = reopened != self._reopened or self._forget_latency
         self._reopened, self._forget_latency = reopened, False
@@ -324,7 +308,6 @@ class Daemon:
                 one.witness.forget_latency()
 
     def _decide(self, now_s: float, failed: str | None, camera: CameraStatus) -> RunState:
-        """Send orders to robots and planner; return the new state."""
         checks, answer = self._news.take()
         for check in self.traffic.checked(checks):
             if check.breach is not None:
@@ -346,7 +329,6 @@ class Daemon:
     def _decide_one(
         self, robot: ControlledRobot, now_s: float, failed: str | None, camera: CameraStatus
     ) -> Decided:
-        """Run one pilot's cycle."""
         snapshot = robot.link.snapshot()
         robot.hears()
         sight = robot.sight(
@@ -368,7 +350,6 @@ class Daemon:
         return Decided(orders, sight, snapshot)
 
     def _let_drive(self, now_s: float, decided: Mapping[str, Decided]) -> None:
-        """Apply the traffic's decisions and send every robot its orders."""
         ordered = self.traffic.step(now_s, decided, self._news.known_revision)
         for name, why in ordered.plan_again:
             with self.lock:
@@ -415,7 +396,6 @@ class Daemon:
 
     @property
     def _hold(self) -> str | None:
-        """Reason why all robots hold; None if they need not."""
         return self.lent or self.view.hold or self.punctuality.hold(self._clock())
 
     @property
@@ -426,5 +406,4 @@ class Daemon:
 
 
 def _of(name: str) -> str:
-    """Possessive prefix of a robot's part; empty for a lone robot."""
     return f"{name}'s " if name else ""

@@ -1,9 +1,7 @@
-"""Protocols of the loop's parts (camera, eye, planner, link, world) in two kinds of time.
+"""Protocols of the loop's parts, in real or in virtual time.
 
-In real time every part except the eye is a thread (`vision.camera.latest_frame`,
-`planning.PlannerThread`, `serial_link.SerialLink`). In virtual time (`run.virtual_world`) the same
-code runs without threads, so a run takes a fraction of its time and repeats exactly. Seconds of the
-world's clock, metres, radians.
+In real time every part except the eye is a thread. In virtual time (`run.virtual_world`) the same
+code runs without threads, so a run repeats exactly. Metres, radians, seconds of the world's clock.
 """
 
 from __future__ import annotations
@@ -36,7 +34,7 @@ _Q_contra = TypeVar("_Q_contra", contravariant=True)
 
 
 class FrameSource(Protocol):
-    """Newest frame of a camera that is reopened when it fails."""
+    """Newest frame of a camera, reopened when it fails."""
 
     @property
     def turns(self) -> int:
@@ -44,23 +42,23 @@ class FrameSource(Protocol):
         ...
 
     def start(self) -> None:
-        """Start reading the camera."""
+        """Start it."""
 
     def stop(self) -> None:
         """Close it."""
 
     def has_died(self) -> bool:
-        """True if an error of the program ended it."""
+        """True if an error ended it."""
         ...
 
     def take(self, timeout_s: float) -> Frame | None:
         """Wait for the newest frame not yet taken; `wake` ends the wait."""
 
     def wake(self) -> None:
-        """End the present wait of `take`, or the next: there is other news."""
+        """End the present wait of `take`, or the next."""
 
     def status(self) -> CameraStatus:
-        """State of the camera."""
+        """Its state."""
         ...
 
 
@@ -79,26 +77,26 @@ class RobotLink(Protocol):
 
     @property
     def turns(self) -> int:
-        """Counter that grows while it works or rightly waits for work."""
+        """Counter like `FrameSource.turns`."""
         ...
 
     @property
     def capture_to_wire_s(self) -> Sequence[float]:
-        """Ages of pose fixes when they were sent."""
+        """Ages of pose fixes when sent."""
         ...
 
     def open(self) -> None:
         """Open the port."""
 
     def failure(self) -> str | None:
-        """The error that ended it, in words."""
+        """Error that ended it, in words."""
 
     def late_s(self) -> float:
         """Longest delay in waking its thread since the last call."""
         ...
 
     def restart(self) -> None:
-        """Restart it after an error."""
+        """Restart it."""
 
     def close(self) -> None:
         """Close it."""
@@ -110,10 +108,10 @@ class RobotLink(Protocol):
         start: bool = True,
         released: int | None = None,
     ) -> object:
-        """Replace the robot's mission and drive the released part of it."""
+        """Replace the robot's mission and drive its released part."""
 
     def release(self, mission: int, count: int) -> None:
-        """Let the first ``count`` waypoints of this mission be sent."""
+        """Let the mission's first ``count`` waypoints be sent."""
 
     def pause(self) -> None:
         """Stop under control and keep the mission."""
@@ -122,7 +120,7 @@ class RobotLink(Protocol):
         """Stop under control and drop the mission."""
 
     def lease(self, permit: bool, pose_age_s: float = math.inf, ttl_s: float = 0.5) -> None:
-        """Renew the lease: the control loop is alive, and the robot may drive."""
+        """Renew the lease, and say whether the robot may drive."""
 
     def pose_fix(self, x_m: float, y_m: float, heading_rad: float, captured_s: float) -> None:
         """Send the pose that the camera saw."""
@@ -147,7 +145,7 @@ class PlannerPart(Protocol[_Q_contra]):
 
     @property
     def turns(self) -> int:
-        """Counter that grows while it works or rightly waits for work."""
+        """Counter like `FrameSource.turns`."""
         ...
 
     def start(self) -> None:
@@ -163,16 +161,16 @@ class PlannerPart(Protocol[_Q_contra]):
         path_points: FloatArray | None,
         zones: Sequence[Zone] = (),
     ) -> None:
-        """Hand over a new scene, the robot's present path, and the zones."""
+        """Hand over scene, present path and zones."""
 
     def ask(self, request: _Q_contra) -> None:
         """Hand over a request."""
 
     def failure(self) -> str | None:
-        """The error that ended it, in words."""
+        """Error that ended it, in words."""
 
     def restart(self) -> None:
-        """Restart it after an error."""
+        """Restart it."""
 
 
 class Surroundings(Protocol):
@@ -180,7 +178,7 @@ class Surroundings(Protocol):
 
     @property
     def calibration(self) -> Calibration:
-        """Map from pixels to the floor for the picture shown to people."""
+        """Calibration of the picture shown to people."""
         ...
 
     @property
@@ -190,7 +188,7 @@ class Surroundings(Protocol):
 
     @property
     def truths(self) -> Mapping[str, Truth]:
-        """Facts only a simulation knows of each simulated robot, by name."""
+        """Ground truth of the simulated robots, by name."""
         ...
 
     def clock(self) -> float:
@@ -201,7 +199,7 @@ class Surroundings(Protocol):
         """Let time pass."""
 
     def late_s(self) -> float:
-        """Longest delay in waking a thread of this program since the last call."""
+        """Longest delay in waking a thread since the last call."""
         ...
 
     def make_frames(self) -> FrameSource:
@@ -211,7 +209,7 @@ class Surroundings(Protocol):
     def make_vision(
         self, config: Config, witness: KnowsLatency, driven: Sequence[RobotSection]
     ) -> VisionStage:
-        """Make vision; ``driven`` are the driven robots if there are several."""
+        """Make vision for the driven robots."""
         ...
 
     def search_clock(self) -> float:
@@ -219,7 +217,7 @@ class Surroundings(Protocol):
         ...
 
     def make_link(self, name: str) -> RobotLink:
-        """Make the link to a robot; the name is empty for a lone robot."""
+        """Make the link to a robot."""
         ...
 
     def make_planner(
@@ -228,7 +226,7 @@ class Surroundings(Protocol):
         on_scene: Callable[[SceneCheck], None],
         on_answer: Callable[[_A], None],
     ) -> PlannerPart[_Q]:
-        """Make the planner beside the control loop."""
+        """Make the planner."""
         ...
 
     def start(self) -> None:

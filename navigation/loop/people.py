@@ -1,6 +1,6 @@
 """Orders from people: to all robots of a run, or to one by name.
 
-Any thread may give them; the next cycle acts on them. Metres, radians, seconds.
+Any thread may give them; the next cycle acts on them.
 """
 
 from __future__ import annotations
@@ -42,10 +42,10 @@ class OrderedRun(Protocol):
     state: RunState | None
 
     def accept_arena(self) -> None:
-        """Accept arena and camera as they are seen now, on a person's word."""
+        """Accept arena and camera as seen now."""
 
     def settle(self) -> None:
-        """Wait briefly until a cycle has acted on the orders so far."""
+        """Wait briefly until a cycle has acted on earlier orders."""
 
 
 class People:
@@ -72,7 +72,6 @@ class People:
         raise MissionError(f"robot '{robot}': there are {', '.join(robots)}")
 
     def _one(self, robot: str | None) -> ControlledRobot:
-        """The one robot meant; ``MissionError`` if it could be any of several."""
         chosen = self._chosen(robot)
         if len(chosen) > 1:
             names = ", ".join(self._daemon.robots)
@@ -82,10 +81,7 @@ class People:
     def give(
         self, stations: tuple[Station, ...], robot: str | None = None, *, any_order: bool = False
     ) -> None:
-        """Give one robot a new mission; ``MissionError`` if it cannot take it.
-
-        That includes a station where the robot does not fit in the newest scene.
-        """
+        """Give one robot a mission; ``MissionError`` if it cannot, or does not fit at a station."""
         one = self._one(robot)
         if self._daemon.lent is not None:
             raise MissionError(self._daemon.lent)
@@ -113,7 +109,7 @@ class People:
             one.pilot.give(stations, any_order=any_order)
 
     def appoint(self, mission: MissionProgress, robot: str) -> None:
-        """Give the configured mission, or queue it behind the stop of a stopped robot."""
+        """Give the configured mission, or queue it behind a robot's stop."""
         pilot = self._daemon.robots[robot].pilot
         with self._daemon.lock:
             if pilot.mission.state is State.STOPPED:
@@ -127,7 +123,7 @@ class People:
             self._daemon.robots[robot].pilot.restore(mission)
 
     def stop(self, reason: str, robot: str | None = None) -> str | None:
-        """Stop one or all in an emergency: straight to the links, then latched."""
+        """Stop in an emergency: straight to the links, then latched."""
         return self._daemon.stopping.stop(self._chosen(robot), reason)
 
     def pause(self, robot: str | None = None) -> None:
@@ -138,7 +134,7 @@ class People:
                 one.pilot.pause()
 
     def resume(self, robot: str | None = None) -> None:
-        """End a pause; after a stop re-arm the robots, and continue at the next call."""
+        """End a pause; re-arm after a stop, and continue at the next call."""
         self._daemon.stopping.resume(self._chosen(robot))
         self._daemon.accept_arena()
 
@@ -151,14 +147,14 @@ class People:
                 one.pilot.replan()
 
     def skip(self, robot: str | None = None) -> None:
-        """Give up one robot's next station; ``MissionError`` if it cannot."""
+        """Give up one robot's next station; ``MissionError``."""
         one = self._one(robot)
         with self._daemon.lock:
             one.pilot.skip()
             self._daemon.traffic.forget(one.name)
 
     def put_zone(self, zone: ZoneSection) -> dict[str, Any]:
-        """Add a zone, or replace the one of its name; ``MissionError`` if that cannot be."""
+        """Add a zone, or replace the one of its name; ``MissionError``."""
         outside = outside_arena(zone, self._daemon.config.arena.bounds_m)
         if outside is not None:
             raise MissionError(f"zone '{zone.name}': {outside}")
@@ -166,20 +162,19 @@ class People:
         return self.zones()
 
     def remove_zone(self, name: str) -> dict[str, Any]:
-        """Remove a zone; ``MissionError`` if there is none of that name."""
+        """Remove a zone; ``MissionError``."""
         self._daemon.zones.remove(name)
         return self.zones()
 
     def undo_zone(self) -> dict[str, Any]:
-        """Take the last change of zones back; ``MissionError`` if there is none."""
+        """Undo the last change of zones; ``MissionError``."""
         self._daemon.zones.undo()
         return self.zones()
 
     def zones(self) -> dict[str, Any]:
-        """Zones in force for JSON, as in a configuration, and what differs from the configured.
+        """Zones in force for JSON, and their changes against the configuration.
 
-        ``changes`` says of a name that it was added, changed or removed; ``kept`` if a restart
-        knows of it, and ``trouble`` why it does not although it should.
+        ``kept`` is true if a file keeps changes for a restart; ``trouble`` says why it failed to.
         """
         zones = self._daemon.zones
         told: dict[str, Any] = {
@@ -190,7 +185,7 @@ class People:
         return told | ({"trouble": zones.trouble} if zones.trouble else {})
 
     def preview(self, stations: tuple[Station, ...], robot: str | None = None) -> PlanAnswer:
-        """The plan through these stations for a lone robot; changes nothing."""
+        """Plan as if the robot were alone; changes nothing."""
         one = self._one(robot)
         pose = one.pose
         if pose is None:
@@ -199,11 +194,11 @@ class People:
         return self._daemon.traffic.preview(one.name, PlanRequest(0, start, stations, 0))
 
     def settle(self) -> None:
-        """Wait briefly, in another thread, until a cycle has acted on the orders so far."""
+        """Wait briefly, in another thread, until a cycle has acted on earlier orders."""
         self._daemon.settle()
 
     def describe(self, robot: str | None = None) -> dict[str, Any]:
-        """The present state for JSON: of one robot, or of several by name."""
+        """Present state of one robot, or of several by name, for JSON."""
         chosen = self._chosen(robot)
         told = {one.name: self._describe_one(one) for one in chosen}
         if robot is not None or "" in told:

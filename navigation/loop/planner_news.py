@@ -1,7 +1,4 @@
-"""Results of the planner's thread, kept for the control loop's next cycle.
-
-Seconds of the world's clock.
-"""
+"""Results of the planner's thread, kept for the control loop's next cycle."""
 
 from __future__ import annotations
 
@@ -20,7 +17,7 @@ if TYPE_CHECKING:
 
 
 class SeesScenes(Protocol):
-    """A planner with the roadmap of the newest scene."""
+    """A planner with a roadmap."""
 
     @property
     def roadmap(self) -> Roadmap | None:
@@ -29,7 +26,7 @@ class SeesScenes(Protocol):
 
 
 class PlannerNews:
-    """Scenes whose roadmap is ready, and the newest plan; ``wake`` calls the loop to take them."""
+    """Scenes with a roadmap, and the newest plan; ``wake`` calls the loop to take them."""
 
     def __init__(
         self,
@@ -45,20 +42,20 @@ class PlannerNews:
         self._checks: deque[SceneCheck] = deque()
         self._scene_s = self._asked_s = 0.0
         self.known_revision = 0
-        """The newest scene whose roadmap the loop knows of."""
+        """Newest scene whose roadmap the loop knows."""
         self.roadmap_s: float | None = None
-        """From a new scene to its roadmap, the last time."""
+        """Time from a new scene to its roadmap."""
         self.plan_s: float | None = None
-        """From a request to its answer, the last time."""
+        """Time from a request to its answer."""
 
     # From the control loop.
 
     def gets_scene(self) -> None:
-        """Note that a scene goes to the planner now."""
+        """Note that a scene goes to the planner."""
         self._scene_s = self._clock()
 
     def gets_request(self, request: Request, now_s: float) -> None:
-        """Note that a request goes to the planner now."""
+        """Note that a request goes to the planner."""
         self._asked_s = now_s
         if self._recorder is not None:
             self._recorder.put(PlanAsked(now_s, request))

@@ -1,8 +1,4 @@
-"""The daemon's planner: from the newest scene and a request to a plan.
-
-`ArenaPlanner` is plain and synchronous. `PlannerThread` runs one beside the control loop, with a
-one-slot hand-off each way: the newest scene and request win. Units: metres, radians, seconds.
-"""
+"""The daemon's planner: from the newest scene and a request to a plan. Metres, radians, seconds."""
 
 from __future__ import annotations
 
@@ -30,7 +26,7 @@ from planner.zones.zone import Zone, zones_for
 from planner.zones.zoned_roadmap import ZonedRoadmap, with_objects, with_zones
 
 LONGEST_WAIT_S = 0.25
-"""Longest wait of an idle planner for work, so that it can be distinguished from one that hangs."""
+"""Longest wait of an idle planner, which distinguishes it from one that hangs."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -53,11 +49,11 @@ class SceneCheck:
     revision: int
     path_clearance_m: float | None
     zones_changed: bool = False
-    """True if the zones differ from those of the revision before."""
+    """True if the zones differ from the last ones."""
 
 
 class ArenaPlanner:
-    """Roadmap of the newest scene with the zones for the robot ``name``, and answers from it."""
+    """Roadmap of the newest scene with the zones for robot ``name``, and answers from it."""
 
     def __init__(self, settings: PlanSettings, name: str = "") -> None:
         self.settings, self.name = settings, name
@@ -66,10 +62,10 @@ class ArenaPlanner:
         self._scene: Scene | None = None
         self._stations: tuple[Station, ...] = ()
         self._way: Path | None = None
-        """The last way that was answered with, through ``_stations``."""
+        """Path of the last answer through ``_stations``."""
 
     def see(self, scene: Scene, revision: int, zones: Sequence[Zone] = ()) -> None:
-        """Take over a new scene and its zones: only their changes change the roadmap."""
+        """Take over a scene and its zones; only their changes change the roadmap."""
         known, mine = self.zoned, zones_for(zones, self.name)
         if known is None:
             speed_m_s = self.settings.limits.speed
@@ -92,8 +88,7 @@ class ArenaPlanner:
         """Plan from the request's start through its stations; `NoPath` gives the reason.
 
         Among paths equal within noise the one of the last answer through these stations wins; a
-        ``preview`` is no such answer. A request on which the planner fails has no path: the failure
-        is that answer's, not the program's.
+        ``preview`` is no such answer. A failure of the planner gives `NoPath`.
         """
         try:
             return self._answer(request, preview=preview)
@@ -104,7 +99,6 @@ class ArenaPlanner:
             return PlanAnswer(request.id, self.revision, NoPath(reason))
 
     def _answer(self, request: PlanRequest, *, preview: bool) -> PlanAnswer:
-        """Answer as :meth:`answer`; raises if a path cannot be smoothed or timed."""
         roadmap, scene = self.zoned, self._scene
         if roadmap is None or scene is None:
             return PlanAnswer(request.id, 0, NoPath("no scene was seen yet"))
@@ -176,7 +170,7 @@ class ArenaPlanner:
         return float(self.roadmap.clearance(np.array([position]))[0])
 
     def rules(self, _robot: str) -> Rules | None:
-        """The zones that hold for its robot, in the newest scene; None before the first."""
+        """Zones for its robot in the newest scene; None before the first."""
         return None if self.zoned is None else self.zoned.rules
 
     def _route(self, roadmap: ZonedRoadmap, request: PlanRequest) -> Path | NoPath:
@@ -197,7 +191,7 @@ class ArenaPlanner:
         )
 
     def _last_way(self, request: PlanRequest) -> Path | None:
-        """The last path if the request is for the rest of the same stations in order."""
+        """Last path, if the request is for the rest of the same stations in order."""
         rest = self._stations[-len(request.stations) :]
         return self._way if rest == request.stations and not request.any_order else None
 
@@ -222,13 +216,13 @@ _A_co = TypeVar("_A_co", covariant=True)
 
 
 class Answering(Protocol[_Q_contra, _A_co]):
-    """Planner beside the control loop: `ArenaPlanner`, or the fleet's."""
+    """Planner for one robot or for a fleet."""
 
     def see(self, scene: Scene, revision: int, zones: Sequence[Zone] = ()) -> None:
         """Take over a new scene and its zones."""
 
     def path_clearance_m(self, points: FloatArray) -> float | None:
-        """Exact clearance of a polyline in the newest scene; None before the first."""
+        """Exact clearance of a polyline; None before the first scene."""
 
     def answer(self, request: _Q_contra) -> _A_co:
         """Plan for the request."""
@@ -236,10 +230,10 @@ class Answering(Protocol[_Q_contra, _A_co]):
 
 
 class PlannerThread(Generic[_Q, _A]):
-    """An `ArenaPlanner` in its own thread; the newest scene and request win.
+    """A planner in its own thread; the newest scene and request win.
 
-    ``on_scene`` and ``on_answer`` are called in the thread. A request's error is its answer. A
-    scene's error ends the thread; `failure` names it, and `restart` starts a new thread.
+    ``on_scene`` and ``on_answer`` are called in the thread. A scene's error ends the thread;
+    `failure` names it, and `restart` starts a new thread.
     """
 
     def __init__(
@@ -257,7 +251,6 @@ class PlannerThread(Generic[_Q, _A]):
         self._stopping = False
         self._error: Exception | None = None
         self.turns = 0
-        """Grows while the thread works or waits for work."""
         self._thread = threading.Thread(target=self._run, name="planner", daemon=True)
 
     def start(self) -> None:
@@ -265,7 +258,7 @@ class PlannerThread(Generic[_Q, _A]):
         self._thread.start()
 
     def stop(self, timeout_s: float = 1.0) -> None:
-        """Ask the thread to end after its present work, and wait for it."""
+        """End the thread after its present work."""
         with self._wake:
             self._stopping = True
             self._wake.notify()
@@ -279,7 +272,7 @@ class PlannerThread(Generic[_Q, _A]):
         path_points: FloatArray | None,
         zones: Sequence[Zone] = (),
     ) -> None:
-        """Hand over a new scene, the robot's present path, and the zones."""
+        """Hand over scene, present path and zones."""
         with self._wake:
             self._scene = (scene, revision, path_points, zones)
             self._wake.notify()
@@ -291,11 +284,11 @@ class PlannerThread(Generic[_Q, _A]):
             self._wake.notify()
 
     def failure(self) -> str | None:
-        """The error that ended the thread, in words; None while it runs."""
+        """Error that ended the thread, in words."""
         return None if self._error is None else in_words(self._error)
 
     def restart(self) -> None:
-        """Start a new thread after an error; requests to the old one are dropped."""
+        """Start a new thread after an error; waiting requests are dropped."""
         self._thread.join(RESTART_PATIENCE_S)
         with self._wake:
             self._scene = self._request = None

@@ -1,8 +1,8 @@
 """Punctuality of the program's own threads.
 
 A computer that is too busy dates pictures and reports late, so camera and wheels disagree though
-nothing is wrong with the robot. The robots then hold, with that reason, until the threads have been
-on time for a while. Seconds of the world's clock.
+nothing is wrong with the robot. The robots hold until the threads have been on time for a while.
+Seconds of the world's clock.
 """
 
 from __future__ import annotations
@@ -13,34 +13,34 @@ from collections.abc import Callable
 from typing import Final
 
 LATE_S: Final = 0.35
-"""Robots hold if a thread is late by this: without reports for this time the motion of the wheels
-is unknown, and a robot's lease is nearly over."""
+"""Robots hold if a thread is this late: the motion of the wheels is unknown without reports for
+this time, and a robot's lease is nearly over."""
 DOUBTFUL_S: Final = 0.05
-"""With so late a thread camera and wheels may seem to part though they do not: in this time a robot
-at 0.4 m/s drives as far as the two may differ."""
+"""With a thread this late, camera and wheels may seem to differ: in this time a robot at 0.4 m/s
+drives as far as the two may differ."""
 CALM_S: Final = 1.0
-"""Time for which all threads have to be on time before robots drive again."""
+"""Time for which all threads must be on time before robots drive again."""
 
 
 class Punctuality:
-    """Judgement of the threads' delays. ``load`` is for the sentence, by default the system's."""
+    """Judgement of delays; ``load`` is for the sentence."""
 
     def __init__(self, load: Callable[[], tuple[float, float, float]] | None = None) -> None:
         self._load = load
         self._late: dict[float, tuple[float, str]] = {}
 
     def note(self, thread: str, late_s: float, now_s: float) -> None:
-        """Note that ``thread`` was late by ``late_s`` just now; usual delays are ignored."""
+        """Note a delay; usual ones are ignored."""
         for limit_s in (DOUBTFUL_S, LATE_S):
             if late_s >= limit_s:
                 self._late[limit_s] = (now_s, self._sentence(thread, late_s))
 
     def hold(self, now_s: float) -> str | None:
-        """Reason why robots hold; None while all is on time."""
+        """Reason why robots hold, if any."""
         return self._since(LATE_S, now_s)
 
     def doubt(self, now_s: float) -> str | None:
-        """Reason why camera and wheels may seem to differ; None while all is on time."""
+        """Reason why camera and wheels may seem to differ, if any."""
         return self._since(DOUBTFUL_S, now_s)
 
     def _since(self, limit_s: float, now_s: float) -> str | None:

@@ -1,8 +1,8 @@
 """Recording of a run in its own thread: `put` never waits, and the loops never notice.
 
 Rules
-- Events are never dropped. Pictures beyond the configured rate are left out. If the writer lags
-  behind by more than a few, new pictures are dropped and counted.
+- Events are never dropped. Pictures beyond the configured rate are left out; if the writer lags by
+  more than a few, new ones are dropped and counted.
 - Events are on their way to the disk within ``FLUSH_EVERY_S``: a kill loses no more.
 - A recording that cannot continue (disk full) ends and says so; the run continues.
 """
@@ -51,7 +51,7 @@ CLOSE_WITHIN_S: Final = 5.0
 MOST_PICTURES_WAITING: Final = 8
 COUNTERS_EVERY_S: Final = 1.0
 RATE_SLACK: Final = 0.9
-"""A picture this part of a period after the last one is on time: cameras are not punctual."""
+"""Share of a period after which a picture is on time: cameras are not punctual."""
 
 _LEVELS: Final[dict[State, Level]] = {
     State.HOLDING: "warning",
@@ -62,7 +62,7 @@ _LEVELS: Final[dict[State, Level]] = {
 
 @dataclass(frozen=True, slots=True)
 class RecordingCounts:
-    """Counts of a recording so far; ``failed`` gives the reason of an early end, else empty."""
+    """Counts of a recording so far; ``failed`` is the reason of an early end."""
 
     pictures: int = 0
     dropped: int = 0
@@ -77,8 +77,8 @@ class RecordingCounts:
 class Recorder:
     """Recorder of one run; a context manager that starts and ends the thread.
 
-    ``clock`` is the run's; ``began`` is the wall time when the clock reads ``anchor_s``. ``file``
-    is the name of the only file in ``folder``, see :class:`RecordingFiles`.
+    ``began`` is the clock's present reading as wall time. ``file`` names the only file in
+    ``folder``.
     """
 
     def __init__(
@@ -102,14 +102,13 @@ class Recorder:
         self._stopping = False
         self._last_picture_s = -math.inf
         self._counted: dict[str, tuple[float, bool]] = {}
-        """When the link's counters were recorded, and whether it was up."""
+        """When a link's counters were recorded, and True if it was up."""
         self._said: dict[str, tuple[State, str]] = {}
         self._waits: tuple[Mapping[str, str], Mapping[str, str]] = ({}, {})
         self._has_zones = False
         self._put = self._pictures = self._dropped = self._events = 0
         self._failed = ""
         self.turns = 0
-        """Grows while the thread writes, or waits for something to write."""
         names = {one.robot.marker_id: name for name, one in each_robot(config).items()}
         self._files = RecordingFiles(
             folder, config.recording, began, self._header, self._stamp_ns, names, file
@@ -148,11 +147,11 @@ class Recorder:
 
     @property
     def path(self) -> Path:
-        """Path of the file being written."""
+        """File being written."""
         return self._files.path
 
     def counts(self) -> RecordingCounts:
-        """Counts of recorded and dropped items so far."""
+        """Counts so far."""
         with self._wake:
             return RecordingCounts(
                 self._pictures,
@@ -165,7 +164,7 @@ class Recorder:
             )
 
     def has_ended(self) -> bool:
-        """True if it failed or the thread died: nothing more will be written."""
+        """True if nothing more will be written."""
         return bool(self._failed) or not self._thread.is_alive()
 
     def summary(self) -> str:
@@ -182,7 +181,7 @@ class Recorder:
     # From the loops: never waits.
 
     def saw(self, frame: Frame, poses: Mapping[int, RobotPose], seen: SceneSeen | None) -> None:
-        """Record a picture, its robots by marker id, and the scene if it is new."""
+        """Record a picture, its robots by marker id, and the scene if new."""
         self._picture(frame)
         revision = None if seen is None else seen.revision
         self.put(RobotsSeen(frame.captured_s, tuple(poses.values()), revision))
@@ -190,7 +189,6 @@ class Recorder:
             self.put(seen)
 
     def _picture(self, frame: Frame) -> None:
-        """Queue a picture; omit it beyond the rate, drop it if the writer is behind."""
         period_s = 1.0 / self.config.recording.picture_rate_hz
         if frame.captured_s - self._last_picture_s < RATE_SLACK * period_s:
             return
@@ -216,10 +214,7 @@ class Recorder:
         self._wake.notify()
 
     def state(self, now: RobotSnapshot, time_s: float, robot: str = "") -> None:
-        """Record the state if its sentence is news, and counters now and then.
-
-        ``robot`` names one of several.
-        """
+        """Record the state if its sentence is news, and counters now and then."""
         news = (now.mission.state, now.sentence)
         if news != self._said.get(robot):
             self._said[robot] = news
@@ -248,7 +243,7 @@ class Recorder:
         waits_for: Mapping[str, str],
         time_s: float,
     ) -> None:
-        """Record the states of several robots and, if new, which ones wait, why, and for which."""
+        """Record the states of several robots and, if new, which wait."""
         for name, one in each.items():
             self.state(one, time_s, name)
         if (waits, waits_for) != self._waits:
@@ -257,10 +252,7 @@ class Recorder:
             self.put(Counted(time_s, FLEET_WAITS, hide_in(values)))
 
     def zones(self, zones: tuple[Zone, ...], revision: int, time_s: float) -> None:
-        """Record the zones in force, and the scene's revision from now on.
-
-        None at the beginning are no change.
-        """
+        """Record the zones in force and the scene's revision; none at first are no change."""
         if zones or self._has_zones:
             self._has_zones = True
             self.put(ZonesChanged(time_s, revision, zones))

@@ -1,7 +1,4 @@
-"""Reports on the loop's parts: to the pilot, and as JSON to people and programs.
-
-Units: metres, radians, seconds.
-"""
+"""Reports on the loop's parts: to the pilot, and as JSON to people and programs."""
 
 from __future__ import annotations
 
@@ -38,14 +35,14 @@ def robot_report(snapshot: LinkSnapshot) -> RobotReport:
 
 
 def camera_reason(camera: CameraStatus) -> str:
-    """The camera's reason, except its silence, which the pilot reports itself."""
+    """Camera's reason, except its silence, which the pilot reports."""
     return "" if camera.state == "stalled" else camera.reason
 
 
 def camera_openings(camera: CameraStatus) -> int:
     """Number that changes when the camera is reopened, which restarts the latency's measurement.
 
-    It is constant for several cameras: a robot lost from view with one of them proves itself, which
+    It is constant for several cameras: a robot lost from view with one proves itself, which
     measures the latency, and one that others still see is seen twice at odds.
     """
     return 0 if camera.each else camera.reopened
@@ -70,8 +67,8 @@ def describe(
 ) -> dict[str, Any]:
     """Return mission, robot, link and camera for JSON.
 
-    ``seen``: the robot's last seen pose, and its age. A stop is "stopped" once the robot is known
-    to be at rest, and "stopping", with what is not known, until then.
+    ``seen``: the robot's last seen pose, and its age. A stop is "stopping" until the robot is known
+    to be at rest.
     """
     doubt = doubt_of_stop(snapshot) if mission.state is State.STOPPED else None
     return {

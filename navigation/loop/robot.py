@@ -38,10 +38,7 @@ PLANS_KEPT: Final = 200
 
 
 class ControlledRobot:
-    """Parts, pose and answers of one robot; ``name`` is empty for a lone robot.
-
-    ``first_mission_id``: ids on the wire count up from the next one.
-    """
+    """Parts, pose and answers of one robot; ``name`` is empty for a lone robot."""
 
     def __init__(self, name: str, config: Config, link: RobotLink, first_mission_id: int) -> None:
         self.name, self.config, self.link = name, config, link
@@ -58,18 +55,16 @@ class ControlledRobot:
         self.answer: PlanAnswer | None = None
         """Input of the pilot's next cycle."""
         self.partner: str | None = None
-        """The sentence that says which robot of the fleet is in the path."""
+        """Sentence on the robot of the fleet that is in the path."""
         self.moved_s = math.inf
-        """When it was seen to move last."""
+        """Time when it was last seen to move."""
         self.permitted_s = -math.inf
-        """When it was last permitted to drive."""
+        """Time when it was last permitted to drive."""
         self._sent: tuple[int, int] | None = None
-        """A plan's mission on the wire, and how many of its targets may be sent, where not all."""
-
-    # Inputs.
+        """A plan's mission on the wire and the targets to be sent, if not all."""
 
     def sees(self, poses: Mapping[int, RobotPose], frame_s: float) -> None:
-        """Take the newest picture's poses and send the robot its own, if present, at once."""
+        """Take the newest poses and send the robot its own at once."""
         pose = poses.get(self.config.robot.marker_id)
         if pose is None:
             return
@@ -100,10 +95,7 @@ class ControlledRobot:
         hold: str | None,
         punctuality: Punctuality,
     ) -> Sight:
-        """The pilot's view of camera and arena.
-
-        ``clearance_m`` measures in the scene of ``known_revision``.
-        """
+        """The pilot's view of arena and camera; ``clearance_m`` measures in ``known_revision``."""
         place = None if self.pose is None else self.witness.carried(self.pose, now_s)
         measurable = place is not None and view.is_measurable(known_revision)
         self.clearance_m = clearance_m(place[:2]) if measurable and place is not None else None
@@ -126,18 +118,13 @@ class ControlledRobot:
         )
 
     def report(self, snapshot: LinkSnapshot) -> RobotReport:
-        """The pilot's view of the robot.
-
-        A robot that has driven all it was given waits for another robot; it is not idle.
-        """
+        """The pilot's view of the robot; one that has driven all it was given is not idle."""
         report = robot_report(snapshot)
         if self._sent is not None and report.mission_id == self._sent[0]:
             count = self._sent[1]
             if report.executed >= count < len(self.pilot.plan.targets):
                 return replace(report, standing_reason=None)
         return report
-
-    # Outputs.
 
     def write_journal(self, orders: Orders, now_s: float) -> str:
         """Save mission, progress and plan before they take effect; return any trouble."""
@@ -151,13 +138,12 @@ class ControlledRobot:
         return self.journal.trouble
 
     def _journal_is_stale(self) -> bool:
-        """True if the journal still lists stations of a mission that ended without any."""
         kept = None if self.journal is None else self.journal.mission()
         has_more = kept is not None and bool(kept.remaining)
         return has_more and self.pilot.mission.state is State.DONE
 
     def drive(self, orders: Orders, now_s: float, sight: Sight, released: int | None) -> None:
-        """Send the cycle's decision; ``released`` targets of a plan, or all if None."""
+        """Send the cycle's decision; ``released`` targets of a plan, None: all."""
         if orders.permit:
             self.permitted_s = now_s
         self.orders.carry_out(orders, now_s, sight.pose_age_s)
@@ -202,10 +188,7 @@ class ControlledRobot:
         troubles: tuple[str, ...],
         waits: str | None,
     ) -> RobotSnapshot:
-        """State to report after a cycle, ``time_s`` after the start.
-
-        ``waits`` says which robot this one waits for, and why.
-        """
+        """State to report, ``time_s`` after the start."""
         mission = self.pilot.mission
         return RobotSnapshot(
             time_s=time_s,
@@ -227,13 +210,12 @@ class ControlledRobot:
         )
 
     def _stop_to_leave(self) -> str:
-        """Advice on the robot's own emergency stop while it has no mission."""
         why = self.pilot.stands_stopped
         return "" if why is None else f"{why}; re-arm it before it is to drive (clearway resume)"
 
 
 class Witnesses:
-    """Latency of the shared eye: the largest that any robot's witness measured."""
+    """Latency of the shared eye: the largest that a witness measured."""
 
     def __init__(self, robots: Mapping[str, ControlledRobot]) -> None:
         self._robots = robots

@@ -1,6 +1,6 @@
 """Leases and stops of a cycle, sent as orders on the link.
 
-The lease is renewed at least every ``LEASE_EVERY_S``, and at once if it changes. Metres, seconds.
+The lease is renewed at least every ``LEASE_EVERY_S``, and at once if it changes.
 """
 
 from __future__ import annotations
@@ -14,11 +14,11 @@ from navigation.mission.cycle import Orders
 
 LEASE_EVERY_S: Final = 0.08
 STOP_GRACE_S: Final = 0.35
-"""For the last words on the wire, on top of the lease's and the brakes' time."""
+"""Beyond lease and brakes, for the last words on the wire."""
 
 
 class RobotOrders:
-    """The robot's present lease, and the time by which it is at rest without one."""
+    """The robot's present lease, and the time by which it is at rest without."""
 
     def __init__(self, link: RobotLink, config: Config) -> None:
         self._link, self._config = link, config

@@ -1,6 +1,6 @@
 """State of a run after a cycle, for each robot and for all; driven plans.
 
-These objects are immutable: any thread may keep and read them. Units: metres, radians, seconds.
+The objects are immutable: any thread may keep and read them. Metres, radians, seconds.
 """
 
 from __future__ import annotations
@@ -22,21 +22,21 @@ from vision.markers.markers import RobotPose
 
 @dataclass(frozen=True, slots=True)
 class StageTimes:
-    """Seconds that each stage last took; None before its first time."""
+    """Seconds that each stage last took."""
 
     look_s: float | None = None
     """Vision, one frame."""
     roadmap_s: float | None = None
     """From a new scene to its roadmap, in the planner's thread."""
     plan_s: float | None = None
-    """From a request for a plan to its answer."""
+    """From a request to its answer."""
     wire_s: float | None = None
-    """From the capture of a picture to its order on the wire, on the slowest link."""
+    """From capture to the order on the wire, on the slowest link."""
 
 
 @dataclass(frozen=True, slots=True)
 class RobotSnapshot:
-    """Everything known about one robot after a cycle."""
+    """Everything known of one robot after a cycle."""
 
     time_s: float
     mission: MissionProgress
@@ -47,35 +47,32 @@ class RobotSnapshot:
     clearance_m: float | None
     verdict: Verdict
     frame: Frame | None
-    """The newest picture."""
     poses: Mapping[int, RobotPose]
-    """By marker id: every robot in that picture."""
+    """Every robot in that picture, by marker id."""
     roadmap: Roadmap | None
-    """The newest; its ``scene`` is what it was made of."""
     path: Path | None
-    """The plan that is being driven."""
+    """The driven plan."""
     times: StageTimes
     evidence: Evidence = NO_EVIDENCE
     """Evidence of camera and wheels together."""
     trust: Level = Level.SURE
     """Trust in the robot's identity."""
     troubles: tuple[str, ...] = ()
-    """Troubles that people must know of although the run continues: a journal or log that cannot be
-    written."""
+    """Troubles that people must know of."""
 
 
 @dataclass(frozen=True, slots=True)
 class RunState:
-    """Robots after a cycle by name (empty for a lone robot), and which of them wait."""
+    """Robots after a cycle by name, which is empty for a lone robot."""
 
     time_s: float
     robots: Mapping[str, RobotSnapshot]
     waits: Mapping[str, str] = field(default_factory=dict)
-    """Sentences by waiting robot: which one it waits for, and why."""
+    """Sentence for each waiting robot: which one it waits for, and why."""
     rounds: int = 0
-    """Number of plans asked for, of all robots or of some that join driving ones."""
+    """Number of plans asked for."""
     waits_for: Mapping[str, str] = field(default_factory=dict)
-    """Robot awaited, for each in ``waits`` that waits for one other robot."""
+    """Robot awaited, for each that waits for one other robot."""
 
     @property
     def only(self) -> RobotSnapshot:
@@ -85,10 +82,7 @@ class RunState:
 
     @property
     def together(self) -> RobotSnapshot:
-        """Robot of a run of one; several combined, without a place, stations or a path.
-
-        The combined link is the one that most needs attention.
-        """
+        """Robot of a run of one; several combined, with the link that most needs attention."""
         each = list(self.robots.values())
         if "" in self.robots:
             return self.only
@@ -111,7 +105,7 @@ class RunState:
 
     @property
     def state(self) -> State:
-        """State of a robot under way; if there is none, the worst end."""
+        """State of a robot under way, or else the worst end."""
         if "" in self.robots:
             return self.only.mission.state
         states = [one.mission.state for one in self.robots.values() if one.mission.places]
@@ -146,7 +140,7 @@ def _unknown(link: LinkSnapshot) -> tuple[bool, bool, float]:
 
 @dataclass(frozen=True, slots=True)
 class DrivenPlan:
-    """Driven plan and the time it started, in the clock's seconds."""
+    """Driven plan and the time it started."""
 
     path: Path
     trajectory: Trajectory | None

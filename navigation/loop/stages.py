@@ -1,7 +1,4 @@
-"""Settings of planner, pilot and witness from a configuration.
-
-Units: metres, radians, seconds.
-"""
+"""Settings of planner, pilot and witness from a configuration."""
 
 from __future__ import annotations
 

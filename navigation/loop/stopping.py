@@ -14,7 +14,7 @@ from navigation.mission.mission import MissionError, State
 
 
 class Stopping:
-    """Stops robots; ``kept`` stores stops on disk, None if none are stored."""
+    """Stops robots; ``kept`` stores stops on disk, if any are stored."""
 
     def __init__(self, lock: Lock) -> None:
         self._lock = lock
@@ -27,7 +27,7 @@ class Stopping:
 
     @property
     def trouble(self) -> str:
-        """Warning about stops that are not on disk; empty if there are none."""
+        """Warning about stops that are not on disk, if any."""
         trouble = "" if self.kept is None else self.kept.trouble
         return f"a restart would not know whether robots are stopped: {trouble}" if trouble else ""
 
@@ -50,7 +50,7 @@ class Stopping:
         return said
 
     def stop(self, robots: Sequence[ControlledRobot], reason: str) -> str | None:
-        """Send an emergency stop to the links past every queue, then latch and store it.
+        """Send a stop to the links past every queue, then latch and store it.
 
         Returns a sentence if the stop is not on disk.
         """
@@ -71,7 +71,7 @@ class Stopping:
             self.kept.stop([robot.name], robot.pilot.stopped_by)
 
     def resume(self, robots: Sequence[ControlledRobot]) -> None:
-        """End a pause; lift a stop and re-arm; continue at the next call.
+        """End a pause; re-arm after a stop, and continue at the next call.
 
         ``MissionError`` if a stop came meanwhile.
         """

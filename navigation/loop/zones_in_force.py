@@ -1,8 +1,7 @@
 """Zones of a running program: those configured, and the changes that people make.
 
-Any thread may change them; the control loop acts on a change in its next cycle. A zone keeps the
-form it was written in, so that a page can draw it, and a file can hold it. A change is on the disk,
-where a file keeps them, before it is answered.
+Any thread may change them; the control loop acts in its next cycle. A zone keeps its written form,
+for pages and files. A change that a file keeps is on the disk before it is answered.
 """
 
 from __future__ import annotations
@@ -24,14 +23,14 @@ from navigation.mission.mission import MissionError
 from planner.zones.zone import Zone
 
 MOST_UNDONE: Final = 50
-"""Changes that can be taken back: chosen."""
+"""Chosen: changes that can be taken back."""
 
 
 class ZonesInForce:
-    """The zones by name, in the order in which they were made; ``robots`` are the known names.
+    """The zones in the order in which they were made; ``robots`` are the known names.
 
     ``changed`` is called after each change, in the thread that made it. ``trouble`` says why a
-    restart would not know of the changes so far; empty if it would, or if nothing keeps them.
+    restart would not know of the changes, although a file keeps them.
     """
 
     def __init__(self, zones: Sequence[ZoneSection], robots: Collection[str]) -> None:
@@ -49,16 +48,16 @@ class ZonesInForce:
 
     @property
     def sections(self) -> tuple[ZoneSection, ...]:
-        """The zones as they are written in a configuration."""
+        """Zones as a configuration has them."""
         return self._sections
 
     def zones(self) -> tuple[Zone, ...]:
-        """Return the zones as the planner has them."""
+        """Zones as the planner has them."""
         return tuple(one.zone() for one in self._sections)
 
     @property
     def are_kept(self) -> bool:
-        """True if a file keeps the changes for the next run."""
+        """True if a file keeps the changes."""
         return self._kept is not None
 
     def changes(self) -> tuple[ZoneChange, ...]:
@@ -66,10 +65,9 @@ class ZonesInForce:
         return changes_between(self._configured, self._sections)
 
     def restore(self, kept: KeptZones) -> list[str]:
-        """Take over the changes of the last run, and keep further ones; return what to say.
+        """Take over the last run's changes, and keep further ones; return what to say.
 
-        ``KeptZonesError`` if they are lost: the configuration's zones hold then, and no change is
-        kept before :meth:`keep_in`.
+        ``KeptZonesError`` if they are lost: then no change is kept before :meth:`keep_in`.
         """
         sections, said = with_changes(self._configured, kept.read(), self._robots)
         self._kept = kept
@@ -85,7 +83,7 @@ class ZonesInForce:
         self._write()
 
     def put(self, zone: ZoneSection) -> None:
-        """Add a zone, or replace the one of its name; ``MissionError`` if that cannot be."""
+        """Add a zone, or replace the one of its name; ``MissionError``."""
         unknown = sorted(set(zone.robots) - self._robots)
         if unknown:
             there = ", ".join(sorted(self._robots)) or "one robot, which has no name"
@@ -101,7 +99,7 @@ class ZonesInForce:
         self._tell()
 
     def remove(self, name: str) -> None:
-        """Remove a zone; ``MissionError`` if there is none of that name."""
+        """Remove a zone; ``MissionError``."""
         with self._lock:
             others = tuple(one for one in self._sections if one.name != name)
             if len(others) == len(self._sections):
@@ -111,7 +109,7 @@ class ZonesInForce:
         self._tell()
 
     def undo(self) -> None:
-        """Take the last change back; ``MissionError`` if there is none."""
+        """Take the last change back; ``MissionError``."""
         with self._lock:
             if not self._before:
                 raise MissionError("no change of zones to take back")

@@ -1,4 +1,4 @@
-"""Borders of a scene as polylines: for pictures in three dimensions and for comparing scenes."""
+"""Borders of a scene as polylines, for viewers and for comparing scenes."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ CHORD_TOLERANCE = 0.0005
 
 
 def border_polylines(scene: Scene) -> Iterator[tuple[int, FloatArray]]:
-    """Yield each record of each object as (the object's id, points (n, 2)); a P is one point."""
+    """Yield the object's id and points (n, 2) of each record; a P is one point."""
     tolerance = CHORD_TOLERANCE * min(scene.bounds.width, scene.bounds.height)
     for obj in scene.objects:
         for record in object_records(obj):
@@ -40,7 +40,6 @@ def record_polyline(record: Record, y_down: bool, tolerance: float) -> FloatArra
 
 
 def _edge_points(edge: Edge, y_down: bool, tolerance: float) -> FloatArray:
-    """Points of an edge from its start, without its end."""
     if isinstance(edge, Segment):
         return np.array([edge.start], dtype=np.float64)
     start_rad, sweep_rad = edge.sweep(y_down)

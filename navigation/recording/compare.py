@@ -1,7 +1,7 @@
 """Distance of a replay from its recording, and the tolerances.
 
 Scenes and paths are compared as curves: the greatest distance from a place on one to the nearest
-place on the other, both ways (Hausdorff). Units: metres, radians, seconds.
+place on the other, both ways (Hausdorff). Metres, radians, seconds.
 """
 
 from __future__ import annotations
@@ -25,7 +25,7 @@ ROWS_AT_ONCE: Final = 512
 
 @dataclass(frozen=True, slots=True)
 class ComparisonTolerances:
-    """Largest differences that count as equal. The defaults allow for JPEG and skipped pictures."""
+    """Largest differences that count as equal; defaults allow for JPEG and skipped pictures."""
 
     position_m: float = 0.003
     heading_rad: float = math.radians(1.0)
@@ -36,7 +36,7 @@ class ComparisonTolerances:
 
 @dataclass(frozen=True, slots=True)
 class Difference:
-    """One difference: kind (``pose``, ``scene``, ``plan``), time and sentence."""
+    """Kind (``pose``, ``scene``, ``plan``), time and sentence."""
 
     kind: str
     time_s: float
@@ -82,7 +82,6 @@ def _directed_m(lines: list[FloatArray], others: list[FloatArray]) -> float:
 
 
 def _places(line: FloatArray) -> FloatArray:
-    """Vertices of a polyline and places between them, at most ``SAMPLE_M`` apart."""
     if len(line) == 1:
         return line
     parts = []
@@ -118,7 +117,7 @@ def plan_offset_m(recorded: dict[str, Any], found: Path | NoPath) -> float:
 
 
 def gates_problem(recorded: Sequence[Mapping[str, Any]], others: Sequence[str]) -> str | None:
-    """Difference in a robot's right of way at shared places, in words; None if they agree."""
+    """Difference in right of way, in words; None if they agree."""
     before = [gate["other"] for gate in recorded]
     if before == list(others):
         return None

@@ -1,7 +1,6 @@
-"""Events of a recording: one class each, made in the loops and written by the recorder.
+"""Events of a recording, made in the loops and written by the recorder.
 
-An event carries objects that do not change, so making one costs nothing; the recorder's thread
-turns it into bytes. Times are the run's clock, seconds.
+They carry objects that do not change. Times are the run's clock, seconds.
 """
 
 from __future__ import annotations
@@ -34,7 +33,7 @@ class PictureTaken:
 
 @dataclass(frozen=True, slots=True)
 class RobotsSeen:
-    """Result of the eye for a picture: the poses, and the new scene's revision or None."""
+    """Poses in a picture, and the new scene's revision or None."""
 
     time_s: float
     poses: tuple[RobotPose, ...]
@@ -43,7 +42,7 @@ class RobotsSeen:
 
 @dataclass(frozen=True, slots=True)
 class SceneSeen:
-    """A new scene and its revision; ``carried``: seen in an earlier file of the recording."""
+    """A new scene; ``carried`` from an earlier file."""
 
     time_s: float
     revision: int
@@ -62,7 +61,7 @@ class RoadmapBuilt:
 
 @dataclass(frozen=True, slots=True)
 class PlanAsked:
-    """A request to the planner, for one robot or all of several that want to move."""
+    """A request to the planner, for one robot or several."""
 
     time_s: float
     request: Request
@@ -70,7 +69,7 @@ class PlanAsked:
 
 @dataclass(frozen=True, slots=True)
 class PlanAnswered:
-    """An answer of the planner; ``carried``: given in an earlier file of the recording."""
+    """An answer of the planner; ``carried`` from an earlier file."""
 
     time_s: float
     answer: Answer
@@ -79,7 +78,7 @@ class PlanAnswered:
 
 @dataclass(frozen=True, slots=True)
 class ZonesChanged:
-    """Zones in force from now on, all of them, and the scene's revision from now on."""
+    """All zones in force, and the scene's revision, from now on."""
 
     time_s: float
     revision: int

@@ -1,11 +1,11 @@
 """Files of recorded events, in MCAP: a new one when one is full, the oldest removed.
 
-A file that a person named is neither followed by another nor removed: it ends at the limit.
+A file that a person named is not followed by another: it ends at the limit.
 
 Rules
 - Every file is complete: it begins with the configuration and what still holds.
 - Only pictures are compressed, in their own format. `flush` closes a chunk, which survives a kill.
-- Only files with a recording's name are counted and removed, and never the one being written.
+- Only files with a recording's name are counted and removed, never the one being written.
 """
 
 from __future__ import annotations
@@ -56,16 +56,15 @@ LEAST_FREE_MB: Final = 100.0
 
 
 class RecordingError(ValueError):
-    """A recording cannot be written or read; the message says which file and why."""
+    """A recording cannot be written or read."""
 
 
 class RecordingFiles:
     """Files of one recording, written by one thread.
 
-    ``header(part)`` gives the configuration's message for file number ``part``, from 1;
-    ``stamp_ns`` turns the run's clock into nanoseconds since 1970. ``names`` by marker id name the
-    channels of several driven robots. ``file`` is the name of the one file in ``folder``; without
-    it there are as many as needed, named by the time.
+    ``header(part)`` gives the configuration's message for file ``part``, from 1; ``stamp_ns`` turns
+    the run's clock into nanoseconds since 1970. ``names`` by marker id name robots' channels.
+    ``file`` is the only file in ``folder``; without it files are named by time.
     """
 
     def __init__(
@@ -131,7 +130,7 @@ class RecordingFiles:
             self._write(event)
 
     def write(self, event: RecordedEvent) -> None:
-        """Write one event: as Foxglove's message if it has one, and as JSON for replay."""
+        """Write one event: for viewers if they know its kind, and as JSON for replay."""
         self._standing.take(event)
         self._write(event)
 
@@ -203,8 +202,7 @@ class RecordingFiles:
     def flush(self) -> None:
         """Pass everything to the operating system; begin a new file if this one is full.
 
-        Raises ``RecordingError`` if the disk is nearly full, writing fails, or a named file has
-        reached the limit.
+        ``RecordingError`` if the disk is nearly full, writing fails, or a named file is full.
         """
         try:
             self._writer.flush()

@@ -53,12 +53,12 @@ _LEVELS: Final[dict[Level, LogLevel]] = {
 
 
 def timestamp(time_ns: int) -> Timestamp:
-    """Foxglove's timestamp of nanoseconds since 1970."""
+    """Timestamp of nanoseconds since 1970."""
     return Timestamp(sec=time_ns // NANOSECONDS, nsec=time_ns % NANOSECONDS)
 
 
 def image_message(frame: Frame, time_ns: int, form: str, quality: int) -> CompressedImage:
-    """Compress a picture: ``form`` is jpeg or png, ``quality`` that of JPEG."""
+    """Compress a picture; ``form`` is jpeg or png."""
     if form == "jpeg":
         done, data = cv2.imencode(".jpg", frame.image, [cv2.IMWRITE_JPEG_QUALITY, quality])
     else:
@@ -70,7 +70,7 @@ def image_message(frame: Frame, time_ns: int, form: str, quality: int) -> Compre
 
 
 def pose_message(pose: RobotPose, time_ns: int) -> PoseInFrame:
-    """Pose of a robot in the arena."""
+    """A robot's pose."""
     half_rad = pose.heading_rad / 2.0
     return PoseInFrame(
         timestamp=timestamp(time_ns),
@@ -88,20 +88,20 @@ def log_message(level: Level, sentence: str, source: str, time_ns: int) -> Log:
 
 
 def scene_message(scene: Scene, time_ns: int) -> SceneUpdate:
-    """Borders of all obstacles, replacing those of the last scene."""
+    """Borders of all obstacles."""
     lines = [line for _, line in border_polylines(scene)]
     corners = scene.bounds.corners()
     return _lines_message("scene", [*lines, (*corners, corners[0])], OBSTACLE_EDGE, time_ns)
 
 
 def roadmap_message(roadmap: Roadmap, time_ns: int) -> SceneUpdate:
-    """All edges of the roadmap."""
+    """All edges."""
     lines = [data["polyline"] for _, _, data in roadmap.graph.edges(data=True)]
     return _lines_message("roadmap", lines, ramp_colour(ROADMAP_COLOUR_STEP), time_ns)
 
 
 def zones_message(zones: Sequence[Zone], time_ns: int) -> SceneUpdate:
-    """Outlines of all zones in their colours, replacing the last ones."""
+    """Outlines of all zones in their colours."""
     drawn = [
         _line((*ring, ring[0]), ZONE_COLOURS[zone.kind])
         for zone in zones
@@ -113,7 +113,7 @@ def zones_message(zones: Sequence[Zone], time_ns: int) -> SceneUpdate:
 
 
 def path_message(points: FloatArray | None, time_ns: int) -> SceneUpdate:
-    """The planned path; None if there is none."""
+    """The planned path, if any."""
     return _lines_message("plan", [] if points is None else [points], PATH, time_ns)
 
 

@@ -1,7 +1,6 @@
 """JSON messages of a recording, which `clearway replay` reads without loss.
 
-Every message is one object; floats read back the same. The scene is the text of
-`planner.formats.scene_text`, the calibration that of `vision.calibration.calibration_file`.
+Floats read back the same. Scene and calibration are texts in their own formats.
 """
 
 from __future__ import annotations
@@ -55,18 +54,15 @@ TOPICS: Final = (
     CONFIGURATION, ZONES, FRAMES, SCENES, REQUESTS, PLANS, FLEET_REQUESTS, FLEET_PLANS, FLEET_WAITS,
     LINK,
 )  # fmt: skip
-"""Topics of JSON messages, and ``LINK/NAME`` of several robots; the others are Foxglove's own
-schemas."""
+"""Topics of JSON messages, besides ``LINK/NAME`` of several robots."""
 ANSWERS: Final = {REQUESTS: PLANS, FLEET_REQUESTS: FLEET_PLANS}
-"""Topics of requests, of one robot and of several, and of their answers."""
+"""Topics of requests, and of their answers."""
 
 _REQUEST: TypeAdapter[PlanRequest] = TypeAdapter(PlanRequest)
 
 
 @dataclass(frozen=True, slots=True)
 class _Promised:
-    """Promise of a driving robot as its planner uses it, without targets and path."""
-
     name: str
     station: Station
     points: tuple[tuple[float, float], ...]
@@ -94,7 +90,7 @@ class _Promised:
 
     @property
     def driving(self) -> Driving:
-        """The planner's form of it; its clearances were never recorded."""
+        """The planner's form; its clearances were never recorded."""
         points = np.array(self.points)
         unknown = np.full(len(points), np.nan)
         path = Path(
@@ -117,8 +113,6 @@ class _Promised:
 
 @dataclass(frozen=True, slots=True)
 class _FleetRequest:
-    """Plain values of a `FleetRequest`."""
-
     id: int
     scene_revision: int
     travellers: tuple[Traveller, ...]
@@ -131,7 +125,7 @@ _FLEET_REQUEST: TypeAdapter[_FleetRequest] = TypeAdapter(_FleetRequest)
 
 
 def read_body(data: bytes) -> Any:
-    """Read a message's JSON; ``ValueError`` if damaged or with a number that is not finite."""
+    """Read a message's JSON; ``ValueError`` if damaged or not finite."""
     return json.loads(data, parse_float=_finite, parse_constant=_finite)
 
 
@@ -145,11 +139,11 @@ def _finite(text: str) -> float:
 def configuration_body(
     config: Config, calibration: str, version: str, part: int, anchor_s: float, anchor_ns: int
 ) -> dict[str, Any]:
-    """First message of every file, which explains the pictures.
+    """First message of every file.
 
     ``anchor_s`` on the run's clock was ``anchor_ns`` since 1970, the messages' time base. Since
     recordings are given away, secrets are left out: the dashboard's section, and the password in a
-    camera's address. Zones are events of their own, which need no file beside the recording.
+    camera's address. Zones are events of their own.
     """
     plain = hide_in(config.model_dump(mode="json", exclude={"dashboard", "zones"}))
     plain["camera"]["source"] = _public(config.camera.source)
@@ -207,10 +201,7 @@ def _plain(one: FleetRequest) -> _FleetRequest:
 
 
 def request_of(topic: str, body: dict[str, Any]) -> Request:
-    """Read the request in a message of one of the ``ANSWERS``' topics.
-
-    Raises pydantic's ValidationError (a ValueError) if it is invalid.
-    """
+    """Read the request in a message; pydantic's ValidationError, a ValueError, if invalid."""
     if topic == REQUESTS:
         return _REQUEST.validate_python(body["request"])
     plain = _FLEET_REQUEST.validate_python(body["request"])
@@ -221,9 +212,9 @@ def request_of(topic: str, body: dict[str, Any]) -> Request:
 
 
 def plan_message(answered: PlanAnswered) -> tuple[str, dict[str, Any]]:
-    """Return the topic and the planner's answer: the path and the robot's orders, or a reason.
+    """Return the topic and the planner's answer: path and targets, or the reason for none.
 
-    For several robots, each one's promise by name: its path and gates, or the reason for none.
+    Several robots' promises are by name, with their gates.
     """
     answer = answered.answer
     body: dict[str, Any] = {

@@ -1,8 +1,7 @@
 """Messages of an MCAP file, with bounds: a few bytes can claim gigabytes.
 
 Rules
-- A record is read from its own bytes alone: a length that points past its end ends the file there,
-  as a kill does.
+- A length that points past its record's end ends the file there, as a kill does.
 - Unused kinds of records are skipped unread.
 - A chunk is unpacked no further than the size that it declares, which is limited too.
 
@@ -30,20 +29,20 @@ from navigation.recording.files import RecordingError
 
 MAGIC: Final = b"\x89MCAP0\r\n"
 MOST_RECORD_BYTES: Final = 1 << 28
-"""Size of the largest record, packed or not. The recorder closes a chunk when it has 0.8 MB; a
-single message may be larger, and the largest, an 8K picture without loss, has 100 MB."""
+"""The recorder closes a chunk when it has 0.8 MB; a single message may be larger, and the largest,
+an 8K picture without loss, has 100 MB."""
 MOST_TIMES: Final = 1000
-"""Most that unpacked data may exceed its chunk by, as a factor. Others may pack a recording; the
-same small picture over and over becomes 250 times smaller, what else is recorded 30 times."""
+"""Largest factor of unpacked data over its chunk. Others may pack a recording; the same small
+picture over and over becomes 250 times smaller, everything else 30 times."""
 _HEAD: Final = struct.Struct("<BQ")
-"""A record's kind and length."""
+"""Kind and length."""
 
 
 class Messages:
     """Messages of a file in order, each with its topic and the place of its record.
 
-    ``cut`` is True afterwards if the file's end was missing. Raises ``RecordingError`` for a file
-    that is no MCAP, or claims more than the bounds.
+    ``cut`` is True if the file's end was missing. Raises ``RecordingError`` for what is no MCAP, or
+    claims more than the bounds.
     """
 
     def __init__(self, path: Path) -> None:
@@ -71,7 +70,7 @@ class Messages:
 
 
 def messages_at(path: Path, place: int) -> list[Message]:
-    """Read the messages in the record at a place in the file; ``RecordingError`` if damaged."""
+    """Read the messages in the record at a place; ``RecordingError`` if damaged."""
     try:
         with path.open("rb") as file:
             file.seek(place)
@@ -83,7 +82,6 @@ def messages_at(path: Path, place: int) -> list[Message]:
 
 
 def _records(file: BinaryIO, path: Path) -> Iterator[tuple[int, int, bytes]]:
-    """Yield place, kind and bytes of the records that may hold messages, up to the footer."""
     size = os.fstat(file.fileno()).st_size
     while True:
         place = file.tell()
@@ -124,7 +122,6 @@ def _inner(data: bytes, path: Path) -> Iterator[Channel | Message]:
 
 
 def _unpacked(chunk: Chunk, path: Path) -> bytes:
-    """Return the contents of a chunk; `McapError` if they are not as declared."""
     size = chunk.uncompressed_size
     if chunk.compression:
         _refuse_beyond(size, min(MOST_RECORD_BYTES, MOST_TIMES * len(chunk.data)), path)
@@ -169,7 +166,6 @@ class _Body(ReadDataStream):
         self._size = len(data)
 
     def read(self, length: int) -> bytes:
-        """Return ``length`` bytes; ``McapError`` if there are fewer."""
         left = self._size - self.count
         if not 0 <= length <= left:
             raise McapError(f"a length of {length} bytes where {left} are left")

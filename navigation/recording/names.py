@@ -1,4 +1,4 @@
-"""File names of recordings, for programs that look for one without writing any."""
+"""File names of recordings."""
 
 from __future__ import annotations
 
@@ -10,10 +10,7 @@ SUFFIX: Final = ".mcap"
 
 
 def place_of(asked: Path | None, usual: Path) -> tuple[Path, str | None]:
-    """Folder of recordings, and the name of the only file in it that is ``asked`` for.
-
-    ``asked`` is FILE.mcap, another folder than the ``usual`` one, or None.
-    """
+    """Folder of recordings, and the name of the only file in it, if ``asked`` is FILE.mcap."""
     if asked is not None and asked.suffix.lower() == SUFFIX:
         return asked.parent, asked.name
     return asked or usual, None

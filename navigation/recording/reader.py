@@ -1,7 +1,7 @@
 """Reader of recordings, whole or cut off by a kill: everything flushed is readable.
 
-A file is read from its beginning, never by its index, which a cut file lacks. Pictures are decoded
-one at a time. Times are the run's clock, seconds.
+A file is read from its beginning, never by its index, which a cut file lacks. Times are the run's
+clock, seconds.
 """
 
 from __future__ import annotations
@@ -37,9 +37,9 @@ BAD_BODY: Final = (
     *(ValueError, LookupError, TypeError, AttributeError, ArithmeticError),
     *(SceneError, RecursionError),
 )
-"""JSON that is damaged, or has other things or larger numbers in it than the recorder writes."""
+"""Damaged JSON, or other things or larger numbers than the recorder writes."""
 MOST_CHARACTERS: Final = 300
-"""Length up to which another library's reason is given."""
+"""Of another library's reason."""
 _VARINT_BITS: Final = 64
 
 
@@ -53,7 +53,7 @@ class SeenFrame:
 
 @dataclass(frozen=True, slots=True)
 class SeenScene:
-    """A scene and the time since which it was the newest; ``carried`` from an earlier file."""
+    """A scene and its time; ``carried`` from an earlier file."""
 
     captured_s: float
     revision: int
@@ -70,16 +70,13 @@ class Planned:
 
     @property
     def carried(self) -> bool:
-        """True if it was planned in an earlier file of the recording and still holds."""
+        """True if it was planned in an earlier file and still holds."""
         return bool(self.answer.get("carried", False))
 
 
 @dataclass(slots=True)
 class Recording:
-    """A recording without its pictures, which `pictures` gives one by one.
-
-    ``cut``: the file has no end; the run was killed, or is still running.
-    """
+    """A recording without its pictures; ``cut`` if its end is missing, as after a kill."""
 
     path: Path
     config: Config
@@ -91,23 +88,22 @@ class Recording:
     scenes: list[SeenScene] = field(default_factory=list)
     plans: list[Planned] = field(default_factory=list)
     zones: list[ZonesChanged] = field(default_factory=list)
-    """Each change of zones, in order, from those that held at the beginning; empty if there never
-    were any."""
+    """Changes of zones in order, from those that held at the beginning."""
     log: list[str] = field(default_factory=list)
     cut: bool = False
 
     def zones_at(self, time_s: float) -> tuple[Zone, ...]:
-        """Zones in force at a time; for an earlier time than any none."""
+        """Zones in force at a time; none before the first."""
         at = bisect_right(self.zones, time_s, key=lambda one: one.time_s)
         return self.zones[at - 1].zones if at else ()
 
     def zones_in(self, revision: int) -> tuple[Zone, ...]:
-        """Zones that were in force in a revision of the scene."""
+        """Zones in force in a revision of the scene."""
         at = bisect_right(self.zones, revision, key=lambda one: one.revision)
         return self.zones[at - 1].zones if at else ()
 
     def scene_in(self, revision: int) -> SeenScene | None:
-        """Scene of a revision, which a change of zones numbers again; None if not recorded."""
+        """Scene of a revision, which a change of zones raises too; None if not recorded."""
         at = bisect_right(self.scenes, revision, key=lambda one: one.revision)
         return self.scenes[at - 1] if at else None
 
@@ -122,7 +118,7 @@ def read_recording(path: Path) -> Recording:
     """Read a recording; `RecordingError` if it is invalid or has no configuration."""
     recording: Recording | None = None
     asked: dict[tuple[str, int], Request] = {}
-    """By the topic of the answer, and id."""
+    """By topic of the answer, and id."""
     messages = Messages(path)
     for _, topic, message in messages:
         if topic not in bodies.TOPICS:
@@ -151,7 +147,7 @@ def read_recording(path: Path) -> Recording:
 
 
 def unreadable(path: Path, topic: str, error: Exception) -> RecordingError:
-    """Error for a message, in one sentence."""
+    """Error for a message."""
     why = " ".join(f"{type(error).__name__}: {error}".split())[:MOST_CHARACTERS]
     return RecordingError(f"{path}: a message of {topic} cannot be read: {why}")
 
@@ -203,8 +199,8 @@ def decoded_picture(message: bytes, path: Path) -> Image:
 def bytes_field(message: bytes, wanted: int) -> bytes:
     """Return a bytes field of a protobuf message; empty if absent.
 
-    Protobuf's wire: a varint of number and type; then a varint (0), 8 bytes (1), a length and that
-    many bytes (2), or 4 bytes (5).
+    Protobuf's wire: a varint of number and type; then a varint (0), 8 bytes (1), a length and bytes
+    (2), or 4 bytes (5).
     """
     at = 0
     while at < len(message):

@@ -1,8 +1,7 @@
 """Events that still hold when a recording continues in a new file, which begins with them.
 
-The newest of each kind: the scene and its roadmap, the zones, each mission's state and reason, who
-waits for whom, and each robot's plan with its request. An unanswered request is carried too, or its
-later answer would answer nothing.
+The newest of each kind, and each robot's plan with its request. An unanswered request is carried
+too, or its later answer would answer nothing.
 """
 
 from __future__ import annotations
@@ -30,7 +29,7 @@ class CurrentEvents:
     def __init__(self) -> None:
         self._newest: dict[object, SceneSeen | RoadmapBuilt | ZonesChanged | Told | Counted] = {}
         self._open: dict[int, PlanAsked] = {}
-        """Not answered yet, by id."""
+        """Unanswered, by id."""
         self._plans: dict[str, tuple[PlanAsked, PlanAnswered]] = {}
         """By robot; "" is a single one."""
 

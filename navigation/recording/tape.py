@@ -1,7 +1,7 @@
 """A recording at any moment: sightings, plans, sentences and the newest picture.
 
-The file is read once, in order; only the places of its pictures are kept, and one is read and
-decoded on request. Times are the run's clock, seconds; wall times seconds since 1970.
+The file is read once, in order; of its pictures only the places are kept. Times are the run's
+clock, seconds; wall times seconds since 1970.
 """
 
 from __future__ import annotations
@@ -40,12 +40,12 @@ LOG: Final = "/log"
 _SENTENCE_FIELD, _SOURCE_FIELD = 3, 4
 """`message` and `name` in foxglove.Log."""
 MISSION: Final = "mission"
-"""The source in the log of what a single robot's mission is."""
+"""Source of a single robot's mission in the log."""
 
 
 @dataclass(frozen=True, slots=True)
 class TapedPicture:
-    """A picture's time and number, and the place of its chunk in the file."""
+    """A picture's time and number, and its chunk's place in the file."""
 
     captured_s: float
     stamp_ns: int
@@ -56,7 +56,7 @@ class TapedPicture:
 
 @dataclass(frozen=True, slots=True)
 class TapedPlan:
-    """A robot's plan, as in `json_bodies.plan_message`, and its targets."""
+    """A robot's plan, as in `json_bodies.plan_message`, and its stations."""
 
     time_s: float
     stations: tuple[Station, ...]
@@ -64,15 +64,12 @@ class TapedPlan:
 
 
 Waits: TypeAlias = tuple[dict[str, str], dict[str, str]]
-"""Sentences of the robots that wait, and the robots they wait for, by name."""
+"""Sentences of waiting robots, and the robots they wait for, by name."""
 
 
 @dataclass(slots=True)
 class Tape:
-    """A recording, ordered by time; `read_tape` makes one. Lists are ascending.
-
-    Values of each robot are kept by its name; a single one's is "".
-    """
+    """A recording in ascending order of time; robots by name, which is empty for a single one."""
 
     recording: Recording
     wall_offset_s: float
@@ -81,11 +78,10 @@ class Tape:
     pictures: list[TapedPicture] = field(default_factory=list)
     plans: dict[str, list[TapedPlan]] = field(default_factory=lambda: defaultdict(list))
     said: dict[str, list[tuple[float, str]]] = field(default_factory=lambda: defaultdict(list))
-    """States of the mission and their reasons: ``state: sentence``."""
+    """States and reasons of the mission: ``state: sentence``."""
     links: dict[str, list[tuple[float, dict[str, Any]]]] = field(
         default_factory=lambda: defaultdict(list)
     )
-    """The link's counters."""
     waits: list[tuple[float, Waits]] = field(default_factory=list)
 
     @property
@@ -99,7 +95,7 @@ class Tape:
         return self.frames[-1].captured_s
 
     def frame_at(self, time_s: float) -> SeenFrame:
-        """Last sighting; the first one for an earlier time."""
+        """Last sighting by then; the first one for an earlier time."""
         return self.frames[max(0, self.count_until(time_s) - 1)]
 
     def count_until(self, time_s: float) -> int:
@@ -115,7 +111,7 @@ class Tape:
                 yield last_s
 
     def told_until(self, time_s: float, most: int) -> list[float]:
-        """The newest ``most`` times at which something was said of a mission."""
+        """Newest ``most`` times of a mission's sentences."""
         return sorted({at_s for said in self.said.values() for at_s, _ in said if at_s <= time_s})[
             -most:
         ]
@@ -129,7 +125,7 @@ class Tape:
         return scenes[at - 1] if at else None
 
     def plan_at(self, time_s: float, robot: str = "") -> TapedPlan | None:
-        """Newest plan of a robot, or the newest message that there is none."""
+        """Newest plan of a robot, or the message that there is none."""
         plans = self.plans.get(robot, [])
         at = bisect_right(plans, time_s, key=lambda plan: plan.time_s)
         return plans[at - 1] if at else None
@@ -143,7 +139,7 @@ class Tape:
         return _newest(self.links.get(robot, []), time_s)
 
     def waits_at(self, time_s: float) -> Waits:
-        """Robots and those they wait for; empty if none was recorded."""
+        """Sentences and robots awaited; empty if none was recorded."""
         return _newest(self.waits, time_s) or ({}, {})
 
     def picture_at(self, time_s: float) -> TapedPicture | None:
@@ -161,7 +157,7 @@ class Tape:
 
 
 def read_tape(path: Path) -> Tape:
-    """Read a recording for viewing; `RecordingError` if it is invalid or has no sighting."""
+    """Read a recording; `RecordingError` if it is invalid or has no sighting."""
     recording = read_recording(path)
     if not recording.frames:
         raise RecordingError(f"{path}: nothing was seen in it")
@@ -189,7 +185,6 @@ def read_tape(path: Path) -> Tape:
 
 
 def _take(tape: Tape, offset: int, topic: str, message: Message) -> None:
-    """Sort a message into the tape; ``offset`` is the place of its record."""
     time_s = message.log_time / 1e9 - tape.wall_offset_s
     if topic == CAMERA:
         seen = tape.recording.frames.get(message.log_time)
@@ -211,7 +206,6 @@ def _take(tape: Tape, offset: int, topic: str, message: Message) -> None:
 
 
 def _plans_in(planned: Planned) -> Iterator[tuple[str, TapedPlan]]:
-    """Yield each robot's plan in one answer, by name."""
     request, answer = planned.request, planned.answer
     time_s = float(answer["time_s"])
     if isinstance(request, PlanRequest):
@@ -223,6 +217,5 @@ def _plans_in(planned: Planned) -> Iterator[tuple[str, TapedPlan]]:
 
 
 def _newest(moments: list[tuple[float, T]], time_s: float) -> T | None:
-    """Return the last value by ``time_s``; ``moments`` ascending."""
     at = bisect_right(moments, time_s, key=lambda one: one[0])
     return moments[at - 1][1] if at else None

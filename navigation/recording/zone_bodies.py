@@ -1,6 +1,6 @@
 """Zones in a recording: a JSON message for `clearway replay`, read back without loss.
 
-A mask is written as a scene text, since its file stays where it is: a recording is complete.
+A mask is written as a scene text, since its file is not recorded.
 """
 
 from __future__ import annotations
@@ -18,7 +18,7 @@ MOST_ZONES: Final = 1000
 
 
 def zones_body(changed: ZonesChanged) -> dict[str, Any]:
-    """All zones in force since a time, and the scene's revision with them."""
+    """All zones in force, and the scene's revision with them."""
     zones = [_plain(one) for one in changed.zones]
     return {"time_s": changed.time_s, "revision": changed.revision, "zones": zones}
 

@@ -1,7 +1,6 @@
-"""Place a camera again from the floor markers in its pictures, and rewrite its calibration file.
+"""Place a camera again from floor markers in its pictures, and rewrite its calibration file.
 
-The file is replaced as a whole; the old one is kept beside it, named after the time. Metres,
-pixels.
+The file is replaced as a whole, and the old one is kept beside it. Metres, pixels.
 """
 
 from __future__ import annotations
@@ -47,7 +46,7 @@ class Renewed:
     backup: Path
 
     def lines(self) -> list[str]:
-        """Return the result as lines for a person."""
+        """Return lines for a person."""
         found = self.found
         used = sum(one.used for one in found.residuals)
         told = [
@@ -64,10 +63,7 @@ class Renewed:
 
 
 def of_camera(config: Config, name: str | None) -> Config:
-    """Return the configuration of one camera, which must be named if there are several.
-
-    Raises ``AnchoringError`` for an unknown name.
-    """
+    """Return the configuration of one camera; ``AnchoringError`` for a wrong or missing name."""
     cameras = each_camera(config)
     if name in cameras:
         return cameras[name]
@@ -84,8 +80,8 @@ def renew(
 ) -> Renewed:
     """Place the configured camera again from the floor markers in its pictures.
 
-    ``lens`` replaces the file's. Raises ``AnchoringError`` without a configured file or markers, or
-    if the pictures show too little.
+    ``lens`` replaces the file's. Raises ``AnchoringError`` without file or markers, or if the
+    pictures show too little.
     """
     file = config.camera.calibration
     if file is None:
@@ -177,7 +173,7 @@ def take_over_lens(
 
 
 def _corners(picture: Image, dictionary: str, calibration: Calibration) -> dict[int, FloatArray]:
-    """Corners of a picture's markers by id, without ids seen twice."""
+    """Corners of markers by id, without ids seen twice."""
     grey = grey_of(picture).view()
     grey.setflags(write=False)  # read-only as in a run: the kernels are compiled for that type
     found = find_markers(grey, dictionary, calibration=calibration)
@@ -191,10 +187,7 @@ def renew_while_running(
     newest: Callable[[str | None], Frame | None],
     reload: Callable[[], None] | None,
 ) -> list[str]:
-    """Renew from a camera's newest picture, have the run take it over, and return the report.
-
-    ``camera`` names one of several. Raises ``MissionError`` like any refused order.
-    """
+    """Renew from a camera's newest picture and have the run take it over, or ``MissionError``."""
     try:
         meant = of_camera(config, camera)
         frame = newest(camera)

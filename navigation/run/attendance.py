@@ -1,6 +1,6 @@
 """News of a run after each cycle: log, watchdog, troubles, recording.
 
-It decides and opens nothing, and says each sentence once, when it becomes true.
+Each sentence is said once, when it becomes true.
 """
 
 from __future__ import annotations
@@ -21,14 +21,11 @@ if TYPE_CHECKING:
 
 
 RECORDER_SILENT_S: Final = 3.0
-"""A recorder's thread that has not turned for this time hangs, most likely in its disk."""
+"""A recorder's thread that has not turned for this time hangs."""
 
 
 class Attendance:
-    """Observer of a daemon's cycles; call `cycle` after each.
-
-    ``say`` gets lines for the terminal: a device is awaited, a recording fails.
-    """
+    """Observer of a daemon's cycles; ``say`` gets lines for the terminal."""
 
     def __init__(
         self,
@@ -52,7 +49,7 @@ class Attendance:
         self._recorder_turned_s = 0.0
 
     def cycle(self, now: RunState, time_s: float) -> None:
-        """Report a cycle that ended with ``now`` at ``time_s`` of the run's clock."""
+        """Report a cycle that ended with ``now`` at the monotonic ``time_s``."""
         camera = self._daemon.camera.status()
         self._log.cycle(now.robots, camera)
         for name, one in now.robots.items():
@@ -68,7 +65,6 @@ class Attendance:
             self._look_at_the_recording(self._recorder, time_s)
 
     def _look_at_robot(self, name: str, now: RobotSnapshot) -> None:
-        """Say when waiting for a robot starts and ends; the log has it anyway."""
         waits = now.link.state is LinkState.CLOSED
         if waits != self._waits_for.get(name, False):
             self._waits_for[name] = waits
@@ -78,7 +74,6 @@ class Attendance:
             self._say(f"{waiting}: {reason}" if waits else is_open)
 
     def _look_at_camera(self, camera: CameraStatus) -> None:
-        """Say when waiting for the camera starts and ends."""
         if camera.state == ("running" if self._waits_for_camera else "lost"):
             self._waits_for_camera = not self._waits_for_camera
             self._say(

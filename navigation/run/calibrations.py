@@ -22,10 +22,7 @@ def calibration_of(config: Config) -> Calibration:
 
 
 def floor_plan_of(config: Config) -> FloorPlan | None:
-    """Floor under several cameras; None for one camera.
-
-    Raises ``CalibrationError`` naming a camera that sees nothing of the arena.
-    """
+    """Floor under several cameras, else None; ``CalibrationError`` if one sees none of it."""
     cameras = each_camera(config)
     if not cameras:
         return None

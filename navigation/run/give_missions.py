@@ -1,9 +1,9 @@
 """Give the configured missions to their robots, and tasks once all robots have been located.
 
-Before any robot moves, tasks go to robots without stations of their own, with the least sum of
-driving times, each robot alone on its own path. After a kill, every journal's unfinished mission
-continues. While any does, missions recorded as over stay over: no robot repeats finished work or
-what a person has stopped. Metres, seconds.
+Tasks go to robots without stations before any robot moves, with the least sum of driving times of
+robots alone. After a kill, every journal's unfinished mission continues. While any does, missions
+recorded as over stay over: no robot repeats finished work or what a person has stopped. Metres,
+seconds.
 """
 
 from __future__ import annotations
@@ -19,13 +19,13 @@ from navigation.mission.mission import MissionProgress, Station
 from planner.fleet.assignment import assign_tasks
 
 ROBOT_PATIENCE_S: Final = 3.0
-"""Time that a restart waits for the robots to say how far they have come."""
+"""Time that a restart waits for the robots to report their progress."""
 
 
 class GiveMissions:
-    """Distribution of missions, each as soon as possible; call `cycle` before each of the daemon's.
+    """Distribution of missions; call `cycle` before each of the daemon's.
 
-    ``for_orders``: give nothing configured, since people give orders.
+    ``for_orders`` gives nothing configured.
     """
 
     def __init__(
@@ -59,7 +59,7 @@ class GiveMissions:
         self.cycle()
 
     def _rearmed(self) -> set[str]:
-        """Names of robots re-armed but not resumed, which wait for the second resume."""
+        """Names of robots re-armed, which wait for the second resume."""
         found = set()
         for name, robot in self._daemon.robots.items():
             mission = None if robot.journal is None else robot.journal.rearmed()
@@ -74,10 +74,7 @@ class GiveMissions:
         return found
 
     def _open_tasks(self) -> tuple[ConfiguredStation, ...]:
-        """Unassigned tasks: all, or after a kill those not yet given.
-
-        Journals are written one by one: a kill between two writes leaves tasks without a mission.
-        """
+        """Unassigned tasks; a kill between two journals' writes leaves some without a mission."""
         tasks = self._daemon.config.tasks
         if not self._kept:
             return tasks
@@ -95,7 +92,7 @@ class GiveMissions:
         return not self._left and not self._tasks and not self._given
 
     def cycle(self) -> None:
-        """Give everything that can be given now."""
+        """Give what can be given now."""
         if self._tasks:
             self._assign()
         if self._tasks:
@@ -108,10 +105,7 @@ class GiveMissions:
         self._given = {}
 
     def _assign(self) -> None:
-        """Assign tasks to free robots once all were seen and a roadmap exists.
-
-        No robot moves meanwhile: the control loop plans a path for every pair.
-        """
+        """Assign tasks once all free robots were seen and a roadmap exists."""
         robots = self._daemon.robots
         free = {
             name: robot
@@ -140,7 +134,6 @@ class GiveMissions:
         self._tasks = ()
 
     def _continue(self, name: str) -> None:
-        """Restore the journal's mission after the robot's report of its progress, or a timeout."""
         robot, mission = self._daemon.robots[name], self._left[name]
         assert robot.journal is not None
         plan = robot.journal.plan()
@@ -164,5 +157,4 @@ def _station(task: ConfiguredStation) -> Station:
 
 
 def _who(name: str) -> str:
-    """Name of a robot in a sentence, even of a single one, which has none."""
     return name or "the robot"

@@ -1,7 +1,6 @@
-"""Notifications: the configured call, made once when a mission is done, stopped or failed.
+"""The configured call, made once when a mission is done, stopped or failed.
 
-The calls are made by another thread (`machine/outside_calls.py`): the control loop never waits for
-them, and none of their errors reaches it.
+Another thread makes it: the control loop never waits for it and gets none of its errors.
 """
 
 from __future__ import annotations
@@ -26,14 +25,14 @@ MOST_CHARACTERS: Final = 2000
 """Chosen: of a sentence; a fleet's has a part for each robot."""
 ENDED: Final = (State.DONE, State.STOPPED, State.FAILED)
 LONE: Final = "robot"
-"""Name of a robot that has none, being alone."""
+"""Name of a lone robot."""
 
 
 class Notifications:
-    """Observer of a run's cycles; a context manager. Call `cycle` after each, `end` once.
+    """Observer of a run's cycles; call `cycle` after each, `end` once.
 
-    ``now`` gives the wall time. ``say`` gets a line for the terminal if a call fails. What is
-    already over in the first cycle, by a journal or a kept stop, is no news.
+    ``now`` gives the wall time. ``say`` gets a line if a call fails. Missions that are over in the
+    first cycle, by a journal or a kept stop, are no news.
     """
 
     def __init__(
@@ -64,7 +63,7 @@ class Notifications:
             self._report(self._calls)
 
     def cycle(self, now: RunState) -> None:
-        """Call for each robot whose mission has come to an end in this cycle."""
+        """Call for each robot whose mission has ended in this cycle."""
         if self._calls is None:
             return
         for name, one in now.robots.items():
@@ -75,7 +74,7 @@ class Notifications:
         self._report(self._calls)
 
     def end(self, state: State, reason: str) -> None:
-        """Call for each robot that was under way when its run failed, by a limit of time."""
+        """Call for each robot that was under way when a limit of time failed the run."""
         if self._calls is None or state is not State.FAILED:
             return
         for name, mission in self._before.items():
@@ -102,11 +101,11 @@ class Notifications:
 
 
 def filled(argument: str, values: Mapping[str, str]) -> str:
-    """The argument with its placeholders replaced, once: values have none."""
+    """Replace an argument's placeholders, and none within their values."""
     return PLACEHOLDER.sub(lambda match: values[match[1]], argument)
 
 
 def _is_news(before: MissionProgress, now: MissionProgress) -> bool:
-    """True if a mission is over now; back from stepping aside for another, it was done before."""
+    """True if a mission is over now; one that only stepped aside was done before."""
     was_aside = before.errand is not None and now.state is State.DONE
     return now.state in ENDED and now.state is not before.state and not was_aside

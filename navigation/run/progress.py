@@ -1,7 +1,4 @@
-"""Lines about a run: news of each robot and, at intervals, the distance to go.
-
-Metres, seconds, degrees.
-"""
+"""Lines about a run: news of each robot and, at intervals, the distance to go."""
 
 from __future__ import annotations
 
@@ -16,10 +13,7 @@ PROGRESS_EVERY_S: Final = 1.0
 
 
 class ProgressLines:
-    """News of each cycle as lines; call `cycle` after each of the run's.
-
-    ``say`` gets lines for a terminal, ``status`` the state of all robots in one line.
-    """
+    """News of each cycle: ``say`` gets lines for a terminal, ``status`` all robots' state."""
 
     def __init__(self, say: Callable[[str], None], status: Callable[[str], object]) -> None:
         self._say, self._status = say, status
@@ -78,7 +72,6 @@ def _of_all(now: RunState) -> str:
 
 
 def _of_one(now: RobotSnapshot) -> str:
-    """Place and distance to go, or the reason for holding."""
     if now.mission.state is State.HOLDING or now.pose is None:
         return now.sentence
     turned_deg = math.degrees(now.pose.heading_rad)

@@ -1,11 +1,9 @@
 """Read the configuration again during a run; a broken file changes nothing.
 
-SIGHUP asks for it (`systemctl reload clearway`). A separate thread reads, so the control loop
-continues. A good file is handed over; all errors of a bad one are reported. A changed calibration
-counts too.
+SIGHUP asks for it. A thread reads, so the control loop continues. A changed calibration counts too.
 
 Concurrent requests merge, and the stricter one wins: a person who changes settings on the page has
-ordered no drive, even if another request comes just before or after.
+ordered no drive, whatever other requests come.
 """
 
 from __future__ import annotations
@@ -22,8 +20,8 @@ from navigation.machine.logs import Level
 class Reloader:
     """Reader of ``file`` on request; ``good`` gets a new, different, valid configuration.
 
-    ``load`` reads and checks, raising ``ConfigError``; ``say`` reports. ``say`` and ``good`` are
-    called in the reloader's thread.
+    ``load`` reads and checks, raising ``ConfigError``. ``say`` and ``good`` are called in the
+    reloader's thread.
     """
 
     def __init__(
@@ -52,7 +50,7 @@ class Reloader:
     def ask(self, *, waits: bool = False) -> None:
         """Request a reading without waiting, as a signal handler must.
 
-        ``waits``: the restarted run waits for orders, even if other requests do not ask for it.
+        ``waits``: the restarted run waits for orders, whatever others ask.
         """
         self._waiting_asked += waits
         self._asked.set()

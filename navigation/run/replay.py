@@ -1,16 +1,15 @@
 """Run vision and planner again on a recording and report differences.
 
 Rules
-- Pictures go through the same `Eye`, requests through the same `ArenaPlanner` (`FleetPlanner` for
-  several robots), with the recorded configuration, calibration, zones, starts and stations.
-- A recording may hold fewer pictures than the run saw: a scene counts as found if the replay
-  produces it while it was the newest, or within ``SCENE_LAG_S`` after.
-- Tracking may find a robot a moment later than the run: only a robot missed for ``SEARCH_S`` is a
-  difference.
-- With two almost equally good paths, scenes equal within the tolerance may lead to either: a plan
-  that comes out as recorded in the recorded scene is no difference.
+- Pictures and requests go through a run's own parts, with the recorded configuration, calibration,
+  zones, starts and stations.
+- A recording may hold fewer pictures than the run saw: a scene is found if the replay produces it
+  while it was the newest, or within ``SCENE_LAG_S`` after.
+- Tracking may find a robot later than the run: only one missed for ``SEARCH_S`` is a difference.
+- Scenes equal within the tolerance may lead to either of two almost equal paths: a plan that comes
+  out as recorded in the recorded scene is no difference.
 
-Units: metres, radians, seconds of the recorded run's clock.
+Metres, radians, seconds of the recorded run's clock.
 """
 
 from __future__ import annotations
@@ -52,7 +51,7 @@ SEARCH_S: Final = 0.6
 
 @dataclass(slots=True)
 class Largest:
-    """Largest distances found, whether within tolerance or not."""
+    """Largest distances, within tolerance or not."""
 
     position_m: float = 0.0
     heading_rad: float = 0.0
@@ -71,8 +70,7 @@ class ReplayResult:
     not_compared: int = 0
     """Scenes and plans for which the recording has no pictures."""
     near_ties: int = 0
-    """Plans that go elsewhere in the replay's scene, and as recorded in the recorded scene,
-    which is equal within the tolerance: two ways are as good."""
+    """Plans that come out as recorded only in the recorded scene, equal within the tolerance."""
     largest: Largest = field(default_factory=Largest)
     differences: list[Difference] = field(default_factory=list)
 
@@ -89,12 +87,8 @@ class _FoundScene:
 
 
 class _Plans(Protocol):
-    """The planner under comparison, for one robot or several."""
-
     @property
-    def revision(self) -> int:
-        """Revision of the last scene seen."""
-        ...
+    def revision(self) -> int: ...
 
     def see(self, scene: Scene, revision: int, zones: Sequence[Zone] = ()) -> None:
         """Take over a scene and its zones."""
@@ -105,8 +99,6 @@ class _Plans(Protocol):
 
 
 class _PlansOfOne(ArenaPlanner):
-    """The planner of one robot."""
-
     def compare(self, planned: Planned, limits: ComparisonTolerances) -> tuple[float, str | None]:
         assert isinstance(planned.request, PlanRequest)
         answer: PlanAnswer = self.answer(planned.request)
@@ -115,12 +107,7 @@ class _PlansOfOne(ArenaPlanner):
 
 
 class _PlansOfSeveral(FleetPlanner):
-    """The planner of several robots."""
-
     def compare(self, planned: Planned, limits: ComparisonTolerances) -> tuple[float, str | None]:
-        """Return the largest distance of all paths, and the first difference in path or right of
-        way.
-        """
         assert isinstance(planned.request, FleetRequest)
         answer: FleetAnswer = self.answer(planned.request)
         farthest_m, first = 0.0, None
@@ -139,10 +126,7 @@ class _PlansOfSeveral(FleetPlanner):
 
 
 class Replay:
-    """Replay of one recording; call `run`.
-
-    Raises ``RecordingError`` for a recording of several cameras.
-    """
+    """Replay of one recording; ``RecordingError`` if it is of several cameras."""
 
     def __init__(self, recording: Recording, tolerances: ComparisonTolerances) -> None:
         self.recording, self.tolerances = recording, tolerances
@@ -167,7 +151,7 @@ class Replay:
             return _PlansOfSeveral(alone) if alone else _PlansOfOne(plan_settings(config))
 
         self._planner, self._planner_of_recorded = planner(), planner()
-        """The second sees the recorded scenes only: each of the two stays with its own last way."""
+        """The second sees only the recorded scenes: each of the two keeps its own last path."""
         self._found: list[_FoundScene] = []
         self._last_s = -math.inf
         self._first_s: float | None = None
@@ -176,7 +160,7 @@ class Replay:
         self._equal_scenes: set[int] = set()
 
     def run(self) -> ReplayResult:
-        """Replay every picture, then compare scenes and plans."""
+        """Compare every picture, then scenes and plans."""
         for number, (time_ns, image) in enumerate(self.recording.pictures()):
             seen = self.recording.frames.get(time_ns)
             if seen is None:
@@ -223,7 +207,7 @@ class Replay:
             self._differ("pose", since_s, f"robot {robot_id} is seen {where} only")
 
     def _compare_scenes(self) -> dict[int, Scene]:
-        """Compare the recorded scenes; return the replay's scene for each revision."""
+        """Return the replay's scene for each revision."""
         by_revision: dict[int, Scene] = {}
         scenes = self.recording.scenes
         ends = [*(scene.captured_s for scene in scenes[1:]), math.inf]
@@ -262,7 +246,7 @@ class Replay:
     def _nearest(
         self, recorded: SeenScene, begin_s: float, end_s: float
     ) -> tuple[Scene | None, float]:
-        """Nearest of the replay's scenes that were the newest during an interval."""
+        """Nearest of the replay's scenes that were newest in an interval."""
         before = [f for f in self._found if f.captured_s <= begin_s][-1:]
         between = [f for f in self._found if begin_s < f.captured_s <= end_s]
         best: Scene | None = None
@@ -296,7 +280,6 @@ class Replay:
             self._differ("plan", planned.answer["time_s"], sentence)
 
     def _offset(self, planner: _Plans, planned: Planned, scene: Scene) -> tuple[float, str | None]:
-        """Compare a plan made in this scene; results as for `_Plans.compare`."""
         revision = int(planned.answer["revision"])
         if planner.revision != revision:
             planner.see(scene, revision, self.recording.zones_in(revision))
@@ -304,5 +287,5 @@ class Replay:
 
 
 def replay(recording: Recording, tolerances: ComparisonTolerances | None = None) -> ReplayResult:
-    """Replay a recording and compare; see `Replay`."""
+    """Replay a recording; see `Replay`."""
     return Replay(recording, tolerances or ComparisonTolerances()).run()

@@ -1,8 +1,8 @@
-"""The zones that people changed in an earlier run: restored from beside the journal.
+"""The zones that people changed in an earlier run, restored from beside the journal.
 
-If they are lost, a keep-out zone may be lost with them: the configuration's zones hold, and all
-robots are stopped until a person resumes. The damaged file is put aside only when that stop is on
-the disk, so that a run that is killed in between does not drive either.
+If they are lost, the configuration's zones hold, and all robots are stopped until a person resumes:
+a keep-out zone may be lost with them. The damaged file is put aside only when that stop is on the
+disk, so that a run killed in between does not drive either.
 """
 
 from __future__ import annotations
@@ -15,10 +15,7 @@ from navigation.machine.logs import RunLog
 
 
 class RestoredZones:
-    """Zones of an earlier run, taken over where it is made, before anybody can change them.
-
-    ``say`` and ``log`` get a sentence for each. Without a journal nothing is restored or kept.
-    """
+    """Zones of an earlier run, taken over before anyone can change them; none without a journal."""
 
     def __init__(self, daemon: Daemon, say: Callable[[str], None], log: RunLog) -> None:
         self._daemon, self._say, self._log = daemon, say, log

@@ -1,7 +1,4 @@
-"""Report of one robot's run, as data and as lines for a person.
-
-Units: metres, degrees, seconds; latencies in milliseconds.
-"""
+"""Report of one robot's run. Metres, degrees, seconds; latencies in milliseconds."""
 
 from __future__ import annotations
 
@@ -77,14 +74,13 @@ class Report:
     frames: FrameCounts
     latency_ms: Latencies
     ground_truth: bool
-    """True if clearance, tracking and goal errors come from the simulation's truth, not the
-    camera."""
+    """True if clearance, tracking and goal errors are the simulation's truth, not the camera's."""
     track_jumps: int = 0
-    """Number of jumps to where the robot had not driven: it was lifted, or unseen between."""
+    """Jumps of the track: the robot was lifted, or was unseen between."""
 
     @classmethod
     def of_nothing(cls, reason: str, stations: int) -> Report:
-        """Make the report of a run that ended before it had a robot and a camera."""
+        """Make the report of a run that ended before it had its devices."""
         return cls(
             state="stopped",
             reason=reason,
@@ -162,7 +158,7 @@ def rms_and_max(errors: FloatArray) -> TrackingError:
 
 
 def percentiles_ms(latencies_s: list[float]) -> CaptureToWire:
-    """Median and 99th percentile of latencies, in milliseconds."""
+    """Median and 99th percentile."""
     if not latencies_s:
         return CaptureToWire()
     p50, p99 = np.percentile(np.array(latencies_s) * 1e3, [50.0, 99.0])

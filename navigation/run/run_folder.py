@@ -1,7 +1,4 @@
-"""The folder that a run leaves: its report, and a picture of the tracks.
-
-Units: metres, radians, seconds.
-"""
+"""The folder that a run leaves: its report, and a picture of the tracks."""
 
 from __future__ import annotations
 
@@ -28,11 +25,11 @@ from planner.zones.zone import zones_for
 from planner.zones.zoned_roadmap import with_zones
 
 REACH_SHARE, REACH_M = 1.1, 0.02
-"""Reach of a robot along its plan: a share of the length it drove, and metres more."""
+"""Reach of a robot along its plan: a share of its driven length, and metres more."""
 ANYTHING_M_S = 10.0
-"""The speed of other robots is unknown: their tracks break only where they were not seen."""
+"""Tracks of other robots, whose speed is unknown, break only where they were not seen."""
 STRETCH_STEP_M = 0.005
-"""Driven stretches of replaced plans are drawn with a point this often."""
+"""Distance of points along the driven stretches of replaced plans."""
 
 
 def make_run_folder(runs_dir: Path, now: datetime) -> Path:
@@ -68,7 +65,7 @@ def write_run(folder: Path, daemon: Daemon, report: RunReport) -> list[str]:
 
 
 def prepare_picture(daemon: Daemon) -> None:
-    """Have the roadmap's graph made for the picture: 0.2 s the first time."""
+    """Make the roadmap's graph for the picture: 0.2 s the first time."""
     if daemon.roadmap is not None:
         _ = daemon.roadmap.graph
 
@@ -131,7 +128,6 @@ def write_picture(file: Path, daemon: Daemon, report: RunReport) -> None:
 
 
 def _driven(name: str, robot: ControlledRobot, daemon: Daemon) -> DrawnRobot:
-    """One of several robots, with its track, last plan and stations."""
     body = robot.config.robot
     pieces = driven_pieces(driven_track(daemon, robot), body.speed_m_s)
     stations = robot.pilot.mission.stations
@@ -149,8 +145,8 @@ def driven_stretches(
 ) -> list[FloatArray]:
     """Driven points (n, 2) of every plan but the last, up to its replacement.
 
-    ``track`` (k, 4) of seconds, x_m, y_m, heading_rad. If a plan crosses itself, the driven length
-    decides which pass was reached.
+    ``track`` (k, 4) of seconds, x_m, y_m, heading_rad. Where a plan crosses itself, the driven
+    length decides.
     """
     stretches = []
     for plan, following in pairwise(plans):

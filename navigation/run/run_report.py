@@ -1,7 +1,4 @@
-"""The report of a run: each robot's own, and the least gap between two robots.
-
-Units: metres, degrees, seconds; latencies in milliseconds.
-"""
+"""The report of a run: each robot's own, and the least gap between two robots."""
 
 from __future__ import annotations
 
@@ -35,18 +32,18 @@ class RunReport:
     duration_s: float
     robots: Mapping[str, Report]
     least_gap_m: float | None = None
-    """Between the bodies of the two robots that came nearest; below 0 they touched."""
+    """Between the two bodies that came nearest; below 0 they touched."""
     least_gap_between: tuple[str, str] | None = None
     min_clearance_m: float | None = None
-    """Clearance of the robot that came nearest to an obstacle, from its centre."""
+    """Of the robot that came nearest to an obstacle, from its centre."""
     rounds: int = 0
-    """Number of plans asked for, of all robots or of some that join driving ones."""
+    """Number of plans asked for."""
     zones: tuple[Mapping[str, Any], ...] = ()
     """Zones in force at the end, as a configuration has them."""
 
     @classmethod
     def of_nothing(cls, reason: str, stations: Mapping[str, int]) -> RunReport:
-        """Make the report of a run that ended before it had robots and a camera."""
+        """Make the report of a run that ended before it had its devices."""
         robots = {name: Report.of_nothing(reason, count) for name, count in stations.items()}
         return cls(State.STOPPED.value, reason, 0.0, robots)
 
@@ -98,7 +95,7 @@ class RunReport:
 
 
 def summarise_run(daemon: Daemon, state: State, reason: str, duration_s: float) -> RunReport:
-    """Make the report from everything that the daemon kept."""
+    """Make the report from what the daemon kept."""
     alone = "" in daemon.robots
     robots = {}
     for name, robot in daemon.robots.items():

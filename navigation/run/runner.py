@@ -1,7 +1,4 @@
-"""One run from start to report: warm-up, mission, news, end.
-
-Units: metres, radians, seconds.
-"""
+"""One run from its warm-up to its report."""
 
 from __future__ import annotations
 
@@ -58,9 +55,8 @@ if TYPE_CHECKING:
 
 DONE, FAILED, NO_PATH = 0, 1, 3
 NO_ROOM = frozenset((errno.ENOSPC, errno.EDQUOT, errno.EFBIG))
-"""Errors of a write where the disk, or the share of it, is full."""
+"""The disk, or the share of it, is full."""
 EVENTS_FILE = "events.jsonl"
-"""In a run's folder: the log of its events."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -75,9 +71,8 @@ class RunResult:
 class Runner:
     """Runner of a configuration; ``say`` gets a line for each piece of news.
 
-    Setting ``interrupt``, from anywhere, ends the run in order: the robot stops first. While
-    ``is_warming_up`` there is no robot yet, and a KeyboardInterrupt may be raised in it.
-    ``dashboard`` False serves none, whatever the configuration says. With ``show_token`` the
+    Setting ``interrupt`` ends the run in order: the robot stops first. While ``is_warming_up``
+    there is no robot yet, and a KeyboardInterrupt may be raised in it. With ``show_token`` the
     printed address includes its token; the program's own token is printed without it too, but not
     into the system's journal. ``log`` gets every event. ``notifier`` reports to systemd: ready,
     stopping and, at least every ``watchdog_s``, healthy. ``file`` is the configuration's source,
@@ -114,12 +109,12 @@ class Runner:
         self._watchdog_s = watchdog_s
         self.interrupt_reason = "interrupted"
         self.desk: Desk | None = None
-        """Desk by which the page changes the configuration; set before `run`."""
+        """Desk for the page's changes of the configuration; set before `run`."""
         self.waits = False
         """For orders, instead of driving the configured mission."""
         self.is_warming_up = False
         self.reload: Callable[[], None] | None = None
-        """Reads the configuration again, and what it names; None where nothing was read."""
+        """Reads the configuration and its calibration again; None where nothing was read."""
         self.reload_and_wait: Callable[[], None] | None = None
         """The same, and the run that begins again waits for orders."""
         self._say: Callable[[str], None] = lambda line: say(hide(line))
@@ -200,7 +195,7 @@ class Runner:
         )
 
     def _warm_up(self) -> bool:
-        """Compile or load the kernels; return True if not interrupted."""
+        """True unless interrupted."""
         self.is_warming_up = True
         try:
             warm_up(self.config, self._say)
@@ -277,7 +272,6 @@ class Runner:
         )
 
     def _own_token(self, file: Path) -> str:
-        """Token kept in the file, or one for this run if that fails."""
         from navigation.dashboard.admission.own_token import new_token, own_token
 
         try:
@@ -301,7 +295,6 @@ class Runner:
         return journals
 
     def _open_folder(self, open_things: ExitStack) -> Path | None:
-        """Make the run's folder with its event log; None if the disk is full."""
         runs_dir = self.config.recording.runs_dir
         try:
             folder = make_run_folder(runs_dir, datetime.now())
@@ -330,7 +323,6 @@ class Runner:
         return recorder
 
     def _hold_what_was_stopped(self, open_things: ExitStack, daemon: Daemon, socket: Path) -> None:
-        """Begin with the stops kept from before this run."""
         if self._stops is None:
             return
         ports = {name: ports_of(one.serial.port) for name, one in self._robots.items()}
@@ -372,7 +364,7 @@ class Runner:
                 return now.state, now.sentence
 
     def why_interrupted(self, stopped: str | None) -> str:
-        """Reason of an interrupted run, after an emergency stop for that cause."""
+        """Reason of an interrupted run, after an emergency stop's cause."""
         return f"{stopped}; then {self.interrupt_reason}" if stopped else self.interrupt_reason
 
     def _exit_code(self, state: State, daemon: Daemon) -> int:
@@ -388,13 +380,13 @@ class Runner:
     def reanchor(
         self, camera: str | None, newest: Callable[[str | None], Frame | None]
     ) -> list[str]:
-        """Place a camera again from its newest picture and report, or raise ``MissionError``."""
+        """Place a camera again from its newest picture and report, or ``MissionError``."""
         told = renew_while_running(self.config, camera, newest, self.reload)
         self._log.write("warning", "anchoring", reason="; ".join(told))
         return told
 
     def take_over_lens(self, lens: Lens, picture: Image | None) -> str:
-        """Save a newly found lens and begin again with it; ``ValueError`` on failure."""
+        """Save a new lens and begin again with it; ``ValueError`` on failure."""
         said = take_over_lens(self.config, lens, picture, datetime.now(), self.reload_and_wait)
         self._log.write("warning", "calibration", reason=said)
         return said
@@ -405,12 +397,11 @@ class Runner:
 
 
 def _port_words(world: World) -> str:
-    """Port of a single robot, or of each with its name."""
     named = (f"{name} on {port}" if name else port for name, port in world.ports.items())
     return ", ".join(named)
 
 
 def camera_words(config: Config) -> str:
-    """The camera, or each of several with its name, as printed."""
+    """The camera, or each with its name, as printed."""
     named = [f"{name} {one.camera.source}" for name, one in each_camera(config).items()]
     return f"cameras {', '.join(named)}" if named else f"camera {config.camera.source}"

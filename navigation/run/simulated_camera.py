@@ -1,7 +1,4 @@
-"""The simulated camera above a changing arena, itself subject to knocks.
-
-Metres, radians, seconds of the clock that is passed in.
-"""
+"""The simulated camera above a changing arena, itself subject to knocks. Metres, seconds."""
 
 from __future__ import annotations
 
@@ -31,7 +28,7 @@ def camera_over(
 ) -> TimedCamera[Any] | KnockedCamera:
     """Make the camera over ``arenas``, each valid from its time after ``began_s`` on.
 
-    ``tracks`` belong to robots driven elsewhere; ``make`` makes the cameras, like `make_camera`.
+    ``tracks`` belong to robots driven elsewhere.
     """
 
     def follow(track: ScriptedTrack) -> Callable[[], tuple[float, float, float]]:

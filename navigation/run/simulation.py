@@ -1,7 +1,6 @@
 """The simulated robots of one arena and the cameras above it, in real time.
 
-It hands out only ports and pictures. With several robots it runs in a process of its own
-(`simulation_apart`). Metres, radians, seconds of the clock that is passed in.
+Metres, radians, seconds of the clock that is passed in.
 """
 
 from __future__ import annotations
@@ -50,7 +49,6 @@ class Simulation:
         self._thread: threading.Thread | None = None
         self._stop = threading.Event()
         self.robots: dict[str, SimulatedRobot] = {}
-        """The simulated robots by name."""
         try:
             for name, one in self._configs.items():
                 if one.serial.port == SIMULATED:
@@ -82,7 +80,7 @@ class Simulation:
         return pose_of(self._configs[name], self.robots.get(name), self._shared.get(name))
 
     def open_camera(self, name: str | None = None) -> TimedCamera[Any] | KnockedCamera:
-        """Make a closed camera, always of the same source; ``name`` is one of several."""
+        """Make a closed camera, always of the same source."""
         camera = camera_over(
             self._cameras[name],
             self._arenas,
@@ -115,10 +113,7 @@ class Simulation:
             robot.stop()
 
     def _run(self) -> None:
-        """Step all robots of this program in one thread: eight threads would wait for each other.
-
-        A slow emulated robot, in its own thread, delays no other.
-        """
+        """Step all but emulated robots in one thread: eight threads would wait for each other."""
         robots = self._together
         try:
             while robots and not self._stop.is_set():

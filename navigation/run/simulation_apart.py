@@ -1,11 +1,9 @@
 """The simulation in a process of its own, which takes no time from the daemon.
 
-Like real robots and cameras, it works beside the daemon. In one process its threads would share the
-interpreter with the control loop and make it late. Only what a cable would carry passes: port
-names, pictures and, for the report, the truth.
+In one process its threads would share the interpreter with the control loop and make it late. Only
+what a cable would carry passes: port names, pictures and, for the report, the truth.
 
 Each pipe answers one question at a time; every camera has its own. The process ends with this one.
-Both share a clock through shared memory.
 """
 
 from __future__ import annotations
@@ -27,7 +25,7 @@ from vision.camera.camera import Camera, CameraError, Frame, Image, SourceState
 
 ENDED: Final = "the simulation's process has ended"
 END_S: Final = 2.0
-"""Time that the process has to end by itself."""
+"""For the process to end by itself."""
 
 
 class SimulationEndedError(RuntimeError):
@@ -35,7 +33,7 @@ class SimulationEndedError(RuntimeError):
 
 
 class _Asked:
-    """This end of a pipe: calls a method and returns its result or raises its exception."""
+    """One end of a pipe: returns a method's result or raises its exception."""
 
     def __init__(self, pipe: Connection) -> None:
         self._pipe = pipe
@@ -83,7 +81,7 @@ class SimulationApart:
         return pose
 
     def open_camera(self, name: str | None = None) -> Camera:
-        """Make a closed camera; ``name`` is one of several."""
+        """Make a closed camera."""
         return CameraApart(self._cameras[name])
 
     def start(self) -> None:
@@ -145,7 +143,6 @@ def _simulate(
     shared: MutableSequence[float],
     config: Config,
 ) -> None:
-    """Run the process: answer until the simulation stops or the pipe closes."""
     simulation = Simulation(config, world_clock(config, shared, side=1))
     for name, side in pictures.items():
         camera = _CameraHere(simulation, name)
@@ -154,14 +151,12 @@ def _simulate(
 
 
 class _CameraHere:
-    """The camera's side of the pipe, one camera at a time."""
-
     def __init__(self, simulation: Simulation, name: str | None) -> None:
         self._simulation, self._name = simulation, name
         self._camera: Camera | None = None
 
     def make(self) -> tuple[str, bool]:
-        """Make a camera; return its name and if its pictures may repeat."""
+        """Name, and True if its pictures may repeat."""
         self.close()
         self._camera = self._simulation.open_camera(self._name)
         return self._camera.name, self._camera.may_repeat
@@ -171,7 +166,7 @@ class _CameraHere:
         self._camera.open()
 
     def read(self, timeout_s: float) -> tuple[tuple[Image, float, int] | None, float]:
-        """Return the next frame's picture, time and number, and the rate."""
+        """Picture, time and number of a frame, and the rate."""
         assert self._camera is not None
         frame = self._camera.read(timeout_s)
         seen = None if frame is None else (frame.image, frame.captured_s, frame.sequence)
@@ -183,7 +178,6 @@ class _CameraHere:
 
 
 def _answer(pipe: Connection, side: object, last: str = "") -> None:
-    """Carry out each request and send the result."""
     while True:
         try:
             name, arguments = pipe.recv()

@@ -1,7 +1,6 @@
-"""One robot's report of a finished run.
+"""One robot's report of a finished run, by the simulation's truth, else the camera's sightings.
 
-Clearance, tracking and goal errors come from the simulation's truth, else from the camera's
-sightings. Units: metres, radians, seconds.
+Metres, radians, seconds.
 """
 
 from __future__ import annotations
@@ -32,7 +31,7 @@ from planner.scene import FloatArray
 def summarise(
     daemon: Daemon, robot: ControlledRobot, state: State, reason: str, duration_s: float
 ) -> Report:
-    """Make one robot's report from everything that the daemon kept."""
+    """Make the report from what the daemon kept."""
     track = driven_track(daemon, robot)
     pieces = driven_pieces(track, robot.config.robot.speed_m_s)
     snapshot, camera = robot.link.snapshot(), daemon.camera.status()
@@ -67,7 +66,7 @@ def summarise(
 
 
 def driven_track(daemon: Daemon, robot: ControlledRobot) -> FloatArray:
-    """Track (n, 4) of seconds, x_m, y_m, heading_rad: the truth if simulated, else sightings."""
+    """Track (n, 4) of seconds, x_m, y_m, heading_rad: the truth, or sightings."""
     truth = daemon.world.truths.get(robot.name)
     return robot.sightings.rows() if truth is None else truth.track()
 
@@ -84,7 +83,6 @@ def _least_clearance_m(
 
 
 def _tracking(robot: ControlledRobot, track: FloatArray) -> FloatArray:
-    """Distance of each position from the plan driven at its time."""
     errors = []
     plans = list(robot.plans)
     ends = [*(plan.since_s for plan in plans[1:]), math.inf]

@@ -16,10 +16,7 @@ if TYPE_CHECKING:
 
 
 class TakingOrders:
-    """Socket for people's orders, open until the run ends; call `cycle` after each cycle.
-
-    ``say`` gets a line for the terminal.
-    """
+    """Socket for people's orders, open until the run ends; call `cycle` after each cycle."""
 
     def __init__(
         self,

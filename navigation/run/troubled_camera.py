@@ -1,7 +1,6 @@
 """The simulated camera with the faults of real ones, for runs in virtual time.
 
-A test switches `CameraTroubles` during a run. Only the picture and its stamp change: the program
-sees what a frozen, late or swapped camera would give. Seconds.
+A test switches `CameraTroubles` during a run; only pictures and their stamps change. Seconds.
 """
 
 from __future__ import annotations
@@ -25,26 +24,26 @@ class CameraTroubles:
     camera_lost: bool = False
     """Reading fails, and so does opening it again."""
     camera_silent: bool = False
-    """It gives no picture any more, without an error."""
+    """It gives no picture, without an error."""
     camera_frozen: bool = False
-    """It gives its last picture over and over, with new times."""
+    """It repeats its last picture with new times."""
     frozen_noise: bool = False
-    """A frozen picture has fresh noise, as if only the sensor were alive."""
+    """A frozen picture has fresh noise."""
     clock_in_the_corner: bool = False
-    """Every picture shows the time, as network cameras draw it: no two are the same."""
+    """Every picture shows the time: no two are the same."""
     stream_latency_s: float = 0.0
-    """Pictures come so late, stamped when they arrive, as a stream's are."""
+    """Pictures come this late, stamped when they arrive."""
     future_s: float = 0.0
-    """Pictures are stamped so far in the future."""
+    """Pictures are stamped this far in the future."""
     looping: bool = False
-    """It plays its last three seconds again and again."""
+    """It repeats its last `RECORDED` pictures."""
 
 
 RECORDED = 90
 
 
 class TroubledCamera:
-    """A camera between the simulated one and the program; ``now`` gives virtual seconds."""
+    """A camera between the simulated one and the program."""
 
     def __init__(
         self,
@@ -79,11 +78,11 @@ class TroubledCamera:
         return self._camera.may_repeat
 
     def open(self) -> None:
-        """Open the camera."""
+        """Open it."""
         self._camera.open()
 
     def close(self) -> None:
-        """Close the camera; pictures under way still arrive, as from a stream's server."""
+        """Close it; pictures under way still arrive, as from a stream."""
         self._camera.close()
 
     def read(self, timeout_s: float) -> Frame | None:
@@ -140,7 +139,7 @@ class SeenPictures:
 
 
 def with_clock(image: Image, time_s: float) -> Image:
-    """Draw the time into the picture's corner, as network cameras do."""
+    """Draw the time into the picture's corner."""
     shown = image.copy()
     cv2.rectangle(shown, (0, 0), (120, 14), 230, -1)
     cv2.putText(shown, f"12:00:{time_s:06.3f}", (2, 11), cv2.FONT_HERSHEY_PLAIN, 0.9, 20, 1)

@@ -1,7 +1,4 @@
-"""A simulated robot in virtual time and its faults: marker, cable, motors, people.
-
-Metres, radians, virtual seconds.
-"""
+"""A simulated robot in virtual time and its faults. Metres, radians, virtual seconds."""
 
 from __future__ import annotations
 
@@ -25,7 +22,7 @@ from navigation.simulator.virtual_robot import VirtualRobot
 
 Place: TypeAlias = tuple[float, float, float]
 NOWHERE: Final[Place] = (-9.0, -9.0, 0.0)
-"""So far from the arena that nothing of a robot there is in the picture."""
+"""Far outside the picture."""
 
 
 @dataclass(slots=True)
@@ -34,30 +31,30 @@ class RobotTroubles:
 
     marker_hidden: bool = False
     marker_at: Place | None = None
-    """The picture shows the robot here: another picture, or another robot with its marker."""
+    """Pictures show the robot here."""
     marker_shift_m: tuple[float, float] = (0.0, 0.0)
-    """The robot is seen so far from where it is."""
+    """Pictures show it this far from its place."""
     marker_turned: bool = False
-    """Its marker sits the wrong way round."""
+    """Its marker is mounted the wrong way round."""
     double_at: Place | None = None
-    """A second marker with its id lies here."""
+    """Place of a second marker with its id."""
     port_broken: bool = False
-    """The port is gone: nothing passes, and it cannot be opened."""
+    """Nothing passes, and the port cannot be opened."""
     cable_out: bool = False
     """Nothing passes in either direction, without an error."""
     wire_to_robot_cut: bool = False
-    """A cut wire to the robot: nothing sent reaches it, and its reports still come."""
+    """Its reports still come."""
     motors_dead: bool = False
-    """The wheels do not turn, whatever is ordered."""
+    """The wheels do not turn."""
     carried_to: Place | None = None
-    """Somebody takes the robot and puts it there, once."""
+    """A person puts the robot there, once."""
     stuck: bool = False
     """The wheels turn and the robot stays where it is."""
     stuck_at: TruePose | None = None
-    """Pose in which it stays, once it does."""
+    """Its pose while stuck."""
 
     def meet(self, loop: VirtualLoop) -> None:
-        """Apply the present faults to a robot and its line."""
+        """Apply the present faults."""
         loop.knobs.cable = not (self.cable_out or self.port_broken)
         loop.knobs.to_robot = not self.wire_to_robot_cut
         loop.drive.has_power = not self.motors_dead
@@ -71,7 +68,7 @@ class RobotTroubles:
             self.stuck_at = None
 
     def seen_at(self, true: TruePose) -> Place:
-        """Place at which pictures show a robot whose true pose is ``true``."""
+        """Place at which pictures show a robot at ``true``."""
         if self.marker_hidden:
             return NOWHERE
         if self.marker_at is not None:
@@ -83,12 +80,12 @@ class RobotTroubles:
 
 @dataclass(slots=True)
 class ProcessorFaults:
-    """Configured faults of a robot's processor, by time: it hangs, and it restarts."""
+    """Configured faults of a robot's processor: it hangs, and it restarts."""
 
     faults: FaultSpec
 
     def meet(self, loop: VirtualLoop, since_s: float) -> None:
-        """Apply the faults due ``since_s`` after the beginning to the processor."""
+        """Apply the faults due ``since_s`` after the beginning."""
         loop.knobs.frozen = 0.0 <= since_s - self.faults.freeze_at_s < self.faults.freeze_s
         if since_s >= self.faults.reset_at_s:
             self.faults = replace(self.faults, reset_at_s=math.inf)
@@ -105,7 +102,7 @@ class TroubledRobot:
     processor: ProcessorFaults
     troubles: RobotTroubles = field(default_factory=RobotTroubles)
     frozen: bool = False
-    """Its processor does nothing, and its wheels turn on as they did."""
+    """Its processor does nothing, and its wheels keep turning."""
     off: bool = False
     """It has no power."""
 
@@ -135,9 +132,9 @@ class TroubledRobot:
         loop.tick()
 
     def seen(self) -> Place:
-        """Place at which pictures show it now."""
+        """Place at which pictures show it."""
         return self.troubles.seen_at(self.robot.pose())
 
     def double(self) -> Place:
-        """Place of the second marker with its id; far away without one."""
+        """Place of the second marker with its id; `NOWHERE` without one."""
         return self.troubles.double_at or NOWHERE

@@ -1,7 +1,4 @@
-"""The link to the robot in virtual time: on the loop's own line, without thread or port.
-
-Metres, radians, virtual seconds.
-"""
+"""The link to the robot in virtual time. Metres, radians, virtual seconds."""
 
 from __future__ import annotations
 
@@ -65,7 +62,7 @@ class VirtualLink:
         return whole
 
     def release(self, mission: int, count: int) -> None:
-        """Allow the first ``count`` waypoints of this mission to be sent."""
+        """Allow the mission's first ``count`` waypoints to be sent."""
         release_mission(self.loop.host, mission, count)
 
     def pause(self) -> None:
@@ -77,12 +74,12 @@ class VirtualLink:
         self.loop.host.clear()
 
     def lease(self, permit: bool, pose_age_s: float = math.inf, ttl_s: float = 0.5) -> None:
-        """Report that the control loop lives and whether the robot may drive."""
+        """Renew the lease, and say whether the robot may drive."""
         self.turns += 1
         self.loop.host.lease(self.loop.now_s, ttl_s, permit, pose_age_s)
 
     def pose_fix(self, x_m: float, y_m: float, heading_rad: float, captured_s: float) -> None:
-        """Send the pose at which the camera saw the robot."""
+        """Send the pose that the camera saw."""
         self.loop.host.pose_fix(x_m, y_m, heading_rad, captured_s)
         self.capture_to_wire_s.append(self.loop.now_s - captured_s)
 

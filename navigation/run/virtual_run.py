@@ -41,12 +41,10 @@ def run_virtually(
 
     ``meet`` is called every millisecond with the world and the time since the start, and may change
     its troubles. ``look`` is called after each cycle and ends the run by returning True. The run
-    ends ``linger_s`` after all missions. ``record`` is a folder for recordings, ``bodies`` the
-    simulated robots' true configurations. All randomness comes from ``simulation.seed``. Without
-    ``pictures`` none is drawn or analysed: the same decisions in a fraction of the time.
-    ``make_world`` takes the arguments of `VirtualWorld`. Raises ValueError without a section
-    ``simulation``, for a robot behind a driver (a real-time process), and without pictures for
-    anything that only pictures show.
+    ends ``linger_s`` after all missions. ``bodies`` are the simulated robots' true configurations.
+    All randomness comes from ``simulation.seed``. Without ``pictures`` none is drawn or analysed.
+    Raises ValueError without a section ``simulation``, for a robot behind a driver, and without
+    pictures for anything that only pictures show.
     """
     if config.simulation is None:
         raise ValueError("a run in virtual time needs a section 'simulation'")

@@ -1,9 +1,8 @@
-"""The running program's world in virtual time: the same parts without threads or waiting.
+"""The running program's world in virtual time, without threads or waiting.
 
 Time passes only while the control loop waits for a frame: then bytes travel, robots drive and
-cameras take pictures, through the real `LatestFrame`, host's end, robot's end and drive model.
-`VirtualTimes` sets the time for computing, so a run is the same on every machine and every time.
-Metres, radians, seconds.
+cameras take pictures. `LatestFrame`, both ends of the wire and the drive model are the real ones.
+`VirtualTimes` sets the time for computing, so a run is always the same. Metres, radians, seconds.
 """
 
 from __future__ import annotations
@@ -41,22 +40,19 @@ from vision.camera.latest_frame import CameraStatus, LatestFrame, WatchLimits
 from vision.camera.several_frames import SeveralFrames
 
 WATCH_EVERY_S = 0.005
-"""Time that a read of the camera may keep the control loop waiting."""
+"""Longest wait of the control loop for a read of the camera."""
 VIRTUAL_LIMITS = WatchLimits(read_timeout_s=WATCH_EVERY_S)
 
 
 @dataclass(frozen=True, slots=True)
 class VirtualTimes:
-    """Durations in virtual time: a picture's vision, a new scene, a plan.
-
-    ``search_s`` is the time between two looks at the clock in a search for several robots.
-    """
+    """Time for a picture's vision, a scene, a plan, and between looks at a search's clock."""
 
     look_s: float = 0.008
     scene_s: float = 0.03
     plan_s: float = 0.03
     search_s: float = 0.001
-    """0.4 to 1.8 ms of processor time in the shipped configurations, per look."""
+    """0.4 to 1.8 ms of processor time per look in the shipped configurations."""
 
 
 _Q = TypeVar("_Q")
@@ -66,9 +62,8 @@ _A = TypeVar("_A")
 class VirtualWorld:
     """`parts.Surroundings` in virtual time.
 
-    Robots and lines outlive a daemon: another may follow, as after a restart. ``bodies`` gives
-    robots with errors of their own, by name; others are as configured. Without ``pictures`` none is
-    drawn or analysed (`navigation.run.without_pictures`).
+    Robots outlive a daemon: another may follow, as after a restart. ``bodies`` gives robots with
+    errors of their own, by name. Without ``pictures`` none is drawn or analysed.
     """
 
     def __init__(
@@ -83,10 +78,10 @@ class VirtualWorld:
         self.config = config
         self.times = times or VirtualTimes()
         self.cameras: defaultdict[str | None, CameraTroubles] = defaultdict(CameraTroubles)
-        """Troubles that a test gives the camera, or each of several by name."""
+        """Troubles of the camera, or of each of several by name."""
         alone = bodies or robots_of(config)
         self.bodies = {name: TroubledRobot.of(one) for name, one in alone.items()}
-        """The robots by name; one that is alone has none."""
+        """By name, which is empty for a lone robot."""
         self.ports = dict.fromkeys(self.bodies, "virtual")
         self._configs_of_cameras = each_camera(config)
         self._memories = {
@@ -106,7 +101,7 @@ class VirtualWorld:
         self._began_s = self._searched_s = 0.0
         self._due: list[tuple[float, Callable[[], None]]] = []
         self.meet: Callable[[float], None] | None = None
-        """Called every millisecond with the time since the start: a test's troubles."""
+        """Called every millisecond with the time since the start."""
 
     @property
     def body(self) -> TroubledRobot:
@@ -119,7 +114,7 @@ class VirtualWorld:
         return self._time.now_s
 
     def wait(self, seconds: float) -> None:
-        """Let time pass: bytes travel, robots drive, and due calls are made."""
+        """Let time pass."""
         end_s = self._time.now_s + seconds
         bodies = list(self.bodies.values())
         while self._time.now_s < end_s - 1e-9:
@@ -185,7 +180,7 @@ class VirtualWorld:
         return VirtualPlanner(self, planner, on_scene, on_answer)
 
     def open_camera(self, name: str | None = None) -> Camera:
-        """Make a camera over the arena as it is now; ``name`` is one of several."""
+        """Make a camera over the arena as it is now."""
         troubles = self.cameras[name]
         if troubles.camera_lost:
             raise CameraError("simulated camera: is unplugged")
@@ -202,7 +197,6 @@ class VirtualWorld:
         return TroubledCamera(camera, troubles, self._memories[name], self.clock, self.wait)
 
     def _driven(self) -> Driven:
-        """Robots, and the second markers that may lie beside them."""
         bodies = self.bodies.values()
         return [
             *((body.config.robot, body.seen) for body in bodies),
@@ -221,10 +215,7 @@ class VirtualWorld:
 
 
 class VirtualFrames:
-    """`LatestFrame` without its thread, or several: its loop turns while the control loop waits.
-
-    ``names`` are those of several cameras.
-    """
+    """`LatestFrame`, or several of these names, whose loop turns while the control loop waits."""
 
     def __init__(self, world: VirtualWorld, names: Sequence[str] = ()) -> None:
         self._world = world
@@ -249,10 +240,7 @@ class VirtualFrames:
         return False
 
     def take(self, timeout_s: float) -> Frame | None:
-        """Return the next frame, after the time that vision takes for it.
-
-        None if none comes or `wake` is called.
-        """
+        """Return the next frame after the time that vision takes; None on a timeout or `wake`."""
         self.turns += 1
         end_s = self._world.clock() + timeout_s
         while self._world.clock() < end_s and not self._woken:

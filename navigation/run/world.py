@@ -1,7 +1,7 @@
 """The real-time world of a run: cameras, serial ports and, if simulated, the truth.
 
-The rest of the program cannot distinguish simulated cameras and ports; only the report asks for the
-truth. Units: metres, radians, seconds.
+The program cannot distinguish simulated devices; only the report asks for the truth. Metres,
+radians, seconds.
 """
 
 from __future__ import annotations
@@ -51,7 +51,7 @@ class World:
         self._wait_for_port = wait_for_port
         self._robots = robots_of(config)
         self.simulation = _simulation_of(config)
-        """Everything that is simulated; None where nothing is."""
+        """None where nothing is simulated."""
         self.clock = WallClock() if self.simulation is None else self.simulation.clock
         """Monotonic seconds."""
         self._wakeups = Wakeups(self.clock)
@@ -60,16 +60,16 @@ class World:
         self.ports = {
             name: simulated.get(name, one.serial.port) for name, one in self._robots.items()
         }
-        """By name; a robot that is alone has none."""
+        """By name, which is empty for a lone robot."""
         self._drivers = {
             name: driver
             for name, one in self._robots.items()
             if (driver := driver_of(one, self.ports[name])) is not None
         }
         self.doubts: list[str] = []
-        """After the end: what is not known of robots that should stand."""
+        """After `stop`: doubts about robots behind drivers."""
         self.truths = self._truths(simulated)
-        """By name, of each simulated robot what only a simulation can know."""
+        """Ground truth of the simulated robots, by name."""
         self._cameras = Cameras(config, self.clock, self._simulated)
 
     @cached_property
@@ -108,7 +108,7 @@ class World:
         return VisionStage(config, self.calibration, witness, self.clock, driven, self.floor_plan)
 
     def make_link(self, name: str) -> SerialLink:
-        """Make the link to one robot in its own thread; it waits for a later robot."""
+        """Make the link to one robot, in a thread of its own."""
         driver = self._drivers.get(name)
         if driver is not None:
             return link_of(driver, self.clock)
@@ -131,7 +131,7 @@ class World:
         return PlannerThread(planner, on_scene, on_answer)
 
     def open_camera(self, name: str | None = None) -> Camera:
-        """Make a closed camera, always of the same source; ``name`` is one of several."""
+        """Make a closed camera, always of the same source."""
         return self._cameras.open(name)
 
     def _simulated(self, name: str | None, _config: Config) -> Camera:
@@ -157,8 +157,6 @@ class World:
 
 
 class _RobotOf:
-    """One robot of the simulation, for the truth."""
-
     def __init__(self, simulation: Simulation | SimulationApart, name: str) -> None:
         self._simulation, self._name = simulation, name
 
@@ -170,7 +168,7 @@ class _RobotOf:
 
 
 def _simulation_of(config: Config) -> Simulation | SimulationApart | None:
-    """Make the simulation; that of several robots in a process, so as not to delay this one."""
+    """Several robots are simulated in another process, which does not delay this one."""
     if not is_simulated(config):
         return None
     if len(config.robots) > 1:

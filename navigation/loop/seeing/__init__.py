@@ -2,8 +2,8 @@
 
 - `vision_stage` dates each frame, runs the eye on it, and makes the eye again if it fails.
 - `eye` finds the robots' poses and, where the arena changed, the new scene; `eye_settings` makes
-  its settings from the configuration; `joined/` is the eye of several cameras.
-- `other_robots` remembers where each of the other robots was seen.
+  its settings; `joined/` is the eye of several cameras.
+- `other_robots` remembers where the other robots were seen.
 - `scene_doubt` holds the robot while the arena seen does not fit the arena known.
-- `arena_view` keeps the newest picture and scene, and their doubts, for the loop.
+- `arena_view` keeps the newest picture and scene, and their doubts.
 """

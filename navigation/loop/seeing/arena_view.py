@@ -1,7 +1,4 @@
-"""The control loop's knowledge of the arena: newest picture and scene, and doubts.
-
-Metres, radians, seconds of the world's clock.
-"""
+"""The control loop's knowledge of the arena: newest picture and scene, and doubts."""
 
 from __future__ import annotations
 
@@ -24,7 +21,7 @@ if TYPE_CHECKING:
 
 
 class ArenaView:
-    """View of the arena, fed with every frame taken; passes what was seen to a recorder."""
+    """View of the arena, fed with every frame taken."""
 
     def __init__(
         self,
@@ -38,15 +35,15 @@ class ArenaView:
         self.revision = 0
         """Number of the newest scene; 0 before the first."""
         self.frame: Frame | None = None
-        """The newest picture that was looked at, with its own time."""
+        """Newest picture, with its exposure time."""
         self.frame_s = -math.inf
-        """When the newest picture was captured, as the camera says."""
+        """Time of the newest picture, as the camera says."""
         self.glimpse = Glimpse(-math.inf, {}, None, None)
         self.others = OtherRobots({one.marker_id: one.radius_m for one in config.other_robots})
         self.doubt = SceneDoubt(floor_markers=bool(config.arena.floor_markers))
         self.processed = 0
         self.troubles: dict[str, str] = {}
-        """Troubles that people must know of, by subject."""
+        """Troubles by subject."""
         self._clock, self._recorder = clock, recorder
         self._measurable_revision = 0
 
@@ -75,7 +72,7 @@ class ArenaView:
         return glimpse.scene is not None
 
     def zones_changed(self) -> None:
-        """Number the scene again: what was planned in it knew other zones."""
+        """Number the scene again: its plans knew other zones."""
         self.revision += 1
 
     @property
@@ -84,8 +81,5 @@ class ArenaView:
         return self.doubt.hold or self.glimpse.hold
 
     def is_measurable(self, known_revision: int) -> bool:
-        """True if clearances mean something in a scene of that revision or a later one.
-
-        Nothing can be measured in unknown ground.
-        """
+        """True if clearances mean something in this or a later scene; on unknown ground none do."""
         return known_revision >= self._measurable_revision and not self.glimpse.hold

@@ -1,8 +1,7 @@
 """The eye: one frame in, the robots' poses and, if the arena changed, the new scene out.
 
-It runs Global Vision's parts in order: markers first, because robots' bodies must never become
-obstacles; then the watch for changes; the extractor only after a change. Units: metres and radians
-in the arena, seconds.
+Markers come first, because robots' bodies must never become obstacles; then the watch for changes;
+the extractor only after a change. Metres and radians in the arena, seconds.
 """
 
 from __future__ import annotations
@@ -30,7 +29,7 @@ Poses: TypeAlias = Mapping[int, RobotPose]
 
 @dataclass(frozen=True, slots=True)
 class RobotShape:
-    """Robot's shape for the camera: the disc around it, and its marker's height."""
+    """The disc around a robot, and its marker's height."""
 
     radius_m: float
     marker_height_m: float
@@ -45,12 +44,12 @@ class EyeSettings:
     method: Method
     threshold: float | None
     driven_ids: tuple[int, ...]
-    """The markers of the robots that are driven."""
+    """Markers of the driven robots."""
     bodies: Mapping[int, RobotShape]
-    """By marker id: the robots that are driven and the others."""
+    """Driven robots and others, by marker id."""
     reach_m: float = 0.0
-    """Distance that a driven robot which is not seen may be from where it was last seen: with
-    several, the arena is looked at all the same, but for the places where it may be."""
+    """Distance that an unseen driven robot may be from where it was last seen: only these places
+    are left out while another robot is seen."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -62,22 +61,19 @@ class Glimpse:
     scene: Scene | None
     change: Change | None
     doubles: Mapping[int, str] = field(default_factory=dict)
-    """By marker id: a sentence where a driven robot's marker is seen twice."""
+    """Sentence for each driven robot's marker that is seen twice, by marker id."""
     place: PlaceReport | None = None
-    """True if the camera is where it was; None if that is not watched."""
+    """Report on the camera's place; None if that is not watched."""
     picture: Frame | None = None
-    """Picture that people are shown, if not the frame itself."""
+    """For people, if not the frame itself."""
     hold: str | None = None
     """Why no robot may drive by what is seen now."""
     troubles: Mapping[str, str] = field(default_factory=dict)
-    """By subject: what people must know; empty once it is over."""
+    """Troubles by subject; empty once they are over."""
 
 
 class Eye:
-    """Trackers, and the picture of the arena without its robots.
-
-    ``camera_place`` watches whether the camera stays in place; it outlives an eye.
-    """
+    """Trackers, and the picture of the arena without its robots."""
 
     def __init__(
         self,
@@ -97,14 +93,11 @@ class Eye:
         return SceneWatcher()
 
     def look(self, frame: Frame, tell: Callable[[Poses], None] = lambda _: None) -> Glimpse:
-        """Return this frame's poses; a scene once the robot was seen and after every change.
+        """Return this frame's poses; a scene once the robots were seen and after every change.
 
-        ``tell`` gets each pose before anything else is looked at: poses are needed first.
-
-        While no driven robot is seen, or one has never been seen, any dark place may be its body.
-        The scene then stays as it was, and the pilots hold the robots anyway.
+        ``tell`` gets each pose before anything else is looked at. While no driven robot is seen, or
+        one has never been seen, any dark place may be its body: the scene stays as it was.
         """
-        # Markers, changes and obstacles all use the grey picture, made once.
         frame = replace(frame, image=grey_of(frame.image))
         seen = self._tracker.update(frame, lambda pose: tell({pose.id: pose}))
         poses = {pose.id: pose for pose in seen}
@@ -123,9 +116,7 @@ class Eye:
         return Glimpse(frame.captured_s, poses, scene, change, self._doubles(), place)
 
     def _look_at_camera_place(self, frame: Frame, discs: FloatArray | None) -> PlaceReport | None:
-        """Look at the camera's place; its points are learned once the robots were seen, off their
-        bodies.
-        """
+        """Look at the camera's place, which is learned once the robots were seen."""
         if self._camera_place is None:
             return None
         return self._camera_place.look(
@@ -136,7 +127,7 @@ class Eye:
         return doubles_of(self._tracker, self.settings.driven_ids)
 
     def _body_discs(self, poses: Poses) -> FloatArray:
-        """Pixels of every robot's body at its last known place."""
+        """Discs of all robots' bodies at their last known places."""
         bodies = self.settings.bodies
         return np.concatenate(
             [
@@ -151,7 +142,7 @@ class Eye:
         )
 
     def _brought_up_to_date(self, change: Change | None) -> KnownScene:
-        """The present scene; only changes are fitted again, if that can be trusted."""
+        """Present scene; only changes are fitted again, if that can be trusted."""
         background = self._watcher.background
         if self._known is not None and change is not None and not (change.first or change.relit):
             known = self._known.refitted(background, change.rectangles)
@@ -167,7 +158,7 @@ class Eye:
 
 
 class ExtractSettings(TypedDict):
-    """Settings that separate obstacles from the floor."""
+    """Arguments of ``vision.extract``."""
 
     polarity: Polarity
     method: Method
@@ -175,7 +166,7 @@ class ExtractSettings(TypedDict):
 
 
 def extract_settings(settings: EyeSettings) -> ExtractSettings:
-    """Settings in the form that ``vision.extract`` takes."""
+    """Make the arguments of ``vision.extract``."""
     return ExtractSettings(
         polarity=settings.polarity,
         method=settings.method,
@@ -184,7 +175,7 @@ def extract_settings(settings: EyeSettings) -> ExtractSettings:
 
 
 def doubles_of(tracker: MarkerTracker, driven_ids: Sequence[int]) -> dict[int, str]:
-    """Driven robots' markers seen in two places, either of which may be real."""
+    """Sentences on driven robots' markers that are seen in two places."""
     found = {}
     for driven_id in driven_ids:
         places = tracker.doubles.get(driven_id, ())

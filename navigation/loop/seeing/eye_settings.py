@@ -1,7 +1,4 @@
-"""Settings of the eye from a configuration: robots, markers, and the camera's place.
-
-Metres, radians, seconds.
-"""
+"""Settings of the eye from a configuration. Metres, radians, seconds."""
 
 from __future__ import annotations
 
@@ -23,7 +20,7 @@ from vision.watch.camera_place import FloorMarker, PlaceSettings
 
 
 def eye_settings(config: Config, driven: Sequence[RobotSection] = ()) -> EyeSettings:
-    """Settings of the eye; ``driven`` are the driven robots if there are several."""
+    """Settings of the eye; ``driven`` are the driven robots, by default the configured one."""
     robots = tuple(driven) or (config.robot,)
     seen = (*robots, *config.other_robots)
     return EyeSettings(
@@ -53,7 +50,6 @@ def place_settings(config: Config, one_of_several: Calibration | None = None) ->
 
 
 def _is_in_picture(marker: FloorMarkerSection, calibration: Calibration) -> bool:
-    """True if a camera shows a marker whole, at any turn, with some white around it."""
     if marker.place_m is None:
         return False
     reach = 0.5 * math.sqrt(2.0) * 1.25 * marker.size_m
@@ -62,7 +58,7 @@ def _is_in_picture(marker: FloorMarkerSection, calibration: Calibration) -> bool
 
 
 def stop_s(robot: RobotSection, safety: SafetySection) -> float:
-    """Longest time a robot can drive after it was last seen: lease, reaction, brakes."""
+    """Longest time a robot can drive after it was last seen."""
     braking_s = robot.speed_m_s / robot.acceleration_m_s2
     return safety.pose_stale_s + safety.lease_s + REACTION_S + braking_s
 

@@ -1,7 +1,4 @@
-"""Last position and track of each of the other robots.
-
-Metres, radians, seconds of the world's clock; by marker id.
-"""
+"""Last position and track of each of the other robots, by marker id. Metres, radians, seconds."""
 
 from __future__ import annotations
 
@@ -14,11 +11,11 @@ from vision.markers.markers import RobotPose
 
 TRACK_ROWS: Final = 20_000
 TRACK_STEP_M: Final = 0.005
-"""The tracks are drawn, no more: a row every 5 mm, for 100 m."""
+"""For drawing only: a row every 5 mm, for 100 m."""
 
 
 class OtherRobots:
-    """Other robots, fed with each picture; ``radii_m`` gives their bodies' radii."""
+    """Other robots, fed with each picture."""
 
     def __init__(self, radii_m: Mapping[int, float]) -> None:
         self._radii_m = dict(radii_m)
@@ -33,12 +30,12 @@ class OtherRobots:
                 self.tracks[marker_id].add(pose.captured_s, pose.x, pose.y, pose.heading_rad)
 
     def movers(self, now_s: float) -> tuple[Mover, ...]:
-        """Every robot ever seen, extrapolated to now while its velocity can be trusted."""
+        """Every robot ever seen, extrapolated while its velocity can be trusted."""
         return tuple(mover_of(one, self._radii_m[one.id], now_s) for one in self._last.values())
 
 
 def mover_of(other: RobotPose, radius_m: float, now_s: float) -> Mover:
-    """A seen robot, extrapolated to now while its velocity can be trusted."""
+    """A seen robot, extrapolated while its velocity can be trusted."""
     age_s = now_s - other.captured_s
     x, y, _ = other.at(now_s) if age_s < LOST_S else (other.x, other.y, 0.0)
     return Mover(other.id, x, y, other.vx, other.vy, radius_m, age_s)

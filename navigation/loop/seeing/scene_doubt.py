@@ -1,13 +1,12 @@
 """Doubts about the arena as seen now, which hold the robot.
 
 An empty arena and a picture without contrast look the same. A doubt about the first scene is
-reported to the person who gives the mission. If a sound scene came before, the robot holds until a
-sound one returns or a person accepts the arena as seen.
+reported. If a sound scene came before, the robot holds until a sound one returns or a person
+accepts the arena as seen.
 
 A camera that has moved shows every place displaced. No one can accept that: the robot holds until
 the camera is back, or a run with a new calibration begins. If most of the fixed points have
-vanished, perhaps because they were obstacles that were removed, a person may accept it, unless
-there are floor markers.
+vanished, perhaps with obstacles, a person may accept it, unless there are floor markers.
 """
 
 from __future__ import annotations
@@ -19,10 +18,7 @@ from vision.watch.camera_place import NOTHING_KNOWN
 
 
 class SceneDoubt:
-    """Doubt about the scene, fed with every glimpse; `accept` is a person's word.
-
-    ``floor_markers``: True if permanent markers show the camera's place.
-    """
+    """Doubt about the scene, fed with every glimpse; ``floor_markers`` show the camera's place."""
 
     def __init__(self, *, floor_markers: bool = False) -> None:
         self._was_sound = self._accepted = False
@@ -33,7 +29,7 @@ class SceneDoubt:
         self._accepted_loss = False
 
     def look(self, glimpse: Glimpse) -> dict[str, str]:
-        """Take a frame's findings; return the sentences about it, by subject."""
+        """Take a frame's findings; return sentences by subject."""
         if glimpse.scene is not None:
             self.see(glimpse.scene)
         if glimpse.place is not None:
@@ -52,18 +48,18 @@ class SceneDoubt:
             self._objects_before = len(scene.objects)
 
     def accept(self) -> None:
-        """Accept the arena as seen, whatever it was before."""
+        """Accept the arena as seen."""
         self._accepted = bool(self._doubt)
         self._accepted_loss = bool(self._place.lost) and not self._floor_markers
 
     @property
     def remark(self) -> str | None:
-        """Remark on the newest scene; None if it is sound."""
+        """Remark on the newest scene, if it is not sound."""
         return self._doubt or None
 
     @property
     def hold(self) -> str | None:
-        """Reason why the robot holds; None if it need not."""
+        """Reason why the robot holds, if any."""
         return self._place.moved or self._hold_for_loss() or self._hold_for_scene()
 
     def _hold_for_loss(self) -> str | None:

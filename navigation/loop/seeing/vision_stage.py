@@ -1,7 +1,6 @@
 """Vision in the control loop: dates frames, looks at them, and replaces a failed eye.
 
-A frame's time is its exposure, corrected by the latency that the witness measured. Seconds of the
-world's clock.
+A frame's time is its exposure, corrected by the measured latency. Seconds of the world's clock.
 """
 
 from __future__ import annotations
@@ -36,10 +35,7 @@ class KnowsLatency(Protocol):
 
 @dataclass(frozen=True, slots=True)
 class EyeParts:
-    """Makers of an eye's parts, or of their substitutes.
-
-    ``watches_place``: True if the parts can notice that a camera was knocked.
-    """
+    """Makers of an eye's parts; ``watches_place`` if they can notice that a camera was knocked."""
 
     tracker: Callable[..., MarkerTracker] = MarkerTracker
     eye: Callable[..., Eye] = Eye
@@ -48,11 +44,7 @@ class EyeParts:
 
 
 class VisionStage:
-    """The eye, the error that ended the last one, and the duration of the last look.
-
-    ``driven``: the driven robots if there are several; ``floor_plan``: that of several cameras;
-    ``parts``: makers of the eye's parts.
-    """
+    """The eye, the error that ended the last one, and the duration of the last look."""
 
     def __init__(
         self,
@@ -76,20 +68,20 @@ class VisionStage:
         self.look_s: float | None = None
 
     def failure(self) -> str | None:
-        """The error that ended it, in words; None while it works."""
+        """Error that ended it, in words."""
         return self._failure
 
     def restart(self) -> None:
-        """Open a new eye; of the old one it keeps only the cameras' places."""
+        """Open a new eye, which keeps only the cameras' places."""
         self.eye = self._open_eye()
         self._failure = None
 
     def look(
         self, frame: Frame, tell: Callable[[Mapping[int, RobotPose]], None]
     ) -> tuple[Frame, Glimpse] | None:
-        """The frame with its own time and what it shows; None if the eye fails.
+        """Return the frame with its own time and what it shows; None if the eye fails.
 
-        ``tell`` gets the poses before anything else is looked at.
+        ``tell`` gets the poses first.
         """
         began_s = self._clock()
         if self._failure is not None:
@@ -105,12 +97,11 @@ class VisionStage:
         return glimpse.picture or frame, glimpse
 
     def newest(self, camera: str | None) -> Frame | None:
-        """Newest picture as it came; ``camera`` names one of several."""
+        """Newest picture of the only or the named camera."""
         newest = tuple(self._newest.values()) if camera is None else (self._newest.get(camera),)
         return newest[0] if newest else None
 
     def _watched_places(self) -> tuple[CameraPlace, ...]:
-        """Places of the cameras; they outlive an eye."""
         config, plan, began_s = self._config, self._floor_plan, self._clock()
         if not self._parts.watches_place:
             return ()
@@ -139,10 +130,7 @@ class VisionStage:
         return self._parts.eye(self._calibration, tracker, settings, *self._places)
 
     def _dated(self, frame: Frame) -> Frame:
-        """The frame with its exposure time, as well as it is known.
-
-        A stamp in the future, from a foreign clock, counts as now.
-        """
+        """Return the frame with its exposure time; a stamp in the future counts as now."""
         stamp_s = frame.captured_s if math.isfinite(frame.captured_s) else -math.inf
         stamp_s = min(stamp_s, self._clock())
         return replace(frame, captured_s=stamp_s - self._witness.latency_s())

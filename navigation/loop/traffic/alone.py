@@ -31,7 +31,7 @@ class Alone:
         return None if path is None else path.points
 
     def checked(self, checks: Sequence[SceneCheck]) -> Iterable[PathCheck]:
-        """Report every scene: any of them may have closed the route."""
+        """Report every scene, which may have closed the route."""
         for check in checks:
             breach = breach_of(
                 self._robot, self.planner.rules(""), zones_changed=check.zones_changed
@@ -55,5 +55,5 @@ class Alone:
         """Do nothing: no promise exists."""
 
     def preview(self, _name: str, request: PlanRequest) -> PlanAnswer:
-        """The plan for such a request; any thread may ask."""
+        """Return the plan; any thread may ask."""
         return self.planner.answer(request, preview=True)

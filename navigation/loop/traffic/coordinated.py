@@ -26,16 +26,13 @@ from navigation.mission.traffic import STANDING_M_S
 from planner.shared.search_clock import Clock
 
 BRAKES_S: Final = 0.3
-"""After a lease: the last one's way over the line, wheels that begin to brake, the camera."""
+"""Beyond a lease: time on the line, and for wheels and camera to react."""
 STOOD_S: Final = 0.25
 """A robot that was seen without motion for this time is at rest."""
 
 
 class Coordinated:
-    """`Traffic` of a run with several robots.
-
-    ``search_clock`` gives the seconds that limit a search for plans.
-    """
+    """`Traffic` of a run with several robots."""
 
     def __init__(self, robots: Mapping[str, ControlledRobot], search_clock: Clock) -> None:
         self._robots = robots
@@ -48,14 +45,14 @@ class Coordinated:
 
     @property
     def rounds(self) -> int:
-        """Number of times that all were planned together."""
+        """Number of plans asked for."""
         return self._coordinator.rounds
 
     def checked_points(self) -> None:
-        """Return None: there are several paths, and `checked` measures them."""
+        """None: `checked` measures all paths."""
 
     def checked(self, checks: Sequence[SceneCheck]) -> Iterable[PathCheck]:
-        """Yield the check of each driven path in the newest scene and zones."""
+        """Yield the check of each driven path."""
         if not checks:
             return
         changed = any(check.zones_changed for check in checks)
@@ -85,7 +82,7 @@ class Coordinated:
         )
 
     def released(self, name: str) -> int | None:
-        """Number of targets that the order lets it drive; 0 without a promise."""
+        """Number of targets that the robot may be sent; 0 without a promise."""
         release = self._coordinator.release(name)
         return 0 if release is None else release.targets
 
@@ -94,7 +91,7 @@ class Coordinated:
         self._coordinator.forget(name)
 
     def preview(self, name: str, request: PlanRequest) -> PlanAnswer:
-        """Return one robot's plan as if it were alone; any thread may ask."""
+        """Return one robot's plan alone; any thread may ask."""
         return self.planner.preview(name, request)
 
 
@@ -142,10 +139,9 @@ def _obeys(robot: ControlledRobot, now_s: float) -> bool:
 
 
 def _drives_on_s(robot: ControlledRobot, snapshot: LinkSnapshot) -> float:
-    """Time that it drives on beyond its lease.
+    """Time that it drives on beyond its lease, which our firmware ends on the robot itself.
 
-    Our firmware ends a lease on the robot itself. A driver's lease ends with its cable, which
-    leaves only the robot's own watchdog.
+    A driver's lease ends with its cable, which leaves only the robot's own watchdog.
     """
     driver = robot.config.robot.driver
     if driver == CLEARWAY or snapshot.down_reason is None:

@@ -23,15 +23,12 @@ from planner.zones.zone import Zone, zones_for
 
 
 class FleetPlanner:
-    """Keeps the smallest robot's roadmap of the newest scene, and answers with it.
-
-    ``clock`` gives the seconds that limit a search.
-    """
+    """Keeps the smallest robot's roadmap of the newest scene, and answers with it."""
 
     def __init__(self, configs: dict[str, Config], clock: Clock = search_clock_s) -> None:
         self._clock = clock
         smallest = min(configs.values(), key=lambda config: config.robot.radius_m)
-        self._arena = ArenaPlanner(plan_settings(smallest))  # the smallest robot, without zones
+        self._arena = ArenaPlanner(plan_settings(smallest))  # without zones
         self._keep_m = min(config.safety.other_robots_m for config in configs.values())
         self._scene: Scene | None = None
         self._previewing = threading.Lock()
@@ -40,7 +37,7 @@ class FleetPlanner:
         self._alone = {
             name: ArenaPlanner(plan_settings(one), name) for name, one in configs.items()
         }
-        """For previews: each robot as if it were alone, brought up to date when it is asked for."""
+        """For previews, brought up to date when asked."""
 
     @property
     def roadmap(self) -> Roadmap | None:
@@ -62,7 +59,7 @@ class FleetPlanner:
         }
 
     def rules(self, robot: str) -> Rules | None:
-        """The zones that hold for a robot, in the newest scene; None before the first."""
+        """Zones for a robot in the newest scene; None before the first."""
         return self._rules.get(robot)
 
     def path_clearance_m(self, points: FloatArray) -> float | None:
@@ -74,7 +71,7 @@ class FleetPlanner:
         return self._arena.clearance_m(position)
 
     def preview(self, robot: str, request: PlanRequest) -> PlanAnswer:
-        """Return one robot's plan in the newest scene as if it were alone."""
+        """Return one robot's plan as if it were alone."""
         planner, scene = self._alone[robot], self._scene
         with self._previewing:
             if scene is not None and planner.revision != self._arena.revision:
@@ -114,7 +111,7 @@ class FleetPlanner:
         return replace(one, zones=zones_for(self._zones, one.name))
 
     def _best_order(self, one: Traveller) -> tuple[int, ...]:
-        """Shortest order of its stations except the last, if alone; else as written."""
+        """Shortest order of its stations but the last if alone; else as written."""
         stations = one.open_order
         if len(stations) < 3:
             return tuple(range(len(stations) - 1))
@@ -124,5 +121,4 @@ class FleetPlanner:
 
 
 def _bound_first(one: Traveller, order: tuple[int, ...]) -> Traveller:
-    """The traveller, bound for the first station of this order."""
     return replace(one, station=one.open_order[order[0]]) if order else one

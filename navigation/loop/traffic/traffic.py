@@ -1,7 +1,6 @@
 """Interface between the control loop and the planning and release of its robots.
 
-`alone` serves one robot, which may drive all of its plan; `coordinated` serves several, which drive
-as far as their common order lets them. Metres, radians, seconds.
+Metres, radians, seconds.
 """
 
 from __future__ import annotations
@@ -38,17 +37,17 @@ class TrafficOrders:
 
     request: Request | None = None
     plan_again: Sequence[tuple[str, str]] = ()
-    """Robots whose pilots ask for a path again, with the reason."""
+    """Robots that are planned again, and why."""
     answers: Mapping[str, PlanAnswer] = field(default_factory=dict)
     """For pilots, in the next cycle."""
     holds: Mapping[str, str] = field(default_factory=dict)
-    """Reasons why robots may not move now, by robot."""
+    """Reasons why robots may not move now."""
     errands: Mapping[str, Station] = field(default_factory=dict)
     """New missions of robots that step aside."""
 
 
 class TrafficPlanner(Answering[Any, Any], Protocol):
-    """Planner that answers `Traffic`, with the newest scene's roadmap."""
+    """Planner with the newest scene's roadmap."""
 
     @property
     def roadmap(self) -> Roadmap | None:
@@ -59,7 +58,7 @@ class TrafficPlanner(Answering[Any, Any], Protocol):
         """Exact clearance of a place in the newest scene; None before the first."""
 
     def rules(self, robot: str) -> Rules | None:
-        """The zones that hold for a robot, in the newest scene; None before the first."""
+        """Zones for a robot in the newest scene; None before the first."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -91,18 +90,18 @@ class Traffic(Protocol):
 
     @property
     def waits_for(self) -> Mapping[str, str]:
-        """The one robot awaited, for each in `waits` that waits for another robot."""
+        """Robot awaited, for each that waits for one other robot."""
         ...
 
     def checked_points(self) -> FloatArray | None:
-        """Path whose clearance the planner's thread measures in each new scene, (n, 2)."""
+        """Path (n, 2) whose clearance the planner's thread measures in each scene."""
 
     def checked(self, checks: Sequence[SceneCheck]) -> Iterable[PathCheck]:
         """Yield the check of each driven path in new scenes and zones."""
         ...
 
     def take(self, answer: Answer | None) -> Mapping[str, PlanAnswer]:
-        """Take the planner's answer; return the pilots' answers in this same cycle."""
+        """Take the planner's answer; return the pilots' answers in this cycle."""
         ...
 
     def step(self, now_s: float, decided: Mapping[str, Decided], revision: int) -> TrafficOrders:
@@ -116,15 +115,14 @@ class Traffic(Protocol):
         """Forget the robot's promise, so that it is planned again."""
 
     def preview(self, name: str, request: PlanRequest) -> PlanAnswer:
-        """Return one robot's plan as if it were alone; any thread may ask."""
+        """Return one robot's plan alone; any thread may ask."""
         ...
 
 
 def breach_of(robot: ControlledRobot, rules: Rules | None, *, zones_changed: bool) -> str | None:
     """Sentence on the zone's rule that the rest of a robot's plan breaks, or None.
 
-    A robot in a keep-out zone is on its way out; where the zones have changed, that path is planned
-    again too, because it may not be the shortest.
+    A changed zone breaks the path out of a keep-out zone too: it may not be the shortest.
     """
     plan, pose = robot.pilot.plan, robot.pose
     if rules is None or not rules.grounds or plan.path is None or pose is None:

@@ -1,6 +1,6 @@
 """The configured cameras in real time: one, or several as one.
 
-Each source reopens its own camera; knowledge of a device is kept between openings.
+Knowledge of a device is kept between openings.
 """
 
 from __future__ import annotations
@@ -30,7 +30,7 @@ class Cameras:
         self._clock, self._simulated = clock, simulated
 
     def open(self, name: str | None = None) -> Camera:
-        """Make a closed camera, always of the same source; ``name`` is one of several."""
+        """Make a closed camera, always of the same source."""
         config = self._config if name is None else self._named[name]
         camera = config.camera
         if camera.source == SIMULATED:

@@ -1,7 +1,4 @@
-"""The simulated robot of a configuration, and its pose for the simulated camera.
-
-Metres, radians, seconds of the clock that is passed in.
-"""
+"""The simulated robot of a configuration, and its pose for the simulated camera."""
 
 from __future__ import annotations
 

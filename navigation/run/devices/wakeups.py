@@ -1,7 +1,6 @@
 """Delay in waking this program's threads, measured by a thread that does nothing else.
 
-A thread that waits for a device cannot distinguish a late device from a late computer. This one
-waits for the clock alone. Seconds.
+A thread that waits for a device cannot distinguish a late device from a late computer. Seconds.
 """
 
 from __future__ import annotations
@@ -15,7 +14,7 @@ EVERY_S: Final = 0.02
 
 
 class Wakeups:
-    """A thread that wakes up every ``EVERY_S`` of ``clock``; `start` and `stop`."""
+    """A thread that wakes up every ``EVERY_S`` of ``clock``."""
 
     def __init__(self, clock: Callable[[], float]) -> None:
         self._clock = clock

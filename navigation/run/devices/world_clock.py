@@ -1,7 +1,4 @@
-"""The clock of a run: the wall's, or that of an entirely simulated world.
-
-Seconds.
-"""
+"""The clock of a run in seconds: the wall's, or that of an entirely simulated world."""
 
 from __future__ import annotations
 
@@ -20,17 +17,17 @@ from navigation.simulator.robot import SimulatedRobot
 from navigation.simulator.slowing_clock import SlowingClock
 
 ROBOT_SLACK_S: Final = 0.02
-"""Longest delay of a robot's step, and of the program's hearing what the robot says."""
+"""Longest delay of a robot's step, and of hearing what the robot says."""
 CAMERA_SLACK_S: Final = 0.03
-"""Longest delay of a picture's exposure, and of its arrival in the program."""
+"""Longest delay of a picture's exposure, and of its arrival."""
 WAKEUP_SLACK_S: Final = 0.03
-"""Longest delay in waking the thread that measures lateness: too short for a robot to hold."""
+"""Longest delay in waking the measuring thread: too short for a robot to hold."""
 
 WORTH_SAYING_S: Final = 1.0
 
 
 class WallClock:
-    """The wall's clock with the face of a `SlowingClock`; it waits for no part."""
+    """The wall's clock with the face of a `SlowingClock`."""
 
     lost_s = 0.0
 
@@ -55,7 +52,7 @@ WorldClock: TypeAlias = SlowingClock | WallClock
 def world_clock(
     config: Config, shared: MutableSequence[float] | None = None, side: int = 0
 ) -> WorldClock:
-    """Make the clock of a configuration's world; ``shared`` with another process, as ``side``."""
+    """Make the clock of a world; ``shared`` with another process, as ``side``."""
     return SlowingClock(shared, side) if is_all_simulated(config) else WallClock()
 
 

@@ -2,8 +2,7 @@
 
     NUMBA_CPU_NAME=x86-64-v3 python -m navigation.run.kernels.compile_ahead FOLDER
 
-``.ci/compile-wheel`` calls this for each processor; ``planner.shared.kernel_locator`` describes the
-result.
+``.ci/compile-wheel`` calls this for each processor.
 """
 
 from __future__ import annotations
@@ -73,9 +72,9 @@ def copy_kernels(checkout: Path) -> None:
 
 
 def note_what_is_loaded(work: Callable[[], None], into: Path) -> None:
-    """Do the work again from the compiled kernels, and list the files that it loads.
+    """Do the work from the compiled kernels, and list the files that it loads.
 
-    Kernels called only by kernels are compiled into their files: their own are never opened.
+    Kernels called only by kernels are compiled into those: their own files are never opened.
     """
     work()
     files = []

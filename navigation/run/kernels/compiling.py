@@ -1,7 +1,7 @@
 """Compile the kernels in processes of their own, and report progress.
 
-Each part is compiled by running that part of the program on a small example, in a process: parts
-use a processor each, and this process only waits, so it can be ended at once.
+Each process runs one part of the program on a small example. This one only waits, so it can be
+ended at once.
 """
 
 from __future__ import annotations
@@ -22,15 +22,15 @@ from navigation.machine.child import FRESH, start_child
 
 REPORT_EVERY_S = 0.5
 RARELY = (50_000, 20, 100)
-"""Thresholds of the garbage collector: by default, looking for cycles among the compiler's many
-objects takes a tenth of the time that compiling takes, and frees next to nothing."""
+"""Thresholds of the garbage collector: the default ones cost a tenth of the compiling time and free
+next to nothing."""
 EARLY = 0.05
-"""The share of kernels before which their number says nothing on how long the rest will take."""
+"""Share of kernels that must be done before the remaining time can be estimated."""
 
 
 @dataclass(frozen=True)
 class CompileProgress:
-    """Progress of the compilation: kernels done, known so far, and parts that ended."""
+    """Kernels done and known so far, and parts that ended."""
 
     done: int
     known: int
@@ -55,7 +55,7 @@ def compile_parts(
 ) -> Iterator[CompileProgress]:
     """Run each part, a module's function and its arguments, in a process; yield the progress.
 
-    ``failed`` names the parts that fail. The processes end with the iterator.
+    The processes end with the iterator.
     """
     children: dict[str, SpawnProcess] = {}
     pipes: dict[Connection, str] = {}
@@ -93,7 +93,6 @@ def compile_parts(
 def _compile_and_count(
     pipe: Connection, work: Callable[..., None], arguments: tuple[object, ...]
 ) -> None:
-    """In the child: do the work; report the numbers of kernels compiled and known."""
     gc.set_threshold(*RARELY)
     counter = _Counter(pipe)
     with event.install_listener("numba:compile", counter):
@@ -102,7 +101,7 @@ def _compile_and_count(
 
 
 class _Counter(event.Listener):
-    """Counter of our kernels, each once for all its types."""
+    """Counts each of our kernels once for all its types."""
 
     def __init__(self, pipe: Connection) -> None:
         self._pipe = pipe
@@ -122,7 +121,6 @@ class _Counter(event.Listener):
             self._report()
 
     def finish(self) -> None:
-        """Report the last kernels; nothing more is sent."""
         self._report()
         self._pipe.close()
 
@@ -132,7 +130,6 @@ class _Counter(event.Listener):
 
 
 def _kernels_known() -> int:
-    """Number of kernels in the modules imported so far."""
     modules = [
         module
         for name, module in list(sys.modules.items())

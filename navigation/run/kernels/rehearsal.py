@@ -1,7 +1,7 @@
 """Everything that needs kernels, once on small examples, to be compiled ahead.
 
 ``python -m navigation.run.kernels.rehearsal`` compiles it all beside the sources. A run's warm-up
-needs less; a command or a script may need any of it.
+needs less.
 """
 
 from __future__ import annotations
@@ -33,7 +33,7 @@ CONFIG = {
     "robot": {"marker_id": 0, "marker_size_m": 0.1, "radius_m": 0.1},
     "serial": {"port": "/dev/ttyUSB0"},
 }
-"""Configuration of a run with a real camera and robot, neither of which is opened here."""
+"""Neither camera nor robot is opened here."""
 SCENE = """L 4 (40,40) (60,40) (60,60) (40,60)
 L 3 (110,20) (130,40) (105,45)
 C (100,85) 12
@@ -98,7 +98,6 @@ def rehearse_planner() -> None:
 
 
 def _drawing() -> Image:
-    """Polygons, a ring, a disc and thin lines in black on white."""
     picture = np.full((SIZE_PX[1], SIZE_PX[0]), 255, np.uint8)
     cv2.fillPoly(picture, [np.array([(15, 15), (50, 20), (40, 50), (20, 45)])], 0)
     cv2.circle(picture, (100, 40), 25, 0, -1)

@@ -1,10 +1,8 @@
 """Compile or load every kernel before the robot may move.
 
-A small arena goes through the daemon's own parts: a marker and obstacles are seen; a path past them
-is planned, smoothed and timed; an obstacle appears and disappears; another robot is in the way. A
-kernel first needed during a drive would cost a moving robot half a second. Loading from the kernel
-cache takes about a second. The first time on a machine, two processes compile the kernels and
-report progress; this one only waits, so it can be ended at once.
+A small arena goes through the daemon's own parts. A kernel first needed during a drive would cost a
+moving robot half a second. Loading takes about a second; the first time on a machine, two processes
+compile.
 """
 
 from __future__ import annotations
@@ -50,17 +48,16 @@ BODY_RADIUS_M = 0.22
 """Holds the marker with its quiet zone."""
 BOUNDS = Bounds(0.0, 0.0, 2.0, 1.5)
 SLIGHT_LENS = (-1e-3, 0.0, 0.0, 0.0, 0.0)
-"""A lens with any distortion at all goes other ways through the calibration than none."""
+"""Any distortion takes other branches of the calibration than none."""
 EMPTY_FRAMES, CHANGED_FRAMES = 5, 4
 STARTS = ((0.3, 0.3, 0.0), (0.4, 1.2, 0.5))
 GOAL = Station(1.7, 1.2, 0.3)
 SAY_EVERY_S = 10.0
-"""Between two lines on how far the compilation has come."""
 WAYSIDE = (Station(1.0, 0.2), Station(0.5, 0.6), Station(1.75, 0.6))
 
 
 def warm_up(config: Config, say: Callable[[str], None]) -> None:
-    """Run eye, roadmap, plan, smoothing and timing; ``say`` gets lines of news."""
+    """Run eye and planner; ``say`` gets lines of news."""
     if kernels_are_cold():
         say("compiling the kernels, once on this machine: some minutes")
         say_now_and_then(compile_kernels(config), say)
@@ -147,7 +144,6 @@ def _see(config: Config) -> list[Scene]:
 
 
 def _run_planner(scenes: Sequence[Scene]) -> None:
-    """Do the planner thread's work on the scenes, with another robot in the way."""
     in_the_way = Disc(1.0, 0.9, 0.1, 1, moves=False)
     for prefer in (0.0, 0.5, 1.0):
         limits = default_limits(RADIUS_M)
@@ -167,7 +163,6 @@ def _run_planner(scenes: Sequence[Scene]) -> None:
 
 
 def _picture(config: Config, rng: np.random.Generator, *, stranger: bool) -> Image:
-    """A noisy floor with the robot's marker, a square and a disc; a second one for ``stranger``."""
     picture = np.full((SIZE_PX[1], SIZE_PX[0]), 225, np.uint8)
     picture[130:180, 180:230] = 25
     cv2.circle(picture, (300, 230), 25, 25, -1)

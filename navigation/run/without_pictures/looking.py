@@ -1,7 +1,4 @@
-"""Cameras and eye of a simulated world, with drawn pictures or the truth.
-
-Includes the check for what only pictures show. Metres, pixels.
-"""
+"""Cameras and eye of a simulated world, with drawn pictures or the truth. Metres, pixels."""
 
 from __future__ import annotations
 
@@ -26,13 +23,12 @@ from navigation.simulator.picture.timed_camera import TimedCamera
 from planner.scene import Bounds
 
 MOST_OFF_M: Final = 0.002
-"""A calibration that is farther off moves the outlines of the arena, which the truth does not
-contain."""
+"""A calibration farther off moves the arena's outlines, which the truth does not contain."""
 
 
 @dataclass(frozen=True, slots=True)
 class Looking:
-    """Constructors of the cameras and parts of the eye; drawn pictures by default."""
+    """Constructors of cameras and parts of the eye; drawn pictures by default."""
 
     make_camera: Callable[..., TimedCamera[Any]] = make_camera
     parts: EyeParts = field(default_factory=EyeParts)
@@ -41,10 +37,7 @@ class Looking:
 def looking_of(
     config: Config, arenas: Sequence[tuple[float, SimulatedArena]], *, pictures: bool
 ) -> Looking:
-    """Return the parts for a run with or without pictures.
-
-    Raises ``ValueError`` for a configuration with something that only pictures show.
-    """
+    """Return the parts for a run; ``ValueError`` for what would need pictures and has none."""
     if pictures:
         return Looking()
     for name, one in (each_camera(config) or {"": config}).items():
@@ -71,7 +64,7 @@ def looking_of(
 
 
 def _why_pictures(config: Config) -> str:
-    """Reason why a camera's configuration needs pictures; empty if there is none."""
+    """Reason why a camera needs pictures, if any."""
     assert config.simulation is not None
     if config.simulation.camera.knocks:
         return "simulation.camera.knocks: only a picture shows that a camera was knocked"
@@ -103,7 +96,6 @@ def _calibration_off_m(config: Config) -> float:
 
 
 def _empties(arenas: Sequence[tuple[float, SimulatedArena]]) -> bool:
-    """True if, at some time, more than half of the arena's first things are gone."""
     first = {one.records for one in arenas[0][1].scene.objects}
     return any(
         2 * len(first & {one.records for one in arena.scene.objects}) < len(first)

@@ -1,11 +1,11 @@
 """Views of a simulated camera, each kept under a number that its picture holds.
 
-Rules and units
-- A frame's picture is tiny: black and white cells hold the number of the sight. All that happens to
-  pictures in transit (frozen, late, replayed, with fresh noise, a clock in the corner) happens to
-  these too, and is noticed, or not, by the same code.
-- Markers' corners are where the true lens puts them, in pixels, with the real tracker's noise. A
-  marker is not seen if it leaves the picture or a body nearer to the lens hides a corner.
+- A tiny picture's black and white cells hold the number. All that happens to pictures in transit
+  (frozen, late, replayed, with fresh noise, a clock in the corner) happens to these too, and is
+  noticed, or not, by the same code.
+- Markers' corners are where the true lens puts them, with the real tracker's noise. A marker is not
+  seen if it leaves the picture or a body nearer to the lens hides a corner.
+
 Metres, radians, seconds, raw pixels.
 """
 
@@ -27,27 +27,24 @@ from planner.scene import FloatArray, Scene
 from vision.camera.camera import Image
 
 PICTURE_SHAPE: Final = (32, 128)
-"""Its upper half is left to the clock that some cameras draw into their pictures."""
+"""The upper half is left to the clock that some cameras draw."""
 BITS: Final = 32
 KEPT: Final = 20_000
-"""Sights, eleven minutes of them: a camera that was frozen for longer shows nothing known."""
+"""Eleven minutes of one camera at 30 Hz: one frozen for longer shows nothing known."""
 CORNER_PX: Final = 0.02
 """A corner's standard deviation along each axis, in pictures with noise of up to 2 grey levels.
 The real tracker's poses are off by what 0.015 would make of them
 (``tests/navigation/run/without_pictures/test_noise_of_poses.py``)."""
 QUIET_GREY: Final = 2.0
 RIM_PX: Final = 2.0
-"""So near to the picture's rim no marker is read."""
+"""No marker is read this near to the picture's rim."""
 FLATTEST: Final = math.tan(math.radians(89.0))
 _UNIT_CORNERS: Final = np.array([(-0.5, 0.5), (0.5, 0.5), (0.5, -0.5), (-0.5, -0.5)])
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class TrueSight:
-    """The visible truth: the arena, all bodies (n, 3) of x, y, radius, and the markers.
-
-    ``markers`` by id with their corners (4, 2), if they can be read.
-    """
+    """The visible truth: bodies (n, 3) of x, y, radius; readable markers' corners (4, 2) by id."""
 
     scene: Scene
     bodies: FloatArray
@@ -88,7 +85,7 @@ class Sights:
 
 
 class SightCamera(TimedCamera[Scene]):
-    """A camera above a simulated arena that reports what can be seen and draws nothing.
+    """A camera that reports what can be seen and draws nothing.
 
     ``scenes`` are the arena's, each from its moment of the clock on, the first at once.
     """
@@ -140,7 +137,7 @@ class SightCamera(TimedCamera[Scene]):
         return self._sights.keep(TrueSight(prepared, bodies, markers))
 
     def _marker_corners(self, poses: FloatArray) -> FloatArray:
-        """Corners of the markers (n, 4, 2) in metres, each at its marker's height."""
+        """Corners (n, 4, 2), each at its marker's height."""
         angle = poses[:, 2] + self._turns
         c, s = np.cos(angle), np.sin(angle)
         turned = np.empty((len(poses), 2, 2))
@@ -149,7 +146,6 @@ class SightCamera(TimedCamera[Scene]):
         return np.asarray(poses[:, None, :2] + self._upright @ turned.swapaxes(1, 2))
 
     def _seen(self, floor: FloatArray, poses: FloatArray) -> tuple[tuple[int, FloatArray], ...]:
-        """Readable markers with their corners in the picture."""
         count = len(self._bodies)
         points = np.empty((4 * count, 3))
         points[:, :2], points[:, 2] = floor.reshape(-1, 2), self._heights
@@ -162,7 +158,7 @@ class SightCamera(TimedCamera[Scene]):
         return tuple((self._bodies[i].marker_id, pixels[i]) for i in np.flatnonzero(shown))
 
     def _hidden(self, floor: FloatArray, poses: FloatArray) -> Any:
-        """True (n,) if a body nearer to the lens hides a corner of a marker."""
+        """True (n,) if a body nearer to the lens hides a corner."""
         if len(poses) < 2:
             return np.zeros(len(poses), np.bool_)
         from_lens = np.hypot(*(poses[:, :2] - self._pinhole.position_m[:2]).T)
@@ -182,14 +178,14 @@ def make_sight_camera(
     scenes: Sequence[tuple[float, Scene]] = (),
     _knock: None = None,
 ) -> SightCamera:
-    """Make a configuration's camera that draws nothing; arguments as for `make_camera`."""
+    """Make a camera that draws nothing; arguments as for `make_camera`."""
     bodies = bodies_of(config, driven, others)
     over_time = [(-math.inf, arena.scene), *sorted(scenes, key=lambda item: item[0])]
     return SightCamera(sights, pinhole_of(config), over_time, bodies, config, clock, wait)
 
 
 def _changed_px(noise_grey: float, size_px: tuple[int, int]) -> float:
-    """Average number of a picture's pixels that noise would change."""
+    """Average number of pixels that noise would change."""
     if noise_grey <= 0.0:
         return 0.0
     return size_px[0] * size_px[1] * math.erfc(0.5 / (noise_grey * math.sqrt(2.0)))

@@ -1,7 +1,7 @@
 """Eyes for one camera and for several that get the simulation's truth instead of pictures.
 
-All decisions are those of `Eye` and `JoinedEye`: when a scene is new, which camera is lost, what is
-held. People see a blank picture. Metres, radians, seconds.
+All decisions are those of `Eye` and `JoinedEye`. People see a blank picture. Metres, radians,
+seconds.
 """
 
 from __future__ import annotations

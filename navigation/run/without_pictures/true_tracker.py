@@ -1,7 +1,6 @@
 """Tracker of markers with known corners: it accepts and refuses like the real one.
 
-`MarkerTracker` decides where to look for a robot and when, which of two markers to take, and what
-is a jump or a duplicate. Metres, radians, seconds, raw pixels.
+Metres, radians, seconds, raw pixels.
 """
 
 from __future__ import annotations
@@ -55,7 +54,6 @@ class TrueTracker(MarkerTracker):
         return {i: self._sightings(grey, robot, refusals) for i, robot in self._robots.items()}
 
     def _sightings(self, grey: Image, robot: MarkedRobot, refusals: list[str]) -> list[Sighting]:
-        """All sightings of a robot's marker in a picture."""
         marker, moves = self._markers[robot.id], self._tracks[robot.id].velocity
         told = [
             marker.at(corners, moves, refusals)

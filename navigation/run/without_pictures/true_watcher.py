@@ -1,10 +1,9 @@
 """The watch over an arena of known things: what it shows, and what came and went.
 
-Rules and units
 - A thing is known once part of its outline is in the picture and not below a believed robot. A body
   is such a thing if the eye believes no robot there.
-- As in `SceneWatcher`, things below a robot stay as last seen, and a change is reported when two
-  frames in a row show one.
+- Things below a robot stay as last seen; a change is reported when two frames in a row show one.
+
 Metres, raw pixels.
 """
 
@@ -25,7 +24,7 @@ from vision.watch.change import Change, SceneWatcher
 from vision.watch.refit import outline_points
 
 COVERED_PX: Final = 4.0
-"""A robot covers cells of the picture, which are so large at least, wherever it touches them."""
+"""Least size of the picture's cells, which a robot covers wherever it touches them."""
 STEP_M: Final = 0.01
 """A body that has moved by less shows no change."""
 
@@ -91,7 +90,6 @@ class TrueWatcher(SceneWatcher):
         return Change((), 0)
 
     def _there(self, sight: TrueSight, discs: FloatArray) -> Things:
-        """Things that this camera shows now, covered by a robot or not."""
         if sight.scene is not self._scene:
             self._scene = sight.scene
             self._arena = {}

@@ -1,17 +1,16 @@
 """The eye of several cameras: frames of each in, one set of poses and one scene out.
 
 Rules
-- Each camera has its own marker tracker and its own watch for changes, on its own pictures. Its
-  background is laid onto the floor plan only after a change, and the plan's picture is extracted
-  like a single camera's.
+- Each camera has its own marker tracker and its own watch for changes. Its background is laid onto
+  the floor plan only after a change; the plan's picture is extracted like a single camera's.
 - A camera is lost (unplugged, frozen or hung) if it gives no new picture for ``stale_s`` while the
-  others do. What only it saw is an obstacle at once, like all ground that no camera sees; a robot
-  in there holds. Its ground is open again from its first picture in which the robots' places are
-  known.
-- Each camera's own pictures show whether it was knocked. A camera that has moved holds every
-  robot, because what it looks at is unknown. While it is lost, nothing relies on its word.
-- There is no scene until every camera has given a picture, or had ``START_S`` for it.
-Units: metres and radians in the arena, seconds.
+  others do. What only it saw is an obstacle at once, like all unseen ground; a robot there holds.
+  Its ground is open again from its first picture in which the robots' places are known.
+- A camera that was knocked holds every robot, because what it looks at is unknown. While it is
+  lost, nothing relies on its word.
+- There is no scene until every camera has shown the arena, or was lost after ``START_S``.
+
+Metres and radians in the arena, seconds.
 """
 
 from __future__ import annotations
@@ -39,9 +38,9 @@ from vision.watch.change import Change, SceneWatcher
 from vision.watch.refit import KnownScene
 
 START_S: Final = 3.0
-"""Longest time of a camera to its first picture after another one's."""
+"""Longest wait for a camera's first picture after another one's."""
 MISSED_FRAMES: Final = 3
-"""Pictures of other cameras after which one may be lost: a late loop has old pictures of all."""
+"""Pictures of others after which a camera may be lost: a late loop has old pictures of all."""
 WITHIN_M: Final = 1e-3
 
 
@@ -49,8 +48,7 @@ WITHIN_M: Final = 1e-3
 class JoinedSettings:
     """Requirements of several cameras beside the eye's settings.
 
-    ``stale_s``: a camera without a new picture for this time is lost. ``apart_m``: the most that
-    their outlines may differ.
+    ``apart_m`` is the most that their outlines may differ.
     """
 
     names: tuple[str, ...]
@@ -60,12 +58,10 @@ class JoinedSettings:
 
 @dataclass(slots=True)
 class _View:
-    """One camera as the eye knows it."""
-
     tracker: MarkerTracker
     watcher: SceneWatcher
     background: Image | None = None
-    """Its arena without robots; None while it is lost, or has only just come back."""
+    """Arena without robots; None while the camera is lost or only just back."""
     last_s: float = -math.inf
     missed: int = 0
     """Frames of the other cameras since its last."""
@@ -76,7 +72,7 @@ class _View:
 
 
 class JoinedEye:
-    """Views of each camera, fused poses, and the picture of the whole arena."""
+    """Views of each camera, fused poses, and the whole arena's picture."""
 
     def __init__(
         self,
@@ -116,8 +112,8 @@ class JoinedEye:
     def look(self, frame: Frame, tell: Callable[[Poses], None] = lambda _: None) -> Glimpse:
         """Take one camera's frame; ``tell`` gets its poses before anything else is looked at.
 
-        The frame's ``source`` is the camera's name. The glimpse has every present pose and the
-        picture of the whole arena.
+        The frame's ``source`` is the camera's name. The glimpse has the poses of all cameras and
+        the picture of the whole arena.
         """
         frame = replace(frame, image=grey_of(frame.image))
         index = self._index[frame.source]
@@ -157,10 +153,7 @@ class JoinedEye:
             troubles=self._troubles(),
         )
 
-    # Available cameras.
-
     def _note_arrival(self, index: int, captured_s: float) -> None:
-        """Update which cameras are lost, after a picture of this one."""
         self._first_s = captured_s if self._first_s is None else self._first_s
         for other, view in enumerate(self._views):
             view.missed = 0 if other == index else view.missed + 1
@@ -197,15 +190,11 @@ class JoinedEye:
     def _live_now(self) -> tuple[bool, ...]:
         return tuple(one.background is not None for one in self._views)
 
-    # Changes.
-
     def _present(self, now_s: float) -> dict[int, RobotPose]:
-        """Poses that are still current."""
         stale_s = self._joined.stale_s
         return {i: p for i, p in self._last_seen.items() if abs(now_s - p.captured_s) <= stale_s}
 
     def _watch(self, index: int, frame: Frame, now: Poses, discs: FloatArray) -> Change | None:
-        """Return this camera's change, while the robots' places are known."""
         driven = self.settings.driven_ids
         if not all(i in self._last_seen for i in driven) or not any(i in now for i in driven):
             return None
@@ -217,7 +206,7 @@ class JoinedEye:
         return change
 
     def _body_discs(self, index: int, now_s: float, now: Poses) -> FloatArray:
-        """Pixels of every robot's present body in this camera's picture."""
+        """Discs of all robots' bodies in this camera's picture."""
         calibration = self.plan.cameras[index]
         discs = [np.empty((0, 3))]
         for robot_id, pose in self._last_seen.items():
@@ -243,10 +232,8 @@ class JoinedEye:
             back = calibration.arena_from_image(pixel)
         return bool(np.hypot(*(back - place)[0]) < WITHIN_M)
 
-    # The scene.
-
     def _brought_up_to_date(self, index: int, change: Change | None) -> KnownScene:
-        """The present scene; only changes are fitted again, if that can be trusted."""
+        """Present scene; only changes are fitted again, if that can be trusted."""
         is_new = self._note_live()
         if is_new:
             self._parts = [CameraPart.of(self._owners, i) for i in range(len(self._live))]
@@ -271,7 +258,7 @@ class JoinedEye:
         return KnownScene.of(seen, self.plan.calibration, self._unseen)
 
     def _note_live(self) -> bool:
-        """Update the cameras that show the arena and the unseen ground; True if they changed."""
+        """Update the live cameras and the unseen ground; True if they changed."""
         live = self._live_now()
         if live == self._live:
             return False
@@ -281,7 +268,6 @@ class JoinedEye:
         return True
 
     def _not_seen(self) -> Unseen:
-        """Ground that no camera sees now, and why."""
         if self._unknown is None:
             return Unseen()
         ground = unseen_ground(
@@ -298,7 +284,6 @@ class JoinedEye:
         return [one for one in found if one is not None]
 
     def _compare_outlines(self) -> None:
-        """Measure the distance between the outlines of each two cameras if one is new."""
         fresh = set()
         for index, view in enumerate(self._views):
             if view.background is None or view.edges is not None:
@@ -320,8 +305,6 @@ class JoinedEye:
             if apart_m is not None:
                 self._apart[one, other] = apart_m
 
-    # Reports.
-
     def _picture(self, captured_s: float) -> Frame:
         self._count += 1
         canvas = self._canvas.copy()
@@ -330,7 +313,6 @@ class JoinedEye:
         return Frame(canvas, captured_s, self._count - 1, " + ".join(self._joined.names))
 
     def _on_plan(self, index: int, pose: RobotPose) -> RobotPose:
-        """The pose with its marker's corners in the plan's picture."""
         floor = self.plan.cameras[index].arena_from_image(pose.corners_px)
         corners = self.plan.calibration.image_from_arena(floor)
         corners.setflags(write=False)
@@ -370,7 +352,6 @@ class JoinedEye:
         return f": {' and '.join(lost)} {'is' if len(lost) == 1 else 'are'} lost" if lost else ""
 
     def _troubles(self) -> Mapping[str, str]:
-        """A sentence for each lost camera; empty for the others."""
         said = {}
         for index, name in enumerate(self._joined.names):
             sentence = ""

@@ -23,11 +23,7 @@ def joined_eye(
     tracker: Callable[..., MarkerTracker] = MarkerTracker,
     eye: Callable[..., JoinedEye] = JoinedEye,
 ) -> JoinedEye:
-    """The eye of a configuration's cameras, whose common floor is ``plan``.
-
-    ``places`` watch whether each camera stays in place; ``tracker`` and ``eye`` make the parts that
-    look at pictures, or their substitutes.
-    """
+    """Return the eye of a configuration's cameras, whose common floor is ``plan``."""
     robots = marked_robots(config, driven)
     cameras = each_camera(config)
     trackers = [
