@@ -35,10 +35,10 @@ from vision.records.placement import (
 )
 from vision.records.records import build_objects, find_specks
 from vision.records.unseen import blind_of, hidden_by_lens, with_unseen, without_blind
-from vision.shared.scratch import Room
+from vision.shared.scratch import ArrayPool
 
 Mode: TypeAlias = Literal["exact", "paper"]
-_ROOM = Room()
+_POOL = ArrayPool()
 
 
 def extract(
@@ -73,13 +73,13 @@ def extract(
         image = without_blind(image, blind)
     skip = ignored_pixels(ignore, image)
     binary = binarise_by_colour(
-        image, polarity=polarity, method=method, threshold=threshold, ignore=skip, room=_ROOM
+        image, polarity=polarity, method=method, threshold=threshold, ignore=skip, pool=_POOL
     )
     clock.lap("binarise")
-    borders = follow_borders(binary.mask, _ROOM)
+    borders = follow_borders(binary.mask, _POOL)
     if mode == "paper":
         return _by_the_paper(binary, borders, clock)
-    edges = locate_edges(binary, borders, _ROOM)
+    edges = locate_edges(binary, borders, _POOL)
     clock.lap("contours")
     tolerance = tolerance_of(edges, binary.noise, binary.contrast)
     placement = Placement.of(calibration, bounds, binary.size)

@@ -41,7 +41,7 @@ from vision import PictureError
 from vision.binarise import colour
 from vision.binarise.grey_picture import FEWEST, NO_CALMING
 from vision.binarise.regions import edge_evidence
-from vision.shared.scratch import Room
+from vision.shared.scratch import ArrayPool
 
 Side = Literal["dark", "light"]
 ROOT = Path(__file__).parents[2]
@@ -161,7 +161,7 @@ def mask_of(case: Case) -> NDArray[np.uint8]:
     try:
         return colour.binarise_by_colour(
             case.picture, polarity=case.side, method="auto", threshold=None, ignore=None,
-            room=Room(),
+            pool=ArrayPool(),
         ).inside  # fmt: skip
     except PictureError:
         return np.ones(case.picture.shape[:2], np.uint8)

@@ -128,14 +128,14 @@ def count_generators(kind, data, backwards, disc, spacing):
 
 
 @njit(**OWNING)
-def place_generators(kind, data, backwards, at, before, after, disc, spacing, room):
+def place_generators(kind, data, backwards, at, before, after, disc, spacing, capacity):
     """Place generators at most ``spacing`` apart on every primitive, and on every corner point.
 
     Returns ``sites`` (n, 2) and ``label`` (n,): the primitive, or k + c for corner point c.
     """
     k = len(kind)
-    sites = np.empty((room, 2), np.float64)
-    label = np.empty(room, np.int32)
+    sites = np.empty((capacity, 2), np.float64)
+    label = np.empty(capacity, np.int32)
     point_at_start = np.zeros(k, np.bool_)
     point_at_end = np.zeros(k, np.bool_)
     for c in range(len(before)):

@@ -222,13 +222,13 @@ def place_generators(borders: Borders, spacing: float) -> Generators:
     Raises ``ValueError`` beyond ``MOST_BYTES`` of memory.
     """
     k, pieces = borders.primitive_count, borders.pieces
-    room = count_generators(borders, spacing)
-    if math.isnan(room):
+    count = count_generators(borders, spacing)
+    if math.isnan(count):
         raise ValueError("a border has a place that is not a finite number")
-    if room * BYTES_EACH > MOST_BYTES:
+    if count * BYTES_EACH > MOST_BYTES:
         raise ValueError(
-            f"spacing = {spacing:g}: the borders would take {room:.3g} generators and"
-            f" {room * BYTES_EACH / 1e9:.3g} GB of memory: must be at most"
+            f"spacing = {spacing:g}: the borders would take {count:.3g} generators and"
+            f" {count * BYTES_EACH / 1e9:.3g} GB of memory: must be at most"
             f" {MOST_BYTES / 1e9:g} GB; take a larger spacing or radius"
         )
     sites, label = generator_kernels.place_generators(
@@ -240,6 +240,6 @@ def place_generators(borders: Borders, spacing: float) -> Generators:
         pieces.after,
         disc_around(borders, spacing),
         spacing,
-        int(room) + len(pieces.before),
+        int(count) + len(pieces.before),
     )
     return Generators(sites, label, spacing, borders)

@@ -188,16 +188,16 @@ def follow(tree, points, pairs, need, flatness, tolerance, exact):
     """
     kind, data = tree.kind, tree.data
     n = len(points)
-    room = 4 * n + 64
-    xy = np.empty((room, 2))
-    pair = np.empty((room, 2), np.int32)
+    capacity = 4 * n + 64
+    xy = np.empty((capacity, 2))
+    pair = np.empty((capacity, 2), np.int32)
     stack = np.empty((HALVINGS + 2, 2))
     level = np.empty(HALVINGS + 2, np.int32)
     m = 0
     for i in range(n):
-        if m + 1 >= room:
-            room *= 2
-            xy, pair = grown(xy, room), grown(pair, room)
+        if m + 1 >= capacity:
+            capacity *= 2
+            xy, pair = grown(xy, capacity), grown(pair, capacity)
         xy[m] = points[i]
         pair[m] = pairs[i]
         m += 1
@@ -223,9 +223,9 @@ def follow(tree, points, pairs, need, flatness, tolerance, exact):
                         and _keeps(tree, ax, ay, qx, qy, exact)
                         and _keeps(tree, qx, qy, bx, by, exact)
                     ):
-                        if m + 2 >= room:
-                            room *= 2
-                            xy, pair = grown(xy, room), grown(pair, room)
+                        if m + 2 >= capacity:
+                            capacity *= 2
+                            xy, pair = grown(xy, capacity), grown(pair, capacity)
                         xy[m, 0], xy[m, 1] = qx, qy
                         pair[m] = pairs[i]
                         m += 1
@@ -239,9 +239,9 @@ def follow(tree, points, pairs, need, flatness, tolerance, exact):
                 continue
             top -= 1
             if top > 0:
-                if m + 1 >= room:
-                    room *= 2
-                    xy, pair = grown(xy, room), grown(pair, room)
+                if m + 1 >= capacity:
+                    capacity *= 2
+                    xy, pair = grown(xy, capacity), grown(pair, capacity)
                 xy[m, 0], xy[m, 1] = bx, by
                 pair[m] = pairs[i]
                 m += 1

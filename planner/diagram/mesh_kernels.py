@@ -125,15 +125,15 @@ def mark_sides(mesh, triangles, changed, pieces, closed, box, half, queue):
         side[first] = PENDING
         queue[0] = first
         head, tail = 0, 1
-        widest, room, known = first, 0.0, 0
+        widest, widest_squared, known = first, 0.0, 0
         while head < tail:
             i = queue[head]
             head += 1
             x, y = at[i, 0], at[i, 1]
             s = np.int64(tri[8 * i])
             r = (xy[2 * s] * up - x) ** 2 + (xy[2 * s + 1] * up - y) ** 2
-            if r > room:
-                widest, room = i, r
+            if r > widest_squared:
+                widest, widest_squared = i, r
             for k in range(3):
                 j = np.int64(tri[8 * i + 4 + k]) >> 3
                 if side[j] == PENDING or (side[j] != 0 and known != 0):
@@ -151,7 +151,7 @@ def mark_sides(mesh, triangles, changed, pieces, closed, box, half, queue):
         if known == 0:
             x, y = at[widest, 0], at[widest, 1]
             known = FREE
-            if in_object(pieces.kind, pieces.data, closed, x, y, math.sqrt(room)):
+            if in_object(pieces.kind, pieces.data, closed, x, y, math.sqrt(widest_squared)):
                 known = BLOCKED
         for m in range(tail):
             side[queue[m]] = known

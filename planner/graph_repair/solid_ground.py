@@ -19,8 +19,8 @@ EASE = 0.1
 """Part of the radius that paths keep more than that, where there is room: their bends can then be
 fewer (measured: for Nav2's three graphs and radii of 0.5, 0.35 and 0.8 m detours have 87 new nodes;
 266 without it, as many from 0.05 to 0.2)."""
-ROOM_RADII = 20.0
-"""Room around a graph on a map without bounds, in which detours may run (chosen)."""
+DETOUR_RADII = 20.0
+"""Margin around a graph on a map without bounds, in which detours may run (chosen)."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -82,7 +82,7 @@ class SolidGround:
 
 
 def _around(scene: Scene, radius: float, nodes: Sequence[RouteNode]) -> Bounds:
-    b, room = scene.bounds, ROOM_RADII * radius
+    b, margin = scene.bounds, DETOUR_RADII * radius
     xs = [b.x_min, b.x_max, *(node.x for node in nodes)]
     ys = [b.y_min, b.y_max, *(node.y for node in nodes)]
-    return Bounds(min(xs) - room, min(ys) - room, max(xs) + room, max(ys) + room)
+    return Bounds(min(xs) - margin, min(ys) - margin, max(xs) + margin, max(ys) + margin)

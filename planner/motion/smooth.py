@@ -224,7 +224,7 @@ def _smooth_leg(points: FloatArray, rules: _Rules) -> FloatArray:
     for k in sharpest[turns[sharpest] > CORNER_RAD]:
         corner = float(lengths[kept[k + 1]])
         after = bisect_right(begins, corner)
-        reach = min(_room(corner, cuts, after, float(lengths[-1])), longest)
+        reach = min(_free_length(corner, cuts, after, float(lengths[-1])), longest)
         cut = _round_corner(points, lengths, corner, reach, rules)
         if cut is not None:
             begins.insert(after, cut.begin)
@@ -232,17 +232,17 @@ def _smooth_leg(points: FloatArray, rules: _Rules) -> FloatArray:
     return _with_cuts(points, lengths, cuts)
 
 
-def _room(corner: float, cuts: list[_Cut], after: int, length: float) -> float:
+def _free_length(corner: float, cuts: list[_Cut], after: int, length: float) -> float:
     """Largest reach of a cut to either side.
 
     ``after``: number of the first of the ordered ``cuts`` beyond the corner.
     """
-    room = min(corner, length - corner)
+    free = min(corner, length - corner)
     if after > 0:
-        room = min(room, max(corner - cuts[after - 1].end, 0.0))
+        free = min(free, max(corner - cuts[after - 1].end, 0.0))
     if after < len(cuts):
-        room = min(room, cuts[after].begin - corner)
-    return room
+        free = min(free, cuts[after].begin - corner)
+    return free
 
 
 def _round_corner(

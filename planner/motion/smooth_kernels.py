@@ -99,16 +99,16 @@ def bend(points, lengths, corner, reach, tolerance, least_radius):
     before, after = math.hypot(ux, uy), math.hypot(vx, vy)
     if before == 0.0 or after == 0.0:
         return met[:0]
-    room = min(before, after)
+    shorter = min(before, after)
     ux, uy, vx, vy = ux / before, uy / before, vx / after, vy / after
     turn = math.atan2(ux * vy - uy * vx, ux * vx + uy * vy)
-    radius = room / math.tan(0.5 * abs(turn))
+    radius = shorter / math.tan(0.5 * abs(turn))
     # driven in chords, an arc bends slightly more
     if radius < least_radius * (1.0 + BEND_SPARE):
         return met[:0]
     steps = math.ceil(abs(turn) / math.sqrt(8.0 * tolerance / radius))
     count = int(min(max(2.0, steps), float(MOST)))
-    bx, by = met[2, 0] - room * ux, met[2, 1] - room * uy
+    bx, by = met[2, 0] - shorter * ux, met[2, 1] - shorter * uy
     side = 1.0 if turn >= 0.0 else -1.0
     curve = np.empty((count + 3, 2))
     curve[0] = met[0]

@@ -285,8 +285,10 @@ class CutPath:
         # clearance falls at most by the distance driven: the least that both ends allow
         least = 0.5 * (clearances[:-1] + clearances[1:] - np.diff(nodes))
         spare = least - self.path.robot_radius
-        room = limits.slow_clearance - self.path.robot_radius
-        ease = np.clip(spare / room, 0.0, 1.0) if room > 0.0 else np.ones(len(spare))
+        slowing_over = limits.slow_clearance - self.path.robot_radius
+        ease = (
+            np.clip(spare / slowing_over, 0.0, 1.0) if slowing_over > 0.0 else np.ones(len(spare))
+        )
         slowest = min(limits.slow_speed, limits.speed)
         speed = slowest + (limits.speed - slowest) * ease
         with np.errstate(divide="ignore", over="ignore"):

@@ -72,8 +72,8 @@ def _shortest(
     steps = np.geomspace(least, reach, DISTANCES) if least < reach else np.array([least])
     way = np.c_[np.cos(angle), np.sin(angle)]
     places = np.array(place) + steps[:, None, None] * way
-    room = borders.signed_distances(np.ascontiguousarray(places.reshape(-1, 2)))
-    enough = room.reshape(len(steps), DIRECTIONS) >= need - 0.5 * ROUNDING * borders.extent
+    clearances = borders.signed_distances(np.ascontiguousarray(places.reshape(-1, 2)))
+    enough = clearances.reshape(len(steps), DIRECTIONS) >= need - 0.5 * ROUNDING * borders.extent
     for i, k in np.argwhere(enough).tolist():
         end = _nearest_end(
             borders, place, way[k], float(steps[max(i - 1, 0)]), float(steps[i]), need

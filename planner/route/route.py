@@ -66,7 +66,7 @@ class Ways:
 class Leg:
     """Task from one station to the next for a disc of radius ``need``.
 
-    ``room``: both stations' distances from the borders.
+    ``clearances``: both stations' distances from the borders.
     """
 
     borders: Borders
@@ -75,7 +75,7 @@ class Leg:
     goal: Vec
     need: float
     preference: float
-    room: tuple[float, float]
+    clearances: tuple[float, float]
 
     @classmethod
     def of(
@@ -221,11 +221,11 @@ def plan_leg(leg: Leg, alternatives: int = 0, *, chains_only: bool = False) -> W
 
     Planning begins at the end with more room, which turns and moves with the scene.
     """
-    apart = leg.room[0] - leg.room[1]
+    apart = leg.clearances[0] - leg.clearances[1]
     even = abs(apart) <= ROUNDING * leg.borders.extent
     if apart > 0.0 if not even else leg.start <= leg.goal:
         return _certified(leg, _plan_leg(leg, alternatives, chains_only=chains_only))
-    back = replace(leg, start=leg.goal, goal=leg.start, room=leg.room[::-1])
+    back = replace(leg, start=leg.goal, goal=leg.start, clearances=leg.clearances[::-1])
     found = _plan_leg(back, alternatives, chains_only=chains_only)
     lines = tuple(np.ascontiguousarray(line[::-1]) for line in found.lines)
     return _certified(leg, replace(found, lines=lines))
@@ -246,14 +246,14 @@ def _plan_leg(leg: Leg, alternatives: int, *, chains_only: bool) -> Ways:
     """Polylines from start to goal with clearance >= ``need``, the preferred one first.
 
     Each further one passes some obstacle on another side than all before. At preference 0 the first
-    is the shortest of all; up to 1, a corridor's shortest that keeps ``1 + ROOM * preference``
-    radii off the borders where there is room; at 1 the widest route, the cheapest of those equally
-    wide within ``AS_WIDE``.
+    is the shortest of all; up to 1, a corridor's shortest that keeps
+    ``1 + WISH_RADII * preference`` radii off the borders where there is room; at 1 the widest
+    route, the cheapest of those equally wide within ``AS_WIDE``.
     """
     borders, start, goal, need = leg.borders, leg.start, leg.goal, leg.need
     if start == goal:
         return Ways((np.array([start, goal]),))
-    clear = is_clear(borders, np.array([start, goal]), min(leg.room), need, leg.preference)
+    clear = is_clear(borders, np.array([start, goal]), min(leg.clearances), need, leg.preference)
     if clear and not alternatives:
         return Ways((np.array([start, goal]),))
     routed = _routes(leg, alternatives)

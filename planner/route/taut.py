@@ -13,7 +13,7 @@ from planner.route import taut_kernels
 from planner.scene import FloatArray, IntArray
 from planner.search.chain_search import DETOUR, ROUNDING, Lines
 
-ROOM = 2.0
+WISH_RADII = 2.0
 """Radii of clearance kept on top of the first, where there is room, per unit of preference."""
 TIGHT = 1e-9
 """A bend exactly as wide as needed is followed in chords that take this part of the radius."""
@@ -28,12 +28,12 @@ def is_clear(
 ) -> bool:
     """True if the straight line has the clearance that the preference asks for.
 
-    That is ``1 + ROOM * preference`` radii, or that of its ``ends`` (2, 2), ``standing``, if
+    That is ``1 + WISH_RADII * preference`` radii, or that of its ``ends`` (2, 2), ``standing``, if
     smaller. The widest path (preference 1) is never cut short.
     """
     if preference >= 1.0:
         return False
-    wish = min(need * (1.0 + ROOM * preference), standing)
+    wish = min(need * (1.0 + WISH_RADII * preference), standing)
     least = max(need - borders.equal, wish - ROUNDING * borders.extent)
     return bool(box_tree_kernels.polyline_clearance(borders.tree, ends)[0] >= least)
 
@@ -46,7 +46,7 @@ def finish(
     Unproved routes are left out; the widest path (preference 1) is not pulled taut. Returns all
     points (n, 2), and the start of each path (m + 1,).
     """
-    wish = math.inf if preference >= 1.0 else need * (1.0 + ROOM * preference)
+    wish = math.inf if preference >= 1.0 else need * (1.0 + WISH_RADII * preference)
     return _proved(borders, lines, need, wish, FLATNESS * need)
 
 
@@ -75,8 +75,8 @@ def best_cut(
 ) -> FloatArray:
     """The cheapest path after straight cuts, which may change sides of obstacles."""
     best: FloatArray = taut_kernels.best_cut(
-        borders.tree, ways, first, need, need * (1.0 + ROOM * preference), DETOUR * preference,
-        borders.equal,
+        borders.tree, ways, first, need, need * (1.0 + WISH_RADII * preference),
+        DETOUR * preference, borders.equal,
     )  # fmt: skip
     return best
 

@@ -298,8 +298,10 @@ def shortest(tree, discs, floor, longest, budget):
     tangents in order (n, 6): disc, side and angle left, disc, side and angle met, and the work
     done.
     """
-    n, room = len(discs), 1024
-    queue = TangentQueue(np.empty((room, 8)), np.empty(room), np.empty(room, np.int32), 1, 1)
+    n, capacity = len(discs), 1024
+    queue = TangentQueue(
+        np.empty((capacity, 8)), np.empty(capacity), np.empty(capacity, np.int32), 1, 1
+    )
     queue.item[0] = 0.0
     queue.item[0, 1], queue.item[0, 2], queue.item[0, 7] = START, 1.0, -1.0
     gx, gy = discs[GOAL, 0], discs[GOAL, 1]

@@ -54,7 +54,7 @@ from vision.binarise.regions.edge_evidence import (
 )
 from vision.binarise.unresolved import Unresolved, unresolved_structure
 from vision.errors import PictureError
-from vision.shared.scratch import Room
+from vision.shared.scratch import ArrayPool
 
 MOST_UNEVEN = 0.125
 """Largest spread of free pixels in even light, as a share of the contrast: chosen, the darkest, of
@@ -77,13 +77,13 @@ def binarise(
     method: Method = "auto",
     threshold: float | None = None,
     ignore: NDArray[np.bool_] | None = None,
-    room: Room | None = None,
+    pool: ArrayPool | None = None,
 ) -> Binary:
     """Decide for every pixel if it is obstacle.
 
     ``threshold`` (0 .. 255, or 0 .. 65535 for 16 bits) is the level of method ``fixed``: dark
-    obstacles lie below it, light ones not. Pixels of ``ignore`` (h, w) are always free. ``room``
-    holds the mask, which is valid until ``room`` is used again. Raises ``PictureError`` if no pixel
+    obstacles lie below it, light ones not. Pixels of ``ignore`` (h, w) are always free. ``pool``
+    holds the mask, which is valid until ``pool`` is used again. Raises ``PictureError`` if no pixel
     is free or an option is wrong.
     """
     if method not in METHODS:
@@ -103,7 +103,7 @@ def binarise(
     if side == "light":
         grey = cv2.bitwise_not(grey) if grey.dtype == np.uint8 else 255 - grey
         threshold = None if threshold is None else 255.0 - threshold + 1e-6
-    binary = _by_method(GreyPicture(grey, room), side, method, threshold)
+    binary = _by_method(GreyPicture(grey, pool), side, method, threshold)
     if why_side:
         how = binary.how
         how = Binarisation(how.method, how.threshold, side, f"{how.reason}; {why_side}")
@@ -321,7 +321,7 @@ def _adaptive(look: GreyPicture, classes: Classes | None, side: Literal["dark", 
     )
     centred = centred.astype(np.float32, copy=False)
     return black_and_white(
-        GreyPicture(centred, look.room), 127.5, contrast, how, noise=look.noise, margin=offset
+        GreyPicture(centred, look.pool), 127.5, contrast, how, noise=look.noise, margin=offset
     )
 
 

@@ -36,7 +36,7 @@ from vision.binarise.smoothing_kernels import (
     mark_dots,
 )
 from vision.errors import PictureError
-from vision.shared.scratch import Room
+from vision.shared.scratch import ArrayPool
 
 LEAST_CONTRAST = 8.0
 """Grey levels between light and dark below which nothing is an obstacle. Chosen, by
@@ -78,9 +78,9 @@ def calming_of(noise: float) -> Calming:
 class GreyPicture:
     """A grey picture, its noise and its histogram; smoothed on demand."""
 
-    def __init__(self, grey: NDArray[Any], room: Room | None = None) -> None:
+    def __init__(self, grey: NDArray[Any], pool: ArrayPool | None = None) -> None:
         self.grey = grey = read_only(grey)
-        self.room = Room() if room is None else room
+        self.pool = ArrayPool() if pool is None else pool
         self.counts: NDArray[np.int64] = sampled_histogram(grey)
         self._counts_after: dict[Calming, NDArray[np.int64]] = {NO_CALMING: self.counts}
         # two values: drawn, not photographed; apparent noise is texture
@@ -111,7 +111,7 @@ class GreyPicture:
     def apart(self) -> GreyPicture:
         """The same picture with its own memory, for a mask to be compared with others."""
         other = copy(self)
-        other.room = Room()
+        other.pool = ArrayPool()
         return other
 
     def halved(self) -> GreyPicture:
@@ -142,11 +142,11 @@ class GreyPicture:
         """Padded mask (h + 2, w'), 1 where the smoothed picture lies below the level.
 
         Dots too small for it are added if they exceed ``noise``. The margin is zero, rows have a
-        multiple of eight bytes; valid until the room is used again.
+        multiple of eight bytes; valid until the pool is used again.
         """
         height, width = self.grey.shape
         stride = (width + 2 + 7) // 8 * 8
-        mask = self.room.take("mask", (height + 2) * stride, np.uint8).reshape(-1, stride)
+        mask = self.pool.take("mask", (height + 2) * stride, np.uint8).reshape(-1, stride)
         clear_margin(mask, width)
         inside = mask[1:-1, 1 : width + 1]
         whole = self.grey.dtype == np.uint8

@@ -105,7 +105,7 @@ def fit_borders(
             fitted.border_kind[b] = TINY
             continue
         border = BorderPoints(places[0], places[1], here.shape[0])
-        place = bring_into_place(here, work.room.numbers[0], border)
+        place = bring_into_place(here, work.scratch.numbers[0], border)
         known = crack_pixels.starts[b + 1] - crack_pixels.starts[b] if exact else 0
         cracks = Cracks(places[2], places[3], places[4], places[5], known)
         if exact:
@@ -165,7 +165,7 @@ def _fit_border(
         limits.expected,
     )
     round_cost, nearly = circle_of_all(
-        border, cracks, costs, budget, held, prices.circle, work.circle, work.room.numbers[0:2]
+        border, cracks, costs, budget, held, prices.circle, work.circle, work.scratch.numbers[0:2]
     )
     edges = 0
     sound = False
@@ -201,7 +201,7 @@ def _search_edges(border, cracks, round_cost, budget, tolerance, limits, prices,
     certainly cover it.
     """
     outline = work.outline
-    spare = work.room.numbers[6]
+    spare = work.scratch.numbers[6]
     crisp = limits.crisp
     spread = tolerance.spread_px
     looks = LOOKS if crisp or spread <= QUIET_PX else 1
@@ -216,21 +216,21 @@ def _search_edges(border, cracks, round_cost, budget, tolerance, limits, prices,
         costs = Costs(crisp, dead_zone, sigma, limits.worst, limits.expected)
         paid = finer if again > 0 else prices
         edges, cost = partition(
-            border, outline, limits.skip, costs, seeds, paid, round_cost, radius, work.room
+            border, outline, limits.skip, costs, seeds, paid, round_cost, radius, work.scratch
         )
         if round_cost <= cost:
             return 0, False
-        fit_and_join(border, outline, edges, limits, work.room)
+        fit_and_join(border, outline, edges, limits, work.scratch)
         if not crisp:
             edges = edit_outline(
-                border, outline, edges, limits, tolerance.blur_px, costs, prices, work.room
+                border, outline, edges, limits, tolerance.blur_px, costs, prices, work.scratch
             )
         if cracks.n > 0 and not _any(outline.is_arc, edges):
             # straight sides lose area at corners: the last check sees it
             break
         if crisp:
             if budget >= pass_between_pixels(
-                border, outline, edges, limits, work.review, work.trial, spare, work.room.table
+                border, outline, edges, limits, work.review, work.trial, spare, work.scratch.table
             ):
                 break
             sigma *= STRICTER_BY
@@ -257,22 +257,22 @@ def _finish_drawn(border, cracks, edges, budget, one_circle, work, finished):
     ``one_circle``: the edges are arcs of one circle; 0 if they stay that.
     """
     outline = work.outline
-    room = work.room
-    crack_of = room.indices[0]
-    found = room.indices[1]
+    scratch = work.scratch
+    crack_of = scratch.indices[0]
+    found = scratch.indices[1]
     for e in range(edges):
-        finished.kind[e] = finish_edge(border, outline, edges, e, finished.rows, room.numbers[6])
+        finished.kind[e] = finish_edge(border, outline, edges, e, finished.rows, scratch.numbers[6])
     find_cracks(border, cracks, crack_of)
     for e in range(edges):
         finished.at[e] = crack_of[outline.breaks[e]]
     count = separate_by_chords(
-        cracks, finished, edges, budget, room.indices[2], room.flags[0], found, work.trial,
-        room.numbers[0:2],
+        cracks, finished, edges, budget, scratch.indices[2], scratch.flags[0], found, work.trial,
+        scratch.numbers[0:2],
     )  # fmt: skip
     if one_circle and count == edges and not _any_line(finished.kind, count):
         return NONE
     if count > edges or _any(finished.kind, count):
-        count = merge_edges(cracks, finished, count, one_circle, work.trial, work.circle, room)
+        count = merge_edges(cracks, finished, count, one_circle, work.trial, work.circle, scratch)
     middles = BorderPoints(cracks.x, cracks.y, cracks.n)
     if outline_strays(middles, finished, count):
         count = all_chords(cracks, finished, found)
@@ -284,14 +284,14 @@ def _finish_drawn(border, cracks, edges, budget, one_circle, work, finished):
 def _finish_grey(border, edges, sound, budget, tolerance, limits, work, finished):
     outline = work.outline
     review = work.review
-    room = work.room
+    scratch = work.scratch
     if not sound:
-        check_edges(border, outline, edges, limits, budget, review, work.trial, room.numbers[6])
+        check_edges(border, outline, edges, limits, budget, review, work.trial, scratch.numbers[6])
     count = finish_with_chords(
-        border, outline, edges, work.trial, review, limits.chord, room, finished
+        border, outline, edges, work.trial, review, limits.chord, scratch, finished
     )
     if outline_strays(border, finished, count):
-        count = chords_around(border, limits.chord, room, finished)
+        count = chords_around(border, limits.chord, scratch, finished)
     measure_residual(border, finished, count, tolerance.blur_px, limits.guard)
     return count
 

@@ -304,7 +304,7 @@ class Work(NamedTuple):
     review: Review
     at: NDArray[np.int64]
     circle: NDArray[np.float64]
-    room: Scratch
+    scratch: Scratch
 
 
 class Fitted(NamedTuple):

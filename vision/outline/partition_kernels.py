@@ -45,7 +45,7 @@ breaks beside arcs move when edges are fitted."""
 
 
 @njit(**LEAF)
-def partition(border, outline, skip, costs, tolerance, prices, limit, radius, room):
+def partition(border, outline, skip, costs, tolerance, prices, limit, radius, scratch):
     """Find seeds, then the cheapest partition at some of them: (edges, cost).
 
     ``tolerance``: largest distance of the chords between seeds from the border; ``skip``: points
@@ -54,9 +54,9 @@ def partition(border, outline, skip, costs, tolerance, prices, limit, radius, ro
     """
     n = border.n
     longest = _longest_line(n, radius, costs.worst, skip)
-    is_seed = room.flags[0]
-    seeds = room.indices[0]
-    seed_breaks(border, tolerance, is_seed, room.numbers[0], room.pairs)
+    is_seed = scratch.flags[0]
+    seeds = scratch.indices[0]
+    seed_breaks(border, tolerance, is_seed, scratch.numbers[0], scratch.pairs)
     m = 0
     for k in range(n):
         if is_seed[k]:
@@ -82,7 +82,7 @@ def partition(border, outline, skip, costs, tolerance, prices, limit, radius, ro
     for _ in range(2):
         found, least = _best_partition(
             border, outline, seeds, start, skip, costs, prices,
-            min(cost * (1.0 + ROUNDING), limit), longest, room,
+            min(cost * (1.0 + ROUNDING), limit), longest, scratch,
         )  # fmt: skip
         if found == 0:
             break
@@ -100,7 +100,7 @@ def partition(border, outline, skip, costs, tolerance, prices, limit, radius, ro
 
 
 @njit(**LEAF)
-def _best_partition(border, outline, seeds, start, skip, costs, prices, limit, longest, room):
+def _best_partition(border, outline, seeds, start, skip, costs, prices, limit, longest, scratch):
     """The cheapest partition of a closed border into lines and arcs that break at seeds.
 
     Fills the outline's ``breaks`` (in order, from seed number ``start``) and ``is_arc``; returns
@@ -110,9 +110,9 @@ def _best_partition(border, outline, seeds, start, skip, costs, prices, limit, l
     ``limit`` with it is dropped.
     """
     m = seeds.shape[0]
-    indices = room.indices
-    numbers = room.numbers
-    search = Search(indices[1], numbers[2], numbers[3], indices[2], room.flags[1])
+    indices = scratch.indices
+    numbers = scratch.numbers
+    search = Search(indices[1], numbers[2], numbers[3], indices[2], scratch.flags[1])
     fit = StretchFit(numbers[4], numbers[5], numbers[6], numbers[0:2])
     for t in range(m + 1):
         search.came[t] = -1

@@ -177,8 +177,8 @@ def times_to(goal, count, edges, lasts):
 
 
 @njit(**KERNEL)
-def _with_room(states, needed):
-    """Make room for ``needed`` states, doubling the arrays if they must move."""
+def _with_capacity(states, needed):
+    """Make space for ``needed`` states, doubling the arrays if they must move."""
     if needed <= states.arrival.size:
         return states
     more = max(needed, states.arrival.size)
@@ -201,7 +201,7 @@ def _open_node(node, x, y, others, span, states):
     """
     used = span[-1, 0]
     count = unsafe_times(x, y, others.moves, others.boxes, others.found)
-    states = _with_room(states, used + count + 1)
+    states = _with_capacity(states, used + count + 1)
     span[node, 0] = used
     since = 0.0
     for k in range(count + 1):
@@ -303,10 +303,10 @@ def find_way(graph, to_goal, start, goal, moves, latest):
     _boxes(moves, boxes)
     others = Others(moves, boxes, np.empty((moves.shape[0] + 1, 2)))
     span = np.zeros((nodes + 1, 2), np.int64)
-    room = nodes + 64
+    capacity = nodes + 64
     states = States(
-        np.empty(room), np.empty(room), np.empty(room), np.empty(room),
-        np.empty(room, np.int64), np.empty(room, np.int64), np.zeros(room, np.bool_),
+        np.empty(capacity), np.empty(capacity), np.empty(capacity), np.empty(capacity),
+        np.empty(capacity, np.int64), np.empty(capacity, np.int64), np.zeros(capacity, np.bool_),
     )  # fmt: skip
     states = _open_node(start, graph.places[start, 0], graph.places[start, 1], others, span, states)
     heap = [(0.0, 0.0, np.int64(0))]

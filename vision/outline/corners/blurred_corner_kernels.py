@@ -23,7 +23,7 @@ from vision.outline.fit.outline_kernels import edge_end
 from vision.outline.fit.shape_kernels import HUGE
 from vision.shared.typed_numbers import NO
 
-CORNER_ROOM = 8
+CORNER_FIELDS = 8
 """Numbers of a corner's row: defined."""
 ALONG_X, ALONG_Y, STEEPNESS, TURN = 4, 5, 6, 7
 """Places in it: defined."""

@@ -63,12 +63,12 @@ to 60 px long it rises by less than 2 px (chosen)."""
 
 
 @njit(**LEAF, inline="always")
-def find_edits(border, outline, edges, untouched, blur, costs, prices, edits, change, room):
+def find_edits(border, outline, edges, untouched, blur, costs, prices, edits, change, scratch):
     """Find the best edit behind every edge; True if any saves something.
 
     ``untouched``: the outline is as partitioned.
     """
-    corners = room.table
+    corners = scratch.table
     sums = edits.sums
     find_corners(border, outline, edges, corners)
     sum_costs(border, outline, edges, corners, blur.sigma, costs, sums)

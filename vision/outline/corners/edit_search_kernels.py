@@ -30,44 +30,46 @@ MOVED = 16
 
 
 @njit(**LEAF, inline="always")
-def edit_outline(border, outline, edges, limits, blur_px, costs, prices, room):
+def edit_outline(border, outline, edges, limits, blur_px, costs, prices, scratch):
     """Apply the edits that save most and fit again, until none saves; return the edges' number."""
     sigma = math.sqrt(blur_px * blur_px + PIXEL_BLUR_PX * PIXEL_BLUR_PX)
     blur = Blur(sigma, half_variance(blur_px), limits.guard)
-    indices = room.indices
-    edits = Edits(room.numbers[2], room.numbers[3], indices[0], indices[1], indices[2], indices[3])
-    last = room.table.shape[0]
+    indices = scratch.indices
+    edits = Edits(
+        scratch.numbers[2], scratch.numbers[3], indices[0], indices[1], indices[2], indices[3]
+    )
+    last = scratch.table.shape[0]
     change = EdgeChange(
-        room.table[last - 3 : last], room.table[last - 5 : last - 3],
-        room.table[last - 7 : last - 5], room.table[last - 8], indices[5], indices[6],
-        room.numbers[4],
+        scratch.table[last - 3 : last], scratch.table[last - 5 : last - 3],
+        scratch.table[last - 7 : last - 5], scratch.table[last - 8], indices[5], indices[6],
+        scratch.numbers[4],
     )  # fmt: skip
     for e in range(edges):
         outline.is_fillet[e] = False
     for taken in range(ROUNDS):
         if not find_edits(
-            border, outline, edges, taken == 0, blur, costs, prices, edits, change, room
+            border, outline, edges, taken == 0, blur, costs, prices, edits, change, scratch
         ):
             break
-        edges = _take_edits(border.n, outline, edges, edits, room)
-        fit_and_join(border, outline, edges, limits, room)
+        edges = _take_edits(border.n, outline, edges, edits, scratch)
+        fit_and_join(border, outline, edges, limits, scratch)
         touch_lines(border, outline, edges, blur, costs, change)
         square_ends(outline, edges, blur)
     return edges
 
 
 @njit(**LEAF)
-def _take_edits(n, outline, edges, edits, room):
+def _take_edits(n, outline, edges, edits, scratch):
     """Apply edits by falling saving, without any that touch another; return the number of edges.
 
     ``gone``: edges removed; ``anchor``: edges beside an edit; ``used``: edges that an edit follows;
     ``begins``: first point of an edge behind an edit, or -1.
     """
     saved = edits.saved
-    gone = room.flags[0]
-    anchor = room.flags[1]
-    used = room.flags[2]
-    begins = room.indices[4]
+    gone = scratch.flags[0]
+    anchor = scratch.flags[1]
+    used = scratch.flags[2]
+    begins = scratch.indices[4]
     for e in range(edges):
         gone[e] = False
         anchor[e] = False
@@ -100,7 +102,7 @@ def _take_edits(n, outline, edges, edits, room):
         begins[j] = behind % n
         for t in range(1, edits.run[i] + 1):
             gone[(i + t) % edges] = True
-    return _write_edits(n, outline, edges, edits, room)
+    return _write_edits(n, outline, edges, edits, scratch)
 
 
 @njit(**LEAF)
@@ -111,14 +113,14 @@ def _is_left(n, outline, edges, e, begin, end):
 
 
 @njit(**LEAF)
-def _write_edits(n, outline, edges, edits, room):
-    gone = room.flags[0]
-    used = room.flags[2]
-    begins = room.indices[4]
+def _write_edits(n, outline, edges, edits, scratch):
+    gone = scratch.flags[0]
+    used = scratch.flags[2]
+    begins = scratch.indices[4]
     # every edge adds at most one
-    breaks = room.indices[5]
-    is_arc = room.flags[3]
-    is_fillet = room.flags[4]
+    breaks = scratch.indices[5]
+    is_arc = scratch.flags[3]
+    is_fillet = scratch.flags[4]
     m = 0
     for e in range(edges):
         if not gone[e]:

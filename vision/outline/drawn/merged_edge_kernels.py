@@ -210,7 +210,7 @@ def _on_circle(circle, x, y, vx, vy, near_x, near_y):
 
 
 @njit(**LEAF)
-def put_arc(cracks, trial, count, at, lo, hi, circle, room):
+def put_arc(cracks, trial, count, at, lo, hi, circle, scratch):
     """Make edge ``at`` the arc that fits cracks lo .. hi - 1 best, if there is one.
 
     Between two lines it ends where its circle meets them, else at its joints.
@@ -219,7 +219,7 @@ def put_arc(cracks, trial, count, at, lo, hi, circle, room):
         return False
     if circle_cost(cracks.x, cracks.y, lo, hi, circle, True, HALF, 1.0, MOST_PX, HUGE) >= HUGE:
         return False
-    separate_circle(cracks.x, cracks.y, lo, hi, circle, room.numbers[0:2])
+    separate_circle(cracks.x, cracks.y, lo, hi, circle, scratch.numbers[0:2])
     rows = trial.rows
     before = predecessor(at, count)
     after = successor(at, count)

@@ -43,16 +43,16 @@ ARC_LINES = 2
 
 
 @njit(**LEAF, inline="always")
-def merge_edges(cracks, finished, count, one_circle, trial, circle, room):
+def merge_edges(cracks, finished, count, one_circle, trial, circle, scratch):
     """Merge runs of edges that lose no further pixel; return the new ``count``.
 
     ``one_circle``: its arcs belong to one circle and stay. ``trial``, as large as ``finished``,
-    ``circle`` (3,) and ``room`` are scratch space.
+    ``circle`` (3,) and ``scratch`` are scratch space.
     """
-    state = room.indices[1]
+    state = scratch.indices[1]
     find_lost(cracks, finished, count, state)
-    now = room.flags[0]
-    then = room.flags[1]
+    now = scratch.flags[0]
+    then = scratch.flags[1]
     for k in range(cracks.n):
         then[k] = True
     for _ in range(ROUNDS):
@@ -66,9 +66,9 @@ def merge_edges(cracks, finished, count, one_circle, trial, circle, room):
                 k = finished.at[e]
                 run = 0
                 if now[k] or then[k]:
-                    run = _best_run(cracks, finished, count, e, arc, trial, circle, room)
+                    run = _best_run(cracks, finished, count, e, arc, trial, circle, scratch)
                 if run > 1:
-                    at = _put(cracks, finished, count, e, run, arc, trial, circle, room)
+                    at = _put(cracks, finished, count, e, run, arc, trial, circle, scratch)
                     number = _window(count, run)
                     count = _take_over(trial, number, at, finished, count, e, run)
                     at = min(e, count - 1)
@@ -82,17 +82,17 @@ def merge_edges(cracks, finished, count, one_circle, trial, circle, room):
 
 
 @njit(**LEAF, inline="always")
-def _best_run(cracks, finished, count, e, arc, trial, circle, room):
+def _best_run(cracks, finished, count, e, arc, trial, circle, scratch):
     """Most edges from e on that one line or arc may replace; 0 if none."""
     if not arc:
-        return _longest_line(cracks, finished, count, e, trial, circle, room)
+        return _longest_line(cracks, finished, count, e, trial, circle, scratch)
     best = 0
     failed = 0
     for run in range(2, min(LONGEST, count - 1) + 1):
         if not _is_dearer(finished, count, e, run):
             continue
-        at = _put(cracks, finished, count, e, run, arc, trial, circle, room)
-        if at >= 0 and _loses_no_more(cracks, trial, _window(count, run), at, room):
+        at = _put(cracks, finished, count, e, run, arc, trial, circle, scratch)
+        if at >= 0 and _loses_no_more(cracks, trial, _window(count, run), at, scratch):
             best = run
             continue
         failed += 1
@@ -102,7 +102,7 @@ def _best_run(cracks, finished, count, e, arc, trial, circle, room):
 
 
 @njit(**LEAF)
-def _longest_line(cracks, finished, count, e, trial, circle, room):
+def _longest_line(cracks, finished, count, e, trial, circle, scratch):
     """Most lines from e on that one line may replace; 0 if none.
 
     If no line separates a run's pixels, none does for a longer run.
@@ -117,12 +117,12 @@ def _longest_line(cracks, finished, count, e, trial, circle, room):
             break
         most += 1
     for run in range(most, 1, -1):
-        at = _put(cracks, finished, count, e, run, NO, trial, circle, room)
+        at = _put(cracks, finished, count, e, run, NO, trial, circle, scratch)
         number = _window(count, run)
         if (
             at >= 0
             and _is_as_near(cracks, finished, count, e, run, trial, number, at)
-            and _loses_no_more(cracks, trial, number, at, room)
+            and _loses_no_more(cracks, trial, number, at, scratch)
         ):
             return run
     return 0
@@ -207,9 +207,9 @@ def _judge_around(cracks, finished, count, at, state):
 
 
 @njit(**LEAF)
-def _loses_no_more(cracks, trial, count, at, room):
-    state = room.indices[1]
-    fresh = room.indices[2]
+def _loses_no_more(cracks, trial, count, at, scratch):
+    state = scratch.indices[1]
+    fresh = scratch.indices[2]
     lost, _ = _judge_around(cracks, trial, count, at, fresh)
     if lost == 0:
         return True
@@ -226,7 +226,7 @@ def _loses_no_more(cracks, trial, count, at, room):
 
 
 @njit(**LEAF)
-def _put(cracks, finished, count, e, run, arc, trial, circle, room):
+def _put(cracks, finished, count, e, run, arc, trial, circle, scratch):
     """Write one edge for a run, and those around it, into ``trial``: its place there, or -1."""
     lo, hi = _stretch(cracks, finished, count, e, run)
     if hi - lo < 2 or (arc and not may_be_arc(cracks, lo, hi)):
@@ -240,7 +240,7 @@ def _put(cracks, finished, count, e, run, arc, trial, circle, room):
         trial.kind[t] = finished.kind[i]
         trial.at[t] = finished.at[i]
     if arc:
-        return at if put_arc(cracks, trial, number, at, lo, hi, circle, room) else -1
+        return at if put_arc(cracks, trial, number, at, lo, hi, circle, scratch) else -1
     trial.kind[at] = LINE
     for c in range(2, 5):
         trial.rows[at, c] = 0.0

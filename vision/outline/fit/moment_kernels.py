@@ -21,7 +21,7 @@ FIRST, BEHIND, ROUND_BEHIND, ORIGIN_X, ORIGIN_Y = 0, 1, 2, 3, 4
 """Places of a stretch and its origin: defined."""
 X, Y, XX, XY, YY, XZ, YZ, ZZ = 5, 6, 7, 8, 9, 10, 11, 12
 """Places of the sums: defined."""
-ROOM = 13
+SUM_FIELDS = 13
 """Their number: defined."""
 
 
@@ -35,7 +35,7 @@ def grow(px, py, a, b, sums):
         sums[ROUND_BEHIND] = a
         sums[ORIGIN_X] = px[a]
         sums[ORIGIN_Y] = py[a]
-        for i in range(X, ROOM):
+        for i in range(X, SUM_FIELDS):
             sums[i] = 0.0
     ox, oy = sums[ORIGIN_X], sums[ORIGIN_Y]
     xs, ys = px[begin:b], py[begin:b]
