@@ -20,7 +20,7 @@ from numpy.typing import NDArray
 from planner.scene import Bounds, Scene, SceneObject, of_kind
 from vision.binarise import Method, Polarity
 from vision.binarise.colour import binarise_by_colour
-from vision.binarise.grey_picture import CALM_NOISE, Binary, as_array
+from vision.binarise.grey_picture import SMOOTHED_NOISE, Binary, as_array
 from vision.borders.contours import Contours, follow_borders, laplacian_border, locate_edges
 from vision.doubts import with_doubts
 from vision.errors import PictureError
@@ -93,7 +93,7 @@ def extract(
     separate = calibration is None and drawn
     fitted = fit_edges(shrunk, edges.starts, borders, tolerance, separate=separate)
     fitted = fitted if even else fitted.stretched(stretches)
-    if binary.fine or drawn or binary.noise >= CALM_NOISE:
+    if binary.fine or drawn or binary.noise >= SMOOTHED_NOISE:
         fitted = keep_thin_walls(fitted, borders, placement.rectified, fine=binary.fine)
     specks = find_specks(borders, binary.noise, binary.contrast if binary.doubtful else math.inf)
     objects = build_objects(borders, fitted, placement, specks.borders)

@@ -39,7 +39,7 @@ from benchmarks.vision.regions import FAMILIES, TUNING, Drawn, drawn, looked_at
 from tests.support.drawn.render import coverage, outline_points, ramp
 from vision import PictureError
 from vision.binarise import colour
-from vision.binarise.grey_picture import FEWEST, NO_CALMING
+from vision.binarise.grey_picture import FEWEST, NO_SMOOTHING
 from vision.binarise.regions import edge_evidence
 from vision.shared.scratch import ArrayPool
 
@@ -233,8 +233,8 @@ STAGES: dict[str, tuple[Change, ...]] = {
     "classes of rare pixels": (("grey_classes._rare_pixels", nothing),),
     "what stands out of uneven noise": (("grey_classes.significant_dark", nothing),),
     "the level that edges speak for": (("regions.edge_evidence.Support.best_level", no_level),),
-    "smoothing before the level": (("grey_picture.CALMINGS", (NO_CALMING,)),),
-    "smoothing before the judge": (("grey_picture.CALM_NOISE", 1e9),),
+    "smoothing before the level": (("grey_picture.SMOOTHINGS", (NO_SMOOTHING,)),),
+    "smoothing before the judge": (("grey_picture.SMOOTHED_NOISE", 1e9),),
     "dots": (("grey_picture.mark_dots", nothing),),
     "missed obstacles": (("binarise.with_left_out", its_binary),),
     "masks of the other candidates": (("binarise.with_left_out", without_others),),

@@ -33,10 +33,10 @@ from vision.binarise.grey_classes import (
     unevenness,
 )
 from vision.binarise.grey_picture import (
-    CALM_NOISE,
-    CALMINGS,
     FEWEST,
     LEAST_CONTRAST,
+    SMOOTHED_NOISE,
+    SMOOTHINGS,
     Binary,
     GreyPicture,
     as_array,
@@ -207,7 +207,7 @@ def _auto(look: GreyPicture, classes: Classes | None, side: Literal["dark", "lig
         even = None
     # noise, and the glow around light obstacles, hide left-out edges
     sure = uneven <= SURELY_EVEN
-    surely = sure or (side == "dark" and look.noise < CALM_NOISE)
+    surely = sure or (side == "dark" and look.noise < SMOOTHED_NOISE)
     if (
         even is not None
         and surely
@@ -310,7 +310,7 @@ def _adaptive(look: GreyPicture, classes: Classes | None, side: Literal["dark", 
     mean = cv2.blur(grey.astype(np.float32), (block, block), borderType=cv2.BORDER_REPLICATE)
     contrast = 2.0 * LEAST_CONTRAST if classes is None else classes.contrast
     # farther below the mean than noise gets after the widest smoothing
-    at_least = SIGMAS * CALMINGS[-1].left * look.noise
+    at_least = SIGMAS * SMOOTHINGS[-1].left * look.noise
     offset = max(LEAST_CONTRAST, 0.1 * contrast, at_least)
     centred = np.clip(grey - mean + np.float32(offset + 127.5), 0.0, 255.0)
     how = Binarisation(
@@ -372,7 +372,7 @@ def _divided(look: GreyPicture, side: Literal["dark", "light"], why: str) -> lis
     if classes is not None:
         plain = (classes.level, classes.contrast)
     found = [at(*plain)]
-    dark = significant_dark(divided, noise, FREE_LEVEL) if strongest >= CALM_NOISE else None
+    dark = significant_dark(divided, noise, FREE_LEVEL) if strongest >= SMOOTHED_NOISE else None
     if dark is not None:
         found.append(at(0.5 * (FREE_LEVEL + dark), FREE_LEVEL - dark))
     return found

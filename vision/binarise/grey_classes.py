@@ -23,7 +23,7 @@ from vision.binarise.binarise_kernels import (
 from vision.binarise.grey_picture import (
     FEWEST,
     LEAST_CONTRAST,
-    NO_CALMING,
+    NO_SMOOTHING,
     GreyPicture,
 )
 
@@ -71,14 +71,14 @@ def classes_of(look: GreyPicture, strongest: float | None = None) -> Classes | N
     if look.fine is not None:
         humps = look.fine
         return Classes(humps.dark, humps.light, humps.within, humps.dark_share, humps.within)
-    calming = look.calming(strongest)
-    counts = look.counts_after(calming)
-    found = split_classes(counts, look.noise * calming.left)
+    smoothing = look.smoothing(strongest)
+    counts = look.counts_after(smoothing)
+    found = split_classes(counts, look.noise * smoothing.left)
     if found is None:
-        found = _rare_pixels(look.grey_after(calming), strongest * calming.left)
+        found = _rare_pixels(look.grey_after(smoothing), strongest * smoothing.left)
     else:
-        found = _sharpened(found, look, counts, look.noise * calming.left)
-    if found is None or calming is NO_CALMING:
+        found = _sharpened(found, look, counts, look.noise * smoothing.left)
+    if found is None or smoothing is NO_SMOOTHING:
         return found
     # add the noise's spread, as the unsmoothed picture has it
     explained = math.hypot(look.noise, found.light_spread)
@@ -151,10 +151,10 @@ def significant_dark(look: GreyPicture, noise: NDArray[np.float32], light: float
     Smoothed pixels count if they exceed the noise by ``SIGMAS``, then if they are nearer to those
     than to free ones. None if they are fewer than ``FEWEST``.
     """
-    calming = look.calming(float(noise.max()))
-    calmed = look.grey_after(calming)
-    least = np.maximum(noise * np.float32(SIGMAS * calming.left), 0.15 * light)
-    found = calmed[light - calmed > least]
+    smoothing = look.smoothing(float(noise.max()))
+    smoothed = look.grey_after(smoothing)
+    least = np.maximum(noise * np.float32(SIGMAS * smoothing.left), 0.15 * light)
+    found = smoothed[light - smoothed > least]
     for _ in range(2):
         if found.size < FEWEST:
             return None

@@ -53,7 +53,7 @@ MOST_MARKED = int(0.25 * math.pi * RING**2)
 
 
 @njit(**OWNING)
-def calmed_histogram(grey):
+def smoothed_histogram(grey):
     """Histogram of the sampled pixels' smoothed grey values, rounded: (256,) int64."""
     height, width = grey.shape
     counters = np.zeros((4, 256), np.uint32)

@@ -103,7 +103,7 @@ class _Ground(NamedTuple):
                 ground = cls(0.0, level, classes.dark, spread, contrast)
             else:
                 spread = classes.light_spread
-                left = look.noise * look.calming().left
+                left = look.noise * look.smoothing().left
                 if spread**2 > look.noise**2 + (HINT * left) ** 2 and left < look.noise:
                     spread = grey_spread(counts[math.ceil(level) :])
                 ground = cls(level, ALL, classes.light, spread, contrast)

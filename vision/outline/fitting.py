@@ -23,7 +23,7 @@ from vision.outline.work import make_fitted, memory_for
 
 SMOOTHING = 0.5311
 """Noise left by the profile's five-pixel Gaussian: derived, 1 / sqrt(2 sqrt(pi)) at sigma 1."""
-CALM_PX = 0.12
+FREE_PX = 0.12
 """Free deviation in a picture with grey (chosen); half of it in noise, where it would hide true
 corners."""
 STAIRCASE_PX = 0.5
@@ -61,12 +61,12 @@ def tolerance_of(edges: EdgePoints, noise: float, contrast: float) -> Tolerance:
     crisp = edges.crispness if edges.crispness > 0.3 else 0.0
     blur = edges.blur_px
     noisy = min(max((spread - QUIET_PX) / (NOISY_PX - QUIET_PX), 0.0), 1.0)
-    calm = CALM_PX * (1.0 - 0.5 * noisy)
+    free = FREE_PX * (1.0 - 0.5 * noisy)
     # so far out, noise outweighs the rest of the bend
     loud = min(1.0, spread / LOUD_PX)
     return Tolerance(
         crisp=crisp > 0.5,
-        dead_zone_px=calm + (STAIRCASE_PX - calm) * max(crisp, staircase_share(edges, sigma)),
+        dead_zone_px=free + (STAIRCASE_PX - free) * max(crisp, staircase_share(edges, sigma)),
         sigma_px=sigma,
         spread_px=spread,
         blur_px=blur,

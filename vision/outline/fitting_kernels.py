@@ -67,7 +67,7 @@ LOOKS = 2
 not cover it."""
 STRICTER_BY = 0.1
 """Factor on a deviation of equal cost then, without grey: chosen."""
-CALMER_BY, FINER_BY = 0.25, 0.4
+DEAD_ZONE_BY, FINER_BY = 0.25, 0.4
 """Factors on the free deviation and on the distance of possible breaks then, with grey: chosen."""
 ROUNDER_BY = 0.85
 """Factor on an arc's price then, with grey: chosen, no dearer than two chords."""
@@ -245,7 +245,7 @@ def _search_edges(border, cracks, round_cost, budget, tolerance, limits, prices,
         bent = again + 1 < looks and any_bent_line(border, outline, edges, spread, spare)
         if sound and not bent:
             break
-        dead_zone *= CALMER_BY
+        dead_zone *= DEAD_ZONE_BY
         seeds *= FINER_BY
     return edges, sound
 

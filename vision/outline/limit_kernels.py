@@ -30,7 +30,7 @@ CUT_PX = 0.7
 MOST_PX = 1.0
 """Largest distance of an edge from a border without noise: defined, the pixel that is promised, at
 a tip too."""
-CALM_LOSS_PX = 0.02
+FREE_LOSS_PX = 0.02
 """Deviation that is no lost area: chosen."""
 CHORD_PX = 0.2
 """Largest distance of a ragged stretch's chord from its border points: chosen."""
@@ -58,7 +58,7 @@ def limits_of(tolerance, exact):
         tolerance.guard_px,
         CUT_PX if exact else tolerance.blur_px,
         CRISP_TANGENT_PX if crisp else KNOWN_PX + spread,
-        CALM_LOSS_PX + 2.0 * spread,
+        FREE_LOSS_PX + 2.0 * spread,
         MOST_PX + 4.5 * spread,
         CRISP_CHORD_PX if crisp else CHORD_PX + 2.0 * spread,
         _expected_cost(dead_zone, sigma, spread),

@@ -106,8 +106,8 @@ def leaves_out(look: GreyPicture, level: float, side: Literal["dark", "light"]) 
     if not clear_steps(0.0):
         return False
     # artefacts of compression, and a floor's pattern, have a smaller share of the light
-    calming = look.calming()
-    grey, noise = look.grey_after(calming), look.noise * calming.left
+    smoothing = look.smoothing()
+    grey, noise = look.grey_after(smoothing), look.noise * smoothing.left
     apart = faint_edges_apart(grey, noise, side, BLOCK_PX) >= FEWEST_CLEAR
     return (apart and not has_pattern(grey, noise, side)) or clear_steps(THIN_SHARE)
 
@@ -128,8 +128,8 @@ class Support:
         even: bool = False,
     ) -> None:
         self.judge = Judge.of(look, side, pairs, even)
-        calming = look.calming()
-        self.grey, self.noise = look.grey_after(calming), look.noise * calming.left
+        smoothing = look.smoothing()
+        self.grey, self.noise = look.grey_after(smoothing), look.noise * smoothing.left
         self._cost = max(FAINT * self.judge.typical(pairs), self.judge.least)
         self._pairs = pairs
 

@@ -27,7 +27,7 @@ from numpy.typing import NDArray
 
 from vision.binarise.binarise_kernels import REACH, SIGMAS
 from vision.binarise.grey_classes import LEAST_CONTRAST_SIGMAS
-from vision.binarise.grey_picture import LEAST_CONTRAST, NO_CALMING, Binary, GreyPicture
+from vision.binarise.grey_picture import LEAST_CONTRAST, NO_SMOOTHING, Binary, GreyPicture
 from vision.binarise.regions.edge_evidence_kernels import (
     LEAST_SHARP,
     OUTER,
@@ -144,9 +144,9 @@ class Judge:
     def _seeing(
         cls, look: GreyPicture, side: Literal["dark", "light"], every: int, even: bool
     ) -> Judge:
-        calming = look.calming()
-        grey, noise = look.grey_after(calming), look.noise * calming.left
-        return cls(grey, noise, side, every, calming is not NO_CALMING, even)
+        smoothing = look.smoothing()
+        grey, noise = look.grey_after(smoothing), look.noise * smoothing.left
+        return cls(grey, noise, side, every, smoothing is not NO_SMOOTHING, even)
 
     def worth(self, light: NDArray[np.float64]) -> NDArray[np.float64]:
         """Worth of grey values, whose differences are compared.
