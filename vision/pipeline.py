@@ -24,7 +24,7 @@ from vision.binarise.grey_picture import SMOOTHED_NOISE, Binary, as_array
 from vision.borders.contours import Contours, follow_borders, laplacian_border, locate_edges
 from vision.doubts import with_doubts
 from vision.errors import PictureError
-from vision.outline.fitting import fit_edges, is_drawing, tolerance_of
+from vision.outline.fitting import fit_edges, is_bilevel, tolerance_of
 from vision.outline.thin_walls import keep_thin_walls
 from vision.paper.paper import paper_objects
 from vision.records.placement import (
@@ -85,15 +85,17 @@ def extract(
     placement = Placement.of(calibration, bounds, binary.size)
     rectified = placement.rectified(edges.points)
     stretches = placement.stretches(edges.points, rectified, edges.starts)
-    drawn = tolerance.crisp or is_drawing(binary.grey, borders)
+    bilevel = tolerance.crisp or is_bilevel(binary.grey, borders)
     even = calibration is None or bool((stretches == 1.0).all())
     shrunk = rectified
     if not even:
         shrunk = rectified / np.repeat(stretches, np.diff(edges.starts))[:, None]
-    separate = calibration is None and drawn
-    fitted = fit_edges(shrunk, edges.starts, borders, tolerance, separate=separate)
+    # on the floor, there are no pixels for edges to separate
+    fitted = fit_edges(
+        shrunk, edges.starts, borders, tolerance, bilevel=calibration is None and bilevel
+    )
     fitted = fitted if even else fitted.stretched(stretches)
-    if binary.fine or drawn or binary.noise >= SMOOTHED_NOISE:
+    if binary.fine or bilevel or binary.noise >= SMOOTHED_NOISE:
         fitted = keep_thin_walls(fitted, borders, placement.rectified, fine=binary.fine)
     specks = find_specks(borders, binary.noise, binary.contrast if binary.doubtful else math.inf)
     objects = build_objects(borders, fitted, placement, specks.borders)

@@ -232,7 +232,9 @@ STAGES: dict[str, tuple[Change, ...]] = {
     "classes set right where most is edge": (("grey_classes._sharpened", first),),
     "classes of rare pixels": (("grey_classes._rare_pixels", nothing),),
     "what stands out of uneven noise": (("grey_classes.significant_dark", nothing),),
-    "the level that edges speak for": (("regions.edge_evidence.Support.best_level", no_level),),
+    "the level that edges speak for": (
+        ("regions.edge_evidence.EdgeEvidence.best_level", no_level),
+    ),
     "smoothing before the level": (("grey_picture.SMOOTHINGS", (NO_SMOOTHING,)),),
     "smoothing before the judge": (("grey_picture.SMOOTHED_NOISE", 1e9),),
     "dots": (("grey_picture.mark_dots", nothing),),

@@ -36,9 +36,9 @@ from tests.support.drawn.outline_judge import record_points
 from tests.support.drawn.render import centers_inside, outline_points
 from vision import extract
 from vision.outline import fitting_kernels, partition_kernels, whole_circle_kernels
+from vision.outline.bilevel import merged_edge_kernels
 from vision.outline.check import area_lost_kernels
 from vision.outline.corners import edit_kernels, edit_search_kernels, joint_kernels
-from vision.outline.drawn import merged_edge_kernels
 
 FARTHER_BY = 1.02
 """What makes a difference: one more wrong shape, or so many times the distance."""

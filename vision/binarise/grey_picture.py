@@ -84,8 +84,8 @@ class GreyPicture:
         self.counts: NDArray[np.int64] = sampled_histogram(grey)
         self._counts_after: dict[Smoothing, NDArray[np.int64]] = {NO_SMOOTHING: self.counts}
         # two values: drawn, not photographed; apparent noise is texture
-        drawn = np.count_nonzero(self.counts) <= 2
-        self.noise = 0.0 if drawn else float(noise_sigma(grey))
+        bilevel = np.count_nonzero(self.counts) <= 2
+        self.noise = 0.0 if bilevel else float(noise_sigma(grey))
         self.fine = self._fine_structure()
         if self.fine is not None:
             self.noise = min(self.noise, self.fine.within)
@@ -200,7 +200,7 @@ class Binary:
 
 
 def black_and_white(
-    look: GreyPicture,
+    picture: GreyPicture,
     level: float,
     contrast: float,
     how: Binarisation,
@@ -211,12 +211,12 @@ def black_and_white(
 ) -> Binary:
     """Compare a picture with the level, smoothed if noise alone could cross it."""
     remarks: tuple[str, ...] = ()
-    noise = look.noise if noise is None else noise
+    noise = picture.noise if noise is None else noise
     strongest = noise if strongest_noise is None else strongest_noise
     margin = 0.5 * contrast if margin is None else margin
     safe = [one for one in SMOOTHINGS if SIGMAS * strongest * one.left <= margin]
     smoothing = safe[0] if safe else SMOOTHINGS[-1]
-    if look.fine is not None and smoothing is not NO_SMOOTHING:
+    if picture.fine is not None and smoothing is not NO_SMOOTHING:
         # crossings of noise stay obstacles: none is taken for a speck
         remarks = (
             f"walls or ways of a few pixels at a contrast of {contrast:.0f}: the picture was not "
@@ -228,10 +228,12 @@ def black_and_white(
             f"noise of up to {strongest:.0f} grey levels at a contrast of {contrast:.0f}: the "
             f"picture was smoothed by {smoothing.sigma_px:.0f} px before the level was applied",
         )
-    mask = look.mask_below(level, smoothing, strongest)
+    mask = picture.mask_below(level, smoothing, strongest)
     by_level = smoothing is NO_SMOOTHING
-    fine = look.fine is not None
-    return Binary(mask, look.grey, level, noise, contrast, how, remarks, by_level, not safe, fine)
+    fine = picture.fine is not None
+    return Binary(
+        mask, picture.grey, level, noise, contrast, how, remarks, by_level, not safe, fine
+    )
 
 
 def as_array(image: NDArray[Any] | Sequence[Any]) -> NDArray[Any]:

@@ -58,24 +58,24 @@ class Unresolved:
 
 
 def unresolved_structure(
-    look: GreyPicture, classes: Classes | None, side: Literal["dark", "light"]
+    picture: GreyPicture, classes: Classes | None, side: Literal["dark", "light"]
 ) -> Unresolved | None:
     """Structure too fine for the picture, in the class of most of its pixels.
 
     None if it is not in most places, or is no more than a floor's texture.
     """
-    ground = _Ground.of(look, classes)
+    ground = _Ground.of(picture, classes)
     light = ground.middle if side == "dark" else 255.0 - ground.middle
     least = max(LEAST, LEAST_SHARE * max(light, ground.contrast))
-    if ground.spread < max(HALF * least, HINT * look.noise):
+    if ground.spread < max(HALF * least, HINT * picture.noise):
         return None
-    smoothed = look.grey_after(BINOMIAL)
+    smoothed = picture.grey_after(BINOMIAL)
     inside = (smoothed >= ground.first) & (smoothed < ground.end)
     around = np.ones((2 * REACH + 1, 2 * REACH + 1), np.uint8)
     apart = cv2.erode(inside.astype(np.uint8), around) != 0
     if np.count_nonzero(apart) < 0.5 * np.count_nonzero(inside):
         return None
-    next_to, fine, wide = (change_over(look.grey, apart, reach) for reach in (1, FINE, REACH))
+    next_to, fine, wide = (change_over(picture.grey, apart, reach) for reach in (1, FINE, REACH))
     if fine < BEYOND_NOISE * next_to or fine**2 < next_to**2 + least**2:
         return None
     if wide > FULL_APART * fine:
@@ -94,8 +94,8 @@ class _Ground(NamedTuple):
     contrast: float
 
     @classmethod
-    def of(cls, look: GreyPicture, classes: Classes | None) -> _Ground:
-        counts = look.counts
+    def of(cls, picture: GreyPicture, classes: Classes | None) -> _Ground:
+        counts = picture.counts
         if classes is not None and 0.0 < classes.dark_share < 1.0:
             level, contrast = classes.level, classes.contrast
             if classes.dark_share > 0.5:
@@ -103,8 +103,8 @@ class _Ground(NamedTuple):
                 ground = cls(0.0, level, classes.dark, spread, contrast)
             else:
                 spread = classes.light_spread
-                left = look.noise * look.smoothing().left
-                if spread**2 > look.noise**2 + (HINT * left) ** 2 and left < look.noise:
+                left = picture.noise * picture.smoothing().left
+                if spread**2 > picture.noise**2 + (HINT * left) ** 2 and left < picture.noise:
                     spread = grey_spread(counts[math.ceil(level) :])
                 ground = cls(level, ALL, classes.light, spread, contrast)
             if contrast >= APART * spread:

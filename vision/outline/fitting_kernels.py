@@ -7,7 +7,7 @@ Rules and units
   (``vision.outline.partition_kernels``), and these are joined
   (``vision.outline.corners.joint_kernels``). They must cover the border
   (``vision.outline.check.area_lost_kernels``) or, without grey, separate its pixels
-  (``vision.outline.drawn.separating_chord_kernels``).
+  (``vision.outline.bilevel.separating_chord_kernels``).
 - Chords between border points replace an outline that still strays
   (``vision.outline.check.stray_kernels``).
 - A kernel without ``forceinline`` or ``fastmath`` inherits it from its first caller to be compiled.
@@ -21,6 +21,9 @@ from __future__ import annotations
 from numba import njit
 
 from planner.scene.compile_options import LEAF
+from vision.outline.bilevel.merging_kernels import merge_edges
+from vision.outline.bilevel.separating_chord_kernels import all_chords, separate_by_chords
+from vision.outline.bilevel.separation_kernels import fill_cracks, find_cracks
 from vision.outline.canonical_frame_kernels import (
     bring_cracks_along,
     bring_into_place,
@@ -38,9 +41,6 @@ from vision.outline.check.stray_kernels import outline_strays
 from vision.outline.corners.edit_search_kernels import edit_outline
 from vision.outline.corners.joint_kernels import fit_and_join
 from vision.outline.corners.missed_arc_kernels import any_bent_line
-from vision.outline.drawn.merging_kernels import merge_edges
-from vision.outline.drawn.separating_chord_kernels import all_chords, separate_by_chords
-from vision.outline.drawn.separation_kernels import fill_cracks, find_cracks
 from vision.outline.fit.outline_kernels import finish_edge
 from vision.outline.fit.shape_kernels import HUGE
 from vision.outline.fitted_borders import CIRCLE, FEWEST_LINES, LINE, POLYGON, TINY
@@ -92,8 +92,8 @@ def fit_borders(
     deviation. A circle is one edge of kind LINE with its centre and radius in the row. TINY borders
     have no edges.
     """
-    exact = crack_pixels.x.shape[0] > 0
-    limits = limits_of(tolerance, exact)
+    bilevel = crack_pixels.x.shape[0] > 0
+    limits = limits_of(tolerance, bilevel)
     work = share_out(memory)
     places = work.places
     borders = point_starts.shape[0] - 1
@@ -106,9 +106,9 @@ def fit_borders(
             continue
         border = BorderPoints(places[0], places[1], here.shape[0])
         place = bring_into_place(here, work.scratch.numbers[0], border)
-        known = crack_pixels.starts[b + 1] - crack_pixels.starts[b] if exact else 0
+        known = crack_pixels.starts[b + 1] - crack_pixels.starts[b] if bilevel else 0
         cracks = Cracks(places[2], places[3], places[4], places[5], known)
-        if exact:
+        if bilevel:
             these = slice(crack_pixels.starts[b], crack_pixels.starts[b + 1])
             fill_cracks(
                 crack_pixels.x[these], crack_pixels.y[these], crack_pixels.direction[these], cracks
@@ -169,7 +169,8 @@ def _fit_border(
     )
     edges = 0
     sound = False
-    one_circle = cracks.n > 0 and nearly
+    bilevel = cracks.n > 0
+    one_circle = bilevel and nearly
     if one_circle:
         # only the last check sees the pixels that it loses
         edges = cut_circle(border, work.circle, work.outline)
@@ -177,8 +178,8 @@ def _fit_border(
         edges, sound = _search_edges(
             border, cracks, round_cost, budget, tolerance, limits, prices, work
         )
-    if edges > 0 and cracks.n > 0:
-        edges = _finish_drawn(border, cracks, edges, budget, one_circle, work, finished)
+    if edges > 0 and bilevel:
+        edges = _finish_bilevel(border, cracks, edges, budget, one_circle, work, finished)
     elif edges > 0:
         edges = _finish_grey(border, edges, sound, budget, tolerance, limits, work, finished)
     if edges == 0:
@@ -203,6 +204,7 @@ def _search_edges(border, cracks, round_cost, budget, tolerance, limits, prices,
     outline = work.outline
     spare = work.scratch.numbers[6]
     crisp = limits.crisp
+    bilevel = cracks.n > 0
     spread = tolerance.spread_px
     looks = LOOKS if crisp or spread <= QUIET_PX else 1
     finer = Prices(prices.line, prices.arc if crisp else ROUNDER_BY * prices.arc, prices.circle)
@@ -225,7 +227,7 @@ def _search_edges(border, cracks, round_cost, budget, tolerance, limits, prices,
             edges = edit_outline(
                 border, outline, edges, limits, tolerance.blur_px, costs, prices, work.scratch
             )
-        if cracks.n > 0 and not _any(outline.is_arc, edges):
+        if bilevel and not _any(outline.is_arc, edges):
             # straight sides lose area at corners: the last check sees it
             break
         if crisp:
@@ -251,7 +253,7 @@ def _search_edges(border, cracks, round_cost, budget, tolerance, limits, prices,
 
 
 @njit(**LEAF, inline="always")
-def _finish_drawn(border, cracks, edges, budget, one_circle, work, finished):
+def _finish_bilevel(border, cracks, edges, budget, one_circle, work, finished):
     """Write edges that separate the pixels of a border without grey; returns their number.
 
     ``one_circle``: the edges are arcs of one circle; 0 if they stay that.

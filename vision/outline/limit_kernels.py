@@ -42,8 +42,8 @@ of the page on outlines."""
 
 
 @njit(**LEAF)
-def limits_of(tolerance, exact):
-    """The limits of a picture; ``exact``: edges must separate every crack's pixels."""
+def limits_of(tolerance, bilevel):
+    """The limits of a picture; ``bilevel``: edges must separate every crack's pixels."""
     crisp = tolerance.crisp
     dead_zone = tolerance.dead_zone_px
     sigma = tolerance.sigma_px
@@ -56,7 +56,7 @@ def limits_of(tolerance, exact):
         0.9 if crisp else 0.35 + dead_zone + 2.5 * sigma,
         math.ceil(tolerance.trim_px),
         tolerance.guard_px,
-        CUT_PX if exact else tolerance.blur_px,
+        CUT_PX if bilevel else tolerance.blur_px,
         CRISP_TANGENT_PX if crisp else KNOWN_PX + spread,
         FREE_LOSS_PX + 2.0 * spread,
         MOST_PX + 4.5 * spread,

@@ -56,6 +56,7 @@ def circle_of_all(border, cracks, costs, budget, held, price, circle, near):
     py = border.y
     n = border.n
     crisp = costs.crisp
+    bilevel = cracks.n > 0
     dead_zone = costs.dead_zone
     sigma = costs.sigma
     worst = costs.worst
@@ -74,7 +75,7 @@ def circle_of_all(border, cracks, costs, budget, held, price, circle, near):
     if not crisp:
         return price + cost, False
     fitted = circle[2]
-    if cracks.n > 0:
+    if bilevel:
         # a few far points pull squared costs, but a pixel is lost or not
         lost = lose_fewest(cracks, circle, near[0], near[1])
         worst = MOST_PX

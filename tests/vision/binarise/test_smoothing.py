@@ -53,8 +53,8 @@ def test_a_large_picture_is_sampled_where_a_smoothed_one_would_be() -> None:
 def test_a_smoothing_leaves_as_much_noise_as_it_says(smoothing: Smoothing, kind: type) -> None:
     rng = np.random.default_rng(2)
     noisy = np.clip(127.0 + rng.normal(0.0, 20.0, (400, 600)), 0.0, 255.0)
-    look = GreyPicture(np.rint(noisy).astype(kind))
-    assert abs(look.grey_after(smoothing).std() / 20.0 - smoothing.left) < 0.02
+    grey_picture = GreyPicture(np.rint(noisy).astype(kind))
+    assert abs(grey_picture.grey_after(smoothing).std() / 20.0 - smoothing.left) < 0.02
 
 
 def test_the_more_noise_the_wider_is_the_smoothing() -> None:

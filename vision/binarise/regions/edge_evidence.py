@@ -74,45 +74,45 @@ SAID = 0.5 * LEAST_SHARE
 """Share of the light from which a remark names a region: derived, half of the least."""
 
 
-def follows_edges(look: GreyPicture, classes: Classes) -> bool:
+def follows_edges(picture: GreyPicture, classes: Classes) -> bool:
     """True if edges at the level are as strong as the classes' contrast."""
-    height, width = look.grey.shape
+    height, width = picture.grey.shape
     if min(height, width) <= REACH:
         return True
     level = np.float32(classes.level)
     weakest = np.float32(WEAK_STEP * classes.contrast)
-    strongest = np.float32(STRONG_STEP * classes.contrast + 3.0 * look.noise)
+    strongest = np.float32(STRONG_STEP * classes.contrast + 3.0 * picture.noise)
     pairs = FIRST_PAIRS
     while True:
-        count, weak, strong = steps_across_level(look.grey, level, weakest, strongest, pairs)
+        count, weak, strong = steps_across_level(picture.grey, level, weakest, strongest, pairs)
         if count >= FEWEST or pairs >= 2 * height * width:
             return bool(weak <= FEW * count and strong <= FEW_STRONG * count)
         pairs *= 16
 
 
-def leaves_out(look: GreyPicture, level: float, side: Literal["dark", "light"]) -> bool:
+def leaves_out(picture: GreyPicture, level: float, side: Literal["dark", "light"]) -> bool:
     """True if clear edges lie off a level, fainter than the edges across it."""
-    height, width = look.grey.shape
+    height, width = picture.grey.shape
     if min(height, width) <= 4 * REACH:
         return False
-    least = max(LEAST_CONTRAST, CLEAR_SIGMAS * look.noise)
+    least = max(LEAST_CONTRAST, CLEAR_SIGMAS * picture.noise)
     end, sign = (0.0, 1.0) if side == "dark" else (255.0, -1.0)
 
     def clear_steps(share: float) -> bool:
         clear = tuple(np.float32(v) for v in (share, least, end, sign))
-        left = steps_off_level(look.grey, np.float32(level), clear, FEWEST_CLEAR)
+        left = steps_off_level(picture.grey, np.float32(level), clear, FEWEST_CLEAR)
         return bool(left >= FEWEST_CLEAR)
 
     if not clear_steps(0.0):
         return False
     # artefacts of compression, and a floor's pattern, have a smaller share of the light
-    smoothing = look.smoothing()
-    grey, noise = look.grey_after(smoothing), look.noise * smoothing.left
+    smoothing = picture.smoothing()
+    grey, noise = picture.grey_after(smoothing), picture.noise * smoothing.left
     apart = faint_edges_apart(grey, noise, side, BLOCK_PX) >= FEWEST_CLEAR
     return (apart and not has_pattern(grey, noise, side)) or clear_steps(THIN_SHARE)
 
 
-class Support:
+class EdgeEvidence:
     """Support of a picture's edges for each level: sums, larger is better.
 
     Sums are comparable for one picture only; zero or less is no support. ``pairs``: about the
@@ -122,14 +122,14 @@ class Support:
 
     def __init__(
         self,
-        look: GreyPicture,
+        picture: GreyPicture,
         side: Literal["dark", "light"],
         pairs: int = SAMPLED_PAIRS,
         even: bool = False,
     ) -> None:
-        self.judge = Judge.of(look, side, pairs, even)
-        smoothing = look.smoothing()
-        self.grey, self.noise = look.grey_after(smoothing), look.noise * smoothing.left
+        self.judge = Judge.of(picture, side, pairs, even)
+        smoothing = picture.smoothing()
+        self.grey, self.noise = picture.grey_after(smoothing), picture.noise * smoothing.left
         self._cost = max(FAINT * self.judge.typical(pairs), self.judge.least)
         self._pairs = pairs
 
@@ -192,7 +192,7 @@ def _middle(counts: NDArray[np.int64]) -> float:
 
 
 def with_left_out(
-    judged: JudgedPicture, others: Iterable[JudgedPicture], support: Support
+    judged: JudgedPicture, others: Iterable[JudgedPicture], evidence: EdgeEvidence
 ) -> Binary:
     """The mask, changed in place, with obstacles of other masks and levels, and remarks.
 
@@ -203,27 +203,27 @@ def with_left_out(
     inside = binary.inside
     left = judged.left_out
     shut = _around(inside)
-    flat, stronger = without_light(support.grey, support.judge.side)
-    look = GreyPicture(flat)
-    look.noise = max(look.noise, stronger * support.noise)
+    flat, stronger = without_light(evidence.grey, evidence.judge.side)
+    picture = GreyPicture(flat)
+    picture.noise = max(picture.noise, stronger * evidence.noise)
     found = 0
-    for asked in (Support(look, support.judge.side, even=support.judge.even), support):
+    for asked in (EdgeEvidence(picture, evidence.judge.side, even=evidence.judge.even), evidence):
         # each level is searched in what the others have not found
         while (level := asked.level_outside(shut)) is not None:
             below = (asked.grey < level).astype(np.uint8)
-            more = _add_obstacles(below, inside, shut, left, support.judge)
+            more = _add_obstacles(below, inside, shut, left, evidence.judge)
             if more == 0:
                 break
             found += more
     # last: there an obstacle and its shadow may be one region
     for other in others:
-        found += _add_obstacles(other.binary.inside, inside, shut, left, support.judge)
+        found += _add_obstacles(other.binary.inside, inside, shut, left, evidence.judge)
     remarks = binary.remarks
     if found:
         many = f"{found} obstacles that are lighter, or shaded, are seen at levels of their own"
         one = "an obstacle that is lighter, or shaded, is seen at a level of its own"
         remarks += (one if found == 1 else many,)
-    remarks += _said(left, inside, support.judge)
+    remarks += _said(left, inside, evidence.judge)
     return replace(binary, by_level=binary.by_level and not found, remarks=remarks)
 
 

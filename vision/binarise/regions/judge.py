@@ -128,24 +128,24 @@ class Judge:
 
     @classmethod
     def of(
-        cls, look: GreyPicture, side: Literal["dark", "light"], pairs: int, even: bool = False
+        cls, picture: GreyPicture, side: Literal["dark", "light"], pairs: int, even: bool = False
     ) -> Judge:
         """Judge of a picture, smoothed if noisy and halved if out of focus.
 
         About ``pairs`` pairs of pixels are read for that.
         """
-        judge = cls._seeing(look, side, 1, even)
-        if min(look.grey.shape) < 2 * LEAST_HALF_PX:
+        judge = cls._seeing(picture, side, 1, even)
+        if min(picture.grey.shape) < 2 * LEAST_HALF_PX:
             return judge
-        other = cls._seeing(look.halved(), side, 2, even)
+        other = cls._seeing(picture.halved(), side, 2, even)
         return other if other.typical(pairs) >= OUT_OF_FOCUS * judge.typical(pairs) else judge
 
     @classmethod
     def _seeing(
-        cls, look: GreyPicture, side: Literal["dark", "light"], every: int, even: bool
+        cls, picture: GreyPicture, side: Literal["dark", "light"], every: int, even: bool
     ) -> Judge:
-        smoothing = look.smoothing()
-        grey, noise = look.grey_after(smoothing), look.noise * smoothing.left
+        smoothing = picture.smoothing()
+        grey, noise = picture.grey_after(smoothing), picture.noise * smoothing.left
         return cls(grey, noise, side, every, smoothing is not NO_SMOOTHING, even)
 
     def worth(self, light: NDArray[np.float64]) -> NDArray[np.float64]:

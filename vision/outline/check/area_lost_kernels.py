@@ -13,9 +13,9 @@ from numba import njit
 
 from planner.scene.compile_options import LEAF, SUMS
 from planner.scene.primitive_kernels import predecessor, successor
+from vision.outline.bilevel.joint_relaxation_kernels import relax_joints
 from vision.outline.check.loss_kernels import edge_loss
 from vision.outline.corners.crossing_kernels import onto
-from vision.outline.drawn.joint_relaxation_kernels import relax_joints
 from vision.outline.fit.outline_kernels import arc_sweep, edge_end, finish_edge
 from vision.outline.fit.shape_kernels import HUGE, ROUNDS
 from vision.outline.fitted_borders import LINE

@@ -3,10 +3,10 @@
 Rules and units
 - ``cracks``, and ``finished``, edges ``0 .. count - 1`` with their first cracks: see
   ``vision.outline.outline_types``.
-- From every edge, one arc or line (``vision.outline.drawn.merged_edge_kernels``) replaces the
+- From every edge, one arc or line (``vision.outline.bilevel.merged_edge_kernels``) replaces the
   longest possible run.
 - An edge may lose no pixel around it that was not lost before
-  (``vision.outline.drawn.separation_kernels``).
+  (``vision.outline.bilevel.separation_kernels``).
 """
 
 # mypy: allow-untyped-defs
@@ -17,8 +17,8 @@ from numba import njit
 
 from planner.scene.compile_options import LEAF
 from planner.scene.primitive_kernels import successor
-from vision.outline.drawn.merged_edge_kernels import line_between, may_be_arc, put_arc, put_line
-from vision.outline.drawn.separation_kernels import (
+from vision.outline.bilevel.merged_edge_kernels import line_between, may_be_arc, put_arc, put_line
+from vision.outline.bilevel.separation_kernels import (
     NEIGHBOURS,
     find_lost,
     find_lost_beside,

@@ -19,8 +19,8 @@ from numba import njit
 
 from planner.scene.compile_options import LEAF
 from planner.scene.primitive_kernels import TAU, predecessor, successor
-from vision.outline.drawn.lost_run_kernels import mark_runs, weigh_runs
-from vision.outline.drawn.separation_kernels import find_lost
+from vision.outline.bilevel.lost_run_kernels import mark_runs, weigh_runs
+from vision.outline.bilevel.separation_kernels import find_lost
 from vision.outline.fit.outline_kernels import FLATTEST_PX, distance_to_edge, in_sweep
 from vision.outline.fit.separating_fit_kernels import HALF
 from vision.outline.fitted_borders import ARC_CCW, LINE

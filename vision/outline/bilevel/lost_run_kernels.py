@@ -2,7 +2,7 @@
 
 Rules and units
 - ``cracks``: see ``vision.outline.outline_types``; ``state`` is each crack's verdict, OK, LOST
-  or GRAVE (``vision.outline.drawn.separation_kernels``).
+  or GRAVE (``vision.outline.bilevel.separation_kernels``).
 """
 
 # mypy: allow-untyped-defs
@@ -13,7 +13,7 @@ from numba import njit
 
 from planner.scene.compile_options import LEAF
 from planner.scene.primitive_kernels import predecessor, successor
-from vision.outline.drawn.separation_kernels import GRAVE, OK
+from vision.outline.bilevel.separation_kernels import GRAVE, OK
 from vision.outline.fit.separating_fit_kernels import HALF
 from vision.outline.fit.shape_kernels import HUGE
 

@@ -16,7 +16,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from planner.scene import Arc, FloatArray, PolygonRecord
-from tests.vision.outline.drawn.test_separating_chords import (
+from tests.vision.outline.bilevel.test_separating_chords import (
     borders_of,
     cracks_of,
     only_record,
@@ -26,9 +26,9 @@ from tests.vision.outline.drawn.test_separating_chords import (
 )
 from tests.vision.outline.test_area_lost import blob, drawn_by_opencv, ellipse, rings, star
 from vision import extract
-from vision.outline.drawn.merged_edge_kernels import line_between
-from vision.outline.drawn.merging_kernels import merge_edges
-from vision.outline.drawn.separating_chord_kernels import all_chords
+from vision.outline.bilevel.merged_edge_kernels import line_between
+from vision.outline.bilevel.merging_kernels import merge_edges
+from vision.outline.bilevel.separating_chord_kernels import all_chords
 from vision.outline.fitted_borders import ARC_CW, LINE
 from vision.outline.outline_types import Cracks, FinishedEdges, Scratch
 

@@ -17,8 +17,8 @@ from numba import njit
 
 from planner.scene.compile_options import LEAF, SUMS
 from planner.scene.primitive_kernels import predecessor, successor
+from vision.outline.bilevel.joint_relaxation_kernels import circle_through
 from vision.outline.corners.crossing_kernels import SHALLOW
-from vision.outline.drawn.joint_relaxation_kernels import circle_through
 from vision.outline.fit.outline_kernels import FLATTEST_PX
 from vision.outline.fit.separating_fit_kernels import HALF, SEPARATION_MARGIN, separate_circle
 from vision.outline.fit.shape_kernels import HUGE, circle_cost, circle_of_three, fit_circle

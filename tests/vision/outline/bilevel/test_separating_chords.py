@@ -15,8 +15,8 @@ from tests.vision.outline.test_unusual_shapes import walls
 from vision import extract
 from vision.binarise.binarise import binarise
 from vision.borders.contours import Contours, follow_borders
-from vision.outline.drawn.separating_chord_kernels import chords_between, separate_by_chords
-from vision.outline.drawn.separation_kernels import fill_cracks, find_lost
+from vision.outline.bilevel.separating_chord_kernels import chords_between, separate_by_chords
+from vision.outline.bilevel.separation_kernels import fill_cracks, find_lost
 from vision.outline.fit.separating_fit_kernels import lose_fewest
 from vision.outline.outline_types import Cracks, FinishedEdges
 
