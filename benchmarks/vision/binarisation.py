@@ -39,7 +39,7 @@ from benchmarks.vision.regions import FAMILIES, TUNING, Drawn, drawn, looked_at
 from tests.support.drawn.render import coverage, outline_points, ramp
 from vision import PictureError
 from vision.binarise import colour
-from vision.binarise.grey_picture import FEWEST, NO_SMOOTHING
+from vision.binarise.grey_picture import FEWEST_SAMPLES, NO_SMOOTHING
 from vision.binarise.regions import edge_evidence
 from vision.shared.scratch import ArrayPool
 
@@ -73,7 +73,7 @@ def nothing(*_: Any, **__: Any) -> None:
 
 
 def no_level(*_: Any) -> tuple[None, int]:
-    return None, FEWEST
+    return None, FEWEST_SAMPLES
 
 
 def first(value: Any, *_: Any) -> Any:

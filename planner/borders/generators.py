@@ -110,7 +110,7 @@ class Borders:
         """Mark the objects that contain (x, y), by even-odd; ``reach`` is its clearance."""
         count = int(self.owner.max(initial=-1)) + 1
         votes = inside_kernels.vote(self.kind, self.data, self.closed, x, y, reach, count)
-        return votes >= inside_kernels.MOST  # type: ignore[no-any-return]
+        return votes >= inside_kernels.RAYS_THAT_DECIDE  # type: ignore[no-any-return]
 
 
 @dataclass(frozen=True, slots=True)

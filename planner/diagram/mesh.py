@@ -34,7 +34,7 @@ from planner.diagram.diagram_arrays import (
 )
 from planner.scene import FloatArray, IntArray
 
-ROUNDS = 6
+GENERATOR_ROUNDS = 6
 """Most rounds of adding generators; one or two suffice on random scenes."""
 DOUBTS = 2
 """Rounds in which unsolved vertices ask for generators, too."""
@@ -162,12 +162,12 @@ def solve(mesh: Mesh, borders: Borders, spacing: float) -> None:
     pieces, tolerances = borders.corners, DiagramTolerances(half, half, borders.equal)
     sag = mesh_kernels.largest_sag(borders.kind, borders.data, half)
     flat, triangles = _flat(mesh, sag), mesh.triangles
-    for turn in range(ROUNDS + 1):
+    for turn in range(GENERATOR_ROUNDS + 1):
         missing = vertex_kernels.solve_vertices(
             flat, mesh.circ, pieces, triangles, borders.closed, borders.box, turn < DOUBTS,
             tolerances, SAME_PLACE * borders.extent,
         )  # fmt: skip
-        if not len(missing[0]) or turn == ROUNDS:
+        if not len(missing[0]) or turn == GENERATOR_ROUNDS:
             old = mesh.bent
             kept, *traced, table, longest = chain_kernels.trace_again(
                 flat, pieces, triangles, mesh.traced, old, tolerances
@@ -179,7 +179,7 @@ def solve(mesh: Mesh, borders: Borders, spacing: float) -> None:
                 longest,
             )  # fmt: skip
             mesh.bent = trace_kernels.join_chains(kept, old, bent) if len(kept) else bent
-            if not len(missing[0]) or turn == ROUNDS:
+            if not len(missing[0]) or turn == GENERATOR_ROUNDS:
                 break
         add_sites(mesh, *missing)
         flat, triangles = _flat(mesh, sag), mesh.triangles

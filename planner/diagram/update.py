@@ -40,7 +40,7 @@ from planner.scene import (
     flatten,
 )
 
-MOST = 0.34
+MOST_CHANGED = 0.34
 """Share of changed objects from which a scene is built from scratch."""
 
 
@@ -56,7 +56,7 @@ def update_diagram(agvd: Agvd, old: Scene, scene: Scene) -> Agvd | None:
     kept = match_objects(old.objects, scene.objects)
     came = [j for j, i in enumerate(kept) if i < 0]
     went = len(old.objects) - len(kept) + len(came)
-    if len(came) + went > MOST * (len(scene.objects) + len(old.objects)):
+    if len(came) + went > MOST_CHANGED * (len(scene.objects) + len(old.objects)):
         return None
     new = _flatten(scene, came)
     if not _fits_memory(agvd, new):

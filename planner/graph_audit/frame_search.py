@@ -29,7 +29,7 @@ from planner.graph_audit.frame_fit import (
     named_frames,
     placed,
 )
-from planner.graph_audit.unsafe import TIGHT
+from planner.graph_audit.unsafe import RADIUS_SLACK
 from planner.scene import FloatArray, Scene, Vec
 
 LOST, FOUND = 0.7, 0.95
@@ -55,9 +55,9 @@ AMPLE_RADII, ROOM_COUNTS = 4.0, 0.1
 PROMISING = 0.8
 """Shares on the coarse map below which no fit is refined (measured: 1.0 for those that are found on
 Nav2's maps, 0.7 for what no frame puts into free space)."""
-HALVINGS = 6
+REFINEMENT_HALVINGS = 6
 """Halvings of the step of a refinement: to a 64th of a coarse cell (indifferent from 5 on)."""
-SMALL, LARGE = 0.25, 1.5
+SMALLEST_GRAPH, LARGEST_GRAPH = 0.25, 1.5
 """Sizes of the graph, in those of the free space, that make sense (chosen: smaller ones fit
 anywhere)."""
 OTHER_PLACE = 0.1
@@ -69,7 +69,7 @@ def find_frame(lines: EdgeLines, scene: Scene, ground: Ground, radius: float) ->
     points = _points_along(lines, radius)
     if len(lines.edges) < LEAST_EDGES or not len(points):
         return None
-    search = _Search(points, ground, np.array(scene.view), radius * (1.0 - TIGHT))
+    search = _Search(points, ground, np.array(scene.view), radius * (1.0 - RADIUS_SLACK))
     before = search.share(points)
     if before >= LOST:
         return None
@@ -172,7 +172,7 @@ class _Search:
         """True if the scaled graph is about as large as the free space."""
         size = float((self.box[2:] - self.box[:2]).max())
         spread = float(np.ptp(self.points, axis=0).max())
-        return SMALL * size <= scale * spread <= LARGE * size
+        return SMALLEST_GRAPH * size <= scale * spread <= LARGEST_GRAPH * size
 
     def anywhere(self, still: FrameFit, scales: Sequence[float]) -> list[FrameFit]:
         """Return the best fits of all scales, turns and shifts, refined."""
@@ -239,7 +239,7 @@ class _Search:
         best, most = fit, few.score(fit)
         middle = self.points.mean(axis=0, keepdims=True)
         step, turn = cell, 0.5 * TURN_STEP_RAD
-        for _ in range(HALVINGS):
+        for _ in range(REFINEMENT_HALVINGS):
             better = True
             while better:
                 better = False

@@ -3,7 +3,7 @@
 Rules
 - Edges along the same line, in either direction, count once, under the first one's name.
 - Two straight pieces cross if each one's ends surely lie on both sides of the other. An edge
-  passes a node that is nearer to it than ``NEAR`` radii; a crossing so near to a node is that.
+  passes a node that is nearer to it than ``NEAR_EDGE`` radii; a crossing so near to a node is that.
 - Pairs are found by a sweep along the axis on which fewer of them overlap: O(n log n) and the
   pairs.
 """
@@ -20,9 +20,9 @@ from planner.graph_audit.edge_lines import EdgeLines
 from planner.graph_audit.findings import FindingList
 from planner.scene import FloatArray, IntArray, Vec
 
-NEAR = 0.01
+NEAR_EDGE = 0.01
 """A node so near to an edge, in robot radii, is on it: a person who draws aims no better."""
-AT_ONCE = 2_000_000
+PAIRS_AT_ONCE = 2_000_000
 """Pairs that are looked at in one step: some 200 MB."""
 TURN_SLACK = 1e-15
 """Error bound of a turn's determinant over its products (Shewchuk 1997: 3.3e-16)."""
@@ -43,7 +43,7 @@ def find_nearby(lines: EdgeLines, radius: float, findings: FindingList) -> None:
     rows, edge = lines.pieces()
     some = np.isin(edge, kept)
     pieces = _Pieces(rows[some], edge[some], lines.ends[edge[some]])
-    near = NEAR * radius
+    near = NEAR_EDGE * radius
     names = [one.name for one in lines.edges]
     for e, node, gap in _passed(pieces, lines.places, near):
         at = _vec(lines.places[node])
@@ -76,7 +76,7 @@ def _pairs(
     total = np.concatenate([[0], np.cumsum(counts)])
     begin = 0
     while begin < len(low):
-        end = int(np.searchsorted(total, total[begin] + AT_ONCE, side="right")) - 1
+        end = int(np.searchsorted(total, total[begin] + PAIRS_AT_ONCE, side="right")) - 1
         end = min(max(end, begin + 1), len(low))
         rows = np.repeat(np.arange(begin, end), counts[begin:end])
         within = np.arange(len(rows)) - np.repeat(

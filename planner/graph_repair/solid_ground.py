@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from planner.borders.ground import Ground
-from planner.graph_audit.unsafe import TIGHT
+from planner.graph_audit.unsafe import RADIUS_SLACK
 from planner.graph_files.route_graph import RouteNode
 from planner.path import Path
 from planner.roadmap.roadmap import Roadmap, build_roadmap
@@ -44,16 +44,16 @@ class SolidGround:
         numbered = tuple(replace(one, id=k) for k, one in enumerate(objects))
         joined = replace(scene, objects=numbered, bounds=bounds, unknown=None)
         # a node at the limit of what an audit allows is one from which paths lead
-        return cls(ground, build_roadmap(joined, radius * (1.0 - TIGHT)), radius)
+        return cls(ground, build_roadmap(joined, radius * (1.0 - RADIUS_SLACK)), radius)
 
     def is_free(self, points: FloatArray) -> NDArray[np.bool_]:
         """Mark the points (n, 2) that keep the radius."""
-        free: NDArray[np.bool_] = self.ground.signed(points) >= self.radius * (1.0 - TIGHT)
+        free: NDArray[np.bool_] = self.ground.signed(points) >= self.radius * (1.0 - RADIUS_SLACK)
         return free
 
     def is_safe(self, line: FloatArray) -> bool:
         """True if a line (n, 2) keeps the radius, exactly."""
-        return float(self.ground.clearances([line])[0][0]) >= self.radius * (1.0 - TIGHT)
+        return float(self.ground.clearances([line])[0][0]) >= self.radius * (1.0 - RADIUS_SLACK)
 
     def path(self, start: Vec, goal: Vec) -> FloatArray | str:
         """Return a path (n, 2) with few bends from start to goal, or why there is none."""

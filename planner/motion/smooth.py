@@ -32,13 +32,13 @@ LONGEST_CUT = 4.0
 """Robot radii before and after a corner: what lies further does not feel the corner."""
 LONGEST_BEND = 2.0
 """The same in turning radii, where that is more: right angles take one."""
-HALVINGS = 7
+CUT_TRIES = 7
 SIMPLIFY = 0.01
 """Corners are sought on the path simplified within this part of the robot's radius."""
 CURVE_TOLERANCE = 0.002
 """Largest gap between the parabola and its chords, as a part of the robot's radius."""
 
-ROUNDING = 1e-12
+LENGTH_ROUNDING = 1e-12
 """A line cut in two may measure this part of its coordinates nearer than whole."""
 
 
@@ -183,7 +183,7 @@ def smooth_path(
         stations.append(stations[-1] + len(leg) - 1)
     points = np.concatenate(pieces)
     least = path_clearance(points)
-    rounding = ROUNDING * float(np.abs(points).max())
+    rounding = LENGTH_ROUNDING * float(np.abs(points).max())
     lowest = max(min(floor, path.min_clearance) - rounding, radius)
     if least.distance < lowest or not permits(points, radius):
         return path
@@ -250,7 +250,7 @@ def _round_corner(
 ) -> _Cut | None:
     """Return the longest cut with proved clearance, or None."""
     tolerance = CURVE_TOLERANCE * rules.radius
-    for _ in range(HALVINGS):
+    for _ in range(CUT_TRIES):
         if reach <= tolerance:
             return None
         if rules.turning_radius > 0.0:

@@ -29,7 +29,7 @@ SHARP_TURN_RAD = math.radians(15.0)
 """A robot never stops for less of a turn than this."""
 CRAWL = 0.25
 """A sharp corner that allows less than this part of the speed is turned on the spot."""
-ROUNDING = 1e-6
+BEND_ROUNDING = 1e-6
 """A bend is as wide as the turning radius within this part of it."""
 EVEN = 0.75
 """A corner turned evenly over this part of t, and then averaged, leaves the path no further."""
@@ -172,7 +172,7 @@ class CutPath:
         return Stop(vertex, self.passed.pop(vertex, None), None, 0.0)
 
     def _tightest(self) -> float:
-        return (1.0 + ROUNDING) / self.limits.turning_radius
+        return (1.0 + BEND_ROUNDING) / self.limits.turning_radius
 
     def too_tight(self, leg: Stretch) -> tuple[float, float, float] | None:
         """Place and radius of the leg's bend below the turning radius, if any."""

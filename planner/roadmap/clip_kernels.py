@@ -29,7 +29,7 @@ from planner.diagram.diagram_arrays import ChainArrays
 from planner.scene.compile_options import LEAF, OWNING
 from planner.scene.primitive_kernels import distance, grown, root_of
 
-HALVINGS = 52
+CUT_HALVINGS = 52
 """Steps of the search for a cut: as many as a number has digits."""
 
 
@@ -82,7 +82,7 @@ def _reach(tree, chains, link, a, b, limits, out):
     left, right = np.int64(chains.pieces[link, 0]), np.int64(chains.pieces[link, 1])
     out[0], out[1], out[2] = a[0], a[1], a[2]
     lo, hi = 0.0, 1.0
-    for _ in range(HALVINGS):
+    for _ in range(CUT_HALVINGS):
         m = 0.5 * (lo + hi)
         x, y = a[0] + m * (b[0] - a[0]), a[1] + m * (b[1] - a[1])
         if chains.proved[link]:

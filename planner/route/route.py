@@ -20,14 +20,21 @@ from planner.borders.generators import Borders
 from planner.diagram.agvd import Chains
 from planner.path import NoPath, Path
 from planner.route.hysteresis import continued, is_kept, last_legs, preferred
-from planner.route.margin import REACH, way_out
+from planner.route.margin import WAY_OUT_REACH, way_out
 from planner.route.no_way import Blocked, NamedStation, why_not
 from planner.route.plan_request import Request
 from planner.route.taut import as_wide, best_cut, finish, is_clear, judge
 from planner.route.whole_path import as_path, length_of
 from planner.scene import FloatArray, UnknownCells, Vec
 from planner.search.chain_graph_kernels import Gates
-from planner.search.chain_search import ROUNDING, WORK, Network, attach, cheapest_routes, widest_gap
+from planner.search.chain_search import (
+    CLEARANCE_ROUNDING,
+    WORK,
+    Network,
+    attach,
+    cheapest_routes,
+    widest_gap,
+)
 from planner.search.homotopy import Word, anchors, word
 from planner.search.tangent_search import shortest_way
 from planner.search.tour import best_tour
@@ -163,12 +170,14 @@ def _stand(
                 return request, [], Blocked(*ends, keep, request.stations, reason)
     stations, said = list(request.stations), []
     for i, place in enumerate(places):
-        if not request.relaxed or place.distance >= need - ROUNDING * borders.extent:
+        if not request.relaxed or place.distance >= need - CLEARANCE_ROUNDING * borders.extent:
             continue
         out = way_out(borders, place.name, place.at, radius, request.margin, units)
         if out is None:
             reason = why_not(borders, place, need, units, what)
-            reason = f"{reason}, and no straight way of {REACH:g} times that leads out of it"
+            reason = (
+                f"{reason}, and no straight way of {WAY_OUT_REACH:g} times that leads out of it"
+            )
             return request, [], Blocked(*ends, need, request.stations, reason)
         stations[i] = out.place
         said.append(out.remark)
@@ -222,7 +231,7 @@ def plan_leg(leg: Leg, alternatives: int = 0, *, chains_only: bool = False) -> W
     Planning begins at the end with more room, which turns and moves with the scene.
     """
     apart = leg.clearances[0] - leg.clearances[1]
-    even = abs(apart) <= ROUNDING * leg.borders.extent
+    even = abs(apart) <= CLEARANCE_ROUNDING * leg.borders.extent
     if apart > 0.0 if not even else leg.start <= leg.goal:
         return _certified(leg, _plan_leg(leg, alternatives, chains_only=chains_only))
     back = replace(leg, start=leg.goal, goal=leg.start, clearances=leg.clearances[::-1])
@@ -233,7 +242,7 @@ def plan_leg(leg: Leg, alternatives: int = 0, *, chains_only: bool = False) -> W
 
 def _certified(leg: Leg, found: Ways) -> Ways:
     """Keep the paths with exact clearance ``need``."""
-    least = leg.need - ROUNDING * leg.borders.extent
+    least = leg.need - CLEARANCE_ROUNDING * leg.borders.extent
     proved = tuple(
         line
         for line in found.lines
@@ -283,7 +292,7 @@ def _routes(leg: Leg, alternatives: int) -> Ways:
     The first may be cut short to another side of an obstacle.
     """
     borders, network, need, preference = leg.borders, leg.network, leg.need, leg.preference
-    floor = need - ROUNDING * borders.extent
+    floor = need - CLEARANCE_ROUNDING * borders.extent
     for anywhere in (False, True):
         entries = attach(borders, network, leg.start, floor, anywhere)
         exits = attach(borders, network, leg.goal, floor, anywhere)
@@ -323,7 +332,7 @@ def _others_than(
     ``TAUT_POINTS``, which a remark reports.
     """
     borders, need, preference = leg.borders, leg.need, leg.preference
-    floor = need - ROUNDING * borders.extent
+    floor = need - CLEARANCE_ROUNDING * borders.extent
     wanted = ROUTES + SPARE_ROUTES * alternatives
     found: list[FloatArray] = []
     done, left, points_left = 0, WORK, TAUT_POINTS

@@ -33,7 +33,7 @@ from vision.binarise.grey_classes import (
     unevenness,
 )
 from vision.binarise.grey_picture import (
-    FEWEST,
+    FEWEST_SAMPLES,
     LEAST_CONTRAST,
     SMOOTHED_NOISE,
     SMOOTHINGS,
@@ -219,7 +219,7 @@ def _auto(picture: GreyPicture, classes: Classes | None, side: Literal["dark", "
         return _even(picture, even, side)
     evidence = EdgeEvidence(picture, side, even=even is not None)
     best, across = evidence.best_level(picture.counts, even)
-    if across < FEWEST:
+    if across < FEWEST_SAMPLES:
         evidence = EdgeEvidence(picture, side, 2 * picture.grey.size, even is not None)
         best, _ = evidence.best_level(picture.counts, even)
     why = f"uneven light: free pixels spread by {spread:.0f} grey levels"

@@ -19,7 +19,7 @@ from numpy.typing import NDArray
 from planner.scene import Binarisation
 from vision.binarise import Method, Polarity
 from vision.binarise.binarise import binarise
-from vision.binarise.binarise_kernels import REACH, SAMPLE
+from vision.binarise.binarise_kernels import SAMPLE, STEP_REACH_PX
 from vision.binarise.grey_picture import Binary
 from vision.binarise.light import FREE_LEVEL
 from vision.errors import PictureError
@@ -114,7 +114,7 @@ class _Colours:
         if binary is None:
             return int(np.count_nonzero(pixels))
         seen = np.ascontiguousarray(binary.inside[:: self.step, :: self.step])
-        reach = 2 * (1 + (REACH - 1) // self.step) + 1
+        reach = 2 * (1 + (STEP_REACH_PX - 1) // self.step) + 1
         around = cv2.dilate(seen, np.ones((reach, reach), np.uint8))
         return int(np.count_nonzero(_without_specks(pixels & (around == 0))))
 

@@ -21,7 +21,7 @@ from vision.binarise.binarise_kernels import (
     steepest_level,
 )
 from vision.binarise.grey_picture import (
-    FEWEST,
+    FEWEST_SAMPLES,
     LEAST_CONTRAST,
     NO_SMOOTHING,
     GreyPicture,
@@ -152,14 +152,14 @@ def significant_dark(
 
     ``noise`` (h, w) is the local standard deviation: in little light, noise alone has two classes.
     Smoothed pixels count if they exceed the noise by ``SIGMAS``, then if they are nearer to those
-    than to free ones. None if they are fewer than ``FEWEST``.
+    than to free ones. None if they are fewer than ``FEWEST_SAMPLES``.
     """
     smoothing = picture.smoothing(float(noise.max()))
     smoothed = picture.grey_after(smoothing)
     least = np.maximum(noise * np.float32(SIGMAS * smoothing.left), 0.15 * light)
     found = smoothed[light - smoothed > least]
     for _ in range(2):
-        if found.size < FEWEST:
+        if found.size < FEWEST_SAMPLES:
             return None
         found = found[found < 0.5 * (light + float(np.median(found)))]
     return float(np.median(found)) if found.size else None

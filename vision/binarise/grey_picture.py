@@ -41,7 +41,7 @@ from vision.shared.scratch import ArrayPool
 LEAST_CONTRAST = 8.0
 """Grey levels between light and dark below which nothing is an obstacle. Chosen, by
 ``tests/vision/binarise``."""
-FEWEST = 32
+FEWEST_SAMPLES = 32
 """Least samples of a mean or middle: chosen, it is known to a sixth of their scatter."""
 SMOOTHED_NOISE = 0.5 * LEAST_CONTRAST
 """Noise, in grey levels, from which a picture is smoothed: derived, half the least contrast."""
@@ -59,9 +59,9 @@ NO_SMOOTHING = Smoothing(0.0, 1.0)
 """The picture itself: defined."""
 BINOMIAL = Smoothing(1.0, 0.2734)
 """The binomial of 5 x 5 pixels, in a third of a Gaussian's time: derived, 70 / 256 of the noise."""
-WIDE = Smoothing(2.0, 0.1411)
+WIDE_GAUSSIAN = Smoothing(2.0, 0.1411)
 """A Gaussian: derived, it leaves 1 / (2 sqrt(pi) sigma) of the noise."""
-SMOOTHINGS = (NO_SMOOTHING, BINOMIAL, WIDE)
+SMOOTHINGS = (NO_SMOOTHING, BINOMIAL, WIDE_GAUSSIAN)
 """Smoothings, weakest first; a level is applied after the first that leaves little noise."""
 
 
@@ -72,7 +72,7 @@ def smoothing_of(noise: float) -> Smoothing:
     """
     if noise < SMOOTHED_NOISE:
         return NO_SMOOTHING
-    return BINOMIAL if BINOMIAL.left * noise < LEAST_CONTRAST else WIDE
+    return BINOMIAL if BINOMIAL.left * noise < LEAST_CONTRAST else WIDE_GAUSSIAN
 
 
 class GreyPicture:

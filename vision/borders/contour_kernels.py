@@ -32,7 +32,7 @@ ONE = np.uint64(1)
 TWO = np.uint64(2)
 NORTH, EAST_OF_IT = np.uint64(12), np.uint64(4)
 """Directions 3 and 1, times four; in the latter the free pixel lies in the east."""
-AT_A_TIME = 32
+WORDS_AT_A_TIME = 32
 """Words of eight pixels searched together."""
 
 
@@ -59,8 +59,8 @@ def follow_borders(mask, xs, ys, directions):
 
     for row in range(1, height - 1):
         row_end = (row + 1) * per_row
-        for begin in range(row * per_row, row_end, AT_A_TIME):
-            end = min(begin + AT_A_TIME, row_end)
+        for begin in range(row * per_row, row_end, WORDS_AT_A_TIME):
+            end = min(begin + WORDS_AT_A_TIME, row_end)
             if not _any_new(words[begin - 1 : end]):
                 continue
             for start in range(8 * begin, 8 * end):

@@ -58,11 +58,11 @@ from vision.outline.outline_types import (
 )
 from vision.outline.partition_kernels import partition
 from vision.outline.whole_circle_kernels import circle_of_all, cut_circle, write_circle
-from vision.shared.typed_numbers import NONE, ONE
+from vision.shared.typed_numbers import ONE, ZERO
 
-FEWEST = 10
+FEWEST_POINTS = 10
 """Least points of a fitted border: chosen."""
-LOOKS = 2
+SEARCHES = 2
 """Searches for a border's edges (defined): the second by more careful rules, if the first ones do
 not cover it."""
 STRICTER_BY = 0.1
@@ -101,7 +101,7 @@ def fit_borders(
     for b in range(borders):
         fitted.edge_starts[b] = count
         here = points[point_starts[b] : point_starts[b + 1]]
-        if here.shape[0] < FEWEST:
+        if here.shape[0] < FEWEST_POINTS:
             fitted.border_kind[b] = TINY
             continue
         border = BorderPoints(places[0], places[1], here.shape[0])
@@ -190,7 +190,7 @@ def _fit_border(
     put_edges_back(finished, edges, place)
     if edges < FEWEST_LINES and not _any(finished.kind, edges):
         # two lines enclose nothing: the border keeps its pixels' outline
-        return TINY, NONE
+        return TINY, ZERO
     return POLYGON, edges
 
 
@@ -206,7 +206,7 @@ def _search_edges(border, cracks, round_cost, budget, tolerance, limits, prices,
     crisp = limits.crisp
     bilevel = cracks.n > 0
     spread = tolerance.spread_px
-    looks = LOOKS if crisp or spread <= QUIET_PX else 1
+    looks = SEARCHES if crisp or spread <= QUIET_PX else 1
     finer = Prices(prices.line, prices.arc if crisp else ROUNDER_BY * prices.arc, prices.circle)
     radius = work.circle[2] if round_cost < HUGE else 0.0
     dead_zone = tolerance.dead_zone_px
@@ -239,7 +239,7 @@ def _search_edges(border, cracks, round_cost, budget, tolerance, limits, prices,
             continue
         lost = area_lost(border, outline, edges, limits, work.review, work.trial, spare)
         if round_cost < HUGE and lost > area_beside_circle(
-            border.x, border.y, NONE, border.n, work.circle, limits.free
+            border.x, border.y, ZERO, border.n, work.circle, limits.free
         ):
             # the circle alone covers the border better
             return 0, False
@@ -272,7 +272,7 @@ def _finish_bilevel(border, cracks, edges, budget, one_circle, work, finished):
         scratch.numbers[0:2],
     )  # fmt: skip
     if one_circle and count == edges and not _any_line(finished.kind, count):
-        return NONE
+        return ZERO
     if count > edges or _any(finished.kind, count):
         count = merge_edges(cracks, finished, count, one_circle, work.trial, work.circle, scratch)
     middles = BorderPoints(cracks.x, cracks.y, cracks.n)

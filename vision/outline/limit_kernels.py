@@ -27,7 +27,7 @@ CRISP_TANGENT_PX = 0.3
 aside."""
 CUT_PX = 0.7
 """Blur's worth of a missing corner pixel: chosen, the sides still meet there."""
-MOST_PX = 1.0
+MOST_MISS_PX = 1.0
 """Largest distance of an edge from a border without noise: defined, the pixel that is promised, at
 a tip too."""
 FREE_LOSS_PX = 0.02
@@ -59,7 +59,7 @@ def limits_of(tolerance, bilevel):
         CUT_PX if bilevel else tolerance.blur_px,
         CRISP_TANGENT_PX if crisp else KNOWN_PX + spread,
         FREE_LOSS_PX + 2.0 * spread,
-        MOST_PX + 4.5 * spread,
+        MOST_MISS_PX + 4.5 * spread,
         CRISP_CHORD_PX if crisp else CHORD_PX + 2.0 * spread,
         _expected_cost(dead_zone, sigma, spread),
     )

@@ -5,7 +5,7 @@ Rules and units
   may leave out pixels, and a path would lead through.
 - Only objects thinner than ``THIN_PX``. In pictures with fine structure (``vision.binarise.humps``)
   all of them; in drawings without grey and noisy pictures only those beside holes narrower than
-  ``NARROW_PX``.
+  ``NARROW_HOLE_PX``.
 """
 
 from __future__ import annotations
@@ -26,7 +26,7 @@ Place: TypeAlias = Callable[[NDArray[np.float64]], NDArray[np.float64]]
 THIN_PX = 4.5
 """Least mean width of an object that is no thin wall: chosen, outlines cut pieces off walls of up
 to 4 px, and none off those of 6 px (``python -m benchmarks.vision.fine``)."""
-NARROW_PX = 2.0 * THIN_PX
+NARROW_HOLE_PX = 2.0 * THIN_PX
 """Least mean width of a hole that is no narrow way: chosen, blur and noise widen ways by up to 2 px
 (``python -m benchmarks.vision.fine --cells 81``)."""
 MOST_LOST = 0.25
@@ -56,7 +56,7 @@ def keep_thin_walls(
     walls = (2.0 * area / np.maximum(length, 1.0))[borders.owner]
     asked = (walls < THIN_PX) & (fitted.border_kind != TINY)
     if not fine:
-        asked &= holes & (-2.0 * borders.area < NARROW_PX * cracks)
+        asked &= holes & (-2.0 * borders.area < NARROW_HOLE_PX * cracks)
     lost = [
         b
         for b in np.flatnonzero(asked).tolist()

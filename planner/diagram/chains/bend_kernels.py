@@ -26,11 +26,11 @@ from planner.diagram.mesh_kernels import nearest_piece
 from planner.scene.compile_options import LEAF
 from planner.scene.primitive_kernels import NONE, POINT, SEGMENT, distance, foot, point_to_segment
 
-BULGE = 0.1
+LINK_BULGE = 0.1
 """Largest distance of a link from its bisector, in half spacings."""
 LONG = 1.0
 """Longest link in parts of the clearance at its start, if that exceeds a spacing."""
-HALVINGS = 30
+RUN_HALVINGS = 30
 """Most halvings of a run."""
 HALF_AT_MOST = 0.75
 """Largest half of a line, as its part: anything farther is on another branch."""
@@ -241,7 +241,7 @@ def _halve(pieces, at, link, tolerances, run, line, stack, top):
         slid = split
         if split and not line.is_long:
             bulge, _ = point_to_segment(x, y, ax, ay, bx, by)
-            split = bulge > BULGE * half
+            split = bulge > LINK_BULGE * half
         wanted = split
         split = split and _is_between(kind, data, left, right, a, (x, y), b, half, tolerance)
         if guess == 1:
@@ -327,7 +327,7 @@ def bend_run(mesh, pieces, triangles, link, end, tolerances, arrays, s, counts):
         split, astray, as_sampled, mx, my, q_m = _halve(
             pieces, triangles.at, link, tolerances, run, line, stack, top
         )
-        if split and top <= HALVINGS:
+        if split and top <= RUN_HALVINGS:
             stack.place[top, 0], stack.place[top, 1], stack.link[top] = mx, my, q_m
             stack.rough[top] = as_sampled
             top += 1

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from planner.borders.border_arrays import Corners
 from planner.diagram.chains import chain_kernels
 from planner.diagram.chains.bend_kernels import (
-    HALVINGS,
+    RUN_HALVINGS,
     BendArrays,
     ChainPoints,
     ChainStations,
@@ -21,7 +21,7 @@ from planner.diagram.chains.bend_kernels import (
 from planner.diagram.diagram_arrays import Bent, DiagramTolerances, FlatMesh, KnownRuns, Triangles
 from planner.scene import FloatArray, IntArray
 
-LEAST, MISSING = 64, 64
+POINTS_AT_FIRST, MISSING_AT_FIRST = 64, 64
 """Initial capacity in points, and in missing sites."""
 
 
@@ -48,12 +48,12 @@ def bend_chains(
     stations = ChainStations(
         place, place.view(np.int64), np.empty((most, 2), np.int32), np.empty((most, 2), np.int64)
     )
-    depth = HALVINGS + 2
+    depth = RUN_HALVINGS + 2
     stack = Stack(
         np.empty((depth, 2)), np.empty(depth, np.int64), np.zeros(depth, np.bool_),
         np.zeros(depth, np.bool_),
     )  # fmt: skip
-    capacity, more = 2 * int(first[-1] - first[0] + chains) + LEAST, MISSING
+    capacity, more = 2 * int(first[-1] - first[0] + chains) + POINTS_AT_FIRST, MISSING_AT_FIRST
     while True:
         out = ChainPoints(
             np.empty((capacity, 3)), np.empty((capacity, 2), np.int32),

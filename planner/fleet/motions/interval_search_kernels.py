@@ -25,7 +25,7 @@ from planner.scene.compile_options import LEAF, OWNING
 
 HORIZON = 1e9
 """Time that stands for ever."""
-SLACK = 1e-9
+FORBIDDEN_SLACK = 1e-9
 """By which what is forbidden is wider, for the last bits."""
 X, Y, VX, VY, BEGIN, LASTS, GAP = range(7)
 KERNEL: dict[str, Any] = {**OWNING, "error_model": "numpy"}
@@ -110,7 +110,9 @@ def unsafe_times(x, y, moves, boxes, found):
             )  # fmt: skip
             if begin < end:
                 at = moves[m, BEGIN]
-                count = _insert(found, count, at + begin - SLACK, at + end + SLACK)
+                count = _insert(
+                    found, count, at + begin - FORBIDDEN_SLACK, at + end + FORBIDDEN_SLACK
+                )
     return count
 
 
@@ -130,7 +132,9 @@ def forbidden_departures(x, y, vx, vy, lasts, moves, boxes, found):
             )  # fmt: skip
             if begin < end:
                 at = moves[m, BEGIN]
-                count = _insert(found, count, at + begin - SLACK, at + end + SLACK)
+                count = _insert(
+                    found, count, at + begin - FORBIDDEN_SLACK, at + end + FORBIDDEN_SLACK
+                )
     return count
 
 
@@ -366,7 +370,7 @@ def do_touch(rows, others, gap):
                 a[X] + s * a[VX] - b[X] - t * b[VX], a[Y] + s * a[VY] - b[Y] - t * b[VY],
                 a[VX] - b[VX], a[VY] - b[VY], end - begin, gap,
             )  # fmt: skip
-            if far - near > SLACK:
+            if far - near > FORBIDDEN_SLACK:
                 return True
         if a[BEGIN] + a[LASTS] <= b[BEGIN] + b[LASTS]:
             i += 1

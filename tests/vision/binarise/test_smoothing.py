@@ -15,7 +15,7 @@ from vision.binarise.binarise_kernels import sampled_histogram
 from vision.binarise.grey_picture import (
     BINOMIAL,
     NO_SMOOTHING,
-    WIDE,
+    WIDE_GAUSSIAN,
     GreyPicture,
     Smoothing,
     smoothing_of,
@@ -48,7 +48,7 @@ def test_a_large_picture_is_sampled_where_a_smoothed_one_would_be() -> None:
         assert 20000 < counts.sum() < 45000
 
 
-@pytest.mark.parametrize("smoothing", [NO_SMOOTHING, BINOMIAL, WIDE])
+@pytest.mark.parametrize("smoothing", [NO_SMOOTHING, BINOMIAL, WIDE_GAUSSIAN])
 @pytest.mark.parametrize("kind", [np.uint8, np.float32])
 def test_a_smoothing_leaves_as_much_noise_as_it_says(smoothing: Smoothing, kind: type) -> None:
     rng = np.random.default_rng(2)

@@ -21,10 +21,10 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
-from vision.binarise.binarise_kernels import REACH, SAMPLE, SIGMAS
+from vision.binarise.binarise_kernels import SAMPLE, SIGMAS, STEP_REACH_PX
 from vision.binarise.grey_classes import Classes
 from vision.binarise.grey_picture import (
-    FEWEST,
+    FEWEST_SAMPLES,
     LEAST_CONTRAST,
     Binary,
     GreyPicture,
@@ -40,7 +40,7 @@ from vision.binarise.regions.floor_pattern import faint_edges_apart, has_pattern
 from vision.binarise.regions.judge import (
     BLOCK_PX,
     FAINT,
-    LEAST_SHARE,
+    FAINT_LEAST_SHARE,
     THICK_PX,
     THIN_SHARE,
     Judge,
@@ -70,14 +70,14 @@ NEARLY_ALL = 0.95
 ``tests/vision/binarise``."""
 SPECKS = 0.2
 """Share of an obstacle's pixels below which those in the mask are specks: chosen."""
-SAID = 0.5 * LEAST_SHARE
+SAID = 0.5 * FAINT_LEAST_SHARE
 """Share of the light from which a remark names a region: derived, half of the least."""
 
 
 def follows_edges(picture: GreyPicture, classes: Classes) -> bool:
     """True if edges at the level are as strong as the classes' contrast."""
     height, width = picture.grey.shape
-    if min(height, width) <= REACH:
+    if min(height, width) <= STEP_REACH_PX:
         return True
     level = np.float32(classes.level)
     weakest = np.float32(WEAK_STEP * classes.contrast)
@@ -85,7 +85,7 @@ def follows_edges(picture: GreyPicture, classes: Classes) -> bool:
     pairs = FIRST_PAIRS
     while True:
         count, weak, strong = steps_across_level(picture.grey, level, weakest, strongest, pairs)
-        if count >= FEWEST or pairs >= 2 * height * width:
+        if count >= FEWEST_SAMPLES or pairs >= 2 * height * width:
             return bool(weak <= FEW * count and strong <= FEW_STRONG * count)
         pairs *= 16
 
@@ -93,7 +93,7 @@ def follows_edges(picture: GreyPicture, classes: Classes) -> bool:
 def leaves_out(picture: GreyPicture, level: float, side: Literal["dark", "light"]) -> bool:
     """True if clear edges lie off a level, fainter than the edges across it."""
     height, width = picture.grey.shape
-    if min(height, width) <= 4 * REACH:
+    if min(height, width) <= 4 * STEP_REACH_PX:
         return False
     least = max(LEAST_CONTRAST, CLEAR_SIGMAS * picture.noise)
     end, sign = (0.0, 1.0) if side == "dark" else (255.0, -1.0)
@@ -228,7 +228,7 @@ def with_left_out(
 
 
 def _around(inside: NDArray[Any]) -> NDArray[np.uint8]:
-    near = np.ones((2 * REACH + 1, 2 * REACH + 1), np.uint8)
+    near = np.ones((2 * STEP_REACH_PX + 1, 2 * STEP_REACH_PX + 1), np.uint8)
     return np.asarray(cv2.dilate(inside, near), dtype=np.uint8)
 
 

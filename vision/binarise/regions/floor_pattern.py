@@ -3,7 +3,7 @@
 Rules and units
 - An obstacle lies in one place, a pattern everywhere: tiles with faint edges are counted.
 - An edge is faint if its step has less than ``STRONG_SHARE`` of the light. Nothing counts within
-  two ``REACH`` of a stronger edge, which blur gives a faint foot.
+  two ``STEP_REACH_PX`` of a stronger edge, which blur gives a faint foot.
 """
 
 from __future__ import annotations
@@ -14,7 +14,7 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
-from vision.binarise.binarise_kernels import REACH
+from vision.binarise.binarise_kernels import STEP_REACH_PX
 from vision.binarise.grey_classes import LEAST_CONTRAST_SIGMAS
 from vision.binarise.grey_picture import LEAST_CONTRAST
 from vision.binarise.regions.edge_evidence_kernels import mark_sharp_steps
@@ -72,7 +72,7 @@ def has_pattern(grey: NDArray[Any], noise: float, side: Literal["dark", "light"]
     if min(height, width) < TILES:
         return False
     marks = _marks(grey, noise, side)
-    floor = ~_near(marks, 2 * REACH)
+    floor = ~_near(marks, 2 * STEP_REACH_PX)
     free, crossed = _by_tile(floor), _by_tile(floor & (marks == FAINT_STEP))
     area = height * width / TILES**2
     counted = free >= 0.5 * area

@@ -27,16 +27,16 @@ from vision.outline.fitted_borders import FEWEST_LINES, LINE
 from vision.outline.partition_kernels import FAILURES
 from vision.shared.typed_numbers import NO, YES
 
-LONGEST = 64
+MOST_MERGED = 64
 """Most edges that become one: indifferent, a bound on the work."""
-ROUNDS = 8
+MERGING_ROUNDS = 8
 """Most rounds: indifferent, a bound on the work."""
 AFFECTED = NEIGHBOURS + 1
 """Edges on either side whose pixels an edge may change: derived, those that may pass a point beside
 it, and one whose end it moves."""
-BESIDE = AFFECTED + NEIGHBOURS + 1
+JUDGED_BESIDE = AFFECTED + NEIGHBOURS + 1
 """Edges on either side needed to judge those: derived."""
-ROUNDED = 1.0 / 12.0
+ROUNDED_LINE = 1.0 / 12.0
 """Mean square deviation of a straight line rounded to pixels: derived."""
 ARC_LINES = 2
 """Price of an arc in lines: defined, see ``vision.outline.fit.edge_prices``."""
@@ -55,7 +55,7 @@ def merge_edges(cracks, finished, count, one_circle, trial, circle, scratch):
     then = scratch.flags[1]
     for k in range(cracks.n):
         then[k] = True
-    for _ in range(ROUNDS):
+    for _ in range(MERGING_ROUNDS):
         for k in range(cracks.n):
             now[k] = then[k]
             then[k] = False
@@ -88,7 +88,7 @@ def _best_run(cracks, finished, count, e, arc, trial, circle, scratch):
         return _longest_line(cracks, finished, count, e, trial, circle, scratch)
     best = 0
     failed = 0
-    for run in range(2, min(LONGEST, count - 1) + 1):
+    for run in range(2, min(MOST_MERGED, count - 1) + 1):
         if not _is_dearer(finished, count, e, run):
             continue
         at = _put(cracks, finished, count, e, run, arc, trial, circle, scratch)
@@ -110,7 +110,7 @@ def _longest_line(cracks, finished, count, e, trial, circle, scratch):
     if finished.kind[e] != LINE:
         return 0
     most = 1
-    while most < min(LONGEST, count - 1) and finished.kind[(e + most) % count] == LINE:
+    while most < min(MOST_MERGED, count - 1) and finished.kind[(e + most) % count] == LINE:
         lo, hi = _stretch(cracks, finished, count, e, most + 1)
         gap, _, _, _, _ = line_between(cracks, lo, hi)
         if gap < 0.0:
@@ -150,7 +150,7 @@ def _is_as_near(cracks, finished, count, e, run, trial, number, at):
         total += points
         longest = max(longest, points)
     _, after = _squares(cracks, trial, number, at)
-    return after <= before + ROUNDED * (total - longest + 1)
+    return after <= before + ROUNDED_LINE * (total - longest + 1)
 
 
 @njit(**LEAF)
@@ -183,7 +183,7 @@ def _is_dearer(finished, count, e, run):
 @njit(**LEAF)
 def _window(count, run):
     """Number of edges in a trial: one for a run, and those that matter on either side."""
-    return min(count - run + 1, 2 * BESIDE + 1)
+    return min(count - run + 1, 2 * JUDGED_BESIDE + 1)
 
 
 @njit(**LEAF)
@@ -232,7 +232,7 @@ def _put(cracks, finished, count, e, run, arc, trial, circle, scratch):
     if hi - lo < 2 or (arc and not may_be_arc(cracks, lo, hi)):
         return -1
     number = _window(count, run)
-    at = min(BESIDE, number - 1)
+    at = min(JUDGED_BESIDE, number - 1)
     for t in range(number):
         i = (e + t - at + (run - 1 if t > at else 0) + count) % count
         for c in range(6):

@@ -36,7 +36,7 @@ from half a pixel to one."""
 ROUND_HALF = HALF - COARSE_PX
 """Distance from a crack's middle within which an arc may pass: derived, half a pixel less the error
 of its polyline."""
-REACH = 8
+JOINT_REACH = 8
 """Cracks on either side of its own beside which a joint is sought: indifferent."""
 OK, LOST, GRAVE = 0, 1, 2
 """Verdicts on a crack: defined. Negative where its obstacle's pixel is lost, or else the free
@@ -271,7 +271,7 @@ def _is_beside(cracks, k, x, y):
     A pointed corner beyond its last pixel may hold others without a crack.
     """
     n = cracks.n
-    for step in range(REACH + 1):
+    for step in range(JOINT_REACH + 1):
         for j in (k + step, k - step):
             here = (j + n) % n
             dx = cracks.x[here] - x

@@ -15,7 +15,7 @@ from planner.scene.compile_options import LEAF
 from vision.outline.fit.outline_kernels import edge_end
 from vision.outline.fit.shape_kernels import HUGE
 from vision.outline.fitted_borders import LINE
-from vision.shared.typed_numbers import NONE
+from vision.shared.typed_numbers import ZERO
 
 
 @njit(**LEAF, forceinline=False)
@@ -30,7 +30,7 @@ def finish_with_chords(border, outline, edges, trial, review, tolerance, scratch
     breaks = outline.breaks
     joints = outline.joints
     found = scratch.indices[0]
-    count = NONE
+    count = ZERO
     for e in range(edges):
         if not review.ragged[e]:
             finished.kind[count] = trial.kind[e]
@@ -53,7 +53,7 @@ def finish_with_chords(border, outline, edges, trial, review, tolerance, scratch
 def chords_around(border, tolerance, scratch, finished):
     """Write chords all around a border, from point to point; returns their number."""
     found = scratch.indices[0]
-    count = _chords(border, NONE, border.n, tolerance, found, scratch)
+    count = _chords(border, ZERO, border.n, tolerance, found, scratch)
     for t in range(count):
         _write_chord(finished, t, found[t], border.x[found[t]], border.y[found[t]])
     return count

@@ -18,15 +18,15 @@ from vision.outline.corners.fillet_kernels import PIXEL_BLUR_PX, half_variance, 
 from vision.outline.corners.joint_kernels import fit_and_join
 from vision.outline.corners.wall_end_kernels import square_ends
 from vision.outline.fit.outline_kernels import edge_end
-from vision.outline.fit.shape_kernels import ROUNDS
+from vision.outline.fit.shape_kernels import FIT_ROUNDS
 from vision.outline.outline_types import Blur, EdgeChange, Edits
-from vision.shared.typed_numbers import NONE
+from vision.shared.typed_numbers import ZERO
 
 LEFT = 3
 """Least points of an edge between two edits: derived, two lie on any line."""
 MOVED = 16
 """Points by which an edge may be longer between two edits: derived, these look for an end among
-``vision.outline.corners.crossing_kernels.AROUND`` points beyond it, on either side."""
+``vision.outline.corners.crossing_kernels.DIRECTION_POINTS`` points beyond it, on either side."""
 
 
 @njit(**LEAF, inline="always")
@@ -46,7 +46,7 @@ def edit_outline(border, outline, edges, limits, blur_px, costs, prices, scratch
     )  # fmt: skip
     for e in range(edges):
         outline.is_fillet[e] = False
-    for taken in range(ROUNDS):
+    for taken in range(FIT_ROUNDS):
         if not find_edits(
             border, outline, edges, taken == 0, blur, costs, prices, edits, change, scratch
         ):
@@ -76,7 +76,7 @@ def _take_edits(n, outline, edges, edits, scratch):
         begins[e] = -1
         used[e] = False
     while True:
-        i = NONE
+        i = ZERO
         for e in range(1, edges):
             if saved[e] > saved[i]:
                 i = e

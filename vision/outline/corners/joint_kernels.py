@@ -29,7 +29,7 @@ from vision.outline.fit.shape_kernels import (
 )
 from vision.shared.typed_numbers import ONE
 
-ROUNDS = 4
+CORNER_ROUNDS = 4
 """Most fits of edges, each with the last corners: chosen, a bound on the work."""
 SMOOTH_SLIDE = 24
 """Points by which a break beside an arc may move to the best split: chosen."""
@@ -55,7 +55,7 @@ def fit_and_join(border, outline, edges, limits, scratch):
         outline.ranges[e, 0] = -1
         outline.ranges[e, 1] = -1
         outline.fresh[e, 1] = True
-    for _ in range(ROUNDS):
+    for _ in range(CORNER_ROUNDS):
         if not _fit_edges(border, outline, edges, limits, near):
             break
         _join(border, outline, edges, limits, found)
