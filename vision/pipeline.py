@@ -23,10 +23,10 @@ from vision.binarise.colour import binarise_by_colour
 from vision.binarise.grey_picture import SMOOTHED_NOISE, Binary, as_array
 from vision.borders.contours import Contours, follow_borders, laplacian_border, locate_edges
 from vision.doubts import with_doubts
-from vision.errors import PictureError
 from vision.outline.fitting import fit_edges, is_bilevel, tolerance_of
 from vision.outline.thin_walls import keep_thin_walls
 from vision.paper.paper import paper_objects
+from vision.picture_error import PictureError
 from vision.records.placement import (
     PixelsToFloor,
     Placement,
@@ -35,7 +35,7 @@ from vision.records.placement import (
 )
 from vision.records.records import build_objects, find_specks
 from vision.records.unseen import blind_of, hidden_by_lens, with_unseen, without_blind
-from vision.shared.scratch import ArrayPool
+from vision.shared.array_pool import ArrayPool
 
 Mode: TypeAlias = Literal["exact", "paper"]
 _POOL = ArrayPool()

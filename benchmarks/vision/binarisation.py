@@ -41,7 +41,7 @@ from vision import PictureError
 from vision.binarise import colour
 from vision.binarise.grey_picture import FEWEST_SAMPLES, NO_SMOOTHING
 from vision.binarise.regions import edge_evidence
-from vision.shared.scratch import ArrayPool
+from vision.shared.array_pool import ArrayPool
 
 Side = Literal["dark", "light"]
 ROOT = Path(__file__).parents[2]

@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from planner.fleet.fleet_plan import FleetPlan, NoFleetPlan
-from planner.fleet.ground.places import GroundPlaces, OutOfTime, lay_places
+from planner.fleet.ground.shared_graph import GroundPlaces, OutOfTime, lay_places
 from planner.fleet.ground.zone_edges import cost_factors, usable_edges
 from planner.fleet.motions.interval_search_kernels import MotionGraph
 from planner.fleet.on_graph import check_effort

@@ -37,7 +37,7 @@ STEP_RAD = 0.2
 SHORTEST_RAD = STEP_RAD / 64.0
 """Shortest chord that has to be free for the arc to continue."""
 START, GOAL = 0, 1
-FOUND, UNREACHED, OUT_OF_BUDGET = 0, 1, 2
+FOUND, NONE_SHORTER, OUT_OF_BUDGET = 0, 1, 2
 CHECK, QUEUE_ENTRY = 60, 10
 """Cost of a clearance query and of an entry in the queue, in tangents tried."""
 
@@ -294,7 +294,7 @@ def shortest(tree, discs, floor, longest, budget):
 
     A* over tangents (the tangent graph of Liu and Arimoto 1992), made and proved against all
     borders when taken from the queue, with clearance ``floor``. Returns the outcome (FOUND,
-    UNREACHED if no way is shorter, OUT_OF_BUDGET after the work of ``budget`` tangents), the
+    NONE_SHORTER if no way is shorter, OUT_OF_BUDGET after the work of ``budget`` tangents), the
     length, the tangents in order (n, 6): disc, side and angle left, disc, side and angle met, and
     the work done.
     """
@@ -309,7 +309,7 @@ def shortest(tree, discs, floor, longest, budget):
     # see _is_worse; the first place round each disc and side
     place, places = np.empty((256, 4)), 0
     around = np.full(2 * n, -1, np.int32)
-    outcome, last, length, work = UNREACHED, -1, np.inf, 0
+    outcome, last, length, work = NONE_SHORTER, -1, np.inf, 0
     while queue.size > 0:
         if work > budget:
             outcome = OUT_OF_BUDGET

@@ -73,7 +73,7 @@ def shortest_way(
         borders.tree, discs, radius - 0.25 * spare, longest, BUDGET if budget is None else budget
     )
     if outcome != tangent_kernels.FOUND:
-        return Shortest(None, outcome == tangent_kernels.UNREACHED)
+        return Shortest(None, outcome == tangent_kernels.NONE_SHORTER)
     for part in FINER_CHORDS:
         way = _polyline(discs, tangents, part * CHORD_RAD)
         gap = box_tree_kernels.polyline_clearance(borders.tree, way)[0]

@@ -44,7 +44,7 @@ from vision.binarise.grey_picture import (
     black_and_white,
     scaled_threshold,
 )
-from vision.binarise.light import FREE_LEVEL, light_surface
+from vision.binarise.light_surface import FREE_LEVEL, light_surface
 from vision.binarise.regions.edge_evidence import (
     NEARLY_ALL,
     EdgeEvidence,
@@ -53,8 +53,8 @@ from vision.binarise.regions.edge_evidence import (
     with_left_out,
 )
 from vision.binarise.unresolved import Unresolved, unresolved_structure
-from vision.errors import PictureError
-from vision.shared.scratch import ArrayPool
+from vision.picture_error import PictureError
+from vision.shared.array_pool import ArrayPool
 
 MOST_UNEVEN = 0.125
 """Largest spread of free pixels in even light, as a share of the contrast: chosen, the darkest, of

@@ -21,9 +21,9 @@ from vision.binarise import Method, Polarity
 from vision.binarise.binarise import binarise
 from vision.binarise.binarise_kernels import SAMPLE, STEP_REACH_PX
 from vision.binarise.grey_picture import Binary
-from vision.binarise.light import FREE_LEVEL
-from vision.errors import PictureError
-from vision.shared.scratch import ArrayPool
+from vision.binarise.light_surface import FREE_LEVEL
+from vision.picture_error import PictureError
+from vision.shared.array_pool import ArrayPool
 
 LEAST_DEPTH = 40.0
 """Grey levels of one channel from the floor that light does not explain: chosen, lamps and shadows

@@ -35,8 +35,8 @@ from vision.binarise.smoothing_kernels import (
     mark_dots,
     smoothed_histogram,
 )
-from vision.errors import PictureError
-from vision.shared.scratch import ArrayPool
+from vision.picture_error import PictureError
+from vision.shared.array_pool import ArrayPool
 
 LEAST_CONTRAST = 8.0
 """Grey levels between light and dark below which nothing is an obstacle. Chosen, by

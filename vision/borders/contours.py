@@ -20,7 +20,7 @@ from vision.binarise.grey_picture import Binary
 from vision.borders import contour_kernels as kernels
 from vision.borders.edge_kernels import edge_points
 from vision.borders.staircase_kernels import follow_staircase
-from vision.shared.scratch import ArrayPool
+from vision.shared.array_pool import ArrayPool
 
 LAPLACIAN = np.array([[0, -1, 0], [-1, 4, -1], [0, -1, 0]], dtype=np.float32)
 """The mask M of the paper's section 3.1."""

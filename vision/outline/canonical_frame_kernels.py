@@ -18,7 +18,7 @@ import math
 from numba import njit
 
 from planner.scene.compile_options import LEAF, SUMS
-from vision.outline.fit.shape_kernels import HUGE
+from vision.outline.fit.edge_shape_kernels import HUGE
 from vision.outline.outline_types import CanonicalPlace
 from vision.shared.typed_numbers import ZERO
 

@@ -17,9 +17,9 @@ from vision.outline.fit.edge_prices import LEAST_LINE, edge_prices
 from vision.outline.fit.outline_kernels import KNOWN_PX
 from vision.outline.fitted_borders import FittedBorders
 from vision.outline.fitting_kernels import fit_borders
+from vision.outline.fitting_memory import make_fitted, memory_for
 from vision.outline.limit_kernels import LOUD_PX, NOISY_PX, QUIET_PX, allow_losses, longest_of
 from vision.outline.outline_types import CrackPixels, Prices
-from vision.outline.work import make_fitted, memory_for
 
 SMOOTHING = 0.5311
 """Noise left by the profile's five-pixel Gaussian: derived, 1 / sqrt(2 sqrt(pi)) at sigma 1."""

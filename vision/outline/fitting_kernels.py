@@ -41,8 +41,8 @@ from vision.outline.check.stray_kernels import outline_strays
 from vision.outline.corners.edit_search_kernels import edit_outline
 from vision.outline.corners.joint_kernels import fit_and_join
 from vision.outline.corners.missed_arc_kernels import any_bent_line
+from vision.outline.fit.edge_shape_kernels import HUGE
 from vision.outline.fit.outline_kernels import finish_edge
-from vision.outline.fit.shape_kernels import HUGE
 from vision.outline.fitted_borders import CIRCLE, FEWEST_LINES, LINE, POLYGON, TINY
 from vision.outline.limit_kernels import QUIET_PX, limits_of
 from vision.outline.outline_types import (

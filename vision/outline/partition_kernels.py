@@ -17,15 +17,15 @@ from numba import njit
 
 from planner.scene.compile_options import LEAF
 from vision.outline.corners.crossing_kernels import DIRECTION_POINTS
-from vision.outline.fit.moment_kernels import FIRST, circle_of, grow, line_of
-from vision.outline.fit.separating_fit_kernels import separate_circle
-from vision.outline.fit.shape_kernels import (
+from vision.outline.fit.edge_shape_kernels import (
     FIT_ASTRAY,
     HUGE,
     circle_cost,
     circle_of_three,
     line_cost,
 )
+from vision.outline.fit.moment_kernels import FIRST, circle_of, grow, line_of
+from vision.outline.fit.separating_fit_kernels import separate_circle
 from vision.outline.outline_types import Search, StretchFit
 from vision.outline.seed_kernels import seed_breaks, snap_seeds, turn_at
 from vision.shared.typed_numbers import ZERO

@@ -13,19 +13,19 @@ import numpy as np
 from numba import njit
 
 from planner.scene.compile_options import LEAF
-from vision.outline.fit.separating_fit_kernels import (
-    HALF,
-    lose_fewest,
-    lost_to_circle,
-    separate_circle,
-)
-from vision.outline.fit.shape_kernels import (
+from vision.outline.fit.edge_shape_kernels import (
     HUGE,
     circle_cost,
     circle_rms,
     fit_circle,
     goes_round,
     refine_circle,
+)
+from vision.outline.fit.separating_fit_kernels import (
+    HALF,
+    lose_fewest,
+    lost_to_circle,
+    separate_circle,
 )
 from vision.outline.fitted_borders import LINE
 from vision.outline.limit_kernels import LOUD_PX, MOST_MISS_PX

@@ -15,7 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from planner.scene import Arc, Edge, Segment, Vec
-from vision.outline.fit.shape_kernels import fit_circle, refine_circle
+from vision.outline.fit.edge_shape_kernels import fit_circle, refine_circle
 
 Pixel = tuple[int, int]
 CURVE_NEAR_PX = 0.75

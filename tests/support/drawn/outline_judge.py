@@ -27,7 +27,7 @@ from planner.scene import Arc, CircleRecord, PointRecord, PolygonRecord, Record,
 from vision.binarise.binarise import Method, Polarity
 from vision.binarise.colour import binarise_by_colour
 from vision.binarise.grey_picture import as_array
-from vision.shared.scratch import ArrayPool
+from vision.shared.array_pool import ArrayPool
 
 FEW_PX = 4.0
 """What an outline and its border may be apart, but for a pointed corner: the light crosses the half

@@ -5,8 +5,8 @@ from __future__ import annotations
 import numpy as np
 
 from vision.outline.fitting_kernels import share_out
+from vision.outline.fitting_memory import make_memory
 from vision.outline.outline_types import Outline, Scratch
-from vision.outline.work import make_memory
 
 
 def blank_outline(edges: int) -> Outline:

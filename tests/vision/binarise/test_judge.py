@@ -13,7 +13,7 @@ from planner.scene import CircleRecord
 from tests.support.drawn.render import draw, ramp
 from vision.binarise.binarise import binarise
 from vision.binarise.grey_picture import GreyPicture
-from vision.binarise.light import FREE_LEVEL, without_light
+from vision.binarise.light_surface import FREE_LEVEL, without_light
 from vision.binarise.regions.edge_evidence import EdgeEvidence
 from vision.binarise.regions.edge_evidence_kernels import LEAST_SHARP, steps_of_regions
 

@@ -29,7 +29,7 @@ from vision.binarise.grey_picture import (
     Binary,
     GreyPicture,
 )
-from vision.binarise.light import without_light
+from vision.binarise.light_surface import without_light
 from vision.binarise.regions.edge_evidence_kernels import (
     SAMPLED_PAIRS,
     steps_across_level,

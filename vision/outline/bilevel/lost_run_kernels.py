@@ -14,8 +14,8 @@ from numba import njit
 from planner.scene.compile_options import LEAF
 from planner.scene.primitive_kernels import predecessor, successor
 from vision.outline.bilevel.separation_kernels import GRAVE, OK
+from vision.outline.fit.edge_shape_kernels import HUGE
 from vision.outline.fit.separating_fit_kernels import HALF
-from vision.outline.fit.shape_kernels import HUGE
 
 TIP = 5
 """Cracks around the last two pixels of a tip: derived, three of the last and two of the one

@@ -19,9 +19,9 @@ from planner.scene.compile_options import LEAF, SUMS
 from planner.scene.primitive_kernels import predecessor, successor
 from vision.outline.bilevel.joint_relaxation_kernels import circle_through
 from vision.outline.corners.crossing_kernels import SHALLOW
+from vision.outline.fit.edge_shape_kernels import HUGE, circle_cost, circle_of_three, fit_circle
 from vision.outline.fit.outline_kernels import FLATTEST_PX
 from vision.outline.fit.separating_fit_kernels import HALF, SEPARATION_MARGIN, separate_circle
-from vision.outline.fit.shape_kernels import HUGE, circle_cost, circle_of_three, fit_circle
 from vision.outline.fitted_borders import ARC_CCW, ARC_CW, LINE
 from vision.outline.limit_kernels import MOST_MISS_PX
 from vision.shared.typed_numbers import ONE

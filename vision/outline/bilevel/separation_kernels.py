@@ -18,9 +18,9 @@ from numba import njit
 
 from planner.scene.compile_options import LEAF
 from planner.scene.primitive_kernels import successor
+from vision.outline.fit.edge_shape_kernels import HUGE
 from vision.outline.fit.outline_kernels import STRAY_PX, distance_to_edge, in_sweep
 from vision.outline.fit.separating_fit_kernels import COARSE_PX, HALF
-from vision.outline.fit.shape_kernels import HUGE
 from vision.outline.fitted_borders import LINE
 
 AHEAD, SAME_PX = 12, 1e-6

@@ -16,8 +16,8 @@ from planner.scene.primitive_kernels import predecessor, successor
 from vision.outline.bilevel.joint_relaxation_kernels import relax_joints
 from vision.outline.check.loss_kernels import edge_loss
 from vision.outline.corners.crossing_kernels import onto
+from vision.outline.fit.edge_shape_kernels import FIT_ROUNDS, HUGE
 from vision.outline.fit.outline_kernels import arc_sweep, edge_end, finish_edge
-from vision.outline.fit.shape_kernels import FIT_ROUNDS, HUGE
 from vision.outline.fitted_borders import LINE
 from vision.shared.typed_numbers import ZERO
 

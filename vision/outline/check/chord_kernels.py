@@ -12,8 +12,8 @@ import math
 from numba import njit
 
 from planner.scene.compile_options import LEAF
+from vision.outline.fit.edge_shape_kernels import HUGE
 from vision.outline.fit.outline_kernels import edge_end
-from vision.outline.fit.shape_kernels import HUGE
 from vision.outline.fitted_borders import LINE
 from vision.shared.typed_numbers import ZERO
 

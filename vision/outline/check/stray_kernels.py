@@ -20,8 +20,8 @@ from numba import njit
 from planner.scene.compile_options import LEAF
 from planner.scene.primitive_kernels import successor
 from vision.outline.check.loss_kernels import LONGEST_TIP_PX, loss_beside
+from vision.outline.fit.edge_shape_kernels import HUGE
 from vision.outline.fit.outline_kernels import STRAY_PX, arc_sweep, distance_to_edge
-from vision.outline.fit.shape_kernels import HUGE
 from vision.outline.fitted_borders import LINE
 
 LONGEST_EDGE = 4.0

@@ -19,8 +19,8 @@ from numba import njit
 from planner.scene.compile_options import LEAF, SUMS
 from planner.scene.primitive_kernels import predecessor, successor
 from vision.outline.corners.crossing_kernels import tangent_at
+from vision.outline.fit.edge_shape_kernels import HUGE
 from vision.outline.fit.outline_kernels import edge_end
-from vision.outline.fit.shape_kernels import HUGE
 from vision.shared.typed_numbers import NO
 
 CORNER_FIELDS = 8

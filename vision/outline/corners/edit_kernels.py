@@ -35,8 +35,8 @@ from vision.outline.corners.fillet_kernels import (
     try_fillet,
 )
 from vision.outline.corners.wall_end_kernels import try_end, turns_back
+from vision.outline.fit.edge_shape_kernels import BEATEN, HUGE, fit_line, line_cost
 from vision.outline.fit.outline_kernels import edge_end
-from vision.outline.fit.shape_kernels import BEATEN, HUGE, fit_line, line_cost
 from vision.outline.fitted_borders import FEWEST_LINES
 from vision.outline.outline_types import EdgeRun
 from vision.shared.typed_numbers import NO, ONE

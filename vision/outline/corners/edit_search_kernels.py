@@ -17,8 +17,8 @@ from vision.outline.corners.edit_kernels import CORNER, FILLET, find_edits
 from vision.outline.corners.fillet_kernels import PIXEL_BLUR_PX, half_variance, touch_lines
 from vision.outline.corners.joint_kernels import fit_and_join
 from vision.outline.corners.wall_end_kernels import square_ends
+from vision.outline.fit.edge_shape_kernels import FIT_ROUNDS
 from vision.outline.fit.outline_kernels import edge_end
-from vision.outline.fit.shape_kernels import FIT_ROUNDS
 from vision.outline.outline_types import Blur, EdgeChange, Edits
 from vision.shared.typed_numbers import ZERO
 

@@ -22,7 +22,7 @@ from vision.outline.corners.blurred_corner_kernels import (
     TURN,
     change_cost,
 )
-from vision.outline.fit.shape_kernels import FIT_ASTRAY, FIT_ROUNDS, HUGE, circle_rms, fit_line
+from vision.outline.fit.edge_shape_kernels import FIT_ASTRAY, FIT_ROUNDS, HUGE, circle_rms, fit_line
 from vision.shared.typed_numbers import ONE, YES
 
 LEAST_TURN, MOST_TURN = math.radians(15.0), math.radians(150.0)

@@ -17,9 +17,7 @@ from numba import njit
 from planner.scene.compile_options import LEAF
 from planner.scene.primitive_kernels import predecessor, successor
 from vision.outline.corners.crossing_kernels import crossing, onto, touch
-from vision.outline.fit.outline_kernels import KNOWN_PX, STRAY_PX, edge_end
-from vision.outline.fit.separating_fit_kernels import separate_circle, separate_line
-from vision.outline.fit.shape_kernels import (
+from vision.outline.fit.edge_shape_kernels import (
     HUGE,
     circle_rms,
     fit_circle,
@@ -27,6 +25,8 @@ from vision.outline.fit.shape_kernels import (
     line_rms,
     refine_circle,
 )
+from vision.outline.fit.outline_kernels import KNOWN_PX, STRAY_PX, edge_end
+from vision.outline.fit.separating_fit_kernels import separate_circle, separate_line
 from vision.shared.typed_numbers import ONE
 
 CORNER_ROUNDS = 4

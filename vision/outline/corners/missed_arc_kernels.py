@@ -8,8 +8,8 @@ from numba import njit
 
 from planner.scene.compile_options import LEAF
 from planner.scene.primitive_kernels import successor
+from vision.outline.fit.edge_shape_kernels import circle_rms, fit_circle
 from vision.outline.fit.outline_kernels import KNOWN_PX
-from vision.outline.fit.shape_kernels import circle_rms, fit_circle
 from vision.shared.typed_numbers import ONE
 
 BENT_PX = 3.0 * KNOWN_PX

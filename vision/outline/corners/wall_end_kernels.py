@@ -18,7 +18,7 @@ from vision.outline.corners.blurred_corner_kernels import change_cost, put_corne
 from vision.outline.corners.crossing_kernels import DIRECTION_POINTS
 from vision.outline.corners.fillet_kernels import MOST_TURN
 from vision.outline.corners.joint_kernels import nearest_point
-from vision.outline.fit.shape_kernels import HUGE
+from vision.outline.fit.edge_shape_kernels import HUGE
 from vision.shared.typed_numbers import NO
 
 BACK = math.cos(MOST_TURN)

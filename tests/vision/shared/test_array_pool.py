@@ -10,7 +10,7 @@ from tests.support.drawn.render import draw, polygon
 from vision import extract
 from vision.binarise.binarise import binarise
 from vision.borders.contours import follow_borders
-from vision.shared.scratch import ArrayPool
+from vision.shared.array_pool import ArrayPool
 
 
 def test_a_smaller_picture_after_a_larger_one_is_extracted_as_if_it_were_the_first() -> None:

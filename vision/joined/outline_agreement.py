@@ -20,8 +20,8 @@ from vision.binarise.binarise import binarise
 from vision.borders.contours import follow_borders, locate_edges
 from vision.calibration.calibration import FloatArray
 from vision.camera.camera import Image
-from vision.errors import PictureError
 from vision.joined.floor_plan import FloorPlan
+from vision.picture_error import PictureError
 
 LEAST_POINTS: Final = 60
 """Least edge points in the common view: chosen, an outline of 20 pixels."""
