@@ -73,6 +73,8 @@ ROUNDER_BY = 0.85
 """Factor on an arc's price then, with grey: chosen, no dearer than two chords."""
 NO_BLUR = 0.0
 """Without grey no corner is rounded: defined."""
+SPARE_ROW = 6
+"""Row of the scratch numbers for checks, and to finish an edge: defined."""
 HELD_AREA = 400
 """Pixels from which an object drawn again must cover its own, even if round: indifferent."""
 
@@ -202,7 +204,7 @@ def _search_edges(border, cracks, round_cost, budget, tolerance, limits, prices,
     certainly cover it.
     """
     outline = work.outline
-    spare = work.scratch.numbers[6]
+    spare = work.scratch.numbers[SPARE_ROW]
     crisp = limits.crisp
     bilevel = cracks.n > 0
     spread = tolerance.spread_px
@@ -263,7 +265,9 @@ def _finish_bilevel(border, cracks, edges, budget, one_circle, work, finished):
     crack_of = scratch.indices[0]
     found = scratch.indices[1]
     for e in range(edges):
-        finished.kind[e] = finish_edge(border, outline, edges, e, finished.rows, scratch.numbers[6])
+        finished.kind[e] = finish_edge(
+            border, outline, edges, e, finished.rows, scratch.numbers[SPARE_ROW]
+        )
     find_cracks(border, cracks, crack_of)
     for e in range(edges):
         finished.at[e] = crack_of[outline.breaks[e]]
@@ -288,7 +292,9 @@ def _finish_grey(border, edges, sound, budget, tolerance, limits, work, finished
     review = work.review
     scratch = work.scratch
     if not sound:
-        check_edges(border, outline, edges, limits, budget, review, work.trial, scratch.numbers[6])
+        check_edges(
+            border, outline, edges, limits, budget, review, work.trial, scratch.numbers[SPARE_ROW]
+        )
     count = finish_with_chords(
         border, outline, edges, work.trial, review, limits.chord, scratch, finished
     )

@@ -29,6 +29,8 @@ from vision.shared.typed_numbers import NO, YES
 
 MOST_MERGED = 64
 """Most edges that become one: indifferent, a bound on the work."""
+CRACK_STATE, FRESH_STATE = 1, 2
+"""Rows of the scratch indices: defined."""
 MERGING_ROUNDS = 8
 """Most rounds: indifferent, a bound on the work."""
 AFFECTED = NEIGHBOURS + 1
@@ -49,7 +51,7 @@ def merge_edges(cracks, finished, count, one_circle, trial, circle, scratch):
     ``one_circle``: its arcs belong to one circle and stay. ``trial``, as large as ``finished``,
     ``circle`` (3,) and ``scratch`` are scratch space.
     """
-    state = scratch.indices[1]
+    state = scratch.indices[CRACK_STATE]
     find_lost(cracks, finished, count, state)
     now = scratch.flags[0]
     then = scratch.flags[1]
@@ -208,8 +210,8 @@ def _judge_around(cracks, finished, count, at, state):
 
 @njit(**LEAF)
 def _loses_no_more(cracks, trial, count, at, scratch):
-    state = scratch.indices[1]
-    fresh = scratch.indices[2]
+    state = scratch.indices[CRACK_STATE]
+    fresh = scratch.indices[FRESH_STATE]
     lost, _ = _judge_around(cracks, trial, count, at, fresh)
     if lost == 0:
         return True

@@ -22,6 +22,10 @@ from vision.outline.fit.outline_kernels import edge_end
 from vision.outline.outline_types import Blur, EdgeChange, Edits
 from vision.shared.typed_numbers import ZERO
 
+GONE, ANCHOR, USED, NEW_IS_ARC, NEW_IS_FILLET = 0, 1, 2, 3, 4
+"""Rows of the scratch flags: defined."""
+BEGINS, NEW_BREAKS = 4, 5
+"""Rows of the scratch indices behind those of the edits: defined."""
 LEFT = 3
 """Least points of an edge between two edits: derived, two lie on any line."""
 MOVED = 16
@@ -66,10 +70,10 @@ def _take_edits(n, outline, edges, edits, scratch):
     ``begins``: first point of an edge behind an edit, or -1.
     """
     saved = edits.saved
-    gone = scratch.flags[0]
-    anchor = scratch.flags[1]
-    used = scratch.flags[2]
-    begins = scratch.indices[4]
+    gone = scratch.flags[GONE]
+    anchor = scratch.flags[ANCHOR]
+    used = scratch.flags[USED]
+    begins = scratch.indices[BEGINS]
     for e in range(edges):
         gone[e] = False
         anchor[e] = False
@@ -114,13 +118,13 @@ def _is_left(n, outline, edges, e, begin, end):
 
 @njit(**LEAF)
 def _write_edits(n, outline, edges, edits, scratch):
-    gone = scratch.flags[0]
-    used = scratch.flags[2]
-    begins = scratch.indices[4]
+    gone = scratch.flags[GONE]
+    used = scratch.flags[USED]
+    begins = scratch.indices[BEGINS]
     # every edge adds at most one
-    breaks = scratch.indices[5]
-    is_arc = scratch.flags[3]
-    is_fillet = scratch.flags[4]
+    breaks = scratch.indices[NEW_BREAKS]
+    is_arc = scratch.flags[NEW_IS_ARC]
+    is_fillet = scratch.flags[NEW_IS_FILLET]
     m = 0
     for e in range(edges):
         if not gone[e]:
