@@ -22,7 +22,7 @@ from planner.borders.inside_kernels import in_object
 from planner.delaunay.diagram_kernels import finite_vertices, list_edges
 from planner.delaunay.insertion_kernels import insert
 from planner.delaunay.predicate_kernels import SCRATCH, circumcentre
-from planner.delaunay.site_order_kernels import TINY
+from planner.delaunay.site_order_kernels import TINY_COORDINATE
 from planner.delaunay.triangle_kernels import (
     DEAD,
     next_side,
@@ -193,10 +193,10 @@ def insert_sites(xy, circ, sites, down, todo, places, labels, where, refined):
     for j in range(len(places)):
         p = np.int64(todo[j])
         x, y = places[j, 0] * down, places[j, 1] * down
-        if abs(x) < TINY:
-            x = (x + TINY) - TINY
-        if abs(y) < TINY:
-            y = (y + TINY) - TINY
+        if abs(x) < TINY_COORDINATE:
+            x = (x + TINY_COORDINATE) - TINY_COORDINATE
+        if abs(y) < TINY_COORDINATE:
+            y = (y + TINY_COORDINATE) - TINY_COORDINATE
         xy[2 * p], xy[2 * p + 1] = x, y
         label[p], also[p], sites.refined[p] = labels[j], -1, refined
         tri[16 * p], tri[16 * p + 8] = DEAD, DEAD

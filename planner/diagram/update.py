@@ -19,7 +19,7 @@ from planner.borders.generator_kernels import count_generators
 from planner.borders.generators import (
     BYTES_EACH,
     JOINT,
-    MOST_BYTES,
+    MOST_MEMORY_BYTES,
     NO_LENGTH,
     Borders,
     as_borders,
@@ -132,7 +132,7 @@ def _fits_memory(agvd: Agvd, new: NewBorders) -> bool:
     backwards, disc = np.zeros(len(new.kind), np.bool_), disc_around(agvd.borders, agvd.spacing)
     backwards[new.turned] = True
     most = count_generators(new.kind, new.rows, backwards, disc, agvd.spacing)
-    return bool(most * BYTES_EACH <= MOST_BYTES)
+    return bool(most * BYTES_EACH <= MOST_MEMORY_BYTES)
 
 
 def _change_borders(

@@ -2,7 +2,7 @@
 
 Rules and units
 - Free space is where the robot's centre may be: places that keep the radius. It is counted in
-  square cells as large as the radius, by their centres, or in ``MOST_CELLS`` larger ones.
+  square cells as large as the radius, by their centres, or in ``MOST_MAP_CELLS`` larger ones.
 - A cell is within reach if a robot can drive from it to the graph, through free cells, by a path
   of at most ``reach``. Paths lead from cell to cell in eight directions: they are up to 8 % longer
   than the shortest. Unsafe parts of the graph serve nobody.
@@ -30,7 +30,7 @@ from planner.shared.arguments import as_float
 
 REACH_RADII = 10.0
 """Reach where none is given, in robot radii (chosen: two metres for many robots)."""
-MOST_CELLS = 60_000
+MOST_MAP_CELLS = 60_000
 """Cells on the map at most (chosen: 0.5 s)."""
 DISTANCES_AT_ONCE = 4_000_000
 """Distances that are computed in one step (indifferent)."""
@@ -147,7 +147,7 @@ class _Grid:
     def of(cls, scene: Scene, radius: float) -> _Grid:
         ground = Ground.of(scene, bounds=True)
         b = scene.bounds
-        cell = max(radius, math.sqrt(b.width * b.height / MOST_CELLS))
+        cell = max(radius, math.sqrt(b.width * b.height / MOST_MAP_CELLS))
         shape = max(1, math.ceil(b.height / cell)), max(1, math.ceil(b.width / cell))
         empty = cls(np.zeros(shape, np.bool_), cell, np.array([b.x_min, b.y_min]), ground)
         free = ground.signed(empty.centres()) >= radius * (1.0 - RADIUS_SLACK)

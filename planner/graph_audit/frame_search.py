@@ -2,8 +2,8 @@
 
 Rules
 - A graph fits as well as the share of its length that keeps the robot's radius, counted at points
-  along its edges. It is looked for only if less than ``LOST`` of it does, and offered only if
-  ``FOUND`` of it then do.
+  along its edges. It is looked for only if less than ``LOST_SHARE`` of it does, and offered only if
+  ``FOUND_SHARE`` of it then do.
 - The named frames come first. Then every turn by ``TURN_STEP_RAD``, with each scale that makes
   sense, by correlation over all shifts; the best are refined.
 - A transform that is not sure is offered only if hardly anything is free without it. Of equally
@@ -23,7 +23,7 @@ from planner.borders.ground import Ground
 from planner.graph_audit.edge_lines import EdgeLines
 from planner.graph_audit.frame_fit import (
     NEAR_FIT,
-    UNITS,
+    UNIT_SCALES,
     FrameFit,
     map_cell,
     named_frames,
@@ -32,15 +32,15 @@ from planner.graph_audit.frame_fit import (
 from planner.graph_audit.unsafe import RADIUS_SLACK
 from planner.scene import FloatArray, Scene, Vec
 
-LOST, FOUND = 0.7, 0.95
+LOST_SHARE, FOUND_SHARE = 0.7, 0.95
 """Shares of a graph that are free: less is lost, more is found (chosen: a graph by hand has few
 edges in obstacles)."""
 HARDLY = 0.3
 """A graph with less than this free is offered a transform though others fit as well (chosen: with
 more of it free, it may be a bad graph of the right frame)."""
-LEAST_EDGES = 3
+LEAST_GRAPH_EDGES = 3
 """Edges that a graph must have: fewer fit anywhere (chosen)."""
-MOST_POINTS = 2000
+MOST_COUNTED_POINTS = 2000
 """Points along the edges at which a fit is counted (chosen: 0.1 s for all named frames)."""
 FEWER = 4
 """Every such point is looked at while a fit is refined (chosen: 0.3 s)."""
@@ -67,11 +67,11 @@ OTHER_PLACE = 0.1
 def find_frame(lines: EdgeLines, scene: Scene, ground: Ground, radius: float) -> FrameFit | None:
     """Return the transform that puts most of a lost graph into free space, None if none does."""
     points = _points_along(lines, radius)
-    if len(lines.edges) < LEAST_EDGES or not len(points):
+    if len(lines.edges) < LEAST_GRAPH_EDGES or not len(points):
         return None
     search = _Search(points, ground, np.array(scene.view), radius * (1.0 - RADIUS_SLACK))
     before = search.share(points)
-    if before >= LOST:
+    if before >= LOST_SHARE:
         return None
     search = search.in_free_space()
     still = FrameFit(1.0, 0.0, False, (0.0, 0.0), before, before, 0.0)
@@ -87,7 +87,7 @@ def find_frame(lines: EdgeLines, scene: Scene, ground: Ground, radius: float) ->
     most = max(fit.after for fit in fits)
     good = [fit for fit in fits if fit.after >= most - NEAR_FIT]
     best = min(good, key=lambda fit: (not fit.named, fit.mirrored, abs(fit.turn_rad)))
-    if best.after < FOUND:
+    if best.after < FOUND_SHARE:
         return None
     size = float(np.ptp(best.placed(points), axis=0).max())
     others = [
@@ -115,7 +115,7 @@ def _points_along(lines: EdgeLines, radius: float) -> FloatArray:
     total = float(lengths.sum())
     if not 0.0 < total < math.inf:
         return np.empty((0, 2))
-    counts = np.maximum(1, np.ceil(MOST_POINTS * lengths / total)).astype(np.int64)
+    counts = np.maximum(1, np.ceil(MOST_COUNTED_POINTS * lengths / total)).astype(np.int64)
     row = np.repeat(np.arange(len(rows)), counts)
     number = np.arange(len(row)) - np.repeat(np.cumsum(counts) - counts, counts)
     part = ((number + 0.5) / counts[row])[:, None]
@@ -125,7 +125,7 @@ def _points_along(lines: EdgeLines, radius: float) -> FloatArray:
 
 def _scales(scene: Scene) -> list[float]:
     cell = map_cell(scene)
-    return [*UNITS, *([] if cell is None else [cell, 1.0 / cell])]
+    return [*UNIT_SCALES, *([] if cell is None else [cell, 1.0 / cell])]
 
 
 @dataclass(frozen=True, slots=True)

@@ -24,7 +24,7 @@ NEAR_EDGE = 0.01
 """A node so near to an edge, in robot radii, is on it: a person who draws aims no better."""
 PAIRS_AT_ONCE = 2_000_000
 """Pairs that are looked at in one step: some 200 MB."""
-TURN_SLACK = 1e-15
+CROSSING_SLACK = 1e-15
 """Error bound of a turn's determinant over its products (Shewchuk 1997: 3.3e-16)."""
 
 
@@ -166,7 +166,7 @@ def _turn(u: FloatArray, v: FloatArray) -> FloatArray:
     """Determinants of u and v (n, 2), 0 where rounding decides the sign."""
     left, right = u[:, 0] * v[:, 1], u[:, 1] * v[:, 0]
     turn = left - right
-    turn[np.abs(turn) <= TURN_SLACK * (np.abs(left) + np.abs(right))] = 0.0
+    turn[np.abs(turn) <= CROSSING_SLACK * (np.abs(left) + np.abs(right))] = 0.0
     return turn
 
 

@@ -26,7 +26,7 @@ from planner.shared.arguments import as_float
 
 STRAIGHT_RAD = 1e-6
 """Turns up to this angle are rounding."""
-ARC_STEP_RAD = 0.05
+MEASURED_STEP_RAD = 0.05
 """Angle between the points of an arc that is measured; its chords leave it by 0.03 % of R."""
 
 
@@ -163,7 +163,7 @@ def _arc_is_clear(corner: FloatArray, ground: Ground, radius: float, turning: fl
     begin = corner[1] - turning * math.tan(0.5 * abs(angle)) * u
     side = math.copysign(1.0, angle)
     centre = begin + side * turning * np.array((-u[1], u[0]))
-    count = max(3, math.ceil(abs(angle) / ARC_STEP_RAD) + 1)
+    count = max(3, math.ceil(abs(angle) / MEASURED_STEP_RAD) + 1)
     turned = np.linspace(0.0, angle, count)
     cos, sin = np.cos(turned)[:, None], np.sin(turned)[:, None]
     arm = begin - centre

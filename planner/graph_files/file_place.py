@@ -10,7 +10,7 @@ from typing import Any, NoReturn
 from planner.graph_files.route_graph import ExchangeError, GraphId
 from planner.scene import Vec
 
-LARGEST = 1e12
+LARGEST_WRITTEN = 1e12
 """Coordinates and other numbers beyond this are refused: their squares lose all small parts."""
 MOST_SHOWN = 40
 """Characters of a wrong value that an error shows."""
@@ -52,10 +52,12 @@ class FilePlace:
         return record.pop(key)
 
     def number(self, value: Any) -> float:
-        """Check that the value is a finite number within ``LARGEST``."""
+        """Check that the value is a finite number within ``LARGEST_WRITTEN``."""
         number = as_number(value)
         if number is None:
-            raise self.error(f"{shown(value)}: must be a finite number within +-{LARGEST:g}")
+            raise self.error(
+                f"{shown(value)}: must be a finite number within +-{LARGEST_WRITTEN:g}"
+            )
         return number
 
     def identity(self, value: Any) -> GraphId:
@@ -73,12 +75,12 @@ class FilePlace:
 
 
 def as_number(value: Any) -> float | None:
-    """Return the value as a float; None unless it is a finite number within ``LARGEST``."""
+    """Return the value as a float; None unless it is a finite number within ``LARGEST_WRITTEN``."""
     if isinstance(value, bool) or not isinstance(value, int | float):
         return None
-    if isinstance(value, int) and abs(value) > LARGEST:
+    if isinstance(value, int) and abs(value) > LARGEST_WRITTEN:
         return None
-    return float(value) if math.isfinite(value) and abs(value) <= LARGEST else None
+    return float(value) if math.isfinite(value) and abs(value) <= LARGEST_WRITTEN else None
 
 
 def take_number(record: dict[str, Any], key: str) -> float | None:

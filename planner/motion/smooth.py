@@ -23,8 +23,8 @@ from planner.motion.smooth_kernels import bend, parabola
 from planner.path import Path
 from planner.route.plan_request import preference_of
 from planner.scene import FloatArray, Vec
+from planner.shared.angles import wrap_angle
 from planner.shared.arguments import as_float, of_kind
-from planner.shared.numbers import wrap_angle
 
 CORNER_RAD = math.radians(3.0)
 """A smaller turn is no corner: the samples of a smooth bisector turn less."""

@@ -20,7 +20,7 @@ import numpy as np
 from planner.borders.polyline import arc_lengths, fewer_vertices, points_at
 from planner.path import Limits, Path
 from planner.scene import FloatArray, IntArray
-from planner.shared.numbers import wrap_angle
+from planner.shared.angles import wrap_angle
 
 Clearance = Callable[[FloatArray], FloatArray]
 SpeedLimits = Callable[[FloatArray, FloatArray], FloatArray]

@@ -20,7 +20,7 @@ from planner.diagram.agvd import Chains
 from planner.roadmap import clip_kernels
 from planner.search.chain_search import CLEARANCE_ROUNDING
 
-EQUAL = 4.0
+EQUAL_WIDTHS = 4.0
 """Multiple of the rounding by which a path may be narrower than the robot and still count as wide
 enough."""
 CHAIN_ASTRAY = 16.0
@@ -46,7 +46,7 @@ def clip_chains(borders: Borders, chains: Chains, radius: float) -> Clipped:
     astray = CHAIN_ASTRAY * borders.equal if chains.proved.any() else math.inf
     solids = clip_kernels.Solids(borders.closed, borders.box)
     limits = clip_kernels.PartLimits(
-        radius, radius - EQUAL * borders.equal, rounding, borders.equal, astray
+        radius, radius - EQUAL_WIDTHS * borders.equal, rounding, borders.equal, astray
     )
     parts, wide = clip_kernels.wide_parts(
         borders.tree, solids, chains.arrays, len(chains.node_xy), limits

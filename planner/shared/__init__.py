@@ -5,5 +5,5 @@
 - ``processor.py`` chooses the processor that kernels are compiled for.
 - ``search_clock.py`` times searches without the time of compilation.
 - ``arguments.py`` checks what comes in from outside.
-- ``numbers.py`` wraps angles; ``figures.py`` writes numbers in sentences.
+- ``angles.py`` wraps angles; ``figures.py`` writes numbers in sentences.
 """

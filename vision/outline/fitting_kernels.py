@@ -43,7 +43,7 @@ from vision.outline.corners.joint_kernels import fit_and_join
 from vision.outline.corners.missed_arc_kernels import any_bent_line
 from vision.outline.fit.edge_shape_kernels import HUGE
 from vision.outline.fit.outline_kernels import finish_edge
-from vision.outline.fitted_borders import CIRCLE, FEWEST_LINES, LINE, POLYGON, TINY
+from vision.outline.fitted_borders import FEWEST_LINES, LINE, POLYGON, TINY_BORDER, WHOLE_CIRCLE
 from vision.outline.limit_kernels import QUIET_PX, limits_of
 from vision.outline.outline_types import (
     BorderPoints,
@@ -89,10 +89,10 @@ def fit_borders(
     ``crack_pixels``: the borders' cracks if edges must separate their pixels, else none;
     ``memory``: for the longest border.
 
-    Per border: POLYGON, CIRCLE or TINY and its first edge. Per edge: LINE, ARC_CW or ARC_CCW and a
-    row (6,) of the edge's first point x, y, then cx, cy, r of an arc, and the whole border's rms
-    deviation. A circle is one edge of kind LINE with its centre and radius in the row. TINY borders
-    have no edges.
+    Per border: POLYGON, WHOLE_CIRCLE or TINY_BORDER and its first edge. Per edge: LINE, ARC_CW or
+    ARC_CCW and a row (6,) of the edge's first point x, y, then cx, cy, r of an arc, and the whole
+    border's rms deviation. A circle is one edge of kind LINE with its centre and radius in the row.
+    TINY_BORDER borders have no edges.
     """
     bilevel = crack_pixels.x.shape[0] > 0
     limits = limits_of(tolerance, bilevel)
@@ -104,7 +104,7 @@ def fit_borders(
         fitted.edge_starts[b] = count
         here = points[point_starts[b] : point_starts[b + 1]]
         if here.shape[0] < FEWEST_POINTS:
-            fitted.border_kind[b] = TINY
+            fitted.border_kind[b] = TINY_BORDER
             continue
         border = BorderPoints(places[0], places[1], here.shape[0])
         place = bring_into_place(here, work.scratch.numbers[0], border)
@@ -187,12 +187,12 @@ def _fit_border(
     if edges == 0:
         write_circle(border, work.circle, tolerance, place, finished)
         put_edges_back(finished, ONE, place)
-        return CIRCLE, ONE
+        return WHOLE_CIRCLE, ONE
     _move(finished, edges, place)
     put_edges_back(finished, edges, place)
     if edges < FEWEST_LINES and not _any(finished.kind, edges):
         # two lines enclose nothing: the border keeps its pixels' outline
-        return TINY, ZERO
+        return TINY_BORDER, ZERO
     return POLYGON, edges
 
 

@@ -23,7 +23,7 @@ from planner.zones.zone_ground import ZoneGround
 
 PLACES_OF_EDGE = 8
 """Places of an edge: chosen, edges are a few radii long."""
-MOST_EDGES = 20
+MOST_ROUNDED_EDGES = 20
 """Edges inside a one-way zone that may each be driven against by rounding: chosen, so that a path
 of them stays within what is allowed for all."""
 ON_PATH = 1e-6
@@ -42,7 +42,7 @@ def usable_edges(
             clear |= _on_path(places, edges, own_path, ON_PATH * rules.radius)
         usable &= clear
     for one in rules.of("one_way"):
-        usable &= _against(one, places, edges) <= AGAINST * rules.radius / MOST_EDGES
+        usable &= _against(one, places, edges) <= AGAINST * rules.radius / MOST_ROUNDED_EDGES
     return usable
 
 

@@ -41,7 +41,7 @@ from vision.outline.fitted_borders import FEWEST_LINES
 from vision.outline.outline_types import EdgeRun
 from vision.shared.typed_numbers import NO, ONE
 
-CORNER, LINE, END, FILLET = np.int64(0), np.int64(1), np.int64(2), np.int64(3)
+CORNER, ONE_LINE, WALL_END, FILLET = np.int64(0), np.int64(1), np.int64(2), np.int64(3)
 """Replacements of a run of edges (defined): the corner of the two that stay, one line, a line
 square to both at the end of a wall, an arc that touches both. Typed, so that kernels are compiled
 once."""
@@ -149,7 +149,7 @@ def _may_be(border, outline, edges, run, kind, line_price, blur, stays):
     """True if an edit is worth a closer look, by the edges alone."""
     if run.length - (kind != CORNER) > run.spare:
         return False
-    if kind == LINE:
+    if kind == ONE_LINE:
         return run.price > line_price and not run.bent and _may_be_line(outline, edges, run)
     i = run.before
     j = run.behind
@@ -165,7 +165,7 @@ def _may_be(border, outline, edges, run, kind, line_price, blur, stays):
         )
     if run.length > SHORT_RUN or outline.is_arc[i] or outline.is_arc[j]:
         return False
-    if kind == END:
+    if kind == WALL_END:
         return run.untouched and turns_back(outline.shape[i], outline.shape[j], stays)
     # blur rounds no farther to both sides
     return run.length > 0 and stays[2] - stays[1] <= 2.0 * ROUNDING_REACH * blur.sigma
@@ -202,7 +202,7 @@ def _try_edit(border, outline, edges, run, kind, blur, costs, prices, edits, cha
         return False
     now = edits.sums[points[3]] - edits.sums[points[0]]
     saved = now + run.price - cost - EDIT_SHARES[kind] * prices.line
-    if kind == END:
+    if kind == WALL_END:
         # the corners' model fails at so narrow an end: its width and place decide
         saved = max(saved, BEATEN)
     i = run.before
@@ -219,13 +219,13 @@ def _try_edit(border, outline, edges, run, kind, blur, costs, prices, edits, cha
 @njit(**LEAF, inline="always")
 def _cost_of_edit(border, outline, edges, run, kind, blur, costs, change):
     """Cost of an edit's points with it, HUGE if it is impossible; fills ``points``."""
-    if kind == LINE:
+    if kind == ONE_LINE:
         return _try_line(border, outline, edges, run, blur, costs, change)
     if kind == FILLET:
         return try_fillet(border, blur, costs, change)
     if not _compare_from(border, outline, run, blur, change):
         return HUGE
-    if kind == END:
+    if kind == WALL_END:
         return try_end(border, blur, costs, change)
     return _try_corner(border, blur, costs, change)
 
