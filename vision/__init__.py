@@ -5,7 +5,7 @@ kernels.
 
 - `camera` delivers frames; `calibrate` makes the `calibration` that maps them to the floor.
 - `pipeline` turns a picture into a scene: `binarise`, then `borders`, `outline` (or `paper`) and
-  `records`; `doubts` adds remarks, `errors` has ``PictureError``.
+  `records`; `doubts` adds remarks, `picture_error` has ``PictureError``.
 - `watch` finds what changed between two pictures; `markers` finds and follows robots.
 - `joined` unites several cameras over one arena; `quality` measures what a camera delivers.
 """

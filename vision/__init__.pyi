@@ -12,12 +12,12 @@ from .camera.sources import KnownCamera as KnownCamera
 from .camera.sources import camera_for as camera_for
 from .camera.v4l2.controls import CameraControls as CameraControls
 from .doubts import doubts_about as doubts_about
-from .errors import PictureError as PictureError
 from .markers.markers import MarkedRobot as MarkedRobot
 from .markers.markers import MarkerTracker as MarkerTracker
 from .markers.markers import RobotPose as RobotPose
 from .markers.reading import Marker as Marker
 from .markers.reading import find_markers as find_markers
+from .picture_error import PictureError as PictureError
 from .pipeline import extract as extract
 from .watch.change import Change as Change
 from .watch.change import SceneWatcher as SceneWatcher

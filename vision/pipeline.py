@@ -20,13 +20,13 @@ from numpy.typing import NDArray
 from planner.scene import Bounds, Scene, SceneObject, of_kind
 from vision.binarise import Method, Polarity
 from vision.binarise.colour import binarise_by_colour
-from vision.binarise.grey_picture import CALM_NOISE, Binary, as_array
+from vision.binarise.grey_picture import SMOOTHED_NOISE, Binary, as_array
 from vision.borders.contours import Contours, follow_borders, laplacian_border, locate_edges
 from vision.doubts import with_doubts
-from vision.errors import PictureError
-from vision.outline.fitting import fit_edges, is_drawing, tolerance_of
+from vision.outline.fitting import fit_edges, is_bilevel, tolerance_of
 from vision.outline.thin_walls import keep_thin_walls
 from vision.paper.paper import paper_objects
+from vision.picture_error import PictureError
 from vision.records.placement import (
     PixelsToFloor,
     Placement,
@@ -35,10 +35,10 @@ from vision.records.placement import (
 )
 from vision.records.records import build_objects, find_specks
 from vision.records.unseen import blind_of, hidden_by_lens, with_unseen, without_blind
-from vision.shared.scratch import Room
+from vision.shared.array_pool import ArrayPool
 
 Mode: TypeAlias = Literal["exact", "paper"]
-_ROOM = Room()
+_POOL = ArrayPool()
 
 
 def extract(
@@ -73,27 +73,29 @@ def extract(
         image = without_blind(image, blind)
     skip = ignored_pixels(ignore, image)
     binary = binarise_by_colour(
-        image, polarity=polarity, method=method, threshold=threshold, ignore=skip, room=_ROOM
+        image, polarity=polarity, method=method, threshold=threshold, ignore=skip, pool=_POOL
     )
     clock.lap("binarise")
-    borders = follow_borders(binary.mask, _ROOM)
+    borders = follow_borders(binary.mask, _POOL)
     if mode == "paper":
         return _by_the_paper(binary, borders, clock)
-    edges = locate_edges(binary, borders, _ROOM)
+    edges = locate_edges(binary, borders, _POOL)
     clock.lap("contours")
     tolerance = tolerance_of(edges, binary.noise, binary.contrast)
     placement = Placement.of(calibration, bounds, binary.size)
     rectified = placement.rectified(edges.points)
     stretches = placement.stretches(edges.points, rectified, edges.starts)
-    drawn = tolerance.crisp or is_drawing(binary.grey, borders)
+    bilevel = tolerance.crisp or is_bilevel(binary.grey, borders)
     even = calibration is None or bool((stretches == 1.0).all())
     shrunk = rectified
     if not even:
         shrunk = rectified / np.repeat(stretches, np.diff(edges.starts))[:, None]
-    separate = calibration is None and drawn
-    fitted = fit_edges(shrunk, edges.starts, borders, tolerance, separate=separate)
+    # on the floor, there are no pixels for edges to separate
+    fitted = fit_edges(
+        shrunk, edges.starts, borders, tolerance, bilevel=calibration is None and bilevel
+    )
     fitted = fitted if even else fitted.stretched(stretches)
-    if binary.fine or drawn or binary.noise >= CALM_NOISE:
+    if binary.fine or bilevel or binary.noise >= SMOOTHED_NOISE:
         fitted = keep_thin_walls(fitted, borders, placement.rectified, fine=binary.fine)
     specks = find_specks(borders, binary.noise, binary.contrast if binary.doubtful else math.inf)
     objects = build_objects(borders, fitted, placement, specks.borders)

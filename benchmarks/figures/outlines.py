@@ -101,7 +101,7 @@ def fitted(noise: float = 8.0, blur: float = 0.9, *, grey: bool = True) -> Fitte
     borders = follow_borders(binary.mask)
     edges = locate_edges(binary, borders)
     tolerance = tolerance_of(edges, binary.noise, binary.contrast)
-    fit = fit_edges(edges.points, edges.starts, borders, tolerance, separate=tolerance.crisp)
+    fit = fit_edges(edges.points, edges.starts, borders, tolerance, bilevel=tolerance.crisp)
     return Fitted(image, borders, edges, tolerance, fit)
 
 

@@ -39,9 +39,9 @@ from benchmarks.vision.regions import FAMILIES, TUNING, Drawn, drawn, looked_at
 from tests.support.drawn.render import coverage, outline_points, ramp
 from vision import PictureError
 from vision.binarise import colour
-from vision.binarise.grey_picture import FEWEST, NO_CALMING
+from vision.binarise.grey_picture import FEWEST_SAMPLES, NO_SMOOTHING
 from vision.binarise.regions import edge_evidence
-from vision.shared.scratch import Room
+from vision.shared.array_pool import ArrayPool
 
 Side = Literal["dark", "light"]
 ROOT = Path(__file__).parents[2]
@@ -73,7 +73,7 @@ def nothing(*_: Any, **__: Any) -> None:
 
 
 def no_level(*_: Any) -> tuple[None, int]:
-    return None, FEWEST
+    return None, FEWEST_SAMPLES
 
 
 def first(value: Any, *_: Any) -> Any:
@@ -161,7 +161,7 @@ def mask_of(case: Case) -> NDArray[np.uint8]:
     try:
         return colour.binarise_by_colour(
             case.picture, polarity=case.side, method="auto", threshold=None, ignore=None,
-            room=Room(),
+            pool=ArrayPool(),
         ).inside  # fmt: skip
     except PictureError:
         return np.ones(case.picture.shape[:2], np.uint8)
@@ -232,9 +232,11 @@ STAGES: dict[str, tuple[Change, ...]] = {
     "classes set right where most is edge": (("grey_classes._sharpened", first),),
     "classes of rare pixels": (("grey_classes._rare_pixels", nothing),),
     "what stands out of uneven noise": (("grey_classes.significant_dark", nothing),),
-    "the level that edges speak for": (("regions.edge_evidence.Support.best_level", no_level),),
-    "smoothing before the level": (("grey_picture.CALMINGS", (NO_CALMING,)),),
-    "smoothing before the judge": (("grey_picture.CALM_NOISE", 1e9),),
+    "the level that edges speak for": (
+        ("regions.edge_evidence.EdgeEvidence.best_level", no_level),
+    ),
+    "smoothing before the level": (("grey_picture.SMOOTHINGS", (NO_SMOOTHING,)),),
+    "smoothing before the judge": (("grey_picture.SMOOTHED_NOISE", 1e9),),
     "dots": (("grey_picture.mark_dots", nothing),),
     "missed obstacles": (("binarise.with_left_out", its_binary),),
     "masks of the other candidates": (("binarise.with_left_out", without_others),),

@@ -36,9 +36,9 @@ from tests.support.drawn.outline_judge import record_points
 from tests.support.drawn.render import centers_inside, outline_points
 from vision import extract
 from vision.outline import fitting_kernels, partition_kernels, whole_circle_kernels
+from vision.outline.bilevel import merged_edge_kernels
 from vision.outline.check import area_lost_kernels
 from vision.outline.corners import edit_kernels, edit_search_kernels, joint_kernels
-from vision.outline.drawn import merged_edge_kernels
 
 FARTHER_BY = 1.02
 """What makes a difference: one more wrong shape, or so many times the distance."""
@@ -118,18 +118,18 @@ def make_optional() -> None:
         return may_be(border, outline, edges, run, kind, line_price, blur, stays)
 
     @njit(**LEAF)
-    def missed_arcs(border, outline, edges, spread, room):
-        return not is_off(MISSED) and any_bent(border, outline, edges, spread, room)
+    def missed_arcs(border, outline, edges, spread, scratch):
+        return not is_off(MISSED) and any_bent(border, outline, edges, spread, scratch)
 
     @njit(**LEAF)
     def turning(border, k, reach):
         return turn_at(border, k, reach) + (CORNERED if is_off(START) else 0.0)
 
     @njit(**LEAF)
-    def merging(cracks, finished, count, one_circle, trial, circle, room):
+    def merging(cracks, finished, count, one_circle, trial, circle, scratch):
         if is_off(MERGING):
             return count
-        return merge(cracks, finished, count, one_circle, trial, circle, room)
+        return merge(cracks, finished, count, one_circle, trial, circle, scratch)
 
     edit_kernels._may_be, fitting_kernels.merge_edges = edits, merging
     fitting_kernels.any_bent_line, partition_kernels.turn_at = missed_arcs, turning

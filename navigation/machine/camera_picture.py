@@ -10,8 +10,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from vision.quality import Quality
+from vision.quality.brightness import WHITE
 from vision.quality.focus import SHARP_PX
-from vision.quality.light import WHITE
 
 Canvas: TypeAlias = NDArray[Any]
 

@@ -154,9 +154,9 @@ def change_borders(kept, objects, old, old_boxes, new, no_length, joint, disc, s
     k = len(fresh.backwards)
     fresh_kind, fresh_data, at = fresh.kind[:k], fresh.data[:k], fresh.data[k:, :2]
     backwards = fresh.backwards
-    room = int(count_generators(fresh_kind, fresh_data, backwards, disc, spacing)) + len(at)
+    capacity = int(count_generators(fresh_kind, fresh_data, backwards, disc, spacing)) + len(at)
     places, labels = place_generators(
-        fresh_kind, fresh_data, backwards, at, fresh.before, fresh.after, disc, spacing, room
+        fresh_kind, fresh_data, backwards, at, fresh.before, fresh.after, disc, spacing, capacity
     )
     for i in range(len(labels)):
         labels[i] = fresh_label[labels[i]]

@@ -4,8 +4,9 @@ Rules and units
 - The primitives are those of :mod:`planner.scene.primitive_kernels`; distances are in the scene's
   units.
 - The tree is an implicit binary tree over the boxes in Morton order: node 1 is the root, node i has
-  children 2i and 2i + 1, and every leaf holds ``LEAF`` primitives. Primitives that span much of the
-  scene (its walls) would bloat every box above them: a separate list has them, and is tried first.
+  children 2i and 2i + 1, and every leaf holds ``LEAF_BOXES`` primitives. Primitives that span much
+  of the scene (its walls) would bloat every box above them: a separate list has them, and is tried
+  first.
 """
 
 # mypy: allow-untyped-defs
@@ -21,9 +22,9 @@ from planner.borders.border_arrays import Tree
 from planner.scene.compile_options import BORROWING, OWNING
 from planner.scene.primitive_kernels import NONE, box_of, distance, segment_distance
 
-LEAF = 4
+LEAF_BOXES = 4
 """Primitives in a leaf of the tree."""
-LARGE = 0.25
+LARGE_PRIMITIVE = 0.25
 """Length from which a primitive stays out of the tree, as a share of the scene's extent."""
 
 
@@ -67,18 +68,18 @@ def build_tree(kind, data):
     code, extent = morton_codes(own)
     large = 0
     for i in range(n):
-        if max(own[i, 2] - own[i, 0], own[i, 3] - own[i, 1]) > LARGE * extent:
+        if max(own[i, 2] - own[i, 0], own[i, 3] - own[i, 1]) > LARGE_PRIMITIVE * extent:
             code[i] = -1
             large += 1
     order = np.argsort(code).astype(np.int32)
     leaves = 1
-    while leaves * LEAF < n - large:
+    while leaves * LEAF_BOXES < n - large:
         leaves *= 2
     boxes = np.empty((2 * leaves, 4), np.float64)
     boxes[:, :2] = np.inf
     boxes[:, 2:] = -np.inf
     for j in range(n - large):
-        node, i = leaves + j // LEAF, order[large + j]
+        node, i = leaves + j // LEAF_BOXES, order[large + j]
         boxes[node, 0] = min(boxes[node, 0], own[i, 0])
         boxes[node, 1] = min(boxes[node, 1], own[i, 1])
         boxes[node, 2] = max(boxes[node, 2], own[i, 2])
@@ -137,8 +138,8 @@ def nearest(tree, x, y, bound):
                     node += 1
                 later = 2 * later + 1
                 continue
-            first = large + (node - leaves) * LEAF
-            for j in range(first, min(first + LEAF, n)):
+            first = large + (node - leaves) * LEAF_BOXES
+            for j in range(first, min(first + LEAF_BOXES, n)):
                 i = np.int64(order[j])
                 d = distance(kind, data, i, x, y)
                 if d < best:
@@ -184,8 +185,8 @@ def segment_clearance(tree, ax, ay, bx, by, bound):
             if node < leaves:
                 node, later = 2 * node + 1, 2 * later + 1
                 continue
-            first = large + (node - leaves) * LEAF
-            for j in range(first, min(first + LEAF, n)):
+            first = large + (node - leaves) * LEAF_BOXES
+            for j in range(first, min(first + LEAF_BOXES, n)):
                 i = np.int64(order[j])
                 d, t = segment_distance(kind, data, i, ax, ay, bx, by)
                 if d < best:

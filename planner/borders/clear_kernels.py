@@ -13,7 +13,7 @@ import math
 import numpy as np
 from numba import njit
 
-from planner.borders.box_tree_kernels import LEAF, after_branch, box_distance2
+from planner.borders.box_tree_kernels import LEAF_BOXES, after_branch, box_distance2
 from planner.scene.compile_options import BORROWING, OWNING
 from planner.scene.primitive_kernels import NONE, distance, segment_distance
 from planner.scene.shape_kernels import is_beyond
@@ -57,8 +57,8 @@ def blocker(tree, ax, ay, bx, by, keep, guess):
             if node < leaves:
                 node, later = 2 * node, 2 * later + 1
                 continue
-            first = large + (node - leaves) * LEAF
-            for j in range(first, min(first + LEAF, n)):
+            first = large + (node - leaves) * LEAF_BOXES
+            for j in range(first, min(first + LEAF_BOXES, n)):
                 i = np.int64(order[j])
                 if is_beyond(kind, data, i, ax, ay, nx, ny, around, sure):
                     continue
@@ -97,8 +97,8 @@ def within(tree, x, y, reach):
             if node < leaves:
                 node, later = 2 * node, 2 * later + 1
                 continue
-            first = large + (node - leaves) * LEAF
-            for j in range(first, min(first + LEAF, n)):
+            first = large + (node - leaves) * LEAF_BOXES
+            for j in range(first, min(first + LEAF_BOXES, n)):
                 if distance(kind, data, np.int64(order[j]), x, y) <= reach:
                     out[m] = order[j]
                     m += 1

@@ -23,7 +23,7 @@ AROUND = 4.0
 """Distance beyond the bounds' corners that has generators, in spacings."""
 MOST_STEPS = 2.0**53
 """Steps of a piece whose places differ by less than a rounding."""
-LEAST = 1e-300
+LEAST_DIVISOR = 1e-300
 """Least divisor of a quotient."""
 
 
@@ -46,7 +46,7 @@ def _shown_straight(data, i, disc):
     """Part of segment i in the disc: from > to if there is none."""
     ax, ay = data[i, 0], data[i, 1]
     dx, dy = data[i, 2] - ax, data[i, 3] - ay
-    dd = max(dx * dx + dy * dy, LEAST)
+    dd = max(dx * dx + dy * dy, LEAST_DIVISOR)
     t = ((disc[0] - ax) * dx + (disc[1] - ay) * dy) / dd
     off2 = (ax + t * dx - disc[0]) ** 2 + (ay + t * dy - disc[1]) ** 2
     rest = disc[2] * disc[2] - off2
@@ -62,7 +62,7 @@ def _shown_round(kind, data, backwards, i, disc, lap):
     dx, dy, r = disc[0] - data[i, 0], disc[1] - data[i, 1], data[i, 2]
     d, reach = math.sqrt(dx * dx + dy * dy), disc[2]
     # squared sine of a quarter of the angle that the disc covers
-    sine2 = (reach * reach - (d - r) ** 2) / max(4.0 * d * r, LEAST)
+    sine2 = (reach * reach - (d - r) ** 2) / max(4.0 * d * r, LEAST_DIVISOR)
     if d + r <= reach or sine2 >= 1.0:
         return 0.0, 1.0 - 2.0 * lap
     if sine2 < 0.0:
@@ -128,14 +128,14 @@ def count_generators(kind, data, backwards, disc, spacing):
 
 
 @njit(**OWNING)
-def place_generators(kind, data, backwards, at, before, after, disc, spacing, room):
+def place_generators(kind, data, backwards, at, before, after, disc, spacing, capacity):
     """Place generators at most ``spacing`` apart on every primitive, and on every corner point.
 
     Returns ``sites`` (n, 2) and ``label`` (n,): the primitive, or k + c for corner point c.
     """
     k = len(kind)
-    sites = np.empty((room, 2), np.float64)
-    label = np.empty(room, np.int32)
+    sites = np.empty((capacity, 2), np.float64)
+    label = np.empty(capacity, np.int32)
     point_at_start = np.zeros(k, np.bool_)
     point_at_end = np.zeros(k, np.bool_)
     for c in range(len(before)):

@@ -28,7 +28,7 @@ SPACING_PER_RADIUS = 1.0
 """The default spacing in robot radii: half of what the method allows."""
 BYTES_EACH = 600
 """Memory of the diagram for a generator: 530 bytes with 600,000 of them."""
-MOST_BYTES = 4e9
+MOST_MEMORY_BYTES = 4e9
 """Most memory of a diagram."""
 JOINT = 1e-6
 """Distance of ends that are one joint, as a share of the scene's extent."""
@@ -36,9 +36,10 @@ NO_LENGTH = 1e-13
 """Length of edges that are points, as a share of the scene's extent."""
 SAME_PLACE = 1e-9
 """Distance that counts as none, as a share of the scene's extent."""
-EQUAL = 1e-12
-"""Difference of equal distances, as a share of the scene's extent, besides ``UNITS``."""
-UNITS = 4.0
+EQUAL_DISTANCES = 1e-12
+"""Difference of equal distances, as a share of the scene's extent, besides
+``UNITS_IN_LAST_PLACE``."""
+UNITS_IN_LAST_PLACE = 4.0
 """Units in the last place of the largest coordinate by which equal distances may differ, far from
 the origin."""
 
@@ -110,7 +111,7 @@ class Borders:
         """Mark the objects that contain (x, y), by even-odd; ``reach`` is its clearance."""
         count = int(self.owner.max(initial=-1)) + 1
         votes = inside_kernels.vote(self.kind, self.data, self.closed, x, y, reach, count)
-        return votes >= inside_kernels.MOST  # type: ignore[no-any-return]
+        return votes >= inside_kernels.RAYS_THAT_DECIDE  # type: ignore[no-any-return]
 
 
 @dataclass(frozen=True, slots=True)
@@ -183,7 +184,10 @@ def extent_of(box: FloatArray) -> float:
 
 def _equal(box: FloatArray) -> float:
     """Largest distance between equal places in a scene of this box."""
-    return max(EQUAL * extent_of(box), UNITS * math.ulp(max(map(abs, box.tolist()))))
+    return max(
+        EQUAL_DISTANCES * extent_of(box),
+        UNITS_IN_LAST_PLACE * math.ulp(max(map(abs, box.tolist()))),
+    )
 
 
 def _free_box(flat: Primitives) -> FloatArray:
@@ -219,17 +223,17 @@ def disc_around(borders: Borders, spacing: float) -> tuple[float, float, float]:
 def place_generators(borders: Borders, spacing: float) -> Generators:
     """Place generators at most ``spacing`` apart on every border in the disc around the bounds.
 
-    Raises ``ValueError`` beyond ``MOST_BYTES`` of memory.
+    Raises ``ValueError`` beyond ``MOST_MEMORY_BYTES`` of memory.
     """
     k, pieces = borders.primitive_count, borders.pieces
-    room = count_generators(borders, spacing)
-    if math.isnan(room):
+    count = count_generators(borders, spacing)
+    if math.isnan(count):
         raise ValueError("a border has a place that is not a finite number")
-    if room * BYTES_EACH > MOST_BYTES:
+    if count * BYTES_EACH > MOST_MEMORY_BYTES:
         raise ValueError(
-            f"spacing = {spacing:g}: the borders would take {room:.3g} generators and"
-            f" {room * BYTES_EACH / 1e9:.3g} GB of memory: must be at most"
-            f" {MOST_BYTES / 1e9:g} GB; take a larger spacing or radius"
+            f"spacing = {spacing:g}: the borders would take {count:.3g} generators and"
+            f" {count * BYTES_EACH / 1e9:.3g} GB of memory: must be at most"
+            f" {MOST_MEMORY_BYTES / 1e9:g} GB; take a larger spacing or radius"
         )
     sites, label = generator_kernels.place_generators(
         pieces.kind[:k],
@@ -240,6 +244,6 @@ def place_generators(borders: Borders, spacing: float) -> Generators:
         pieces.after,
         disc_around(borders, spacing),
         spacing,
-        int(room) + len(pieces.before),
+        int(count) + len(pieces.before),
     )
     return Generators(sites, label, spacing, borders)

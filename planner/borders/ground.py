@@ -4,8 +4,8 @@ Rules and units
 - A clearance is the distance to the nearest border, exact, without sampling; 0 where a line
   touches an object or runs in one.
 - A part below a clearance is found by steps of the difference, within which nothing changes, and
-  bisection where it changes sign; inside is below 0. A part shorter than ``STEP`` of the line may
-  be missed there, never in the clearance.
+  bisection where it changes sign; inside is below 0. A part shorter than ``RAY_STEP`` of the line
+  may be missed there, never in the clearance.
 """
 
 from __future__ import annotations
@@ -20,13 +20,13 @@ from planner.borders import box_tree_kernels, inside_kernels
 from planner.borders.generators import Borders, gather_borders
 from planner.scene import FloatArray, IntArray, Primitives, Scene
 
-STEP = 1e-3
+RAY_STEP = 1e-3
 """Least step along an edge, as a part of its length."""
 SURE = 1.0 - 1e-9
 """Share of a distance that surely contains no border."""
-HALVINGS = 12
+CROSSING_HALVINGS = 12
 """Halvings of a step in which a border is crossed: to 2.5e-7 of the edge's length."""
-ROUNDED = 1e-12
+TOUCHING_SHARE = 1e-12
 """Parts nearer than this share of their place along the line touch."""
 
 
@@ -133,7 +133,7 @@ class Ground:
         at = np.zeros(len(left))
         here = self.signed(begin) - level
         while len(left):
-            after = np.minimum(at + np.maximum(np.abs(here), STEP * length), length)
+            after = np.minimum(at + np.maximum(np.abs(here), RAY_STEP * length), length)
             there = self.signed(begin + after[:, None] * unit) - level
             below = here < 0.0
             turn = np.where(below, after, at)
@@ -167,7 +167,7 @@ class Ground:
         """Place along each piece where its clearance passes the level, by bisection."""
         if not len(begin):
             return low
-        for _ in range(HALVINGS):
+        for _ in range(CROSSING_HALVINGS):
             middle = 0.5 * (low + high)
             same = (self.signed(begin + middle[:, None] * unit) < level) == below
             low, high = np.where(same, middle, low), np.where(same, high, middle)
@@ -180,7 +180,7 @@ def _joined(
 ) -> tuple[IntArray, FloatArray, FloatArray]:
     """Join parts of one line that touch."""
     apart = np.ones(len(owner), np.bool_)
-    apart[1:] = (owner[1:] != owner[:-1]) | (begin[1:] > end[:-1] * (1.0 + ROUNDED))
+    apart[1:] = (owner[1:] != owner[:-1]) | (begin[1:] > end[:-1] * (1.0 + TOUCHING_SHARE))
     first = np.flatnonzero(apart)
     last = np.append(first[1:], len(owner))[: len(first)] - 1
     return owner[first], begin[first], end[last]

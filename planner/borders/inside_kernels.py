@@ -30,7 +30,7 @@ RAYS = (0.0, 0.31830988618, -0.43429448190)
 
 SAME_SIDE = 1.0 - 1e-9
 """Share of a place's clearance that is surely free of borders."""
-MOST = 2
+RAYS_THAT_DECIDE = 2
 """Number of the three rays that decide."""
 
 
@@ -209,9 +209,9 @@ def in_object(kind, data, closed, x, y, reach, only=-1):
     for j in range(3):
         if _ray(kind, data, closed, x, y + RAYS[j] * reach, only, closed.none):
             votes += 1
-        if votes == MOST or (j == 1 and votes == 0):
+        if votes == RAYS_THAT_DECIDE or (j == 1 and votes == 0):
             break
-    return votes >= MOST
+    return votes >= RAYS_THAT_DECIDE
 
 
 @njit(**BORROWING)

@@ -17,7 +17,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from planner.delaunay.diagram_kernels import NOT_CONVEX, NOT_EMPTY, TURNED, WRONG_FLAG, certify
-from planner.delaunay.site_order_kernels import TINY
+from planner.delaunay.site_order_kernels import TINY_COORDINATE
 
 CHECK_TOLERANCE = 1e-9
 """Tolerance of a vertex's coordinates, in parts of the scene's size or its circle."""
@@ -162,7 +162,9 @@ def _tolerance(d: HalfEdges) -> float:
 def read_sites(sites: NDArray[np.float64], exponent: int) -> NDArray[np.float64]:
     """Sites as the kernel sees them: times 2^-exponent, to multiples of 2^-268."""
     scaled = np.ldexp(sites, -exponent)
-    return np.where(np.abs(scaled) < TINY, (scaled + TINY) - TINY, scaled)
+    return np.where(
+        np.abs(scaled) < TINY_COORDINATE, (scaled + TINY_COORDINATE) - TINY_COORDINATE, scaled
+    )
 
 
 def _check_vertices(d: HalfEdges) -> None:

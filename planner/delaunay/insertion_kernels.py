@@ -352,15 +352,15 @@ def insert(w, xy, ghost, tri, circ, alias, todo, start):
 
 
 @njit(**OWNING, error_model="numpy")
-def triangulate(sites, room):
-    """Triangulation of (n, 2) finite float64 sites, with space for ``room`` more.
+def triangulate(sites, spare):
+    """Triangulation of (n, 2) finite float64 sites, with space for ``spare`` more.
 
     Returns status (0: done, 1: all sites on one line, the rest is not set), order (n,), the row of
-    every site, xy, tri, circ and alias (the ghost is site n + room), the exponent that scales xy
+    every site, xy, tri, circ and alias (the ghost is site n + spare), the exponent that scales xy
     back, and the number of times that a site lay on a circle.
     """
     n = sites.shape[0]
-    ghost = n + room
+    ghost = n + spare
     order = spatial_order(sites)
     xy = np.empty(2 * ghost + 2)
     exponent = load_sites(sites, order, xy)

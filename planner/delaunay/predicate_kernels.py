@@ -40,7 +40,7 @@ IN_CIRCLE_SLACK = (10.0 + 96.0 * UNIT) * UNIT
 UNDERFLOW = 1e-280
 """Determinants below which digits may be lost to underflow."""
 SCRATCH = 5247
-"""Room for the expansions of `_in_circle_exact`, the longest of 1,536 terms."""
+"""Space for the expansions of `_in_circle_exact`, the longest of 1,536 terms."""
 
 
 @njit(**LEAF, forceinline=True)

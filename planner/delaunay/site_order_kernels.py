@@ -17,7 +17,7 @@ from planner.scene.compile_options import LEAF, OWNING
 
 COARSENING = 4
 """Ratio of a round's sites to the sites before it."""
-TINY = 2.0**-215
+TINY_COORDINATE = 2.0**-215
 """Scaled coordinates below which they are rounded to multiples of 2^-268."""
 CROWD = 12
 """Sites of a cell of the curve above which it is sorted within itself."""
@@ -154,10 +154,10 @@ def load_sites(sites, order, xy):
     for i in range(n):
         x = sites[order[i], 0] * down_1 * down_2
         y = sites[order[i], 1] * down_1 * down_2
-        if abs(x) < TINY:
-            x = (x + TINY) - TINY
-        if abs(y) < TINY:
-            y = (y + TINY) - TINY
+        if abs(x) < TINY_COORDINATE:
+            x = (x + TINY_COORDINATE) - TINY_COORDINATE
+        if abs(y) < TINY_COORDINATE:
+            y = (y + TINY_COORDINATE) - TINY_COORDINATE
         xy[2 * i] = x
         xy[2 * i + 1] = y
     xy[2 * n] = np.nan

@@ -24,7 +24,7 @@ from planner.shared.arguments import as_numbers
 
 Arrays: TypeAlias = tuple[NDArray[Any], ...]
 
-LARGEST = 1e150
+LARGEST_SITE = 1e150
 """Coordinates beyond which vertices leave float64's range."""
 MOST_SITES = 130_000_000
 """Sites whose half-edges fit 32-bit numbers."""
@@ -91,11 +91,11 @@ def _checked(sites: ArrayLike) -> NDArray[np.float64]:
     if not points.flags.writeable:
         # numba compiles again for read-only arrays; a copy is cheaper
         points = points.copy()
-    bad = first_bad_row(points, LARGEST)
+    bad = first_bad_row(points, LARGEST_SITE)
     if bad >= 0:
         raise ValueError(
             f"sites[{bad}] = ({points[bad, 0]}, {points[bad, 1]}): "
-            f"must be finite and within +-{LARGEST:g}"
+            f"must be finite and within +-{LARGEST_SITE:g}"
         )
     return points
 

@@ -23,13 +23,13 @@ from planner.scene.compile_options import LEAF, OWNING
 from planner.scene.primitive_kernels import foot, grown
 from planner.scene.shape_kernels import normal_at
 
-STEPS = 40
+NEWTON_STEPS = 40
 """Newton steps; four suffice on random scenes, near-parallel borders take more."""
 SINGULAR = 1e-7
 """Least determinant of two differences of unit normals for Newton's step."""
-FLAT = 2e-3
+SAME_NORMALS = 2e-3
 """Difference of normals below which a bisector is too ill-defined to slide onto."""
-HALVINGS = 20
+LINK_HALVINGS = 20
 """Most halvings of a link; its bulge falls by four with each."""
 
 
@@ -48,7 +48,7 @@ def _normal(kind, data, i, x, y):
 def meet_three(kind, data, a, b, c, x, y, reach, tolerance):
     """Place equidistant to three pieces near (x, y): x, y, found."""
     sx, sy = x, y
-    for _ in range(STEPS):
+    for _ in range(NEWTON_STEPS):
         da, ax, ay = _normal(kind, data, a, x, y)
         db, bx, by = _normal(kind, data, b, x, y)
         dc, cx, cy = _normal(kind, data, c, x, y)
@@ -74,7 +74,7 @@ def meet_three(kind, data, a, b, c, x, y, reach, tolerance):
 def slide_between(kind, data, a, b, x, y, tolerance):
     """Slide (x, y) onto the bisector of two pieces: x, y, found."""
     sx, sy = x, y
-    for _ in range(STEPS):
+    for _ in range(NEWTON_STEPS):
         da, ax, ay = _normal(kind, data, a, x, y)
         db, bx, by = _normal(kind, data, b, x, y)
         f = da - db
@@ -82,7 +82,7 @@ def slide_between(kind, data, a, b, x, y, tolerance):
             return x, y, True
         gx, gy = ax - bx, ay - by
         gg = gx * gx + gy * gy
-        if gg < FLAT * FLAT:
+        if gg < SAME_NORMALS * SAME_NORMALS:
             break
         x, y = x - f * gx / gg, y - f * gy / gg
     return sx, sy, False
@@ -98,7 +98,7 @@ def turn_at(kind, data, corner, side, c, x, y, tolerance):
     s = nx * (x - px) + ny * (y - py)
     if s < 0.0:
         nx, ny, s = -nx, -ny, -s
-    for _ in range(STEPS):
+    for _ in range(NEWTON_STEPS):
         qx, qy = px + s * nx, py + s * ny
         d, ux, uy = _normal(kind, data, c, qx, qy)
         f = d - s
@@ -188,16 +188,16 @@ def follow(tree, points, pairs, need, flatness, tolerance, exact):
     """
     kind, data = tree.kind, tree.data
     n = len(points)
-    room = 4 * n + 64
-    xy = np.empty((room, 2))
-    pair = np.empty((room, 2), np.int32)
-    stack = np.empty((HALVINGS + 2, 2))
-    level = np.empty(HALVINGS + 2, np.int32)
+    capacity = 4 * n + 64
+    xy = np.empty((capacity, 2))
+    pair = np.empty((capacity, 2), np.int32)
+    stack = np.empty((LINK_HALVINGS + 2, 2))
+    level = np.empty(LINK_HALVINGS + 2, np.int32)
     m = 0
     for i in range(n):
-        if m + 1 >= room:
-            room *= 2
-            xy, pair = grown(xy, room), grown(pair, room)
+        if m + 1 >= capacity:
+            capacity *= 2
+            xy, pair = grown(xy, capacity), grown(pair, capacity)
         xy[m] = points[i]
         pair[m] = pairs[i]
         m += 1
@@ -214,7 +214,7 @@ def follow(tree, points, pairs, need, flatness, tolerance, exact):
             )
             bulge = math.sqrt((mx - 0.5 * (ax + bx)) ** 2 + (my - 0.5 * (ay + by)) ** 2)
             span = math.sqrt((bx - ax) ** 2 + (by - ay) ** 2)
-            split = found and deep < HALVINGS and tolerance < bulge < 0.5 * span
+            split = found and deep < LINK_HALVINGS and tolerance < bulge < 0.5 * span
             if split and bulge <= flatness:
                 if exact < np.inf and not _keeps(tree, ax, ay, bx, by, exact):
                     qx, qy, met = _tangents_meet(kind, data, left, right, ax, ay, bx, by)
@@ -223,9 +223,9 @@ def follow(tree, points, pairs, need, flatness, tolerance, exact):
                         and _keeps(tree, ax, ay, qx, qy, exact)
                         and _keeps(tree, qx, qy, bx, by, exact)
                     ):
-                        if m + 2 >= room:
-                            room *= 2
-                            xy, pair = grown(xy, room), grown(pair, room)
+                        if m + 2 >= capacity:
+                            capacity *= 2
+                            xy, pair = grown(xy, capacity), grown(pair, capacity)
                         xy[m, 0], xy[m, 1] = qx, qy
                         pair[m] = pairs[i]
                         m += 1
@@ -239,9 +239,9 @@ def follow(tree, points, pairs, need, flatness, tolerance, exact):
                 continue
             top -= 1
             if top > 0:
-                if m + 1 >= room:
-                    room *= 2
-                    xy, pair = grown(xy, room), grown(pair, room)
+                if m + 1 >= capacity:
+                    capacity *= 2
+                    xy, pair = grown(xy, capacity), grown(pair, capacity)
                 xy[m, 0], xy[m, 1] = bx, by
                 pair[m] = pairs[i]
                 m += 1

@@ -34,11 +34,11 @@ from planner.diagram.diagram_arrays import (
 )
 from planner.scene import FloatArray, IntArray
 
-ROUNDS = 6
+GENERATOR_ROUNDS = 6
 """Most rounds of adding generators; one or two suffice on random scenes."""
 DOUBTS = 2
 """Rounds in which unsolved vertices ask for generators, too."""
-ROOM = 0.125
+SPARE_SHARE = 0.125
 """Capacity for generators to add, as a share of those present."""
 ROWS = {
     "tri": (16, DEAD), "circ": (8, np.nan), "label": (1, 0), "refined": (1, 0), "also": (1, -1),
@@ -106,18 +106,18 @@ class Mesh:
 def make_mesh(generators: Generators) -> Mesh | None:
     """Triangulate the generators; None if all of them are on one line."""
     n = len(generators.sites)
-    room = 64 + int(ROOM * n)
+    spare = 64 + int(SPARE_SHARE * n)
     if n < 3:
         return None
     if not np.isfinite(generators.sites).all():
         raise ValueError("generators: must be finite")
     traced, bent = no_chains()
     status, order, xy, tri, circ, alias, exponent, _ = insertion_kernels.triangulate(
-        generators.sites, room
+        generators.sites, spare
     )
     if status:
         return None
-    ghost = n + room
+    ghost = n + spare
     label = np.zeros(ghost, np.int32)
     label[:n] = generators.label[order]
     return Mesh(
@@ -162,12 +162,12 @@ def solve(mesh: Mesh, borders: Borders, spacing: float) -> None:
     pieces, tolerances = borders.corners, DiagramTolerances(half, half, borders.equal)
     sag = mesh_kernels.largest_sag(borders.kind, borders.data, half)
     flat, triangles = _flat(mesh, sag), mesh.triangles
-    for turn in range(ROUNDS + 1):
+    for turn in range(GENERATOR_ROUNDS + 1):
         missing = vertex_kernels.solve_vertices(
             flat, mesh.circ, pieces, triangles, borders.closed, borders.box, turn < DOUBTS,
             tolerances, SAME_PLACE * borders.extent,
         )  # fmt: skip
-        if not len(missing[0]) or turn == ROUNDS:
+        if not len(missing[0]) or turn == GENERATOR_ROUNDS:
             old = mesh.bent
             kept, *traced, table, longest = chain_kernels.trace_again(
                 flat, pieces, triangles, mesh.traced, old, tolerances
@@ -179,7 +179,7 @@ def solve(mesh: Mesh, borders: Borders, spacing: float) -> None:
                 longest,
             )  # fmt: skip
             mesh.bent = trace_kernels.join_chains(kept, old, bent) if len(kept) else bent
-            if not len(missing[0]) or turn == ROUNDS:
+            if not len(missing[0]) or turn == GENERATOR_ROUNDS:
                 break
         add_sites(mesh, *missing)
         flat, triangles = _flat(mesh, sag), mesh.triangles
@@ -247,7 +247,7 @@ def _numbers(mesh: Mesh, count: int) -> IntArray:
 
 def grow(mesh: Mesh, more: int) -> None:
     """Add capacity for ``more`` sites."""
-    ghost, room = mesh.ghost, mesh.ghost + more
+    ghost, capacity = mesh.ghost, mesh.ghost + more
 
     def longer(array: NDArray[Any], length: int, fill: float) -> NDArray[Any]:
         out = np.full((length, *array.shape[1:]), fill, array.dtype)
@@ -256,11 +256,11 @@ def grow(mesh: Mesh, more: int) -> None:
 
     for name, array in (("tri", mesh.tri), ("seen", mesh.seen)):
         moved = array.reshape(-1, 8)[:, :3] if name == "tri" else array
-        moved[moved == ghost] = room
-    mesh.xy = longer(mesh.xy[:-2], 2 * room + 2, np.nan)
-    mesh.alias = np.concatenate([mesh.alias, np.arange(ghost, room)])
+        moved[moved == ghost] = capacity
+    mesh.xy = longer(mesh.xy[:-2], 2 * capacity + 2, np.nan)
+    mesh.alias = np.concatenate([mesh.alias, np.arange(ghost, capacity)])
     for name, (rows, fill) in ROWS.items():
-        setattr(mesh, name, longer(getattr(mesh, name), rows * room, fill))
+        setattr(mesh, name, longer(getattr(mesh, name), rows * capacity, fill))
 
 
 def copy_mesh(mesh: Mesh) -> Mesh:

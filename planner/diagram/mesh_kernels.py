@@ -22,7 +22,7 @@ from planner.borders.inside_kernels import in_object
 from planner.delaunay.diagram_kernels import finite_vertices, list_edges
 from planner.delaunay.insertion_kernels import insert
 from planner.delaunay.predicate_kernels import SCRATCH, circumcentre
-from planner.delaunay.site_order_kernels import TINY
+from planner.delaunay.site_order_kernels import TINY_COORDINATE
 from planner.delaunay.triangle_kernels import (
     DEAD,
     next_side,
@@ -125,15 +125,15 @@ def mark_sides(mesh, triangles, changed, pieces, closed, box, half, queue):
         side[first] = PENDING
         queue[0] = first
         head, tail = 0, 1
-        widest, room, known = first, 0.0, 0
+        widest, widest_squared, known = first, 0.0, 0
         while head < tail:
             i = queue[head]
             head += 1
             x, y = at[i, 0], at[i, 1]
             s = np.int64(tri[8 * i])
             r = (xy[2 * s] * up - x) ** 2 + (xy[2 * s + 1] * up - y) ** 2
-            if r > room:
-                widest, room = i, r
+            if r > widest_squared:
+                widest, widest_squared = i, r
             for k in range(3):
                 j = np.int64(tri[8 * i + 4 + k]) >> 3
                 if side[j] == PENDING or (side[j] != 0 and known != 0):
@@ -151,7 +151,7 @@ def mark_sides(mesh, triangles, changed, pieces, closed, box, half, queue):
         if known == 0:
             x, y = at[widest, 0], at[widest, 1]
             known = FREE
-            if in_object(pieces.kind, pieces.data, closed, x, y, math.sqrt(room)):
+            if in_object(pieces.kind, pieces.data, closed, x, y, math.sqrt(widest_squared)):
                 known = BLOCKED
         for m in range(tail):
             side[queue[m]] = known
@@ -193,10 +193,10 @@ def insert_sites(xy, circ, sites, down, todo, places, labels, where, refined):
     for j in range(len(places)):
         p = np.int64(todo[j])
         x, y = places[j, 0] * down, places[j, 1] * down
-        if abs(x) < TINY:
-            x = (x + TINY) - TINY
-        if abs(y) < TINY:
-            y = (y + TINY) - TINY
+        if abs(x) < TINY_COORDINATE:
+            x = (x + TINY_COORDINATE) - TINY_COORDINATE
+        if abs(y) < TINY_COORDINATE:
+            y = (y + TINY_COORDINATE) - TINY_COORDINATE
         xy[2 * p], xy[2 * p + 1] = x, y
         label[p], also[p], sites.refined[p] = labels[j], -1, refined
         tri[16 * p], tri[16 * p + 8] = DEAD, DEAD

@@ -19,7 +19,7 @@ from planner.borders.generator_kernels import count_generators
 from planner.borders.generators import (
     BYTES_EACH,
     JOINT,
-    MOST_BYTES,
+    MOST_MEMORY_BYTES,
     NO_LENGTH,
     Borders,
     as_borders,
@@ -40,7 +40,7 @@ from planner.scene import (
     flatten,
 )
 
-MOST = 0.34
+MOST_CHANGED = 0.34
 """Share of changed objects from which a scene is built from scratch."""
 
 
@@ -56,7 +56,7 @@ def update_diagram(agvd: Agvd, old: Scene, scene: Scene) -> Agvd | None:
     kept = match_objects(old.objects, scene.objects)
     came = [j for j, i in enumerate(kept) if i < 0]
     went = len(old.objects) - len(kept) + len(came)
-    if len(came) + went > MOST * (len(scene.objects) + len(old.objects)):
+    if len(came) + went > MOST_CHANGED * (len(scene.objects) + len(old.objects)):
         return None
     new = _flatten(scene, came)
     if not _fits_memory(agvd, new):
@@ -132,7 +132,7 @@ def _fits_memory(agvd: Agvd, new: NewBorders) -> bool:
     backwards, disc = np.zeros(len(new.kind), np.bool_), disc_around(agvd.borders, agvd.spacing)
     backwards[new.turned] = True
     most = count_generators(new.kind, new.rows, backwards, disc, agvd.spacing)
-    return bool(most * BYTES_EACH <= MOST_BYTES)
+    return bool(most * BYTES_EACH <= MOST_MEMORY_BYTES)
 
 
 def _change_borders(

@@ -15,7 +15,7 @@ from numba import njit
 from planner.delaunay.triangle_kernels import DEAD
 from planner.scene.compile_options import LEAF, OWNING
 
-SLACK = 1e-9
+CIRCLE_EXCESS = 1e-9
 """Share by which circles count as larger."""
 
 
@@ -24,7 +24,7 @@ def _reaches(boxes, b, x, y, r):
     """True if box b comes within r of (x, y)."""
     dx = max(boxes[b, 0] - x, 0.0, x - boxes[b, 2])
     dy = max(boxes[b, 1] - y, 0.0, y - boxes[b, 3])
-    return dx * dx + dy * dy <= r * r * (1.0 + SLACK)
+    return dx * dx + dy * dy <= r * r * (1.0 + CIRCLE_EXCESS)
 
 
 @njit(**LEAF)

@@ -32,7 +32,7 @@ MANY = 8
 """One changed triangle in this many, beyond which all are searched for vertices."""
 WAITING, DONE = 0x80, 3
 """In a mask while edges are marked: the triangle waits; its edges seen from across, shifted."""
-NEAR, PROVED_NEAR = 4.0, 16.0
+SAMPLE_NEAR, PROVED_NEAR = 4.0, 16.0
 """Largest distance of a vertex from its sample, in half spacings; and of a turning point with an
 empty circle, which samples show late where a border leaves its tangent slowly."""
 EVERY_EDGE = np.bool_(False)
@@ -246,7 +246,7 @@ def _solve(mesh, pieces, triangles, todo, doubt, tolerances, bad):
         c = np.int64(label[np.int64(tri[t + 2])])
         px, py = at[i, 0], at[i, 1]
         x, y, got, empty = solve_one(mesh, pieces, t, a, b, c, px, py, tolerances)
-        far = (PROVED_NEAR if empty else NEAR) * half
+        far = (PROVED_NEAR if empty else SAMPLE_NEAR) * half
         if (x - px) ** 2 + (y - py) ** 2 > far * far:
             x, y, got, empty = px, py, KEPT, False
         r = min(distance(kind, data, a, x, y), distance(kind, data, b, x, y))

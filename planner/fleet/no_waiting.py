@@ -12,7 +12,7 @@ import numpy as np
 
 from planner.fleet.fleet_plan import Dependency
 from planner.scene import FloatArray
-from planner.zones.rules import ROUNDING, Rules
+from planner.zones.rules import RADIUS_ROUNDING, Rules
 
 
 def wait_before(
@@ -37,6 +37,6 @@ def _inside(track: FloatArray, rules: Rules) -> list[bool]:
     held = np.zeros(len(track), np.bool_)
     for one in rules.of("wait"):
         points = np.ascontiguousarray(track[:, 1:])
-        held |= one.distances(points) < rules.radius * (1.0 - ROUNDING)
+        held |= one.distances(points) < rules.radius * (1.0 - RADIUS_ROUNDING)
     answer: list[bool] = held.tolist()
     return answer

@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from planner.fleet.fleet_plan import FleetPlan, NoFleetPlan
-from planner.fleet.search.fleet_search import ROUNDS, Effort, search, touching
+from planner.fleet.search.fleet_search import SHORTENING_ROUNDS, Effort, search, touching
 from planner.fleet.search.team import edges_of, make_graph, make_robot
 from planner.scene import FloatArray
 from planner.shared.arguments import as_float, as_list, as_numbers, as_whole, brief
@@ -26,7 +26,7 @@ def plan_on_graph(
     goals: Sequence[int],
     time_limit_s: float = 30.0,
     *,
-    improve: int = ROUNDS,
+    improve: int = SHORTENING_ROUNDS,
     seed: int = 0,
     clock: Clock = search_clock_s,
 ) -> FleetPlan | NoFleetPlan:

@@ -11,11 +11,11 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from planner.fleet.fleet_plan import FleetPlan, NoFleetPlan
-from planner.fleet.ground.places import GroundPlaces, OutOfTime, lay_places
+from planner.fleet.ground.shared_graph import GroundPlaces, OutOfTime, lay_places
 from planner.fleet.ground.zone_edges import cost_factors, usable_edges
 from planner.fleet.motions.interval_search_kernels import MotionGraph
 from planner.fleet.on_graph import check_effort
-from planner.fleet.search.fleet_search import ROUNDS, search, touching
+from planner.fleet.search.fleet_search import SHORTENING_ROUNDS, search, touching
 from planner.fleet.search.team import TeamRobot, edges_of, make_graph, make_robot
 from planner.motion.trajectory import default_limits
 from planner.path import Limits, NoPath
@@ -27,7 +27,7 @@ from planner.zones.rules import Rules
 from planner.zones.zone import Zone
 from planner.zones.zoned_roadmap import ZonedRoadmap
 
-ROUNDING = 1e-9
+TRACK_ROUNDING = 1e-9
 """A track keeps the radius within this share of the coordinates' extent."""
 
 
@@ -39,7 +39,7 @@ def plan_fleet(
     limits: Limits | Sequence[Limits] | None = None,
     *,
     time_limit_s: float = 30.0,
-    improve: int = ROUNDS,
+    improve: int = SHORTENING_ROUNDS,
     seed: int = 0,
     clock: Clock = search_clock_s,
     zones: Sequence[Sequence[Zone]] | None = None,
@@ -159,7 +159,7 @@ def team_on(
         rooted = stays and rules.station_breach("its place", begin) is not None
         key = size, speed, zones[i], i if held or rooted else -1
         if key not in graphs:
-            wide = shared.edges[shared.clearance >= size - ROUNDING * largest]
+            wide = shared.edges[shared.clearance >= size - TRACK_ROUNDING * largest]
             factors = None
             if rooted:
                 wide = wide[:0]
@@ -175,7 +175,7 @@ def check_walls(roadmap: Roadmap, plan: FleetPlan, sizes: Sequence[float]) -> No
     """Raise ``AssertionError`` if a track comes too near to a border: our bug."""
     for i, track in enumerate(plan.tracks):
         places = np.ascontiguousarray(track[:, 1:])
-        rounding = 2.0 * ROUNDING * float(np.abs(places).max())
+        rounding = 2.0 * TRACK_ROUNDING * float(np.abs(places).max())
         found = roadmap.path_clearance(places)
         inside = roadmap.clearance(places).min()
         if min(found.distance, float(inside)) < sizes[i] - rounding:

@@ -15,7 +15,7 @@ import numpy as np
 
 from planner.fleet.execution import deadlocked, releases
 from planner.fleet.fleet_plan import FleetPlan, NoFleetPlan
-from planner.fleet.ground.places import GroundPlaces, lay_places, with_paths
+from planner.fleet.ground.shared_graph import GroundPlaces, lay_places, with_paths
 from planner.fleet.motions.interval_search_kernels import HORIZON, find_way
 from planner.fleet.on_graph import check_effort
 from planner.fleet.on_roadmap import (

@@ -36,7 +36,7 @@ LEAST_RESOLUTION_M = 1e-6
 """Smaller cells would vanish beside an origin of 1e9 m."""
 MOST_NAME = 255
 """Characters of a picture's name: errors name it in one readable sentence."""
-PASSABLE, BLOCKED = ".GS", "@OTW"
+PASSABLE, BLOCKED_SIGNS = ".GS", "@OTW"
 
 
 @dataclass(frozen=True, slots=True)
@@ -144,11 +144,11 @@ def parse_movingai(text: str, name: str) -> Scene:
         row_text = row.rstrip()
         if len(row_text) != width:
             raise SceneError(f"{name}:{number}:1: width {width}, but {len(row_text)} cells")
-        strange = re.search(f"[^{re.escape(PASSABLE + BLOCKED)}]", row_text)
+        strange = re.search(f"[^{re.escape(PASSABLE + BLOCKED_SIGNS)}]", row_text)
         if strange:
             raise SceneError(
                 f"{name}:{number}:{strange.start() + 1}: {strange.group()!r} is no cell: one of"
-                f" {PASSABLE} (passable) or {BLOCKED} (not) is expected"
+                f" {PASSABLE} (passable) or {BLOCKED_SIGNS} (not) is expected"
             )
     codes = np.frombuffer("".join(r.rstrip() for r in rows).encode("ascii"), dtype=np.uint8)
     passable = np.isin(codes, np.frombuffer(PASSABLE.encode("ascii"), dtype=np.uint8))

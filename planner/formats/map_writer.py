@@ -32,7 +32,7 @@ from planner.scene import (
     record_edges,
 )
 
-OCCUPIED, FREE = 0, 254
+OCCUPIED, FREE_BYTE = 0, 254
 TRINARY = "mode: trinary\noccupied_thresh: 0.65\nfree_thresh: 0.196\n"
 MOST_CELLS = 100_000_000
 ON_EDGE = 1e-6
@@ -49,7 +49,7 @@ def write_map(scene: Scene, path: str | os.PathLike[str], resolution: float) -> 
     """
     file = Path(path)
     occupied = occupied_cells(scene, resolution)
-    shades = np.where(occupied, OCCUPIED, FREE).astype(np.uint8)
+    shades = np.where(occupied, OCCUPIED, FREE_BYTE).astype(np.uint8)
     b = scene.bounds
     write_picture(file, shades, resolution, (b.x_min, b.y_min), TRINARY)
 

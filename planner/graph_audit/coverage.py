@@ -1,7 +1,7 @@
 """Coverage: the share of the free space that a graph serves.
 
 - Free space is where the robot's centre may be. It is counted in square cells as large as the
-  radius, by their centres, or in ``MOST_CELLS`` larger ones.
+  radius, by their centres, or in ``MOST_MAP_CELLS`` larger ones.
 - A cell is within reach if a robot can drive from it to the graph, through free cells, by a path of
   at most ``reach``. Paths lead from cell to cell in eight directions: they are up to 8 % longer
   than the shortest. Unsafe edges serve nobody.
@@ -23,15 +23,15 @@ from numpy.typing import NDArray
 from planner.borders.ground import Ground
 from planner.borders.polyline import arc_lengths, points_at
 from planner.graph_audit.audit import GraphAudit
-from planner.graph_audit.unsafe import TIGHT
+from planner.graph_audit.unsafe import RADIUS_SLACK
 from planner.scene import FloatArray, Scene
 from planner.shared.arguments import as_float
 
 REACH_RADII = 10.0
 """In robot radii (chosen: two metres for many robots)."""
-MOST_CELLS = 60_000
+MOST_MAP_CELLS = 60_000
 """Cells on the map at most (chosen: 0.5 s)."""
-AT_ONCE = 4_000_000
+DISTANCES_AT_ONCE = 4_000_000
 """Distances computed in one step (indifferent)."""
 CellMask = NDArray[np.bool_]
 
@@ -70,7 +70,7 @@ def measure_coverage(audit: GraphAudit, scene: Scene, reach: float | None = None
     count = int(grid.free.sum())
     ways = grid.distances(_served(audit, grid.cell))[grid.free]
     own = np.array([(n.x, n.y) for n in audit.graph.nodes]).reshape(-1, 2)
-    nodes = own[grid.ground.signed(own) >= audit.radius * (1.0 - TIGHT)]
+    nodes = own[grid.ground.signed(own) >= audit.radius * (1.0 - RADIUS_SLACK)]
     region = np.isfinite(grid.distances(nodes)) & grid.free
     to_node = _to_nearest(grid.centres()[region.ravel()], nodes)
     share = float(region.sum() / count) if count else 0.0
@@ -104,7 +104,7 @@ def _served(audit: GraphAudit, cell: float) -> FloatArray:
 def _to_nearest(places: FloatArray, nodes: FloatArray) -> FloatArray:
     if not len(nodes) or not len(places):
         return np.empty(0)
-    step = max(1, AT_ONCE // len(nodes))
+    step = max(1, DISTANCES_AT_ONCE // len(nodes))
     squares = np.empty(len(places))
     for k in range(0, len(places), step):
         off = places[k : k + step, None] - nodes[None]
@@ -144,10 +144,10 @@ class _Grid:
     def of(cls, scene: Scene, radius: float) -> _Grid:
         ground = Ground.of(scene, bounds=True)
         b = scene.bounds
-        cell = max(radius, math.sqrt(b.width * b.height / MOST_CELLS))
+        cell = max(radius, math.sqrt(b.width * b.height / MOST_MAP_CELLS))
         shape = max(1, math.ceil(b.height / cell)), max(1, math.ceil(b.width / cell))
         empty = cls(np.zeros(shape, np.bool_), cell, np.array([b.x_min, b.y_min]), ground)
-        free = ground.signed(empty.centres()) >= radius * (1.0 - TIGHT)
+        free = ground.signed(empty.centres()) >= radius * (1.0 - RADIUS_SLACK)
         return cls(free.reshape(shape), cell, empty.low, ground)
 
     def centres(self) -> FloatArray:

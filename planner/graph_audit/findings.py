@@ -187,7 +187,7 @@ KINDS: dict[str, FindingKind] = {
     ),
 }
 """All kinds, in an audit's order within a severity."""
-ROUNDING = 1e-12
+WRITTEN_AS_ZERO = 1e-12
 """Lengths up to this are written as 0."""
 ORDER = {kind: number for number, kind in enumerate(KINDS)}
 
@@ -255,7 +255,7 @@ class FindingList:
     def _sized(self, length: float | None, beside: float | None) -> str:
         if length is None:
             return ""
-        return sized(length if length > ROUNDING else 0.0, self.units, beside)
+        return sized(length if length > WRITTEN_AS_ZERO else 0.0, self.units, beside)
 
     def in_order(self) -> tuple[GraphFinding, ...]:
         """Return the findings, the worst first."""

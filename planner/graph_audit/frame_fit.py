@@ -17,7 +17,7 @@ from planner.scene import FloatArray, Scene, Vec
 
 NEAR_FIT = 0.02
 """Fits that differ by this share of the graph are equally good (chosen)."""
-UNITS = (1.0, 0.01, 0.001, 100.0, 1000.0)
+UNIT_SCALES = (1.0, 0.01, 0.001, 100.0, 1000.0)
 """Scales of metres, centimetres and millimetres, and of a graph in metres on a map in those."""
 
 

@@ -1,8 +1,8 @@
 """The search for the frame of a graph that lies mostly in obstacles.
 
 - A graph fits as well as the share of its length that keeps the robot's radius, counted at points
-  along its edges. A frame is looked for if less than ``LOST`` of it does, and offered if ``FOUND``
-  of it then does.
+  along its edges. A frame is looked for if less than ``LOST_SHARE`` of it does, and offered if
+  ``FOUND_SHARE`` of it then does.
 - The named frames come first; then, by correlation over all shifts, every turn by ``TURN_STEP_RAD``
   with each scale that makes sense; the best are refined.
 - Of equally good fits a named one is offered, else the one that turns least.
@@ -21,24 +21,24 @@ from planner.borders.ground import Ground
 from planner.graph_audit.edge_lines import EdgeLines
 from planner.graph_audit.frame_fit import (
     NEAR_FIT,
-    UNITS,
+    UNIT_SCALES,
     FrameFit,
     map_cell,
     named_frames,
     placed,
 )
-from planner.graph_audit.unsafe import TIGHT
+from planner.graph_audit.unsafe import RADIUS_SLACK
 from planner.scene import FloatArray, Scene, Vec
 
-LOST, FOUND = 0.7, 0.95
+LOST_SHARE, FOUND_SHARE = 0.7, 0.95
 """Free share of a graph that is lost below and found from (chosen: a graph by hand has few edges
 in obstacles)."""
 HARDLY = 0.3
 """Free share below which a transform is offered though others fit as well (chosen: with more, it
 may be a bad graph of the right frame)."""
-LEAST_EDGES = 3
+LEAST_GRAPH_EDGES = 3
 """Fewest edges: fewer fit anywhere (chosen)."""
-MOST_POINTS = 2000
+MOST_COUNTED_POINTS = 2000
 """Points at which a fit is counted (chosen: 0.1 s for all named frames)."""
 FEWER = 4
 """Every such point is counted while a fit is refined (chosen: 0.3 s)."""
@@ -53,9 +53,9 @@ AMPLE_RADII, ROOM_COUNTS = 4.0, 0.1
 PROMISING = 0.8
 """Share on the coarse map from which fits are refined (measured: 1.0 for those found on Nav2's
 maps, 0.7 for what no frame puts into free space)."""
-HALVINGS = 6
+REFINEMENT_HALVINGS = 6
 """Halvings of a refinement's step: to a 64th of a coarse cell (indifferent from 5 on)."""
-SMALL, LARGE = 0.25, 1.5
+SMALLEST_GRAPH, LARGEST_GRAPH = 0.25, 1.5
 """Sizes of the graph, in those of the free space, that make sense (chosen: smaller ones fit
 anywhere)."""
 OTHER_PLACE = 0.1
@@ -65,11 +65,11 @@ OTHER_PLACE = 0.1
 def find_frame(lines: EdgeLines, scene: Scene, ground: Ground, radius: float) -> FrameFit | None:
     """Return the transform that puts most of a lost graph into free space, None if none does."""
     points = _points_along(lines, radius)
-    if len(lines.edges) < LEAST_EDGES or not len(points):
+    if len(lines.edges) < LEAST_GRAPH_EDGES or not len(points):
         return None
-    search = _Search(points, ground, np.array(scene.view), radius * (1.0 - TIGHT))
+    search = _Search(points, ground, np.array(scene.view), radius * (1.0 - RADIUS_SLACK))
     before = search.share(points)
-    if before >= LOST:
+    if before >= LOST_SHARE:
         return None
     search = search.in_free_space()
     still = FrameFit(1.0, 0.0, False, (0.0, 0.0), before, before, 0.0)
@@ -85,7 +85,7 @@ def find_frame(lines: EdgeLines, scene: Scene, ground: Ground, radius: float) ->
     most = max(fit.after for fit in fits)
     good = [fit for fit in fits if fit.after >= most - NEAR_FIT]
     best = min(good, key=lambda fit: (not fit.named, fit.mirrored, abs(fit.turn_rad)))
-    if best.after < FOUND:
+    if best.after < FOUND_SHARE:
         return None
     size = float(np.ptp(best.placed(points), axis=0).max())
     others = [
@@ -113,7 +113,7 @@ def _points_along(lines: EdgeLines, radius: float) -> FloatArray:
     total = float(lengths.sum())
     if not 0.0 < total < math.inf:
         return np.empty((0, 2))
-    counts = np.maximum(1, np.ceil(MOST_POINTS * lengths / total)).astype(np.int64)
+    counts = np.maximum(1, np.ceil(MOST_COUNTED_POINTS * lengths / total)).astype(np.int64)
     row = np.repeat(np.arange(len(rows)), counts)
     number = np.arange(len(row)) - np.repeat(np.cumsum(counts) - counts, counts)
     part = ((number + 0.5) / counts[row])[:, None]
@@ -123,7 +123,7 @@ def _points_along(lines: EdgeLines, radius: float) -> FloatArray:
 
 def _scales(scene: Scene) -> list[float]:
     cell = map_cell(scene)
-    return [*UNITS, *([] if cell is None else [cell, 1.0 / cell])]
+    return [*UNIT_SCALES, *([] if cell is None else [cell, 1.0 / cell])]
 
 
 @dataclass(frozen=True, slots=True)
@@ -166,7 +166,7 @@ class _Search:
     def makes_sense(self, scale: float) -> bool:
         size = float((self.box[2:] - self.box[:2]).max())
         spread = float(np.ptp(self.points, axis=0).max())
-        return SMALL * size <= scale * spread <= LARGE * size
+        return SMALLEST_GRAPH * size <= scale * spread <= LARGEST_GRAPH * size
 
     def anywhere(self, still: FrameFit, scales: Sequence[float]) -> list[FrameFit]:
         grid, cell = self._coarse_map()
@@ -229,7 +229,7 @@ class _Search:
         best, most = fit, few.score(fit)
         middle = self.points.mean(axis=0, keepdims=True)
         step, turn = cell, 0.5 * TURN_STEP_RAD
-        for _ in range(HALVINGS):
+        for _ in range(REFINEMENT_HALVINGS):
             better = True
             while better:
                 better = False

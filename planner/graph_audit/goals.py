@@ -10,7 +10,7 @@ import numpy as np
 from planner.borders.ground import Ground
 from planner.graph_audit.edge_lines import EdgeLines
 from planner.graph_audit.findings import FindingList
-from planner.graph_audit.unsafe import TIGHT
+from planner.graph_audit.unsafe import RADIUS_SLACK
 from planner.path import NoPath
 from planner.roadmap.roadmap import build_roadmap
 from planner.scene import Scene, Vec
@@ -39,13 +39,13 @@ def judge_goals(
     """Add findings on goals to which no path leads from the nearest safe node."""
     nodes = sorted(part)
     places = lines.places[nodes].reshape(-1, 2)
-    places = places[ground.signed(places) >= radius * (1.0 - TIGHT)]
+    places = places[ground.signed(places) >= radius * (1.0 - RADIUS_SLACK)]
     roadmap = None
     for goal in goals:
         reason = "no node of its largest part is safe"
         if len(places):
             if roadmap is None:
-                roadmap = build_roadmap(scene, radius * (1.0 - TIGHT))
+                roadmap = build_roadmap(scene, radius * (1.0 - RADIUS_SLACK))
             x, y = places[np.argmin(np.hypot(*(places - goal).T))].tolist()
             answer = roadmap.plan((x, y), goal)
             if not isinstance(answer, NoPath):

@@ -2,7 +2,7 @@
 
 - Edges along the same line, in either direction, count once, under the first one's name.
 - Two straight pieces cross if each one's ends surely lie on both sides of the other. Crossings
-  within ``NEAR`` radii of their nodes do not count.
+  within ``NEAR_EDGE`` radii of their nodes do not count.
 - A sweep finds the pairs: O(n log n) and the pairs.
 """
 
@@ -18,11 +18,11 @@ from planner.graph_audit.edge_lines import EdgeLines
 from planner.graph_audit.findings import FindingList
 from planner.scene import FloatArray, IntArray, Vec
 
-NEAR = 0.01
+NEAR_EDGE = 0.01
 """A node this near to an edge, in robot radii, is on it: people draw no better."""
-AT_ONCE = 2_000_000
+PAIRS_AT_ONCE = 2_000_000
 """Pairs looked at in one step: some 200 MB."""
-TURN_SLACK = 1e-15
+CROSSING_SLACK = 1e-15
 """Error bound of a turn's determinant over its products (Shewchuk 1997: 3.3e-16)."""
 
 
@@ -41,7 +41,7 @@ def find_nearby(lines: EdgeLines, radius: float, findings: FindingList) -> None:
     rows, edge = lines.pieces()
     some = np.isin(edge, kept)
     pieces = _Pieces(rows[some], edge[some], lines.ends[edge[some]])
-    near = NEAR * radius
+    near = NEAR_EDGE * radius
     names = [one.name for one in lines.edges]
     for e, node, gap in _passed(pieces, lines.places, near):
         at = _vec(lines.places[node])
@@ -73,7 +73,7 @@ def _pairs(
     total = np.concatenate([[0], np.cumsum(counts)])
     begin = 0
     while begin < len(low):
-        end = int(np.searchsorted(total, total[begin] + AT_ONCE, side="right")) - 1
+        end = int(np.searchsorted(total, total[begin] + PAIRS_AT_ONCE, side="right")) - 1
         end = min(max(end, begin + 1), len(low))
         rows = np.repeat(np.arange(begin, end), counts[begin:end])
         within = np.arange(len(rows)) - np.repeat(
@@ -161,7 +161,7 @@ def _turn(u: FloatArray, v: FloatArray) -> FloatArray:
     """Determinants of u and v (n, 2), 0 where rounding decides the sign."""
     left, right = u[:, 0] * v[:, 1], u[:, 1] * v[:, 0]
     turn = left - right
-    turn[np.abs(turn) <= TURN_SLACK * (np.abs(left) + np.abs(right))] = 0.0
+    turn[np.abs(turn) <= CROSSING_SLACK * (np.abs(left) + np.abs(right))] = 0.0
     return turn
 
 

@@ -13,7 +13,7 @@ from planner.borders.ground import Ground
 from planner.borders.polyline import arc_lengths, points_at
 from planner.graph_audit.edge_lines import EdgeLines
 from planner.graph_audit.findings import FindingList
-from planner.graph_audit.unsafe import NOTICED, TIGHT
+from planner.graph_audit.unsafe import NOTICED, RADIUS_SLACK
 from planner.scene import Vec
 
 MOST_NAMED = 6
@@ -33,7 +33,7 @@ class _Part:
 def find_narrow(lines: EdgeLines, ground: Ground, radius: float, findings: FindingList) -> None:
     """Add a finding for every stretch that is too narrow for two robots."""
     level = 2.0 * radius
-    parts = _parts(lines, ground, level * (1.0 - TIGHT))
+    parts = _parts(lines, ground, level * (1.0 - RADIUS_SLACK))
     for stretch in _stretches(parts):
         longest = max(stretch, key=lambda part: part.length)
         length = sum(part.length for part in stretch)

@@ -19,13 +19,13 @@ import numpy as np
 from planner.borders.ground import Ground
 from planner.graph_audit.edge_lines import EdgeLines
 from planner.graph_audit.findings import FindingList
-from planner.graph_audit.unsafe import TIGHT
+from planner.graph_audit.unsafe import RADIUS_SLACK
 from planner.scene import FloatArray, Vec
 from planner.shared.arguments import as_float
 
 STRAIGHT_RAD = 1e-6
 """Turns up to this angle are rounding."""
-ARC_STEP_RAD = 0.05
+MEASURED_STEP_RAD = 0.05
 """Angle between the points at which an arc is measured; its chords leave it by 0.03 % of R."""
 
 
@@ -45,7 +45,7 @@ def find_tight_turns(
     """Add findings on turns within edges and from edge to edge."""
     if turning_radius == 0.0:
         return
-    limit = turning_radius * (1.0 - TIGHT)
+    limit = turning_radius * (1.0 - RADIUS_SLACK)
     for k in _once(lines):
         edge, line = lines.edges[k], _distinct(lines.lines[k])
         for at, widest in _bends(line, ground, radius, limit):
@@ -158,7 +158,7 @@ def _arc_is_clear(corner: FloatArray, ground: Ground, radius: float, turning: fl
     begin = corner[1] - turning * math.tan(0.5 * abs(angle)) * u
     side = math.copysign(1.0, angle)
     centre = begin + side * turning * np.array((-u[1], u[0]))
-    count = max(3, math.ceil(abs(angle) / ARC_STEP_RAD) + 1)
+    count = max(3, math.ceil(abs(angle) / MEASURED_STEP_RAD) + 1)
     turned = np.linspace(0.0, angle, count)
     cos, sin = np.cos(turned)[:, None], np.sin(turned)[:, None]
     arm = begin - centre
@@ -166,4 +166,4 @@ def _arc_is_clear(corner: FloatArray, ground: Ground, radius: float, turning: fl
     least = min(radius, float(ground.clearances([corner])[0][0]))
     # chords of the arc lie inside of it
     slack = turning * (1.0 - math.cos(0.5 * abs(angle) / (count - 1)))
-    return float(ground.clearances([arc])[0][0]) >= least * (1.0 - TIGHT) - slack
+    return float(ground.clearances([arc])[0][0]) >= least * (1.0 - RADIUS_SLACK) - slack

@@ -12,7 +12,7 @@ from planner.graph_audit.findings import FindingList
 from planner.graph_audit.unknown_lengths import length_in_cells
 from planner.scene import FloatArray, Scene
 
-TIGHT = 1e-7
+RADIUS_SLACK = 1e-7
 """A clearance may be less than the radius by this part of it: roadmaps round as much."""
 NOTICED = 1e-6
 """Smaller shares of an edge inside obstacles are rounding."""
@@ -54,7 +54,7 @@ def judge_edges(
 def _tight(lines: EdgeLines, clearances: FloatArray, radius: float) -> list[int]:
     """Edges nearer than the radius; one without length is judged as its node."""
     tight: list[int] = np.flatnonzero(
-        (clearances < radius * (1.0 - TIGHT)) & (lines.lengths > 0.0)
+        (clearances < radius * (1.0 - RADIUS_SLACK)) & (lines.lengths > 0.0)
     ).tolist()
     return tight
 
@@ -80,7 +80,7 @@ def judge_nodes(
 ) -> None:
     """Add findings on nodes in and near obstacles, off the map, and in unknown cells."""
     signed = ground.signed(lines.places)
-    for k in np.flatnonzero(signed < radius * (1.0 - TIGHT)).tolist():
+    for k in np.flatnonzero(signed < radius * (1.0 - RADIUS_SLACK)).tolist():
         x, y = lines.places[k].tolist()
         gap = float(signed[k])
         kind, value, limit = "node_near_obstacle", gap, radius
@@ -118,7 +118,7 @@ def judge_zones(
         else:
             findings.add("edge_near_keepout", "edge", name, place, float(clearances[k]), radius)
     signed = zones.signed(lines.places)
-    for k in np.flatnonzero(signed < radius * (1.0 - TIGHT)).tolist():
+    for k in np.flatnonzero(signed < radius * (1.0 - RADIUS_SLACK)).tolist():
         x, y = lines.places[k].tolist()
         gap = float(signed[k])
         kind, limit = ("node_in_keepout", 0.0) if gap < 0.0 else ("node_near_keepout", radius)

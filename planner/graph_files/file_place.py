@@ -10,7 +10,7 @@ from typing import Any, NoReturn
 from planner.graph_files.route_graph import ExchangeError, GraphId
 from planner.scene import Vec
 
-LARGEST = 1e12
+LARGEST_WRITTEN = 1e12
 """The squares of larger numbers lose all small parts."""
 MOST_SHOWN = 40
 
@@ -51,10 +51,12 @@ class FilePlace:
         return record.pop(key)
 
     def number(self, value: Any) -> float:
-        """Check that the value is a finite number within ``LARGEST``."""
+        """Check that the value is a finite number within ``LARGEST_WRITTEN``."""
         number = as_number(value)
         if number is None:
-            raise self.error(f"{shown(value)}: must be a finite number within +-{LARGEST:g}")
+            raise self.error(
+                f"{shown(value)}: must be a finite number within +-{LARGEST_WRITTEN:g}"
+            )
         return number
 
     def identity(self, value: Any) -> GraphId:
@@ -72,12 +74,12 @@ class FilePlace:
 
 
 def as_number(value: Any) -> float | None:
-    """Return a finite number within ``LARGEST`` as a float, otherwise None."""
+    """Return a finite number within ``LARGEST_WRITTEN`` as a float, otherwise None."""
     if isinstance(value, bool) or not isinstance(value, int | float):
         return None
-    if isinstance(value, int) and abs(value) > LARGEST:
+    if isinstance(value, int) and abs(value) > LARGEST_WRITTEN:
         return None
-    return float(value) if math.isfinite(value) and abs(value) <= LARGEST else None
+    return float(value) if math.isfinite(value) and abs(value) <= LARGEST_WRITTEN else None
 
 
 def take_number(record: dict[str, Any], key: str) -> float | None:

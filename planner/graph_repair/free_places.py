@@ -10,12 +10,12 @@ import numpy as np
 from planner.graph_repair.solid_ground import SolidGround
 from planner.scene import FloatArray, Vec
 
-DIRECTIONS = 48
+PLACE_DIRECTIONS = 48
 """Directions in which places are sought (chosen: 8 degrees apart)."""
 FIRST_RADII, GROWTH = 0.02, 1.12
 """Distance of the nearest ring of places, in radii, and from ring to ring (chosen: a place is at
 most an eighth farther than the nearest)."""
-HALVINGS = 12
+STEP_HALVINGS = 12
 """Halvings of the last step towards the node: to 3e-5 of the distance."""
 MOST_TRIED = 12
 """Places tried until one has a path to a neighbour (chosen)."""
@@ -62,7 +62,7 @@ def _places_around(at: Vec, ground: SolidGround, farthest: float) -> FloatArray:
     """Free places (n, 2), one in each direction that has any, the nearest first."""
     count = max(1, math.ceil(math.log(farthest / (FIRST_RADII * ground.radius), GROWTH)))
     rings = FIRST_RADII * ground.radius * GROWTH ** np.arange(count + 1)
-    turns = np.linspace(0.0, math.tau, DIRECTIONS, endpoint=False)
+    turns = np.linspace(0.0, math.tau, PLACE_DIRECTIONS, endpoint=False)
     unit = np.stack([np.cos(turns), np.sin(turns)], axis=1)
     points = np.array(at) + rings[:, None, None] * unit[None]
     free = ground.is_free(points.reshape(-1, 2)).reshape(points.shape[:2])
@@ -71,7 +71,7 @@ def _places_around(at: Vec, ground: SolidGround, farthest: float) -> FloatArray:
     # between the last ring that is not free and the first one that is
     low = np.where(first > 0, rings[np.maximum(first - 1, 0)], 0.0)
     high = rings[first]
-    for _ in range(HALVINGS):
+    for _ in range(STEP_HALVINGS):
         middle = 0.5 * (low + high)
         fine = ground.is_free(np.array(at) + middle[:, None] * unit[ways])
         low, high = np.where(fine, low, middle), np.where(fine, middle, high)

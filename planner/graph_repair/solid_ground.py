@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from planner.borders.ground import Ground
-from planner.graph_audit.unsafe import TIGHT
+from planner.graph_audit.unsafe import RADIUS_SLACK
 from planner.graph_files.route_graph import RouteNode
 from planner.path import Path
 from planner.roadmap.roadmap import Roadmap, build_roadmap
@@ -19,7 +19,7 @@ EASE = 0.1
 """Part of the radius that paths keep more than that, where there is room: their bends can then
 be fewer (measured: for Nav2's three graphs and radii of 0.5, 0.35 and 0.8 m detours have 87 new
 nodes; 266 without it, as many from 0.05 to 0.2)."""
-ROOM_RADII = 20.0
+DETOUR_RADII = 20.0
 """Room for detours around a graph on a map without bounds (chosen)."""
 
 
@@ -44,16 +44,16 @@ class SolidGround:
         numbered = tuple(replace(one, id=k) for k, one in enumerate(objects))
         joined = replace(scene, objects=numbered, bounds=bounds, unknown=None)
         # paths lead from nodes at the limit of what an audit allows
-        return cls(ground, build_roadmap(joined, radius * (1.0 - TIGHT)), radius)
+        return cls(ground, build_roadmap(joined, radius * (1.0 - RADIUS_SLACK)), radius)
 
     def is_free(self, points: FloatArray) -> NDArray[np.bool_]:
         """Mark the points (n, 2) that keep the radius."""
-        free: NDArray[np.bool_] = self.ground.signed(points) >= self.radius * (1.0 - TIGHT)
+        free: NDArray[np.bool_] = self.ground.signed(points) >= self.radius * (1.0 - RADIUS_SLACK)
         return free
 
     def is_safe(self, line: FloatArray) -> bool:
         """True if a line (n, 2) keeps the radius, exactly."""
-        return float(self.ground.clearances([line])[0][0]) >= self.radius * (1.0 - TIGHT)
+        return float(self.ground.clearances([line])[0][0]) >= self.radius * (1.0 - RADIUS_SLACK)
 
     def path(self, start: Vec, goal: Vec) -> FloatArray | str:
         """Return a path (n, 2) with few bends from start to goal, or why there is none."""
@@ -82,7 +82,7 @@ class SolidGround:
 
 
 def _around(scene: Scene, radius: float, nodes: Sequence[RouteNode]) -> Bounds:
-    b, room = scene.bounds, ROOM_RADII * radius
+    b, margin = scene.bounds, DETOUR_RADII * radius
     xs = [b.x_min, b.x_max, *(node.x for node in nodes)]
     ys = [b.y_min, b.y_max, *(node.y for node in nodes)]
-    return Bounds(min(xs) - room, min(ys) - room, max(xs) + room, max(ys) + room)
+    return Bounds(min(xs) - margin, min(ys) - margin, max(xs) + margin, max(ys) + margin)

@@ -23,8 +23,8 @@ from planner.motion.smooth_kernels import bend, parabola
 from planner.path import Path
 from planner.route.plan_request import preference_of
 from planner.scene import FloatArray, Vec
+from planner.shared.angles import wrap_angle
 from planner.shared.arguments import as_float, of_kind
-from planner.shared.numbers import wrap_angle
 
 CORNER_RAD = math.radians(3.0)
 """A smaller turn is no corner: the samples of a smooth bisector turn less."""
@@ -32,13 +32,13 @@ LONGEST_CUT = 4.0
 """Robot radii before and after a corner: what lies further does not feel the corner."""
 LONGEST_BEND = 2.0
 """The same in turning radii, where that is more: right angles take one."""
-HALVINGS = 7
+CUT_TRIES = 7
 SIMPLIFY = 0.01
 """Corners are sought on the path simplified within this part of the robot's radius."""
 CURVE_TOLERANCE = 0.002
 """Largest gap between the parabola and its chords, as a part of the robot's radius."""
 
-ROUNDING = 1e-12
+LENGTH_ROUNDING = 1e-12
 """A line cut in two may measure this part of its coordinates nearer than whole."""
 
 
@@ -183,7 +183,7 @@ def smooth_path(
         stations.append(stations[-1] + len(leg) - 1)
     points = np.concatenate(pieces)
     least = path_clearance(points)
-    rounding = ROUNDING * float(np.abs(points).max())
+    rounding = LENGTH_ROUNDING * float(np.abs(points).max())
     lowest = max(min(floor, path.min_clearance) - rounding, radius)
     if least.distance < lowest or not permits(points, radius):
         return path
@@ -224,7 +224,7 @@ def _smooth_leg(points: FloatArray, rules: _Rules) -> FloatArray:
     for k in sharpest[turns[sharpest] > CORNER_RAD]:
         corner = float(lengths[kept[k + 1]])
         after = bisect_right(begins, corner)
-        reach = min(_room(corner, cuts, after, float(lengths[-1])), longest)
+        reach = min(_free_length(corner, cuts, after, float(lengths[-1])), longest)
         cut = _round_corner(points, lengths, corner, reach, rules)
         if cut is not None:
             begins.insert(after, cut.begin)
@@ -232,17 +232,17 @@ def _smooth_leg(points: FloatArray, rules: _Rules) -> FloatArray:
     return _with_cuts(points, lengths, cuts)
 
 
-def _room(corner: float, cuts: list[_Cut], after: int, length: float) -> float:
+def _free_length(corner: float, cuts: list[_Cut], after: int, length: float) -> float:
     """Largest reach of a cut to either side.
 
     ``after``: number of the first of the ordered ``cuts`` beyond the corner.
     """
-    room = min(corner, length - corner)
+    free = min(corner, length - corner)
     if after > 0:
-        room = min(room, max(corner - cuts[after - 1].end, 0.0))
+        free = min(free, max(corner - cuts[after - 1].end, 0.0))
     if after < len(cuts):
-        room = min(room, cuts[after].begin - corner)
-    return room
+        free = min(free, cuts[after].begin - corner)
+    return free
 
 
 def _round_corner(
@@ -250,7 +250,7 @@ def _round_corner(
 ) -> _Cut | None:
     """Return the longest cut with proved clearance, or None."""
     tolerance = CURVE_TOLERANCE * rules.radius
-    for _ in range(HALVINGS):
+    for _ in range(CUT_TRIES):
         if reach <= tolerance:
             return None
         if rules.turning_radius > 0.0:

@@ -3,7 +3,8 @@
 Rules and units
 - A curve runs from ``reach`` before the corner to ``reach`` after it, along the polyline, and is
   tangent to it at both ends.
-- Chords leave a curve by at most ``tolerance``, unless that takes more than ``MOST`` of them.
+- Chords leave a curve by at most ``tolerance``, unless that takes more than ``MOST_CHORDS`` of
+  them.
 - A curve is empty (0, 2) if the tangents do not meet ahead of the first end and behind the last,
   or if it would be longer than the piece it replaces.
 """
@@ -19,7 +20,7 @@ from numba import njit
 
 from planner.scene.compile_options import BORROWING, OWNING
 
-MOST = 256
+MOST_CHORDS = 256
 """Chords of a curve."""
 PARALLEL = 1e-9
 """Sine of the turn below which tangents count as parallel."""
@@ -76,7 +77,7 @@ def parabola(points, lengths, corner, reach, tolerance):
     ax, ay, bx, by, cx, cy = met[0, 0], met[0, 1], met[1, 0], met[1, 1], met[2, 0], met[2, 1]
     # the chords of a parabola in n equal steps leave it by |a - 2 c + b| / (4 n^2)
     bulge = math.hypot(ax - 2.0 * cx + bx, ay - 2.0 * cy + by)
-    count = int(min(max(2.0, math.ceil(math.sqrt(bulge / (4.0 * tolerance)))), float(MOST)))
+    count = int(min(max(2.0, math.ceil(math.sqrt(bulge / (4.0 * tolerance)))), float(MOST_CHORDS)))
     curve = np.empty((count + 1, 2))
     for k in range(count + 1):
         t = k / count
@@ -99,16 +100,16 @@ def bend(points, lengths, corner, reach, tolerance, least_radius):
     before, after = math.hypot(ux, uy), math.hypot(vx, vy)
     if before == 0.0 or after == 0.0:
         return met[:0]
-    room = min(before, after)
+    shorter = min(before, after)
     ux, uy, vx, vy = ux / before, uy / before, vx / after, vy / after
     turn = math.atan2(ux * vy - uy * vx, ux * vx + uy * vy)
-    radius = room / math.tan(0.5 * abs(turn))
+    radius = shorter / math.tan(0.5 * abs(turn))
     # driven in chords, an arc bends slightly more
     if radius < least_radius * (1.0 + BEND_SPARE):
         return met[:0]
     steps = math.ceil(abs(turn) / math.sqrt(8.0 * tolerance / radius))
-    count = int(min(max(2.0, steps), float(MOST)))
-    bx, by = met[2, 0] - room * ux, met[2, 1] - room * uy
+    count = int(min(max(2.0, steps), float(MOST_CHORDS)))
+    bx, by = met[2, 0] - shorter * ux, met[2, 1] - shorter * uy
     side = 1.0 if turn >= 0.0 else -1.0
     curve = np.empty((count + 3, 2))
     curve[0] = met[0]

@@ -20,7 +20,7 @@ import numpy as np
 from planner.borders.polyline import arc_lengths, fewer_vertices, points_at
 from planner.path import Limits, Path
 from planner.scene import FloatArray, IntArray
-from planner.shared.numbers import wrap_angle
+from planner.shared.angles import wrap_angle
 
 Clearance = Callable[[FloatArray], FloatArray]
 SpeedLimits = Callable[[FloatArray, FloatArray], FloatArray]
@@ -29,7 +29,7 @@ SHARP_TURN_RAD = math.radians(15.0)
 """A robot never stops for less of a turn than this."""
 CRAWL = 0.25
 """A sharp corner that allows less than this part of the speed is turned on the spot."""
-ROUNDING = 1e-6
+BEND_ROUNDING = 1e-6
 """A bend is as wide as the turning radius within this part of it."""
 EVEN = 0.75
 """A corner turned evenly over this part of t, and then averaged, leaves the path no further."""
@@ -172,7 +172,7 @@ class CutPath:
         return Stop(vertex, self.passed.pop(vertex, None), None, 0.0)
 
     def _tightest(self) -> float:
-        return (1.0 + ROUNDING) / self.limits.turning_radius
+        return (1.0 + BEND_ROUNDING) / self.limits.turning_radius
 
     def too_tight(self, leg: Stretch) -> tuple[float, float, float] | None:
         """Place and radius of the leg's bend below the turning radius, if any."""
@@ -285,8 +285,10 @@ class CutPath:
         # clearance falls at most by the distance driven: the least that both ends allow
         least = 0.5 * (clearances[:-1] + clearances[1:] - np.diff(nodes))
         spare = least - self.path.robot_radius
-        room = limits.slow_clearance - self.path.robot_radius
-        ease = np.clip(spare / room, 0.0, 1.0) if room > 0.0 else np.ones(len(spare))
+        slowing_over = limits.slow_clearance - self.path.robot_radius
+        ease = (
+            np.clip(spare / slowing_over, 0.0, 1.0) if slowing_over > 0.0 else np.ones(len(spare))
+        )
         slowest = min(limits.slow_speed, limits.speed)
         speed = slowest + (limits.speed - slowest) * ease
         with np.errstate(divide="ignore", over="ignore"):

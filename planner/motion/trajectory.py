@@ -28,8 +28,8 @@ from planner.motion.stops_and_bends import (
 )
 from planner.path import Limits, Path, TimedWaypoint, Trajectory
 from planner.scene import FloatArray
+from planner.shared.angles import wrap_angle
 from planner.shared.arguments import as_float, as_list, of_kind
-from planner.shared.numbers import wrap_angle
 
 HEADING_TOLERANCE_RAD = 1e-6
 """Headings nearer than this are equal: far below a robot's accuracy."""

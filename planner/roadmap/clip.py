@@ -14,11 +14,11 @@ import numpy as np
 from planner.borders.generators import BoolArray, Borders
 from planner.diagram.agvd import Chains
 from planner.roadmap import clip_kernels
-from planner.search.chain_search import ROUNDING
+from planner.search.chain_search import CLEARANCE_ROUNDING
 
-EQUAL = 4.0
+EQUAL_WIDTHS = 4.0
 """Multiple of the rounding by which a path may be too narrow and still count as wide enough."""
-ASTRAY = 16.0
+CHAIN_ASTRAY = 16.0
 """Multiple of the rounding beyond which a chain's end is too far off its bisector for a dead
 end."""
 
@@ -36,12 +36,12 @@ class Clipped:
 
 def clip_chains(borders: Borders, chains: Chains, radius: float) -> Clipped:
     """Cut the chains where they pass ``radius``. O(points)."""
-    rounding = ROUNDING * borders.extent
+    rounding = CLEARANCE_ROUNDING * borders.extent
     # in the paper's mode no chain is on its bisectors
-    astray = ASTRAY * borders.equal if chains.proved.any() else math.inf
+    astray = CHAIN_ASTRAY * borders.equal if chains.proved.any() else math.inf
     solids = clip_kernels.Solids(borders.closed, borders.box)
     limits = clip_kernels.PartLimits(
-        radius, radius - EQUAL * borders.equal, rounding, borders.equal, astray
+        radius, radius - EQUAL_WIDTHS * borders.equal, rounding, borders.equal, astray
     )
     parts, wide = clip_kernels.wide_parts(
         borders.tree, solids, chains.arrays, len(chains.node_xy), limits

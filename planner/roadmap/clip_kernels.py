@@ -29,7 +29,7 @@ from planner.diagram.diagram_arrays import ChainArrays
 from planner.scene.compile_options import LEAF, OWNING
 from planner.scene.primitive_kernels import distance, grown, root_of
 
-HALVINGS = 52
+CUT_HALVINGS = 52
 """Steps of the search for a cut: as many as a number has digits."""
 
 
@@ -82,7 +82,7 @@ def _reach(tree, chains, link, a, b, limits, out):
     left, right = np.int64(chains.pieces[link, 0]), np.int64(chains.pieces[link, 1])
     out[0], out[1], out[2] = a[0], a[1], a[2]
     lo, hi = 0.0, 1.0
-    for _ in range(HALVINGS):
+    for _ in range(CUT_HALVINGS):
         m = 0.5 * (lo + hi)
         x, y = a[0] + m * (b[0] - a[0]), a[1] + m * (b[1] - a[1])
         if chains.proved[link]:
@@ -221,9 +221,9 @@ def wide_parts(tree, solids, chains, nodes, limits):
         if lo == begin and hi == end and chains.clearance[c] >= limits.floor:
             whole[c] = True
             continue
-        room = m + hi - lo + 2
-        if room > len(parts.where):
-            parts = Parts(grown(parts.where, 2 * room), grown(parts.places, 2 * room))
+        capacity = m + hi - lo + 2
+        if capacity > len(parts.where):
+            parts = Parts(grown(parts.where, 2 * capacity), grown(parts.places, 2 * capacity))
         kept = m
         for k in range(m, _parts_of(tree, chains, c, lo, hi, limits, parts, m, here)):
             where, places = parts.where[k], parts.places[k]
@@ -290,10 +290,10 @@ def cut_chains(tree, chains, nodes, parts, whole):
     where, places = parts
     first, ends = chains.first, chains.ends
     m = len(where)
-    most, room = len(first) - 1 + 2 * m, len(chains.points) + 4 * m
+    most, capacity = len(first) - 1 + 2 * m, len(chains.points) + 4 * m
     out = ChainArrays(
-        np.empty((room, 2)), np.zeros(most + 1, np.int32), np.empty((room, 2), np.int32),
-        np.empty(room, np.bool_), np.empty(room), np.empty(room), np.empty(room),
+        np.empty((capacity, 2)), np.zeros(most + 1, np.int32), np.empty((capacity, 2), np.int32),
+        np.empty(capacity, np.bool_), np.empty(capacity), np.empty(capacity), np.empty(capacity),
         np.empty((most, 2), np.int32), np.zeros(most), np.empty(most),
     )  # fmt: skip
     wide = np.zeros(most, np.bool_)

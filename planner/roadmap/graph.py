@@ -1,13 +1,13 @@
 """The roadmap as a ``networkx.Graph`` of edges that a robot of the radius can use, without spurs.
 
-- A dead end is a spur if the disc at its end reaches less than ``REACH`` radii beyond the disc at
-  its junction, or if it only runs into a corner, where the clearance falls by more than ``TAPER`` a
-  step. Branches into a U, or into a room whose wall is one object, stay.
+- A dead end is a spur if the disc at its end reaches less than ``DEAD_END_REACH`` radii beyond the
+  disc at its junction, or if it only runs into a corner, where the clearance falls by more than
+  ``TAPER`` a step. Branches into a U, or into a room whose wall is one object, stay.
 - Chains that meet two by two are one edge. As a ``Graph`` holds one edge per pair of nodes and no
   loop, one of two edges between the same nodes is halved by an extra node, and a loop is cut in
   three.
 - An edge's polyline is as wide as the edge but for ``NARROWER``, never less than the radius but for
-  ``TIGHT``.
+  ``TIGHT_BEND``.
 """
 
 from __future__ import annotations
@@ -30,19 +30,19 @@ from planner.diagram.bisectors import describe
 from planner.roadmap.clip import Clipped
 from planner.scene import FloatArray, IntArray
 
-REACH = 1.0
+DEAD_END_REACH = 1.0
 """Least reach of a dead end beyond its junction, in robot radii (lambda in the literature)."""
 TAPER = 0.3
 """Sine of half the angle of a corner: 35 degrees between its sides."""
 NARROWER = 1e-4
 """Share of an edge's clearance by which its polyline may come nearer to the borders."""
-TIGHT = 1e-7
+TIGHT_BEND = 1e-7
 """Share of the radius lost by the chords of a bend exactly as wide as the robot."""
-ALIKE = 1e-5
+EQUAL_DEAD_ENDS = 1e-5
 """Dead ends whose lengths differ by less, as a share of the scene, are equally long."""
-BULGE = 0.05
+CHORD_BULGE = 0.05
 """Largest gap between the bisectors and the polyline's chords, in spacings."""
-SAME = 1e-9
+EQUIDISTANT = 1e-9
 """A node is equidistant to what is as near within this share of the scene's extent."""
 
 if TYPE_CHECKING:
@@ -89,7 +89,7 @@ def make_graph(
 
     graph: nx.Graph[int] = nx.Graph(radius=radius)
     owners: defaultdict[int, set[int]] = defaultdict(set)
-    bulge = BULGE * spacing
+    bulge = CHORD_BULGE * spacing
     new = len(chains.node_xy)
     for strand in lay_strands(chains, kept):
         u, v = strand.u, strand.v
@@ -113,7 +113,7 @@ def make_graph(
             part = _followed(borders, run.part(cuts[i], cuts[i + 1]), radius, bulge)
             _add_edge(graph, borders, nodes[i], nodes[i + 1], part, radius)
     for n, data in graph.nodes(data=True):
-        reach = data["clearance"] + SAME * borders.extent
+        reach = data["clearance"] + EQUIDISTANT * borders.extent
         x, y = data["pos"]
         around = clear_kernels.within(borders.tree, x, y, reach)
         data["owners"] = tuple(sorted(owners[n] | set(borders.owner[around].tolist())))
@@ -196,7 +196,7 @@ def without_spurs(clipped: Clipped, radius: float) -> list[int]:
         if u == v or len(around[junction]) == 1:
             continue
         fall = rho[junction] - rho[tip]
-        if length[c] - fall >= REACH * radius and fall <= TAPER * length[c]:
+        if length[c] - fall >= DEAD_END_REACH * radius and fall <= TAPER * length[c]:
             continue
         kept.discard(c)
         around[tip].discard(c)
@@ -264,7 +264,7 @@ def _met(ends: list[list[int]], kept: Sequence[int]) -> defaultdict[int, list[tu
 
 def _rounded_places(chains: Chains, radius: float) -> tuple[float, list[list[float]]]:
     """Length below which two are alike, and the nodes' places in it."""
-    step = ALIKE * max(float(np.ptp(chains.node_xy, axis=0).max()), radius)
+    step = EQUAL_DEAD_ENDS * max(float(np.ptp(chains.node_xy, axis=0).max()), radius)
     return step, np.rint(chains.node_xy / step).tolist()
 
 
@@ -288,7 +288,7 @@ def _turned(of_links: NDArray[Any]) -> NDArray[Any]:
 
 
 def _followed(borders: Borders, run: StrandPoints, radius: float, bulge: float) -> StrandPoints:
-    keep = max(radius * (1.0 - TIGHT), float(run.gap[:-1].min()) * (1.0 - NARROWER))
+    keep = max(radius * (1.0 - TIGHT_BEND), float(run.gap[:-1].min()) * (1.0 - NARROWER))
     pairs = np.where(run.proved[:, None], run.pairs, -1)
     points, _ = bisector_kernels.follow(
         borders.tree, run.points, pairs, keep, bulge, borders.equal, np.inf

@@ -16,7 +16,7 @@ from planner.roadmap.clip import Clipped
 from planner.scene import FloatArray, primitive_kernels
 from planner.shared.figures import sized
 
-MOST = 8
+MOST_SENTENCES = 8
 """Sentences of a kind that are given in full."""
 COMPASS = np.array([(1.0, 0.0), (0.0, 1.0), (-1.0, 0.0), (0.0, -1.0)])
 """Directions in which a circle reaches farthest."""
@@ -45,9 +45,9 @@ def remark_on_branches(left_out: Sequence[float], least: float, units: str) -> s
 
 
 def _some(sentences: list[str], rest: str) -> list[str]:
-    if len(sentences) <= MOST:
+    if len(sentences) <= MOST_SENTENCES:
         return sentences
-    return [*sentences[:MOST], f"and {len(sentences) - MOST} more {rest}"]
+    return [*sentences[:MOST_SENTENCES], f"and {len(sentences) - MOST_SENTENCES} more {rest}"]
 
 
 def _relations(borders: Borders) -> list[str]:

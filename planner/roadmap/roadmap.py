@@ -50,7 +50,7 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
 
-FINER = 4.0
+DENSER_BY = 4.0
 """Factor of density if the widest path is narrower than the generators' spacing."""
 FINER_MOST = 200_000
 """Generators at most, which take about 0.2 s."""
@@ -306,7 +306,7 @@ class Roadmap:
         Between generators, paths narrower than their spacing look like walls.
         """
         if "finer" not in self._made:
-            spacing = self.spacing / FINER
+            spacing = self.spacing / DENSER_BY
             self._made["finer"] = build_roadmap(
                 self.scene, self.radius, spacing=spacing, mode=self.mode
             )
@@ -317,7 +317,7 @@ class Roadmap:
         told = explain(self.borders, self.chains, blocked, self.radius, units)
         if told is not None and told.bottleneck and told.bottleneck.width >= self.spacing:
             return told
-        if count_generators(self.borders, self.spacing / FINER) > FINER_MOST:
+        if count_generators(self.borders, self.spacing / DENSER_BY) > FINER_MOST:
             if told is None:  # a refusal counts as False, too
                 told = walled_in(blocked, self.spacing, units)
             return replace(told, remarks=(*told.remarks, NOT_FINER))

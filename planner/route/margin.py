@@ -4,8 +4,8 @@ Rules and units
 - The radius is mandatory, the margin a wish. A station that keeps only the radius is left, or
   reached, on the shortest straight line that ends where both are kept, and is nowhere nearer to a
   border than the station; if there is none, nowhere nearer than the radius.
-- The line is at most ``REACH`` radii and margins long: the margin is given up nowhere else. Lengths
-  are in the scene's units.
+- The line is at most ``WAY_OUT_REACH`` radii and margins long: the margin is given up nowhere else.
+  Lengths are in the scene's units.
 """
 
 from __future__ import annotations
@@ -18,16 +18,16 @@ import numpy as np
 from planner.borders import box_tree_kernels, clear_kernels
 from planner.borders.generators import Borders
 from planner.scene import FloatArray, Vec, primitive_kernels
-from planner.search.chain_search import ROUNDING
+from planner.search.chain_search import CLEARANCE_ROUNDING
 from planner.shared.figures import sized
 
-REACH = 2.0
+WAY_OUT_REACH = 2.0
 """Longest way out from its station, in radii and margins: the robot's own width."""
 DIRECTIONS = 64
 """Directions tried, the first straight away from the nearest border."""
 DISTANCES = 32
 """Distances tried in each, from the least that can do to the farthest."""
-HALVINGS = 30
+MARGIN_HALVINGS = 30
 """Halvings of the last step to where the margin is kept."""
 
 
@@ -43,10 +43,10 @@ def way_out(
     borders: Borders, name: str, place: Vec, radius: float, margin: float, units: str = ""
 ) -> WayOut | None:
     """Shortest straight path out of the margin, if short enough."""
-    need, reach = radius + margin, REACH * (radius + margin)
+    need, reach = radius + margin, WAY_OUT_REACH * (radius + margin)
     standing, which = box_tree_kernels.nearest(borders.tree, *place, np.inf)
     fx, fy = primitive_kernels.foot(borders.kind, borders.data, which, *place)
-    least = max(need - standing, ROUNDING * borders.extent)
+    least = max(need - standing, CLEARANCE_ROUNDING * borders.extent)
     for keep in (standing, radius):
         away = math.atan2(place[1] - fy, place[0] - fx)
         found = _shortest(borders, place, away, least, reach, need, keep)
@@ -72,14 +72,17 @@ def _shortest(
     steps = np.geomspace(least, reach, DISTANCES) if least < reach else np.array([least])
     way = np.c_[np.cos(angle), np.sin(angle)]
     places = np.array(place) + steps[:, None, None] * way
-    room = borders.signed_distances(np.ascontiguousarray(places.reshape(-1, 2)))
-    enough = room.reshape(len(steps), DIRECTIONS) >= need - 0.5 * ROUNDING * borders.extent
+    clearances = borders.signed_distances(np.ascontiguousarray(places.reshape(-1, 2)))
+    enough = (
+        clearances.reshape(len(steps), DIRECTIONS)
+        >= need - 0.5 * CLEARANCE_ROUNDING * borders.extent
+    )
     for i, k in np.argwhere(enough).tolist():
         end = _nearest_end(
             borders, place, way[k], float(steps[max(i - 1, 0)]), float(steps[i]), need
         )
         line = np.array([place, end])
-        if clear_kernels.keeps(borders.tree, line, keep - ROUNDING * borders.extent):
+        if clear_kernels.keeps(borders.tree, line, keep - CLEARANCE_ROUNDING * borders.extent):
             return end
     return None
 
@@ -88,7 +91,7 @@ def _nearest_end(
     borders: Borders, place: Vec, way: FloatArray, low: float, high: float, need: float
 ) -> Vec:
     """Nearest place along ``way``, between two distances, that keeps ``need``."""
-    for _ in range(HALVINGS):
+    for _ in range(MARGIN_HALVINGS):
         middle = 0.5 * (low + high)
         end = np.array(place) + middle * way
         if float(borders.signed_distances(end[None])[0]) >= need:

@@ -20,7 +20,13 @@ from planner.diagram.agvd import Chains
 from planner.path import Bottleneck, NoPath
 from planner.route.taut import certain
 from planner.scene import UnknownCells, Vec
-from planner.search.chain_search import ROUNDING, Network, attach, cheapest_routes, widest_gap
+from planner.search.chain_search import (
+    CLEARANCE_ROUNDING,
+    Network,
+    attach,
+    cheapest_routes,
+    widest_gap,
+)
 from planner.shared.figures import placed, sized
 
 
@@ -80,7 +86,7 @@ def widest_way(
     """Largest radius that can make the journey, and its narrowest place, or None."""
     narrowest: tuple[float, Vec] | None = None
     network = Network.of(chains, 1.0, 0.0)
-    least = ROUNDING * borders.extent
+    least = CLEARANCE_ROUNDING * borders.extent
     for a, b in pairwise(stations):
         if a == b:
             wide = float(borders.distances(np.array([a]))[0][0])
@@ -144,7 +150,7 @@ def why_not(
             return f"{told} lies in an unknown part of the map"
         if len(inside):
             return f"{told} lies inside obstacle {inside[0]}"
-    if distance < need - ROUNDING * borders.extent:
+    if distance < need - CLEARANCE_ROUNDING * borders.extent:
         owner = borders.owner[place.nearest]
         border = "the bounds" if owner < 0 else f"obstacle {owner}"
         return (

@@ -20,14 +20,21 @@ from planner.borders.generators import Borders
 from planner.diagram.agvd import Chains
 from planner.path import NoPath, Path
 from planner.route.hysteresis import continued, is_kept, last_legs, preferred
-from planner.route.margin import REACH, way_out
+from planner.route.margin import WAY_OUT_REACH, way_out
 from planner.route.no_way import Blocked, NamedStation, why_not
 from planner.route.plan_request import Request
 from planner.route.taut import as_wide, best_cut, finish, is_clear, judge
 from planner.route.whole_path import as_path, length_of
 from planner.scene import FloatArray, UnknownCells, Vec
 from planner.search.chain_graph_kernels import Gates
-from planner.search.chain_search import ROUNDING, WORK, Network, attach, cheapest_routes, widest_gap
+from planner.search.chain_search import (
+    CLEARANCE_ROUNDING,
+    WORK,
+    Network,
+    attach,
+    cheapest_routes,
+    widest_gap,
+)
 from planner.search.homotopy import Word, anchors, word
 from planner.search.tangent_search import shortest_way
 from planner.search.tour import best_tour
@@ -66,7 +73,7 @@ class Ways:
 class Leg:
     """Task from one station to the next for a disc of radius ``need``.
 
-    ``room``: both stations' distances from the borders.
+    ``clearances``: both stations' distances from the borders.
     """
 
     borders: Borders
@@ -75,7 +82,7 @@ class Leg:
     goal: Vec
     need: float
     preference: float
-    room: tuple[float, float]
+    clearances: tuple[float, float]
 
     @classmethod
     def of(
@@ -163,12 +170,14 @@ def _stand(
                 return request, [], Blocked(*ends, keep, request.stations, reason)
     stations, said = list(request.stations), []
     for i, place in enumerate(places):
-        if not request.relaxed or place.distance >= need - ROUNDING * borders.extent:
+        if not request.relaxed or place.distance >= need - CLEARANCE_ROUNDING * borders.extent:
             continue
         out = way_out(borders, place.name, place.at, radius, request.margin, units)
         if out is None:
             reason = why_not(borders, place, need, units, what)
-            reason = f"{reason}, and no straight way of {REACH:g} times that leads out of it"
+            reason = (
+                f"{reason}, and no straight way of {WAY_OUT_REACH:g} times that leads out of it"
+            )
             return request, [], Blocked(*ends, need, request.stations, reason)
         stations[i] = out.place
         said.append(out.remark)
@@ -221,11 +230,11 @@ def plan_leg(leg: Leg, alternatives: int = 0, *, chains_only: bool = False) -> W
 
     Planning begins at the end with more room, which turns and moves with the scene.
     """
-    apart = leg.room[0] - leg.room[1]
-    even = abs(apart) <= ROUNDING * leg.borders.extent
+    apart = leg.clearances[0] - leg.clearances[1]
+    even = abs(apart) <= CLEARANCE_ROUNDING * leg.borders.extent
     if apart > 0.0 if not even else leg.start <= leg.goal:
         return _certified(leg, _plan_leg(leg, alternatives, chains_only=chains_only))
-    back = replace(leg, start=leg.goal, goal=leg.start, room=leg.room[::-1])
+    back = replace(leg, start=leg.goal, goal=leg.start, clearances=leg.clearances[::-1])
     found = _plan_leg(back, alternatives, chains_only=chains_only)
     lines = tuple(np.ascontiguousarray(line[::-1]) for line in found.lines)
     return _certified(leg, replace(found, lines=lines))
@@ -233,7 +242,7 @@ def plan_leg(leg: Leg, alternatives: int = 0, *, chains_only: bool = False) -> W
 
 def _certified(leg: Leg, found: Ways) -> Ways:
     """Keep the paths with exact clearance ``need``."""
-    least = leg.need - ROUNDING * leg.borders.extent
+    least = leg.need - CLEARANCE_ROUNDING * leg.borders.extent
     proved = tuple(
         line
         for line in found.lines
@@ -246,14 +255,14 @@ def _plan_leg(leg: Leg, alternatives: int, *, chains_only: bool) -> Ways:
     """Polylines from start to goal with clearance >= ``need``, the preferred one first.
 
     Each further one passes some obstacle on another side than all before. At preference 0 the first
-    is the shortest of all; up to 1, a corridor's shortest that keeps ``1 + ROOM * preference``
-    radii off the borders where there is room; at 1 the widest route, the cheapest of those equally
-    wide within ``AS_WIDE``.
+    is the shortest of all; up to 1, a corridor's shortest that keeps
+    ``1 + WISH_RADII * preference`` radii off the borders where there is room; at 1 the widest
+    route, the cheapest of those equally wide within ``AS_WIDE``.
     """
     borders, start, goal, need = leg.borders, leg.start, leg.goal, leg.need
     if start == goal:
         return Ways((np.array([start, goal]),))
-    clear = is_clear(borders, np.array([start, goal]), min(leg.room), need, leg.preference)
+    clear = is_clear(borders, np.array([start, goal]), min(leg.clearances), need, leg.preference)
     if clear and not alternatives:
         return Ways((np.array([start, goal]),))
     routed = _routes(leg, alternatives)
@@ -283,7 +292,7 @@ def _routes(leg: Leg, alternatives: int) -> Ways:
     The first may be cut short to another side of an obstacle.
     """
     borders, network, need, preference = leg.borders, leg.network, leg.need, leg.preference
-    floor = need - ROUNDING * borders.extent
+    floor = need - CLEARANCE_ROUNDING * borders.extent
     for anywhere in (False, True):
         entries = attach(borders, network, leg.start, floor, anywhere)
         exits = attach(borders, network, leg.goal, floor, anywhere)
@@ -323,7 +332,7 @@ def _others_than(
     ``TAUT_POINTS``, which a remark reports.
     """
     borders, need, preference = leg.borders, leg.need, leg.preference
-    floor = need - ROUNDING * borders.extent
+    floor = need - CLEARANCE_ROUNDING * borders.extent
     wanted = ROUTES + SPARE_ROUTES * alternatives
     found: list[FloatArray] = []
     done, left, points_left = 0, WORK, TAUT_POINTS

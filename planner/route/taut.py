@@ -11,15 +11,15 @@ from planner.borders import box_tree_kernels
 from planner.borders.generators import Borders
 from planner.route import taut_kernels
 from planner.scene import FloatArray, IntArray
-from planner.search.chain_search import DETOUR, ROUNDING, Lines
+from planner.search.chain_search import CLEARANCE_ROUNDING, DETOUR, Lines
 
-ROOM = 2.0
+WISH_RADII = 2.0
 """Radii of clearance kept on top of the first, where there is room, per unit of preference."""
-TIGHT = 1e-9
+TIGHT_CHORDS = 1e-9
 """A bend exactly as wide as needed is followed in chords that take this part of the radius."""
-WIDE = 1e-6
+WIDEST_SLACK = 1e-6
 """The widest path's polyline may be narrower than the path by this part of its clearance."""
-FLATNESS = 0.02
+PATH_FLATNESS = 0.02
 """Largest distance of a path from the bisector it follows, in radii, where there is room."""
 
 
@@ -28,13 +28,13 @@ def is_clear(
 ) -> bool:
     """True if the straight line has the clearance that the preference asks for.
 
-    That is ``1 + ROOM * preference`` radii, or that of its ``ends`` (2, 2), ``standing``, if
+    That is ``1 + WISH_RADII * preference`` radii, or that of its ``ends`` (2, 2), ``standing``, if
     smaller. The widest path (preference 1) is never cut short.
     """
     if preference >= 1.0:
         return False
-    wish = min(need * (1.0 + ROOM * preference), standing)
-    least = max(need - borders.equal, wish - ROUNDING * borders.extent)
+    wish = min(need * (1.0 + WISH_RADII * preference), standing)
+    least = max(need - borders.equal, wish - CLEARANCE_ROUNDING * borders.extent)
     return bool(box_tree_kernels.polyline_clearance(borders.tree, ends)[0] >= least)
 
 
@@ -46,14 +46,14 @@ def finish(
     Unproved routes are left out; the widest path (preference 1) is not pulled taut. Returns all
     points (n, 2), and the start of each path (m + 1,).
     """
-    wish = math.inf if preference >= 1.0 else need * (1.0 + ROOM * preference)
-    return _proved(borders, lines, need, wish, FLATNESS * need)
+    wish = math.inf if preference >= 1.0 else need * (1.0 + WISH_RADII * preference)
+    return _proved(borders, lines, need, wish, PATH_FLATNESS * need)
 
 
 def as_wide(borders: Borders, lines: Lines, need: float, wide: float) -> FloatArray | None:
     """Polyline of the first route, nearly ``wide`` or at least ``need``; else None."""
-    for keep in (max(need, wide * (1.0 - WIDE)), need):
-        ways, first = _proved(borders, lines, keep, math.inf, FLATNESS * need)
+    for keep in (max(need, wide * (1.0 - WIDEST_SLACK)), need):
+        ways, first = _proved(borders, lines, keep, math.inf, PATH_FLATNESS * need)
         if len(first) > 1:
             return ways
     return None
@@ -65,7 +65,7 @@ def _proved(
     ways: FloatArray
     ways, first = taut_kernels.finish(
         borders.tree, lines.points, lines.pairs, lines.begin, wish, need, flatness,
-        borders.equal, borders.equal + TIGHT * need,
+        borders.equal, borders.equal + TIGHT_CHORDS * need,
     )  # fmt: skip
     return ways, first
 
@@ -75,8 +75,8 @@ def best_cut(
 ) -> FloatArray:
     """The cheapest path after straight cuts, which may change sides of obstacles."""
     best: FloatArray = taut_kernels.best_cut(
-        borders.tree, ways, first, need, need * (1.0 + ROOM * preference), DETOUR * preference,
-        borders.equal,
+        borders.tree, ways, first, need, need * (1.0 + WISH_RADII * preference),
+        DETOUR * preference, borders.equal,
     )  # fmt: skip
     return best
 

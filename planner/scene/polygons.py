@@ -32,7 +32,7 @@ from planner.scene.records import (
     record_edges,
 )
 
-FEWEST: Final = 3
+FEWEST_VERTICES: Final = 3
 """Vertices of the smallest ring: defined."""
 FINEST_RAD: Final = math.radians(1.0)
 """An arc is at most so finely divided, whatever its tolerance: chosen, 360 sides a circle."""
@@ -127,8 +127,10 @@ def _polygon(ring: object, what: str, *, clockwise: bool, y_down: bool) -> Polyg
     array = _vertices(ring, what)
     moves = np.any(array != np.roll(array, -1, axis=0), axis=1)
     array = array[moves] if len(array) > 1 else array
-    if len(array) < FEWEST:
-        raise SceneError(f"{what}: {len(array)} different vertices: must have at least {FEWEST}")
+    if len(array) < FEWEST_VERTICES:
+        raise SceneError(
+            f"{what}: {len(array)} different vertices: must have at least {FEWEST_VERTICES}"
+        )
     x, y = (array - array.mean(axis=0)).T
     doubled_area = float(np.sum(x * np.roll(y, -1) - np.roll(x, -1) * y))
     crossing = first_crossing(array)

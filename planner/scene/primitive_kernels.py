@@ -295,8 +295,8 @@ def root_of(parent, i):
 
 
 @njit(**OWNING)
-def grown(array, room):
-    """Copy of an array of any shape with ``room`` rows; new ones are undefined."""
-    more = np.empty((room,) + array.shape[1:], array.dtype)  # noqa: RUF005 (numba has no stars)
+def grown(array, rows):
+    """Copy of an array of any shape with ``rows`` rows; new ones are undefined."""
+    more = np.empty((rows,) + array.shape[1:], array.dtype)  # noqa: RUF005 (numba has no stars)
     more[: len(array)] = array
     return more

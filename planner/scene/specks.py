@@ -29,7 +29,7 @@ from planner.scene.records import (
 )
 from planner.shared.figures import placed, sized
 
-FLAT = 1e-12
+FLAT_POLYGON = 1e-12
 """A polygon with less area than this share of its squared length is a line: rounding."""
 SQUARED = {"px": "square px", "m": "square m", "cells": "cells"}
 """Units of areas."""
@@ -74,7 +74,7 @@ def _size(record: Record, line_width: float, *, y_down: bool) -> float:
             return _length(record, y_down=y_down) * line_width + line_width**2
         case PolygonRecord():
             area, length = _area(record, y_down=y_down), _length(record, y_down=y_down)
-            if area <= FLAT * length**2:
+            if area <= FLAT_POLYGON * length**2:
                 return 0.5 * length * line_width + line_width**2
             return area
 

@@ -25,13 +25,13 @@ from planner.search.chain_graph_kernels import ChainGraph, Gates
 
 DETOUR = 4.0
 """Cost added to a step at a clearance of one radius, in lengths, at the preference just below 1."""
-NEAR = 0.25
+CHAIN_NEAR = 0.25
 """A retracted place this near to a chain, in radii, has met it."""
 ENTRIES = 8
 """Chains tried as a station's way onto the roadmap."""
 WORK = 40_000_000
 """Steps over chains that a search for routes takes at most: about 0.2 s."""
-ROUNDING = 1e-9
+CLEARANCE_ROUNDING = 1e-9
 """Clearances are equal within this share of the scene's extent."""
 
 
@@ -85,8 +85,8 @@ def attach(
     """
     extent = borders.extent
     return attach_kernels.attach(  # type: ignore[no-any-return]
-        borders.tree, network.graph, *place, floor, -1.0 if anywhere else NEAR * floor,
-        ROUNDING * extent, borders.equal, 2.0 * extent, ENTRIES,
+        borders.tree, network.graph, *place, floor, -1.0 if anywhere else CHAIN_NEAR * floor,
+        CLEARANCE_ROUNDING * extent, borders.equal, 2.0 * extent, ENTRIES,
     )  # fmt: skip
 
 
@@ -112,6 +112,13 @@ def cheapest_routes(
     only if spent.
     """
     *found, work = alternative_kernels.cheapest_routes(
-        network.graph, floor, start, goal, wanted, ROUNDING * borders.extent, budget, dearest
+        network.graph,
+        floor,
+        start,
+        goal,
+        wanted,
+        CLEARANCE_ROUNDING * borders.extent,
+        budget,
+        dearest,
     )
     return Lines(*found), int(work)

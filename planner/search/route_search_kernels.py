@@ -200,11 +200,11 @@ def lay(chains, start, s_gate, steps, goal, g_gate):
     a = -1 - s_gate if inside else s_gate // 2
     b = -1 - g_gate if inside else g_gate // 2
     c, e = np.int64(s_where[a, 0]), np.int64(g_where[b, 0])
-    room = 8 + first[c + 1] - first[c] + first[e + 1] - first[e]
+    capacity = 8 + first[c + 1] - first[c] + first[e + 1] - first[e]
     for k in range(len(steps)):
-        room += first[steps[k] // 2 + 1] - first[steps[k] // 2]
-    line = np.empty((room, 2))
-    pair = np.empty((room, 2), np.int32)
+        capacity += first[steps[k] // 2 + 1] - first[steps[k] // 2]
+    line = np.empty((capacity, 2))
+    pair = np.empty((capacity, 2), np.int32)
     la, lb = np.int64(s_where[a, 1]), np.int64(g_where[b, 1])
     forwards = s_gate % 2 == 1
     if inside:
@@ -238,9 +238,9 @@ def widest_way(graph, start, goal):
     s_where, s_price, g_where, g_price = start.where, start.price, goal.where, goal.price
     n = len(around) - 1
     wide = np.full(n, -np.inf)
-    room = len(leaving) + 2 * len(s_where) + 1
-    keys = np.empty(room)
-    items = np.empty(room, np.int32)
+    capacity = len(leaving) + 2 * len(s_where) + 1
+    keys = np.empty(capacity)
+    items = np.empty(capacity, np.int32)
     size = np.int64(0)
     best = -np.inf
     for i in range(len(s_where)):

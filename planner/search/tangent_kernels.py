@@ -37,8 +37,8 @@ STEP_RAD = 0.2
 SHORTEST_RAD = STEP_RAD / 64.0
 """Shortest chord that has to be free for the arc to continue."""
 START, GOAL = 0, 1
-FOUND, NONE, OUT_OF_BUDGET = 0, 1, 2
-CHECK, ENTRY = 60, 10
+FOUND, NONE_SHORTER, OUT_OF_BUDGET = 0, 1, 2
+CHECK, QUEUE_ENTRY = 60, 10
 """Cost of a clearance query and of an entry in the queue, in tangents tried."""
 
 
@@ -293,13 +293,15 @@ def shortest(tree, discs, floor, longest, budget):
     """The shortest way from disc 0 to disc 1 among ways shorter than ``longest``.
 
     A* over tangents (the tangent graph of Liu and Arimoto 1992), made and proved against all
-    borders when taken from the queue, with clearance ``floor``. Returns the outcome (FOUND, NONE if
-    no way is shorter, OUT_OF_BUDGET after the work of ``budget`` tangents), the length, the
-    tangents in order (n, 6): disc, side and angle left, disc, side and angle met, and the work
-    done.
+    borders when taken from the queue, with clearance ``floor``. Returns the outcome (FOUND,
+    NONE_SHORTER if no way is shorter, OUT_OF_BUDGET after the work of ``budget`` tangents), the
+    length, the tangents in order (n, 6): disc, side and angle left, disc, side and angle met, and
+    the work done.
     """
-    n, room = len(discs), 1024
-    queue = TangentQueue(np.empty((room, 8)), np.empty(room), np.empty(room, np.int32), 1, 1)
+    n, capacity = len(discs), 1024
+    queue = TangentQueue(
+        np.empty((capacity, 8)), np.empty(capacity), np.empty(capacity, np.int32), 1, 1
+    )
     queue.item[0] = 0.0
     queue.item[0, 1], queue.item[0, 2], queue.item[0, 7] = START, 1.0, -1.0
     gx, gy = discs[GOAL, 0], discs[GOAL, 1]
@@ -307,7 +309,7 @@ def shortest(tree, discs, floor, longest, budget):
     # see _is_worse; the first place round each disc and side
     place, places = np.empty((256, 4)), 0
     around = np.full(2 * n, -1, np.int32)
-    outcome, last, length, work = NONE, -1, np.inf, 0
+    outcome, last, length, work = NONE_SHORTER, -1, np.inf, 0
     while queue.size > 0:
         if work > budget:
             outcome = OUT_OF_BUDGET
@@ -344,5 +346,5 @@ def shortest(tree, discs, floor, longest, budget):
         places += 1
         made = queue.made
         queue = _queued(queue, discs, t, reach, longest)
-        work += 2 * n + ENTRY * (queue.made - made)
+        work += 2 * n + QUEUE_ENTRY * (queue.made - made)
     return outcome, length, _tangents_to(queue.item, last), work

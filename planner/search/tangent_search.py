@@ -22,7 +22,7 @@ from planner.search import tangent_kernels
 
 CHORD_RAD = 0.05
 """An arc's chords turn by at most this; below the least turn that smoothing rounds."""
-FINER = (1.0, 0.25, 0.0625)
+FINER_CHORDS = (1.0, 0.25, 0.0625)
 """Parts of ``CHORD_RAD`` tried in turn, where chords outside an arc come too near to others."""
 SPARE = 1e-9
 """Kept on top of the clearance, as a share of the scene's extent, so that rounding costs none."""
@@ -73,8 +73,8 @@ def shortest_way(
         borders.tree, discs, radius - 0.25 * spare, longest, BUDGET if budget is None else budget
     )
     if outcome != tangent_kernels.FOUND:
-        return Shortest(None, outcome == tangent_kernels.NONE)
-    for part in FINER:
+        return Shortest(None, outcome == tangent_kernels.NONE_SHORTER)
+    for part in FINER_CHORDS:
         way = _polyline(discs, tangents, part * CHORD_RAD)
         gap = box_tree_kernels.polyline_clearance(borders.tree, way)[0]
         if gap >= radius - 0.5 * spare:

@@ -10,7 +10,7 @@ MOST_DIGITS = 17
 SMALL, LARGE = 1e-6, 1e7
 """A figure below or from here on is written with an exponent."""
 
-LEAST = 1e-300
+SHORTEST_LENGTH = 1e-300
 """A length below this has no digits that could be cut off."""
 NOTHING = 1e-12
 """A length below this share of another is rounding: the planner's distances are exact to that."""
@@ -35,7 +35,7 @@ def at_most(length: float, units: str = "") -> str:
     """Write a length rounded towards zero, so that it never looks longer than it is."""
     if abs(length) >= LARGE:
         return f"{length:.6g} {units}".rstrip()
-    if abs(length) < LEAST:
+    if abs(length) < SHORTEST_LENGTH:
         return sized(0.0, units)
     scale = 10.0 ** _decimals(length, DIGITS)
     return sized(math.trunc(length * scale * (1.0 + 1e-12)) / scale, units)

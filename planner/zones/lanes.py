@@ -25,7 +25,7 @@ from planner.zones.zone_ground import ZoneGround
 
 MOST_PLANS = 60
 """Connections planned for one leg: chosen, 0.1 s among a hundred obstacles."""
-BESIDE = 1.02
+GATES_BESIDE = 1.02
 """Distance of gates, in what the body needs to be outside: chosen."""
 
 OUTSIDE = -3
@@ -100,7 +100,7 @@ def _lay_lane(
             net.join(b, a, keeps)
     if not one_way:
         return
-    aside = BESIDE * (0.5 * area.width + need)
+    aside = GATES_BESIDE * (0.5 * area.width + need)
     for k, node in enumerate(nodes):
         ahead = one.directions(line[k][None])[0]
         left = np.array([-ahead[1], ahead[0]])

@@ -29,7 +29,7 @@ AGAINST_DRIVEN = 0.1
 chosen, a twentieth of the body's width."""
 SPEED_SLACK = 1.01
 """A target is no faster than a zone allows within this factor: chosen, the wire's rounding."""
-ROUNDING = 1e-6
+RADIUS_ROUNDING = 1e-6
 """A clearance is the radius within this share of it: paths are certified to 1e-9 of the extent."""
 
 
@@ -54,7 +54,7 @@ class Rules:
     def is_held_by(self, one: ZoneGround, place: Vec) -> bool:
         """True if any of the body at the place is inside the zone."""
         distance = float(one.distances(np.array([place]))[0])
-        return distance < self.radius * (1.0 - ROUNDING)
+        return distance < self.radius * (1.0 - RADIUS_ROUNDING)
 
     def station_breach(self, name: str, place: Vec) -> str | None:
         """Why a robot must not be sent to a place, or None."""
@@ -87,7 +87,7 @@ class Rules:
 
     def permits(self, line: FloatArray, keep: float) -> bool:
         """True if a polyline (n, 2) keeps a distance from keep-out zones, and its directions."""
-        least = keep * (1.0 - ROUNDING)
+        least = keep * (1.0 - RADIUS_ROUNDING)
         apart = all(one.clearance(line) >= least for one in self.of("keep_out"))
         return apart and not self.against(line)
 
@@ -99,7 +99,7 @@ class Rules:
         """
         for one in self.of("keep_out"):
             outside = self._after_leaving(one, line)
-            if outside is None or one.clearance(outside) < self.radius * (1.0 - ROUNDING):
+            if outside is None or one.clearance(outside) < self.radius * (1.0 - RADIUS_ROUNDING):
                 return f"leads through {one.zone}"
         if stops:
             for one in self.of("wait"):
@@ -116,7 +116,7 @@ class Rules:
             return None
         pieces = self.pieces(line)
         ends = pieces.middles + 0.5 * pieces.steps
-        out = np.flatnonzero(one.distances(ends) >= self.radius * (1.0 - ROUNDING))
+        out = np.flatnonzero(one.distances(ends) >= self.radius * (1.0 - RADIUS_ROUNDING))
         return ends[out[0] :] if len(out) else None
 
     def against(self, line: FloatArray, most: float = AGAINST) -> tuple[ZoneGround, ...]:

@@ -2,8 +2,8 @@
 
 - The robot may drive inside the zones that it is in, and nowhere nearer to an obstacle or another
   keep-out zone than its radius, or than it is now.
-- The shortest straight line in ``DIRECTIONS`` directions is taken; if all are blocked, the shortest
-  path to one of the ``PLACES`` nearest places outside.
+- The shortest straight line in ``WAY_OUT_DIRECTIONS`` directions is taken; if all are blocked, the
+  shortest path to one of the ``PLACES`` nearest places outside.
 """
 
 from __future__ import annotations
@@ -16,13 +16,13 @@ from planner.path import Path
 from planner.roadmap.roadmap import Roadmap
 from planner.scene import FloatArray, Vec
 
-DIRECTIONS = 64
+WAY_OUT_DIRECTIONS = 64
 """Directions tried, and again around the best of them: chosen, to 0.2 degrees."""
-DISTANCES = 64
+WAY_OUT_DISTANCES = 64
 """Distances tried in each: chosen, a place narrower than a fifth of its distance may be missed."""
 FINER_DISTANCES = 256
 """The same around the best direction: chosen, to 0.2 % of the distance."""
-HALVINGS = 20
+WAY_OUT_HALVINGS = 20
 """Halvings of the last step out: chosen, to 1e-6 of it."""
 PLACES = 8
 """Places outside to which a path is sought: chosen."""
@@ -37,18 +37,18 @@ def way_out(open_: Roadmap, closed: Roadmap, place: Vec, need: float) -> FloatAr
     keep = min(open_.radius, float(open_.clearance(here[None])[0]))
     if keep <= 0.0:
         return None
-    angles = math.tau * np.arange(DIRECTIONS) / DIRECTIONS
+    angles = math.tau * np.arange(WAY_OUT_DIRECTIONS) / WAY_OUT_DIRECTIONS
     box = closed.borders.box
     longest = math.hypot(box[2] - box[0], box[3] - box[1])
-    steps = np.geomspace(1e-3 * need, longest, DISTANCES)
+    steps = np.geomspace(1e-3 * need, longest, WAY_OUT_DISTANCES)
     outside = _ends(closed, here, angles, steps, need)
     found = _first_free(open_, here, outside, keep)
     if found is None:
         return _around(open_, here, list(outside[:PLACES]))
     # the best place is often a corner of the free ground, between two of the directions
-    step = math.tau / DIRECTIONS
+    step = math.tau / WAY_OUT_DIRECTIONS
     angle = math.atan2(*(found[1] - here)[::-1])
-    finer = angle + step * np.linspace(-1.0, 1.0, DIRECTIONS + 1)
+    finer = angle + step * np.linspace(-1.0, 1.0, WAY_OUT_DIRECTIONS + 1)
     length = math.dist(*found)
     nearer = np.linspace(0.5 * length, length, FINER_DISTANCES)
     ends = np.vstack([_ends(closed, here, finer, nearer, need), found[1:]])
@@ -87,7 +87,7 @@ def _to_the_border(
     high: FloatArray,
     need: float,
 ) -> FloatArray:
-    for _ in range(HALVINGS):
+    for _ in range(WAY_OUT_HALVINGS):
         middle = 0.5 * (low + high)
         free = closed.clearance(here + middle[:, None] * units) >= need
         low, high = np.where(free, low, middle), np.where(free, middle, high)

@@ -1,4 +1,4 @@
-"""Tests, benchmarks, commands, options and files that texts name exist; tests select something."""
+"""Tests, benchmarks, commands and options that texts name exist; tests select something."""
 
 import ast
 import importlib.util
@@ -18,11 +18,9 @@ PAGES = [
     *sorted(page for page in (ROOT / "docs").rglob("*.md") if "pictures" not in page.parts),
     *sorted((ROOT / "benchmarks/results").glob("*.md")),
 ]
-PACKAGES = ["clearway", "firmware_protocol", "navigation", "planner", "vision"]
 FENCE = re.compile(r"```[^\n]*\n(.*?)```", re.DOTALL)
 COMMAND = re.compile(r"(?<![./\w-])clearway ([a-z][a-z-]*)((?: (?!clearway\b)[^`|;&#\n]*)?)")
 OPTION = re.compile(r"(?<![\w-])--[a-z][a-z-]*")
-SOURCE_FILE = re.compile(r"`([\w][\w./-]*\.(?:py|c|h|md|js|css|html))`")
 WORD = re.compile(r"\b(?!and\b|or\b|not\b)\w+")
 
 
@@ -101,22 +99,3 @@ def test_the_commands_and_options_that_a_page_names_are_there(page: Path) -> Non
         for name, rest in COMMAND.findall(code):
             unknown = set(OPTION.findall(rest)) - _options_of(name, rest.split())
             assert not unknown, f"{code}: {unknown}"
-
-
-def test_the_files_that_texts_name_are_there() -> None:
-    own = [file for package in PACKAGES for file in (ROOT / package).rglob("*.py")]
-    tops = [*PACKAGES, "benchmarks", "configs", "docs", "examples", "tests"]
-    there = [file for top in tops for file in (ROOT / top).rglob("*.*")] + list(ROOT.glob("*.*"))
-    ends = {
-        "/".join(parts[start:])
-        for file in there
-        for parts in [file.relative_to(ROOT).parts]
-        for start in range(len(parts))
-    }
-    missing = [
-        f"{file.relative_to(ROOT)}: {name}"
-        for file in [*own, *PAGES]
-        for name in SOURCE_FILE.findall(file.read_text(encoding="utf-8"))
-        if "NAME" not in name and name.removeprefix("../").removeprefix("../") not in ends
-    ]
-    assert not missing, "\n".join(missing)

@@ -19,8 +19,8 @@ from tests.support.pictures import call
 from vision.calibration.calibration import CalibrationError
 from vision.calibration.calibration_file import load_calibration
 from vision.camera.camera import CameraError
-from vision.camera.files import read_picture
-from vision.errors import PictureError
+from vision.camera.picture_files import read_picture
+from vision.picture_error import PictureError
 
 NO_WHOLE_NUMBERS = ("float.tif", ".pfm", ".hdr")
 READERS = [
@@ -126,7 +126,7 @@ def test_a_file_without_end_is_refused(
     name: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr("planner.formats.map_files.MOST_BYTES", 1 << 20)
-    monkeypatch.setattr("vision.camera.files.MOST_BYTES", 1 << 20)
+    monkeypatch.setattr("vision.camera.picture_files.MOST_BYTES", 1 << 20)
     path = tmp_path / name
     with path.open("wb") as file:
         file.truncate((1 << 20) + 1)

@@ -16,7 +16,7 @@ from vision.binarise.regions import edge_evidence_kernels as s
 from vision.binarise.binarise import warm_up
 warm_up(sys.argv[1])
 kernels = (b.sampled_histogram, b.noise_sigma, b.split_histogram, b.steepest_level,
-           b.flat_histogram, c.calmed_histogram, c.mark_below_but_dots, c.mark_dots,
+           b.flat_histogram, c.smoothed_histogram, c.mark_below_but_dots, c.mark_dots,
            c.dots_left_out, s.steps_across_level, s.typical_step, s.support_by_level,
            s.steps_of_regions, s.steps_off_level)
 print([k.py_func.__name__ for k in kernels if not k.signatures])

@@ -3,7 +3,7 @@
 - `grey_picture` makes a picture grey, measures it (`binarise_kernels`) and compares it with a
   level, smoothed if noisy (`smoothing_kernels`) unless `humps` shows fine structure.
 - `grey_classes` finds the two classes of grey values, `unresolved` structure too fine for any
-  level, and `light` the ground's light.
+  level, and `light_surface` the ground's light.
 - `binarise` has the methods; `regions/` checks which regions of a mask are real.
 - `colour` adds obstacles that differ from the floor in colour only.
 - `earlier_level` checks an earlier picture's level on a later picture.

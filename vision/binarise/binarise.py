@@ -33,10 +33,10 @@ from vision.binarise.grey_classes import (
     unevenness,
 )
 from vision.binarise.grey_picture import (
-    CALM_NOISE,
-    CALMINGS,
-    FEWEST,
+    FEWEST_SAMPLES,
     LEAST_CONTRAST,
+    SMOOTHED_NOISE,
+    SMOOTHINGS,
     Binary,
     GreyPicture,
     as_array,
@@ -44,17 +44,17 @@ from vision.binarise.grey_picture import (
     black_and_white,
     scaled_threshold,
 )
-from vision.binarise.light import FREE_LEVEL, light_surface
+from vision.binarise.light_surface import FREE_LEVEL, light_surface
 from vision.binarise.regions.edge_evidence import (
     NEARLY_ALL,
-    Support,
+    EdgeEvidence,
     follows_edges,
     leaves_out,
     with_left_out,
 )
 from vision.binarise.unresolved import Unresolved, unresolved_structure
-from vision.errors import PictureError
-from vision.shared.scratch import Room
+from vision.picture_error import PictureError
+from vision.shared.array_pool import ArrayPool
 
 MOST_UNEVEN = 0.125
 """Largest spread of free pixels in even light, as a share of the contrast: chosen, the darkest, of
@@ -77,13 +77,13 @@ def binarise(
     method: Method = "auto",
     threshold: float | None = None,
     ignore: NDArray[np.bool_] | None = None,
-    room: Room | None = None,
+    pool: ArrayPool | None = None,
 ) -> Binary:
     """Decide for every pixel if it is obstacle.
 
     ``threshold`` (0 .. 255, or 0 .. 65535 for 16 bits) is the level of method ``fixed``: dark
-    obstacles lie below it, light ones not. Pixels of ``ignore`` (h, w) are always free. ``room``
-    holds the mask, which is valid until ``room`` is used again. Raises ``PictureError`` if no pixel
+    obstacles lie below it, light ones not. Pixels of ``ignore`` (h, w) are always free. ``pool``
+    holds the mask, which is valid until ``pool`` is used again. Raises ``PictureError`` if no pixel
     is free or an option is wrong.
     """
     if method not in METHODS:
@@ -103,7 +103,7 @@ def binarise(
     if side == "light":
         grey = cv2.bitwise_not(grey) if grey.dtype == np.uint8 else 255 - grey
         threshold = None if threshold is None else 255.0 - threshold + 1e-6
-    binary = _by_method(GreyPicture(grey, room), side, method, threshold)
+    binary = _by_method(GreyPicture(grey, pool), side, method, threshold)
     if why_side:
         how = binary.how
         how = Binarisation(how.method, how.threshold, side, f"{how.reason}; {why_side}")
@@ -148,10 +148,10 @@ def _side(grey: NDArray[Any], polarity: Polarity) -> tuple[Literal["dark", "ligh
     """Side of the level that obstacles lie on; ``auto`` takes the rarer one."""
     if polarity != "auto":
         return polarity, ""
-    look = GreyPicture(grey)
-    classes = split_classes(look.counts, noise_sigma(grey))
-    if look.fine is not None:
-        classes = classes_of(look)
+    picture = GreyPicture(grey)
+    classes = split_classes(picture.counts, noise_sigma(grey))
+    if picture.fine is not None:
+        classes = classes_of(picture)
     if classes is None or classes.dark_share <= MOSTLY:
         share = 0.0 if classes is None else classes.dark_share
         return "dark", f"obstacles are dark: dark pixels are {share:.1%} of the picture"
@@ -160,129 +160,131 @@ def _side(grey: NDArray[Any], polarity: Polarity) -> tuple[Literal["dark", "ligh
 
 
 def _by_method(
-    look: GreyPicture, side: Literal["dark", "light"], method: Method, threshold: float | None
+    picture: GreyPicture, side: Literal["dark", "light"], method: Method, threshold: float | None
 ) -> Binary:
-    classes = classes_of(look)
+    classes = classes_of(picture)
     match method:
         case "fixed":
-            return _fixed(look, classes, side, 127.5 if threshold is None else threshold)
+            return _fixed(picture, classes, side, 127.5 if threshold is None else threshold)
         case "otsu":
-            return _by_otsu(look, classes, side)
+            return _by_otsu(picture, classes, side)
         case "adaptive":
-            return _adaptive(look, classes, side)
+            return _adaptive(picture, classes, side)
         case "background":
-            return _best_divided(look, side)
+            return _best_divided(picture, side)
         case "auto":
-            return _auto(look, classes, side)
+            return _auto(picture, classes, side)
 
 
 def _fixed(
-    look: GreyPicture, classes: Classes | None, side: Literal["dark", "light"], level: float
+    picture: GreyPicture, classes: Classes | None, side: Literal["dark", "light"], level: float
 ) -> Binary:
     contrast = 2.0 * min(level, 255.0 - level) if classes is None else classes.contrast
     how = Binarisation("fixed", _shown(level, side), side, "the level was given")
-    return black_and_white(look, level, contrast, how)
+    return black_and_white(picture, level, contrast, how)
 
 
-def _by_otsu(look: GreyPicture, classes: Classes | None, side: Literal["dark", "light"]) -> Binary:
+def _by_otsu(
+    picture: GreyPicture, classes: Classes | None, side: Literal["dark", "light"]
+) -> Binary:
     if classes is None:
-        return _uniform(look, side)
-    level = _otsu(look.grey) + 0.5
+        return _uniform(picture, side)
+    level = _otsu(picture.grey) + 0.5
     how = Binarisation("otsu", _shown(level, side), side, "asked for")
-    return black_and_white(look, level, classes.contrast, how)
+    return black_and_white(picture, level, classes.contrast, how)
 
 
-def _auto(look: GreyPicture, classes: Classes | None, side: Literal["dark", "light"]) -> Binary:
-    if classes is not None and look.fine is not None:
-        return _fine(look, classes, side)
-    too_fine = unresolved_structure(look, classes, side)
+def _auto(picture: GreyPicture, classes: Classes | None, side: Literal["dark", "light"]) -> Binary:
+    if classes is not None and picture.fine is not None:
+        return _fine(picture, classes, side)
+    too_fine = unresolved_structure(picture, classes, side)
     if too_fine is not None:
-        return _unresolved(look, side, too_fine)
-    spread = grey_spread(look.counts) if classes is None else classes.light_spread
-    if classes is None and spread <= 1.5 * look.noise + LEAST_CONTRAST / 4.0:
-        return _uniform(look, side)
+        return _unresolved(picture, side, too_fine)
+    spread = grey_spread(picture.counts) if classes is None else classes.light_spread
+    if classes is None and spread <= 1.5 * picture.noise + LEAST_CONTRAST / 4.0:
+        return _uniform(picture, side)
     even = classes
-    uneven = math.inf if classes is None else unevenness(look, classes, side)
+    uneven = math.inf if classes is None else unevenness(picture, classes, side)
     if uneven > MOST_UNEVEN:
         even = None
     # noise, and the glow around light obstacles, hide left-out edges
     sure = uneven <= SURELY_EVEN
-    surely = sure or (side == "dark" and look.noise < CALM_NOISE)
+    surely = sure or (side == "dark" and picture.noise < SMOOTHED_NOISE)
     if (
         even is not None
         and surely
-        and follows_edges(look, even)
-        and not leaves_out(look, even.level, side)
+        and follows_edges(picture, even)
+        and not leaves_out(picture, even.level, side)
     ):
-        return _even(look, even, side)
-    support = Support(look, side, even=even is not None)
-    best, across = support.best_level(look.counts, even)
-    if across < FEWEST:
-        support = Support(look, side, 2 * look.grey.size, even is not None)
-        best, _ = support.best_level(look.counts, even)
+        return _even(picture, even, side)
+    evidence = EdgeEvidence(picture, side, even=even is not None)
+    best, across = evidence.best_level(picture.counts, even)
+    if across < FEWEST_SAMPLES:
+        evidence = EdgeEvidence(picture, side, 2 * picture.grey.size, even is not None)
+        best, _ = evidence.best_level(picture.counts, even)
     why = f"uneven light: free pixels spread by {spread:.0f} grey levels"
-    judged = [(support.judge.real(one), 1.0) for one in _divided(look, side, why)]
+    judged = [(evidence.judge.real(one), 1.0) for one in _divided(picture, side, why)]
     # a division, or the level of even light, wins with slightly less: both lie nearer to half-way
     for each in dict.fromkeys(one for one in (even, best) if one is not None):
-        level = (_even if each is even else _level)(look.apart(), each, side)
+        level = (_even if each is even else _level)(picture.apart(), each, side)
         as_good = 1.0 / NEARLY_ALL if each is even and sure else NEARLY_ALL
-        judged.append((support.judge.real(level), as_good))
+        judged.append((evidence.judge.real(level), as_good))
     judged = [one for one in judged if one[0].speaks > 0.0]
     if not judged:
-        return _edgeless(look, side)
+        return _edgeless(picture, side)
     typical = max(one.typical for one, _ in judged)
     judged.sort(key=lambda one: one[1] * one[0].worth(typical), reverse=True)
     best_of_all, *others = (one for one, _ in judged)
-    return with_left_out(best_of_all, others, support)
+    return with_left_out(best_of_all, others, evidence)
 
 
-def _even(look: GreyPicture, classes: Classes, side: Literal["dark", "light"]) -> Binary:
+def _even(picture: GreyPicture, classes: Classes, side: Literal["dark", "light"]) -> Binary:
     reason = (
         f"even light: obstacles at {classes.dark:.0f}, free at {classes.light:.0f}, "
-        f"noise {look.noise:.1f} grey levels; the level lies half-way"
+        f"noise {picture.noise:.1f} grey levels; the level lies half-way"
     )
     how = Binarisation("otsu", _shown(classes.level, side), side, reason)
-    return black_and_white(look, classes.level, classes.contrast, how)
+    return black_and_white(picture, classes.level, classes.contrast, how)
 
 
-def _fine(look: GreyPicture, classes: Classes, side: Literal["dark", "light"]) -> Binary:
-    if SIGMAS * look.noise <= 0.5 * classes.contrast:
-        return _even(look, classes, side)
-    level = classes.level + look.noise
+def _fine(picture: GreyPicture, classes: Classes, side: Literal["dark", "light"]) -> Binary:
+    if SIGMAS * picture.noise <= 0.5 * classes.contrast:
+        return _even(picture, classes, side)
+    level = classes.level + picture.noise
     reason = (
         f"walls or ways of a few pixels: obstacles at {classes.dark:.0f}, free at "
-        f"{classes.light:.0f}, noise {look.noise:.1f} grey levels; the level lies that much nearer "
-        "to free than half-way"
+        f"{classes.light:.0f}, noise {picture.noise:.1f} grey levels; the level lies that much "
+        "nearer to free than half-way"
     )
     how = Binarisation("otsu", _shown(level, side), side, reason)
-    return black_and_white(look, level, classes.contrast, how)
+    return black_and_white(picture, level, classes.contrast, how)
 
 
-def _level(look: GreyPicture, classes: Classes, side: Literal["dark", "light"]) -> Binary:
+def _level(picture: GreyPicture, classes: Classes, side: Literal["dark", "light"]) -> Binary:
     reason = (
         f"uneven light, but edges are sharpest at one level: obstacles at {classes.dark:.0f}, "
-        f"free at {classes.light:.0f}, noise {look.noise:.1f} grey levels"
+        f"free at {classes.light:.0f}, noise {picture.noise:.1f} grey levels"
     )
     how = Binarisation("otsu", _shown(classes.level, side), side, reason)
     # contrast is lowest where light is weakest
     margin = MOST_UNEVEN * classes.contrast
-    return black_and_white(look, classes.level, classes.contrast, how, margin=margin)
+    return black_and_white(picture, classes.level, classes.contrast, how, margin=margin)
 
 
-def _uniform(look: GreyPicture, side: Literal["dark", "light"]) -> Binary:
-    mean = float(cv2.mean(look.grey)[0])
+def _uniform(picture: GreyPicture, side: Literal["dark", "light"]) -> Binary:
+    mean = float(cv2.mean(picture.grey)[0])
     why = f"no contrast: every pixel is within noise of {mean:.0f}"
-    return _all_alike(look, side, mean, why)
+    return _all_alike(picture, side, mean, why)
 
 
-def _edgeless(look: GreyPicture, side: Literal["dark", "light"]) -> Binary:
+def _edgeless(picture: GreyPicture, side: Literal["dark", "light"]) -> Binary:
     """Make an edgeless picture all free or all obstacle, by its best-lit part."""
-    running = np.cumsum(look.counts)
+    running = np.cumsum(picture.counts)
     lit = float(np.searchsorted(running, LIT_SHARE * running[-1]))
-    return _all_alike(look, side, lit, f"no edges: the light runs up to {lit:.0f} and is uneven")
+    return _all_alike(picture, side, lit, f"no edges: the light runs up to {lit:.0f} and is uneven")
 
 
-def _unresolved(look: GreyPicture, side: Literal["dark", "light"], found: Unresolved) -> Binary:
+def _unresolved(picture: GreyPicture, side: Literal["dark", "light"], found: Unresolved) -> Binary:
     why = (
         "walls and ways may be too fine for the picture: the ground's grey varies by "
         f"{found.spread:.0f} levels from pixel to pixel, more than noise does, so that all of it "
@@ -292,25 +294,29 @@ def _unresolved(look: GreyPicture, side: Literal["dark", "light"], found: Unreso
     how = Binarisation("unresolved", _shown(found.level, side), side, why)
     margin = found.level - found.middle
     binary = black_and_white(
-        look, found.level, 2.0 * margin, how, strongest_noise=found.spread, margin=margin
+        picture, found.level, 2.0 * margin, how, strongest_noise=found.spread, margin=margin
     )
     return replace(binary, remarks=(*binary.remarks, why))
 
 
-def _all_alike(look: GreyPicture, side: Literal["dark", "light"], grey: float, why: str) -> Binary:
+def _all_alike(
+    picture: GreyPicture, side: Literal["dark", "light"], grey: float, why: str
+) -> Binary:
     dark = grey < 127.5
     reason = f"{why}, {'darker' if dark else 'lighter'} than half"
     how = Binarisation("fixed", 127.5, side, reason)
-    return black_and_white(look, 256.0 if dark else -1.0, 255.0, how)
+    return black_and_white(picture, 256.0 if dark else -1.0, 255.0, how)
 
 
-def _adaptive(look: GreyPicture, classes: Classes | None, side: Literal["dark", "light"]) -> Binary:
-    grey = look.grey
+def _adaptive(
+    picture: GreyPicture, classes: Classes | None, side: Literal["dark", "light"]
+) -> Binary:
+    grey = picture.grey
     block = (min(grey.shape) // 4) | 1
     mean = cv2.blur(grey.astype(np.float32), (block, block), borderType=cv2.BORDER_REPLICATE)
     contrast = 2.0 * LEAST_CONTRAST if classes is None else classes.contrast
     # farther below the mean than noise gets after the widest smoothing
-    at_least = SIGMAS * CALMINGS[-1].left * look.noise
+    at_least = SIGMAS * SMOOTHINGS[-1].left * picture.noise
     offset = max(LEAST_CONTRAST, 0.1 * contrast, at_least)
     centred = np.clip(grey - mean + np.float32(offset + 127.5), 0.0, 255.0)
     how = Binarisation(
@@ -321,41 +327,41 @@ def _adaptive(look: GreyPicture, classes: Classes | None, side: Literal["dark", 
     )
     centred = centred.astype(np.float32, copy=False)
     return black_and_white(
-        GreyPicture(centred, look.room), 127.5, contrast, how, noise=look.noise, margin=offset
+        GreyPicture(centred, picture.pool), 127.5, contrast, how, noise=picture.noise, margin=offset
     )
 
 
-def _best_divided(look: GreyPicture, side: Literal["dark", "light"]) -> Binary:
-    found = _divided(look, side, "asked for")
+def _best_divided(picture: GreyPicture, side: Literal["dark", "light"]) -> Binary:
+    found = _divided(picture, side, "asked for")
     if len(found) == 1:
         return found[0]
-    judge = Support(look, side).judge
+    judge = EdgeEvidence(picture, side).judge
     judged = [judge.real(replace(one, mask=one.mask.copy())) for one in found]
     typical = max(one.typical for one in judged)
     return max(zip(found, judged, strict=True), key=lambda one: one[1].worth(typical))[0]
 
 
-def _divided(look: GreyPicture, side: Literal["dark", "light"], why: str) -> list[Binary]:
+def _divided(picture: GreyPicture, side: Literal["dark", "light"], why: str) -> list[Binary]:
     """Picture divided by the light, at the level between its classes.
 
     In noise a second mask uses the level half-way to significantly darker pixels. Each mask has its
     own memory.
     """
-    light, top = light_surface(look.grey, side), 0.0
+    light, top = light_surface(picture.grey, side), 0.0
     if side == "light":
         # light multiplies the camera's values, not their negative
-        ratio = (np.float32(255.0) - look.grey) / light
+        ratio = (np.float32(255.0) - picture.grey) / light
         top = max(float(cv2.blur(ratio, (3, 3)).max()), 1.0 + LEAST_CONTRAST / FREE_LEVEL)
         flat = np.clip((top - ratio) * np.float32(FREE_LEVEL / (top - 1.0)), 0.0, 255.0)
     else:
-        flat = np.clip(look.grey / light * np.float32(FREE_LEVEL), 0.0, 255.0)
+        flat = np.clip(picture.grey / light * np.float32(FREE_LEVEL), 0.0, 255.0)
     scale = FREE_LEVEL / (top - 1.0) if side == "light" else FREE_LEVEL
     flat = flat.astype(np.float32, copy=False)
     divided = GreyPicture(flat)
     if divided.fine is None:
         divided.noise = float(noise_sigma(divided.grey))
     # division amplifies noise where there is little light
-    noise = np.float32(noise_sigma(look.grey) * scale) / light
+    noise = np.float32(noise_sigma(picture.grey) * scale) / light
     strongest = max(divided.noise, float(noise.max()))
     why = (
         f"{why}; divided by a quadratic surface of the light, which runs from "
@@ -372,7 +378,7 @@ def _divided(look: GreyPicture, side: Literal["dark", "light"], why: str) -> lis
     if classes is not None:
         plain = (classes.level, classes.contrast)
     found = [at(*plain)]
-    dark = significant_dark(divided, noise, FREE_LEVEL) if strongest >= CALM_NOISE else None
+    dark = significant_dark(divided, noise, FREE_LEVEL) if strongest >= SMOOTHED_NOISE else None
     if dark is not None:
         found.append(at(0.5 * (FREE_LEVEL + dark), FREE_LEVEL - dark))
     return found

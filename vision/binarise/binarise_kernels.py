@@ -23,9 +23,9 @@ SAMPLED = math.isqrt(SAMPLE // 4)
 are half as many as the pixels; their median is known to one part in a hundred."""
 SIGMAS = 6.0
 """Standard deviations by which a signal exceeds noise: derived, noise does so twice in 10^9."""
-REACH = 4
+STEP_REACH_PX = 4
 """Pixels from one end of a step to the other: chosen, an edge of a lens in focus."""
-AT_A_TIME = 128
+PIXELS_AT_A_TIME = 128
 """Pixels of a row compared together: indifferent, for time."""
 BINS = 2048
 """Distinct second differences: derived, there can be 2,040 quarters."""
@@ -37,7 +37,7 @@ ONE = np.uint32(1)
 TWO = np.int64(2)
 # defined.
 FOUR = np.uint64(4)
-FIRST, LAST = np.int64(0), np.int64(256)
+FIRST_LEVEL, LAST_LEVEL = np.int64(0), np.int64(256)
 """Typed, so that kernels are compiled for one kind of number: defined."""
 
 
@@ -314,8 +314,8 @@ def split_histogram(histogram, noise, least):
             split = v
     if split < 0:
         return False, 0.0, 0.0, 0.0, 0.0
-    dark = _quantile(histogram, FIRST, split + 1, 0.5)
-    light = _quantile(histogram, split + 1, LAST, 0.5)
+    dark = _quantile(histogram, FIRST_LEVEL, split + 1, 0.5)
+    light = _quantile(histogram, split + 1, LAST_LEVEL, 0.5)
     before = -1
     above = int(0.5 * (dark + light)) + 1
     for _ in range(256):
@@ -323,14 +323,16 @@ def split_histogram(histogram, noise, least):
             break
         # half-way between the medians, whatever tail the split cut off
         before = above
-        dark = _quantile(histogram, FIRST, above, 0.5)
-        light = _quantile(histogram, above, LAST, 0.5)
+        dark = _quantile(histogram, FIRST_LEVEL, above, 0.5)
+        light = _quantile(histogram, above, LAST_LEVEL, 0.5)
         above = int(0.5 * (dark + light)) + 1
     if light - dark < least:
         return False, 0.0, 0.0, 0.0, 0.0
     level = 0.5 * (dark + light)
     above = int(level) + 1
-    spread = _quantile(histogram, above, LAST, 0.75) - _quantile(histogram, above, LAST, 0.25)
+    spread = _quantile(histogram, above, LAST_LEVEL, 0.75) - _quantile(
+        histogram, above, LAST_LEVEL, 0.25
+    )
     below = 0.0
     for v in range(256):
         if v < level:

@@ -19,11 +19,11 @@ from numpy.typing import NDArray
 from planner.scene import Binarisation
 from vision.binarise import Method, Polarity
 from vision.binarise.binarise import binarise
-from vision.binarise.binarise_kernels import REACH, SAMPLE
+from vision.binarise.binarise_kernels import SAMPLE, STEP_REACH_PX
 from vision.binarise.grey_picture import Binary
-from vision.binarise.light import FREE_LEVEL
-from vision.errors import PictureError
-from vision.shared.scratch import Room
+from vision.binarise.light_surface import FREE_LEVEL
+from vision.picture_error import PictureError
+from vision.shared.array_pool import ArrayPool
 
 LEAST_DEPTH = 40.0
 """Grey levels of one channel from the floor that light does not explain: chosen, lamps and shadows
@@ -39,7 +39,7 @@ def binarise_by_colour(
     method: Method,
     threshold: float | None,
     ignore: NDArray[np.bool_] | None,
-    room: Room,
+    pool: ArrayPool,
 ) -> Binary:
     """Binarise as ``vision.binarise.binarise.binarise`` does; method ``auto`` sees colours too.
 
@@ -51,12 +51,12 @@ def binarise_by_colour(
         found = _Colours.of(image, ignore)
     if found is None or not (found.darker.any() or found.lighter.any()):
         return binarise(
-            image, polarity=polarity, method=method, threshold=threshold, ignore=ignore, room=room
+            image, polarity=polarity, method=method, threshold=threshold, ignore=ignore, pool=pool
         )
     grey = error = None
     side: Literal["dark", "light"] = "light" if polarity == "light" else "dark"
     try:
-        grey = binarise(image, polarity=polarity, ignore=ignore, room=room)
+        grey = binarise(image, polarity=polarity, ignore=ignore, pool=pool)
         side = grey.how.polarity
     except PictureError as of_one_grey:
         # colours may still show obstacles
@@ -114,7 +114,7 @@ class _Colours:
         if binary is None:
             return int(np.count_nonzero(pixels))
         seen = np.ascontiguousarray(binary.inside[:: self.step, :: self.step])
-        reach = 2 * (1 + (REACH - 1) // self.step) + 1
+        reach = 2 * (1 + (STEP_REACH_PX - 1) // self.step) + 1
         around = cv2.dilate(seen, np.ones((reach, reach), np.uint8))
         return int(np.count_nonzero(_without_specks(pixels & (around == 0))))
 

@@ -21,9 +21,9 @@ from vision.binarise.binarise_kernels import (
     steepest_level,
 )
 from vision.binarise.grey_picture import (
-    FEWEST,
+    FEWEST_SAMPLES,
     LEAST_CONTRAST,
-    NO_CALMING,
+    NO_SMOOTHING,
     GreyPicture,
 )
 
@@ -65,28 +65,28 @@ class Classes:
         return self.light - self.dark
 
 
-def classes_of(look: GreyPicture, strongest: float | None = None) -> Classes | None:
+def classes_of(picture: GreyPicture, strongest: float | None = None) -> Classes | None:
     """Two classes of a picture, smoothed a little if it is noisy."""
-    strongest = look.noise if strongest is None else strongest
-    if look.fine is not None:
-        humps = look.fine
+    strongest = picture.noise if strongest is None else strongest
+    if picture.fine is not None:
+        humps = picture.fine
         return Classes(humps.dark, humps.light, humps.within, humps.dark_share, humps.within)
-    calming = look.calming(strongest)
-    counts = look.counts_after(calming)
-    found = split_classes(counts, look.noise * calming.left)
+    smoothing = picture.smoothing(strongest)
+    counts = picture.counts_after(smoothing)
+    found = split_classes(counts, picture.noise * smoothing.left)
     if found is None:
-        found = _rare_pixels(look.grey_after(calming), strongest * calming.left)
+        found = _rare_pixels(picture.grey_after(smoothing), strongest * smoothing.left)
     else:
-        found = _sharpened(found, look, counts, look.noise * calming.left)
-    if found is None or calming is NO_CALMING:
+        found = _sharpened(found, picture, counts, picture.noise * smoothing.left)
+    if found is None or smoothing is NO_SMOOTHING:
         return found
     # add the noise's spread, as the unsmoothed picture has it
-    explained = math.hypot(look.noise, found.light_spread)
+    explained = math.hypot(picture.noise, found.light_spread)
     return replace(found, light_spread=explained)
 
 
 def _sharpened(
-    found: Classes, look: GreyPicture, counts: NDArray[np.int64], noise: float
+    found: Classes, picture: GreyPicture, counts: NDArray[np.int64], noise: float
 ) -> Classes:
     """The classes, with the rarer one corrected if most of its pixels are edge.
 
@@ -102,15 +102,15 @@ def _sharpened(
     dark_side = np.arange(256) < found.level
     rare = dark_side if dark_is_rare else ~dark_side
     # two pixels of a plateau differ by at most its width
-    wide = 2.0 * max(PLATEAU * found.contrast, PLATEAU_SIGMAS * look.noise)
-    flat = flat_histogram(look.grey, wide)
+    wide = 2.0 * max(PLATEAU * found.contrast, PLATEAU_SIGMAS * picture.noise)
+    flat = flat_histogram(picture.grey, wide)
     if not flat[rare].any():
         return found
     spread = grey_spread(np.where(rare, flat, 0))
-    if math.sqrt(max(spread**2 - look.noise**2, 0.0)) > PLATEAU * found.contrast:
+    if math.sqrt(max(spread**2 - picture.noise**2, 0.0)) > PLATEAU * found.contrast:
         return found
-    least = max(STEEP * found.contrast, LEAST_CONTRAST_SIGMAS * look.noise)
-    level = float(steepest_level(look.grey, least))
+    least = max(STEEP * found.contrast, LEAST_CONTRAST_SIGMAS * picture.noise)
+    level = float(steepest_level(picture.grey, least))
     if level < 0.0:
         return found
     if dark_is_rare:
@@ -130,7 +130,7 @@ def split_classes(histogram: NDArray[np.int64], noise: float) -> Classes | None:
     return Classes(dark, light, spread, dark_share) if found else None
 
 
-def unevenness(look: GreyPicture, classes: Classes, side: Literal["dark", "light"]) -> float:
+def unevenness(picture: GreyPicture, classes: Classes, side: Literal["dark", "light"]) -> float:
     """Spread of the free pixels beyond the noise, as a share of the contrast.
 
     Light obstacles count too: uneven light spreads them more than the ground.
@@ -139,24 +139,27 @@ def unevenness(look: GreyPicture, classes: Classes, side: Literal["dark", "light
     if side == "light":
         dark = classes.dark_spread
         spread = max(
-            spread, grey_spread(look.counts[: math.ceil(classes.level)]) if dark is None else dark
+            spread,
+            grey_spread(picture.counts[: math.ceil(classes.level)]) if dark is None else dark,
         )
-    return math.sqrt(max(spread**2 - look.noise**2, 0.0)) / classes.contrast
+    return math.sqrt(max(spread**2 - picture.noise**2, 0.0)) / classes.contrast
 
 
-def significant_dark(look: GreyPicture, noise: NDArray[np.float32], light: float) -> float | None:
+def significant_dark(
+    picture: GreyPicture, noise: NDArray[np.float32], light: float
+) -> float | None:
     """Middle of pixels significantly darker than free ones of one grey value, or None.
 
     ``noise`` (h, w) is the local standard deviation: in little light, noise alone has two classes.
     Smoothed pixels count if they exceed the noise by ``SIGMAS``, then if they are nearer to those
-    than to free ones. None if they are fewer than ``FEWEST``.
+    than to free ones. None if they are fewer than ``FEWEST_SAMPLES``.
     """
-    calming = look.calming(float(noise.max()))
-    calmed = look.grey_after(calming)
-    least = np.maximum(noise * np.float32(SIGMAS * calming.left), 0.15 * light)
-    found = calmed[light - calmed > least]
+    smoothing = picture.smoothing(float(noise.max()))
+    smoothed = picture.grey_after(smoothing)
+    least = np.maximum(noise * np.float32(SIGMAS * smoothing.left), 0.15 * light)
+    found = smoothed[light - smoothed > least]
     for _ in range(2):
-        if found.size < FEWEST:
+        if found.size < FEWEST_SAMPLES:
             return None
         found = found[found < 0.5 * (light + float(np.median(found)))]
     return float(np.median(found)) if found.size else None

@@ -30,88 +30,88 @@ from vision.binarise.binarise_kernels import (
 )
 from vision.binarise.humps import TWO_HUMPED, Humps, deletes
 from vision.binarise.smoothing_kernels import (
-    calmed_histogram,
     dots_left_out,
     mark_below_but_dots,
     mark_dots,
+    smoothed_histogram,
 )
-from vision.errors import PictureError
-from vision.shared.scratch import Room
+from vision.picture_error import PictureError
+from vision.shared.array_pool import ArrayPool
 
 LEAST_CONTRAST = 8.0
 """Grey levels between light and dark below which nothing is an obstacle. Chosen, by
 ``tests/vision/binarise``."""
-FEWEST = 32
+FEWEST_SAMPLES = 32
 """Least samples of a mean or middle: chosen, it is known to a sixth of their scatter."""
-CALM_NOISE = 0.5 * LEAST_CONTRAST
+SMOOTHED_NOISE = 0.5 * LEAST_CONTRAST
 """Noise, in grey levels, from which a picture is smoothed: derived, half the least contrast."""
 
 
 @dataclass(frozen=True, slots=True)
-class Calming:
+class Smoothing:
     """Smoothing by ``sigma_px``; ``left``: the share of white noise that remains."""
 
     sigma_px: float
     left: float
 
 
-NO_CALMING = Calming(0.0, 1.0)
+NO_SMOOTHING = Smoothing(0.0, 1.0)
 """The picture itself: defined."""
-BINOMIAL = Calming(1.0, 0.2734)
+BINOMIAL = Smoothing(1.0, 0.2734)
 """The binomial of 5 x 5 pixels, in a third of a Gaussian's time: derived, 70 / 256 of the noise."""
-WIDE = Calming(2.0, 0.1411)
+WIDE_GAUSSIAN = Smoothing(2.0, 0.1411)
 """A Gaussian: derived, it leaves 1 / (2 sqrt(pi) sigma) of the noise."""
-CALMINGS = (NO_CALMING, BINOMIAL, WIDE)
+SMOOTHINGS = (NO_SMOOTHING, BINOMIAL, WIDE_GAUSSIAN)
 """Smoothings, weakest first; a level is applied after the first that leaves little noise."""
 
 
-def calming_of(noise: float) -> Calming:
+def smoothing_of(noise: float) -> Smoothing:
     """Smoothing after which such noise hardly crosses a level.
 
     The wide one only if the binomial would leave noise of the least contrast.
     """
-    if noise < CALM_NOISE:
-        return NO_CALMING
-    return BINOMIAL if BINOMIAL.left * noise < LEAST_CONTRAST else WIDE
+    if noise < SMOOTHED_NOISE:
+        return NO_SMOOTHING
+    return BINOMIAL if BINOMIAL.left * noise < LEAST_CONTRAST else WIDE_GAUSSIAN
 
 
 class GreyPicture:
     """A grey picture, its noise and its histogram; smoothed on demand."""
 
-    def __init__(self, grey: NDArray[Any], room: Room | None = None) -> None:
+    def __init__(self, grey: NDArray[Any], pool: ArrayPool | None = None) -> None:
         self.grey = grey = read_only(grey)
-        self.room = Room() if room is None else room
+        self.pool = ArrayPool() if pool is None else pool
         self.counts: NDArray[np.int64] = sampled_histogram(grey)
-        self._counts_after: dict[Calming, NDArray[np.int64]] = {NO_CALMING: self.counts}
+        self._counts_after: dict[Smoothing, NDArray[np.int64]] = {NO_SMOOTHING: self.counts}
         # two values: drawn, not photographed; apparent noise is texture
-        drawn = np.count_nonzero(self.counts) <= 2
-        self.noise = 0.0 if drawn else float(noise_sigma(grey))
+        bilevel = np.count_nonzero(self.counts) <= 2
+        self.noise = 0.0 if bilevel else float(noise_sigma(grey))
         self.fine = self._fine_structure()
         if self.fine is not None:
             self.noise = min(self.noise, self.fine.within)
 
     def _fine_structure(self) -> Humps | None:
         """Humps of the histogram, if smoothing would delete fine structure."""
-        if self.noise < CALM_NOISE:
+        if self.noise < SMOOTHED_NOISE:
             return None
         humps = Humps.of(self.counts)
         if humps.apart < TWO_HUMPED or humps.contrast < LEAST_CONTRAST:
             return None
         return humps if deletes(humps, self.counts_after(BINOMIAL)) else None
 
-    def calming(self, noise: float | None = None) -> Calming:
+    def smoothing(self, noise: float | None = None) -> Smoothing:
         """Smoothing for ``noise``, or the picture's own.
 
-        ``NO_CALMING`` if it would delete fine structure.
+        ``NO_SMOOTHING`` if it would delete fine structure.
         """
         if self.fine is not None:
-            return NO_CALMING
-        return calming_of(self.noise if noise is None else noise)
+            return NO_SMOOTHING
+        return smoothing_of(self.noise if noise is None else noise)
 
     def apart(self) -> GreyPicture:
         """The same picture with its own memory, for a mask to be compared with others."""
         other = copy(self)
-        other.room = Room()
+        other.pool = ArrayPool()
         return other
 
     def halved(self) -> GreyPicture:
@@ -120,47 +120,47 @@ class GreyPicture:
         whole = self.grey[: 2 * height, : 2 * width]
         return GreyPicture(cv2.resize(whole, (width, height), interpolation=cv2.INTER_AREA))
 
-    def counts_after(self, calming: Calming) -> NDArray[np.int64]:
+    def counts_after(self, smoothing: Smoothing) -> NDArray[np.int64]:
         """Histogram (256,) of the smoothed picture, from a sample."""
-        known = self._counts_after.get(calming)
+        known = self._counts_after.get(smoothing)
         if known is None:
-            whole = calming is BINOMIAL and self.grey.dtype == np.uint8
-            count = calmed_histogram if whole else sampled_histogram
-            known = count(self.grey if whole else self.grey_after(calming))
-            self._counts_after[calming] = known
+            whole = smoothing is BINOMIAL and self.grey.dtype == np.uint8
+            count = smoothed_histogram if whole else sampled_histogram
+            known = count(self.grey if whole else self.grey_after(smoothing))
+            self._counts_after[smoothing] = known
         return known
 
-    def grey_after(self, calming: Calming) -> NDArray[Any]:
+    def grey_after(self, smoothing: Smoothing) -> NDArray[Any]:
         """The smoothed picture (h, w)."""
-        if calming is NO_CALMING:
+        if smoothing is NO_SMOOTHING:
             return self.grey
-        if calming is BINOMIAL:
+        if smoothing is BINOMIAL:
             return read_only(cv2.GaussianBlur(self.grey, (5, 5), 0.0))
-        return read_only(cv2.GaussianBlur(self.grey, (0, 0), calming.sigma_px))
+        return read_only(cv2.GaussianBlur(self.grey, (0, 0), smoothing.sigma_px))
 
-    def mask_below(self, level: float, calming: Calming, noise: float) -> NDArray[np.uint8]:
+    def mask_below(self, level: float, smoothing: Smoothing, noise: float) -> NDArray[np.uint8]:
         """Padded mask (h + 2, w'), 1 where the smoothed picture lies below the level.
 
         Dots too small for it are added if they exceed ``noise``. The margin is zero, rows have a
-        multiple of eight bytes; valid until the room is used again.
+        multiple of eight bytes; valid until the pool is used again.
         """
         height, width = self.grey.shape
         stride = (width + 2 + 7) // 8 * 8
-        mask = self.room.take("mask", (height + 2) * stride, np.uint8).reshape(-1, stride)
+        mask = self.pool.take("mask", (height + 2) * stride, np.uint8).reshape(-1, stride)
         clear_margin(mask, width)
         inside = mask[1:-1, 1 : width + 1]
         whole = self.grey.dtype == np.uint8
         bound = min(max(math.ceil(level) - 1, -1), 255)
-        if whole and calming is BINOMIAL:
+        if whole and smoothing is BINOMIAL:
             places = mark_below_but_dots(self.grey, bound, mask)
             mark_dots(self.grey, noise, places, mask)
             return mask
-        smoothed = self.grey_after(calming)
+        smoothed = self.grey_after(smoothing)
         if whole:
             mark_below(smoothed, np.int64(bound), mask)
         else:
             inside[:] = smoothed < level
-        if calming is not NO_CALMING:
+        if smoothing is not NO_SMOOTHING:
             of_its_kind = np.uint8(min(bound + 1, 255)) if whole else self.grey.dtype.type(level)
             mark_dots(self.grey, noise, dots_left_out(self.grey, of_its_kind, mask), mask)
         return mask
@@ -200,7 +200,7 @@ class Binary:
 
 
 def black_and_white(
-    look: GreyPicture,
+    picture: GreyPicture,
     level: float,
     contrast: float,
     how: Binarisation,
@@ -211,27 +211,29 @@ def black_and_white(
 ) -> Binary:
     """Compare a picture with the level, smoothed if noise alone could cross it."""
     remarks: tuple[str, ...] = ()
-    noise = look.noise if noise is None else noise
+    noise = picture.noise if noise is None else noise
     strongest = noise if strongest_noise is None else strongest_noise
     margin = 0.5 * contrast if margin is None else margin
-    safe = [one for one in CALMINGS if SIGMAS * strongest * one.left <= margin]
-    calming = safe[0] if safe else CALMINGS[-1]
-    if look.fine is not None and calming is not NO_CALMING:
+    safe = [one for one in SMOOTHINGS if SIGMAS * strongest * one.left <= margin]
+    smoothing = safe[0] if safe else SMOOTHINGS[-1]
+    if picture.fine is not None and smoothing is not NO_SMOOTHING:
         # crossings of noise stay obstacles: none is taken for a speck
         remarks = (
             f"walls or ways of a few pixels at a contrast of {contrast:.0f}: the picture was not "
             "smoothed, which would delete them, and single pixels of noise may be obstacles",
         )
-        safe, calming = [NO_CALMING], NO_CALMING
-    if calming is not NO_CALMING:
+        safe, smoothing = [NO_SMOOTHING], NO_SMOOTHING
+    if smoothing is not NO_SMOOTHING:
         remarks = (
             f"noise of up to {strongest:.0f} grey levels at a contrast of {contrast:.0f}: the "
-            f"picture was smoothed by {calming.sigma_px:.0f} px before the level was applied",
+            f"picture was smoothed by {smoothing.sigma_px:.0f} px before the level was applied",
         )
-    mask = look.mask_below(level, calming, strongest)
-    by_level = calming is NO_CALMING
-    fine = look.fine is not None
-    return Binary(mask, look.grey, level, noise, contrast, how, remarks, by_level, not safe, fine)
+    mask = picture.mask_below(level, smoothing, strongest)
+    by_level = smoothing is NO_SMOOTHING
+    fine = picture.fine is not None
+    return Binary(
+        mask, picture.grey, level, noise, contrast, how, remarks, by_level, not safe, fine
+    )
 
 
 def as_array(image: NDArray[Any] | Sequence[Any]) -> NDArray[Any]:

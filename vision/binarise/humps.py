@@ -16,7 +16,7 @@ from vision.binarise.binarise_kernels import halve_histogram
 TWO_HUMPED = 0.75
 """Least share of a histogram's variance between two humps: derived, one hump has at most that, with
 all values equally frequent."""
-KEPT = 0.75
+CONTRAST_KEPT = 0.75
 """Share of the contrast that harmless smoothing keeps at least: chosen, walls and ways of 3 px keep
 0.69 at most, those of 4 px, which survive, up to 0.79."""
 
@@ -50,4 +50,4 @@ class Humps:
 
 def deletes(as_it_came: Humps, smoothed: NDArray[np.int64]) -> bool:
     """True if smoothing, with the histogram ``smoothed`` (256,), deletes fine structure."""
-    return Humps.of(smoothed).contrast < KEPT * as_it_came.contrast
+    return Humps.of(smoothed).contrast < CONTRAST_KEPT * as_it_came.contrast

@@ -23,41 +23,41 @@ from numba import njit
 from planner.scene.compile_options import LEAF, OWNING
 from planner.scene.primitive_kernels import grown
 from vision.binarise.binarise_kernels import (
-    AT_A_TIME,
-    REACH,
+    PIXELS_AT_A_TIME,
     SIGMAS,
+    STEP_REACH_PX,
     count_greys,
     sample_steps,
     summed,
 )
-from vision.shared.typed_numbers import NONE
+from vision.shared.typed_numbers import ZERO
 
 # defined: binomial weights in either direction, typed so that sums stay narrow
 CENTRE, NEXT, NEXT_BUT_ONE = np.uint16(6), np.uint16(4), np.uint16(1)
 # defined: the weights add up to 2 to this power
 WHOLE_BITS = np.uint16(8)
 # defined: half of it, for rounding
-HALF = np.uint16(128)
-MARGIN = 2
+ROUND_UP = np.uint16(128)
+SMOOTHING_REACH_PX = 2
 """Pixels that the smoothing reaches beyond one: defined."""
 BINOMIAL_LEFT = 0.2734
 """Share of white noise that the binomial leaves: derived, 70 / 256."""
-RING = REACH
+RING = STEP_REACH_PX
 """Distance of the pixels around a dot: derived, outside its blurred rim."""
-BESIDE = 0.4
+LINE_DEPTH = 0.4
 """Depth on both sides of a line, as a share of its own: chosen."""
-NEAR = RING + 1
+DOT_REACH_PX = RING + 1
 """Reach in pixels, in rows and columns: derived, a dot and its rim."""
 MOST_MARKED = int(0.25 * math.pi * RING**2)
 """Most marked pixels there around a dot: derived, a disc inside the ring."""
 
 
 @njit(**OWNING)
-def calmed_histogram(grey):
+def smoothed_histogram(grey):
     """Histogram of the sampled pixels' smoothed grey values, rounded: (256,) int64."""
     height, width = grey.shape
     counters = np.zeros((4, 256), np.uint32)
-    sums = np.empty(width + 2 * MARGIN, np.uint16)
+    sums = np.empty(width + 2 * SMOOTHING_REACH_PX, np.uint16)
     line = np.empty(width, np.uint8)
     rows, columns = sample_steps(height, width)
     for y in range(0, height, rows):
@@ -70,7 +70,7 @@ def calmed_histogram(grey):
 @njit(**LEAF)
 def sum_limit(bound):
     """Least sum whose smoothed grey value is rounded to more than ``bound``."""
-    return np.uint16(min(max(((bound + 1) << WHOLE_BITS) - HALF, 0), 65535))
+    return np.uint16(min(max(((bound + 1) << WHOLE_BITS) - ROUND_UP, 0), 65535))
 
 
 @njit(**LEAF)
@@ -93,12 +93,12 @@ def sum_rows(grey, y, sums):
         grey[y],
         grey[_mirrored(y + 1, height)],
         grey[_mirrored(y + 2, height)],
-        sums[MARGIN : width + MARGIN],
+        sums[SMOOTHING_REACH_PX : width + SMOOTHING_REACH_PX],
     )
-    for beyond in range(1, MARGIN + 1):
-        sums[MARGIN - beyond] = sums[MARGIN + _mirrored(-beyond, width)]
+    for beyond in range(1, SMOOTHING_REACH_PX + 1):
+        sums[SMOOTHING_REACH_PX - beyond] = sums[SMOOTHING_REACH_PX + _mirrored(-beyond, width)]
         last = width - 1 + beyond
-        sums[MARGIN + last] = sums[MARGIN + _mirrored(last, width)]
+        sums[SMOOTHING_REACH_PX + last] = sums[SMOOTHING_REACH_PX + _mirrored(last, width)]
 
 
 @njit(**LEAF)
@@ -119,7 +119,7 @@ def _divide(sums, line):
     d, e = sums[3 : width + 3], sums[4 : width + 4]
     for x in range(width):
         total = np.uint16(
-            NEXT_BUT_ONE * (a[x] + e[x]) + NEXT * (b[x] + d[x]) + CENTRE * c[x] + HALF
+            NEXT_BUT_ONE * (a[x] + e[x]) + NEXT * (b[x] + d[x]) + CENTRE * c[x] + ROUND_UP
         )
         line[x] = np.uint8(total >> WHOLE_BITS)
 
@@ -142,12 +142,14 @@ def mark_below_but_dots(grey, bound, mask):
     ``mask`` (h + 2, w') is padded. Return the places of ``dots_left_out``, in one pass.
     """
     height, width = grey.shape
-    sums = np.empty(width + 2 * MARGIN, np.uint16)
+    sums = np.empty(width + 2 * SMOOTHING_REACH_PX, np.uint16)
     limit = sum_limit(bound)
     level = np.uint8(min(max(bound + 1, 0), 255))
-    left_out = np.zeros((width + AT_A_TIME - 1) // AT_A_TIME * AT_A_TIME, np.uint8)
+    left_out = np.zeros(
+        (width + PIXELS_AT_A_TIME - 1) // PIXELS_AT_A_TIME * PIXELS_AT_A_TIME, np.uint8
+    )
     places = np.empty(4 * left_out.shape[0], np.int64)
-    count = NONE
+    count = ZERO
     for y in range(height):
         sum_rows(grey, y, sums)
         marks = mask[y + 1, 1 : width + 1]
@@ -166,9 +168,11 @@ def dots_left_out(grey, level, mask):
     A place is row * width + column.
     """
     height, width = grey.shape
-    left_out = np.zeros((width + AT_A_TIME - 1) // AT_A_TIME * AT_A_TIME, np.uint8)
+    left_out = np.zeros(
+        (width + PIXELS_AT_A_TIME - 1) // PIXELS_AT_A_TIME * PIXELS_AT_A_TIME, np.uint8
+    )
     places = np.empty(4 * left_out.shape[0], np.int64)
-    count = NONE
+    count = ZERO
     for y in range(height):
         _find_left_out(grey[y], level, mask[y + 1, 1 : width + 1], left_out)
         count = _list(left_out, y * width, places, count)
@@ -180,10 +184,10 @@ def dots_left_out(grey, level, mask):
 @njit(**LEAF)
 def _list(left_out, first, places, count):
     words = left_out.view(np.uint64)
-    for block in range(0, words.shape[0], AT_A_TIME // 8):
-        if not _any(words[block : block + AT_A_TIME // 8]):
+    for block in range(0, words.shape[0], PIXELS_AT_A_TIME // 8):
+        if not _any(words[block : block + PIXELS_AT_A_TIME // 8]):
             continue
-        for word in range(block, block + AT_A_TIME // 8):
+        for word in range(block, block + PIXELS_AT_A_TIME // 8):
             if words[word] == 0:
                 continue
             for x in range(8 * word, 8 * word + 8):
@@ -258,7 +262,7 @@ def _is_on_a_line(grey, y, x, ground, depth):
             continue
         here = ground - _smoothed(grey, y + i, x + j)
         there = ground - _smoothed(grey, y - i, x - j)
-        if min(here, there) >= BESIDE * depth:
+        if min(here, there) >= LINE_DEPTH * depth:
             return True
     return False
 
@@ -266,18 +270,21 @@ def _is_on_a_line(grey, y, x, ground, depth):
 @njit(**LEAF)
 def _is_next_to_large(mask, y, x, height, width):
     # most candidates lie on an edge: look across it first
-    middle = NEAR // 2
-    if y >= NEAR and mask[y + 1 - middle, x + 1] & mask[y + 1 - NEAR, x + 1]:
+    middle = DOT_REACH_PX // 2
+    if y >= DOT_REACH_PX and mask[y + 1 - middle, x + 1] & mask[y + 1 - DOT_REACH_PX, x + 1]:
         return True
-    if y + NEAR < height and mask[y + 1 + middle, x + 1] & mask[y + 1 + NEAR, x + 1]:
+    if (
+        y + DOT_REACH_PX < height
+        and mask[y + 1 + middle, x + 1] & mask[y + 1 + DOT_REACH_PX, x + 1]
+    ):
         return True
-    if x >= NEAR and mask[y + 1, x + 1 - middle] & mask[y + 1, x + 1 - NEAR]:
+    if x >= DOT_REACH_PX and mask[y + 1, x + 1 - middle] & mask[y + 1, x + 1 - DOT_REACH_PX]:
         return True
-    if x + NEAR < width and mask[y + 1, x + 1 + middle] & mask[y + 1, x + 1 + NEAR]:
+    if x + DOT_REACH_PX < width and mask[y + 1, x + 1 + middle] & mask[y + 1, x + 1 + DOT_REACH_PX]:
         return True
     marked = 0
-    for i in range(max(0, y - NEAR), min(height, y + NEAR + 1)):
-        for j in range(max(0, x - NEAR), min(width, x + NEAR + 1)):
+    for i in range(max(0, y - DOT_REACH_PX), min(height, y + DOT_REACH_PX + 1)):
+        for j in range(max(0, x - DOT_REACH_PX), min(width, x + DOT_REACH_PX + 1)):
             marked += mask[i + 1, j + 1]
     return marked > MOST_MARKED
 

@@ -32,7 +32,7 @@ ONE = np.uint64(1)
 TWO = np.uint64(2)
 NORTH, EAST_OF_IT = np.uint64(12), np.uint64(4)
 """Directions 3 and 1, times four; in the latter the free pixel lies in the east."""
-AT_A_TIME = 32
+WORDS_AT_A_TIME = 32
 """Words of eight pixels searched together."""
 
 
@@ -50,35 +50,35 @@ def follow_borders(mask, xs, ys, directions):
     words = flat.view(np.uint64)
     per_row = stride // 8
     tables = _walk_tables(stride)
-    room = xs.shape[0]
+    capacity = xs.shape[0]
     count = np.int64(0)
-    border_room = 64
-    starts = np.empty(border_room + 1, np.int64)
-    areas = np.empty(border_room, np.int64)
+    border_capacity = 64
+    starts = np.empty(border_capacity + 1, np.int64)
+    areas = np.empty(border_capacity, np.int64)
     borders = 0
 
     for row in range(1, height - 1):
         row_end = (row + 1) * per_row
-        for begin in range(row * per_row, row_end, AT_A_TIME):
-            end = min(begin + AT_A_TIME, row_end)
+        for begin in range(row * per_row, row_end, WORDS_AT_A_TIME):
+            end = min(begin + WORDS_AT_A_TIME, row_end)
             if not _any_new(words[begin - 1 : end]):
                 continue
             for start in range(8 * begin, 8 * end):
                 if flat[start] & 3 != 1 or flat[start - 1] & 1 != 0:
                     continue
-                if borders == border_room:
-                    border_room *= 2
-                    starts = grown(starts, border_room + 1)
-                    areas = grown(areas, border_room)
+                if borders == border_capacity:
+                    border_capacity *= 2
+                    starts = grown(starts, border_capacity + 1)
+                    areas = grown(areas, border_capacity)
                 starts[borders] = count
                 x = start - row * stride - 1
                 last, area = _walk(flat, start, x, row - 1, tables, xs, ys, directions, count)
                 while last < 0:
                     # too little space: walk it again
-                    room *= 2
-                    xs = grown(xs, room)
-                    ys = grown(ys, room)
-                    directions = grown(directions, room)
+                    capacity *= 2
+                    xs = grown(xs, capacity)
+                    ys = grown(ys, capacity)
+                    directions = grown(directions, capacity)
                     last, area = _walk(flat, start, x, row - 1, tables, xs, ys, directions, count)
                 count = last
                 areas[borders] = area
@@ -117,14 +117,14 @@ def _forget_seen(mask, xs, ys, directions, count):
 def _walk(flat, start, x, y, tables, xs, ys, directions, count):
     """Walk one border: ``(end of its cracks, area)``, or -1 if the arrays are too short."""
     move, to_left, to_front, step_x, step_y, turn, seen, area_of_x, begin_left, begin_front = tables
-    room = xs.shape[0]
+    capacity = xs.shape[0]
     at = np.uint64(start)
     begin = at
     left_at = at + begin_left
     front_at = at + begin_front
     state = NORTH
     area = 0
-    while count < room:
+    while count < capacity:
         # the direction times four; two pixels ahead decide the next
         xs[count] = x
         ys[count] = y

@@ -20,7 +20,7 @@ from vision.binarise.grey_picture import Binary
 from vision.borders import contour_kernels as kernels
 from vision.borders.edge_kernels import edge_points
 from vision.borders.staircase_kernels import follow_staircase
-from vision.shared.scratch import Room
+from vision.shared.array_pool import ArrayPool
 
 LAPLACIAN = np.array([[0, -1, 0], [-1, 4, -1], [0, -1, 0]], dtype=np.float32)
 """The mask M of the paper's section 3.1."""
@@ -111,30 +111,30 @@ def laplacian_border(mask: NDArray[np.uint8]) -> NDArray[np.bool_]:
     return border
 
 
-def follow_borders(mask: NDArray[np.uint8], room: Room | None = None) -> Contours:
+def follow_borders(mask: NDArray[np.uint8], pool: ArrayPool | None = None) -> Contours:
     """Follow every border of a padded mask (see ``vision.binarise.grey_picture.Binary``).
 
-    The mask is marked meanwhile and restored afterwards. With a ``room`` the borders are valid
+    The mask is marked meanwhile and restored afterwards. With a ``pool`` the borders are valid
     until its next use.
     """
-    room = Room() if room is None else room
+    pool = ArrayPool() if pool is None else pool
     likely = max(4096, mask.size // 16)
     x, y, direction, starts, area = kernels.follow_borders(
         mask,
-        room.take("x", likely, np.int32),
-        room.take("y", likely, np.int32),
-        room.take("direction", likely, np.int8),
+        pool.take("x", likely, np.int32),
+        pool.take("y", likely, np.int32),
+        pool.take("direction", likely, np.int8),
     )
     owner = kernels.hole_owners(mask, x, y, direction, starts, area)
     return Contours(x, y, direction, starts, area, owner)
 
 
-def locate_edges(binary: Binary, borders: Contours, room: Room | None = None) -> EdgePoints:
+def locate_edges(binary: Binary, borders: Contours, pool: ArrayPool | None = None) -> EdgePoints:
     """Sub-pixel edge points of every border.
 
-    With a ``room`` they are valid until its next use.
+    With a ``pool`` they are valid until its next use.
     """
-    room = Room() if room is None else room
+    pool = ArrayPool() if pool is None else pool
     most = len(borders.x) + 1
     points, starts, slope, crispness = edge_points(
         binary.grey,
@@ -145,7 +145,7 @@ def locate_edges(binary: Binary, borders: Contours, room: Room | None = None) ->
         borders.y,
         borders.direction,
         borders.starts,
-        room.take("points", 2 * most, np.float64).reshape(most, 2),
+        pool.take("points", 2 * most, np.float64).reshape(most, 2),
     )
     slope = min(max(float(slope), LEAST_SLOPE), MOST_SLOPE)
     staircase = follow_staircase(points, starts, blur_of(slope))

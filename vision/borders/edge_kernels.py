@@ -24,10 +24,10 @@ from numba import njit
 from planner.scene import FloatArray
 from planner.scene.compile_options import LEAF, OWNING, SUMS
 from vision.borders.edge_profile_kernels import (
-    BEHIND,
-    REACH,
+    DIRECTION_REACH,
+    PIXELS_BEHIND,
+    PROFILE_PIXELS,
     ROWS,
-    SAMPLES,
     TAP0,
     TAP1,
     TAP2,
@@ -39,7 +39,7 @@ from vision.borders.edge_profile_kernels import (
     look_beside,
     out,
 )
-from vision.shared.typed_numbers import NO, NONE, ONE, YES
+from vision.shared.typed_numbers import NO, ONE, YES, ZERO
 
 WANDER = 2
 """Pixels beside the crack at which the smoothed crossing may lie."""
@@ -84,15 +84,15 @@ def edge_points(grey, mask, level, by_level, xs, ys, directions, starts, points)
     longest = 0
     for b in range(borders):
         longest = max(longest, starts[b + 1] - starts[b])
-    rows = np.empty((ROWS, longest + 2 * REACH), np.float64)
+    rows = np.empty((ROWS, longest + 2 * DIRECTION_REACH), np.float64)
     work = Profiles(
-        rows[:SAMPLES], rows[10], rows[11], rows[12], rows[13], rows[14], rows[15], rows[16],
+        rows[:PROFILE_PIXELS], rows[10], rows[11], rows[12], rows[13], rows[14], rows[15], rows[16],
         rows[17], rows[18], rows[19], rows[20], rows[21], rows[22], rows[23], rows[24],
     )  # fmt: skip
     places = np.empty((2, longest), np.int64)
     sums = np.zeros((4, longest + 1), np.float64)
     totals = np.zeros(4)
-    count = NONE
+    count = ZERO
     for b in range(borders):
         first = starts[b]
         n = starts[b + 1] - first
@@ -121,8 +121,8 @@ def _find_crossings(level, n, work, totals):
 
     ``totals``: sum and number of slopes, of full steps and slanted cracks.
     """
-    here = work.profile[BEHIND]
-    beside = work.profile[BEHIND + 1]
+    here = work.profile[PIXELS_BEHIND]
+    beside = work.profile[PIXELS_BEHIND + 1]
     slopes = 0.0
     crossed = 0.0
     steps = 0.0
@@ -219,14 +219,14 @@ def _crossing_narrow(level, i, work):
     highest = half + (UNREACHED * (light - dark) if work.gap[i] > 0.0 else 0.0)
     if lowest <= level <= highest:
         half = level
-    k = BEHIND
-    while work.profile[k, i] >= half and k > BEHIND - WANDER:
+    k = PIXELS_BEHIND
+    while work.profile[k, i] >= half and k > PIXELS_BEHIND - WANDER:
         k -= 1
-    while work.profile[k + 1, i] < half and k < BEHIND + WANDER:
+    while work.profile[k + 1, i] < half and k < PIXELS_BEHIND + WANDER:
         k += 1
     g0 = work.profile[k, i]
     g1 = work.profile[k + 1, i]
-    return k - BEHIND + (half - g0) / (g1 - g0) if g0 < half <= g1 else 0.5
+    return k - PIXELS_BEHIND + (half - g0) / (g1 - g0) if g0 < half <= g1 else 0.5
 
 
 @njit(**LEAF)
@@ -258,8 +258,8 @@ def find_plateaus(n, work, sums):
     for _ in range(2):
         _add_up(n, work.clear, dark, light)
         for kind in (dark, light):
-            _set_level(NONE, reach, reach + 1, n - reach, YES, n, kind)
-            _set_level(reach, n - reach, 2 * reach + 1, NONE, NO, n, kind)
+            _set_level(ZERO, reach, reach + 1, n - reach, YES, n, kind)
+            _set_level(reach, n - reach, 2 * reach + 1, ZERO, NO, n, kind)
             _set_level(n - reach, n, ONE, n - 2 * reach, YES, n, kind)
 
 

@@ -16,13 +16,13 @@ from numba import njit
 from planner.scene import FloatArray
 from planner.scene.compile_options import LEAF, SUMS
 
-REACH = 3
+DIRECTION_REACH = 3
 """Cracks to either side that give the border's direction."""
 TAP0, TAP1, TAP2 = 0.40261995, 0.24420134, 0.05448868
 """A Gaussian of sigma 1 on five pixels."""
-BEHIND, SAMPLES = 4, 10
+PIXELS_BEHIND, PROFILE_PIXELS = 4, 10
 """Pixels of a profile behind its obstacle pixel, and in all."""
-ROWS = SAMPLES + 15
+ROWS = PROFILE_PIXELS + 15
 """Rows behind a ``Profiles``."""
 
 
@@ -30,9 +30,9 @@ class Profiles(NamedTuple):
     """Profiles of a border's cracks and their results: a column a crack."""
 
     profile: FloatArray
-    """(SAMPLES, k): grey values, from obstacle to free."""
+    """(PROFILE_PIXELS, k): grey values, from obstacle to free."""
     middle_x: FloatArray
-    """Twice a crack's middle, with REACH cracks more at both ends."""
+    """Twice a crack's middle, with DIRECTION_REACH cracks more at both ends."""
     middle_y: FloatArray
     clear: FloatArray
     """1 where both plateaus are there, else 0."""
@@ -73,26 +73,26 @@ def locate(grey, xs, ys, directions, n, work, places):
     """
     width = grey.shape[1]
     flat_grey = grey.reshape(-1)
-    here = work.profile[BEHIND]
+    here = work.profile[PIXELS_BEHIND]
     at = places[0]
     step = places[1]
     for i in range(n):
         x = np.int64(xs[i])
         y = np.int64(ys[i])
         nx, ny = out(np.int64(directions[i]))
-        work.middle_x[REACH + i] = 2 * x + nx
-        work.middle_y[REACH + i] = 2 * y + ny
+        work.middle_x[DIRECTION_REACH + i] = 2 * x + nx
+        work.middle_y[DIRECTION_REACH + i] = 2 * y + ny
         at[i] = y * width + x
         step[i] = ny * width + nx
         work.crossing[i] = 0.0
         work.clear[i] = 1.0
     for i in range(n):
         here[i] = flat_grey[np.uint64(at[i])]
-    for i in range(REACH):
+    for i in range(DIRECTION_REACH):
         work.middle_x[i] = work.middle_x[n + i]
         work.middle_y[i] = work.middle_y[n + i]
-        work.middle_x[n + REACH + i] = work.middle_x[REACH + i]
-        work.middle_y[n + REACH + i] = work.middle_y[REACH + i]
+        work.middle_x[n + DIRECTION_REACH + i] = work.middle_x[DIRECTION_REACH + i]
+        work.middle_y[n + DIRECTION_REACH + i] = work.middle_y[DIRECTION_REACH + i]
 
 
 @njit(**LEAF)
@@ -136,18 +136,18 @@ def gather(grey, mask, xs, ys, directions, n, work, places):
             at = np.uint64(places[0, i])
             step = np.uint64(places[1, i])
             there = at
-            for k in range(BEHIND - 1, -1, -1):
+            for k in range(PIXELS_BEHIND - 1, -1, -1):
                 there -= step
                 work.profile[k, i] = flat_grey[there]
             there = at
-            for k in range(BEHIND + 1, SAMPLES):
+            for k in range(PIXELS_BEHIND + 1, PROFILE_PIXELS):
                 there += step
                 work.profile[k, i] = flat_grey[there]
             continue
         nx, ny = out(np.int64(directions[i]))
-        for k in range(SAMPLES):
-            px = min(max(x + (k - BEHIND) * nx, 0), width - 1)
-            py = min(max(y + (k - BEHIND) * ny, 0), height - 1)
+        for k in range(PROFILE_PIXELS):
+            px = min(max(x + (k - PIXELS_BEHIND) * nx, 0), width - 1)
+            py = min(max(y + (k - PIXELS_BEHIND) * ny, 0), height - 1)
             work.profile[k, i] = grey[py, px]
         work.clear[i] = 1.0 if _is_clear(mask, x, y, nx, ny, width, height) else 0.0
         if not (0 <= x + nx < width and 0 <= y + ny < height):
@@ -175,8 +175,8 @@ def _is_clear(mask, x, y, nx, ny, width, height):
 def look_along(directions, n, work):
     """Mark cracks that give a point, and slanted parts of the border."""
     for i in range(n):
-        dx = abs(work.middle_x[i + 2 * REACH] - work.middle_x[i])
-        dy = abs(work.middle_y[i + 2 * REACH] - work.middle_y[i])
+        dx = abs(work.middle_x[i + 2 * DIRECTION_REACH] - work.middle_x[i])
+        dy = abs(work.middle_y[i + 2 * DIRECTION_REACH] - work.middle_y[i])
         upright = directions[i] & 1 == 1
         across = dx if upright else dy
         along = dy if upright else dx

@@ -35,7 +35,7 @@ TAILS = 2.5
 """Standard deviations at which blur is cut off: chosen, 1 % lies beyond."""
 RISE_PX = 1.0
 """Least rise of a stretch: derived, a step."""
-ASTRAY_PX = 0.6
+BESIDE_CORNER_PX = 0.6
 """Deviation from which a point is beside a corner: chosen, rounding makes half a pixel, noise a
 little."""
 
@@ -161,7 +161,7 @@ def _compare(work, count, taps, reach):
         rise = max(rise, abs(first[i] - middle[i]), abs(last[i] - middle[i]))
         away = middle[i] - parabola[i]
         stair = blurred[i] - parabola[i]
-        tells = 1.0 if (rise >= RISE_PX) & (abs(away) < ASTRAY_PX) else 0.0
+        tells = 1.0 if (rise >= RISE_PX) & (abs(away) < BESIDE_CORNER_PX) else 0.0
         shared += tells * away * stair
         squares += tells * stair * stair
     return shared, squares

@@ -14,7 +14,7 @@ from __future__ import annotations
 from pathlib import Path
 
 from vision.camera.camera import CameraError, Frame, Image, RateMeter, SourceState
-from vision.camera.files import PICTURE_SUFFIXES, Pace, read_picture
+from vision.camera.picture_files import PICTURE_SUFFIXES, Pace, read_picture
 
 PATIENCE_S = 0.5
 """Less than the silence that counts as a stall."""

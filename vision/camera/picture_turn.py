@@ -2,8 +2,8 @@
 
 - Viewers and ``cv2.imread`` turn a picture accordingly.
 - A lens, and a camera's place above an arena, belong to the sensor's own pixels, and a camera that
-  looks down writes a random orientation: ``vision.camera.files.read_picture`` leaves pictures as
-  stored.
+  looks down writes a random orientation: ``vision.camera.picture_files.read_picture`` leaves
+  pictures as stored.
 
 Orientations are those of EXIF 2.32, 4.6.4: 1 as stored, 2 mirrored, 3 upside down, 4 mirrored
 upside down, 5 transposed, 6 to be turned 90 degrees clockwise, 7 transposed the other way, 8

@@ -13,8 +13,8 @@ from pathlib import Path
 
 from vision.camera.camera import Camera, CameraError, Clock
 from vision.camera.capture import StreamCamera, without_password, without_user
-from vision.camera.files import PICTURE_SUFFIXES, Pace, VideoCamera, Wait, read_picture
 from vision.camera.folder import FolderCamera, PictureCamera
+from vision.camera.picture_files import PICTURE_SUFFIXES, Pace, VideoCamera, Wait, read_picture
 from vision.camera.v4l2.device import DeviceCamera, DeviceSettings, driver_time_s
 from vision.camera.v4l2.devices import list_devices
 from vision.camera.v4l2.identity import KnownCamera

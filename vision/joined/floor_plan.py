@@ -2,7 +2,8 @@
 
 Rules and units
 - The plan shows the floor from straight above: square pixels of the finest camera's scale, y down,
-  the arena's bounds and a rim of ``MARGIN_PX``. Its own calibration turns its pixels into metres.
+  the arena's bounds and a rim of ``PLAN_MARGIN_PX``. Its own calibration turns its pixels into
+  metres.
 - The camera with the least error shows each pixel: that of an edge in its picture, and that of
   height, as things lean away by their height times distance over height of the camera.
 - So the pixel over an obstacle's foot shows that obstacle, or one in front of it, never the floor
@@ -31,16 +32,16 @@ from vision.calibration.calibration import (
 )
 from vision.camera.camera import Image
 
-MARGIN_PX: Final = 12
+PLAN_MARGIN_PX: Final = 12
 """Rim around the bounds: profiles across an edge reach so far."""
 RIM_PX: Final = 3.0
 """Distance from its picture's rim within which a camera sees nothing: lenses and profiles end
 there."""
-EDGE_PX: Final = 0.1
+EDGE_ERROR_PX: Final = 0.1
 """Error of an edge in a camera's picture; `python -m benchmarks.outlines` has less."""
 UNEVEN_M: Final = 0.01
 """Least height of things on a floor: chosen, a strip of wood."""
-MOST_PX: Final = 12_000_000
+MOST_PLAN_PX: Final = 12_000_000
 """Most pixels of a plan, by larger ones."""
 DARKEST_FOR_GAIN: Final = 30.0
 LEAST_FOR_GAIN: Final = 200
@@ -109,7 +110,7 @@ class FloorPlan:
         depth, error, maps = [], [], []
         for number, camera in enumerate(cameras):
             one_depth, one_error, one_map = _view(camera, floor, calibration)
-            inner = one_depth[MARGIN_PX:-MARGIN_PX, MARGIN_PX:-MARGIN_PX]
+            inner = one_depth[PLAN_MARGIN_PX:-PLAN_MARGIN_PX, PLAN_MARGIN_PX:-PLAN_MARGIN_PX]
             if not (inner > 0.0).any():
                 name = names[number] if names else f"{number + 1} of {len(cameras)}"
                 raise CalibrationError(
@@ -135,7 +136,7 @@ class FloorPlan:
 
         The rim repeats the shares at the bounds.
         """
-        rim = MARGIN_PX
+        rim = PLAN_MARGIN_PX
         depth = np.full(self.depth_px.shape[1:], -1.0, np.float32)
         for index in np.flatnonzero(live):
             depth = np.maximum(depth, self.depth_px[index])
@@ -258,12 +259,12 @@ def _mirror_into(canvas: Image, uncovered: NDArray[np.bool_]) -> None:
 
 
 def _plan_of(bounds: Bounds, metres_per_pixel: float) -> Calibration:
-    coarsest = (bounds.width * bounds.height / MOST_PX) ** 0.5
+    coarsest = (bounds.width * bounds.height / MOST_PLAN_PX) ** 0.5
     s = max(metres_per_pixel, coarsest)
-    width = int(np.ceil(bounds.width / s)) + 2 * MARGIN_PX
-    height = int(np.ceil(bounds.height / s)) + 2 * MARGIN_PX
-    x0 = bounds.x_min - (MARGIN_PX - 0.5) * s
-    y1 = bounds.y_max + (MARGIN_PX - 0.5) * s
+    width = int(np.ceil(bounds.width / s)) + 2 * PLAN_MARGIN_PX
+    height = int(np.ceil(bounds.height / s)) + 2 * PLAN_MARGIN_PX
+    x0 = bounds.x_min - (PLAN_MARGIN_PX - 0.5) * s
+    y1 = bounds.y_max + (PLAN_MARGIN_PX - 0.5) * s
     floor = np.array([[s, 0.0, x0], [0.0, -s, y1], [0.0, 0.0, 1.0]])
     size = (width, height)
     return Calibration(size, nominal_camera_matrix(size), np.zeros(5), floor)
@@ -299,7 +300,7 @@ def _view(
     depth = np.where(np.isfinite(depth), depth, -1e6)
     foot, high_m = _place(camera)
     lean = np.hypot(*(floor - foot).T) / high_m
-    error = np.hypot(EDGE_PX * pixel_m, UNEVEN_M * lean)
+    error = np.hypot(EDGE_ERROR_PX * pixel_m, UNEVEN_M * lean)
     error = np.where(depth > 0.0, error, np.inf)
     where = np.nan_to_num(seen, nan=-1e4, posinf=-1e4, neginf=-1e4).clip(-1e4, 3e4)
     maps = cv2.convertMaps(

@@ -38,7 +38,7 @@ NO_SIDES = math.inf
 _RIM_PX = 3.0
 _RIM_CELLS = 0.75
 """Distance around the marker in which pixels are used: the rim is light for a cell at least."""
-MOST_PIXELS = 12_000
+MOST_BOX_PIXELS = 12_000
 """Most pixels in the box around a marker; more are thinned out. From 200 px on the centre stays
 within 0.01 px (``test_marker_pattern.py``)."""
 _MAX_MOVE_PX = 1.5
@@ -336,7 +336,7 @@ def collect_pixels(
     floor.
     """
     x0, y0, x1, y1 = box
-    every = (x1 - x0 + 1) * (y1 - y0 + 1) // MOST_PIXELS + 1
+    every = (x1 - x0 + 1) * (y1 - y0 + 1) // MOST_BOX_PIXELS + 1
     rows = np.empty((((x1 - x0) // every + 1) * (y1 - y0 + 1), 3))
     count = 0
     p = pattern_from_plane

@@ -5,9 +5,9 @@
 3. `whole_circle_kernels`: finds borders that are one circle.
 4. `seed_kernels` and `partition_kernels`: possible breaks, and the cheapest partition.
 5. `corners/`: corners, wall ends and fillets where edges meet, with the prices and fits of `fit/`.
-6. `drawn/`: outlines that separate the pixels of pictures without grey.
+6. `bilevel/`: outlines that separate the pixels of pictures of two grey values.
 7. `check/`: checks every outline against its border; `thin_walls` keeps walls that a fit would cut.
 
-`fitting` (`fitting_kernels`) runs them, with the types of `outline_types` and the memory of `work`,
-into `fitted_borders`.
+`fitting` (`fitting_kernels`) runs them, with the types of `outline_types` and the memory of
+`fitting_memory`, into `fitted_borders`.
 """

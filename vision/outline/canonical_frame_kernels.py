@@ -18,17 +18,17 @@ import math
 from numba import njit
 
 from planner.scene.compile_options import LEAF, SUMS
-from vision.outline.fit.shape_kernels import HUGE
+from vision.outline.fit.edge_shape_kernels import HUGE
 from vision.outline.outline_types import CanonicalPlace
-from vision.shared.typed_numbers import NONE
+from vision.shared.typed_numbers import ZERO
 
-APART = 7
+COMPARED_APART = 7
 """Share of a border between compared points: chosen, no usual symmetry has it."""
 NEITHER = 1e-10
 """Relative skewness of a mirror-symmetric border: indifferent, thousands of sums round by 1e-12 in
 all."""
 
-STEPS = 2.0**20
+PIXEL_PARTS = 2.0**20
 """Parts of a pixel to which points are rounded: chosen, a power of two, exact. Equal shapes stay
 equal everywhere in the picture, and ties are decided alike."""
 
@@ -74,7 +74,7 @@ def bring_into_place(points, away, border):
         turns += 1
         east, south = -south, east
         xx, xy, yx, yy = -yx, -yy, xx, xy
-    share = 1.0 / STEPS
+    share = 1.0 / PIXEL_PARTS
     for part in range(2):
         behind = part == 1
         if transposed:
@@ -89,8 +89,8 @@ def bring_into_place(points, away, border):
             i = low + count - 1 - k if transposed else low + k
             u = points[i, 0] - x
             v = points[i, 1] - y
-            px[to + k] = math.floor((xx * u + xy * v) * STEPS + 0.5) * share
-            py[to + k] = math.floor((yx * u + yy * v) * STEPS + 0.5) * share
+            px[to + k] = math.floor((xx * u + xy * v) * PIXEL_PARTS + 0.5) * share
+            py[to + k] = math.floor((yx * u + yy * v) * PIXEL_PARTS + 0.5) * share
     _repeat(px, py, n)
     return CanonicalPlace(transposed, turns, xx * x + xy * y, yx * x + yy * y)
 
@@ -101,7 +101,7 @@ def is_left_handed(away, n, farthest):
 
     A third moment along the border: only mirroring changes its sign.
     """
-    step = n // APART + 1
+    step = n // COMPARED_APART + 1
     skew = 0.0
     for part in range(3):
         # no index wraps round, ``after`` does, or ``here`` does too
@@ -134,7 +134,7 @@ def bring_cracks_along(border, cracks, place):
     _turn(qx, qy, n, place.turns)
     _turn(hx, hy, n, place.turns)
     best = HUGE
-    first = NONE
+    first = ZERO
     for k in range(n):
         d = (qx[k] - x) ** 2 + (qy[k] - y) ** 2
         if d < best:
@@ -153,7 +153,7 @@ def bring_cracks_along(border, cracks, place):
 
 @njit(**LEAF)
 def _rounded(x):
-    return math.floor(x * STEPS + 0.5) / STEPS
+    return math.floor(x * PIXEL_PARTS + 0.5) / PIXEL_PARTS
 
 
 @njit(**LEAF)

@@ -17,8 +17,8 @@ ARC_CCW: Final = 2
 # defined: kinds of a border
 POLYGON: Final = 0
 # defined: the same
-CIRCLE: Final = 1
-TINY: Final = 2
+WHOLE_CIRCLE: Final = 1
+TINY_BORDER: Final = 2
 """Too few points for a fit: defined."""
 FEWEST_LINES: Final = 3
 """Lines that enclose something: derived, two do not."""
@@ -28,9 +28,9 @@ FEWEST_LINES: Final = 3
 class FittedBorders:
     """Lines, arcs and circles of every border, from ``vision.outline.fitting``.
 
-    ``border_kind`` (b,): POLYGON, CIRCLE or TINY. ``edge_starts`` (b + 1,). ``kind`` (k,): LINE,
-    ARC_CW or ARC_CCW. ``data`` (k, 6): first point x, y; centre x, y and radius of an arc or
-    circle; the border's rms deviation in pixels.
+    ``border_kind`` (b,): POLYGON, WHOLE_CIRCLE or TINY_BORDER. ``edge_starts`` (b + 1,). ``kind``
+    (k,): LINE, ARC_CW or ARC_CCW. ``data`` (k, 6): first point x, y; centre x, y and radius of an
+    arc or circle; the border's rms deviation in pixels.
     """
 
     border_kind: NDArray[np.int8]

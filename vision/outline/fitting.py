@@ -12,18 +12,18 @@ import numpy as np
 from numpy.typing import NDArray
 
 from vision.borders.contours import Contours, EdgePoints
-from vision.outline.drawn.separation_kernels import runs_between_two_greys
+from vision.outline.bilevel.separation_kernels import runs_between_two_greys
 from vision.outline.fit.edge_prices import LEAST_LINE, edge_prices
 from vision.outline.fit.outline_kernels import KNOWN_PX
 from vision.outline.fitted_borders import FittedBorders
 from vision.outline.fitting_kernels import fit_borders
+from vision.outline.fitting_memory import make_fitted, memory_for
 from vision.outline.limit_kernels import LOUD_PX, NOISY_PX, QUIET_PX, allow_losses, longest_of
 from vision.outline.outline_types import CrackPixels, Prices
-from vision.outline.work import make_fitted, memory_for
 
 SMOOTHING = 0.5311
 """Noise left by the profile's five-pixel Gaussian: derived, 1 / sqrt(2 sqrt(pi)) at sigma 1."""
-CALM_PX = 0.12
+FREE_PX = 0.12
 """Free deviation in a picture with grey (chosen); half of it in noise, where it would hide true
 corners."""
 STAIRCASE_PX = 0.5
@@ -58,15 +58,15 @@ def tolerance_of(edges: EdgePoints, noise: float, contrast: float) -> Tolerance:
     """Tolerance for a picture's noise (grey levels), contrast and edges."""
     spread = SMOOTHING * noise / (edges.slope * max(contrast, 1.0))
     sigma = float(np.hypot(KNOWN_PX, spread))
-    crisp = edges.crispness if edges.crispness > 0.3 else 0.0
+    crispness = edges.crispness if edges.crispness > 0.3 else 0.0
     blur = edges.blur_px
     noisy = min(max((spread - QUIET_PX) / (NOISY_PX - QUIET_PX), 0.0), 1.0)
-    calm = CALM_PX * (1.0 - 0.5 * noisy)
+    free = FREE_PX * (1.0 - 0.5 * noisy)
     # so far out, noise outweighs the rest of the bend
     loud = min(1.0, spread / LOUD_PX)
     return Tolerance(
-        crisp=crisp > 0.5,
-        dead_zone_px=calm + (STAIRCASE_PX - calm) * max(crisp, staircase_share(edges, sigma)),
+        crisp=crispness > 0.5,
+        dead_zone_px=free + (STAIRCASE_PX - free) * max(crispness, staircase_share(edges, sigma)),
         sigma_px=sigma,
         spread_px=spread,
         blur_px=blur,
@@ -85,7 +85,7 @@ def staircase_share(edges: EdgePoints, sigma_px: float) -> float:
     return min(common / whole, 1.0) if saved > LEAST_LINE else 0.0
 
 
-def is_drawing(grey: NDArray[Any], borders: Contours) -> bool:
+def is_bilevel(grey: NDArray[Any], borders: Contours) -> bool:
     """True if every border runs between the same two values of grey. O(1) for most others."""
     return bool(runs_between_two_greys(grey, borders.x, borders.y, borders.direction))
 
@@ -96,17 +96,17 @@ def fit_edges(
     borders: Contours,
     tolerance: Tolerance,
     *,
-    separate: bool = False,
+    bilevel: bool = False,
 ) -> FittedBorders:
     """Partition every border into lines and arcs, or take it for a circle. O(points).
 
-    ``separate``: the picture is a drawing without grey, and every border's edges must separate its
-    obstacle pixels from free ones.
+    ``bilevel``: the picture has two values of grey, and is in pixels: every border's edges must
+    separate its obstacle pixels from free ones.
     """
     count = len(starts) - 1
-    known = len(borders.x) if separate else 0
+    known = len(borders.x) if bilevel else 0
     longest = longest_of(starts)
-    if separate:
+    if bilevel:
         longest = max(longest, longest_of(borders.starts))
     budgets = np.empty(count)
     pixels = np.zeros(count, np.int64)

@@ -27,10 +27,10 @@ CRISP_TANGENT_PX = 0.3
 aside."""
 CUT_PX = 0.7
 """Blur's worth of a missing corner pixel: chosen, the sides still meet there."""
-MOST_PX = 1.0
+MOST_MISS_PX = 1.0
 """Largest distance of an edge from a border without noise: defined, the pixel that is promised, at
 a tip too."""
-CALM_LOSS_PX = 0.02
+FREE_LOSS_PX = 0.02
 """Deviation that is no lost area: chosen."""
 CHORD_PX = 0.2
 """Largest distance of a ragged stretch's chord from its border points: chosen."""
@@ -42,8 +42,8 @@ of the page on outlines."""
 
 
 @njit(**LEAF)
-def limits_of(tolerance, exact):
-    """The limits of a picture; ``exact``: edges must separate every crack's pixels."""
+def limits_of(tolerance, bilevel):
+    """The limits of a picture; ``bilevel``: edges must separate every crack's pixels."""
     crisp = tolerance.crisp
     dead_zone = tolerance.dead_zone_px
     sigma = tolerance.sigma_px
@@ -56,10 +56,10 @@ def limits_of(tolerance, exact):
         0.9 if crisp else 0.35 + dead_zone + 2.5 * sigma,
         math.ceil(tolerance.trim_px),
         tolerance.guard_px,
-        CUT_PX if exact else tolerance.blur_px,
+        CUT_PX if bilevel else tolerance.blur_px,
         CRISP_TANGENT_PX if crisp else KNOWN_PX + spread,
-        CALM_LOSS_PX + 2.0 * spread,
-        MOST_PX + 4.5 * spread,
+        FREE_LOSS_PX + 2.0 * spread,
+        MOST_MISS_PX + 4.5 * spread,
         CRISP_CHORD_PX if crisp else CHORD_PX + 2.0 * spread,
         _expected_cost(dead_zone, sigma, spread),
     )

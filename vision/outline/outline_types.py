@@ -30,8 +30,8 @@ class Cracks(NamedTuple):
     """One border's cracks.
 
     ``x``, ``y`` (2 n + 1,) float64: the middles of the ``n`` cracks, twice as in ``BorderPoints``;
-    ``free_x``, ``free_y``: from there to the free pixel's centre. ``n`` is 0 if edges need not
-    separate pixels.
+    ``free_x``, ``free_y``: from there to the free pixel's centre. ``n`` is 0 unless the picture is
+    bilevel: then edges must separate its pixels.
     """
 
     x: NDArray[np.float64]
@@ -304,7 +304,7 @@ class Work(NamedTuple):
     review: Review
     at: NDArray[np.int64]
     circle: NDArray[np.float64]
-    room: Scratch
+    scratch: Scratch
 
 
 class Fitted(NamedTuple):

@@ -16,13 +16,19 @@ import numpy as np
 from numba import njit
 
 from planner.scene.compile_options import LEAF
-from vision.outline.corners.crossing_kernels import AROUND
+from vision.outline.corners.crossing_kernels import DIRECTION_POINTS
+from vision.outline.fit.edge_shape_kernels import (
+    FIT_ASTRAY,
+    HUGE,
+    circle_cost,
+    circle_of_three,
+    line_cost,
+)
 from vision.outline.fit.moment_kernels import FIRST, circle_of, grow, line_of
 from vision.outline.fit.separating_fit_kernels import separate_circle
-from vision.outline.fit.shape_kernels import ASTRAY, HUGE, circle_cost, circle_of_three, line_cost
 from vision.outline.outline_types import Search, StretchFit
 from vision.outline.seed_kernels import seed_breaks, snap_seeds, turn_at
-from vision.shared.typed_numbers import NONE
+from vision.shared.typed_numbers import ZERO
 
 FAILED = 4.0
 """Cost of a stretch between seeds that is no line, in lines: chosen."""
@@ -30,14 +36,14 @@ NEAR_MISS = 1.6
 """Share of the worst deviation up to which an arc is turned between the pixels: chosen."""
 SPAN = 160
 """Most seeds in one stretch: indifferent, a bound on the work."""
-CORNER = 1.2
+SURE_CORNER_RAD = 1.2
 """Turn in radians from which a seed is surely a corner: chosen, a cap of 10 px radius turns by
 0.6."""
 FAILURES = 3
 """Failures of stretches from one end after which none is extended: chosen, to spare work."""
-ANY, BENT, NOTHING = np.int64(0), np.int64(1), np.int64(2)
+ANY, ARC_ONLY, NO_SHAPE = np.int64(0), np.int64(1), np.int64(2)
 """Possible shapes of a stretch: defined, a line or an arc, an arc, neither."""
-ROUNDING = 1e-9
+COST_ROUNDING = 1e-9
 """Rounding of costs by the order of sums: indifferent."""
 ROUND_SEEDS = 12
 """Most seeds on a border that is nearly a circle and no polygon: indifferent, to spare work, as
@@ -45,7 +51,7 @@ breaks beside arcs move when edges are fitted."""
 
 
 @njit(**LEAF)
-def partition(border, outline, skip, costs, tolerance, prices, limit, radius, room):
+def partition(border, outline, skip, costs, tolerance, prices, limit, radius, scratch):
     """Find seeds, then the cheapest partition at some of them: (edges, cost).
 
     ``tolerance``: largest distance of the chords between seeds from the border; ``skip``: points
@@ -54,15 +60,15 @@ def partition(border, outline, skip, costs, tolerance, prices, limit, radius, ro
     """
     n = border.n
     longest = _longest_line(n, radius, costs.worst, skip)
-    is_seed = room.flags[0]
-    seeds = room.indices[0]
-    seed_breaks(border, tolerance, is_seed, room.numbers[0], room.pairs)
+    is_seed = scratch.flags[0]
+    seeds = scratch.indices[0]
+    seed_breaks(border, tolerance, is_seed, scratch.numbers[0], scratch.pairs)
     m = 0
     for k in range(n):
         if is_seed[k]:
             seeds[m] = k
             m += 1
-    chord = _longest_line(n, radius, 0.5 * costs.worst, NONE)
+    chord = _longest_line(n, radius, 0.5 * costs.worst, ZERO)
     if radius > 0.0 and m > ROUND_SEEDS and prices.line * n >= limit * chord:
         # no polygon is cheaper than the circle: only arcs remain
         for t in range(ROUND_SEEDS):
@@ -71,9 +77,9 @@ def partition(border, outline, skip, costs, tolerance, prices, limit, radius, ro
     seeds = seeds[:m]
     snap_seeds(border, seeds, skip + 4)
     sharpest = -1.0
-    start = NONE
+    start = ZERO
     for t in range(m):
-        turn = turn_at(border, seeds[t], AROUND)
+        turn = turn_at(border, seeds[t], DIRECTION_POINTS)
         if turn > sharpest:
             sharpest = turn
             start = t
@@ -82,16 +88,16 @@ def partition(border, outline, skip, costs, tolerance, prices, limit, radius, ro
     for _ in range(2):
         found, least = _best_partition(
             border, outline, seeds, start, skip, costs, prices,
-            min(cost * (1.0 + ROUNDING), limit), longest, room,
+            min(cost * (1.0 + COST_ROUNDING), limit), longest, scratch,
         )  # fmt: skip
         if found == 0:
             break
         edges = found
         cost = least
-        if sharpest >= CORNER or edges < 2:
+        if sharpest >= SURE_CORNER_RAD or edges < 2:
             break
         # no corner to begin at: repeat from a found break
-        sharpest = CORNER
+        sharpest = SURE_CORNER_RAD
         again = outline.breaks[edges // 2]
         for t in range(m):
             if seeds[t] == again:
@@ -100,7 +106,7 @@ def partition(border, outline, skip, costs, tolerance, prices, limit, radius, ro
 
 
 @njit(**LEAF)
-def _best_partition(border, outline, seeds, start, skip, costs, prices, limit, longest, room):
+def _best_partition(border, outline, seeds, start, skip, costs, prices, limit, longest, scratch):
     """The cheapest partition of a closed border into lines and arcs that break at seeds.
 
     Fills the outline's ``breaks`` (in order, from seed number ``start``) and ``is_arc``; returns
@@ -110,9 +116,9 @@ def _best_partition(border, outline, seeds, start, skip, costs, prices, limit, l
     ``limit`` with it is dropped.
     """
     m = seeds.shape[0]
-    indices = room.indices
-    numbers = room.numbers
-    search = Search(indices[1], numbers[2], numbers[3], indices[2], room.flags[1])
+    indices = scratch.indices
+    numbers = scratch.numbers
+    search = Search(indices[1], numbers[2], numbers[3], indices[2], scratch.flags[1])
     fit = StretchFit(numbers[4], numbers[5], numbers[6], numbers[0:2])
     for t in range(m + 1):
         search.came[t] = -1
@@ -155,11 +161,11 @@ def _extend(border, search, m, i, skip, costs, prices, fit):
         if j > i + 1:
             may_be = _what_seeds_allow(border, a, b, position, i, j, shift, costs.worst)
             most = bound
-        if may_be == BENT and bound <= prices.arc:
+        if may_be == ARC_ONLY and bound <= prices.arc:
             continue
         cost = HUGE
         bent = False
-        if may_be != NOTHING:
+        if may_be != NO_SHAPE:
             cost, bent = _stretch(border, a, b + 1, may_be, costs, most, prices, fit)
         if cost >= HUGE and j > i + 1:
             failed += 1
@@ -229,7 +235,7 @@ def _trim(length, guard):
 
 @njit(**LEAF)
 def _what_seeds_allow(border, a, b, position, i, j, shift, worst):
-    """Shapes possible for points a .. b, by seeds i + 1 .. j - 1 alone: ANY, BENT or NOTHING."""
+    """Shapes possible for points a .. b by the seeds between: ANY, ARC_ONLY or NO_SHAPE."""
     px, py = border.x, border.y
     x0 = px[a]
     y0 = py[a]
@@ -241,25 +247,25 @@ def _what_seeds_allow(border, a, b, position, i, j, shift, worst):
         k = position[s] - shift
         if a < k < b:
             far = max(far, abs((px[k] - x0) * dy - (py[k] - y0) * dx))
-    if far <= ASTRAY * worst * chord:
+    if far <= FIT_ASTRAY * worst * chord:
         return ANY
     c = (a + b) // 2
     mx, my, r = circle_of_three(px[c] - x0, py[c] - y0, dx, dy)
     if chord < r:
-        return BENT
+        return ARC_ONLY
     for s in range(i, j):
         # the seeds, and half-way between them
         k = (position[s] + position[s + 1]) // 2 - shift
         if a < k < b:
             d = math.sqrt((px[k] - x0 - mx) ** 2 + (py[k] - y0 - my) ** 2) - r
-            if abs(d) > ASTRAY * worst:
-                return NOTHING
+            if abs(d) > FIT_ASTRAY * worst:
+                return NO_SHAPE
         k = position[s] - shift
         if a < k < b:
             d = math.sqrt((px[k] - x0 - mx) ** 2 + (py[k] - y0 - my) ** 2) - r
-            if abs(d) > ASTRAY * worst:
-                return NOTHING
-    return BENT
+            if abs(d) > FIT_ASTRAY * worst:
+                return NO_SHAPE
+    return ARC_ONLY
 
 
 @njit(**LEAF)

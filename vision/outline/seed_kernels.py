@@ -12,7 +12,7 @@ import math
 from numba import njit
 
 from planner.scene.compile_options import LEAF, SUMS
-from vision.shared.typed_numbers import NONE
+from vision.shared.typed_numbers import ZERO
 
 SNAP = 4
 """Points by which a seed moves to the middle of its corner: chosen."""
@@ -29,7 +29,7 @@ def seed_breaks(border, tolerance, is_seed, away, stack):
     n = border.n
     for k in range(n):
         is_seed[k] = False
-    start = NONE
+    start = ZERO
     other, _ = _farthest(px, py, start, n, away)
     is_seed[start] = True
     is_seed[other] = True

@@ -5,7 +5,7 @@ Rules and units
   may leave out pixels, and a path would lead through.
 - Only objects thinner than ``THIN_PX``. In pictures with fine structure (``vision.binarise.humps``)
   all of them; in drawings without grey and noisy pictures only those beside holes narrower than
-  ``NARROW_PX``.
+  ``NARROW_HOLE_PX``.
 """
 
 from __future__ import annotations
@@ -19,14 +19,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 from vision.borders.contours import Contours
-from vision.outline.fitted_borders import ARC_CCW, CIRCLE, LINE, TINY, FittedBorders
+from vision.outline.fitted_borders import ARC_CCW, LINE, TINY_BORDER, WHOLE_CIRCLE, FittedBorders
 
 Place: TypeAlias = Callable[[NDArray[np.float64]], NDArray[np.float64]]
 
 THIN_PX = 4.5
 """Least mean width of an object that is no thin wall: chosen, outlines cut pieces off walls of up
 to 4 px, and none off those of 6 px (``python -m benchmarks.vision.fine``)."""
-NARROW_PX = 2.0 * THIN_PX
+NARROW_HOLE_PX = 2.0 * THIN_PX
 """Least mean width of a hole that is no narrow way: chosen, blur and noise widen ways by up to 2 px
 (``python -m benchmarks.vision.fine --cells 81``)."""
 MOST_LOST = 0.25
@@ -54,9 +54,9 @@ def keep_thin_walls(
     area = np.bincount(borders.owner, borders.area, len(cracks))
     length = np.bincount(borders.owner, cracks, len(cracks))
     walls = (2.0 * area / np.maximum(length, 1.0))[borders.owner]
-    asked = (walls < THIN_PX) & (fitted.border_kind != TINY)
+    asked = (walls < THIN_PX) & (fitted.border_kind != TINY_BORDER)
     if not fine:
-        asked &= holes & (-2.0 * borders.area < NARROW_PX * cracks)
+        asked &= holes & (-2.0 * borders.area < NARROW_HOLE_PX * cracks)
     lost = [
         b
         for b in np.flatnonzero(asked).tolist()
@@ -65,9 +65,9 @@ def keep_thin_walls(
     if not lost:
         return fitted
     border_kind = fitted.border_kind.copy()
-    border_kind[lost] = TINY
+    border_kind[lost] = TINY_BORDER
     edges = np.diff(fitted.edge_starts)
-    kept = np.repeat(border_kind != TINY, edges)
+    kept = np.repeat(border_kind != TINY_BORDER, edges)
     edges[lost] = 0
     starts = np.concatenate([[0], np.cumsum(edges)])
     return FittedBorders(border_kind, starts, fitted.kind[kept], fitted.data[kept])
@@ -92,7 +92,7 @@ def _polyline(fitted: FittedBorders, b: int) -> NDArray[np.float64]:
     """Polyline (n, 2) of border b."""
     first, last = int(fitted.edge_starts[b]), int(fitted.edge_starts[b + 1])
     rows, kinds = fitted.data[first:last], fitted.kind[first:last]
-    if fitted.border_kind[b] == CIRCLE:
+    if fitted.border_kind[b] == WHOLE_CIRCLE:
         return _arc(rows[0, 2:5], 0.0, math.tau)
     points = []
     for i, kind in enumerate(kinds.tolist()):

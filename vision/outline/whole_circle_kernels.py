@@ -13,13 +13,7 @@ import numpy as np
 from numba import njit
 
 from planner.scene.compile_options import LEAF
-from vision.outline.fit.separating_fit_kernels import (
-    HALF,
-    lose_fewest,
-    lost_to_circle,
-    separate_circle,
-)
-from vision.outline.fit.shape_kernels import (
+from vision.outline.fit.edge_shape_kernels import (
     HUGE,
     circle_cost,
     circle_rms,
@@ -27,13 +21,19 @@ from vision.outline.fit.shape_kernels import (
     goes_round,
     refine_circle,
 )
+from vision.outline.fit.separating_fit_kernels import (
+    HALF,
+    lose_fewest,
+    lost_to_circle,
+    separate_circle,
+)
 from vision.outline.fitted_borders import LINE
-from vision.outline.limit_kernels import LOUD_PX, MOST_PX
-from vision.shared.typed_numbers import NONE, ONE
+from vision.outline.limit_kernels import LOUD_PX, MOST_MISS_PX
+from vision.shared.typed_numbers import ONE, ZERO
 
 LEAST_LOST = 1.0
 """Loss that does not cut a circle into arcs, whatever its budget: defined, a pixel."""
-INWARDS = 0.31
+CIRCLE_INWARDS = 0.31
 """Shift of a circle inwards by blur, as a share of its variance over the radius: measured; half in
 theory, but profiles that meet a circle aslant see a wider blur. Less with noise, none from
 ``LOUD_PX`` on. ``vision.outline.corners.fillet_kernels.half_variance`` gives more: nearer for most
@@ -56,31 +56,32 @@ def circle_of_all(border, cracks, costs, budget, held, price, circle, near):
     py = border.y
     n = border.n
     crisp = costs.crisp
+    bilevel = cracks.n > 0
     dead_zone = costs.dead_zone
     sigma = costs.sigma
     worst = costs.worst
     # a sample rules out most other shapes
-    if not fit_circle(px, py, NONE, n, max(1, n // ROUGH), circle):
+    if not fit_circle(px, py, ZERO, n, max(1, n // ROUGH), circle):
         return HUGE, False
-    far = circle_cost(px, py, NONE, n, circle, crisp, dead_zone, sigma, 2.0 * worst, HUGE)
-    if far >= HUGE or not fit_circle(px, py, NONE, n, ONE, circle):
+    far = circle_cost(px, py, ZERO, n, circle, crisp, dead_zone, sigma, 2.0 * worst, HUGE)
+    if far >= HUGE or not fit_circle(px, py, ZERO, n, ONE, circle):
         return HUGE, False
-    refine_circle(px, py, NONE, n, circle)
+    refine_circle(px, py, ZERO, n, circle)
     if not goes_round(px, py, n, circle[0], circle[1]):
         return HUGE, False
     if crisp:
-        separate_circle(px, py, NONE, n, circle, near)
-    cost = circle_cost(px, py, NONE, n, circle, crisp, dead_zone, sigma, worst, HUGE)
+        separate_circle(px, py, ZERO, n, circle, near)
+    cost = circle_cost(px, py, ZERO, n, circle, crisp, dead_zone, sigma, worst, HUGE)
     if not crisp:
         return price + cost, False
     fitted = circle[2]
-    if cracks.n > 0:
+    if bilevel:
         # a few far points pull squared costs, but a pixel is lost or not
         lost = lose_fewest(cracks, circle, near[0], near[1])
-        worst = MOST_PX
+        worst = MOST_MISS_PX
     else:
         lost = lost_to_circle(px, py, n, circle)
-    if circle_cost(px, py, NONE, n, circle, crisp, HALF, 1.0, worst, HUGE) >= HUGE:
+    if circle_cost(px, py, ZERO, n, circle, crisp, HALF, 1.0, worst, HUGE) >= HUGE:
         circle[2] = fitted
     elif lost <= budget:
         return price, False
@@ -113,11 +114,11 @@ def write_circle(border, circle, tolerance, place, finished):
     """Write a whole border's circle as its one edge, moved to ``place``."""
     data = finished.rows
     finished.kind[0] = LINE
-    data[0, 5] = circle_rms(border.x, border.y, NONE, border.n, circle)
+    data[0, 5] = circle_rms(border.x, border.y, ZERO, border.n, circle)
     if not tolerance.crisp:
         blur = tolerance.blur_px
         quiet = max(1.0 - tolerance.spread_px / LOUD_PX, 0.0)
-        circle[2] += quiet * INWARDS * blur * blur / max(circle[2], blur)
+        circle[2] += quiet * CIRCLE_INWARDS * blur * blur / max(circle[2], blur)
     data[0, 0] = place.x + circle[0] - circle[2]
     data[0, 1] = place.y + circle[1]
     data[0, 2] = place.x + circle[0]

@@ -18,7 +18,7 @@ from vision.paper.corner_kernels import is_digital_circle
 SLACK_PX = 0.25
 """The paper's "threshold value": a filled disc's border pixels lie up to a pixel inside its
 circle."""
-FEWEST = 8
+FEWEST_CONTOUR_PX = 8
 """Pixels of the smallest contour that is no dot."""
 
 
@@ -35,7 +35,7 @@ def digital_circle(contour: NDArray[np.int32], slack_px: float = SLACK_PX) -> Di
 
     ``slack_px`` widens the half pixel of equation 14.
     """
-    if len(contour) < FEWEST:
+    if len(contour) < FEWEST_CONTOUR_PX:
         return None
     xs, ys = np.ascontiguousarray(contour[:, 0]), np.ascontiguousarray(contour[:, 1])
     accepted, x_m, y_m, r = is_digital_circle(xs, ys, 0, len(xs), slack_px)

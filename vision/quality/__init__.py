@@ -1,6 +1,6 @@
 """Quality of a camera's pictures, measured for some seconds.
 
-`watching` gathers the data of each picture. `timing` then judges arrival times, `light` noise,
+`watching` gathers the data of each picture. `timing` then judges arrival times, `brightness` noise,
 flicker and clipping, and `focus` the sharpness of edges, part by part.
 """
 

@@ -12,8 +12,8 @@ from planner.scene import FloatArray
 from vision.camera.camera import Frame, Image
 from vision.camera.v4l2.modes import Size
 from vision.markers.marker_search import find_markers, grey_of
+from vision.quality.brightness import Flicker, clipped_of, flicker_of, noise_of
 from vision.quality.focus import Focus, blur_along, focus_of
-from vision.quality.light import Flicker, clipped_of, flicker_of, noise_of
 from vision.quality.timing import Timing, even_times, timing_of
 
 NOISE_EVERY: Final = 5

@@ -4,7 +4,7 @@ Rules and units
 - The scene's own units; the bounds are ``(x0, y0, x1, y1)``, parallel to the axes.
 - An outline is cut at one side of the bounds after the other, and continues along that side (I. E.
   Sutherland and G. W. Hodgman, Reentrant Polygon Clipping, 1974); the rest of an arc keeps its
-  circle. A record that leaves the bounds by at most ``STRAY_PX`` stays as it is.
+  circle. A record that leaves the bounds by at most ``EDGE_ROUNDING_PX`` stays as it is.
 """
 
 from __future__ import annotations
@@ -13,11 +13,11 @@ import math
 
 from planner.scene import Arc, CircleRecord, Edge, PolygonRecord, Segment, Vec
 
-STRAY_PX = 0.01
+EDGE_ROUNDING_PX = 0.01
 """Distance beyond the edge that is rounding."""
 CIRCLE_STRAY_PX = 0.5
 """Distance beyond the edge at which a circle still counts as whole."""
-SAME = 1e-9
+SAME_BOUND_SIDE = 1e-9
 """Distance of a point on a side of the bounds; a shorter edge is none."""
 
 
@@ -37,7 +37,7 @@ def clip_circle(
 
 def clip_polygon(record: PolygonRecord, bounds: tuple[float, float, float, float]) -> PolygonRecord:
     """Part of the outline within the bounds; all of it if it hardly leaves them."""
-    if _farthest_out(record.edges, bounds) <= STRAY_PX:
+    if _farthest_out(record.edges, bounds) <= EDGE_ROUNDING_PX:
         return record
     edges = _clip(record.edges, bounds)
     return PolygonRecord(edges, record.residual_px) if edges else record
@@ -70,9 +70,9 @@ def _clip_at(edges: tuple[Edge, ...], axis: int, limit: float, sign: float) -> t
         places = [edge.start, *_crossings(edge, axis, limit), edge.end]
         for i in range(len(places) - 1):
             piece = _piece(edge, places[i], places[i + 1])
-            if math.dist(piece.start, piece.end) <= SAME and len(places) > 2:
+            if math.dist(piece.start, piece.end) <= SAME_BOUND_SIDE and len(places) > 2:
                 continue
-            if sign * (_middle(piece)[axis] - limit) <= SAME:
+            if sign * (_middle(piece)[axis] - limit) <= SAME_BOUND_SIDE:
                 if kept:
                     kept += _between(kept[-1].end, piece.start)
                     piece = _piece(piece, kept[-1].end, piece.end)
@@ -85,7 +85,7 @@ def _clip_at(edges: tuple[Edge, ...], axis: int, limit: float, sign: float) -> t
 
 def _between(end: Vec, start: Vec) -> list[Edge]:
     """Edges that join two pieces: none if they meet up to rounding."""
-    return [Segment(end, start)] if math.dist(end, start) > SAME else []
+    return [Segment(end, start)] if math.dist(end, start) > SAME_BOUND_SIDE else []
 
 
 def _crossings(edge: Edge, axis: int, limit: float) -> list[Vec]:

@@ -24,7 +24,7 @@ from planner.scene import (
     Units,
     record_edges,
 )
-from vision.errors import PictureError
+from vision.picture_error import PictureError
 from vision.records.unseen import blind_of
 
 _MILD = 0.2

@@ -15,7 +15,7 @@ from numba import njit
 
 from planner.scene.compile_options import OWNING
 from vision.outline.fitted_borders import LINE
-from vision.shared.typed_numbers import NONE
+from vision.shared.typed_numbers import ZERO
 
 
 @njit(**OWNING)
@@ -31,7 +31,7 @@ def look_at_borders(kind, data, edge_starts, limits, areas, crack_starts):
     borders = edge_starts.shape[0] - 1
     ends = np.empty(kind.shape[0], np.int64)
     bent = np.empty(kind.shape[0], np.int64)
-    count = NONE
+    count = ZERO
     stray = np.zeros(borders, np.bool_)
     thin = np.empty(borders, np.bool_)
     for b in range(borders):

@@ -32,7 +32,7 @@ from planner.scene import (
 )
 from vision.binarise.binarise_kernels import SIGMAS
 from vision.borders.contours import Contours
-from vision.outline.fitted_borders import ARC_CCW, CIRCLE, TINY, FittedBorders
+from vision.outline.fitted_borders import ARC_CCW, TINY_BORDER, WHOLE_CIRCLE, FittedBorders
 from vision.records.bulk_records import new_arcs, new_object, new_polygon, new_segments
 from vision.records.clipping import clip_circle, clip_polygon
 from vision.records.placement import Placement
@@ -92,11 +92,11 @@ def build_objects(
         if b in skip:
             continue
         record: Record
-        if border_kind[b] == TINY:
+        if border_kind[b] == TINY_BORDER:
             record = tiny_record(borders, b, placement)
         elif may_be_thin[b] and (straight := thin_record(borders, b, placement)) is not None:
             record = straight
-        elif border_kind[b] == CIRCLE:
+        elif border_kind[b] == WHOLE_CIRCLE:
             circle = outlines.circle(starts[b])
             record = clip_circle(circle, limits) if in_pixels else circle
         else:

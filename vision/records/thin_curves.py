@@ -3,7 +3,7 @@
 Rules and units
 - The chain's points are its pixels' centres, in order, in rectified pixels, y down.
 - Pixels side by side are neighbours; diagonal ones only if no pixel joins them.
-- One arc if every pixel's centre lies within ``NEAR_PX`` of it, otherwise a polyline.
+- One arc if every pixel's centre lies within ``CURVE_NEAR_PX`` of it, otherwise a polyline.
 """
 
 from __future__ import annotations
@@ -15,21 +15,21 @@ import numpy as np
 from numpy.typing import NDArray
 
 from planner.scene import Arc, Edge, Segment, Vec
-from vision.outline.fit.shape_kernels import fit_circle, refine_circle
+from vision.outline.fit.edge_shape_kernels import fit_circle, refine_circle
 
 Pixel = tuple[int, int]
-NEAR_PX = 0.75
+CURVE_NEAR_PX = 0.75
 """Largest distance of a drawn curve's pixels: half a pixel's diagonal, and a little."""
-FEWEST = 5
+FEWEST_CHAIN_PX = 5
 """Pixels of the shortest chain whose bend is no rounding."""
-BESIDE = ((1, 0), (0, 1), (-1, 0), (0, -1))
+SIDES = ((1, 0), (0, 1), (-1, 0), (0, -1))
 ACROSS = ((1, 1), (-1, 1), (-1, -1), (1, -1))
 
 
 def open_chain(pixels: list[Pixel]) -> list[Pixel] | None:
     """Pixels in order from end to end, or None if they are no open chain, with two ends and no
     branches."""
-    if len(pixels) < FEWEST:
+    if len(pixels) < FEWEST_CHAIN_PX:
         return None
     links = _links(set(pixels))
     # a sharp bend leaves a single pixel sticking out
@@ -54,7 +54,7 @@ def open_chain(pixels: list[Pixel]) -> list[Pixel] | None:
 def _links(there: set[Pixel]) -> dict[Pixel, list[Pixel]]:
     links: dict[Pixel, list[Pixel]] = {}
     for x, y in there:
-        links[x, y] = [(x + dx, y + dy) for dx, dy in BESIDE if (x + dx, y + dy) in there]
+        links[x, y] = [(x + dx, y + dy) for dx, dy in SIDES if (x + dx, y + dy) in there]
         links[x, y] += [
             (x + dx, y + dy)
             for dx, dy in ACROSS
@@ -71,7 +71,7 @@ def chain_edges(points: NDArray[np.float64]) -> tuple[list[Edge], float]:
         refine_circle(px, py, 0, len(px), circle)
         cx, cy, radius = circle.tolist()
         away = np.hypot(px - cx, py - cy) - radius
-        if float(np.abs(away).max()) <= NEAR_PX:
+        if float(np.abs(away).max()) <= CURVE_NEAR_PX:
             # y down: the angle grows clockwise on the screen
             turn = float(np.sum((px[:-1] - cx) * np.diff(py) - (py[:-1] - cy) * np.diff(px)))
             start, end = (_onto(px[i], py[i], cx, cy, radius) for i in (0, -1))
@@ -80,7 +80,7 @@ def chain_edges(points: NDArray[np.float64]) -> tuple[list[Edge], float]:
     corners = _corners(points, 0, len(points) - 1)
     vertices = [(float(px[i]), float(py[i])) for i in [0, *corners, len(points) - 1]]
     edges: list[Edge] = [Segment(a, b) for a, b in pairwise(vertices)]
-    return edges, 0.5 * NEAR_PX
+    return edges, 0.5 * CURVE_NEAR_PX
 
 
 def _onto(x: float, y: float, cx: float, cy: float, radius: float) -> Vec:
@@ -99,7 +99,7 @@ def _corners(points: NDArray[np.float64], first: int, last: int) -> list[int]:
             continue
         far = np.abs(off[:, 0] * along[1] - off[:, 1] * along[0]) / math.hypot(*along)
         where = int(np.argmax(far))
-        if far[where] > NEAR_PX:
+        if far[where] > CURVE_NEAR_PX:
             found.append(a + 1 + where)
             stack += [(a, a + 1 + where), (a + 1 + where, b)]
     return sorted(found)

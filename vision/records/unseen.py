@@ -20,7 +20,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from planner.scene import Bounds, Scene, SceneObject
-from vision.errors import PictureError
+from vision.picture_error import PictureError
 
 _BLUR_PX = 3.0
 """Sigma of the blur of a lens's plan: its outline needs few edges; the blind part is grown by more

@@ -1,5 +1,5 @@
 """Parts that the kernels of vision share.
 
-- `scratch`: memory used for one picture after another.
+- `array_pool`: memory used for one picture after another.
 - `typed_numbers`: numbers and answers with the types that kernels take.
 """

@@ -10,7 +10,7 @@ from typing import Any
 
 import numpy as np
 
-NONE: Any = np.int64(0)
+ZERO: Any = np.int64(0)
 ONE: Any = np.int64(1)
 NO: Any = np.bool_(False)
 YES: Any = np.bool_(True)

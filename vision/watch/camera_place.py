@@ -24,7 +24,7 @@ from vision.camera.camera import Image
 from vision.markers.reading import Marker, crossing, find_markers
 from vision.watch.drift import LEAST_NOISE_PX, DriftTest, of_most
 from vision.watch.fixed_points import (
-    CORNER,
+    CORNER_NAME,
     MARKER_HALF_PX,
     FixedPoint,
     PointMeter,
@@ -359,10 +359,10 @@ def _marker_ids(points: Sequence[FixedPoint]) -> list[int]:
 
 def _listed(points: Sequence[FixedPoint]) -> str:
     markers = ", ".join(map(str, _marker_ids(points)[:_NAMED]))
-    corners = [p.name.removeprefix(CORNER) for p in points if p.marker_id is None]
+    corners = [p.name.removeprefix(CORNER_NAME) for p in points if p.marker_id is None]
     said = f"floor marker{'s' * (len(_marker_ids(points)) > 1)} {markers}" if markers else ""
     if corners:
-        at = f"corner{'s' * (len(corners) > 1)} {CORNER}{', '.join(corners[:_NAMED])}"
+        at = f"corner{'s' * (len(corners) > 1)} {CORNER_NAME}{', '.join(corners[:_NAMED])}"
         said = f"{said}, {at}" if said else at
     hidden = len(points) - min(len(_marker_ids(points)), _NAMED) - min(len(corners), _NAMED)
     return f"{said} and {hidden} more" if hidden else said

@@ -3,12 +3,12 @@
 Rules and units
 - Pixels and seconds. Up to half the limit away it has not moved; at the limit it has.
 - Page's test (Continuous inspection schemes, 1954) sums the logarithms of the two cases' likelihood
-  ratios, never below 0. At ``THRESHOLD`` it has moved, back at 0 it has not. Movement began when
-  the sum left 0.
+  ratios, never below 0. At ``DRIFT_THRESHOLD`` it has moved, back at 0 it has not. Movement began
+  when the sum left 0.
 - Frames must agree for ``REACTION_S``, however far off: a flash moves nothing.
 - By Lorden's bound (Procedures for reacting to a change in distribution, 1971) the mean number of
-  frames between false alarms is at least exp(``THRESHOLD``): ten years at 30 a second, if their
-  noise is independent and at most ``noise_px``.
+  frames between false alarms is at least exp(``DRIFT_THRESHOLD``): ten years at 30 a second, if
+  their noise is independent and at most ``noise_px``.
 """
 
 from __future__ import annotations
@@ -20,7 +20,7 @@ from numpy.typing import NDArray
 
 from vision.calibration.calibration import FloatArray
 
-THRESHOLD = 23.0
+DRIFT_THRESHOLD = 23.0
 REACTION_S = 0.4
 LEAST_NOISE_PX = 0.25
 """Movement of a picture by lamps, air and the sensor's warmth."""
@@ -30,7 +30,7 @@ _LONGEST_STEP_S = 0.1
 
 def step_limit(passed_s: float) -> float:
     """Most that one frame adds to the sum, or subtracts."""
-    return THRESHOLD * min(max(passed_s, 0.0), _LONGEST_STEP_S) / REACTION_S
+    return DRIFT_THRESHOLD * min(max(passed_s, 0.0), _LONGEST_STEP_S) / REACTION_S
 
 
 class DriftTest:
@@ -46,7 +46,7 @@ class DriftTest:
 
     def begin_moved(self, since_s: float) -> None:
         """Mark all as moved already."""
-        self.sums[:], self.moved[:], self.since_s[:] = THRESHOLD, True, since_s
+        self.sums[:], self.moved[:], self.since_s[:] = DRIFT_THRESHOLD, True, since_s
 
     def update(self, away_px: FloatArray, passed_s: float, now_s: float) -> None:
         """Take a frame's distances (n), ``passed_s`` after the last frame.
@@ -58,9 +58,9 @@ class DriftTest:
         most = step_limit(passed_s)
         steps = np.clip(np.where(np.isnan(steps), 0.0, steps), -most, most)
         before = self.sums
-        self.sums = np.clip(before + steps, 0.0, THRESHOLD)
+        self.sums = np.clip(before + steps, 0.0, DRIFT_THRESHOLD)
         self.since_s = np.where((before == 0.0) & (self.sums > 0.0), now_s, self.since_s)
-        self.moved = (self.sums >= THRESHOLD) | (self.moved & (self.sums > 0.0))
+        self.moved = (self.sums >= DRIFT_THRESHOLD) | (self.moved & (self.sums > 0.0))
         self.since_s = np.where(self.sums == 0.0, math.nan, self.since_s)
 
 

@@ -21,7 +21,7 @@ from planner.scene import Bounds
 from vision.calibration.calibration import Calibration, FloatArray
 from vision.camera.camera import Image
 
-CORNER = "at "
+CORNER_NAME = "at "
 """Beginning of the corners' names; the place in metres follows."""
 MOST_CORNERS = 12
 """More cost time and show nothing new: a camera has six ways to move."""
@@ -111,7 +111,7 @@ def corners_of(
         x, y = places[i].tolist()
         if any(np.hypot(x - p.place_px[0], y - p.place_px[1]) < apart_px for p in chosen):
             continue
-        name = f"{CORNER}({floor[i, 0]:.2f}, {floor[i, 1]:.2f}) m"
+        name = f"{CORNER_NAME}({floor[i, 0]:.2f}, {floor[i, 1]:.2f}) m"
         point = point_at(grey, (x, y), name, HALF_PX, None)
         if point is not None and _is_unlike_its_neighbours(grey, point):
             chosen.append(point)

@@ -23,7 +23,7 @@ from vision.binarise.earlier_level import level_leaves_out
 from vision.calibration.calibration import Calibration, FloatArray
 from vision.camera.camera import Image
 from vision.doubts import doubts_about, with_doubts
-from vision.errors import PictureError
+from vision.picture_error import PictureError
 from vision.pipeline import extract
 from vision.records.unseen import Unseen, blind_of, hidden_by_lens
 from vision.watch.change import Rectangle

@@ -1,4 +1,4 @@
-// Packed messages: a length, a JSON head, arrays; as navigation/dashboard/messages/packed.py.
+// Packed messages: a length, a JSON head, arrays; see navigation/dashboard/messages/packed.py.
 
 const TYPES = { float32: Float32Array, int32: Int32Array, uint8: Uint8Array };
 

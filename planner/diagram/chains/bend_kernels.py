@@ -26,11 +26,11 @@ from planner.diagram.mesh_kernels import nearest_piece
 from planner.scene.compile_options import LEAF
 from planner.scene.primitive_kernels import NONE, POINT, SEGMENT, distance, foot, point_to_segment
 
-BULGE = 0.1
+LINK_BULGE = 0.1
 """Largest distance of a link from its bisector, in half spacings."""
 LONG = 1.0
 """Longest link in parts of the clearance at its start, if that exceeds a spacing."""
-HALVINGS = 30
+RUN_HALVINGS = 30
 """Most halvings of a run."""
 HALF_AT_MOST = 0.75
 """Largest half of a line, as its part: anything farther is on another branch."""
@@ -89,7 +89,7 @@ class Stack(NamedTuple):
     rough: NDArray[np.bool_]
 
 
-class BendRoom(NamedTuple):
+class BendArrays(NamedTuple):
     """Arrays that chains are bent into, and the working space for it."""
 
     out: ChainPoints
@@ -241,7 +241,7 @@ def _halve(pieces, at, link, tolerances, run, line, stack, top):
         slid = split
         if split and not line.is_long:
             bulge, _ = point_to_segment(x, y, ax, ay, bx, by)
-            split = bulge > BULGE * half
+            split = bulge > LINK_BULGE * half
         wanted = split
         split = split and _is_between(kind, data, left, right, a, (x, y), b, half, tolerance)
         if guess == 1:
@@ -262,14 +262,14 @@ def _halve(pieces, at, link, tolerances, run, line, stack, top):
 
 
 @njit(**LEAF, forceinline=True)
-def _add_place(mesh, pieces, tolerances, room, run, near, x, y, is_rough, counts):
+def _add_place(mesh, pieces, tolerances, arrays, run, near, x, y, is_rough, counts):
     """Write a place of a run and, if its circle is not empty, the missing sites.
 
     ``near`` is a triangle near it; ``counts``, of points and missing sites, are returned updated,
     the latter -1 if space ran out.
     """
     n, missing = counts
-    out, extra = room.out, room.missing
+    out, extra = arrays.out, arrays.missing
     kind, data, left, right = pieces.kind, pieces.data, run.left, run.right
     r = distance(kind, data, left, x, y)
     if is_rough:
@@ -295,7 +295,7 @@ def _add_place(mesh, pieces, tolerances, room, run, near, x, y, is_rough, counts
 
 
 @njit(**LEAF, forceinline=True)
-def bend_run(mesh, pieces, triangles, link, end, tolerances, room, s, counts):
+def bend_run(mesh, pieces, triangles, link, end, tolerances, arrays, s, counts):
     """Write the places of the run after station s, without the stations.
 
     ``end`` is the link behind the chain's last; ``counts`` as in :func:`_add_place`.
@@ -303,15 +303,15 @@ def bend_run(mesh, pieces, triangles, link, end, tolerances, room, s, counts):
     n, missing = counts
     kind, data = pieces.kind, pieces.data
     half, relevant, tolerance = tolerances
-    out, stack, place = room.out, room.stack, room.stations.place
-    sides = room.stations.sides
+    out, stack, place = arrays.out, arrays.stack, arrays.stations.place
+    sides = arrays.stations.sides
     left, right = np.int64(sides[s, 0]), np.int64(sides[s, 1])
     straight = kind[left] == kind[right] and (kind[left] == SEGMENT or kind[left] == POINT)
     run = RunPieces(left, right, straight)
     # halve the run where the line bulges or is long
-    q_a, begin = room.stations.run[s, 0], n - 1
+    q_a, begin = arrays.stations.run[s, 0], n - 1
     stack.place[0, 0], stack.place[0, 1] = place[s + 1, 0], place[s + 1, 1]
-    stack.link[0], stack.bare[0], stack.rough[0] = room.stations.run[s, 1], False, False
+    stack.link[0], stack.bare[0], stack.rough[0] = arrays.stations.run[s, 1], False, False
     top = np.int64(1)
     ax, ay = place[s, 0], place[s, 1]
     bx, by = ax, ay
@@ -327,7 +327,7 @@ def bend_run(mesh, pieces, triangles, link, end, tolerances, room, s, counts):
         split, astray, as_sampled, mx, my, q_m = _halve(
             pieces, triangles.at, link, tolerances, run, line, stack, top
         )
-        if split and top <= HALVINGS:
+        if split and top <= RUN_HALVINGS:
             stack.place[top, 0], stack.place[top, 1], stack.link[top] = mx, my, q_m
             stack.rough[top] = as_sampled
             top += 1
@@ -348,7 +348,7 @@ def bend_run(mesh, pieces, triangles, link, end, tolerances, room, s, counts):
             x, y, found = _narrowest_between(kind, data, left, right, ax, ay, bx, by, tolerance)
             if found:
                 n, missing = _add_place(
-                    mesh, pieces, tolerances, room, run, near, x, y, np.bool_(False), (n, missing)
+                    mesh, pieces, tolerances, arrays, run, near, x, y, np.bool_(False), (n, missing)
                 )
                 if missing < 0:
                     return n, missing
@@ -357,7 +357,7 @@ def bend_run(mesh, pieces, triangles, link, end, tolerances, room, s, counts):
                 out.ahead[n - 1] = False
         if top > 0:
             n, missing = _add_place(
-                mesh, pieces, tolerances, room, run, near, bx, by, stack.rough[top], (n, missing)
+                mesh, pieces, tolerances, arrays, run, near, bx, by, stack.rough[top], (n, missing)
             )
             if missing < 0:
                 return n, missing

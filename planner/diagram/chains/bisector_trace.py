@@ -11,8 +11,8 @@ from numpy.typing import NDArray
 from planner.borders.border_arrays import Corners
 from planner.diagram.chains import chain_kernels
 from planner.diagram.chains.bend_kernels import (
-    HALVINGS,
-    BendRoom,
+    RUN_HALVINGS,
+    BendArrays,
     ChainPoints,
     ChainStations,
     MissingSites,
@@ -21,7 +21,7 @@ from planner.diagram.chains.bend_kernels import (
 from planner.diagram.diagram_arrays import Bent, DiagramTolerances, FlatMesh, KnownRuns, Triangles
 from planner.scene import FloatArray, IntArray
 
-LEAST, MISSING = 64, 64
+POINTS_AT_FIRST, MISSING_AT_FIRST = 64, 64
 """Initial capacity in points, and in missing sites."""
 
 
@@ -48,27 +48,28 @@ def bend_chains(
     stations = ChainStations(
         place, place.view(np.int64), np.empty((most, 2), np.int32), np.empty((most, 2), np.int64)
     )
-    depth = HALVINGS + 2
+    depth = RUN_HALVINGS + 2
     stack = Stack(
         np.empty((depth, 2)), np.empty(depth, np.int64), np.zeros(depth, np.bool_),
         np.zeros(depth, np.bool_),
     )  # fmt: skip
-    room, more = 2 * int(first[-1] - first[0] + chains) + LEAST, MISSING
+    capacity, more = 2 * int(first[-1] - first[0] + chains) + POINTS_AT_FIRST, MISSING_AT_FIRST
     while True:
         out = ChainPoints(
-            np.empty((room, 3)), np.empty((room, 2), np.int32), np.zeros(room, np.bool_),
-            np.zeros(chains + 1, np.int32), np.empty(room, np.bool_), np.empty(room, np.bool_),
+            np.empty((capacity, 3)), np.empty((capacity, 2), np.int32),
+            np.zeros(capacity, np.bool_), np.zeros(chains + 1, np.int32),
+            np.empty(capacity, np.bool_), np.empty(capacity, np.bool_),
         )  # fmt: skip
         extra = MissingSites(
             np.empty((more, 2)), np.empty(more, np.int32), np.empty(more, np.int64)
         )
         n, missing = chain_kernels.bend(
             mesh, pieces, triangles, first, link, tolerances, known,
-            BendRoom(out, extra, stations, stack),
+            BendArrays(out, extra, stations, stack),
         )  # fmt: skip
         if n >= 0 and missing >= 0:
             bent = Bent(out.points[:n], out.pieces[:n], out.start, out.proved[:n])
             place, label, where = extra
             return bent, (place[:missing], label[:missing], where[:missing])
         # rare: repeat it all with twice the space
-        room, more = room * (1 + (n < 0)), more * (1 + (missing < 0))
+        capacity, more = capacity * (1 + (n < 0)), more * (1 + (missing < 0))

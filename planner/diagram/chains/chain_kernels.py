@@ -129,14 +129,14 @@ def _copy_run(known, p, way, stations, s, out, n):
 
 
 @njit(**LEAF)
-def bend(mesh, pieces, triangles, first, link, tolerances, known, room):
+def bend(mesh, pieces, triangles, first, link, tolerances, known, arrays):
     """Bend the chains onto their bisectors, with the narrowest place of every run.
 
-    Fills ``room``, a :class:`planner.diagram.chains.bend_kernels.BendRoom`; a link is proved if
+    Fills ``arrays``, a :class:`planner.diagram.chains.bend_kernels.BendArrays`; a link is proved if
     both its points are and it follows their bisector. Returns the numbers of points and missing
     sites, -1 if space ran out.
     """
-    out, stations = room.out, room.stations
+    out, stations = arrays.out, arrays.stations
     place, sides = stations.place, stations.sides
     n, missing = np.int64(0), np.int64(0)
     for c in range(len(first) - 1):
@@ -159,7 +159,7 @@ def bend(mesh, pieces, triangles, first, link, tolerances, known, room):
                 n = _copy_run(known, p, way, stations, s, out, n)
             else:
                 n, missing = bend_run(
-                    mesh, pieces, triangles, link, hi, tolerances, room, s, (n, missing)
+                    mesh, pieces, triangles, link, hi, tolerances, arrays, s, (n, missing)
                 )
             if n < 0 or missing < 0:
                 return n, missing

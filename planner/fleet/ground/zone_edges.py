@@ -16,15 +16,15 @@ from numpy.typing import NDArray
 
 from planner.fleet.ground.clearance_kernels import edge_clearances
 from planner.scene import FloatArray
-from planner.zones.rules import AGAINST, ROUNDING, Rules
+from planner.zones.rules import AGAINST, RADIUS_ROUNDING, Rules
 from planner.zones.zone_ground import ZoneGround
 
-SAMPLES = 8
+PLACES_OF_EDGE = 8
 """Places of an edge: chosen, edges are a few radii long."""
-MOST_EDGES = 20
+MOST_ROUNDED_EDGES = 20
 """Edges inside a one-way zone that may each be driven against by rounding: chosen, so that a
 path of them stays within what is allowed for all."""
-SAME = 1e-6
+ON_PATH = 1e-6
 """A place lies on a path within this share of the radius."""
 
 
@@ -35,12 +35,12 @@ def usable_edges(
     usable = np.ones(len(edges), np.bool_)
     begin = (float(own_path[0, 0]), float(own_path[0, 1]))
     for one in rules.of("keep_out"):
-        clear = _clearances(one, places, edges) >= rules.radius * (1.0 - ROUNDING)
+        clear = _clearances(one, places, edges) >= rules.radius * (1.0 - RADIUS_ROUNDING)
         if rules.is_held_by(one, begin):
-            clear |= _on_path(places, edges, own_path, SAME * rules.radius)
+            clear |= _on_path(places, edges, own_path, ON_PATH * rules.radius)
         usable &= clear
     for one in rules.of("one_way"):
-        usable &= _against(one, places, edges) <= AGAINST * rules.radius / MOST_EDGES
+        usable &= _against(one, places, edges) <= AGAINST * rules.radius / MOST_ROUNDED_EDGES
     return usable
 
 
@@ -48,12 +48,14 @@ def cost_factors(places: FloatArray, edges: NDArray[np.int64], rules: Rules) -> 
     """Mean cost (m,) of a unit of length along each edge (m, 2)."""
     if not rules.of("slow", "lane") or not len(edges):
         return np.ones(len(edges))
-    factors: FloatArray = rules.factors(_samples(places, edges)).reshape(-1, SAMPLES).mean(axis=1)
+    factors: FloatArray = (
+        rules.factors(_samples(places, edges)).reshape(-1, PLACES_OF_EDGE).mean(axis=1)
+    )
     return factors
 
 
 def _samples(places: FloatArray, edges: NDArray[np.int64]) -> FloatArray:
-    share = (np.arange(SAMPLES) + 0.5) / SAMPLES
+    share = (np.arange(PLACES_OF_EDGE) + 0.5) / PLACES_OF_EDGE
     begin, step = places[edges[:, 0]], places[edges[:, 1]] - places[edges[:, 0]]
     points: FloatArray = (begin[:, None] + share[:, None] * step[:, None]).reshape(-1, 2)
     return points
@@ -72,13 +74,15 @@ def _clearances(one: ZoneGround, places: FloatArray, edges: NDArray[np.int64]) -
 def _against(one: ZoneGround, places: FloatArray, edges: NDArray[np.int64]) -> FloatArray:
     """Progress (m,) of each edge against a one-way zone."""
     points = _samples(places, edges)
-    steps = np.repeat((places[edges[:, 1]] - places[edges[:, 0]]) / SAMPLES, SAMPLES, axis=0)
+    steps = np.repeat(
+        (places[edges[:, 1]] - places[edges[:, 0]]) / PLACES_OF_EDGE, PLACES_OF_EDGE, axis=0
+    )
     back = np.zeros(len(points))
     inside = np.flatnonzero(one.distances(points) < 0.0)
     if len(inside):
         along = (steps[inside] * one.directions(points[inside])).sum(axis=1)
         back[inside] = np.maximum(-along, 0.0)
-    progress: FloatArray = back.reshape(-1, SAMPLES).sum(axis=1)
+    progress: FloatArray = back.reshape(-1, PLACES_OF_EDGE).sum(axis=1)
     return progress
 
 
@@ -87,7 +91,7 @@ def _on_path(
 ) -> NDArray[np.bool_]:
     on_path: NDArray[np.bool_] = np.asarray((_distances(places, line) <= near)[edges].all(axis=1))
     rows = np.flatnonzero(on_path)
-    samples = _distances(_samples(places, edges[rows]), line).reshape(-1, SAMPLES)
+    samples = _distances(_samples(places, edges[rows]), line).reshape(-1, PLACES_OF_EDGE)
     on_path[rows] = (samples <= near).all(axis=1)
     return on_path
 

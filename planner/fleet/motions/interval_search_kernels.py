@@ -25,7 +25,7 @@ from planner.scene.compile_options import LEAF, OWNING
 
 HORIZON = 1e9
 """Time that stands for ever."""
-SLACK = 1e-9
+FORBIDDEN_SLACK = 1e-9
 """By which what is forbidden is wider, for the last bits."""
 X, Y, VX, VY, BEGIN, LASTS, GAP = range(7)
 KERNEL: dict[str, Any] = {**OWNING, "error_model": "numpy"}
@@ -110,7 +110,9 @@ def unsafe_times(x, y, moves, boxes, found):
             )  # fmt: skip
             if begin < end:
                 at = moves[m, BEGIN]
-                count = _insert(found, count, at + begin - SLACK, at + end + SLACK)
+                count = _insert(
+                    found, count, at + begin - FORBIDDEN_SLACK, at + end + FORBIDDEN_SLACK
+                )
     return count
 
 
@@ -130,7 +132,9 @@ def forbidden_departures(x, y, vx, vy, lasts, moves, boxes, found):
             )  # fmt: skip
             if begin < end:
                 at = moves[m, BEGIN]
-                count = _insert(found, count, at + begin - SLACK, at + end + SLACK)
+                count = _insert(
+                    found, count, at + begin - FORBIDDEN_SLACK, at + end + FORBIDDEN_SLACK
+                )
     return count
 
 
@@ -177,8 +181,8 @@ def times_to(goal, count, edges, lasts):
 
 
 @njit(**KERNEL)
-def _with_room(states, needed):
-    """Make room for ``needed`` states, doubling the arrays if they must move."""
+def _with_capacity(states, needed):
+    """Make space for ``needed`` states, doubling the arrays if they must move."""
     if needed <= states.arrival.size:
         return states
     more = max(needed, states.arrival.size)
@@ -201,7 +205,7 @@ def _open_node(node, x, y, others, span, states):
     """
     used = span[-1, 0]
     count = unsafe_times(x, y, others.moves, others.boxes, others.found)
-    states = _with_room(states, used + count + 1)
+    states = _with_capacity(states, used + count + 1)
     span[node, 0] = used
     since = 0.0
     for k in range(count + 1):
@@ -303,10 +307,10 @@ def find_way(graph, to_goal, start, goal, moves, latest):
     _boxes(moves, boxes)
     others = Others(moves, boxes, np.empty((moves.shape[0] + 1, 2)))
     span = np.zeros((nodes + 1, 2), np.int64)
-    room = nodes + 64
+    capacity = nodes + 64
     states = States(
-        np.empty(room), np.empty(room), np.empty(room), np.empty(room),
-        np.empty(room, np.int64), np.empty(room, np.int64), np.zeros(room, np.bool_),
+        np.empty(capacity), np.empty(capacity), np.empty(capacity), np.empty(capacity),
+        np.empty(capacity, np.int64), np.empty(capacity, np.int64), np.zeros(capacity, np.bool_),
     )  # fmt: skip
     states = _open_node(start, graph.places[start, 0], graph.places[start, 1], others, span, states)
     heap = [(0.0, 0.0, np.int64(0))]
@@ -366,7 +370,7 @@ def do_touch(rows, others, gap):
                 a[X] + s * a[VX] - b[X] - t * b[VX], a[Y] + s * a[VY] - b[Y] - t * b[VY],
                 a[VX] - b[VX], a[VY] - b[VY], end - begin, gap,
             )  # fmt: skip
-            if far - near > SLACK:
+            if far - near > FORBIDDEN_SLACK:
                 return True
         if a[BEGIN] + a[LASTS] <= b[BEGIN] + b[LASTS]:
             i += 1

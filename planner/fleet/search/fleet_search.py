@@ -27,7 +27,7 @@ from planner.fleet.search.team import Route, TeamRobot, cut_off
 from planner.scene import FloatArray
 from planner.shared.search_clock import Clock
 
-ROUNDS = 30
+SHORTENING_ROUNDS = 30
 """``python -m benchmarks.fleet`` says what they gain and cost."""
 FIRST_TRIES = 400
 """Searches before anything else is tried: ten a robot for 40."""
@@ -41,7 +41,7 @@ TRAIL = 0.5
 """Delay of one of a circle, as a share of its longest edge and wait."""
 PAIR_TRIES = 20
 """Searches for a plan of two robots alone before a proof."""
-ROUNDING = 1e-9
+DISTANCE_ROUNDING = 1e-9
 """Distances are exact within this share of the coordinates' extent."""
 NOT_LIVE = (
     "some robots pass shared places at the same time, each before another:"
@@ -219,7 +219,7 @@ def checked_tracks(tracks: Sequence[FloatArray], sizes: Sequence[float]) -> Flee
     flat = np.concatenate(tracks)
     margin, i, j, when = nearest_pair(flat, first, radii)
     extent = float(np.abs(flat[:, 1:]).max()) + float(radii.max())
-    if margin < -ROUNDING * extent:
+    if margin < -DISTANCE_ROUNDING * extent:
         raise AssertionError(
             f"robots {i} and {j} would overlap by {-margin:g} at {when:g} s: a bug in the planner"
         )
@@ -250,7 +250,7 @@ def touching(what: str, places: FloatArray, radii: Sequence[float]) -> NoFleetPl
     for i in range(len(places)):
         needs = sizes[i] + sizes[i + 1 :]
         apart = np.hypot(*(places[i + 1 :] - places[i]).T)
-        near = np.flatnonzero(apart < needs - ROUNDING * (needs + largest))
+        near = np.flatnonzero(apart < needs - DISTANCE_ROUNDING * (needs + largest))
         if len(near):
             k = int(near[0])
             return NoFleetPlan(

@@ -26,7 +26,7 @@ CHANCES = 4
 """Random choices of stations, after those of reason."""
 TRIES = 100
 """Searches of one robot to bring all to stations, or from there to their goals."""
-STEPS = 1000
+MOST_CONSTRAINTS = 1000
 """Constraints of the joint search if these fail."""
 
 Expired = Callable[[], bool]
@@ -157,7 +157,7 @@ def _drive(
     if solver.plan_all(expired, TRIES):
         return solver.routes
     joint = JointSearch(team, rng)
-    return joint.routes() if joint.run(STEPS, expired) else None
+    return joint.routes() if joint.run(MOST_CONSTRAINTS, expired) else None
 
 
 class _Ways:

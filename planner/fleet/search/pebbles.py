@@ -246,8 +246,8 @@ def _steps_into(here: Arrangement, at: int, to: int, part: set[int]) -> Iterator
     pieces = _parts(near, to, part)
     robots = sum(n in here.on for n in part)
     counts = [sum(n in here.on for n in piece) for piece in pieces]
-    room = [len(piece) for piece in pieces]
-    shares = itertools.islice(_shares(robots, room), SPLITS_MOST)
+    capacities = [len(piece) for piece in pieces]
+    shares = itertools.islice(_shares(robots, capacities), SPLITS_MOST)
     for share in sorted(
         shares, key=lambda s: sum(abs(a - b) for a, b in zip(s, counts, strict=True))
     ):
@@ -257,15 +257,15 @@ def _steps_into(here: Arrangement, at: int, to: int, part: set[int]) -> Iterator
         yield then
 
 
-def _shares(robots: int, room: Sequence[int]) -> Iterator[tuple[int, ...]]:
+def _shares(robots: int, capacities: Sequence[int]) -> Iterator[tuple[int, ...]]:
     """Divisions of robots among pieces with these capacities."""
-    if not room:
+    if not capacities:
         if robots == 0:
             yield ()
         return
-    rest = sum(room[1:])
-    for k in range(max(0, robots - rest), min(robots, room[0]) + 1):
-        for others in _shares(robots - k, room[1:]):
+    rest = sum(capacities[1:])
+    for k in range(max(0, robots - rest), min(robots, capacities[0]) + 1):
+        for others in _shares(robots - k, capacities[1:]):
             yield (k, *others)
 
 

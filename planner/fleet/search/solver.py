@@ -18,9 +18,9 @@ from planner.fleet.motions.interval_search_kernels import HORIZON, do_touch, fin
 from planner.fleet.search.team import Route, TeamRobot
 from planner.scene import FloatArray
 
-SIZES = (2, 8)
+TAKEN_OUT = (2, 8)
 """Robots taken out at once: Li et al. 2021 found 8 best; fewer are quicker."""
-SAME = 1e-9
+SAME_TIME = 1e-9
 """Sums of times that differ by less are equal."""
 NO_MOVES = np.empty((0, 7))
 
@@ -130,7 +130,7 @@ class Solver:
         """Plan each robot again among all others if that is quicker."""
         for i in sorted(self.routes, key=lambda i: self.robots[i].alone_s):
             others = [j for j in self.routes if j != i]
-            route = self.plan_one(i, others, self.routes[i].arrival_s - SAME)
+            route = self.plan_one(i, others, self.routes[i].arrival_s - SAME_TIME)
             if route is not None:
                 self.routes[i] = route
 
@@ -138,7 +138,7 @@ class Solver:
         """Shorten the sum of arrivals; return the number of rounds made."""
         for done in range(rounds):
             delay = self._delays()
-            if delay.sum() <= SAME or expired():
+            if delay.sum() <= SAME_TIME or expired():
                 return done
             self._replan(self._neighbourhood(delay))
         return rounds
@@ -151,7 +151,7 @@ class Solver:
     def _neighbourhood(self, delay: FloatArray) -> list[int]:
         count = len(self.robots)
         late = int(self.rng.choice(count, p=delay / delay.sum()))
-        size = min(int(self.rng.integers(SIZES[0], SIZES[1] + 1)), count)
+        size = min(int(self.rng.integers(TAKEN_OUT[0], TAKEN_OUT[1] + 1)), count)
         others = [int(j) for j in self.rng.permutation(count) if j != late]
         # both with equal chance
         if self.rng.random() < 0.5:
@@ -164,7 +164,7 @@ class Solver:
     def _replan(self, chosen: list[int]) -> None:
         """Plan the chosen again in this order, unless that is no better."""
         old = {i: self.routes[i] for i in chosen}
-        left = sum(route.arrival_s for route in old.values()) - SAME
+        left = sum(route.arrival_s for route in old.values()) - SAME_TIME
         left -= sum(self.robots[i].alone_s for i in chosen)
         done = [j for j in self.routes if j not in old]
         for i in chosen:

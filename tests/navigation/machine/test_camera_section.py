@@ -22,8 +22,8 @@ from vision.camera.v4l2 import controls
 from vision.camera.v4l2.controls import CameraControl
 from vision.camera.v4l2.modes import CameraMode
 from vision.quality import Quality
+from vision.quality.brightness import Flicker
 from vision.quality.focus import Focus
-from vision.quality.light import Flicker
 from vision.quality.timing import Timing
 
 SIMULATION = (ROOT / "configs" / "simulation.yaml").read_text()

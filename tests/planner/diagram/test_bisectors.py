@@ -11,7 +11,7 @@ import planner
 from planner.borders.generators import Borders, gather_borders, place_generators
 from planner.diagram import bisector_kernels, mesh, mesh_kernels
 from planner.diagram.chains import bend_kernels
-from planner.diagram.chains.bend_kernels import BULGE
+from planner.diagram.chains.bend_kernels import LINK_BULGE
 from planner.roadmap.roadmap import Roadmap
 from planner.scene import ARC, CIRCLE, POINT, SEGMENT, FloatArray, primitive_kernels
 from tests.support.scenes.planner_scenes import hand_made, random_scene, slow_distance
@@ -75,7 +75,7 @@ def test_links_stay_within_five_per_cent_of_the_spacing_of_their_bisectors(seed:
     rng = np.random.default_rng(seed)
     roadmap = planner.build_roadmap(random_scene(rng), float(rng.uniform(2.0, 6.0)))
     chains = roadmap.chains
-    stated = 0.5 * BULGE * roadmap.spacing
+    stated = 0.5 * LINK_BULGE * roadmap.spacing
     assert stated == pytest.approx(0.05 * roadmap.spacing)
     for i in _sample(roadmap, rng, 25):
         off = _off_bisector(roadmap.borders, chains.pieces[i], *chains.points[i : i + 2])

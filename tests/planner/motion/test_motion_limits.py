@@ -14,7 +14,7 @@ from planner.motion.speed_profile import plan_speed
 from planner.motion.stops_and_bends import CutPath, speed_cells
 from planner.motion.trajectory import TrajectoryError, time_path
 from planner.path import Limits, Path
-from planner.shared.numbers import wrap_angle
+from planner.shared.angles import wrap_angle
 from tests.planner.motion.trajectories import (
     LIMITS,
     RADIUS,

@@ -14,7 +14,7 @@ from hypothesis import strategies as st
 from planner.motion.speed_profile import plan_speed
 from planner.motion.trajectory import TrajectoryError, default_limits, time_path, turning_time
 from planner.path import Limits
-from planner.shared.numbers import wrap_angle
+from planner.shared.angles import wrap_angle
 from tests.planner.motion.trajectories import (
     LIMITS,
     RADIUS,

@@ -12,7 +12,7 @@ import pytest
 import planner
 from planner.formats.scene_io import read_scene_text
 from planner.path import NoPath, Path
-from planner.roadmap.roadmap import FINER
+from planner.roadmap.roadmap import DENSER_BY
 from planner.scene import Bounds, Scene, SegmentRecord
 from tests.support.oracles.visibility_oracle import shortest_length
 from tests.support.scenes.planner_scenes import (
@@ -50,7 +50,7 @@ def test_widest_robot_fits_and_a_wider_one_does_not_by_a_slow_search(seed: int) 
     scene, radius, start, goal, answer = found
     assert shortest_length(scene, radius, start, goal) == math.inf
     if answer.widest_radius is None:
-        least = 0.5 * radius / FINER
+        least = 0.5 * radius / DENSER_BY
         assert shortest_length(scene, 1.01 * least, start, goal) == math.inf
         return
     widest = answer.widest_radius
@@ -130,7 +130,7 @@ def test_a_refusal_takes_no_longer_than_a_denser_roadmap() -> None:
     roadmap = planner.build_roadmap(scene, 9.0)
     assert isinstance(roadmap.plan((15, 500), (15, 510)), Path)
     began_s = time.process_time()
-    planner.build_roadmap(scene, 9.0, spacing=9.0 / FINER)
+    planner.build_roadmap(scene, 9.0, spacing=9.0 / DENSER_BY)
     build_s = time.process_time() - began_s
     began_s = time.process_time()
     answer = roadmap.plan((15, 500), (1500, 500))

@@ -27,7 +27,7 @@ from planner.scene import Arc, CircleRecord, PointRecord, PolygonRecord, Record,
 from vision.binarise.binarise import Method, Polarity
 from vision.binarise.colour import binarise_by_colour
 from vision.binarise.grey_picture import as_array
-from vision.shared.scratch import Room
+from vision.shared.array_pool import ArrayPool
 
 FEW_PX = 4.0
 """What an outline and its border may be apart, but for a pointed corner: the light crosses the half
@@ -87,7 +87,7 @@ def mask_of(
         method=method,
         threshold=threshold,
         ignore=None,
-        room=Room(),
+        pool=ArrayPool(),
     )
     return binary.inside.astype(bool)
 
@@ -224,11 +224,11 @@ def _tips(outline: Points, away_px: NDArray[np.float64]) -> Mask:
 
 def _wrong_side(enclosed: Mask, outline: Points) -> int:
     """Squares of pixels well off the border of ``enclosed`` (h, w), on an outline's wrong side."""
-    room = math.ceil(FEW_PX) + 2
-    truth = np.pad(enclosed, room)
+    margin = math.ceil(FEW_PX) + 2
+    truth = np.pad(enclosed, margin)
     drawn = np.zeros(truth.shape, np.uint8)
     sub = 4
-    cv2.fillPoly(drawn, [np.rint((outline + room) * (1 << sub)).astype(np.int32)], 1, shift=sub)
+    cv2.fillPoly(drawn, [np.rint((outline + margin) * (1 << sub)).astype(np.int32)], 1, shift=sub)
     wrong = 0
     for side in (truth, ~truth):
         away = cv2.distanceTransform(side.astype(np.uint8), cv2.DIST_L2, cv2.DIST_MASK_PRECISE)

@@ -5,8 +5,8 @@ from __future__ import annotations
 import numpy as np
 
 from vision.outline.fitting_kernels import share_out
+from vision.outline.fitting_memory import make_memory
 from vision.outline.outline_types import Outline, Scratch
-from vision.outline.work import make_memory
 
 
 def blank_outline(edges: int) -> Outline:
@@ -24,6 +24,6 @@ def blank_outline(edges: int) -> Outline:
 
 
 def scratch_for(points: int) -> Scratch:
-    """Room to work on a border of so many points."""
-    room: Scratch = getattr(share_out, "py_func", share_out)(make_memory(points + 1)).room
-    return room
+    """Scratch space for a border of this number of points."""
+    scratch: Scratch = getattr(share_out, "py_func", share_out)(make_memory(points + 1)).scratch
+    return scratch

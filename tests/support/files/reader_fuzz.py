@@ -39,8 +39,8 @@ from vision.calibrate.survey import Survey, read_survey
 from vision.calibration.calibration import Calibration, CalibrationError
 from vision.calibration.calibration_file import calibration_text, load_calibration
 from vision.camera.camera import CameraError
-from vision.camera.files import read_picture
-from vision.errors import PictureError
+from vision.camera.picture_files import read_picture
+from vision.picture_error import PictureError
 
 MOST_S = 5.0
 MOST_CHARACTERS = 400

@@ -53,17 +53,17 @@ def _free_interval(
     for k in rows:
         if k in (i, j):
             continue
-        # |x - c|^2 >= |x - a|^2 with x = m + t d is slope t <= room
+        # |x - c|^2 >= |x - a|^2 with x = m + t d is slope t <= bound
         cx, cy = points[k]
         slope = 2 * (dx * (cx - ax) + dy * (cy - ay))
-        room = (mx - cx) ** 2 + (my - cy) ** 2 - (mx - ax) ** 2 - (my - ay) ** 2
+        bound = (mx - cx) ** 2 + (my - cy) ** 2 - (mx - ax) ** 2 - (my - ay) ** 2
         if slope == 0:
-            if room < 0:
+            if bound < 0:
                 return None
         elif slope > 0:
-            high = room / slope if high is None else min(high, room / slope)
+            high = bound / slope if high is None else min(high, bound / slope)
         else:
-            low = room / slope if low is None else max(low, room / slope)
+            low = bound / slope if low is None else max(low, bound / slope)
         if low is not None and high is not None and low >= high:
             return None
     return low, high

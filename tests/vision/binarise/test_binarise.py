@@ -13,8 +13,8 @@ from tests.support.drawn.render import coverage, draw, outline_points, polygon, 
 from vision.binarise.binarise import binarise
 from vision.binarise.binarise_kernels import mark_below, noise_sigma
 from vision.binarise.grey_picture import as_grey
-from vision.binarise.light import light_surface
-from vision.errors import PictureError
+from vision.binarise.light_surface import light_surface
+from vision.picture_error import PictureError
 from vision.pipeline import extract
 
 SIZE = (320, 240)

@@ -7,7 +7,7 @@ from numpy.typing import NDArray
 
 import vision
 from planner.scene import CircleRecord, Scene, SceneObject
-from vision.errors import PictureError
+from vision.picture_error import PictureError
 
 Colour = tuple[float, float, float]
 WIDTH, HEIGHT, FINER = 240, 180, 4

@@ -82,9 +82,9 @@ def test_what_noise_crosses_unsmoothed_is_said() -> None:
 def test_noise_alone_is_no_fine_structure(sigma) -> None:
     rng = np.random.default_rng(2)
     grey = np.clip(np.rint(rng.normal(150.0, sigma, (120, 160))), 0, 255).astype(np.uint8)
-    look = GreyPicture(grey)
-    assert look.fine is None
-    assert look.noise > 0.8 * min(sigma, 50.0)
+    grey_picture = GreyPicture(grey)
+    assert grey_picture.fine is None
+    assert grey_picture.noise > 0.8 * min(sigma, 50.0)
 
 
 def test_two_grey_values_are_two_humps_and_all_values_alike_are_none() -> None:

@@ -13,8 +13,8 @@ from planner.scene import CircleRecord
 from tests.support.drawn.render import draw, ramp
 from vision.binarise.binarise import binarise
 from vision.binarise.grey_picture import GreyPicture
-from vision.binarise.light import FREE_LEVEL, without_light
-from vision.binarise.regions.edge_evidence import Support
+from vision.binarise.light_surface import FREE_LEVEL, without_light
+from vision.binarise.regions.edge_evidence import EdgeEvidence
 from vision.binarise.regions.edge_evidence_kernels import LEAST_SHARP, steps_of_regions
 
 SIZE = (480, 360)
@@ -91,7 +91,7 @@ def test_a_picture_without_its_light_has_one_grey_where_the_floor_is_free(side: 
 def test_only_a_picture_out_of_focus_is_halved() -> None:
     for blur, every in ((0.5, 1), (1.2, 1), (3.0, 2), (4.0, 2)):
         picture = draw(NINE, SIZE, blur=blur, lit=ramp(SIZE, 0.3))
-        assert Support(GreyPicture(picture), "dark").judge.every == every
+        assert EdgeEvidence(GreyPicture(picture), "dark").judge.every == every
 
 
 def test_a_step_on_one_side_alone_is_no_border() -> None:
@@ -101,7 +101,7 @@ def test_a_step_on_one_side_alone_is_no_border() -> None:
     cv2.circle(grey, (100, 60), 30, 20, -1)
     mask = np.zeros(grey.shape, np.uint8)
     mask[10:110, 100:190] = 1
-    judge = Support(GreyPicture(grey), "dark").judge
+    judge = EdgeEvidence(GreyPicture(grey), "dark").judge
     assert not judge.regions(mask).stand_out[1]
     cv2.circle(mask := np.zeros(grey.shape, np.uint8), (100, 60), 30, 1, -1)
     assert judge.regions(mask).stand_out[1]
@@ -111,10 +111,10 @@ def test_a_step_on_one_side_alone_is_no_border() -> None:
 def test_no_region_that_a_level_draws_in_noise_stands_out(sigma: float) -> None:
     rng = np.random.default_rng(5)
     grey = np.clip(np.rint(128.0 + rng.normal(0.0, sigma, (240, 320))), 0, 255).astype(np.uint8)
-    support = Support(GreyPicture(grey), "dark")
+    evidence = EdgeEvidence(GreyPicture(grey), "dark")
     for above in np.linspace(-3.0, 2.0, 11):
-        below = (support.grey < 128.0 + above * support.noise).astype(np.uint8)
-        assert not support.judge.regions(below).stand_out.any()
+        below = (evidence.grey < 128.0 + above * evidence.noise).astype(np.uint8)
+        assert not evidence.judge.regions(below).stand_out.any()
 
 
 @pytest.mark.parametrize(("family", "least"), [("ramp, unsharp", 0.95), ("shadow", 0.9)])

@@ -88,8 +88,8 @@ def test_a_part_of_the_floor_that_is_unresolved_is_an_obstacle(noise) -> None:
 def test_floors_with_texture_shadows_and_noise_have_no_such_structure(family) -> None:
     for number in range(4):
         picture = drawn(FAMILIES[family], np.random.default_rng([TUNING, number])).picture
-        look = GreyPicture(picture)
-        assert unresolved_structure(look, classes_of(look), "dark") is None
+        grey_picture = GreyPicture(picture)
+        assert unresolved_structure(grey_picture, classes_of(grey_picture), "dark") is None
 
 
 @pytest.mark.parametrize("quality", [50, 80])
@@ -102,8 +102,8 @@ def test_nor_has_what_compression_leaves_of_noise_and_edges(noise, quality) -> N
     raw = np.clip(np.rint(grey), 0, 255).astype(np.uint8)
     stored = cv2.imencode(".jpg", raw, [cv2.IMWRITE_JPEG_QUALITY, quality])[1]
     picture = cv2.imdecode(stored, cv2.IMREAD_GRAYSCALE)
-    look = GreyPicture(picture)
-    assert unresolved_structure(look, classes_of(look), "dark") is None
+    grey_picture = GreyPicture(picture)
+    assert unresolved_structure(grey_picture, classes_of(grey_picture), "dark") is None
     assert binarise(picture).inside.mean() == pytest.approx(80 * 80 / (240 * 320), rel=0.03)
 
 
@@ -111,8 +111,10 @@ def test_nor_has_what_compression_leaves_of_noise_and_edges(noise, quality) -> N
 @pytest.mark.parametrize("shape", [(60, 80), (240, 320)])
 def test_white_noise_alone_is_no_structure(shape, sigma) -> None:
     rng = np.random.default_rng(8)
-    look = GreyPicture(np.clip(np.rint(rng.normal(150.0, sigma, shape)), 0, 255).astype(np.uint8))
-    assert unresolved_structure(look, classes_of(look), "dark") is None
+    grey_picture = GreyPicture(
+        np.clip(np.rint(rng.normal(150.0, sigma, shape)), 0, 255).astype(np.uint8)
+    )
+    assert unresolved_structure(grey_picture, classes_of(grey_picture), "dark") is None
 
 
 def test_walls_that_are_wide_enough_to_be_found_are_no_structure() -> None:

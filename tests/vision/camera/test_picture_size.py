@@ -13,7 +13,7 @@ from hypothesis import strategies as st
 from tests.support.files.picture_formats import formats
 from tests.support.files.png_pictures import chunk, png
 from vision.camera.camera import CameraError
-from vision.camera.files import read_picture
+from vision.camera.picture_files import read_picture
 from vision.camera.picture_size import MOST_PIXELS, oversize, picture_size
 
 

@@ -13,7 +13,7 @@ from hypothesis import strategies as st
 from tests.support.files.picture_formats import formats, turned_jpeg
 from tests.support.files.png_pictures import chunk, exif, png
 from tests.support.files.small_picture import grey_picture
-from vision.camera.files import read_picture
+from vision.camera.picture_files import read_picture
 from vision.camera.picture_turn import orientation, turned
 
 FORMATS = dict(formats())

@@ -9,8 +9,8 @@ import pytest
 
 from tests.vision.joined.floor_truth import BOUNDS, Points, camera, disc, picture, polygon
 from vision.calibration.calibration import Calibration
-from vision.joined.agreement import FARTHEST_M, edge_points_m, outlines_apart_m
 from vision.joined.floor_plan import FloorPlan
+from vision.joined.outline_agreement import FARTHEST_M, edge_points_m, outlines_apart_m
 
 LEFT = camera(0.62, 0.62, tilt_deg=(1.2, -0.8), turn_deg=0.7)
 RIGHT = camera(1.40, 0.58, tilt_deg=(-0.6, 1.1), turn_deg=-1.3)

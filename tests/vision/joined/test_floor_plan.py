@@ -24,7 +24,7 @@ from tests.vision.joined.floor_truth import (
     polygon,
 )
 from vision.calibration.calibration import Calibration, CalibrationError
-from vision.joined.floor_plan import MARGIN_PX, FloorPlan
+from vision.joined.floor_plan import PLAN_MARGIN_PX, FloorPlan
 from vision.records.unseen import Unseen, unseen_ground, with_unseen
 
 LEFT = camera(0.62, 0.62, tilt_deg=(1.2, -0.8), turn_deg=0.7)
@@ -120,7 +120,7 @@ def test_a_camera_that_looks_closer_keeps_its_part_within_another_ones() -> None
     wide = camera(1.0, 0.6, size=(1024, 640))
     near = camera(1.3, 0.6, high_m=2.0, focal_px=1400.0)
     plan = FloorPlan.of((wide, near), BOUNDS)
-    inner = np.s_[MARGIN_PX:-MARGIN_PX, MARGIN_PX:-MARGIN_PX]
+    inner = np.s_[PLAN_MARGIN_PX:-PLAN_MARGIN_PX, PLAN_MARGIN_PX:-PLAN_MARGIN_PX]
     seen = plan.depth_px[1][inner] > 0.0
     own = plan.owners((True, True))[inner] == 1
     beyond = np.arange(own.shape[1]) > 0.7 * own.shape[1]  # on the far side of the middle

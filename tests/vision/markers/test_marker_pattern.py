@@ -17,7 +17,7 @@ from vision.calibration.calibration import Calibration
 from vision.markers import marker_pattern_kernels
 from vision.markers.marker_pattern import pattern_bits
 from vision.markers.marker_place_kernels import (
-    MOST_PIXELS,
+    MOST_BOX_PIXELS,
     collect_pixels,
     marker_pixels,
     place_pattern,
@@ -219,7 +219,7 @@ def test_of_a_large_marker_no_more_pixels_are_used_than_the_bound():
         assert np.linalg.norm(found.mean(axis=0) - truth.mean(axis=0)) < 0.015
         view, state = calibration.plane_view(), np.zeros(6)
         used.append(len(marker_pixels(grey, truth, state, view, 6, side_px / 6.0)))
-    assert max(used) <= MOST_PIXELS
+    assert max(used) <= MOST_BOX_PIXELS
     assert used[0] > 3000, "a small marker keeps all of its pixels"
 
 

@@ -12,8 +12,8 @@ from tests.support.drawn.outlines import blank_outline, scratch_for
 from tests.support.drawn.render import Points, draw, polygon
 from vision import extract
 from vision.outline.corners.edit_search_kernels import edit_outline
+from vision.outline.fit.edge_shape_kernels import fit_line
 from vision.outline.fit.outline_kernels import edge_end
-from vision.outline.fit.shape_kernels import fit_line
 from vision.outline.outline_types import BorderPoints, Costs, OutlineLimits, Prices
 
 SIZE = 220, 220

@@ -33,7 +33,7 @@ from tests.support.drawn.outline_judge import failures, judge, mask_of
 from tests.support.drawn.outline_pictures import FAMILIES, LOOKS, every_look, shown, slits
 from vision import Calibration, extract
 from vision.outline.check.stray_kernels import outline_strays
-from vision.outline.fit.shape_kernels import goes_round
+from vision.outline.fit.edge_shape_kernels import goes_round
 from vision.outline.fitted_borders import ARC_CCW, ARC_CW, LINE
 from vision.outline.outline_types import BorderPoints, FinishedEdges
 

@@ -10,7 +10,7 @@ import pytest
 from tests.support.drawn.outlines import blank_outline
 from vision.outline.corners.blurred_corner_kernels import (
     ALONG_X,
-    CORNER_ROOM,
+    CORNER_FIELDS,
     STEEPNESS,
     TURN,
     _explain,
@@ -63,7 +63,7 @@ def square_outline(blur: float, clockwise: bool) -> tuple[BorderPoints, Outline]
 def test_points_where_blur_puts_them_cost_nothing(blur: float, clockwise: bool) -> None:
     border, outline = square_outline(blur, clockwise)
     n = border.n
-    corners = np.zeros((4, CORNER_ROOM))
+    corners = np.zeros((4, CORNER_FIELDS))
     find_corners(border, outline, 4, corners)
     assert np.allclose(corners[:, TURN], math.pi / 2.0 if clockwise else -math.pi / 2.0)
     sums = np.zeros(2 * n + 1)
@@ -84,7 +84,7 @@ def test_an_edit_costs_what_the_outline_costs_with_it(clockwise: bool, believed:
     Three sides of a square as a change: a side, and the halves of those beside it.
     """
     border, outline = square_outline(1.0, clockwise)
-    corners = np.zeros((4, CORNER_ROOM))
+    corners = np.zeros((4, CORNER_FIELDS))
     find_corners(border, outline, 4, corners)
     sums = np.zeros(2 * border.n + 1)
     costs = Costs(False, 0.01, 0.05, 1e9, 0.3)
@@ -103,7 +103,7 @@ def test_an_edit_costs_what_the_outline_costs_with_it(clockwise: bool, believed:
 
 
 def test_no_entry_beyond_the_table_is_read_where_tangents_are_no_unit_vectors() -> None:
-    corner = np.zeros(CORNER_ROOM)
+    corner = np.zeros(CORNER_FIELDS)
     corner[ALONG_X], corner[STEEPNESS] = 3.0, 1.0
     deviations = np.zeros(1)
     border = BorderPoints(np.array([3.9]), np.zeros(1), 1)  # 374 entries from its beginning

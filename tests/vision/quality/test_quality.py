@@ -14,8 +14,8 @@ from vision.calibration.calibration import Calibration
 from vision.camera.camera import Frame, Image
 from vision.markers.marker_search import find_markers
 from vision.quality import Watching
+from vision.quality.brightness import clipped_of, flicker_of, noise_of
 from vision.quality.focus import blur_across, blur_along, focus_of
-from vision.quality.light import clipped_of, flicker_of, noise_of
 from vision.quality.timing import even_times, timing_of
 
 

@@ -184,6 +184,6 @@ def arena(seed: int, shapes: Sequence[Callable[..., Thing]] = CORNERED) -> list[
     return things
 
 
-def room_for(things: Sequence[Thing], scale: float = 1.0, more: int = 0) -> tuple[int, int]:
+def size_for(things: Sequence[Thing], scale: float = 1.0, more: int = 0) -> tuple[int, int]:
     columns, rows = min(len(things), 2), (len(things) + 1) // 2
     return math.ceil(scale * CELL * columns) + more, math.ceil(scale * CELL * rows) + more

@@ -39,7 +39,7 @@ from tests.vision.records.moved_shapes import (
     Thing,
     arena,
     picture_of,
-    room_for,
+    size_for,
     stadium,
 )
 from vision import extract
@@ -62,7 +62,7 @@ def test_scenes_moved_by_shares_of_a_pixel_are_found_where_they_are(axis: int) -
         share = 0.1 * (1 + seed % 9)
         shift = (share, 0.0) if axis == 0 else (1.0 - share, share)
         things = Move(shift=shift).things(arena(seed))
-        survey.look(extract(picture_of(things, room_for(things, more=1))), things, seed)
+        survey.look(extract(picture_of(things, size_for(things, more=1))), things, seed)
     survey.check_kinds()
     survey.errors.check_crisp()
 
@@ -73,7 +73,7 @@ def test_scenes_drawn_at_another_scale_are_found_at_that_scale(scale: float, cou
     for seed in range(count):
         # what shrinks is drawn as large again first: its sides stay as long as promised
         things = arena(seed) if scale > 1.0 else Move(scale=2.0).things(arena(seed))
-        size = room_for(things, max(scale, 1.0))
+        size = size_for(things, max(scale, 1.0))
         moved = Move(scale=scale).things(things)
         survey.look(extract(picture_of(moved, size)), moved, seed)
     survey.check_kinds()
@@ -87,7 +87,7 @@ def test_noise_adds_and_takes_no_records_and_moves_corners_as_little_as_promised
     survey = Survey()
     for seed in range(100):
         things = arena(seed)
-        picture = picture_of(things, room_for(things), noise=noise, seed=seed)
+        picture = picture_of(things, size_for(things), noise=noise, seed=seed)
         survey.look(extract(picture), things, seed)
     survey.check_kinds()
     assert rms(survey.errors.usual()) <= NOISY_RMS_PX[noise]
@@ -113,7 +113,7 @@ def test_outlines_of_stadia_moved_and_scaled_stay_on_them() -> None:
         scale = (1.0, 2.0, 3.0)[seed % 3]
         shift = (0.1 * (seed % 10), 0.1 * (seed // 10 % 10))
         things = Move(scale, shift).things(arena(seed, (stadium,)))
-        scene = extract(picture_of(things, room_for(things, scale, more=1)))
+        scene = extract(picture_of(things, size_for(things, scale, more=1)))
         for found, true in borders(scene, things):
             assert from_stadium(found, true) <= CRISP_PX, f"seed {seed}: {said(found)}"
 
@@ -151,7 +151,7 @@ def test_scenes_moved_by_whole_pixels_give_the_same_records_there(
     seed: int, right: int, down: int
 ) -> None:
     things = arena(seed)
-    width, height = room_for(things, more=40)
+    width, height = size_for(things, more=40)
     picture = picture_of(things, (width, height))
     moved = np.full_like(picture, 215)
     moved[down:, right:] = picture[: height - down, : width - right]
@@ -163,7 +163,7 @@ def test_scenes_moved_by_whole_pixels_give_the_same_records_there(
 @given(SEEDS)
 def test_a_transposed_picture_gives_the_records_transposed(seed: int) -> None:
     things = arena(seed)
-    picture = picture_of(things, room_for(things))
+    picture = picture_of(things, size_for(things))
     scene = extract(np.ascontiguousarray(picture.T))
     survey = Survey()
     survey.look(scene, Move(transposed=True).things(things), seed)
@@ -175,7 +175,7 @@ def test_a_transposed_picture_gives_the_records_transposed(seed: int) -> None:
 @given(SEEDS, st.sampled_from([0.0, 5.0, 20.0]))
 def test_light_obstacles_give_the_records_of_dark_ones(seed: int, noise: float) -> None:
     things = arena(seed, ALL)
-    picture = picture_of(things, room_for(things), noise=noise, seed=seed)
+    picture = picture_of(things, size_for(things), noise=noise, seed=seed)
     assert extract(255 - picture, polarity="light").objects == extract(picture).objects
 
 
@@ -183,7 +183,7 @@ def test_light_obstacles_give_the_records_of_dark_ones(seed: int, noise: float) 
 @given(SEEDS, st.sampled_from([0.0, 5.0, 20.0]))
 def test_colour_alpha_and_plain_rows_give_the_records_of_grey(seed: int, noise: float) -> None:
     things = arena(seed, ALL)
-    picture = picture_of(things, room_for(things), noise=noise, seed=seed)
+    picture = picture_of(things, size_for(things), noise=noise, seed=seed)
     expected = extract(picture).objects
     assert extract(cv2.cvtColor(picture, cv2.COLOR_GRAY2BGR)).objects == expected
     assert extract(cv2.cvtColor(picture, cv2.COLOR_GRAY2BGRA)).objects == expected
@@ -194,6 +194,6 @@ def test_colour_alpha_and_plain_rows_give_the_records_of_grey(seed: int, noise: 
 @given(SEEDS, st.sampled_from([1, 16, 257]))
 def test_16_bits_give_the_records_of_8(seed: int, factor: int) -> None:
     things = arena(seed)
-    picture = picture_of(things, room_for(things), light=255.0)
+    picture = picture_of(things, size_for(things), light=255.0)
     scene = extract(picture.astype(np.uint16) * factor)
     assert_follows(scene, as_things(extract(picture)), SAME_PX)

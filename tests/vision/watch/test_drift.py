@@ -9,7 +9,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from vision.watch.drift import REACTION_S, THRESHOLD, DriftTest, of_most, step_limit
+from vision.watch.drift import DRIFT_THRESHOLD, REACTION_S, DriftTest, of_most, step_limit
 
 LIMIT_PX = 2.0
 RATE_HZ = 30.0
@@ -48,9 +48,9 @@ def test_the_bound_on_false_alarms_holds_for_the_steps_as_they_are_cut(
     """
     x = np.linspace(mean_px - 8 * noise_px, mean_px + 8 * noise_px, 4001)
     test = DriftTest(len(x), LIMIT_PX)
-    test.sums[:] = THRESHOLD / 2
+    test.sums[:] = DRIFT_THRESHOLD / 2
     test.update(x, 1.0 / rate_hz, 0.0)
-    steps = test.sums - THRESHOLD / 2
+    steps = test.sums - DRIFT_THRESHOLD / 2
     assert np.abs(steps).max() <= step_limit(1.0 / rate_hz) + 1e-12
     density = np.exp(-0.5 * ((x - mean_px) / noise_px) ** 2)
     assert float((np.exp(steps) * density).sum() / density.sum()) <= 1.0

@@ -21,15 +21,15 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
-from vision.binarise.binarise_kernels import REACH, SAMPLE, SIGMAS
+from vision.binarise.binarise_kernels import SAMPLE, SIGMAS, STEP_REACH_PX
 from vision.binarise.grey_classes import Classes
 from vision.binarise.grey_picture import (
-    FEWEST,
+    FEWEST_SAMPLES,
     LEAST_CONTRAST,
     Binary,
     GreyPicture,
 )
-from vision.binarise.light import without_light
+from vision.binarise.light_surface import without_light
 from vision.binarise.regions.edge_evidence_kernels import (
     SAMPLED_PAIRS,
     steps_across_level,
@@ -40,7 +40,7 @@ from vision.binarise.regions.floor_pattern import faint_edges_apart, has_pattern
 from vision.binarise.regions.judge import (
     BLOCK_PX,
     FAINT,
-    LEAST_SHARE,
+    FAINT_LEAST_SHARE,
     THICK_PX,
     THIN_SHARE,
     Judge,
@@ -70,49 +70,49 @@ NEARLY_ALL = 0.95
 ``tests/vision/binarise``."""
 SPECKS = 0.2
 """Share of an obstacle's pixels below which those in the mask are specks: chosen."""
-SAID = 0.5 * LEAST_SHARE
+SAID = 0.5 * FAINT_LEAST_SHARE
 """Share of the light from which a remark names a region: derived, half of the least."""
 
 
-def follows_edges(look: GreyPicture, classes: Classes) -> bool:
+def follows_edges(picture: GreyPicture, classes: Classes) -> bool:
     """True if edges at the level are as strong as the classes' contrast."""
-    height, width = look.grey.shape
-    if min(height, width) <= REACH:
+    height, width = picture.grey.shape
+    if min(height, width) <= STEP_REACH_PX:
         return True
     level = np.float32(classes.level)
     weakest = np.float32(WEAK_STEP * classes.contrast)
-    strongest = np.float32(STRONG_STEP * classes.contrast + 3.0 * look.noise)
+    strongest = np.float32(STRONG_STEP * classes.contrast + 3.0 * picture.noise)
     pairs = FIRST_PAIRS
     while True:
-        count, weak, strong = steps_across_level(look.grey, level, weakest, strongest, pairs)
-        if count >= FEWEST or pairs >= 2 * height * width:
+        count, weak, strong = steps_across_level(picture.grey, level, weakest, strongest, pairs)
+        if count >= FEWEST_SAMPLES or pairs >= 2 * height * width:
             return bool(weak <= FEW * count and strong <= FEW_STRONG * count)
         pairs *= 16
 
 
-def leaves_out(look: GreyPicture, level: float, side: Literal["dark", "light"]) -> bool:
+def leaves_out(picture: GreyPicture, level: float, side: Literal["dark", "light"]) -> bool:
     """True if clear edges lie off a level, fainter than the edges across it."""
-    height, width = look.grey.shape
-    if min(height, width) <= 4 * REACH:
+    height, width = picture.grey.shape
+    if min(height, width) <= 4 * STEP_REACH_PX:
         return False
-    least = max(LEAST_CONTRAST, CLEAR_SIGMAS * look.noise)
+    least = max(LEAST_CONTRAST, CLEAR_SIGMAS * picture.noise)
     end, sign = (0.0, 1.0) if side == "dark" else (255.0, -1.0)
 
     def clear_steps(share: float) -> bool:
         clear = tuple(np.float32(v) for v in (share, least, end, sign))
-        left = steps_off_level(look.grey, np.float32(level), clear, FEWEST_CLEAR)
+        left = steps_off_level(picture.grey, np.float32(level), clear, FEWEST_CLEAR)
         return bool(left >= FEWEST_CLEAR)
 
     if not clear_steps(0.0):
         return False
     # artefacts of compression, and a floor's pattern, have a smaller share of the light
-    calming = look.calming()
-    grey, noise = look.grey_after(calming), look.noise * calming.left
+    smoothing = picture.smoothing()
+    grey, noise = picture.grey_after(smoothing), picture.noise * smoothing.left
     apart = faint_edges_apart(grey, noise, side, BLOCK_PX) >= FEWEST_CLEAR
     return (apart and not has_pattern(grey, noise, side)) or clear_steps(THIN_SHARE)
 
 
-class Support:
+class EdgeEvidence:
     """Support of a picture's edges for each level: sums, larger is better.
 
     Sums are comparable for one picture only; zero or less is no support. ``pairs``: about the
@@ -122,14 +122,14 @@ class Support:
 
     def __init__(
         self,
-        look: GreyPicture,
+        picture: GreyPicture,
         side: Literal["dark", "light"],
         pairs: int = SAMPLED_PAIRS,
         even: bool = False,
     ) -> None:
-        self.judge = Judge.of(look, side, pairs, even)
-        calming = look.calming()
-        self.grey, self.noise = look.grey_after(calming), look.noise * calming.left
+        self.judge = Judge.of(picture, side, pairs, even)
+        smoothing = picture.smoothing()
+        self.grey, self.noise = picture.grey_after(smoothing), picture.noise * smoothing.left
         self._cost = max(FAINT * self.judge.typical(pairs), self.judge.least)
         self._pairs = pairs
 
@@ -192,7 +192,7 @@ def _middle(counts: NDArray[np.int64]) -> float:
 
 
 def with_left_out(
-    judged: JudgedPicture, others: Iterable[JudgedPicture], support: Support
+    judged: JudgedPicture, others: Iterable[JudgedPicture], evidence: EdgeEvidence
 ) -> Binary:
     """The mask, changed in place, with obstacles of other masks and levels, and remarks.
 
@@ -203,32 +203,32 @@ def with_left_out(
     inside = binary.inside
     left = judged.left_out
     shut = _around(inside)
-    flat, stronger = without_light(support.grey, support.judge.side)
-    look = GreyPicture(flat)
-    look.noise = max(look.noise, stronger * support.noise)
+    flat, stronger = without_light(evidence.grey, evidence.judge.side)
+    picture = GreyPicture(flat)
+    picture.noise = max(picture.noise, stronger * evidence.noise)
     found = 0
-    for asked in (Support(look, support.judge.side, even=support.judge.even), support):
+    for asked in (EdgeEvidence(picture, evidence.judge.side, even=evidence.judge.even), evidence):
         # each level is searched in what the others have not found
         while (level := asked.level_outside(shut)) is not None:
             below = (asked.grey < level).astype(np.uint8)
-            more = _add_obstacles(below, inside, shut, left, support.judge)
+            more = _add_obstacles(below, inside, shut, left, evidence.judge)
             if more == 0:
                 break
             found += more
     # last: there an obstacle and its shadow may be one region
     for other in others:
-        found += _add_obstacles(other.binary.inside, inside, shut, left, support.judge)
+        found += _add_obstacles(other.binary.inside, inside, shut, left, evidence.judge)
     remarks = binary.remarks
     if found:
         many = f"{found} obstacles that are lighter, or shaded, are seen at levels of their own"
         one = "an obstacle that is lighter, or shaded, is seen at a level of its own"
         remarks += (one if found == 1 else many,)
-    remarks += _said(left, inside, support.judge)
+    remarks += _said(left, inside, evidence.judge)
     return replace(binary, by_level=binary.by_level and not found, remarks=remarks)
 
 
 def _around(inside: NDArray[Any]) -> NDArray[np.uint8]:
-    near = np.ones((2 * REACH + 1, 2 * REACH + 1), np.uint8)
+    near = np.ones((2 * STEP_REACH_PX + 1, 2 * STEP_REACH_PX + 1), np.uint8)
     return np.asarray(cv2.dilate(inside, near), dtype=np.uint8)
 
 

@@ -1,7 +1,7 @@
 """Steps across the border between black and white.
 
 Rules and units
-- A step is how much lighter a pixel is than one ``REACH`` rows or columns away, measured by
+- A step is how much lighter a pixel is than one ``STEP_REACH_PX`` rows or columns away, measured by
   ``worth`` (256,), which grows with the grey value. Pairs of pixels come from a sample of rows.
 - A pair supports a border between its pixels by its step less ``cost``. A soft step opposes it: one
   hardly more than its share of the step from ``OUTER`` before it to ``OUTER`` behind it.
@@ -15,7 +15,7 @@ import numpy as np
 from numba import njit
 
 from planner.scene.compile_options import LEAF, OWNING, SUMS
-from vision.binarise.binarise_kernels import AT_A_TIME, REACH, SAMPLE
+from vision.binarise.binarise_kernels import PIXELS_AT_A_TIME, SAMPLE, STEP_REACH_PX
 
 OUTER = 6
 """Pixels beyond both ends: chosen, evenly changing light then has a quarter of the outer step, a
@@ -44,16 +44,18 @@ def steps_across_level(grey, level, weak, strong, pairs):
     Return ``(all, weak, strong)``; the latter two by grey levels.
     """
     height, width = grey.shape
-    length = min(width - REACH, AT_A_TIME)
-    segments = max(1, (width - REACH) // AT_A_TIME)
+    length = min(width - STEP_REACH_PX, PIXELS_AT_A_TIME)
+    segments = max(1, (width - STEP_REACH_PX) // PIXELS_AT_A_TIME)
     step = max(1, 2 * height * segments * length // pairs)
     every, weaks, strongs = 0.0, 0.0, 0.0
-    for i in range(0, (height - REACH) * segments, step):
+    for i in range(0, (height - STEP_REACH_PX) * segments, step):
         y = i // segments
-        x = AT_A_TIME * ((i + y) % segments)
+        x = PIXELS_AT_A_TIME * ((i + y) % segments)
         here = grey[y, x : x + length]
         for down in (False, True):
-            there = grey[y + REACH, x : x + length] if down else grey[y, x + REACH :]
+            there = (
+                grey[y + STEP_REACH_PX, x : x + length] if down else grey[y, x + STEP_REACH_PX :]
+            )
             a, b, c = _steps(here, there, level, weak, strong)
             every += a
             weaks += b
@@ -83,15 +85,15 @@ def steps_off_level(grey, level, clear, enough):
     Every second row is read, until there are ``enough``. ``clear`` is ``(share, least, end,
     sign)``: the step is at least ``least``, and at least ``share`` of the light, which is the
     distance from ``end``, where ``sign`` times grey values begin, to the pixel farther from it.
-    Pixels ``REACH`` away on all sides lie on the light side too: the foot of an edge across the
-    level does not count.
+    Pixels ``STEP_REACH_PX`` away on all sides lie on the light side too: the foot of an edge across
+    the level does not count.
     """
     height, width = grey.shape
     found = 0.0
-    for y in range(REACH, height - 2 * REACH, 2):
-        rows = grey[y - REACH : y + 2 * REACH + 1]
-        for x in range(REACH, width - 2 * REACH, AT_A_TIME):
-            length = min(width - 2 * REACH - x, AT_A_TIME)
+    for y in range(STEP_REACH_PX, height - 2 * STEP_REACH_PX, 2):
+        rows = grey[y - STEP_REACH_PX : y + 2 * STEP_REACH_PX + 1]
+        for x in range(STEP_REACH_PX, width - 2 * STEP_REACH_PX, PIXELS_AT_A_TIME):
+            length = min(width - 2 * STEP_REACH_PX - x, PIXELS_AT_A_TIME)
             if _any_step(rows, x, length, level, clear[1]):
                 found += _clear_steps(rows, x, length, level, clear)
         if found >= enough:
@@ -103,11 +105,11 @@ def steps_off_level(grey, level, clear, enough):
 def _any_step(rows, first, length, level, least):
     """True if a stretch has a step on the light side; most have none."""
     nothing, one = np.float32(0.0), np.float32(1.0)
-    here, below = rows[REACH, first:], rows[2 * REACH, first:]
+    here, below = rows[STEP_REACH_PX, first:], rows[2 * STEP_REACH_PX, first:]
     found = nothing
     for x in range(length):
         value = np.float32(here[x])
-        right = np.float32(here[x + REACH])
+        right = np.float32(here[x + STEP_REACH_PX])
         down = np.float32(below[x])
         steep = (abs(value - right) >= least) & (right >= level)
         steep |= (abs(value - down) >= least) & (down >= level)
@@ -119,29 +121,29 @@ def _any_step(rows, first, length, level, least):
 def _clear_steps(rows, first, length, level, clear):
     nothing, one = np.float32(0.0), np.float32(1.0)
     share, least, end, sign = clear
-    above, here = rows[0, first:], rows[REACH, first:]
-    below, beyond = rows[2 * REACH, first:], rows[3 * REACH, first:]
-    before = rows[:, first - REACH :]
+    above, here = rows[0, first:], rows[STEP_REACH_PX, first:]
+    below, beyond = rows[2 * STEP_REACH_PX, first:], rows[3 * STEP_REACH_PX, first:]
+    before = rows[:, first - STEP_REACH_PX :]
     found = nothing
     for x in range(length):
         value = np.float32(here[x])
-        right = np.float32(here[x + REACH])
+        right = np.float32(here[x + STEP_REACH_PX])
         down = np.float32(below[x])
         side = value < level
         across = (right < level) != side
         across |= (down < level) != side
         across |= (np.float32(above[x]) < level) != side
-        across |= (np.float32(before[REACH, x]) < level) != side
-        across |= (np.float32(below[x + REACH]) < level) != side
-        across |= (np.float32(above[x + REACH]) < level) != side
-        across |= (np.float32(before[2 * REACH, x]) < level) != side
-        across |= (np.float32(here[x + 2 * REACH]) < level) != side
+        across |= (np.float32(before[STEP_REACH_PX, x]) < level) != side
+        across |= (np.float32(below[x + STEP_REACH_PX]) < level) != side
+        across |= (np.float32(above[x + STEP_REACH_PX]) < level) != side
+        across |= (np.float32(before[2 * STEP_REACH_PX, x]) < level) != side
+        across |= (np.float32(here[x + 2 * STEP_REACH_PX]) < level) != side
         across |= (np.float32(beyond[x]) < level) != side
         # and across the corners: an edge may be oblique
         across |= (np.float32(before[0, x]) < level) != side
-        across |= (np.float32(above[x + 2 * REACH]) < level) != side
-        across |= (np.float32(before[3 * REACH, x]) < level) != side
-        across |= (np.float32(beyond[x + 2 * REACH]) < level) != side
+        across |= (np.float32(above[x + 2 * STEP_REACH_PX]) < level) != side
+        across |= (np.float32(before[3 * STEP_REACH_PX, x]) < level) != side
+        across |= (np.float32(beyond[x + 2 * STEP_REACH_PX]) < level) != side
         lit = max(sign * value, sign * right) - sign * end
         steep = abs(value - right) >= max(share * lit, least)
         lit = max(sign * value, sign * down) - sign * end
@@ -155,11 +157,11 @@ def _pair(grey, y, x, down):
     height, width = grey.shape
     if down:
         before = grey[max(y - OUTER, 0), x]
-        behind = grey[min(y + REACH + OUTER, height - 1), x]
-        return before, grey[y, x], grey[y + REACH, x], behind
+        behind = grey[min(y + STEP_REACH_PX + OUTER, height - 1), x]
+        return before, grey[y, x], grey[y + STEP_REACH_PX, x], behind
     before = grey[y, max(x - OUTER, 0)]
-    behind = grey[y, min(x + REACH + OUTER, width - 1)]
-    return before, grey[y, x], grey[y, x + REACH], behind
+    behind = grey[y, min(x + STEP_REACH_PX + OUTER, width - 1)]
+    return before, grey[y, x], grey[y, x + STEP_REACH_PX], behind
 
 
 @njit(**LEAF)
@@ -180,9 +182,9 @@ def typical_step(grey, worth, pairs):
     cubes = 0.0
     for y in range(0, height, _row_step(height, width, pairs)):
         for down in (False, True):
-            if down and y + REACH >= height:
+            if down and y + STEP_REACH_PX >= height:
                 continue
-            for x in range(width if down else width - REACH):
+            for x in range(width if down else width - STEP_REACH_PX):
                 before, a, b, behind = _pair(grey, y, x, down)
                 step, sharp = _sharp_step(worth, before, a, b, behind)
                 if step * sharp > 0.0:
@@ -212,11 +214,12 @@ def support_by_level(grey, shut, worth, cost, pairs):
     changes = np.zeros((2, 258))
     for y in range(0, height, _row_step(height, width, pairs)):
         for down in (False, True):
-            if down and y + REACH >= height:
+            if down and y + STEP_REACH_PX >= height:
                 continue
-            for x in range(width if down else width - REACH):
+            for x in range(width if down else width - STEP_REACH_PX):
                 if not whole and (
-                    shut[y, x] or (shut[y + REACH, x] if down else shut[y, x + REACH])
+                    shut[y, x]
+                    or (shut[y + STEP_REACH_PX, x] if down else shut[y, x + STEP_REACH_PX])
                 ):
                     continue
                 before, a, b, behind = _pair(grey, y, x, down)
@@ -249,7 +252,7 @@ def steps_of_regions(grey, labels, count, end, sign):
         for x in range(width):
             here = labels[y, x]
             for down in (False, True):
-                there_y, there_x = (y + REACH, x) if down else (y, x + REACH)
+                there_y, there_x = (y + STEP_REACH_PX, x) if down else (y, x + STEP_REACH_PX)
                 if there_y >= height or there_x >= width:
                     continue
                 there = labels[there_y, there_x]
@@ -278,10 +281,10 @@ def mark_sharp_steps(grey, least, strong, end, sign):
     marks = np.zeros((height, width), np.uint8)
     for y in range(height):
         for down in (False, True):
-            if down and y + REACH >= height:
+            if down and y + STEP_REACH_PX >= height:
                 continue
-            for x in range(width if down else width - REACH):
-                there = grey[y + REACH, x] if down else grey[y, x + REACH]
+            for x in range(width if down else width - STEP_REACH_PX):
+                there = grey[y + STEP_REACH_PX, x] if down else grey[y, x + STEP_REACH_PX]
                 a, b = np.float64(grey[y, x]), np.float64(there)
                 if abs(b - a) < least:
                     continue
@@ -296,5 +299,7 @@ def mark_sharp_steps(grey, least, strong, end, sign):
                     elif a < b:
                         marks[y, x] = 2
                     else:
-                        marks[y + (REACH if down else 0), x + (0 if down else REACH)] = 2
+                        marks[
+                            y + (STEP_REACH_PX if down else 0), x + (0 if down else STEP_REACH_PX)
+                        ] = 2
     return marks

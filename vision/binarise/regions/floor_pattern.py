@@ -3,7 +3,7 @@
 Rules and units
 - An obstacle lies in one place, a pattern everywhere: tiles with faint edges are counted.
 - An edge is faint if its step has less than ``STRONG_SHARE`` of the light. Nothing counts within
-  two ``REACH`` of a stronger edge, which blur gives a faint foot.
+  two ``STEP_REACH_PX`` of a stronger edge, which blur gives a faint foot.
 """
 
 from __future__ import annotations
@@ -14,12 +14,12 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
-from vision.binarise.binarise_kernels import REACH
+from vision.binarise.binarise_kernels import STEP_REACH_PX
 from vision.binarise.grey_classes import LEAST_CONTRAST_SIGMAS
 from vision.binarise.grey_picture import LEAST_CONTRAST
 from vision.binarise.regions.edge_evidence_kernels import mark_sharp_steps
 
-TILES = 8
+TILES_A_SIDE = 8
 """Tiles along each side: chosen, joints of a floor are as near as an eighth of the picture."""
 MOST_OF_IT = 0.5
 """Share of tiles with faint edges from which they are the floor's: chosen, more than half."""
@@ -69,14 +69,14 @@ def near_strong_edges(
 def has_pattern(grey: NDArray[Any], noise: float, side: Literal["dark", "light"]) -> bool:
     """True if most of the floor in a grey picture (h, w) has faint, sharp edges."""
     height, width = grey.shape
-    if min(height, width) < TILES:
+    if min(height, width) < TILES_A_SIDE:
         return False
     marks = _marks(grey, noise, side)
-    floor = ~_near(marks, 2 * REACH)
+    floor = ~_near(marks, 2 * STEP_REACH_PX)
     free, crossed = _by_tile(floor), _by_tile(floor & (marks == FAINT_STEP))
-    area = height * width / TILES**2
+    area = height * width / TILES_A_SIDE**2
     counted = free >= 0.5 * area
-    least = CROSSED * min(height, width) / TILES + BY_CHANCE * area
+    least = CROSSED * min(height, width) / TILES_A_SIDE + BY_CHANCE * area
     patterned = int(np.count_nonzero(crossed[counted] >= least))
     return patterned > MOST_OF_IT * int(np.count_nonzero(counted))
 
@@ -94,8 +94,10 @@ def _near(marks: NDArray[np.uint8], reach: int) -> NDArray[np.bool_]:
 
 
 def _by_tile(marks: NDArray[np.bool_]) -> NDArray[np.int64]:
-    """Number of marked pixels in each tile (TILES, TILES)."""
+    """Number of marked pixels in each tile (TILES_A_SIDE, TILES_A_SIDE)."""
     counts = marks.astype(np.int64)
     for axis, length in enumerate(marks.shape):
-        counts = np.add.reduceat(counts, np.arange(TILES) * length // TILES, axis=axis)
+        counts = np.add.reduceat(
+            counts, np.arange(TILES_A_SIDE) * length // TILES_A_SIDE, axis=axis
+        )
     return counts

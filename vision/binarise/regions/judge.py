@@ -4,14 +4,14 @@ Rules and units
 - Grey values are 0 .. 255, obstacles dark. Light multiplies what the camera sees, so one material
   has the same share of the light everywhere: its border's step over the light there. A shadow's
   rim, and noise in little light, have less.
-- The step is the mean over the whole border, of pixels ``REACH`` apart across it.
-- A picture out of focus, whose edges are not sharp over ``REACH`` pixels, is halved.
+- The step is the mean over the whole border, of pixels ``STEP_REACH_PX`` apart across it.
+- A picture out of focus, whose edges are not sharp over ``STEP_REACH_PX`` pixels, is halved.
 - A region is real if its border exceeds the noise (``SIGMAS``) on all sides but short ones, is
   sharp (``LEAST_SHARP``), and either is of the others' material (``FAINT``) or has the contrast
   that two classes need (``least_step``).
 - In uneven light, and on a patterned floor (``floor_pattern.py``), contrast is not enough: a border
-  fainter than the others needs ``THIN_SHARE`` of the light, or ``LEAST_SHARE`` where it is thick. A
-  floor's joints look like faint cables.
+  fainter than the others needs ``THIN_SHARE`` of the light, or ``FAINT_LEAST_SHARE`` where it is
+  thick. A floor's joints look like faint cables.
 """
 
 from __future__ import annotations
@@ -25,9 +25,9 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
-from vision.binarise.binarise_kernels import REACH, SIGMAS
+from vision.binarise.binarise_kernels import SIGMAS, STEP_REACH_PX
 from vision.binarise.grey_classes import LEAST_CONTRAST_SIGMAS
-from vision.binarise.grey_picture import LEAST_CONTRAST, NO_CALMING, Binary, GreyPicture
+from vision.binarise.grey_picture import LEAST_CONTRAST, NO_SMOOTHING, Binary, GreyPicture
 from vision.binarise.regions.edge_evidence_kernels import (
     LEAST_SHARP,
     OUTER,
@@ -39,13 +39,13 @@ from vision.binarise.regions.floor_pattern import has_pattern, least_step, near_
 SELECTED = 3.0
 """Step, in standard deviations, of noise at borders that a level draws in it: derived, 1.6 at the
 level half-way, 2.4 at 2 sigma off it and 3 at 2.7, beyond which borders are short."""
-ALIKE = 4.0
+PAIRS_ALIKE = 4.0
 """Pairs of pixels that share their noise: derived, every pixel is in two pairs to the right and
 down, and the binomial smooths over two pixels each way."""
 OUT_OF_FOCUS = 2.0
 """Factor by which halving sharpens steps of a picture out of focus: derived, at a blur of 2 px
 (``benchmarks.vision.regions --tuning``: 177 pictures right, 172 with 3)."""
-LEAST_HALF_PX = 2 * (REACH + 2 * OUTER)
+LEAST_HALF_PX = 2 * (STEP_REACH_PX + 2 * OUTER)
 """Pixels of half a picture's shortest side: derived, twice what a pair reads."""
 FAINT = 0.5
 """Part of most borders' share that a border needs to be of the same stuff, and part of its own that
@@ -53,7 +53,7 @@ each side needs: derived, half-way to none."""
 SHORT_SIDE = 0.15
 """Share of a border's pairs from which a side is checked: chosen, blurred tips of triangles have
 0.13, and bars would fail by their ends."""
-LEAST_SHARE = 0.1
+FAINT_LEAST_SHARE = 0.1
 """Least share of the light of a faint border where light or floor is not even: chosen, an obstacle
 of 180 on a floor of 215 has 0.11."""
 THICK_PX = 3.0
@@ -128,25 +128,25 @@ class Judge:
 
     @classmethod
     def of(
-        cls, look: GreyPicture, side: Literal["dark", "light"], pairs: int, even: bool = False
+        cls, picture: GreyPicture, side: Literal["dark", "light"], pairs: int, even: bool = False
     ) -> Judge:
         """Judge of a picture, smoothed if noisy and halved if out of focus.
 
         About ``pairs`` pairs of pixels are read for that.
         """
-        judge = cls._seeing(look, side, 1, even)
-        if min(look.grey.shape) < 2 * LEAST_HALF_PX:
+        judge = cls._seeing(picture, side, 1, even)
+        if min(picture.grey.shape) < 2 * LEAST_HALF_PX:
             return judge
-        other = cls._seeing(look.halved(), side, 2, even)
+        other = cls._seeing(picture.halved(), side, 2, even)
         return other if other.typical(pairs) >= OUT_OF_FOCUS * judge.typical(pairs) else judge
 
     @classmethod
     def _seeing(
-        cls, look: GreyPicture, side: Literal["dark", "light"], every: int, even: bool
+        cls, picture: GreyPicture, side: Literal["dark", "light"], every: int, even: bool
     ) -> Judge:
-        calming = look.calming()
-        grey, noise = look.grey_after(calming), look.noise * calming.left
-        return cls(grey, noise, side, every, calming is not NO_CALMING, even)
+        smoothing = picture.smoothing()
+        grey, noise = picture.grey_after(smoothing), picture.noise * smoothing.left
+        return cls(grey, noise, side, every, smoothing is not NO_SMOOTHING, even)
 
     def worth(self, light: NDArray[np.float64]) -> NDArray[np.float64]:
         """Worth of grey values, whose differences are compared.
@@ -212,8 +212,8 @@ class Judge:
         step, lit = steps / np.maximum(pairs, 1), light / np.maximum(pairs, 1)
         beyond = self.worth(lit) - self.worth(np.maximum(lit - step, 0.0)) - self.faintest
         # standard deviation of the sum of the steps
-        error = self.noise * np.sqrt(2.0 * ALIKE * sides[3])
-        chance = SELECTED * pairs + SIGMAS * np.sqrt(2.0 * ALIKE * pairs)
+        error = self.noise * np.sqrt(2.0 * PAIRS_ALIKE * sides[3])
+        chance = SELECTED * pairs + SIGMAS * np.sqrt(2.0 * PAIRS_ALIKE * pairs)
         stand_out = steps >= self.noise * chance
         stand_out &= pairs > 0
         shares = steps / np.maximum(light, 1.0)
@@ -239,7 +239,7 @@ class Judge:
         away = cv2.distanceTransform(inside, cv2.DIST_L2, 3)
         thick = np.zeros(found.size, dtype=np.bool_)
         thick[regions.labels[away >= THICK_PX]] = True
-        return found & (~few | (thick & (regions.shares >= LEAST_SHARE)))
+        return found & (~few | (thick & (regions.shares >= FAINT_LEAST_SHARE)))
 
     def _is_no_speck(self, regions: Regions, few: NDArray[np.bool_]) -> NDArray[np.bool_]:
         """Mask (n,) of regions not made by noise or compression; it matters for the ``few`` only.

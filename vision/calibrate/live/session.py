@@ -25,9 +25,9 @@ from vision.calibrate.covariance import (
 )
 from vision.calibrate.left_out import residuals_px, rms_px
 from vision.calibrate.lens import estimate_for
+from vision.calibrate.live.board_stillness import BoardStillness
 from vision.calibrate.live.following import BoardFollower
 from vision.calibrate.live.guide import Cells, Wanted, is_new, judge_cells, next_place
-from vision.calibrate.live.stillness import BoardStillness
 from vision.calibrate.suspects import suspects
 from vision.calibration.calibration import CalibrationError
 from vision.camera.camera import Frame, Image

@@ -13,13 +13,13 @@ from numba import njit
 
 from planner.scene.compile_options import LEAF, SUMS
 from planner.scene.primitive_kernels import predecessor, successor
+from vision.outline.bilevel.joint_relaxation_kernels import relax_joints
 from vision.outline.check.loss_kernels import edge_loss
 from vision.outline.corners.crossing_kernels import onto
-from vision.outline.drawn.joint_relaxation_kernels import relax_joints
+from vision.outline.fit.edge_shape_kernels import FIT_ROUNDS, HUGE
 from vision.outline.fit.outline_kernels import arc_sweep, edge_end, finish_edge
-from vision.outline.fit.shape_kernels import HUGE, ROUNDS
 from vision.outline.fitted_borders import LINE
-from vision.shared.typed_numbers import NONE
+from vision.shared.typed_numbers import ZERO
 
 RAGGED_SHARE = 0.15
 """Area lost per point of a ragged stretch, where its border loses too much: chosen."""
@@ -111,11 +111,11 @@ def check_edges(border, outline, edges, limits, budget, review, finished, circle
         ragged[e] = False
         stale[e] = True
         losses[e] = 0.0
-    for _ in range(ROUNDS):
+    for _ in range(FIT_ROUNDS):
         _finish_stale(border, outline, edges, review, finished, circle)
         changed, total = _find_losses(border, outline, edges, limits, review, finished)
         while total > budget:
-            worst = NONE
+            worst = ZERO
             densest = 0.0
             for e in range(edges):
                 length = edge_end(outline.breaks, edges, border.n, e) - outline.breaks[e]

@@ -12,14 +12,14 @@ import math
 from numba import njit
 
 from planner.scene.compile_options import LEAF
+from vision.outline.fit.edge_shape_kernels import HUGE
 from vision.outline.fit.outline_kernels import edge_end
-from vision.outline.fit.shape_kernels import HUGE
 from vision.outline.fitted_borders import LINE
-from vision.shared.typed_numbers import NONE
+from vision.shared.typed_numbers import ZERO
 
 
 @njit(**LEAF, forceinline=False)
-def finish_with_chords(border, outline, edges, trial, review, tolerance, room, finished):
+def finish_with_chords(border, outline, edges, trial, review, tolerance, scratch, finished):
     """Write the edges of ``trial``, and chords instead of the ragged ones; returns their number.
 
     ``tolerance``: largest distance of a chord from its points, in pixels.
@@ -29,8 +29,8 @@ def finish_with_chords(border, outline, edges, trial, review, tolerance, room, f
     n = border.n
     breaks = outline.breaks
     joints = outline.joints
-    found = room.indices[0]
-    count = NONE
+    found = scratch.indices[0]
+    count = ZERO
     for e in range(edges):
         if not review.ragged[e]:
             finished.kind[count] = trial.kind[e]
@@ -39,7 +39,7 @@ def finish_with_chords(border, outline, edges, trial, review, tolerance, room, f
                 finished.rows[count, c] = trial.rows[e, c]
             count += 1
             continue
-        m = _chords(border, breaks[e], edge_end(breaks, edges, n, e), tolerance, found, room)
+        m = _chords(border, breaks[e], edge_end(breaks, edges, n, e), tolerance, found, scratch)
         for t in range(m):
             x = joints[e, 0] if t == 0 else px[found[t]]
             y = joints[e, 1] if t == 0 else py[found[t]]
@@ -50,10 +50,10 @@ def finish_with_chords(border, outline, edges, trial, review, tolerance, room, f
 
 
 @njit(**LEAF, forceinline=False)
-def chords_around(border, tolerance, room, finished):
+def chords_around(border, tolerance, scratch, finished):
     """Write chords all around a border, from point to point; returns their number."""
-    found = room.indices[0]
-    count = _chords(border, NONE, border.n, tolerance, found, room)
+    found = scratch.indices[0]
+    count = _chords(border, ZERO, border.n, tolerance, found, scratch)
     for t in range(count):
         _write_chord(finished, t, found[t], border.x[found[t]], border.y[found[t]])
     return count
@@ -71,11 +71,11 @@ def _write_chord(finished, i, k, x, y):
 
 
 @njit(**LEAF)
-def _chords(border, lo, hi, tolerance, found, room):
+def _chords(border, lo, hi, tolerance, found, scratch):
     px = border.x
     py = border.y
-    is_seed = room.flags[0]
-    stack = room.pairs
+    is_seed = scratch.flags[0]
+    stack = scratch.pairs
     count = hi - lo
     for k in range(count + 1):
         is_seed[k] = False

@@ -18,12 +18,12 @@ from planner.scene.primitive_kernels import predecessor, successor
 from vision.outline.fit.outline_kernels import STRAY_PX, arc_ends, distance_to_edge
 from vision.outline.fit.separating_fit_kernels import COARSE_PX, HALF
 from vision.outline.fitted_borders import LINE
-from vision.outline.limit_kernels import MOST_PX
+from vision.outline.limit_kernels import MOST_MISS_PX
 
 LOST_AXIS_PX = HALF + COARSE_PX
 """Distance along a pixel's axis, from the middle between two centres, at which an edge loses a
 pixel: derived, half a pixel and a drawing's error."""
-NARROW_PX = 0.75
+NARROW_TIP_PX = 0.75
 """Half the width of a tip without a pixel's centre: chosen, above half a pixel's diagonal."""
 LONGEST_TIP_PX = 12.0
 """Largest reach of a tip, the blur's sigma over the sine of half its angle: chosen, 10 degrees at a
@@ -45,7 +45,7 @@ def _narrow_reach(rows, before, at, after):
     cosine = (ax * bx + ay * by) / max(lengths, 1e-9)
     # cotangent of half the angle
     slender = math.sqrt((1.0 + cosine) / max(1.0 - cosine, 1e-3))
-    return min(NARROW_PX * slender, LONGEST_TIP_PX)
+    return min(NARROW_TIP_PX * slender, LONGEST_TIP_PX)
 
 
 @njit(**LEAF)
@@ -71,7 +71,7 @@ def _nothing_lost(border, lo, hi, finished, e, after, near_begin, near_end):
             beside = x * x + y * y < near_begin
             beside |= (xs[k] - x1) * (xs[k] - x1) + (ys[k] - y1) * (ys[k] - y1) < near_end
             lost = (best > LOST_AXIS_PX * max(ax, ay)) | (best >= HALF * HALF)
-            beside &= best < MOST_PX * MOST_PX
+            beside &= best < MOST_MISS_PX * MOST_MISS_PX
             doubts += lost & (not beside)
         return doubts == 0
     cx, cy, r = rows[e, 2], rows[e, 3], rows[e, 4]
@@ -99,7 +99,7 @@ def _nothing_lost(border, lo, hi, finished, e, after, near_begin, near_end):
         axis = axis if within else end_axis
         beside = (to_begin < near_begin) | (to_end < near_end)
         lost = (best > LOST_AXIS_PX * axis) | (best >= HALF * HALF)
-        beside &= best < MOST_PX * MOST_PX
+        beside &= best < MOST_MISS_PX * MOST_MISS_PX
         doubts += lost & (not beside)
     return doubts == 0
 
@@ -196,7 +196,7 @@ def edge_loss(border, lo, hi, finished, e, edges, limits):
         beside = (x - rows[e, 0]) ** 2 + (y - rows[e, 1]) ** 2 < near_begin
         beside = beside or (x - rows[next_, 0]) ** 2 + (y - rows[next_, 1]) ** 2 < near_end
         best, fx, fy = distance_to_edge(kinds, rows, e, next_, x, y)
-        if beside and best < (MOST_PX if crisp else STRAY_PX):
+        if beside and best < (MOST_MISS_PX if crisp else STRAY_PX):
             continue
         if best >= BESIDE_OTHER_PX:
             d, ex, ey = distance_to_edge(kinds, rows, before, e, x, y)

@@ -21,7 +21,7 @@ from vision.outline.fitted_borders import ARC_CCW, LINE
 
 NEAR_ENDS = 4
 """Points at either end of an edge that may be nearer to its neighbour: chosen."""
-ROUNDING = math.sqrt(2.0 / math.pi)
+CORNER_SHIFT = math.sqrt(2.0 / math.pi)
 """Movement of the border at a corner by blur, as a multiple of its sigma and the sine of half the
 turn: derived, the mean of |x| under a Gaussian."""
 
@@ -49,8 +49,8 @@ def measure_residual(border, finished, count, blur, reach):
         last = max(hi - NEAR_ENDS, first)
         total += _squares(border.x[first:last], border.y[first:last], kind, rows, i, after)
         many += last - first
-        begin = ROUNDING * blur * _bend(kind, rows, before, i, after)
-        end = ROUNDING * blur * _bend(kind, rows, i, after, behind)
+        begin = CORNER_SHIFT * blur * _bend(kind, rows, before, i, after)
+        end = CORNER_SHIFT * blur * _bend(kind, rows, i, after, behind)
         for k in range(lo, hi):
             if first <= k < last:
                 continue

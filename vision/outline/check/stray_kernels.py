@@ -20,11 +20,11 @@ from numba import njit
 from planner.scene.compile_options import LEAF
 from planner.scene.primitive_kernels import successor
 from vision.outline.check.loss_kernels import LONGEST_TIP_PX, loss_beside
+from vision.outline.fit.edge_shape_kernels import HUGE
 from vision.outline.fit.outline_kernels import STRAY_PX, arc_sweep, distance_to_edge
-from vision.outline.fit.shape_kernels import HUGE
 from vision.outline.fitted_borders import LINE
 
-LONGEST = 4.0
+LONGEST_EDGE = 4.0
 """Largest length of an edge, as a multiple of its points' stretch, plus tips: indifferent."""
 
 
@@ -123,7 +123,7 @@ def _beside_border(border, lo, hi, finished, i, after):
     if kind[i] != LINE:
         begin, sweep = arc_sweep(kind, rows, i, after)
         length = abs(sweep) * rows[i, 4]
-    if length > LONGEST * (hi - lo + 1) + 2.0 * LONGEST_TIP_PX:
+    if length > LONGEST_EDGE * (hi - lo + 1) + 2.0 * LONGEST_TIP_PX:
         return False, x0, y0, x0, y0
     steps = max(math.ceil(length / STRAY_PX), 1)
     step = length / steps

@@ -19,15 +19,15 @@ from numba import njit
 from planner.scene.compile_options import LEAF, SUMS
 from planner.scene.primitive_kernels import predecessor, successor
 from vision.outline.corners.crossing_kernels import tangent_at
+from vision.outline.fit.edge_shape_kernels import HUGE
 from vision.outline.fit.outline_kernels import edge_end
-from vision.outline.fit.shape_kernels import HUGE
 from vision.shared.typed_numbers import NO
 
-CORNER_ROOM = 8
+CORNER_FIELDS = 8
 """Numbers of a corner's row: defined."""
 ALONG_X, ALONG_Y, STEEPNESS, TURN = 4, 5, 6, 7
 """Places in it: defined."""
-REACH = 4.0
+ROUNDING_REACH = 4.0
 """Range of rounding from a joint, in sigmas of the blur: chosen."""
 PER_SIGMA = 32
 """Entries of the table for a sigma: chosen, linear interpolation is right to 5e-5 of the blur."""
@@ -39,9 +39,9 @@ def _excess(t: float) -> float:
     return math.exp(-0.5 * t * t) / math.sqrt(2.0 * math.pi) - t * tail
 
 
-LAST = REACH * PER_SIGMA
+TABLE_END = ROUNDING_REACH * PER_SIGMA
 """End of the table, where the excess is none."""
-EXCESS = np.array([_excess(k / PER_SIGMA) for k in range(int(REACH * PER_SIGMA) + 2)])
+EXCESS = np.array([_excess(k / PER_SIGMA) for k in range(int(ROUNDING_REACH * PER_SIGMA) + 2)])
 """The table: derived, see above."""
 
 
@@ -112,7 +112,7 @@ def _explain(border, lo, hi, from_, joint, corner, blur, deviations):
     ``joint`` (2,): the corner's position. In a slight turn, the half level lies at the mean height
     of both sides under a Gaussian.
     """
-    reach = (REACH * blur) ** 2
+    reach = (ROUNDING_REACH * blur) ** 2
     scale = PER_SIGMA / blur
     height = corner[STEEPNESS] * blur
     joint_x = joint[0]
@@ -124,7 +124,7 @@ def _explain(border, lo, hi, from_, joint, corner, blur, deviations):
             continue
         t = abs(dx * corner[ALONG_X] + dy * corner[ALONG_Y]) * scale
         # tangents of arcs that miss their joint are no unit vectors
-        t = min(t, LAST)
+        t = min(t, TABLE_END)
         i = int(t)
         share = t - i
         deviations[k - from_] -= height * ((1.0 - share) * EXCESS[i] + share * EXCESS[i + 1])
@@ -149,7 +149,7 @@ def _measure_edge(border, outline, corners, e, after, lo, hi, blur, deviations):
         x = joints[e, 0] - row[0]
         y = joints[e, 1] - row[1]
         side = -1.0 if x * corners[e, 3] - y * corners[e, 2] > 0.0 else 1.0
-    span = int(2.0 * REACH * blur) + 2
+    span = int(2.0 * ROUNDING_REACH * blur) + 2
     _measure(border.x, border.y, lo, hi, row, outline.is_arc[e], side, deviations)
     _explain(border, lo, min(lo + span, hi), lo, joints[e], corners[e], blur, deviations)
     _explain(border, max(hi - span, lo), hi, lo, joints[after], corners[after], blur, deviations)
@@ -188,7 +188,7 @@ def change_cost(border, change, is_arc, inwards, blur, costs, worst):
     rows, joints, corners = change.rows, change.joints, change.corners
     lo, first, behind, hi = change.points[0], change.points[1], change.points[2], change.points[3]
     left = change.deviations[: hi - lo]
-    span = int(2.0 * REACH * blur) + 2
+    span = int(2.0 * ROUNDING_REACH * blur) + 2
     _measure(border.x, border.y, lo, first, rows[0], NO, 1.0, left)
     _explain(border, max(first - span, lo), first, lo, joints[0], corners[0], blur, left)
     if behind > first:

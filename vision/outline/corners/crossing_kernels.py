@@ -18,7 +18,7 @@ from planner.scene.compile_options import LEAF
 
 SHALLOW = 0.03
 """Sine of the angle below which two lines are one: chosen, 1.7 degrees."""
-AROUND = np.int64(6)
+DIRECTION_POINTS = np.int64(6)
 """Points on either side of a break, or of a wall's end, that give the border's direction: chosen, a
 wall's half width and the rounding."""
 
@@ -97,8 +97,8 @@ def crossing(border, here, a, a_arc, b, b_arc, out):
     out[0] = base_x + off * off_x
     out[1] = base_y + off * off_y
     # the border's directions before and after
-    p = here - min(AROUND, border.n // 4)
-    q = here + min(AROUND, border.n // 4)
+    p = here - min(DIRECTION_POINTS, border.n // 4)
+    q = here + min(DIRECTION_POINTS, border.n // 4)
     p = p + border.n if p < 0 else p
     ax, ay = tangent_at(a, a_arc, out[0], out[1], x - border.x[p], y - border.y[p])
     bx, by = tangent_at(b, b_arc, out[0], out[1], border.x[q] - x, border.y[q] - y)

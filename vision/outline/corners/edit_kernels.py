@@ -19,7 +19,7 @@ from numba import njit
 
 from planner.scene.compile_options import LEAF
 from vision.outline.corners.blurred_corner_kernels import (
-    REACH,
+    ROUNDING_REACH,
     TURN,
     change_cost,
     find_corners,
@@ -35,19 +35,19 @@ from vision.outline.corners.fillet_kernels import (
     try_fillet,
 )
 from vision.outline.corners.wall_end_kernels import try_end, turns_back
+from vision.outline.fit.edge_shape_kernels import BEATEN, HUGE, fit_line, line_cost
 from vision.outline.fit.outline_kernels import edge_end
-from vision.outline.fit.shape_kernels import BEATEN, HUGE, fit_line, line_cost
 from vision.outline.fitted_borders import FEWEST_LINES
 from vision.outline.outline_types import EdgeRun
 from vision.shared.typed_numbers import NO, ONE
 
-CORNER, LINE, END, FILLET = np.int64(0), np.int64(1), np.int64(2), np.int64(3)
+CORNER, ONE_LINE, WALL_END, FILLET = np.int64(0), np.int64(1), np.int64(2), np.int64(3)
 """Replacements of a run of edges (defined): the corner of the two that stay, one line, a line
 square to both at the end of a wall, an arc that touches both. Typed, so that kernels are compiled
 once."""
 KINDS = 4
 """Their number: defined."""
-SHARES = 0.0, 1.0, 1.0, 1.5
+EDIT_SHARES = 0.0, 1.0, 1.0, 1.5
 """Their prices in lines. A fillet has one free number, a line and its break two: it is dearer than
 a line, so that a bevel stays straight (chosen)."""
 LONGEST_RUN = 6
@@ -57,18 +57,18 @@ SHORT_RUN = 2
 (chosen)."""
 COUNTER_TURN = math.radians(3.0)
 """Least turn back of edges that are no chords of one arc: noise turns short ones (chosen)."""
-FLAT = 0.25
+FLAT_ARC_RAD = 0.25
 """Turn in radians of an arc below which it may be a line that took some of the arcs at its ends: up
 to 60 px long it rises by less than 2 px (chosen)."""
 
 
 @njit(**LEAF, inline="always")
-def find_edits(border, outline, edges, untouched, blur, costs, prices, edits, change, room):
+def find_edits(border, outline, edges, untouched, blur, costs, prices, edits, change, scratch):
     """Find the best edit behind every edge; True if any saves something.
 
     ``untouched``: the outline is as partitioned.
     """
-    corners = room.table
+    corners = scratch.table
     sums = edits.sums
     find_corners(border, outline, edges, corners)
     sum_costs(border, outline, edges, corners, blur.sigma, costs, sums)
@@ -124,7 +124,7 @@ def _cost_between_anchors(stays, sums):
 @njit(**LEAF)
 def _price_of(outline, e, prices):
     if outline.is_fillet[e]:
-        return SHARES[FILLET] * prices.line
+        return EDIT_SHARES[FILLET] * prices.line
     return prices.arc if outline.is_arc[e] else prices.line
 
 
@@ -149,7 +149,7 @@ def _may_be(border, outline, edges, run, kind, line_price, blur, stays):
     """True if an edit is worth a closer look, by the edges alone."""
     if run.length - (kind != CORNER) > run.spare:
         return False
-    if kind == LINE:
+    if kind == ONE_LINE:
         return run.price > line_price and not run.bent and _may_be_line(outline, edges, run)
     i = run.before
     j = run.behind
@@ -158,17 +158,17 @@ def _may_be(border, outline, edges, run, kind, line_price, blur, stays):
     if kind == FILLET:
         return (
             run.convex
-            and run.saved > SHARES[FILLET] * line_price
+            and run.saved > EDIT_SHARES[FILLET] * line_price
             and not (run.length == 1 and outline.is_fillet[(i + 1) % edges])
             and _is_flat(border, outline, stays[0], stays[1], i)
             and _is_flat(border, outline, stays[2], stays[3], j)
         )
     if run.length > SHORT_RUN or outline.is_arc[i] or outline.is_arc[j]:
         return False
-    if kind == END:
+    if kind == WALL_END:
         return run.untouched and turns_back(outline.shape[i], outline.shape[j], stays)
     # blur rounds no farther to both sides
-    return run.length > 0 and stays[2] - stays[1] <= 2.0 * REACH * blur.sigma
+    return run.length > 0 and stays[2] - stays[1] <= 2.0 * ROUNDING_REACH * blur.sigma
 
 
 @njit(**LEAF)
@@ -187,7 +187,10 @@ def _is_flat(border, outline, lo, hi, e):
     if not outline.is_arc[e]:
         return True
     px, py = border.x, border.y
-    return math.sqrt((px[hi] - px[lo]) ** 2 + (py[hi] - py[lo]) ** 2) < FLAT * outline.shape[e, 2]
+    return (
+        math.sqrt((px[hi] - px[lo]) ** 2 + (py[hi] - py[lo]) ** 2)
+        < FLAT_ARC_RAD * outline.shape[e, 2]
+    )
 
 
 @njit(**LEAF, inline="always")
@@ -198,8 +201,8 @@ def _try_edit(border, outline, edges, run, kind, blur, costs, prices, edits, cha
     if cost >= HUGE:
         return False
     now = edits.sums[points[3]] - edits.sums[points[0]]
-    saved = now + run.price - cost - SHARES[kind] * prices.line
-    if kind == END:
+    saved = now + run.price - cost - EDIT_SHARES[kind] * prices.line
+    if kind == WALL_END:
         # the corners' model fails at so narrow an end: its width and place decide
         saved = max(saved, BEATEN)
     i = run.before
@@ -216,13 +219,13 @@ def _try_edit(border, outline, edges, run, kind, blur, costs, prices, edits, cha
 @njit(**LEAF, inline="always")
 def _cost_of_edit(border, outline, edges, run, kind, blur, costs, change):
     """Cost of an edit's points with it, HUGE if it is impossible; fills ``points``."""
-    if kind == LINE:
+    if kind == ONE_LINE:
         return _try_line(border, outline, edges, run, blur, costs, change)
     if kind == FILLET:
         return try_fillet(border, blur, costs, change)
     if not _compare_from(border, outline, run, blur, change):
         return HUGE
-    if kind == END:
+    if kind == WALL_END:
         return try_end(border, blur, costs, change)
     return _try_corner(border, blur, costs, change)
 
@@ -234,7 +237,7 @@ def _compare_from(border, outline, run, blur, change):
         change.rows[0, c] = outline.shape[run.before, c]
         change.rows[2, c] = outline.shape[run.behind, c]
     # up to their middles at most
-    span = int(REACH * blur.sigma) + 1
+    span = int(ROUNDING_REACH * blur.sigma) + 1
     stays = change.stays
     change.points[0] = stays[1] - min(span, (stays[1] - stays[0]) // 2)
     change.points[3] = stays[2] + min(span, (stays[3] - stays[2]) // 2)
@@ -295,7 +298,7 @@ def _try_corner(border, blur, costs, change):
     middle = (change.stays[1] + change.stays[2]) // 2
     dx = px[middle] - meeting[0]
     dy = py[middle] - meeting[1]
-    if dx * dx + dy * dy > (REACH * blur.sigma) ** 2:
+    if dx * dx + dy * dy > (ROUNDING_REACH * blur.sigma) ** 2:
         return HUGE
     along_x = rows[0, 2] + rows[2, 2]
     along_y = rows[0, 3] + rows[2, 3]

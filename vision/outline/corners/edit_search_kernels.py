@@ -17,64 +17,70 @@ from vision.outline.corners.edit_kernels import CORNER, FILLET, find_edits
 from vision.outline.corners.fillet_kernels import PIXEL_BLUR_PX, half_variance, touch_lines
 from vision.outline.corners.joint_kernels import fit_and_join
 from vision.outline.corners.wall_end_kernels import square_ends
+from vision.outline.fit.edge_shape_kernels import FIT_ROUNDS
 from vision.outline.fit.outline_kernels import edge_end
-from vision.outline.fit.shape_kernels import ROUNDS
 from vision.outline.outline_types import Blur, EdgeChange, Edits
-from vision.shared.typed_numbers import NONE
+from vision.shared.typed_numbers import ZERO
 
+GONE, ANCHOR, USED, NEW_IS_ARC, NEW_IS_FILLET = 0, 1, 2, 3, 4
+"""Rows of the scratch flags: defined."""
+BEGINS, NEW_BREAKS = 4, 5
+"""Rows of the scratch indices behind those of the edits: defined."""
 LEFT = 3
 """Least points of an edge between two edits: derived, two lie on any line."""
 MOVED = 16
 """Points by which an edge may be longer between two edits: derived, these look for an end among
-``vision.outline.corners.crossing_kernels.AROUND`` points beyond it, on either side."""
+``vision.outline.corners.crossing_kernels.DIRECTION_POINTS`` points beyond it, on either side."""
 
 
 @njit(**LEAF, inline="always")
-def edit_outline(border, outline, edges, limits, blur_px, costs, prices, room):
+def edit_outline(border, outline, edges, limits, blur_px, costs, prices, scratch):
     """Apply the edits that save most and fit again, until none saves; return the edges' number."""
     sigma = math.sqrt(blur_px * blur_px + PIXEL_BLUR_PX * PIXEL_BLUR_PX)
     blur = Blur(sigma, half_variance(blur_px), limits.guard)
-    indices = room.indices
-    edits = Edits(room.numbers[2], room.numbers[3], indices[0], indices[1], indices[2], indices[3])
-    last = room.table.shape[0]
+    indices = scratch.indices
+    edits = Edits(
+        scratch.numbers[2], scratch.numbers[3], indices[0], indices[1], indices[2], indices[3]
+    )
+    last = scratch.table.shape[0]
     change = EdgeChange(
-        room.table[last - 3 : last], room.table[last - 5 : last - 3],
-        room.table[last - 7 : last - 5], room.table[last - 8], indices[5], indices[6],
-        room.numbers[4],
+        scratch.table[last - 3 : last], scratch.table[last - 5 : last - 3],
+        scratch.table[last - 7 : last - 5], scratch.table[last - 8], indices[5], indices[6],
+        scratch.numbers[4],
     )  # fmt: skip
     for e in range(edges):
         outline.is_fillet[e] = False
-    for taken in range(ROUNDS):
+    for taken in range(FIT_ROUNDS):
         if not find_edits(
-            border, outline, edges, taken == 0, blur, costs, prices, edits, change, room
+            border, outline, edges, taken == 0, blur, costs, prices, edits, change, scratch
         ):
             break
-        edges = _take_edits(border.n, outline, edges, edits, room)
-        fit_and_join(border, outline, edges, limits, room)
+        edges = _take_edits(border.n, outline, edges, edits, scratch)
+        fit_and_join(border, outline, edges, limits, scratch)
         touch_lines(border, outline, edges, blur, costs, change)
         square_ends(outline, edges, blur)
     return edges
 
 
 @njit(**LEAF)
-def _take_edits(n, outline, edges, edits, room):
+def _take_edits(n, outline, edges, edits, scratch):
     """Apply edits by falling saving, without any that touch another; return the number of edges.
 
     ``gone``: edges removed; ``anchor``: edges beside an edit; ``used``: edges that an edit follows;
     ``begins``: first point of an edge behind an edit, or -1.
     """
     saved = edits.saved
-    gone = room.flags[0]
-    anchor = room.flags[1]
-    used = room.flags[2]
-    begins = room.indices[4]
+    gone = scratch.flags[GONE]
+    anchor = scratch.flags[ANCHOR]
+    used = scratch.flags[USED]
+    begins = scratch.indices[BEGINS]
     for e in range(edges):
         gone[e] = False
         anchor[e] = False
         begins[e] = -1
         used[e] = False
     while True:
-        i = NONE
+        i = ZERO
         for e in range(1, edges):
             if saved[e] > saved[i]:
                 i = e
@@ -100,7 +106,7 @@ def _take_edits(n, outline, edges, edits, room):
         begins[j] = behind % n
         for t in range(1, edits.run[i] + 1):
             gone[(i + t) % edges] = True
-    return _write_edits(n, outline, edges, edits, room)
+    return _write_edits(n, outline, edges, edits, scratch)
 
 
 @njit(**LEAF)
@@ -111,14 +117,14 @@ def _is_left(n, outline, edges, e, begin, end):
 
 
 @njit(**LEAF)
-def _write_edits(n, outline, edges, edits, room):
-    gone = room.flags[0]
-    used = room.flags[2]
-    begins = room.indices[4]
+def _write_edits(n, outline, edges, edits, scratch):
+    gone = scratch.flags[GONE]
+    used = scratch.flags[USED]
+    begins = scratch.indices[BEGINS]
     # every edge adds at most one
-    breaks = room.indices[5]
-    is_arc = room.flags[3]
-    is_fillet = room.flags[4]
+    breaks = scratch.indices[NEW_BREAKS]
+    is_arc = scratch.flags[NEW_IS_ARC]
+    is_fillet = scratch.flags[NEW_IS_FILLET]
     m = 0
     for e in range(edges):
         if not gone[e]:

@@ -22,7 +22,7 @@ from vision.outline.corners.blurred_corner_kernels import (
     TURN,
     change_cost,
 )
-from vision.outline.fit.shape_kernels import ASTRAY, HUGE, ROUNDS, circle_rms, fit_line
+from vision.outline.fit.edge_shape_kernels import FIT_ASTRAY, FIT_ROUNDS, HUGE, circle_rms, fit_line
 from vision.shared.typed_numbers import ONE, YES
 
 LEAST_TURN, MOST_TURN = math.radians(15.0), math.radians(150.0)
@@ -37,12 +37,12 @@ ANCHOR_FROM = 0.3
 """Part of a line that may be of the arcs at either end (chosen)."""
 ANCHOR_TO = 1.0 - ANCHOR_FROM
 """Beginning of the other end's: derived."""
-INWARDS, MORE_INWARDS = 0.25, 0.1
+ARC_INWARDS, MORE_INWARDS = 0.25, 0.1
 """Shift of a round border inwards by blur, times the radius: half the variance, corrected for
 profiles that meet a border aslant and end before a wide blur does (measured: right to a twelfth for
 discs at blurs of 0.5 .. 2). A fillet's radius moves four times as far where its lines turn by 90
 degrees."""
-LOOKS = 6
+FILLET_PARTS = 6
 """Parts of a run at whose ends roundness is tested: indifferent, to spare work."""
 OWN = 3
 """Least points of a fillet and of the lines beside it: derived, two lie on any line."""
@@ -80,7 +80,7 @@ def set_corner(a, b, corner):
 def half_variance(blur):
     """Half the variance of a blur of measured sigma ``blur``, in square pixels."""
     square = blur * blur
-    return square * (INWARDS + MORE_INWARDS * square)
+    return square * (ARC_INWARDS + MORE_INWARDS * square)
 
 
 @njit(**LEAF)
@@ -92,7 +92,7 @@ def solve_radius(border, lo, hi, a, b, corner, radius, inwards):
     px = border.x
     py = border.y
     share = 1.0 / corner[4]
-    for _ in range(ROUNDS):
+    for _ in range(FIT_ROUNDS):
         cx = corner[0] + radius * share * corner[2]
         cy = corner[1] + radius * share * corner[3]
         reach = radius * corner[5]
@@ -142,8 +142,8 @@ def _is_round(border, lo, hi, corner, radius, worst):
     py = border.y
     cx = corner[0] + radius / corner[4] * corner[2]
     cy = corner[1] + radius / corner[4] * corner[3]
-    for t in range(LOOKS + 1):
-        k = lo + (hi - lo) * t // LOOKS
+    for t in range(FILLET_PARTS + 1):
+        k = lo + (hi - lo) * t // FILLET_PARTS
         if abs(math.sqrt((px[k] - cx) ** 2 + (py[k] - cy) ** 2) - radius) > worst:
             return False
     return True
@@ -213,7 +213,7 @@ def try_fillet(border, blur, costs, change):
             radius = _cut(border, a_to, b_from, corner) / (1.0 / corner[4] - 1.0)
             if radius * corner[5] < 0.7 * least:
                 return HUGE
-            if not _is_round(border, stays[1], stays[2], corner, radius, ASTRAY * costs.worst):
+            if not _is_round(border, stays[1], stays[2], corner, radius, FIT_ASTRAY * costs.worst):
                 return HUGE
         radius = solve_radius(border, lo, hi, rows[0], rows[2], corner, radius, blur.half_variance)
         if radius * corner[5] < least:

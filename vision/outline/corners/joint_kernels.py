@@ -17,9 +17,7 @@ from numba import njit
 from planner.scene.compile_options import LEAF
 from planner.scene.primitive_kernels import predecessor, successor
 from vision.outline.corners.crossing_kernels import crossing, onto, touch
-from vision.outline.fit.outline_kernels import KNOWN_PX, STRAY_PX, edge_end
-from vision.outline.fit.separating_fit_kernels import separate_circle, separate_line
-from vision.outline.fit.shape_kernels import (
+from vision.outline.fit.edge_shape_kernels import (
     HUGE,
     circle_rms,
     fit_circle,
@@ -27,9 +25,11 @@ from vision.outline.fit.shape_kernels import (
     line_rms,
     refine_circle,
 )
+from vision.outline.fit.outline_kernels import KNOWN_PX, STRAY_PX, edge_end
+from vision.outline.fit.separating_fit_kernels import separate_circle, separate_line
 from vision.shared.typed_numbers import ONE
 
-ROUNDS = 4
+CORNER_ROUNDS = 4
 """Most fits of edges, each with the last corners: chosen, a bound on the work."""
 SMOOTH_SLIDE = 24
 """Points by which a break beside an arc may move to the best split: chosen."""
@@ -42,20 +42,20 @@ that lie beyond by 2 px."""
 
 
 @njit(**LEAF)
-def fit_and_join(border, outline, edges, limits, room):
+def fit_and_join(border, outline, edges, limits, scratch):
     """Fit every edge and join neighbours until the joints settle.
 
     Corrects the outline's ``breaks`` and ``is_arc``; fills all but ``is_fillet``.
     """
-    near = room.numbers[0:2]
-    found = room.numbers[2]
+    near = scratch.numbers[0:2]
+    found = scratch.numbers[2]
     for e in range(edges):
         outline.joints[e, 0] = border.x[outline.breaks[e]]
         outline.joints[e, 1] = border.y[outline.breaks[e]]
         outline.ranges[e, 0] = -1
         outline.ranges[e, 1] = -1
         outline.fresh[e, 1] = True
-    for _ in range(ROUNDS):
+    for _ in range(CORNER_ROUNDS):
         if not _fit_edges(border, outline, edges, limits, near):
             break
         _join(border, outline, edges, limits, found)
@@ -235,22 +235,22 @@ def _join_at(border, outline, edges, limits, e, found):
     a_arc = outline.is_arc[before]
     b_arc = outline.is_arc[e]
     here = breaks[e]
-    room_before = max((here - breaks[before]) % n - 1, 0) // 2
-    room_after = max((breaks[after] - here) % n - 1, 0) // 2
+    slack_before = max((here - breaks[before]) % n - 1, 0) // 2
+    slack_after = max((breaks[after] - here) % n - 1, 0) // 2
     if a_arc or b_arc:
         here = _best_split(
             border, a, a_arc, b, b_arc, here,
-            min(SMOOTH_SLIDE, room_before), min(SMOOTH_SLIDE, room_after),
+            min(SMOOTH_SLIDE, slack_before), min(SMOOTH_SLIDE, slack_after),
         )  # fmt: skip
         # at most half-way to the next break, or two might change places
         slid = (here - breaks[e] + n // 2) % n - n // 2
-        room_before += slid
-        room_after -= slid
+        slack_before += slid
+        slack_after -= slid
     x = border.x[here]
     y = border.y[here]
     if (a_arc or b_arc) and touch(a, a_arc, b, b_arc, found) and abs(found[2]) <= limits.tangent:
         where, distance = nearest_point(
-            border, here, min(SMOOTH_SLIDE, room_before), min(SMOOTH_SLIDE, room_after),
+            border, here, min(SMOOTH_SLIDE, slack_before), min(SMOOTH_SLIDE, slack_after),
             found[0], found[1],
         )  # fmt: skip
         if distance <= 1.0:
@@ -259,7 +259,7 @@ def _join_at(border, outline, edges, limits, e, found):
             return where
     if crossing(border, here, a, a_arc, b, b_arc, found):
         where, distance = nearest_point(
-            border, here, min(SLIDE, room_before), min(SLIDE, room_after), found[0], found[1]
+            border, here, min(SLIDE, slack_before), min(SLIDE, slack_after), found[0], found[1]
         )
         explained = 0.5 + (0.3 + limits.corner_blur) / max(found[2], 0.1)
         foreseen = FORESEEN * _shorter_side(border, breaks[before], where, breaks[after])

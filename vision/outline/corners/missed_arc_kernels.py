@@ -8,8 +8,8 @@ from numba import njit
 
 from planner.scene.compile_options import LEAF
 from planner.scene.primitive_kernels import successor
+from vision.outline.fit.edge_shape_kernels import circle_rms, fit_circle
 from vision.outline.fit.outline_kernels import KNOWN_PX
-from vision.outline.fit.shape_kernels import circle_rms, fit_circle
 from vision.shared.typed_numbers import ONE
 
 BENT_PX = 3.0 * KNOWN_PX
@@ -19,9 +19,9 @@ BENT_BY = 2.0
 """Added to it, as a multiple of a point's noise: chosen."""
 BETTER_BY = 0.5
 """Share of the line's residual that its arc leaves at most (indifferent)."""
-LEAST = 2 * 3 + 1
+LEAST_BEND_POINTS = 2 * 3 + 1
 """Points that show a bend: derived, more than twice a circle's numbers."""
-SHALLOW = 0.9
+ARC_TURN_COS = 0.9
 """Cosine of the turn up to which two lines may be chords of one arc: 26 degrees (indifferent)."""
 AS_GOOD_PX = 0.02
 """Residual by which an arc may exceed both of them (indifferent, below the 0.05 px of edge
@@ -44,12 +44,12 @@ def any_bent_line(border, outline, edges, spread, circle):
     for e in range(edges):
         a = ranges[e, 0]
         b = ranges[e, 1]
-        if is_arc[e] or a < 0 or b - a < LEAST:
+        if is_arc[e] or a < 0 or b - a < LEAST_BEND_POINTS:
             continue
         after = successor(e, edges)
         dot = shape[e, 2] * shape[after, 2] + shape[e, 3] * shape[after, 3]
-        pair = after != e and not is_arc[after] and ranges[after, 0] >= 0 and dot > SHALLOW
-        if pair and ranges[after, 1] - ranges[after, 0] >= LEAST:
+        pair = after != e and not is_arc[after] and ranges[after, 0] >= 0 and dot > ARC_TURN_COS
+        if pair and ranges[after, 1] - ranges[after, 0] >= LEAST_BEND_POINTS:
             end = ranges[after, 1]
             end = end + n if end <= a else end
             if end <= 2 * n and fit_circle(px, py, a, end, ONE, circle):

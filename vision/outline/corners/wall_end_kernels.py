@@ -15,20 +15,20 @@ from numba import njit
 from planner.scene.compile_options import LEAF
 from planner.scene.primitive_kernels import predecessor, successor
 from vision.outline.corners.blurred_corner_kernels import change_cost, put_corner
-from vision.outline.corners.crossing_kernels import AROUND
+from vision.outline.corners.crossing_kernels import DIRECTION_POINTS
 from vision.outline.corners.fillet_kernels import MOST_TURN
 from vision.outline.corners.joint_kernels import nearest_point
-from vision.outline.fit.shape_kernels import HUGE
+from vision.outline.fit.edge_shape_kernels import HUGE
 from vision.shared.typed_numbers import NO
 
 BACK = math.cos(MOST_TURN)
 """Cosine between two lines from which the border turns back: where there is no fillet."""
-LEAST = 8
+LEAST_WALL_POINTS = 8
 """Points of such a line: less is no wall (indifferent)."""
 WIDTH_BY = 2.2
-"""Width of a sharp tip's border in sigmas of the blur (chosen), besides `SHARP_PX`; the half-way
-level alone would make it 1.35."""
-SHARP_PX = 0.5
+"""Width of a sharp tip's border in sigmas of the blur (chosen), besides `WIDTH_MORE_PX`; the
+half-way level alone would make it 1.35."""
+WIDTH_MORE_PX = 0.5
 """Addition to `WIDTH_BY`: indifferent."""
 PLAIN_PX = 2.5
 """Excess over what blur rounds at its corners from which the search finds a side: chosen, the
@@ -43,7 +43,7 @@ not decide."""
 @njit(**LEAF)
 def turns_back(a, b, stays):
     """True if the border turns back between two lines with enough points."""
-    if stays[1] - stays[0] < LEAST or stays[3] - stays[2] < LEAST:
+    if stays[1] - stays[0] < LEAST_WALL_POINTS or stays[3] - stays[2] < LEAST_WALL_POINTS:
         return False
     return a[2] * b[2] + a[3] * b[3] < BACK
 
@@ -66,9 +66,9 @@ def try_end(border, blur, costs, change):
     best = -HUGE
     tip = change.stays[1]
     width = 0.0
-    first = change.stays[1] - AROUND
+    first = change.stays[1] - DIRECTION_POINTS
     here = first % n
-    for k in range(first, change.stays[2] + AROUND + 1):
+    for k in range(first, change.stays[2] + DIRECTION_POINTS + 1):
         x = px[here]
         y = py[here]
         here = successor(here, n)
@@ -79,7 +79,7 @@ def try_end(border, blur, costs, change):
             best = far
             tip = k
             width = abs(from_a + from_b)
-    if not WIDTH_BY * blur.sigma + SHARP_PX < width < WIDTH_BY * blur.guard + PLAIN_PX:
+    if not WIDTH_BY * blur.sigma + WIDTH_MORE_PX < width < WIDTH_BY * blur.guard + PLAIN_PX:
         return HUGE
     x = px[tip % n]
     y = py[tip % n]
@@ -95,7 +95,9 @@ def try_end(border, blur, costs, change):
         t = ((x - row[0]) * ux + (y - row[1]) * uy) / (row[2] * ux + row[3] * uy)
         joints[side, 0] = row[0] + t * row[2]
         joints[side, 1] = row[1] + t * row[3]
-        found, _ = nearest_point(border, tip % n, AROUND, AROUND, joints[side, 0], joints[side, 1])
+        found, _ = nearest_point(
+            border, tip % n, DIRECTION_POINTS, DIRECTION_POINTS, joints[side, 0], joints[side, 1]
+        )
         points[1 + side] = tip + (found - tip + n // 2) % n - n // 2
     if points[2] - points[1] < SHORTEST:
         points[1] = tip - 1
@@ -103,7 +105,7 @@ def try_end(border, blur, costs, change):
     points[0] = min(points[0], points[1] - 1)
     points[3] = max(points[3], points[2] + 1)
     inside = points[0] >= 0 and points[3] <= 2 * n
-    if points[2] - points[1] > 2 * AROUND + 1 or not inside:
+    if points[2] - points[1] > 2 * DIRECTION_POINTS + 1 or not inside:
         return HUGE
     put_corner(a[2], a[3], rows[1, 2], rows[1, 3], change.corners[0])
     put_corner(rows[1, 2], rows[1, 3], b[2], b[3], change.corners[1])

@@ -2,7 +2,7 @@
 
 Rules and units
 - A stretch's cost is the sum over its points of ((|deviation| - dead zone) / sigma)^2 beyond the
-  dead zone (see ``vision.outline.fit.shape_kernels``); a price is in the same units.
+  dead zone (see ``vision.outline.fit.edge_shape_kernels``); a price is in the same units.
 - With every free number of a fit, white noise without a dead zone saves a chi-square of one degree
   of freedom, of mean 1. A break in a line brings two numbers, and saves more than t at a place with
   probability exp(-t / 2). A dead zone, or a sigma above the spread, lessens both.

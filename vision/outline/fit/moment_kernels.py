@@ -1,7 +1,7 @@
 """Lines and circles from sums over a stretch of a border, which grow with the stretch.
 
 Rules and units
-- ``px``, ``py`` as in ``vision.outline.fit.shape_kernels``.
+- ``px``, ``py`` as in ``vision.outline.fit.edge_shape_kernels``.
 - ``sums`` (13,): the stretch's first point and the one behind its last, for a line and for a
   circle; x and y of the first, the origin; and about it, with z = xx + yy, the sums of x, y, xx,
   xy, yy, xz, yz, zz.
@@ -15,13 +15,13 @@ from __future__ import annotations
 from numba import njit
 
 from planner.scene.compile_options import SUMS
-from vision.outline.fit.shape_kernels import put_line, taubin
+from vision.outline.fit.edge_shape_kernels import put_line, taubin
 
 FIRST, BEHIND, ROUND_BEHIND, ORIGIN_X, ORIGIN_Y = 0, 1, 2, 3, 4
 """Places of a stretch and its origin: defined."""
 X, Y, XX, XY, YY, XZ, YZ, ZZ = 5, 6, 7, 8, 9, 10, 11, 12
 """Places of the sums: defined."""
-ROOM = 13
+SUM_FIELDS = 13
 """Their number: defined."""
 
 
@@ -35,7 +35,7 @@ def grow(px, py, a, b, sums):
         sums[ROUND_BEHIND] = a
         sums[ORIGIN_X] = px[a]
         sums[ORIGIN_Y] = py[a]
-        for i in range(X, ROOM):
+        for i in range(X, SUM_FIELDS):
             sums[i] = 0.0
     ox, oy = sums[ORIGIN_X], sums[ORIGIN_Y]
     xs, ys = px[begin:b], py[begin:b]

@@ -25,7 +25,7 @@ FLATTEST_PX = KNOWN_PX / 50.0
 STRAY_PX = 2.0
 """Largest distance between a written outline and its border (chosen), but for a pointed corner that
 blur rounded. Edges leave their points by at most a pixel and 4.5 sigma of their noise
-(``vision.outline.limit_kernels.MOST_PX``), and points are a row or column apart.
+(``vision.outline.limit_kernels.MOST_MISS_PX``), and points are a row or column apart.
 ``tests/support/drawn/outline_judge.py`` allows 3 px (``python -m benchmarks.outlines``)."""
 TURNS = 8
 """Steps of an arc's points that show its turning sense: indifferent."""

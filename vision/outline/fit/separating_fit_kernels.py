@@ -1,8 +1,8 @@
 """Lines and circles fitted between the pixels of a picture without grey.
 
 Rules and units
-- Points as in ``vision.outline.fit.shape_kernels``, each the middle between an obstacle pixel and a
-  free one. An edge within half a pixel along the axis separates them.
+- Points as in ``vision.outline.fit.edge_shape_kernels``, each the middle between an obstacle pixel
+  and a free one. An edge within half a pixel along the axis separates them.
 """
 
 # mypy: allow-untyped-defs
@@ -14,7 +14,7 @@ import math
 from numba import njit
 
 from planner.scene.compile_options import LEAF, SUMS
-from vision.outline.fit.shape_kernels import HUGE
+from vision.outline.fit.edge_shape_kernels import HUGE
 
 HALF = 0.5
 """Distance along a pixel's axis that an edge may leave a point: derived."""

@@ -27,8 +27,8 @@ import vision
 from navigation.loop.seeing.eye import EyeSettings, Glimpse, Poses, doubles_of, extract_settings
 from planner.scene import FloatArray
 from vision.camera.camera import Frame, Image
-from vision.joined.agreement import edge_points_m, outlines_apart_m
 from vision.joined.floor_plan import CameraPart, FloorPlan, Rectangle
+from vision.joined.outline_agreement import edge_points_m, outlines_apart_m
 from vision.joined.pose_fusion import PoseFusion, carried
 from vision.markers.marker_search import grey_of
 from vision.markers.markers import MarkerTracker, RobotPose, body_discs_px

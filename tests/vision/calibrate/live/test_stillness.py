@@ -7,7 +7,7 @@ import pytest
 
 from tests.vision.calibrate.views import views
 from vision.calibrate.board import BoardView
-from vision.calibrate.live.stillness import STILL_S, BoardStillness
+from vision.calibrate.live.board_stillness import STILL_S, BoardStillness
 
 FRAME_S = 1 / 30
 

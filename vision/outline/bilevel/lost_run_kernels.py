@@ -2,7 +2,7 @@
 
 Rules and units
 - ``cracks``: see ``vision.outline.outline_types``; ``state`` is each crack's verdict, OK, LOST
-  or GRAVE (``vision.outline.drawn.separation_kernels``).
+  or GRAVE (``vision.outline.bilevel.separation_kernels``).
 """
 
 # mypy: allow-untyped-defs
@@ -13,9 +13,9 @@ from numba import njit
 
 from planner.scene.compile_options import LEAF
 from planner.scene.primitive_kernels import predecessor, successor
-from vision.outline.drawn.separation_kernels import GRAVE, OK
+from vision.outline.bilevel.separation_kernels import GRAVE, OK
+from vision.outline.fit.edge_shape_kernels import HUGE
 from vision.outline.fit.separating_fit_kernels import HALF
-from vision.outline.fit.shape_kernels import HUGE
 
 TIP = 5
 """Cracks around the last two pixels of a tip: derived, three of the last and two of the one

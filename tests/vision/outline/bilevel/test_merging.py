@@ -16,7 +16,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from planner.scene import Arc, FloatArray, PolygonRecord
-from tests.vision.outline.drawn.test_separating_chords import (
+from tests.vision.outline.bilevel.test_separating_chords import (
     borders_of,
     cracks_of,
     only_record,
@@ -26,9 +26,9 @@ from tests.vision.outline.drawn.test_separating_chords import (
 )
 from tests.vision.outline.test_area_lost import blob, drawn_by_opencv, ellipse, rings, star
 from vision import extract
-from vision.outline.drawn.merged_edge_kernels import line_between
-from vision.outline.drawn.merging_kernels import merge_edges
-from vision.outline.drawn.separating_chord_kernels import all_chords
+from vision.outline.bilevel.merged_edge_kernels import line_between
+from vision.outline.bilevel.merging_kernels import merge_edges
+from vision.outline.bilevel.separating_chord_kernels import all_chords
 from vision.outline.fitted_borders import ARC_CW, LINE
 from vision.outline.outline_types import Cracks, FinishedEdges, Scratch
 
@@ -40,8 +40,8 @@ HAIR_PX = 1e-6
 """A pixel's centre so near to an edge is on neither side: rounding."""
 
 
-def room_for(n: int) -> tuple[FinishedEdges, FinishedEdges, FloatArray, Scratch]:
-    """Room for as many edges as cracks, twice, a circle, and what steps work in."""
+def space_for(n: int) -> tuple[FinishedEdges, FinishedEdges, FloatArray, Scratch]:
+    """Space for as many edges as cracks, twice, a circle, and what steps work in."""
     edges = [
         FinishedEdges(np.zeros(n + 1, np.int8), np.zeros((n + 1, 6)), np.zeros(n + 1, np.int64))
         for _ in range(2)
@@ -104,7 +104,7 @@ def test_merged_chords_are_fewer_and_lose_no_pixel(name: str) -> None:
             cracks = cracks_of(borders, b)
             if borders.area[b] < 12:
                 continue
-            edges, trial, circle, scratch = room_for(cracks.n)
+            edges, trial, circle, scratch = space_for(cracks.n)
             before = all_chords(cracks, edges, np.empty(cracks.n + 2, np.int64))
             after = merge_edges(cracks, edges, before, False, trial, circle, scratch)
             assert 2 <= after <= before

@@ -19,18 +19,18 @@ from numba import njit
 
 from planner.scene.compile_options import LEAF
 from planner.scene.primitive_kernels import TAU, predecessor, successor
-from vision.outline.drawn.lost_run_kernels import mark_runs, weigh_runs
-from vision.outline.drawn.separation_kernels import find_lost
+from vision.outline.bilevel.lost_run_kernels import mark_runs, weigh_runs
+from vision.outline.bilevel.separation_kernels import find_lost
 from vision.outline.fit.outline_kernels import FLATTEST_PX, distance_to_edge, in_sweep
 from vision.outline.fit.separating_fit_kernels import HALF
 from vision.outline.fitted_borders import ARC_CCW, LINE
-from vision.shared.typed_numbers import NONE
+from vision.shared.typed_numbers import ZERO
 
 WAY = 0.998
 """Share of a crack's way that a chord may cross: chosen, no pixel's centre lies on it."""
 TIP_LEAST = 3
 """Lost cracks that are no tip yet: derived, those of one pixel that hangs on by a side."""
-ROUNDS = 4
+CHORD_ROUNDS = 4
 """Times that lost stretches are replaced before the whole border: chosen, a bound on the work."""
 
 
@@ -126,11 +126,11 @@ def separate_by_chords(cracks, finished, count, budget, state, inside, found, ol
     2) are scratch space.
     """
     n = cracks.n
-    for again in range(ROUNDS + 1):
+    for again in range(CHORD_ROUNDS + 1):
         lost, grave = find_lost(cracks, finished, count, state)
         if grave == 0 and lost <= min(budget, TIP_LEAST):
             return count
-        if again == ROUNDS or 2 * lost >= n:
+        if again == CHORD_ROUNDS or 2 * lost >= n:
             break
         total, heaviest = weigh_runs(cracks, state, found)
         if total <= budget and not _any_grave(found, n):
@@ -165,7 +165,7 @@ def all_chords(cracks, finished, found):
     mx /= n
     my /= n
     far = -1.0
-    first = NONE
+    first = ZERO
     for k in range(n):
         d = (cracks.x[k] - mx) ** 2 + (cracks.y[k] - my) ** 2
         if d > far:
@@ -204,7 +204,7 @@ def _replace(cracks, finished, count, first, inside, found, old, ends):
     end = ends[1]
     begun = 0
     carried = False
-    i = NONE
+    i = ZERO
     for t in range(count):
         e = (first + t) % count
         lo = old.at[e]

@@ -19,18 +19,18 @@ from planner.fleet.ground.clearance_kernels import edge_clearances, near_pairs
 from planner.roadmap.roadmap import Roadmap
 from planner.scene import FloatArray
 
-STEP = 1.0
+LINE_STEP = 1.0
 """Spacing on a line, in radii of the smallest robot: half of what two need to be apart, so that
 one gives way by little more than it must."""
 LATTICE = 2.2
 """Spacing of the lattice, in radii of the largest robot: two fit side by side."""
-REACH = 2.0
+LATTICE_REACH = 2.0
 """Lattice spacings within which places are joined: straight lines in 12 directions and more."""
 LATTICE_MOST = 2500
 """Places of the lattice; in larger arenas those nearest to the robots' own paths."""
 ASKED_MOST = 400
 """Places of the paths, evenly spread, whose surroundings are searched."""
-SAME = 1e-6
+ONE_PLACE = 1e-6
 """Places are one within this share of the smallest radius."""
 
 
@@ -69,20 +69,20 @@ def lay_places(
     smallest, largest = min(radii), max(radii)
     graphs = [one.graph for one in chains or (roadmap,)]
     lines = [data["polyline"] for one in graphs for _, _, data in one.edges(data=True)]
-    gather = _Gather(SAME * smallest)
-    fine = [_cut(path, STEP * smallest) for path in paths]
+    gather = _Gather(ONE_PLACE * smallest)
+    fine = [_cut(path, LINE_STEP * smallest) for path in paths]
     ends = [gather.line(path) for path in fine]
     for line in lines:
         check()
         keep = float(roadmap.path_clearance(line).distance)
-        gather.line(_cut(_straightened(roadmap, line, keep, smallest), STEP * smallest))
+        gather.line(_cut(_straightened(roadmap, line, keep, smallest), LINE_STEP * smallest))
     spacing = LATTICE * largest
     check()
     gather.add_beside(_lattice(roadmap, fine, smallest, spacing), 0.5 * spacing, check)
     ends_of_chains = [one.nodes[n]["pos"] for one in graphs for n, k in one.degree if k > 2]
     junctions = sorted({gather.number(x, y) for x, y in ends_of_chains})
     places = np.array(gather.places)
-    joined = near_pairs(places, REACH * spacing)
+    joined = near_pairs(places, LATTICE_REACH * spacing)
     check()
     pairs = np.unique(
         np.concatenate([np.array(gather.pairs, np.int64).reshape(-1, 2), joined]), axis=0
@@ -105,14 +105,14 @@ def with_paths(
     ``starts`` and ``goals`` are the ends of these polylines.
     """
     smallest, spacing = min(radii), LATTICE * max(radii)
-    gather = _Gather(SAME * smallest)
-    ends = [gather.line(_cut(path, STEP * smallest)) for path in paths]
+    gather = _Gather(ONE_PLACE * smallest)
+    ends = [gather.line(_cut(path, LINE_STEP * smallest)) for path in paths]
     own, first = np.array(gather.places), len(base.places)
     places = np.concatenate([base.places, own])
     pairs = [np.array(gather.pairs, np.int64).reshape(-1, 2) + first]
     for i, (x, y) in enumerate(own.tolist()):
         away = np.hypot(places[: first + i, 0] - x, places[: first + i, 1] - y)
-        near = np.flatnonzero(away <= REACH * spacing)
+        near = np.flatnonzero(away <= LATTICE_REACH * spacing)
         pairs.append(np.column_stack([near, np.full(len(near), first + i)]))
     joined, clearance = _wide(roadmap, places, np.unique(np.concatenate(pairs), axis=0), smallest)
     return GroundPlaces(
@@ -130,7 +130,7 @@ def _wide(
     used, where = np.unique(pairs, return_inverse=True)
     inside = roadmap.clearance(places[used])[where.reshape(pairs.shape)]
     clearance = np.minimum(clearance, inside.min(axis=1, initial=np.inf))
-    wide = clearance >= radius - SAME * radius
+    wide = clearance >= radius - ONE_PLACE * radius
     return pairs[wide], clearance[wide]
 
 

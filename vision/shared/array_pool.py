@@ -1,7 +1,7 @@
 """Memory reused from one picture to the next.
 
 Rules and units
-- Large arrays that a scene does not keep come from a room: fresh pages are slow. An array keeps its
+- Large arrays that a scene does not keep come from a pool: fresh pages are slow. An array keeps its
   contents until the same name is taken again; no part of it may be handed out.
 - Every thread has its own.
 """
@@ -15,7 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 
-class Room(threading.local):
+class ArrayPool(threading.local):
     """Named arrays that grow as needed."""
 
     def __init__(self) -> None:

@@ -1,6 +1,6 @@
 """Light on the ground, as a surface over the picture.
 
-Local light is measured in a thumbnail, one pixel for ``REACH``: light has no sharper edges.
+Local light is measured in a thumbnail, one pixel for ``STEP_REACH_PX``: light has no sharper edges.
 """
 
 from __future__ import annotations
@@ -11,12 +11,12 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
-from vision.binarise.binarise_kernels import REACH
+from vision.binarise.binarise_kernels import STEP_REACH_PX
 
 FREE_LEVEL = 200.0
 """Grey value of the free floor in a picture divided by its light or beside the floor's colour:
 chosen, with room above for noise and lighter pixels."""
-WIDEST = 0.33
+WIDEST_OBSTACLE = 0.33
 """Largest obstacle, as a share of the shorter side, where local light is measured: chosen, a third.
 """
 
@@ -61,18 +61,18 @@ def without_light(
     """Picture (h, w) whose free ground is ``FREE_LEVEL``, and the factor by which noise grows in
     the weakest light.
 
-    The picture is divided by a closing: only dark structure narrower than a share ``WIDEST`` is
-    filled, evenly rising light stays. With ``side`` light, ``grey`` is the negative, and an opening
-    removes light obstacles.
+    The picture is divided by a closing: only dark structure narrower than a share
+    ``WIDEST_OBSTACLE`` is filled, evenly rising light stays. With ``side`` light, ``grey`` is the
+    negative, and an opening removes light obstacles.
     """
     height, width = grey.shape
     camera = grey if side == "dark" else 255 - grey
     small = cv2.resize(
         camera,
-        (max(width // REACH, 1), max(height // REACH, 1)),
+        (max(width // STEP_REACH_PX, 1), max(height // STEP_REACH_PX, 1)),
         interpolation=cv2.INTER_AREA,
     ).astype(np.float32)
-    wide = 2 * round(0.5 * WIDEST * min(small.shape)) + 1
+    wide = 2 * round(0.5 * WIDEST_OBSTACLE * min(small.shape)) + 1
     filled = cv2.morphologyEx(
         small,
         cv2.MORPH_CLOSE if side == "dark" else cv2.MORPH_OPEN,

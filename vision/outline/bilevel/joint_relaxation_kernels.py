@@ -30,7 +30,7 @@ PACE = 0.6
 """Share of a step taken: chosen, as neighbours step too."""
 DAMPING = 0.3
 """Resistance in points: chosen, one point must not move a joint far."""
-STRAY_PX = 6.0
+JOINT_MOVE_PX = 6.0
 """Largest movement of a joint: chosen, a bound on errors."""
 
 
@@ -79,7 +79,7 @@ def _step(outline, edges, kinds, push):
         dy = PACE * (push[e, 4] * xx - push[e, 3] * push[e, 1]) / det
         x = joints[e, 0] + dx
         y = joints[e, 1] + dy
-        if (x - push[edges + e, 3]) ** 2 + (y - push[edges + e, 4]) ** 2 < STRAY_PX**2:
+        if (x - push[edges + e, 3]) ** 2 + (y - push[edges + e, 4]) ** 2 < JOINT_MOVE_PX**2:
             joints[e, 0] = x
             joints[e, 1] = y
         if kinds[e] != LINE:

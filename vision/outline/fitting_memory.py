@@ -9,7 +9,7 @@ import numpy as np
 from vision.outline.fit.separating_fit_kernels import RADII
 from vision.outline.outline_types import BorderMemory, Fitted
 
-LEAST = RADII + 1
+SHORTEST_BORDER = RADII + 1
 """Shortest border of the memory: defined, whole circles get their radius in it."""
 
 
@@ -26,7 +26,7 @@ def memory_for(longest: int) -> BorderMemory:
     """Memory to fit borders of up to ``longest`` points or cracks; the next call reuses it."""
     memory = _KEPT.memory
     if memory is None or memory.most <= longest:
-        memory = _KEPT.memory = make_memory(max(longest + 1, LEAST))
+        memory = _KEPT.memory = make_memory(max(longest + 1, SHORTEST_BORDER))
     return memory
 
 

@@ -5,8 +5,8 @@ Rules and units
   common view is measured from the line through the other camera's two nearest points.
 - The median counts, so a few edges that only one camera sees do not. Something high leans away from
   each camera, so its upper edges differ; the limit must allow for that.
-- If both cameras have fewer than ``LEAST_POINTS`` in the common view, the answer is unknown; if
-  only one has, they contradict each other once the other has twice as many.
+- If both cameras have fewer than ``LEAST_COMMON_POINTS`` in the common view, the answer is unknown;
+  if only one has, they contradict each other once the other has twice as many.
 """
 
 from __future__ import annotations
@@ -20,10 +20,10 @@ from vision.binarise.binarise import binarise
 from vision.borders.contours import follow_borders, locate_edges
 from vision.calibration.calibration import FloatArray
 from vision.camera.camera import Image
-from vision.errors import PictureError
 from vision.joined.floor_plan import FloorPlan
+from vision.picture_error import PictureError
 
-LEAST_POINTS: Final = 60
+LEAST_COMMON_POINTS: Final = 60
 """Least edge points in the common view: chosen, an outline of 20 pixels."""
 MOST_POINTS: Final = 1500
 """Most points of each camera; of more every second, third, ... is taken."""
@@ -61,8 +61,8 @@ def outlines_apart_m(
     O(k n), at most ``MOST_POINTS``.
     """
     here, there = (_in_both(plan, one, other, each) for each in (points, others))
-    if min(len(here), len(there)) < LEAST_POINTS:
-        enough = max(len(here), len(there)) >= 2 * LEAST_POINTS
+    if min(len(here), len(there)) < LEAST_COMMON_POINTS:
+        enough = max(len(here), len(there)) >= 2 * LEAST_COMMON_POINTS
         return FARTHEST_M if enough else None
     return max(_off_m(here, others), _off_m(there, points))
 

@@ -3,10 +3,10 @@
 Rules and units
 - ``cracks``, and ``finished``, edges ``0 .. count - 1`` with their first cracks: see
   ``vision.outline.outline_types``.
-- From every edge, one arc or line (``vision.outline.drawn.merged_edge_kernels``) replaces the
+- From every edge, one arc or line (``vision.outline.bilevel.merged_edge_kernels``) replaces the
   longest possible run.
 - An edge may lose no pixel around it that was not lost before
-  (``vision.outline.drawn.separation_kernels``).
+  (``vision.outline.bilevel.separation_kernels``).
 """
 
 # mypy: allow-untyped-defs
@@ -17,8 +17,8 @@ from numba import njit
 
 from planner.scene.compile_options import LEAF
 from planner.scene.primitive_kernels import successor
-from vision.outline.drawn.merged_edge_kernels import line_between, may_be_arc, put_arc, put_line
-from vision.outline.drawn.separation_kernels import (
+from vision.outline.bilevel.merged_edge_kernels import line_between, may_be_arc, put_arc, put_line
+from vision.outline.bilevel.separation_kernels import (
     NEIGHBOURS,
     find_lost,
     find_lost_beside,
@@ -27,35 +27,37 @@ from vision.outline.fitted_borders import FEWEST_LINES, LINE
 from vision.outline.partition_kernels import FAILURES
 from vision.shared.typed_numbers import NO, YES
 
-LONGEST = 64
+MOST_MERGED = 64
 """Most edges that become one: indifferent, a bound on the work."""
-ROUNDS = 8
+CRACK_STATE, FRESH_STATE = 1, 2
+"""Rows of the scratch indices: defined."""
+MERGING_ROUNDS = 8
 """Most rounds: indifferent, a bound on the work."""
 AFFECTED = NEIGHBOURS + 1
 """Edges on either side whose pixels an edge may change: derived, those that may pass a point beside
 it, and one whose end it moves."""
-BESIDE = AFFECTED + NEIGHBOURS + 1
+JUDGED_BESIDE = AFFECTED + NEIGHBOURS + 1
 """Edges on either side needed to judge those: derived."""
-ROUNDED = 1.0 / 12.0
+ROUNDED_LINE = 1.0 / 12.0
 """Mean square deviation of a straight line rounded to pixels: derived."""
 ARC_LINES = 2
 """Price of an arc in lines: defined, see ``vision.outline.fit.edge_prices``."""
 
 
 @njit(**LEAF, inline="always")
-def merge_edges(cracks, finished, count, one_circle, trial, circle, room):
+def merge_edges(cracks, finished, count, one_circle, trial, circle, scratch):
     """Merge runs of edges that lose no further pixel; return the new ``count``.
 
     ``one_circle``: its arcs belong to one circle and stay. ``trial``, as large as ``finished``,
-    ``circle`` (3,) and ``room`` are scratch space.
+    ``circle`` (3,) and ``scratch`` are scratch space.
     """
-    state = room.indices[1]
+    state = scratch.indices[CRACK_STATE]
     find_lost(cracks, finished, count, state)
-    now = room.flags[0]
-    then = room.flags[1]
+    now = scratch.flags[0]
+    then = scratch.flags[1]
     for k in range(cracks.n):
         then[k] = True
-    for _ in range(ROUNDS):
+    for _ in range(MERGING_ROUNDS):
         for k in range(cracks.n):
             now[k] = then[k]
             then[k] = False
@@ -66,9 +68,9 @@ def merge_edges(cracks, finished, count, one_circle, trial, circle, room):
                 k = finished.at[e]
                 run = 0
                 if now[k] or then[k]:
-                    run = _best_run(cracks, finished, count, e, arc, trial, circle, room)
+                    run = _best_run(cracks, finished, count, e, arc, trial, circle, scratch)
                 if run > 1:
-                    at = _put(cracks, finished, count, e, run, arc, trial, circle, room)
+                    at = _put(cracks, finished, count, e, run, arc, trial, circle, scratch)
                     number = _window(count, run)
                     count = _take_over(trial, number, at, finished, count, e, run)
                     at = min(e, count - 1)
@@ -82,17 +84,17 @@ def merge_edges(cracks, finished, count, one_circle, trial, circle, room):
 
 
 @njit(**LEAF, inline="always")
-def _best_run(cracks, finished, count, e, arc, trial, circle, room):
+def _best_run(cracks, finished, count, e, arc, trial, circle, scratch):
     """Most edges from e on that one line or arc may replace; 0 if none."""
     if not arc:
-        return _longest_line(cracks, finished, count, e, trial, circle, room)
+        return _longest_line(cracks, finished, count, e, trial, circle, scratch)
     best = 0
     failed = 0
-    for run in range(2, min(LONGEST, count - 1) + 1):
+    for run in range(2, min(MOST_MERGED, count - 1) + 1):
         if not _is_dearer(finished, count, e, run):
             continue
-        at = _put(cracks, finished, count, e, run, arc, trial, circle, room)
-        if at >= 0 and _loses_no_more(cracks, trial, _window(count, run), at, room):
+        at = _put(cracks, finished, count, e, run, arc, trial, circle, scratch)
+        if at >= 0 and _loses_no_more(cracks, trial, _window(count, run), at, scratch):
             best = run
             continue
         failed += 1
@@ -102,7 +104,7 @@ def _best_run(cracks, finished, count, e, arc, trial, circle, room):
 
 
 @njit(**LEAF)
-def _longest_line(cracks, finished, count, e, trial, circle, room):
+def _longest_line(cracks, finished, count, e, trial, circle, scratch):
     """Most lines from e on that one line may replace; 0 if none.
 
     If no line separates a run's pixels, none does for a longer run.
@@ -110,19 +112,19 @@ def _longest_line(cracks, finished, count, e, trial, circle, room):
     if finished.kind[e] != LINE:
         return 0
     most = 1
-    while most < min(LONGEST, count - 1) and finished.kind[(e + most) % count] == LINE:
+    while most < min(MOST_MERGED, count - 1) and finished.kind[(e + most) % count] == LINE:
         lo, hi = _stretch(cracks, finished, count, e, most + 1)
         gap, _, _, _, _ = line_between(cracks, lo, hi)
         if gap < 0.0:
             break
         most += 1
     for run in range(most, 1, -1):
-        at = _put(cracks, finished, count, e, run, NO, trial, circle, room)
+        at = _put(cracks, finished, count, e, run, NO, trial, circle, scratch)
         number = _window(count, run)
         if (
             at >= 0
             and _is_as_near(cracks, finished, count, e, run, trial, number, at)
-            and _loses_no_more(cracks, trial, number, at, room)
+            and _loses_no_more(cracks, trial, number, at, scratch)
         ):
             return run
     return 0
@@ -150,7 +152,7 @@ def _is_as_near(cracks, finished, count, e, run, trial, number, at):
         total += points
         longest = max(longest, points)
     _, after = _squares(cracks, trial, number, at)
-    return after <= before + ROUNDED * (total - longest + 1)
+    return after <= before + ROUNDED_LINE * (total - longest + 1)
 
 
 @njit(**LEAF)
@@ -183,7 +185,7 @@ def _is_dearer(finished, count, e, run):
 @njit(**LEAF)
 def _window(count, run):
     """Number of edges in a trial: one for a run, and those that matter on either side."""
-    return min(count - run + 1, 2 * BESIDE + 1)
+    return min(count - run + 1, 2 * JUDGED_BESIDE + 1)
 
 
 @njit(**LEAF)
@@ -207,9 +209,9 @@ def _judge_around(cracks, finished, count, at, state):
 
 
 @njit(**LEAF)
-def _loses_no_more(cracks, trial, count, at, room):
-    state = room.indices[1]
-    fresh = room.indices[2]
+def _loses_no_more(cracks, trial, count, at, scratch):
+    state = scratch.indices[CRACK_STATE]
+    fresh = scratch.indices[FRESH_STATE]
     lost, _ = _judge_around(cracks, trial, count, at, fresh)
     if lost == 0:
         return True
@@ -226,13 +228,13 @@ def _loses_no_more(cracks, trial, count, at, room):
 
 
 @njit(**LEAF)
-def _put(cracks, finished, count, e, run, arc, trial, circle, room):
+def _put(cracks, finished, count, e, run, arc, trial, circle, scratch):
     """Write one edge for a run, and those around it, into ``trial``: its place there, or -1."""
     lo, hi = _stretch(cracks, finished, count, e, run)
     if hi - lo < 2 or (arc and not may_be_arc(cracks, lo, hi)):
         return -1
     number = _window(count, run)
-    at = min(BESIDE, number - 1)
+    at = min(JUDGED_BESIDE, number - 1)
     for t in range(number):
         i = (e + t - at + (run - 1 if t > at else 0) + count) % count
         for c in range(6):
@@ -240,7 +242,7 @@ def _put(cracks, finished, count, e, run, arc, trial, circle, room):
         trial.kind[t] = finished.kind[i]
         trial.at[t] = finished.at[i]
     if arc:
-        return at if put_arc(cracks, trial, number, at, lo, hi, circle, room) else -1
+        return at if put_arc(cracks, trial, number, at, lo, hi, circle, scratch) else -1
     trial.kind[at] = LINE
     for c in range(2, 5):
         trial.rows[at, c] = 0.0

@@ -15,8 +15,8 @@ from tests.vision.outline.test_unusual_shapes import walls
 from vision import extract
 from vision.binarise.binarise import binarise
 from vision.borders.contours import Contours, follow_borders
-from vision.outline.drawn.separating_chord_kernels import chords_between, separate_by_chords
-from vision.outline.drawn.separation_kernels import fill_cracks, find_lost
+from vision.outline.bilevel.separating_chord_kernels import chords_between, separate_by_chords
+from vision.outline.bilevel.separation_kernels import fill_cracks, find_lost
 from vision.outline.fit.separating_fit_kernels import lose_fewest
 from vision.outline.outline_types import Cracks, FinishedEdges
 
@@ -91,15 +91,15 @@ def test_chords_leave_what_is_right_alone() -> None:
     edges = FinishedEdges(kind, rows, at)
     before = rows.copy()
     old = FinishedEdges(kind.copy(), rows.copy(), at.copy())
-    room = np.empty(n + 1, np.int64), np.empty(n + 1, np.bool_), np.empty(n + 1, np.int64)
-    room = (*room, old, np.empty((2, 2)))
-    assert separate_by_chords(cracks, edges, 4, 0.0, *room) == 4
+    scratch = np.empty(n + 1, np.int64), np.empty(n + 1, np.bool_), np.empty(n + 1, np.int64)
+    scratch = (*scratch, old, np.empty((2, 2)))
+    assert separate_by_chords(cracks, edges, 4, 0.0, *scratch) == 4
     assert np.array_equal(rows, before)
     # a corner pulled in by 6 px gives way to chords beside that corner
     rows[0] += np.array([6.0, 0, 0, 0, 0, 0]) if rows[0, 0] < 30 else -6.0 * np.eye(6)[0]
-    count = separate_by_chords(cracks, edges, 4, 0.0, *room)
+    count = separate_by_chords(cracks, edges, 4, 0.0, *scratch)
     assert 4 < count <= 12
-    lost, grave = find_lost(cracks, edges, count, room[0])
+    lost, grave = find_lost(cracks, edges, count, scratch[0])
     assert (lost, grave) == (0, 0)
 
 

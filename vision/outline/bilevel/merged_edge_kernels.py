@@ -17,25 +17,25 @@ from numba import njit
 
 from planner.scene.compile_options import LEAF, SUMS
 from planner.scene.primitive_kernels import predecessor, successor
+from vision.outline.bilevel.joint_relaxation_kernels import circle_through
 from vision.outline.corners.crossing_kernels import SHALLOW
-from vision.outline.drawn.joint_relaxation_kernels import circle_through
+from vision.outline.fit.edge_shape_kernels import HUGE, circle_cost, circle_of_three, fit_circle
 from vision.outline.fit.outline_kernels import FLATTEST_PX
 from vision.outline.fit.separating_fit_kernels import HALF, SEPARATION_MARGIN, separate_circle
-from vision.outline.fit.shape_kernels import HUGE, circle_cost, circle_of_three, fit_circle
 from vision.outline.fitted_borders import ARC_CCW, ARC_CW, LINE
-from vision.outline.limit_kernels import MOST_PX
+from vision.outline.limit_kernels import MOST_MISS_PX
 from vision.shared.typed_numbers import ONE
 
-STEPS = 12
+GAP_STEPS = 12
 """Most steps to the line farthest from its pixels: indifferent, a bound on the work."""
-SETTLED_PX = 1e-3
+GAP_SETTLED_PX = 1e-3
 """Possible gain of the widest gap: indifferent."""
 LEAST_ARC = 5
 """Least cracks of an arc: derived, three lie on any circle."""
-ASTRAY_PX = 3.0
+ARC_ASTRAY_PX = 3.0
 """Largest distance of an arc from the circle through its ends and middle: indifferent, to spare
 work."""
-LOOKS = 8
+ARC_PARTS = 8
 """Parts of a run at whose ends that is tested: indifferent."""
 
 
@@ -70,11 +70,11 @@ def _goes_on(kind, stays, moves, x, y):
     """True if an edge between a joint that stays and one that moves keeps its direction.
 
     ``stays``, ``moves``: their rows; (x, y): the latter's new position. Arcs shorter than two
-    ``MOST_PX`` are refused.
+    ``MOST_MISS_PX`` are refused.
     """
     dx = moves[0] - stays[0]
     dy = moves[1] - stays[1]
-    if kind != LINE and dx * dx + dy * dy < 4.0 * MOST_PX * MOST_PX:
+    if kind != LINE and dx * dx + dy * dy < 4.0 * MOST_MISS_PX * MOST_MISS_PX:
         return False
     return (x - stays[0]) * dx + (y - stays[1]) * dy > 0.0
 
@@ -133,7 +133,7 @@ def line_between(cracks, lo, hi):
     best = -HUGE
     best_tilt = 0.0
     best_height = 0.0
-    for _ in range(STEPS):
+    for _ in range(GAP_STEPS):
         free, dark, free_at, dark_at = _gap_at(cracks, lo, hi, x0, y0, ux, uy, tilt)
         gap = free - dark
         if gap > best:
@@ -155,7 +155,7 @@ def line_between(cracks, lo, hi):
             continue
         tilt = (high_gap - low_gap + low_slope * low - high_slope * high) / (low_slope - high_slope)
         most = low_gap + low_slope * (tilt - low)
-        if most < 0.0 or most - best < SETTLED_PX:
+        if most < 0.0 or most - best < GAP_SETTLED_PX:
             break
     share = 1.0 / math.sqrt(1.0 + best_tilt * best_tilt)
     vx = (ux + best_tilt * uy) * share
@@ -184,7 +184,7 @@ def _meet(cracks, edges, i, after, k, x, y, vx, vy):
         t = ((ax - x) * by - (ay - y) * bx) / cross
         qx = x + t * vx
         qy = y + t * vy
-        if (qx - kx) ** 2 + (qy - ky) ** 2 < MOST_PX * MOST_PX:
+        if (qx - kx) ** 2 + (qy - ky) ** 2 < MOST_MISS_PX * MOST_MISS_PX:
             return qx, qy, True
     across = cracks.free_x[k] * vy - cracks.free_y[k] * vx
     if across == 0.0:
@@ -205,21 +205,21 @@ def _on_circle(circle, x, y, vx, vy, near_x, near_y):
     t = along + root if here > along else along - root
     qx = x + t * vx
     qy = y + t * vy
-    near = (qx - near_x) ** 2 + (qy - near_y) ** 2 < MOST_PX * MOST_PX
+    near = (qx - near_x) ** 2 + (qy - near_y) ** 2 < MOST_MISS_PX * MOST_MISS_PX
     return qx, qy, near
 
 
 @njit(**LEAF)
-def put_arc(cracks, trial, count, at, lo, hi, circle, room):
+def put_arc(cracks, trial, count, at, lo, hi, circle, scratch):
     """Make edge ``at`` the arc that fits cracks lo .. hi - 1 best, if there is one.
 
     Between two lines it ends where its circle meets them, else at its joints.
     """
     if not fit_circle(cracks.x, cracks.y, lo, hi, ONE, circle):
         return False
-    if circle_cost(cracks.x, cracks.y, lo, hi, circle, True, HALF, 1.0, MOST_PX, HUGE) >= HUGE:
+    if circle_cost(cracks.x, cracks.y, lo, hi, circle, True, HALF, 1.0, MOST_MISS_PX, HUGE) >= HUGE:
         return False
-    separate_circle(cracks.x, cracks.y, lo, hi, circle, room.numbers[0:2])
+    separate_circle(cracks.x, cracks.y, lo, hi, circle, scratch.numbers[0:2])
     rows = trial.rows
     before = predecessor(at, count)
     after = successor(at, count)
@@ -259,7 +259,7 @@ def _end_on(circle, ax, ay, x, y):
     vx = x - ax
     vy = y - ay
     length = math.sqrt(vx * vx + vy * vy)
-    if length < MOST_PX:
+    if length < MOST_MISS_PX:
         return x, y, False
     return _on_circle(circle, x, y, vx / length, vy / length, x, y)
 
@@ -295,9 +295,9 @@ def may_be_arc(cracks, lo, hi):
     )
     if r >= HUGE:
         return False
-    for part in range(1, LOOKS):
-        j = lo + (last - lo) * part // LOOKS
+    for part in range(1, ARC_PARTS):
+        j = lo + (last - lo) * part // ARC_PARTS
         away = math.sqrt((cracks.x[j] - x0 - cx) ** 2 + (cracks.y[j] - y0 - cy) ** 2)
-        if abs(away - r) > ASTRAY_PX:
+        if abs(away - r) > ARC_ASTRAY_PX:
             return False
     return True

@@ -18,9 +18,9 @@ from numba import njit
 
 from planner.scene.compile_options import LEAF
 from planner.scene.primitive_kernels import successor
+from vision.outline.fit.edge_shape_kernels import HUGE
 from vision.outline.fit.outline_kernels import STRAY_PX, distance_to_edge, in_sweep
 from vision.outline.fit.separating_fit_kernels import COARSE_PX, HALF
-from vision.outline.fit.shape_kernels import HUGE
 from vision.outline.fitted_borders import LINE
 
 AHEAD, SAME_PX = 12, 1e-6
@@ -36,7 +36,7 @@ from half a pixel to one."""
 ROUND_HALF = HALF - COARSE_PX
 """Distance from a crack's middle within which an arc may pass: derived, half a pixel less the error
 of its polyline."""
-REACH = 8
+JOINT_REACH = 8
 """Cracks on either side of its own beside which a joint is sought: indifferent."""
 OK, LOST, GRAVE = 0, 1, 2
 """Verdicts on a crack: defined. Negative where its obstacle's pixel is lost, or else the free
@@ -271,7 +271,7 @@ def _is_beside(cracks, k, x, y):
     A pointed corner beyond its last pixel may hold others without a crack.
     """
     n = cracks.n
-    for step in range(REACH + 1):
+    for step in range(JOINT_REACH + 1):
         for j in (k + step, k - step):
             here = (j + n) % n
             dx = cracks.x[here] - x

@@ -28,13 +28,13 @@ CHUNK = 32
 """Points after which a cost is compared with its bound: indifferent, to spare work."""
 FLATTEST_RADIUS_PX = 1e6
 """Radius from which a circle is a line: indifferent, beyond any picture."""
-ROUNDS = 8
+FIT_ROUNDS = 8
 """Most repetitions of a fit, a search or a check: chosen, a bound on the work; nearly all settle
 after two to four."""
-ASTRAY = 3.0
+FIT_ASTRAY = 3.0
 """Distance in worst deviations of a point from the chord, from the circle through ends and middle,
 or from a fillet's first guess, up to which a fit is worth it (chosen)."""
-SETTLED_PX = 1e-6
+CIRCLE_SETTLED_PX = 1e-6
 """Movement of a converged circle: chosen, far below a point's error."""
 
 
@@ -213,7 +213,7 @@ def refine_circle(px, py, lo, hi, circle):
     xs, ys = px[lo:hi], py[lo:hi]
     cx, cy, r = circle[0], circle[1], circle[2]
     inv = 1.0 / (hi - lo)
-    for _ in range(ROUNDS):
+    for _ in range(FIT_ROUNDS):
         suu = suv = svv = su = sv = sud = svd = sd = 0.0
         for k in range(hi - lo):
             x = xs[k] - cx
@@ -246,7 +246,7 @@ def refine_circle(px, py, lo, hi, circle):
         cx += dx
         cy += dy
         r += dr
-        if abs(dx) + abs(dy) + abs(dr) < SETTLED_PX:
+        if abs(dx) + abs(dy) + abs(dr) < CIRCLE_SETTLED_PX:
             break
     circle[0] = cx
     circle[1] = cy
