@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import sys
+import time
 from collections.abc import Iterable, Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -22,12 +23,15 @@ class OutputError(ValueError):
 def keep_apart(outputs: Iterable[tuple[str, Path | None]], inputs: Iterable[Path | None]) -> None:
     """Raise click's usage error if an output, named by its option, is also read or written.
 
-    Only files count: a terminal or /dev/null may be named repeatedly.
+    Only files count: a terminal or /dev/null may be named repeatedly, standard input once.
     """
+    read = [path for path in inputs if path is not None]
+    if read.count(STANDARD_STREAM) > 1:
+        raise click.UsageError("-: only one input can be standard input")
     taken = {
         _identity(path): f"overwrite {path}, which is read"
-        for path in inputs
-        if path not in (None, STANDARD_STREAM)
+        for path in read
+        if path != STANDARD_STREAM
     }
     for option, path in outputs:
         if path in (None, STANDARD_STREAM) or (path.exists() and not path.is_file()):
@@ -52,6 +56,28 @@ def write_bytes(path: Path, data: bytes) -> None:
         path.write_bytes(data)
     except OSError as error:
         raise OutputError(f"{path}: cannot be written: {error.strerror or error}") from error
+
+
+class StageTimes(dict[str, float]):
+    """Milliseconds of a command's stages by name, each from the end of the one before."""
+
+    def __init__(self) -> None:
+        super().__init__()
+        self._begin_s = self._last_s = time.perf_counter()
+
+    def begin(self) -> None:
+        """Leave out the time since the last stage."""
+        self._last_s = time.perf_counter()
+
+    def end(self, stage: str) -> None:
+        """Add the time since the last stage to this one."""
+        last_s = self._last_s
+        self.begin()
+        self[stage] = self.get(stage, 0.0) + 1e3 * (self._last_s - last_s)
+
+    def end_all(self) -> None:
+        """Add the total, pauses included."""
+        self["total"] = 1e3 * (time.perf_counter() - self._begin_s)
 
 
 def tell_times(timings_ms: Mapping[str, float]) -> None:

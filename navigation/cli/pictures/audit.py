@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-import time
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -15,16 +14,17 @@ from navigation.cli.options import (
     OUTPUT,
     POSITIVE,
     RADIUS_OPTION,
-    STANDARD_STREAM,
     STATION,
     OutputType,
     StationArgument,
 )
-from navigation.cli.outputs import keep_apart, named, tell_times, write_text
+from navigation.cli.outputs import StageTimes, keep_apart, named, tell_times, write_text
 from navigation.cli.progress import long_work
 
 if TYPE_CHECKING:
     from planner.formats.mask_files import SpeedLevel
+    from planner.graph_audit.audit import GraphAudit
+    from planner.scene import Scene
 
 UNSAFE = 3
 """As for no path."""
@@ -125,25 +125,22 @@ def command(  # noqa: PLR0913 (an argument for each option of the command line)
     from planner.graph_files.graph_io import graph_text, read_graph
     from planner.graph_repair.repair import repair
 
-    inputs = (graph_file, map_file, keepout, speed)
-    if inputs.count(STANDARD_STREAM) > 1:
-        raise click.UsageError(
-            "-: only one of GRAPH, --map, --keepout and --speed can be standard input"
-        )
-    keep_apart((("--output", output), ("--render", render), ("--repair", repair_file)), inputs)
-    begin_s = time.perf_counter()
+    keep_apart(
+        (("--output", output), ("--render", render), ("--repair", repair_file)),
+        (graph_file, map_file, keepout, speed),
+    )
+    times_ms = StageTimes()
     name = str(named(graph_file))
     graph = read_graph(decode(read_source(graph_file), name), name)
-    timings_ms = {"graph": 1e3 * (time.perf_counter() - begin_s)}
+    times_ms.end("graph")
     compile_for(map_file)
-    map_s = time.perf_counter()
+    times_ms.begin()
     with long_work("reading the map") as begin:
         scene = load_source(map_file)
         zones = None if keepout is None else load_mask(keepout, read_picture=read_shades)
         levels = () if speed is None else _levels(speed, speed_filter)
-        timings_ms["map"] = 1e3 * (time.perf_counter() - map_s)
+        times_ms.end("map")
         begin("measuring the edges")
-        audit_s = time.perf_counter()
         try:
             found = audit(
                 graph,
@@ -160,27 +157,34 @@ def command(  # noqa: PLR0913 (an argument for each option of the command line)
         except ValueError as error:
             raise AuditError(f"{name}: {error}") from error
         coverage = measure_coverage(found, scene, reach)
-        timings_ms["audit"] = 1e3 * (time.perf_counter() - audit_s)
+        times_ms.end("audit")
         repaired = None
         if repair_file is not None:
             begin("repairing the graph")
-            repair_s = time.perf_counter()
             repaired = repair(graph, scene, radius, keepout=zones, frame=frame)
-            timings_ms["repair"] = 1e3 * (time.perf_counter() - repair_s)
+            times_ms.end("repair")
             write_text(repair_file, graph_text(repaired.graph, repaired.graph.format))
     if render is not None:
-        from navigation.cli.pictures.audit_picture import audit_drawing
-        from navigation.draw.picture import save_drawing
-
-        save_drawing(render, audit_drawing(found, scene, zones, levels))
-    timings_ms["total"] = 1e3 * (time.perf_counter() - begin_s)
-    answer = AuditOutput(name, found, coverage, timings_ms, scene.remarks, repaired)
+        _draw(render, found, scene, zones, levels)
+    times_ms.end_all()
+    answer = AuditOutput(name, found, coverage, times_ms, scene.remarks, repaired)
     write_text(output, answer.as_form(form))
     if form == "text":
-        tell_times(timings_ms)
-    lost = any(one.kind == "goal_unreachable" for one in found.findings)
-    safe = found.safe if repaired is None else repaired.audit.safe
-    return UNSAFE if lost or not safe else 0
+        tell_times(times_ms)
+    return 0 if answer.is_safe else UNSAFE
+
+
+def _draw(
+    file: Path,
+    found: GraphAudit,
+    scene: Scene,
+    zones: Scene | None,
+    levels: tuple[SpeedLevel, ...],
+) -> None:
+    from navigation.cli.pictures.audit_picture import audit_drawing
+    from navigation.draw.picture import save_drawing
+
+    save_drawing(file, audit_drawing(found, scene, zones, levels))
 
 
 def _levels(mask: Path, speed_filter: tuple[str, float, float]) -> tuple[SpeedLevel, ...]:

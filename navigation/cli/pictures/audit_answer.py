@@ -36,6 +36,13 @@ class AuditOutput:
     remarks: tuple[str, ...] = ()
     repair: GraphRepair | None = None
 
+    @property
+    def is_safe(self) -> bool:
+        """True if every goal is reached, and the graph, repaired if it was to be, is safe."""
+        if any(one.kind == "goal_unreachable" for one in self.audit.findings):
+            return False
+        return (self.audit if self.repair is None else self.repair.audit).safe
+
     def as_form(self, form: str) -> str:
         """The answer as ``text``, ``json`` or ``github``."""
         if form == "json":

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import time
 from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Literal
@@ -18,7 +17,7 @@ from navigation.cli.options import (
     binarise_options,
     format_option,
 )
-from navigation.cli.outputs import keep_apart, tell_times, warn_of_doubts, write_text
+from navigation.cli.outputs import StageTimes, keep_apart, tell_times, warn_of_doubts, write_text
 from navigation.cli.progress import long_work
 
 if TYPE_CHECKING:
@@ -92,7 +91,7 @@ def command(
     robots = load_robots(robots_file)
     zones = zones_in(zones_file)
     compile_for(source)
-    begin_s = time.perf_counter()
+    times_ms = StageTimes()
     with long_work("looking for obstacles"):
         scene = load_source(source, binarising)
     warn_of_doubts(scene, source)
@@ -100,9 +99,8 @@ def command(
     stations = [robot.start for robot in robots] + [robot.goal for robot in robots]
     scene = hold_points(scene, stations, 4.0 * max(radii))
     with long_work("building the roadmap") as begin:
-        roadmap, timings_ms = timed_roadmap(scene, min(radii), None)
+        roadmap = timed_roadmap(scene, min(radii), None, times_ms)
         begin("planning")
-        planned_s = time.perf_counter()
         try:
             if assign is not None:
                 robots = _assigned(roadmap, robots, assign, zones)
@@ -111,16 +109,16 @@ def command(
             plan = plan_fleet(roadmap, starts, goals, radii, time_limit_s=time_limit_s, zones=own)
         except ValueError as error:
             raise FleetError(f"{robots_file}: {error}") from error
-        timings_ms["fleet"] = 1e3 * (time.perf_counter() - planned_s)
-    timings_ms["total"] = 1e3 * (time.perf_counter() - begin_s)
+        times_ms.end("fleet")
+    times_ms.end_all()
     remarks = (*scene.remarks, *roadmap.remarks)
     if isinstance(plan, FleetPlan):
         remarks += plan.remarks
-    answer = FleetOutput(scene.units, robots, plan, timings_ms, remarks)
+    answer = FleetOutput(scene.units, robots, plan, times_ms, remarks)
     text = answer.as_json() + "\n" if form == "json" else answer.as_text()
     write_text(output, text)
     if form == "text":
-        tell_times(timings_ms)
+        tell_times(times_ms)
     if not isinstance(plan, FleetPlan):
         click.echo(f"clearway: no plan: {answer.sentence()}", err=True)
         return NO_PLAN

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import time
 from pathlib import Path
 from typing import TYPE_CHECKING, Literal
 
@@ -25,7 +24,7 @@ from navigation.cli.options import (
     binarise_options,
     format_option,
 )
-from navigation.cli.outputs import keep_apart, tell_times, warn_of_doubts, write_text
+from navigation.cli.outputs import StageTimes, keep_apart, tell_times, warn_of_doubts, write_text
 from navigation.cli.progress import long_work
 
 if TYPE_CHECKING:
@@ -120,7 +119,7 @@ def command(  # noqa: PLR0913 (an argument for each option of the command line)
     keep_apart((("--output", output), ("--render", render)), (source, zones_file))
     zones = zones_in(zones_file)
     compile_for(source)
-    begin_s = time.perf_counter()
+    times_ms = StageTimes()
     with long_work("looking for obstacles"):
         scene = load_source(source, binarising, least_area)
     warn_of_doubts(scene, source)
@@ -128,9 +127,8 @@ def command(  # noqa: PLR0913 (an argument for each option of the command line)
     room = 4.0 * (radius + margin)
     scene = hold_points(scene, [(s.x, s.y) for s in stations], room)
     with long_work("building the roadmap") as begin:
-        roadmap, timings_ms = timed_roadmap(scene, radius, spacing)
+        roadmap = timed_roadmap(scene, radius, spacing, times_ms)
         begin("planning")
-        planned_s = time.perf_counter()
         try:
             zoned = with_zones(roadmap, zones, speed=default_limits(radius).speed)
             planned = zoned.plan(
@@ -148,14 +146,15 @@ def command(  # noqa: PLR0913 (an argument for each option of the command line)
         path = planned
         if isinstance(planned, PlannedPath):
             path = round_corners(planned, zoned, prefer=prefer, margin=margin)
-        timings_ms["path"] = 1e3 * (time.perf_counter() - planned_s)
-    answer = _answer(scene, zoned, planned, path, timings_ms)
+        times_ms.end("path")
+    answer = _answer(scene, zoned, planned, path, times_ms)
     try:
         if render is not None:
             with long_work("drawing"):
-                timings_ms["render"] = _render(render, answer, zoned.closed, stations, zones)
+                _render(render, answer, zoned.closed, stations, zones)
+            times_ms.end("render")
     finally:  # give the answer, whatever becomes of its picture
-        timings_ms["total"] = 1e3 * (time.perf_counter() - begin_s)
+        times_ms.end_all()
         _tell(answer, form, output)
     if answer.trajectory is None:
         click.echo(f"clearway: {answer.no_path_sentence()}", err=True)
@@ -165,23 +164,21 @@ def command(  # noqa: PLR0913 (an argument for each option of the command line)
 
 
 def timed_roadmap(
-    scene: Scene, radius: float, spacing: float | None, least_branch: float = 0.0
-) -> tuple[Roadmap, dict[str, float]]:
-    """The roadmap, and the milliseconds of every stage."""
+    scene: Scene,
+    radius: float,
+    spacing: float | None,
+    times_ms: StageTimes,
+    least_branch: float = 0.0,
+) -> Roadmap:
+    """Build the roadmap; add its stages to those of the scene."""
     from planner.roadmap.roadmap import build_roadmap
 
-    timings_ms = dict(scene.timings_ms)
-    last_s = time.perf_counter()
-
-    def lap(stage: str) -> None:
-        nonlocal last_s
-        now_s = time.perf_counter()
-        timings_ms[stage] = timings_ms.get(stage, 0.0) + 1e3 * (now_s - last_s)
-        last_s = now_s
-
+    times_ms.update(scene.timings_ms)
+    times_ms.begin()
     try:
-        roadmap = build_roadmap(scene, radius, spacing=spacing, least_branch=least_branch, lap=lap)
-        return roadmap, timings_ms
+        return build_roadmap(
+            scene, radius, spacing=spacing, least_branch=least_branch, lap=times_ms.end
+        )
     except ValueError as error:
         raise PlanError(str(error)) from error
 
@@ -191,7 +188,7 @@ def _answer(
     zoned: ZonedRoadmap,
     planned: PlannedPath | NoPath,
     path: PlannedPath | NoPath,
-    timings_ms: dict[str, float],
+    times_ms: StageTimes,
 ) -> PlanOutput:
     from navigation.cli.pictures.plan_answer import PlanOutput
     from planner.motion.trajectory import default_limits, time_path
@@ -200,11 +197,10 @@ def _answer(
     trajectory, roadmap = None, zoned.walls
     limits = default_limits(roadmap.radius)
     if not isinstance(path, NoPath):
-        timed_s = time.perf_counter()
         trajectory = time_path(
             path, limits, clearance=roadmap.clearance, speed_limits=zoned.speed_limits
         )
-        timings_ms["trajectory"] = 1e3 * (time.perf_counter() - timed_s)
+        times_ms.end("trajectory")
     return PlanOutput(
         scene,
         roadmap.radius,
@@ -217,7 +213,7 @@ def _answer(
             "vertices": scene.vertex_count,
             **roadmap.counts,
         },
-        timings_ms=timings_ms,
+        timings_ms=times_ms,
         remarks=(*scene.remarks, *roadmap.remarks, *path.remarks),
     )
 
@@ -238,10 +234,9 @@ def _render(
     roadmap: Roadmap,
     stations: list[StationArgument],
     zones: tuple[Zone, ...],
-) -> float:
+) -> None:
     from navigation.draw import save_picture
 
-    begin_s = time.perf_counter()
     places = [s.as_tuple() for s in stations]
     save_picture(
         file,
@@ -252,4 +247,3 @@ def _render(
         stations=places,
         zones=zones,
     )
-    return 1e3 * (time.perf_counter() - begin_s)

@@ -13,7 +13,7 @@ import numpy as np
 import pytest
 
 from navigation.cli.main import run
-from navigation.cli.outputs import keep_apart, tell_times
+from navigation.cli.outputs import StageTimes, keep_apart, tell_times
 
 PLAN = ["--start", "10,10", "--goal", "80,80", "--radius", "3"]
 
@@ -59,6 +59,25 @@ def test_two_answers_do_not_share_a_file(tmp_path: Path) -> None:
         keep_apart((("--output", one), ("--render", one)), ())
     keep_apart((("--output", one), ("--render", tmp_path / "two.svg")), (None,))
     keep_apart((("--output", Path("/dev/null")), ("--render", Path("/dev/null"))), ())
+
+
+def test_standard_input_is_read_once() -> None:
+    stream = Path("-")
+    keep_apart((), (stream, None, Path("a.png")))
+    with pytest.raises(click.UsageError, match="-: only one input can be standard input"):
+        keep_apart((), (stream, None, stream))
+
+
+def test_stages_are_measured_from_one_to_the_next(monkeypatch: pytest.MonkeyPatch) -> None:
+    now_s = iter([10.0, 10.5, 12.0, 12.25, 12.5, 13.0])
+    monkeypatch.setattr("navigation.cli.outputs.time.perf_counter", lambda: next(now_s))
+    times_ms = StageTimes()
+    times_ms.end("load")
+    times_ms.begin()
+    times_ms.end("plan")
+    times_ms.end("load")
+    times_ms.end_all()
+    assert times_ms == {"load": 750.0, "plan": 250.0, "total": 3000.0}
 
 
 def test_a_full_disk_is_one_sentence(picture: Path, capsys: pytest.CaptureFixture[str]) -> None:
