@@ -7,6 +7,7 @@ camera and wheels cannot do better, see the constants.
 from __future__ import annotations
 
 import math
+from collections.abc import Collection
 from dataclasses import dataclass
 from itertools import pairwise
 from typing import Final
@@ -28,6 +29,10 @@ STANDS_S: Final = 0.5
 """A robot without motion for so long waits: chosen, twice what the program calls rest."""
 STANDS_M_S: Final = 0.002
 STANDS_RAD_S: Final = 0.02
+REACTS_S: Final = 1.0
+"""From a zone's drawing until robots act on it: chosen, one at full speed needs 0.5 s to stop."""
+REPLANNED_S: Final = 3.0
+"""A stop for a zone that was just drawn lasts no longer: chosen, the time limit of one search."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -70,9 +75,18 @@ def _to_segment(points: FloatArray, a: FloatArray, b: FloatArray) -> FloatArray:
 
 
 def violations(
-    zone: ZoneSection, robot: str, radius_m: float, track: FloatArray, begins_s: float
+    zone: ZoneSection,
+    robot: str,
+    radius_m: float,
+    track: FloatArray,
+    begins_s: float,
+    drawn_s: Collection[float] = (),
 ) -> list[Violation]:
-    """All violations of one zone by one robot from a time on."""
+    """All violations of one zone by one robot from a time on.
+
+    A robot that stops for another zone, drawn at one of ``drawn_s``, may stand where it is until
+    it has a plan again.
+    """
     if zone.robots and robot not in zone.robots:
         return []
     track = track[track[:, 0] >= begins_s]
@@ -99,7 +113,7 @@ def violations(
         if against > BACK_M:
             note(len(track) - 1, against)
     if zone.kind == "wait":
-        _waiting(track, depth + radius_m, note)
+        _waiting(track, depth + radius_m, drawn_s, note)
     return found
 
 
@@ -133,7 +147,7 @@ def _against(zone: ZoneSection, points: FloatArray, steps: FloatArray, depth: Fl
     return longest
 
 
-def _waiting(track: FloatArray, into: FloatArray, note: object) -> None:
+def _waiting(track: FloatArray, into: FloatArray, drawn_s: Collection[float], note: object) -> None:
     """A robot that begins inside may stay where it is until it begins to drive."""
     assert callable(note)
     times, lasts = track[:, 0], np.maximum(np.diff(track[:, 0]), 1e-9)
@@ -145,6 +159,9 @@ def _waiting(track: FloatArray, into: FloatArray, note: object) -> None:
     for k, stands in enumerate(still.tolist(), 1):
         moved |= not stands and speed[k - 1] > STANDS_M_S
         since = None if not stands or not moved else since or float(times[k])
-        if since is not None and times[k] - since > STANDS_S:
+        if since is None:
+            continue
+        stops = any(0.0 <= since - drawn <= REACTS_S for drawn in drawn_s)
+        if times[k] - since > (REPLANNED_S if stops else STANDS_S):
             note(k, float(times[k] - since))
             return

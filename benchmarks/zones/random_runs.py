@@ -11,7 +11,7 @@ from typing import Any, Final
 import numpy as np
 from pydantic import ValidationError
 
-from benchmarks.zones.judge import Violation, violations
+from benchmarks.zones.judge import REACTS_S, Violation, violations
 from navigation.config import Config, load_config
 from navigation.config.several.each_robot import robots_of, settled
 from navigation.config.zones import ZoneSection
@@ -23,8 +23,6 @@ from navigation.simulator.arena import load_arena
 
 CONFIG: Final = Path(__file__).parents[2] / "configs" / "fleet.yaml"
 KINDS: Final = ("keep_out", "slow", "one_way", "lane", "wait")
-REACTS_S: Final = 1.0
-"""Between a zone's drawing and its judgement: chosen, a robot at full speed needs 0.5 s to stop."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -75,7 +73,8 @@ def judged_run(seed: int) -> JudgedRun:
             if zone in later and zone.name not in since:
                 continue
             begins_s = since[zone.name] + REACTS_S if zone in later else -math.inf
-            found += violations(zone, name, one.robot.radius_m, track, begins_s)
+            drawn_s = [at for other, at in since.items() if other != zone.name]
+            found += violations(zone, name, one.robot.radius_m, track, begins_s, drawn_s)
     return JudgedRun(seed, count, arrived, drawn, tuple(found), report.reason)
 
 
