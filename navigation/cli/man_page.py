@@ -25,7 +25,7 @@ ENVIRONMENT = {
 EXIT_CODES = {
     "0": "Done.",
     "2": "Wrong usage or unreadable input.",
-    "3": "There is no path.",
+    "3": "There is no path, or a graph is unsafe.",
     "78": "Bad configuration.",
     "1": "Anything else.",
     "130": "Interrupted by Ctrl-C.",

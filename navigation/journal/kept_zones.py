@@ -127,6 +127,8 @@ class KeptZones:
             aside = self.path.with_name(f"{self.path.name}.damaged-{number}")
             if not aside.exists():
                 break
+        else:
+            return f"{self.path}: cannot be put aside: {MOST_ASIDE} files are kept already"
         try:
             self.path.rename(aside)
         except OSError as error:

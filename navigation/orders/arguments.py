@@ -1,6 +1,7 @@
 """Arguments of orders from outside: read and checked, or refused in a sentence.
 
-A stop's reason that is too long or unprintable is shortened and cleaned, never refused.
+A stop is never refused for its reason: a long one is shortened, an unprintable one cleaned, and one
+that is no text replaced.
 
 Metres, radians, seconds.
 """
@@ -41,10 +42,8 @@ def _name(request: Mapping[str, Any], key: str) -> str | None:
 
 
 def _reason(request: Mapping[str, Any]) -> str:
-    reason = request.get("reason", "stopped by order")
-    if not isinstance(reason, str):
-        raise ControlError(f"reason: must be a text of at most {REASON_CHARACTERS} characters")
-    return printable(reason, REASON_CHARACTERS)
+    reason = request.get("reason")
+    return printable(reason if isinstance(reason, str) else "stopped by order", REASON_CHARACTERS)
 
 
 def read_stations(value: Any) -> tuple[Station, ...]:

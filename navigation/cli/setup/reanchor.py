@@ -79,10 +79,10 @@ def _pictures(config: Config, source: str | None) -> list[Image]:
             size=section.size_px,
             device=device_settings(section),
         )
-    camera.open()
     taken: list[Image] = []
-    end_s = time.monotonic() + PATIENCE_S
     try:
+        camera.open()
+        end_s = time.monotonic() + PATIENCE_S
         while len(taken) < PICTURES and time.monotonic() < end_s and camera.state != "ended":
             frame = camera.read(0.5)
             if frame is not None:

@@ -246,8 +246,11 @@ def test_the_end_writes_all_output_calls_what_was_registered_and_keeps_the_code(
 
 def test_the_end_waits_for_threads_as_the_interpreter_does() -> None:
     waits = (
-        "import threading, time\n"
-        "def last(): time.sleep(0.3); print('the last word')\n"
+        "import sys, threading, time\n"
+        "said, write = threading.Event(), sys.stdout.write\n"
+        "def noted(text): said.set(); return write(text)\n"
+        "sys.stdout.write = noted\n"
+        "def last(): said.wait(); time.sleep(0.3); print('the last word')\n"
         "threading.Thread(target=last).start()"
     )
     told = ended(waits, "--version")

@@ -79,6 +79,19 @@ def test_a_byte_lost_or_changed_anywhere_is_damage_and_the_file_is_put_aside(pat
             assert KeptZones(path).read() == ()
 
 
+def test_a_file_that_was_put_aside_is_never_overwritten(
+    path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr("navigation.journal.kept_zones.MOST_ASIDE", 2)
+    for number in (1, 2):
+        path.write_text(str(number))
+        assert f"damaged-{number}" in KeptZones(path).put_aside()
+    path.write_text("3")
+    assert "cannot be put aside: 2 files are kept already" in KeptZones(path).put_aside()
+    assert path.read_text() == "3"
+    assert path.with_name("journal.damaged-2").read_text() == "2"
+
+
 @pytest.mark.parametrize(
     "text",
     [
