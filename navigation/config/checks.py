@@ -11,10 +11,10 @@ from typing import Any
 
 from navigation.config.known_robots import CLEARWAY, KNOWN_ROBOTS
 from navigation.config.marks import Location
-from navigation.config.sections import SIMULATED, MarkerSection
+from navigation.config.sections import MarkerSection
 from navigation.config.several import camera_checks, fleet_checks
 from navigation.config.several.each_robot import robot_of
-from navigation.config.values import Place
+from navigation.config.values import SIMULATED, Place
 from navigation.config.zones import zone_checks
 
 MOST_STEPS = 1_000_000

@@ -21,6 +21,7 @@ from navigation.config.values import (
     MOST_FLEET,
     MOST_ROBOTS,
     MOST_STATIONS,
+    SIMULATED,
     ArenaSection,
     Count,
     Degrees,
@@ -46,8 +47,6 @@ from navigation.config.values import (
 )
 from navigation.config.zones import MOST_ZONES, ZoneSection
 from vision.binarise import Method
-
-SIMULATED = "simulated"
 
 Dictionary: TypeAlias = Literal[
     "DICT_4X4_50", "DICT_4X4_100", "DICT_4X4_250", "DICT_4X4_1000",

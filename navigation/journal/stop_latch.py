@@ -14,7 +14,7 @@ from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import Final
 
-from navigation.config.sections import SIMULATED
+from navigation.config.values import SIMULATED
 from navigation.shared.outside import printable
 from navigation.shared.sealed import SealError, seal, unseal
 from navigation.shared.whole_file import sync_folder, write_whole

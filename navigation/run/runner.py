@@ -18,9 +18,9 @@ from typing import TYPE_CHECKING
 
 from navigation.config import Config
 from navigation.config.secrecy.secrets import hide
-from navigation.config.sections import SIMULATED
 from navigation.config.several.each_camera import each_camera
 from navigation.config.several.each_robot import robots_of
+from navigation.config.values import SIMULATED
 from navigation.control import default_socket
 from navigation.journal.journal import Journal, owner_of
 from navigation.journal.kept_stops import KeptStops

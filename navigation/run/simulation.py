@@ -10,9 +10,9 @@ from functools import partial
 from typing import Any
 
 from navigation.config import Config
-from navigation.config.sections import SIMULATED
 from navigation.config.several.each_camera import each_camera
 from navigation.config.several.each_robot import robots_of
+from navigation.config.values import SIMULATED
 from navigation.run.devices.simulated import pose_of, shared_pose, simulated_robot
 from navigation.run.devices.world_clock import WorldClock, wait_for_camera, wait_for_robot
 from navigation.run.simulated_camera import camera_over

@@ -10,7 +10,7 @@ from collections.abc import Callable
 from pathlib import Path
 
 from navigation.config import load_config
-from navigation.config.sections import SIMULATED
+from navigation.config.values import SIMULATED
 from navigation.run.devices.device_settings import device_settings
 from navigation.simulator.picture.held_board import HeldBoardCamera
 from vision.calibrate.board import BoardSpec

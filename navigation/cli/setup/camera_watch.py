@@ -12,7 +12,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from navigation.config import Config
-from navigation.config.sections import SIMULATED, CameraSection
+from navigation.config.sections import CameraSection
+from navigation.config.values import SIMULATED
 from navigation.machine.camera_findings import CameraMeasurements
 from navigation.run.calibrations import calibration_of
 from navigation.run.devices.device_settings import device_settings

@@ -162,7 +162,7 @@ def _camera(config: Config) -> Iterator[Finding]:
 
 
 def _one_camera(config: Config) -> Iterator[Finding]:
-    from navigation.config.sections import SIMULATED
+    from navigation.config.values import SIMULATED
     from navigation.machine import doctor
 
     source = config.camera.source
@@ -218,7 +218,7 @@ def _port(config: Config) -> Iterator[Finding]:
 def _one_port(config: Config) -> Iterator[Finding]:
     """Check the device; with our own firmware without opening it, since that resets some robots."""
     from navigation.config.known_robots import CLEARWAY
-    from navigation.config.sections import SIMULATED
+    from navigation.config.values import SIMULATED
     from navigation.machine import doctor
 
     if config.serial.port == SIMULATED:
@@ -232,7 +232,7 @@ def _one_port(config: Config) -> Iterator[Finding]:
 
 
 def _device_of(config: Config) -> Path | None:
-    from navigation.config.sections import SIMULATED
+    from navigation.config.values import SIMULATED
     from navigation.link.serial_port import is_address
 
     port = config.serial.port

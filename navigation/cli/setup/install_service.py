@@ -67,7 +67,7 @@ def _user_folder() -> Path:
 
 
 def _rule(port: str) -> str | None:
-    from navigation.config.sections import SIMULATED
+    from navigation.config.values import SIMULATED
     from navigation.machine.service import adapter_of, udev_text
 
     if port == SIMULATED:

@@ -20,7 +20,8 @@ from navigation.config.errors import key_name
 from navigation.config.marks import Location, read_document
 from navigation.config.reference import json_schema
 from navigation.config.secrecy.secrets import is_secret_key
-from navigation.config.sections import SIMULATED, RobotEntry, RobotSection, SerialSection
+from navigation.config.sections import RobotEntry, RobotSection, SerialSection
+from navigation.config.values import SIMULATED
 
 SHOWN_SECTIONS: Final = {
     "safety": "what keeps the robot from harm is changed in the file",

@@ -7,8 +7,8 @@ from typing import Any
 
 from navigation.config.marks import Location
 from navigation.config.several.each_camera import camera_of
+from navigation.config.values import SIMULATED
 
-SIMULATED = "simulated"
 _Found = Iterator[tuple[Location, str]]
 
 

@@ -9,9 +9,8 @@ from typing import Any
 
 from navigation.config.marks import Location
 from navigation.config.several.each_robot import robot_of, serial_of
-from navigation.config.values import Place
+from navigation.config.values import SIMULATED, Place
 
-SIMULATED = "simulated"
 _Found = Iterator[tuple[Location, str]]
 
 

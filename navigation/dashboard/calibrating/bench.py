@@ -15,7 +15,7 @@ from collections.abc import Callable, Mapping
 from typing import Any, Final, Literal, Protocol, TypeAlias
 
 from navigation.config import Config
-from navigation.config.sections import SIMULATED
+from navigation.config.values import SIMULATED
 from navigation.dashboard.calibrating.frames import LentFrames
 from navigation.dashboard.calibrating.shown import ShownViews
 from navigation.dashboard.visits import RefusedError

@@ -10,8 +10,8 @@ from collections.abc import Callable
 from functools import partial
 
 from navigation.config import Config
-from navigation.config.sections import SIMULATED
 from navigation.config.several.each_camera import each_camera
+from navigation.config.values import SIMULATED
 from navigation.run.devices.device_settings import device_settings
 from vision.camera.camera import Camera, Clock
 from vision.camera.latest_frame import LatestFrame

@@ -8,9 +8,9 @@ from typing import Any, Final, TypeAlias
 
 from navigation.config import Config
 from navigation.config.known_robots import CLEARWAY
-from navigation.config.sections import SIMULATED
 from navigation.config.several.each_camera import each_camera
 from navigation.config.several.each_robot import robots_of
+from navigation.config.values import SIMULATED
 from navigation.simulator.picture.knocked_camera import KnockedCamera
 from navigation.simulator.picture.timed_camera import TimedCamera
 from navigation.simulator.robot import SimulatedRobot
