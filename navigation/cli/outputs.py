@@ -58,7 +58,7 @@ def write_bytes(path: Path, data: bytes) -> None:
         raise OutputError(f"{path}: cannot be written: {error.strerror or error}") from error
 
 
-class StageTimes(dict[str, float]):
+class Stopwatch(dict[str, float]):
     """Milliseconds of a command's stages by name, each from the end of the one before."""
 
     def __init__(self) -> None:

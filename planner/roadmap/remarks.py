@@ -30,7 +30,7 @@ def remarks_on(borders: Borders, clipped: Clipped, radius: float) -> tuple[str, 
     out += _some(_relations(borders), "pairs of obstacles that meet or nest")
     out += _some(_strays(borders), "obstacles that leave the bounds")
     if not clipped.wide.any():
-        out.append(f"the roadmap is empty: no path is {2.0 * radius:g} wide")
+        out.append(f"the roadmap is empty: no passage is {2.0 * radius:g} wide")
     return tuple(out)
 
 

@@ -18,7 +18,7 @@ from navigation.cli.options import (
     OutputType,
     StationArgument,
 )
-from navigation.cli.outputs import StageTimes, keep_apart, named, tell_times, write_text
+from navigation.cli.outputs import Stopwatch, keep_apart, named, tell_times, write_text
 from navigation.cli.progress import long_work
 
 if TYPE_CHECKING:
@@ -129,7 +129,7 @@ def command(  # noqa: PLR0913 (an argument for each option of the command line)
         (("--output", output), ("--render", render), ("--repair", repair_file)),
         (graph_file, map_file, keepout, speed),
     )
-    times_ms = StageTimes()
+    times_ms = Stopwatch()
     name = str(named(graph_file))
     graph = read_graph(decode(read_source(graph_file), name), name)
     times_ms.end("graph")

@@ -17,7 +17,7 @@ from navigation.cli.options import (
     binarise_options,
     format_option,
 )
-from navigation.cli.outputs import StageTimes, keep_apart, tell_times, warn_of_doubts, write_text
+from navigation.cli.outputs import Stopwatch, keep_apart, tell_times, warn_of_doubts, write_text
 from navigation.cli.progress import long_work
 
 if TYPE_CHECKING:
@@ -91,7 +91,7 @@ def command(
     robots = load_robots(robots_file)
     zones = zones_in(zones_file)
     compile_for(source)
-    times_ms = StageTimes()
+    times_ms = Stopwatch()
     with long_work("looking for obstacles"):
         scene = load_source(source, binarising)
     warn_of_doubts(scene, source)

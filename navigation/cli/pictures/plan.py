@@ -24,7 +24,7 @@ from navigation.cli.options import (
     binarise_options,
     format_option,
 )
-from navigation.cli.outputs import StageTimes, keep_apart, tell_times, warn_of_doubts, write_text
+from navigation.cli.outputs import Stopwatch, keep_apart, tell_times, warn_of_doubts, write_text
 from navigation.cli.progress import long_work
 
 if TYPE_CHECKING:
@@ -119,7 +119,7 @@ def command(  # noqa: PLR0913 (an argument for each option of the command line)
     keep_apart((("--output", output), ("--render", render)), (source, zones_file))
     zones = zones_in(zones_file)
     compile_for(source)
-    times_ms = StageTimes()
+    times_ms = Stopwatch()
     with long_work("looking for obstacles"):
         scene = load_source(source, binarising, least_area)
     warn_of_doubts(scene, source)
@@ -167,7 +167,7 @@ def timed_roadmap(
     scene: Scene,
     radius: float,
     spacing: float | None,
-    times_ms: StageTimes,
+    times_ms: Stopwatch,
     least_branch: float = 0.0,
 ) -> Roadmap:
     """Build the roadmap; add its stages to those of the scene."""
@@ -188,7 +188,7 @@ def _answer(
     zoned: ZonedRoadmap,
     planned: PlannedPath | NoPath,
     path: PlannedPath | NoPath,
-    times_ms: StageTimes,
+    times_ms: Stopwatch,
 ) -> PlanOutput:
     from navigation.cli.pictures.plan_answer import PlanOutput
     from planner.motion.trajectory import default_limits, time_path

@@ -23,7 +23,7 @@ from navigation.cli.options import (
     OutputType,
     binarise_options,
 )
-from navigation.cli.outputs import StageTimes, keep_apart, warn_of_doubts, write_text
+from navigation.cli.outputs import Stopwatch, keep_apart, warn_of_doubts, write_text
 from navigation.cli.progress import long_work
 from planner.graph_files import SUFFIXES
 
@@ -96,7 +96,7 @@ def command(  # noqa: PLR0913 (an argument for each option of the command line)
         scene = load_source(source, binarising, least_area)
     warn_of_doubts(scene, source)
     with long_work("building the roadmap"):
-        roadmap = timed_roadmap(scene, radius, spacing, StageTimes(), least_branch)
+        roadmap = timed_roadmap(scene, radius, spacing, Stopwatch(), least_branch)
     now = datetime.now(UTC).isoformat(timespec="seconds")
     suffix = ".json" if output == STANDARD_STREAM else output.suffix
     form = format_of(f"roadmap{suffix}")

@@ -13,7 +13,7 @@ import numpy as np
 import pytest
 
 from navigation.cli.main import run
-from navigation.cli.outputs import StageTimes, keep_apart, tell_times
+from navigation.cli.outputs import Stopwatch, keep_apart, tell_times
 
 PLAN = ["--start", "10,10", "--goal", "80,80", "--radius", "3"]
 
@@ -71,7 +71,7 @@ def test_standard_input_is_read_once() -> None:
 def test_stages_are_measured_from_one_to_the_next(monkeypatch: pytest.MonkeyPatch) -> None:
     now_s = iter([10.0, 10.5, 12.0, 12.25, 12.5, 13.0])
     monkeypatch.setattr("navigation.cli.outputs.time.perf_counter", lambda: next(now_s))
-    times_ms = StageTimes()
+    times_ms = Stopwatch()
     times_ms.end("load")
     times_ms.begin()
     times_ms.end("plan")
