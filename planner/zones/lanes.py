@@ -53,13 +53,11 @@ class LaneNetwork:
             self.free.append(len(self.places) - 1)
         return len(self.places) - 1
 
-    def join(self, i: int, j: int, keeps: Callable[[FloatArray], bool]) -> bool:
+    def join(self, i: int, j: int, keeps: Callable[[FloatArray], bool]) -> None:
         """Join two nodes by a straight piece if it is free."""
         line = np.array([self.places[i], self.places[j]])
-        if not keeps(line):
-            return False
-        self.pieces[i, j] = line
-        return True
+        if keeps(line):
+            self.pieces[i, j] = line
 
 
 def cheapest(
@@ -72,8 +70,8 @@ def cheapest(
 ) -> FloatArray | None:
     """Return the cheapest polyline (n, 2) from start to goal by lanes or freely; None if none.
 
-    ``keeps`` is True for lines clear of obstacles and keep-out zones; ``need`` is the distance that
-    gates keep from their zone.
+    ``keeps`` is True for lines clear of obstacles and keep-out zones and not against a one-way
+    zone; ``need`` is the distance that gates keep from their zone.
     """
     net = LaneNetwork()
     begin = net.add(np.array(start), -1, free=True)
@@ -96,7 +94,8 @@ def _lay_lane(
     line = _with_feet(np.array(area.line), net.places[:2])
     nodes = [net.add(place, number, free=not one_way) for place in line]
     for a, b in pairwise(nodes):
-        if net.join(a, b, keeps) and not one_way:
+        net.join(a, b, keeps)
+        if not one_way:
             net.join(b, a, keeps)
     if not one_way:
         return

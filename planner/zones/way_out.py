@@ -1,7 +1,7 @@
 """The shortest path out of keep-out zones, for a robot that is in one.
 
 - The robot may drive inside the zones that it is in, and nowhere nearer to an obstacle or another
-  keep-out zone than its radius, or than it is now.
+  keep-out zone than its radius, or than it is now; nor against a one-way zone.
 - The shortest straight line in ``WAY_OUT_DIRECTIONS`` directions is taken; if all are blocked, the
   shortest path to one of the ``PLACES`` nearest places outside.
 """
@@ -9,6 +9,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 
 import numpy as np
 
@@ -28,7 +29,13 @@ PLACES = 8
 """Places outside to which a path is sought: chosen."""
 
 
-def way_out(open_: Roadmap, closed: Roadmap, place: Vec, need: float) -> FloatArray | None:
+Permits = Callable[[FloatArray], bool]
+"""True if the other zones permit a polyline (n, 2)."""
+
+
+def way_out(
+    open_: Roadmap, closed: Roadmap, place: Vec, need: float, permits: Permits
+) -> FloatArray | None:
     """Return the polyline (n, 2) from a place to where ``closed`` leaves ``need``, or None.
 
     ``open_`` has the obstacles and the other keep-out zones, ``closed`` these zones too.
@@ -42,9 +49,9 @@ def way_out(open_: Roadmap, closed: Roadmap, place: Vec, need: float) -> FloatAr
     longest = math.hypot(box[2] - box[0], box[3] - box[1])
     steps = np.geomspace(1e-3 * need, longest, WAY_OUT_DISTANCES)
     outside = _ends(closed, here, angles, steps, need)
-    found = _first_free(open_, here, outside, keep)
+    found = _first_free(open_, here, outside, keep, permits)
     if found is None:
-        return _around(open_, here, list(outside[:PLACES]))
+        return _around(open_, here, list(outside[:PLACES]), permits)
     # the best place is often a corner of the free ground, between two of the directions
     step = math.tau / WAY_OUT_DIRECTIONS
     angle = math.atan2(*(found[1] - here)[::-1])
@@ -52,7 +59,7 @@ def way_out(open_: Roadmap, closed: Roadmap, place: Vec, need: float) -> FloatAr
     length = math.dist(*found)
     nearer = np.linspace(0.5 * length, length, FINER_DISTANCES)
     ends = np.vstack([_ends(closed, here, finer, nearer, need), found[1:]])
-    return _first_free(open_, here, ends, keep)
+    return _first_free(open_, here, ends, keep, permits)
 
 
 def _ends(
@@ -70,11 +77,11 @@ def _ends(
 
 
 def _first_free(
-    open_: Roadmap, here: FloatArray, ends: FloatArray, keep: float
+    open_: Roadmap, here: FloatArray, ends: FloatArray, keep: float, permits: Permits
 ) -> FloatArray | None:
     for end in ends[np.argsort(np.hypot(*(ends - here).T), kind="stable")]:
         line = np.array([here, end])
-        if open_.path_clearance(line).distance >= keep * (1.0 - 1e-9):
+        if open_.path_clearance(line).distance >= keep * (1.0 - 1e-9) and permits(line):
             return line
     return None
 
@@ -94,10 +101,14 @@ def _to_the_border(
     return high
 
 
-def _around(open_: Roadmap, here: FloatArray, ends: list[FloatArray]) -> FloatArray | None:
+def _around(
+    open_: Roadmap, here: FloatArray, ends: list[FloatArray], permits: Permits
+) -> FloatArray | None:
     best: Path | None = None
     for end in ends:
         path = open_.plan(tuple(here), tuple(end), prefer="length", relaxed=True)
-        if isinstance(path, Path) and (best is None or path.length < best.length):
+        if not isinstance(path, Path) or not permits(path.points):
+            continue
+        if best is None or path.length < best.length:
             best = path
     return None if best is None else best.points

@@ -157,6 +157,9 @@ class ZonedRoadmap:
             return NoPath(legs)
         legs[0] = np.concatenate([out[:-1], legs[0]])
         best = self._as_path(legs, request, found.order)
+        breach = self.rules.breach(best.points)
+        if breach is not None:  # legs that each keep the rules may together break one
+            return NoPath(f"the only path {breach}")
         others = tuple(
             self._as_path(_legs_of(other), request, other.order)
             for other in found.alternatives
@@ -188,11 +191,15 @@ class ZonedRoadmap:
         need = self.radius + request.margin
         names = listed_zones(around)
         for keep in dict.fromkeys((need, self.radius)):
-            line = way_out(self._without(others), self.closed, start, keep)
+            line = way_out(self._without(others), self.closed, start, keep, self._is_with)
             if line is not None:
                 length = sized(length_of(line), self.scene.units)
                 return line, f"leaves {names} by the shortest path out, {length}"
         return None, f"the robot is in {names}, and no path leads out"
+
+    def _is_with(self, line: FloatArray) -> bool:
+        """True if a polyline (n, 2) is driven against no one-way zone."""
+        return not self.rules.against(line)
 
     def _legs(self, found: Path, request: Request) -> list[FloatArray] | str:
         """Legs that keep all rules, at the least cost; or the sentence about a rule."""
@@ -217,7 +224,8 @@ class ZonedRoadmap:
             closed = self.closed
             inside = float(closed.clearance(line[:1])[0])
             least = self.radius * (1.0 - 1e-9)
-            return min(inside, closed.path_clearance(line).distance) >= least
+            free = min(inside, closed.path_clearance(line).distance) >= least
+            return free and self._is_with(line)
 
         def connect(one: FloatArray, other: FloatArray) -> FloatArray | None:
             ends = (one[0], one[1]), (other[0], other[1])

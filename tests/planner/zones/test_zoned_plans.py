@@ -226,3 +226,40 @@ def test_wrong_arguments_are_refused_by_name(roadmap: Roadmap) -> None:
     twice = [Zone("a", "wait", CircleArea((0, 0), 1))] * 2
     with pytest.raises(ValueError, match="two zones have the name 'a'"):
         with_zones(roadmap, twice)
+
+
+def alley(*line: tuple[float, float], width: float) -> Zone:
+    return Zone("alley", "one_way", BandArea(line, width))
+
+
+def test_a_lane_leads_nobody_against_a_one_way_zone_that_it_runs_through() -> None:
+    road = Zone("road", "lane", BandArea((START, GOAL), 0.4), cost=0.2)
+    against = alley((2.5, 1.0), (1.5, 1.0), width=0.2)
+    zoned = with_zones(planner.build_roadmap(scene_of(), RADIUS), [road, against])
+    assert zoned.rules.breach(planned(zoned).points) is None
+    back = planned(zoned, GOAL, START)
+    assert back.length == pytest.approx(3.4), "along lane and one-way zone"
+
+
+def test_a_robot_inside_a_one_way_zone_leaves_it_in_its_direction() -> None:
+    strip = alley((0.975, 0.24), (2.969, 0.954), width=1.0)
+    zoned = with_zones(planner.build_roadmap(scene_of(), RADIUS), [strip])
+    answer = zoned.plan((1.49, 0.24), (1.06, 0.335), via=[(0.352, 0.328)])
+    assert isinstance(answer, NoPath) or zoned.rules.breach(answer.points) is None
+
+
+def test_a_line_that_crosses_itself_is_not_driven_against_on_either_piece() -> None:
+    bend = alley((3.0, 0.241), (3.346, 2.0), (1.5, 1.385), (3.0, 0.241), (3.001, 0.241), width=0.1)
+    roadmap = planner.build_roadmap(scene_of((1.2, 0.9, 0.2), (2.6, 1.2, 0.25)), RADIUS)
+    zoned = with_zones(roadmap, [bend])
+    answer = zoned.plan((2.3877, 0.1292), (1.6814, 1.8203))
+    assert isinstance(answer, NoPath) or zoned.rules.breach(answer.points) is None
+
+
+def test_the_path_out_of_a_keep_out_zone_leads_against_no_one_way_zone() -> None:
+    desk = Zone("desk", "keep_out", CircleArea((1.0, 1.0), 0.3))
+    against = alley((3.0, 1.0), (0.2, 1.0), width=0.4)
+    zoned = with_zones(planner.build_roadmap(scene_of(), RADIUS), [desk, against])
+    path = planned(zoned, (1.25, 1.0), (3.7, 0.3))
+    assert path.remarks, "leaves the desk"
+    assert zoned.rules.breach(path.points) is None
