@@ -9,6 +9,7 @@
 
 from __future__ import annotations
 
+import math
 from itertools import pairwise
 
 import numpy as np
@@ -16,7 +17,7 @@ from numpy.typing import NDArray
 
 from planner.fleet.ground.clearance_kernels import edge_clearances
 from planner.scene import FloatArray
-from planner.zones.rules import AGAINST, RADIUS_ROUNDING, Rules
+from planner.zones.rules import AGAINST, PIECE, RADIUS_ROUNDING, Rules
 from planner.zones.zone_ground import ZoneGround
 
 PLACES_OF_EDGE = 8
@@ -40,7 +41,15 @@ def usable_edges(
             clear |= _on_path(places, edges, own_path, ON_PATH * rules.radius)
         usable &= clear
     for one in rules.of("one_way"):
-        usable &= _against(one, places, edges) <= AGAINST * rules.radius / MOST_ROUNDED_EDGES
+        most = AGAINST * rules.radius / MOST_ROUNDED_EDGES
+        usable &= _against(one, places, edges, PLACES_OF_EDGE) <= most
+        # places so far apart may miss a thin zone: edges that touch it are cut as whole paths are
+        touch = np.flatnonzero(usable)
+        touch = touch[_clearances(one, places, edges[touch]) == 0.0]
+        if len(touch):
+            longest = float(np.hypot(*np.diff(places[edges[touch]], axis=1)[:, 0].T).max())
+            count = math.ceil(longest / (PIECE * rules.radius))
+            usable[touch] = _against(one, places, edges[touch], count) <= most
     return usable
 
 
@@ -54,8 +63,10 @@ def cost_factors(places: FloatArray, edges: NDArray[np.int64], rules: Rules) -> 
     return factors
 
 
-def _samples(places: FloatArray, edges: NDArray[np.int64]) -> FloatArray:
-    share = (np.arange(PLACES_OF_EDGE) + 0.5) / PLACES_OF_EDGE
+def _samples(
+    places: FloatArray, edges: NDArray[np.int64], count: int = PLACES_OF_EDGE
+) -> FloatArray:
+    share = (np.arange(count) + 0.5) / count
     begin, step = places[edges[:, 0]], places[edges[:, 1]] - places[edges[:, 0]]
     points: FloatArray = (begin[:, None] + share[:, None] * step[:, None]).reshape(-1, 2)
     return points
@@ -71,18 +82,18 @@ def _clearances(one: ZoneGround, places: FloatArray, edges: NDArray[np.int64]) -
     return found
 
 
-def _against(one: ZoneGround, places: FloatArray, edges: NDArray[np.int64]) -> FloatArray:
-    """Progress (m,) of each edge against a one-way zone."""
-    points = _samples(places, edges)
-    steps = np.repeat(
-        (places[edges[:, 1]] - places[edges[:, 0]]) / PLACES_OF_EDGE, PLACES_OF_EDGE, axis=0
-    )
+def _against(
+    one: ZoneGround, places: FloatArray, edges: NDArray[np.int64], count: int
+) -> FloatArray:
+    """Progress (m,) of each edge against a one-way zone, by ``count`` places of each."""
+    points = _samples(places, edges, count)
+    steps = np.repeat((places[edges[:, 1]] - places[edges[:, 0]]) / count, count, axis=0)
     back = np.zeros(len(points))
     inside = np.flatnonzero(one.distances(points) < 0.0)
     if len(inside):
         along = (steps[inside] * one.directions(points[inside])).sum(axis=1)
         back[inside] = np.maximum(-along, 0.0)
-    progress: FloatArray = back.reshape(-1, PLACES_OF_EDGE).sum(axis=1)
+    progress: FloatArray = back.reshape(-1, count).sum(axis=1)
     return progress
 
 

@@ -11,9 +11,11 @@ import numpy as np
 import pytest
 
 from planner import FleetPlan, NoFleetPlan, build_roadmap, plan_fleet
+from planner.fleet.ground.zone_edges import usable_edges
 from planner.motion.trajectory import default_limits
 from planner.scene import Bounds, CircleRecord, Scene, SceneObject
-from planner.zones.areas import CircleArea
+from planner.zones.areas import BandArea, CircleArea
+from planner.zones.rules import rules_for
 from planner.zones.zone import Zone
 from tests.support.oracles.fleet_judge import delayed, least_gap
 from tests.support.scenes.planner_scenes import box, scene_of, slow_distance
@@ -195,6 +197,16 @@ def test_no_robots_and_headings_and_input_types() -> None:
     one = plan_fleet(roadmap, starts, goals, radii=0.1)
     other = plan_fleet(roadmap, [(0.2, 0.5)], [[2.8, 0.5]])
     assert one.tracks[0].tolist() == other.tracks[0].tolist()
+
+
+def test_an_edge_through_a_one_way_zone_that_is_thinner_than_a_step_is_used_in_its_direction() -> (
+    None
+):
+    thin = Zone("thin", "one_way", BandArea(((0.42, 0.7), (0.02, 0.3)), 0.02))
+    places = np.array([(0.0, 0.5), (0.44, 0.5)])
+    edges = np.array([(0, 1), (1, 0)])
+    usable = usable_edges(places, edges, rules_for([thin], CORRIDOR, 0.1), places)
+    assert usable.tolist() == [False, True]
 
 
 @pytest.mark.parametrize(
