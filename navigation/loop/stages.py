@@ -21,12 +21,25 @@ SETTLE_S: Final = 0.4
 RETRY_S: Final = 1.0
 ROBOT_GRACE_S: Final = 1.5
 CORRECTIONS: Final = 3
+CIRCLES_S: Final = 8.0
+"""Time to come nearer to a target, for a robot that turns quickly: chosen."""
 BITS_A_BYTE: Final = 10
 
 
 def stations_of(config: Config) -> tuple[Station, ...]:
     """Stations of the configured mission."""
     return tuple(Station(s.x_m, s.y_m, s.heading_rad, s.dwell_s) for s in config.mission.stations)
+
+
+def _circles_s(config: Config) -> float:
+    """Time to come nearer to a target: at least twice half a turn at a steady rate.
+
+    If the rate is not reached, half a turn takes 2 * sqrt(pi / acceleration).
+    """
+    robot = config.robot
+    steady_s = 2.0 * math.pi / robot.angular_rate_rad_s
+    speeding_s = 4.0 * math.sqrt(math.pi / robot.angular_acceleration_rad_s2)
+    return max(CIRCLES_S, steady_s, speeding_s)
 
 
 def pilot_settings(config: Config) -> PilotSettings:
@@ -50,6 +63,7 @@ def pilot_settings(config: Config) -> PilotSettings:
         robot_grace_s=ROBOT_GRACE_S,
         replan_distance_m=config.planning.replan_distance_m,
         give_up_s=safety.give_up_s,
+        circles_s=_circles_s(config),
         traffic=TrafficLimits(
             radius_m=config.robot.radius_m,
             speed_m_s=config.robot.speed_m_s,

@@ -33,6 +33,8 @@ class PilotSettings:
     """A changed obstacle nearer to the path than this asks for a new plan."""
     give_up_s: float
     """Time that the robot may wait without progress before the mission fails."""
+    circles_s: float
+    """Longest time that the robot may move without coming nearer to its next target."""
     traffic: TrafficLimits
     corrections: int
     """Most corrections of the last stretch if the camera sees the robot off its goal."""

@@ -28,7 +28,7 @@ from navigation.mission.proving import Proving
 from navigation.mission.replanning import later_pictures, nearer_obstacle, robot_ahead
 from navigation.mission.running_plan import RunningPlan, what_is_driven, why_no_plan
 from navigation.mission.slowing import speed_with
-from navigation.mission.stillness import CIRCLES_S, Circling, is_to_move
+from navigation.mission.stillness import Circling, is_to_move
 from navigation.mission.targets import Target
 from navigation.mission.traffic import Encounter, discs_to_avoid, encounter
 from navigation.mission.trust import Level, Trust, slow_at_first
@@ -68,7 +68,7 @@ class Pilot:
         self._progress = Progress()
         self.trust = Trust()
         self._proving = Proving(self.trust)
-        self._circling = Circling()
+        self._circling = Circling(settings.circles_s)
         self._facts = FactFinder(settings, self.trust)
         self._closed_way = NO_PLAN.left
         self.no_path = False
@@ -375,15 +375,15 @@ class Pilot:
         target = self.plan.targets[self.plan.executed]
         if not is_to_move(robot, target, here[:2]) or robot.standing_reason is not None:
             return self._circling.need_not_move()
-        number = self._mission_id, self.plan.executed
+        number, longest_s = (self._mission_id, self.plan.executed), self.settings.circles_s
         if self._circling.look(now_s, number, math.dist(here[:2], left[0])):
             self._circling.need_not_move()
-            self._progress.circled(CIRCLES_S)
+            self._progress.circled(longest_s)
             if self._progress.waited_s > self.settings.give_up_s:
                 why = f"given up: the robot comes no nearer to {placed(*left[0].tolist())}"
                 self.mission = self.mission.after(Event.FAIL, why)
                 return None
-            self._replan(f"the robot came no nearer for {CIRCLES_S:g} s: planning again")
+            self._replan(f"the robot came no nearer for {longest_s:.0f} s: planning again")
         return None
 
     def _give_up(self, now_s: float, sight: Sight, robot: RobotReport) -> None:

@@ -58,8 +58,6 @@ class RobotStillness:
         return min(LONGEST_PAUSE_S, FIRST_PAUSE_S * 2.0 ** (self._found - 1))
 
 
-CIRCLES_S: Final = 8.0
-"""Longest time without coming nearer: chosen, twice the longest turn on the spot."""
 NEARER_M: Final = 0.01
 """Nearer by less is the camera's noise: chosen."""
 
@@ -67,7 +65,8 @@ NEARER_M: Final = 0.01
 class Circling:
     """Time since when a moving robot has come no nearer to its next target."""
 
-    def __init__(self) -> None:
+    def __init__(self, longest_s: float) -> None:
+        self._longest_s = longest_s
         self._since_s: float | None = None
         self._target = (-1, -1)
         self._least_m = math.inf
@@ -84,7 +83,7 @@ class Circling:
         nearer = target != self._target or left_m < self._least_m - NEARER_M
         if self._since_s is None or nearer:
             self._since_s, self._target, self._least_m = now_s, target, left_m
-        return now_s - self._since_s > CIRCLES_S
+        return now_s - self._since_s > self._longest_s
 
 
 def is_to_move(robot: RobotReport, target: Target, place_m: tuple[float, float] | None) -> bool:

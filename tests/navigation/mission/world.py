@@ -33,6 +33,7 @@ SETTINGS = PilotSettings(
     robot_grace_s=1.0,
     replan_distance_m=0.15,
     give_up_s=30.0,
+    circles_s=8.0,
     traffic=TrafficLimits(radius_m=0.1, speed_m_s=0.3, acceleration_m_s2=0.5, keep_m=0.03),
     corrections=2,
 )

@@ -11,7 +11,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from navigation.config import limits_of, load_config
+from navigation.config import Config, limits_of, load_config
 from navigation.loop.daemon import Daemon
 from navigation.loop.stages import stations_of
 from navigation.mission.mission import State
@@ -116,6 +116,14 @@ def test_the_driven_track_keeps_the_limits_of_turning_on_the_spot_and_on_arcs() 
     accelerations = np.diff(rates) / np.diff(time_s)[1:]
     assert 1.0 < np.abs(rates).max() <= 1.05 * limits.angular_rate_rad_s
     assert 3.0 < np.abs(accelerations).max() <= 1.05 * limits.angular_acceleration_rad_s2
+
+
+def test_a_robot_that_turns_slowly_is_not_taken_to_come_no_nearer() -> None:
+    values = short_config([{"x_m": 2.2, "y_m": 0.2}]).model_dump()
+    values["simulation"]["start"]["heading_deg"] = 180.0
+    values["robot"]["angular_rate_rad_s"] = 0.05
+    report = run_virtually(Config.model_validate(values), pictures=False)
+    assert report.state == "done", report.reason
 
 
 def test_a_robot_that_cannot_turn_on_the_spot_drives_no_bend_tighter_than_it_can() -> None:
