@@ -27,15 +27,16 @@ from planner.formats.scene_io import read_scene_text
 from planner.motion.trajectory import default_limits
 from planner.path import Path
 from planner.scene import Bounds, FloatArray
+from planner.zones.areas import PolygonArea
+from planner.zones.rules import rules_for
+from planner.zones.zone import Zone
 
 RADIUS_M, KEEP_M = 0.08, 0.03
 LIMITS = replace(default_limits(RADIUS_M), speed=0.25, acceleration=0.5)
-HALL = planner.build_roadmap(
-    read_scene_text(
-        "#@ clearway.scene/1\n#@ units m\nL 3 (0.02,0.02) (0.02,0.04) (0.04,0.02)\n", "hall"
-    ).with_bounds(Bounds(0.0, 0.0, 2.0, 1.6)),
-    RADIUS_M,
-)
+HALL_SCENE = read_scene_text(
+    "#@ clearway.scene/1\n#@ units m\nL 3 (0.02,0.02) (0.02,0.04) (0.04,0.02)\n", "hall"
+).with_bounds(Bounds(0.0, 0.0, 2.0, 1.6))
+HALL = planner.build_roadmap(HALL_SCENE, RADIUS_M)
 HERE = (1.0, 0.8)
 
 
@@ -142,6 +143,21 @@ def test_nobody_drives_aside_towards_another_robot(side: float) -> None:
     gives, found = one_cycle(member(*HERE), comes(0.0, 0.9), {"d": beside})
     assert found.answers
     assert side * (gives.aside["b"].points[-1, 1] - HERE[1]) < 0.0
+
+
+@pytest.mark.parametrize("side", [1.0, -1.0])
+def test_nobody_drives_aside_faster_than_a_slow_zone_allows(side: float) -> None:
+    near, far = HERE[1] + side * 0.1, HERE[1] + side * 0.8
+    area = PolygonArea(((0.0, near), (2.0, near), (2.0, far), (0.0, far)))
+    slow = Zone("people", "slow", area, speed=0.1)
+    rules = rules_for([slow], HALL_SCENE, RADIUS_M)
+    gives = GivingWay(clearance_m, lambda _robot: rules)
+    runaway = comes(0.0, 0.9)
+    members = {"b": member(*HERE), "c": member(runaway.x_m, runaway.y_m)}
+    found = gives.step(1.0, members, {}, asks("b"), [runaway])
+    targets = found.answers["b"].targets
+    places = np.array([(one.x_m, one.y_m) for one in targets])
+    assert rules.too_fast(places, np.array([one.speed_m_s for one in targets])) is None
 
 
 def test_nobody_drives_aside_onto_what_another_robot_was_sent() -> None:
