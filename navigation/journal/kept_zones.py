@@ -73,22 +73,27 @@ def with_changes(
 ) -> tuple[tuple[ZoneSection, ...], list[str]]:
     """Return the configured zones with an earlier run's changes, and a sentence for each.
 
-    A change is left out if its zone names a robot that is not in ``robots``, this run's names, or
-    is configured otherwise meanwhile.
+    ``robots`` are this run's names: a zone is left out if none of its robots is among them. So is
+    one that is configured otherwise meanwhile.
     """
     zones = {one.name: one for one in configured}
     said = []
     for change in changes:
         now = change.in_force
         what = f"zone '{change.name}', {change.in_a_word} while an earlier run was under way"
-        unknown = set() if now is None else set(now.robots) - set(robots)
+        gone = () if now is None else tuple(one for one in now.robots if one not in robots)
         if zones.get(change.name) != change.configured:
             said.append(f"{what}: the configuration has changed it since, and holds")
-        elif unknown:
-            said.append(f"{what}: dropped: there is no robot '{min(unknown)}' in this run")
         elif now is None:
             del zones[change.name]
             said.append(f"{what}: stays removed")
+        elif gone and len(gone) == len(now.robots):
+            said.append(f"{what}: dropped: there is no robot '{min(gone)}' in this run")
+        elif gone:
+            left = tuple(one for one in now.robots if one in robots)
+            zones[change.name] = now.model_copy(update={"robots": left})
+            who = f"for {', '.join(left)}; there is no robot '{min(gone)}' in this run"
+            said.append(f"{what}: holds again {who}")
         else:
             zones[change.name] = now
             said.append(f"{what}: holds again")

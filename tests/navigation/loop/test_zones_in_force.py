@@ -112,6 +112,19 @@ def test_a_zone_for_a_robot_that_is_gone_is_dropped_and_said(tmp_path: Path) -> 
     assert second.sections == ()
 
 
+def test_a_zone_for_two_robots_of_which_one_is_gone_holds_for_the_other(tmp_path: Path) -> None:
+    first = ZonesInForce([], ["ada", "bob"])
+    first.restore(KeptZones(tmp_path / "zones"))
+    first.put(circle("desk", robots=["ada", "bob"]))
+    second = ZonesInForce([], ["ada"])
+    assert second.restore(KeptZones(tmp_path / "zones")) == [
+        "zone 'desk', added while an earlier run was under way: holds again for ada; there is no "
+        "robot 'bob' in this run"
+    ]
+    assert second.sections == (circle("desk", robots=["ada"]),)
+    assert [one.is_for("ada") for one in second.zones()] == [True]
+
+
 def test_a_change_that_cannot_be_kept_holds_and_says_so(tmp_path: Path) -> None:
     folder = tmp_path / "folder"
     zones = ZonesInForce([], [""])
