@@ -132,5 +132,10 @@ def breach_of(robot: ControlledRobot, rules: Rules | None, *, zones_changed: boo
         inside = [one for one in rules.of("keep_out") if rules.is_held_by(one, (pose.x, pose.y))]
         if inside:
             return f"begins in {inside[0].zone}"
-    speeds = np.array([t.speed_m_s for t in plan.targets[plan.executed :]])
+    left = plan.targets[plan.executed :]
+    for place in ((t.x_m, t.y_m) for t in left if t.station is not None):
+        for one in rules.of("wait"):
+            if rules.is_held_by(one, place):
+                return f"has a station in {one.zone}"
+    speeds = np.array([t.speed_m_s for t in left])
     return rules.breach(line) or rules.too_fast(plan.left, speeds / SPEED_SLACK)

@@ -168,6 +168,25 @@ def test_a_goal_in_a_zone_holds_its_robot_until_the_zone_is_gone(
         assert played.report.state == "done", played.report.reason
 
 
+def test_no_robot_waits_at_a_station_on_the_way_that_a_no_waiting_zone_is_drawn_over() -> None:
+    x, y, half_s = middle_of_the_path(one_robot)
+    config = short_config([{"x_m": x, "y_m": y, "dwell_s": 3.0}, {"x_m": 2.20, "y_m": 1.60}])
+    desk = zone("wait", circle=(x, y, 0.05))
+    played = Played(
+        config,
+        {
+            0.3 * half_s: lambda daemon: daemon.zones.put(desk),
+            half_s + 4.0: lambda daemon: daemon.zones.remove("desk"),
+        },
+    )
+    assert played.heard("the path has a station in no-waiting zone 'desk': planning again")
+    assert played.report.state == "done", played.report.reason
+    (track,) = played.tracks.values()
+    drawn_s, removed_s = played.done_s.values()
+    near = np.hypot(track[:, 1] - x, track[:, 2] - y) < config.robot.radius_m + 0.05
+    assert not (near & (track[:, 0] > drawn_s) & (track[:, 0] < removed_s)).any()
+
+
 @BOTH
 def test_a_slow_zone_drawn_over_a_path_slows_the_robot(make: Callable[[], Config]) -> None:
     x, _, half_s = middle_of_the_path(make)
