@@ -25,6 +25,8 @@ wheels are 1 % wrong, and speed is a difference of noisy places."""
 FASTER_M_S: Final = 0.005
 BACK_M: Final = 0.03
 """Progress against a one-way zone: chosen, a robot that turns on the spot drifts by less."""
+SAME_M: Final = 1e-9
+"""Distances that differ by less are equal: chosen, far above rounding."""
 STANDS_S: Final = 0.5
 """A robot without motion for so long waits: chosen, twice what the program calls rest."""
 STANDS_M_S: Final = 0.002
@@ -139,7 +141,9 @@ def _against(zone: ZoneSection, points: FloatArray, steps: FloatArray, depth: Fl
     line = np.array(zone.line)
     away = np.array([_to_segment(points, a, b) for a, b in pairwise(line)])
     units = np.array([(b - a) / np.hypot(*(b - a)) for a, b in pairwise(line)])
-    along = (steps * units[away.argmin(axis=0)]).sum(axis=1)
+    # beyond a corner both pieces are equally near: the first counts
+    nearest = (away <= away.min(axis=0) + SAME_M).argmax(axis=0)
+    along = (steps * units[nearest]).sum(axis=1)
     longest = total = 0.0
     for step, deep in zip(along.tolist(), depth.tolist(), strict=True):
         total = max(total - step, 0.0) if deep > INTO_M else 0.0

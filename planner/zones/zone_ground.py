@@ -12,6 +12,9 @@ from planner.scene import FloatArray, Scene, SceneObject
 from planner.zones.areas import BandArea
 from planner.zones.zone import Zone
 
+SAME = 1e-9
+"""Squared distances are equal within this share: chosen, far above rounding."""
+
 
 @dataclass(frozen=True, slots=True)
 class ZoneGround:
@@ -39,7 +42,10 @@ class ZoneGround:
         return float(self.ground.clearances([line])[0][0])
 
     def directions(self, points: FloatArray) -> FloatArray:
-        """Unit vectors (n, 2) of the band's line where it is nearest to points (n, 2)."""
+        """Unit vectors (n, 2) of the band's line where it is nearest to points (n, 2).
+
+        Beyond a corner of the line two pieces are equally near: the first counts.
+        """
         assert isinstance(self.zone.area, BandArea)
         line = np.array(self.zone.area.line)
         begin, along = line[:-1], np.diff(line, axis=0)
@@ -47,7 +53,8 @@ class ZoneGround:
         off = points[:, None] - begin[None]
         share = np.clip((off * along).sum(axis=2) / length**2, 0.0, 1.0)
         away = off - share[..., None] * along
-        nearest = np.argmin((away**2).sum(axis=2), axis=1)
+        apart = (away**2).sum(axis=2)
+        nearest = np.argmax(apart <= (1.0 + SAME) * apart.min(axis=1, keepdims=True), axis=1)
         units: FloatArray = along[nearest] / length[nearest, None]
         return units
 

@@ -263,3 +263,15 @@ def test_the_path_out_of_a_keep_out_zone_leads_against_no_one_way_zone() -> None
     path = planned(zoned, (1.25, 1.0), (3.7, 0.3))
     assert path.remarks, "leaves the desk"
     assert zoned.rules.breach(path.points) is None
+
+
+def test_beyond_a_corner_of_a_one_way_zone_its_first_piece_gives_the_direction() -> None:
+    """Rounding chose the piece, and a fleet's plan broke its own rule there."""
+    corner = (0.6660837761432674, 0.3239986572227769)
+    bend = alley((0.3287, 1.4757), corner, (1.5801, 0.6246), width=0.5)
+    first = np.array(corner) - (0.3287, 1.4757)
+    (one,) = with_zones(planner.build_roadmap(scene_of(), RADIUS), [bend]).rules.of("one_way")
+    angles = np.linspace(-2.7, -1.5, 200)
+    beyond = np.array(corner) + 0.2 * np.column_stack([np.cos(angles), np.sin(angles)])
+    expected = np.broadcast_to(first / np.hypot(*first), beyond.shape)
+    assert one.directions(beyond) == pytest.approx(expected)
