@@ -1,7 +1,8 @@
 """Paths over lanes and one-way zones: a lazy search over the lanes' lines and free connections.
 
-- Nodes are the leg's ends, the corners of the lanes' lines, the places on them nearest to the ends,
-  and gates just outside a one-way zone, through which it is entered and left.
+- Nodes are the leg's ends, places of the lanes' lines, those nearest to the ends among them, and
+  gates just outside a one-way zone, through which it is entered and left. Nodes of a line are at
+  least a gate's distance apart, however finely the line is drawn.
 - A lane's pieces join its own nodes, in its direction for a one-way zone; the roadmap's paths join
   all others, around one-way zones.
 - A free connection costs at least its straight length on the cheapest lane. Only those on the
@@ -53,9 +54,12 @@ class LaneNetwork:
             self.free.append(len(self.places) - 1)
         return len(self.places) - 1
 
-    def join(self, i: int, j: int, keeps: Callable[[FloatArray], bool]) -> None:
-        """Join two nodes by a straight piece if it is free."""
-        line = np.array([self.places[i], self.places[j]])
+    def join(
+        self, i: int, j: int, keeps: Callable[[FloatArray], bool], line: FloatArray | None = None
+    ) -> None:
+        """Join two nodes by a polyline (n, 2), else straight, if it is free."""
+        if line is None:
+            line = np.array([self.places[i], self.places[j]])
         if keeps(line):
             self.pieces[i, j] = line
 
@@ -91,16 +95,16 @@ def _lay_lane(
     area = one.zone.area
     assert isinstance(area, BandArea)
     one_way = one.zone.kind == "one_way"
-    line = _with_feet(np.array(area.line), net.places[:2])
-    nodes = [net.add(place, number, free=not one_way) for place in line]
-    for a, b in pairwise(nodes):
-        net.join(a, b, keeps)
+    aside = GATES_BESIDE * (0.5 * area.width + need)
+    line, at = _with_feet(np.array(area.line), net.places[:2], aside)
+    nodes = {k: net.add(line[k], number, free=not one_way) for k in at}
+    for a, b in pairwise(at):
+        net.join(nodes[a], nodes[b], keeps, line[a : b + 1])
         if not one_way:
-            net.join(b, a, keeps)
+            net.join(nodes[b], nodes[a], keeps, line[a : b + 1][::-1])
     if not one_way:
         return
-    aside = GATES_BESIDE * (0.5 * area.width + need)
-    for k, node in enumerate(nodes):
+    for k, node in nodes.items():
         ahead = one.directions(line[k][None])[0]
         left = np.array([-ahead[1], ahead[0]])
         gates = [line[k] + aside * left, line[k] - aside * left]
@@ -110,7 +114,7 @@ def _lay_lane(
             _add_gate(net, gate, node, keeps, enters=True)
         if k == 0:
             gates.pop()
-        if k == len(nodes) - 1:
+        if k == at[-1]:
             gates.append(line[k] + aside * ahead)
         for gate in gates:
             _add_gate(net, gate, node, keeps, enters=False)
@@ -134,19 +138,29 @@ def _add_gate(
         net.pieces[(at, node) if enters else (node, at)] = line
 
 
-def _with_feet(line: FloatArray, places: list[FloatArray]) -> FloatArray:
-    """The line (n, 2) with its places nearest to two others."""
+def _with_feet(
+    line: FloatArray, places: list[FloatArray], apart: float
+) -> tuple[FloatArray, list[int]]:
+    """The line (n, 2) with its places nearest to two others, and the rows of its nodes.
+
+    Nodes are its ends, those two, and further places that are ``apart`` from the node before.
+    """
     along = np.concatenate([[0.0], np.cumsum(np.hypot(*np.diff(line, axis=0).T))])
-    at = list(along)
+    feet_at: list[float] = []
     for place in places:
         step = np.diff(line, axis=0)
         length = np.diff(along)
         share = np.clip(((place - line[:-1]) * step).sum(axis=1) / length**2, 0.0, 1.0)
         feet = line[:-1] + share[:, None] * step
         k = int(np.argmin(np.hypot(*(feet - place).T)))
-        at.append(float(along[k] + share[k] * length[k]))
-    where = np.unique(np.array(at))
-    return np.column_stack([np.interp(where, along, line[:, axis]) for axis in range(2)])
+        feet_at.append(float(along[k] + share[k] * length[k]))
+    where = np.unique([*along, *feet_at])
+    nodes = [0]
+    for row, here in enumerate(where.tolist()):
+        if row and (here in feet_at or row == len(where) - 1 or here - where[nodes[-1]] >= apart):
+            nodes.append(row)
+    with_feet = np.column_stack([np.interp(where, along, line[:, axis]) for axis in range(2)])
+    return with_feet, nodes
 
 
 def _search(

@@ -19,7 +19,9 @@ from planner.zones.zone import LEAST_COST, Zone, ZoneKind
 MOST_ZONES: Final = 100
 """Chosen: more than a page can show apart."""
 MOST_CORNERS: Final = 1000
-"""Corners of a polygon, and places of a line: chosen."""
+"""Corners of a polygon: chosen."""
+MOST_LINE_PLACES: Final = 100
+"""Places of a line: chosen, a plan across a winding one-way zone of 100 takes a second."""
 
 Corner = tuple[Number, Number]
 
@@ -39,7 +41,7 @@ class ZoneSection(Section):
     circle: tuple[Number, Number, Positive] | None = Field(
         default=None, description="instead: [x, y, radius]"
     )
-    line: Annotated[tuple[Corner, ...], Field(min_length=2, max_length=MOST_CORNERS)] | None = (
+    line: Annotated[tuple[Corner, ...], Field(min_length=2, max_length=MOST_LINE_PLACES)] | None = (
         Field(default=None, description="instead: places [x, y] of a band's middle, in order")
     )
     width_m: Positive | None = Field(default=None, description="the band's width, with line")

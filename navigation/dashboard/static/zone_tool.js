@@ -7,7 +7,7 @@ import { zoneName, zoneShape } from "./zones_layer.js";
 
 const HOLD_PX = 13;
 const DRAG_PX = 5;
-const MOST_CORNERS = 200;
+const MOST_CORNERS = 100; // of a line the program takes no more
 
 export class ZoneTool {
   /** {zone, area, isOpen} with the zone as it is written, or null. */

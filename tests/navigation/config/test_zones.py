@@ -1,5 +1,6 @@
 """Zones in a configuration: each becomes the planner's, and a wrong one is refused."""
 
+import math
 from pathlib import Path
 
 import pytest
@@ -81,6 +82,15 @@ def test_a_wrong_zone_is_refused_in_one_sentence(zone: str, key: str, says: str)
     assert where == key
     assert says in sentence
     assert "\n" not in sentence
+
+
+def test_a_line_has_at_most_100_places() -> None:
+    line = [[0.01 * k, 1.0] for k in range(101)]
+    zone = {"name": "a", "kind": "lane", "line": line, "width_m": 0.1}
+    where, sentence = the_problem(GOOD + yaml.safe_dump({"zones": [zone]}))
+    assert where == "zones[0].line"
+    assert "100" in sentence
+    assert parse_config(GOOD + yaml.safe_dump({"zones": [{**zone, "line": line[:100]}]})).zones
 
 
 def test_a_circle_that_reaches_into_the_arena_is_taken() -> None:
@@ -167,10 +177,9 @@ def test_a_list_that_was_written_is_read_back(tmp_path: Path) -> None:
 
 
 def test_all_zones_together_have_at_most_2000_places() -> None:
-    line = [[0.001 * k, 1.0] for k in range(700)]
-    zones = [
-        {"name": f"a{n}", "kind": "lane", "line": line, "width_m": 0.1} for n in range(3)
-    ]  # fmt: skip
+    turns = [0.001 * math.tau * k for k in range(700)]
+    polygon = [[1.0 + 0.2 * math.cos(turn), 1.0 + 0.2 * math.sin(turn)] for turn in turns]
+    zones = [{"name": f"a{n}", "kind": "wait", "polygon": polygon} for n in range(3)]
     where, sentence = the_problem(GOOD + yaml.safe_dump({"zones": zones}))
     assert (where, "2100" in sentence, "2000" in sentence) == ("zones", True, True)
     assert parse_config(GOOD + yaml.safe_dump({"zones": zones[:2]})).zones

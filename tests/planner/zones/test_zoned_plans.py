@@ -13,6 +13,7 @@ from planner import Bounds, NoPath, Path, Scene
 from planner.motion.trajectory import default_limits
 from planner.roadmap.roadmap import Roadmap
 from planner.zones.areas import BandArea, CircleArea, PolygonArea
+from planner.zones.lanes import cheapest
 from planner.zones.zone import Zone
 from planner.zones.zoned_roadmap import ZonedRoadmap, with_zones
 from tests.planner.zones.plain_geometry import dense, distances, to_line
@@ -275,3 +276,30 @@ def test_beyond_a_corner_of_a_one_way_zone_its_first_piece_gives_the_direction()
     beyond = np.array(corner) + 0.2 * np.column_stack([np.cos(angles), np.sin(angles)])
     expected = np.broadcast_to(first / np.hypot(*first), beyond.shape)
     assert one.directions(beyond) == pytest.approx(expected)
+
+
+@pytest.mark.parametrize("kind", ["one_way", "lane"])
+def test_a_finely_drawn_line_is_driven_as_a_coarse_one_and_has_no_more_nodes(kind: str) -> None:
+    coarse = np.array([(0.6, 0.3), (2.0, 1.7), (3.4, 0.3)])
+    share = np.linspace(0.0, 2.0, 801)
+    fine = np.column_stack([np.interp(share, [0.0, 1.0, 2.0], coarse[:, i]) for i in range(2)])
+    asked: list[int] = []
+    costs = []
+    for line in (coarse, fine):
+        area = BandArea(tuple(map(tuple, line.tolist())), 0.3)
+        zone = Zone("a", kind, area, cost=0.3 if kind == "lane" else None)  # type: ignore[arg-type]
+        zoned = with_zones(planner.build_roadmap(scene_of(), RADIUS), [zone])
+        path = planned(zoned, (0.6, 0.4), (3.4, 0.4))
+        assert zoned.rules.breach(path.points) is None
+        costs.append(zoned.rules.cost(path.points))
+        pieces = list[np.ndarray]()
+        cheapest(
+            START, GOAL, zoned.rules, lambda one, into=pieces: into.append(one) or True,
+            lambda *ends: np.array(ends), 0.15,
+        )  # fmt: skip
+        asked.append(len(pieces))
+    assert costs[1] <= 1.02 * costs[0]
+    nodes = 3.96 / 0.3 + 5
+    assert asked[1] <= 7 * nodes, (
+        "of 800 places few are nodes; each has six gates and a piece to the next"
+    )
