@@ -33,9 +33,9 @@ from navigation.orders.table import ORDERS
 
 DONE, FAILED, BAD_INPUT, NO_PATH, BAD_CONFIGURATION = 0, 1, 2, 3, 78
 INTERRUPTED = 128 + 2
-"""As a shell reports SIGINT."""
+"""Exit code that a shell reports for SIGINT."""
 READER_GONE = 128 + 13
-"""As a shell reports SIGPIPE."""
+"""Exit code that a shell reports for SIGPIPE."""
 NO_ROOM = frozenset((errno.ENOSPC, errno.EDQUOT, errno.EFBIG))
 FFMPEG_ERRORS, FFMPEG_QUIET = "16", "-8"
 """FFmpeg's AV_LOG_ERROR and AV_LOG_QUIET."""

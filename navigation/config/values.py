@@ -22,11 +22,14 @@ from pydantic import (
 )
 
 MOST_STATIONS = 1000
-"""Of one mission, configured or ordered."""
+"""Largest number of stations of a mission, configured or ordered."""
 SIMULATED = "simulated"
-"""In place of a camera's source or a robot's port: the simulation's."""
+"""Camera source or serial port that stands for the simulated one."""
 LONGEST_DWELL_S = 3600.0
-"""At one station. On the wire it is a waypoint for every 25 s: at most 144 000 of a mission."""
+"""Longest stay at a station.
+
+On the wire it is a waypoint for every 25 s: at most 144 000 of a mission.
+"""
 
 MOST_ROBOTS = 100
 MOST_FLEET = 20

@@ -36,7 +36,7 @@ class Member:
 
     state: State
     pose: tuple[float, float, float] | None
-    """Where it was last seen; None: never."""
+    """Last pose that the camera saw; None if it never saw the robot."""
     pose_age_s: float
     stands: bool
     """True if it is at rest or, unseen, can no longer move."""

@@ -27,7 +27,7 @@ CHORD_M: Final = 0.001
 """Largest gap between a rounded corner and the lines between targets: the camera's error."""
 
 ROUNDING_M: Final = 1e-9
-"""Of distances computed twice."""
+"""Difference between two computations of one distance."""
 
 
 @dataclass(frozen=True, slots=True)

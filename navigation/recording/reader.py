@@ -39,7 +39,7 @@ BAD_BODY: Final = (
 )
 """Damaged JSON, or other things or larger numbers than the recorder writes."""
 MOST_CHARACTERS: Final = 300
-"""Of another library's reason."""
+"""Longest reason of another library that is repeated."""
 _VARINT_BITS: Final = 64
 
 

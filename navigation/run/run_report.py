@@ -35,7 +35,7 @@ class RunReport:
     """Between the two bodies that came nearest; below 0 they touched."""
     least_gap_between: tuple[str, str] | None = None
     min_clearance_m: float | None = None
-    """Of the robot that came nearest to an obstacle, from its centre."""
+    """Least distance of a robot's centre to an obstacle, over all robots."""
     rounds: int = 0
     """Number of plans asked for."""
     zones: tuple[Mapping[str, Any], ...] = ()

@@ -8,6 +8,7 @@ import functools
 import os
 import re
 from collections.abc import Iterator
+from itertools import pairwise
 from pathlib import Path
 
 import pytest
@@ -67,7 +68,7 @@ def _sources(package: str) -> list[tuple[Path, ast.Module]]:
 
 
 def _docstrings(tree: ast.Module) -> Iterator[tuple[str, str]]:
-    """Each docstring of a file, with its owner's name; statements are searched, not expressions."""
+    """Each docstring of a file and each text below a constant or a field, with the owner's name."""
     open_ends: list[ast.AST] = [tree]
     while open_ends:
         node = open_ends.pop()
@@ -75,6 +76,10 @@ def _docstrings(tree: ast.Module) -> Iterator[tuple[str, str]]:
             text = ast.get_docstring(node)
             if text:
                 yield getattr(node, "name", THE_FILE), text
+            for before, after in pairwise(node.body):
+                match after:
+                    case ast.Expr(ast.Constant(str(text))) if not isinstance(before, ast.Expr):
+                        yield ast.unparse(before).split("\n")[0], text
         for block in ("body", "orelse", "finalbody", "handlers", "cases"):
             inner = getattr(node, block, None)
             if isinstance(inner, list):

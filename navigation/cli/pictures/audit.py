@@ -27,7 +27,7 @@ if TYPE_CHECKING:
     from planner.scene import Scene
 
 UNSAFE = 3
-"""As for no path."""
+"""Exit code, the same as for no path."""
 
 
 class AuditError(ValueError):

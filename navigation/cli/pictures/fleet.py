@@ -26,7 +26,7 @@ if TYPE_CHECKING:
     from planner.zones.zone import Zone
 
 NO_PLAN = 3
-"""As for no path."""
+"""Exit code, the same as for no path."""
 
 
 class FleetError(ValueError):

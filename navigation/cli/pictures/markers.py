@@ -18,7 +18,7 @@ if TYPE_CHECKING:
     from vision.markers.reading import Marker
 
 NONE_FOUND = 3
-"""As without a plan: the picture is fine, the answer is none."""
+"""Exit code, the same as for no path: the picture is fine, and no marker is in it."""
 GREEN, BLUE, RED = (60, 160, 30), (200, 90, 20), (40, 40, 220)
 
 

@@ -164,17 +164,17 @@ def test_zones_of_the_most_corners_fit_into_an_answer(socket: Path, daemon: Daem
     """A client that is slow to read gets what the socket takes at once."""
     begun = len(daemon.zones.sections)
     third = 1.0 / 3.0
-    for number in range(2):
-        ring = [
-            [1.0 + third * math.cos(0.01 * k), 1.0 + third * math.sin(0.01 * k)] for k in range(600)
-        ]
-        zone = {"name": f"a{number}", "kind": "keep_out", "polygon": ring}
-        send_order(socket, {"order": "zone_put", "zone": zone})
-    line = {"name": "b", "kind": "lane", "line": ring + ring[:399], "width_m": 0.1}
+
+    def ring(name: str, corners: int) -> dict[str, object]:
+        at = [0.006 * k for k in range(corners)]
+        places = [[1.0 + third * math.cos(a), 1.0 + third * math.sin(a)] for a in at]
+        return {"name": name, "kind": "keep_out", "polygon": places}
+
+    for name in ("a0", "a1"):
+        send_order(socket, {"order": "zone_put", "zone": ring(name, 600)})
     with pytest.raises(ControlError, match="at most 2000"):
-        send_order(socket, {"order": "zone_put", "zone": line})
-    line["line"] = ring + ring[:190]
-    send_order(socket, {"order": "zone_put", "zone": line})
+        send_order(socket, {"order": "zone_put", "zone": ring("b", 999)})
+    send_order(socket, {"order": "zone_put", "zone": ring("b", 790)})
     with slow_client(socket) as client:
         client.sendall(b'{"order": "zone_list"}\n')
         time.sleep(1.0)
