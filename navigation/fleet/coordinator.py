@@ -111,8 +111,8 @@ class Coordinator:
             if not astray:
                 answers |= self._continued(members, revision)
             if self._begin_round(now_s, members, revision, answers):
-                request, told = self._joining(members, revision, answers)
-                answers |= told
+                request, refusals = self._joining(members, revision, answers)
+                answers |= refusals
         elif self._gathering_s is not None:
             plan_again += tuple(
                 (name, self._why)
@@ -122,8 +122,8 @@ class Coordinator:
                 and (one.limits.turns_on_spot or self._drives(name, one))
             )
             if not plan_again:
-                request, told = self._gathered(now_s, members, revision)
-                answers |= told
+                request, refusals = self._gathered(now_s, members, revision)
+                answers |= refusals
         for name in answers:
             self._open.pop(name, None)
         refused = {

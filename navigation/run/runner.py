@@ -343,7 +343,7 @@ class Runner:
         limit_s, give_up_s = self._time_limit_s(), self.config.safety.give_up_s
         watchdog = Watchdog(self._notifier, self._watchdog_s, daemon.turns)
         attendance = Attendance(daemon, self._log, watchdog, recorder, self._say)
-        lines = ProgressLines(self._say, lambda told: self._notifier.send(f"STATUS={told}"))
+        lines = ProgressLines(self._say, lambda line: self._notifier.send(f"STATUS={line}"))
         while True:
             missions.cycle()
             now = daemon.cycle()
@@ -381,9 +381,9 @@ class Runner:
         self, camera: str | None, newest: Callable[[str | None], Frame | None]
     ) -> list[str]:
         """Place a camera again from its newest picture and report, or ``MissionError``."""
-        told = renew_while_running(self.config, camera, newest, self.reload)
-        self._log.write("warning", "anchoring", reason="; ".join(told))
-        return told
+        lines = renew_while_running(self.config, camera, newest, self.reload)
+        self._log.write("warning", "anchoring", reason="; ".join(lines))
+        return lines
 
     def take_over_lens(self, lens: Lens, picture: Image | None) -> str:
         """Save a new lens and begin again with it; ``ValueError`` on failure."""
