@@ -30,7 +30,7 @@ from typing import Any
 import cv2
 import numpy as np
 from llvmlite import ir
-from numba.core import types
+from numba import types
 from numba.extending import intrinsic
 
 import planner.scene.compile_options as options

@@ -196,9 +196,9 @@ def test_a_computer_that_stands_still_meanwhile_makes_a_simulated_run_longer_and
                 break
         for _ in range(3):
             process.send_signal(signal.SIGSTOP)
-            time.sleep(1.5)
+            time.sleep(1.5)  # the computer is at a stop
             process.send_signal(signal.SIGCONT)
-            time.sleep(0.5)
+            time.sleep(0.5)  # it runs again, and the robot drives on
         said = process.stdout.read()
     report = json.loads(report_file.read_text())
     assert report["state"] == "done", report["reason"]

@@ -84,7 +84,7 @@ class DriverProcess:
             if time.monotonic() > until_s or self._watcher is None or not self._watcher.is_alive():
                 self.stop()
                 raise PortNotReadyError(f"the driver of the {self._title} has not started")
-            time.sleep(0.01)
+            time.sleep(0.01)  # a name that another process makes gives no sign
 
     def end(self) -> None:
         """Begin to end it; `stop` waits for it."""
