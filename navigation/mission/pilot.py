@@ -28,6 +28,7 @@ from navigation.mission.progress import Progress
 from navigation.mission.proving import Proving
 from navigation.mission.replanning import later_pictures, nearer_obstacle, robot_ahead
 from navigation.mission.running_plan import RunningPlan, plan_of, what_is_driven, why_no_plan
+from navigation.mission.slowing import speed_allowed
 from navigation.mission.stillness import Circling
 from navigation.mission.targets import Target
 from navigation.mission.traffic import Encounter, encounter
@@ -182,8 +183,9 @@ class Pilot:
         upload = self._take_answer(now_s, sight, answer)
         self._hold_or_continue(now_s, facts)
         self._replan_while_driving(robot_ahead(met))
-        late_s, planned_m_s = sight.evidence.longest_latency_s, self.plan.speed_m_s
-        self._replan_while_driving(later_pictures(late_s, self.settings.traffic, planned_m_s))
+        late_s = sight.evidence.longest_latency_s
+        allowed_m_s = speed_allowed(late_s, self.settings.traffic)
+        self._replan_while_driving(later_pictures(late_s, allowed_m_s, self.plan.speed_m_s))
         proof = self._prove(now_s, sight, robot)
         self._look_for_circles(now_s, sight, robot)
         self._give_up(now_s, sight, robot)
@@ -311,8 +313,7 @@ class Pilot:
         longest_s = self.settings.circles_s
         self._progress.circled(longest_s)
         if self._progress.waited_s > self.settings.give_up_s:
-            place = placed(*self.plan.left[0].tolist())
-            why = f"given up: the robot comes no nearer to {place}"
+            why = f"given up: the robot comes no nearer to {placed(*self.plan.left[0])}"
             self.mission = self.mission.after(Event.FAIL, why)
         else:
             self._replan(f"the robot came no nearer for {longest_s:.0f} s: planning again")

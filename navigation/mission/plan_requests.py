@@ -9,7 +9,7 @@ import math
 
 from navigation.mission.cycle import PlanAnswer, PlanRequest, Sight
 from navigation.mission.mission import MissionProgress
-from navigation.mission.slowing import allowed_m_s
+from navigation.mission.slowing import speed_allowed
 from navigation.mission.traffic import TrafficLimits, discs_to_avoid
 
 
@@ -55,7 +55,7 @@ class PlanRequests:
             sight.scene_revision,
             any_order=mission.any_order and mission.visited == 0,
             avoid=discs_to_avoid(sight.pose[:2], sight.others, limits),
-            speed_m_s=allowed_m_s(sight.evidence.longest_latency_s, limits),
+            speed_m_s=speed_allowed(sight.evidence.longest_latency_s, limits),
         )
         return self._open
 

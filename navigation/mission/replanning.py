@@ -6,8 +6,8 @@ Metres, seconds.
 from __future__ import annotations
 
 from navigation.mission.cycle import PilotSettings
-from navigation.mission.slowing import WORTH_A_PLAN, allowed_m_s
-from navigation.mission.traffic import Encounter, TrafficLimits
+from navigation.mission.slowing import WORTH_A_PLAN
+from navigation.mission.traffic import Encounter
 
 
 def nearer_obstacle(clearance_m: float, planned_m: float, settings: PilotSettings) -> str | None:
@@ -24,9 +24,9 @@ def nearer_obstacle(clearance_m: float, planned_m: float, settings: PilotSetting
     return f"an obstacle leaves the path {clearance_m:.3f} m of clearance: planning again"
 
 
-def later_pictures(latency_s: float, limits: TrafficLimits, planned_m_s: float) -> str | None:
+def later_pictures(latency_s: float, allowed_m_s: float, planned_m_s: float) -> str | None:
     """Reason if pictures allow much less speed than the present plan has."""
-    if allowed_m_s(latency_s, limits) >= WORTH_A_PLAN * planned_m_s:
+    if allowed_m_s >= WORTH_A_PLAN * planned_m_s:
         return None
     return f"the camera's pictures are {latency_s:.2f} s old: planning more slowly"
 

@@ -31,8 +31,8 @@ def speed_with(latency_s: float, full_m_s: float, braking_m_s2: float) -> float:
     return math.sqrt(late * late + 2.0 * braking_m_s2 * usual_m) - late
 
 
-def allowed_m_s(latency_s: float, limits: TrafficLimits) -> float:
-    """The same for a robot's limits."""
+def speed_allowed(latency_s: float, limits: TrafficLimits) -> float:
+    """Speed of a robot with these limits, in m/s."""
     return speed_with(latency_s, limits.speed_m_s, limits.acceleration_m_s2)
 
 
