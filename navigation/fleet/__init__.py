@@ -6,7 +6,8 @@
   smooths corners.
 - `releases` says how far each robot may drive, `orders` which robots wait or hold, `gate_waits`
   which wait in vain.
-- `places_kept` has the places of robots that take no part; `refusals` remembers failed requests.
+- `members` has what is known of each robot, and the places of those that take no part; `refusals`
+  remembers failed requests.
 - `runaways` finds robots that run away, and `giving_way` moves the others aside.
 - `coordinator` decides with all of these, once a cycle.
 

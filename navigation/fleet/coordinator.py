@@ -25,6 +25,7 @@ import numpy as np
 from navigation.fleet.asking import request_of
 from navigation.fleet.gate_waits import GOING, GateWaits
 from navigation.fleet.giving_way import GivingWay, RulesOf, no_rules
+from navigation.fleet.members import Member, comes_too_near, line_kept, why_nobody_moves
 from navigation.fleet.orders import (
     ON_TRACK_M,
     FleetOrders,
@@ -33,7 +34,6 @@ from navigation.fleet.orders import (
     is_seen_there,
     waits_of,
 )
-from navigation.fleet.places_kept import Member, comes_too_near, line_kept, why_nobody_moves
 from navigation.fleet.refusals import Refusals
 from navigation.fleet.releases import Held, Release, breach_of_rest, release_of
 from navigation.fleet.request import Driving, FleetAnswer, FleetRequest

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Collection, Mapping
 from typing import Final
 
-from navigation.fleet.places_kept import Member
+from navigation.fleet.members import Member
 from navigation.fleet.releases import Held, release_of
 from navigation.mission.mission import State
 

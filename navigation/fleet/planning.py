@@ -31,7 +31,7 @@ from navigation.fleet.request import (
 )
 from navigation.fleet.rounding import CutTrack, rounded
 from navigation.mission.mission import Station
-from navigation.mission.targets import Target, begin_as_it_stands, within_caps
+from navigation.mission.targets import Target, drop_steered_heading, within_caps
 from planner.fleet.dependencies import find_dependencies, is_live
 from planner.fleet.fleet_plan import Dependency, FleetPlan, NoFleetPlan
 from planner.fleet.no_waiting import wait_before
@@ -274,7 +274,7 @@ def make_promise(
         driven = path_of(here, smooth, one)
         if not one.limits.turns_on_spot:
             headings = (one.start[2], *driven.headings_rad[1:])
-            driven = begin_as_it_stands(replace(driven, headings_rad=headings))
+            driven = drop_steered_heading(replace(driven, headings_rad=headings))
         trajectory = planner.time_path(
             driven,
             one.limits,

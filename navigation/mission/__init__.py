@@ -4,5 +4,5 @@
 - `watch` has the safety rules; `trust`, `proving`, `stillness` and `traffic` supply evidence.
 - `pilot` decides, and `plan_requests` asks for plans; `mission` is the table of states; `progress`
   and `arrival` follow the mission.
-- `running_plan`, `slowing` and `targets` make the plan's waypoints for the wire.
+- `running_plan`, `late_pictures` and `targets` make the plan's waypoints for the wire.
 """

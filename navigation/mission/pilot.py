@@ -22,13 +22,13 @@ from navigation.mission.cycle import (
     Sight,
 )
 from navigation.mission.facts import FactFinder, PilotSituation
+from navigation.mission.late_pictures import speed_allowed
 from navigation.mission.mission import Event, MissionError, MissionProgress, State, Station
 from navigation.mission.plan_requests import PlanRequests
 from navigation.mission.progress import Progress
 from navigation.mission.proving import Proving
 from navigation.mission.replanning import later_pictures, nearer_obstacle, robot_ahead
-from navigation.mission.running_plan import RunningPlan, plan_of, what_is_driven, why_no_plan
-from navigation.mission.slowing import speed_allowed
+from navigation.mission.running_plan import RunningPlan, driving_sentence, plan_of, refusal_sentence
 from navigation.mission.stillness import Circling
 from navigation.mission.targets import Target
 from navigation.mission.traffic import Encounter, encounter
@@ -255,7 +255,7 @@ class Pilot:
         self.mission = replace(self.mission, reason=self.verdict.sentence)
 
     @property
-    def stands_stopped(self) -> str | None:
+    def stop_without_mission(self) -> str | None:
         """Reason for an emergency stop without a mission to stop; None if there is none."""
         if self.verdict.action is not Action.STOP or self.mission.state is State.STOPPED:
             return None
@@ -286,7 +286,7 @@ class Pilot:
         if answer is None or asked is None or self.mission.state is not State.PLANNING:
             return None
         if isinstance(answer.path, NoPath):
-            self.mission = self.mission.after(Event.NO_PLAN, why_no_plan(answer.path))
+            self.mission = self.mission.after(Event.NO_PLAN, refusal_sentence(answer.path))
             self._requests.hold(now_s + self.settings.retry_s)
             self.no_path = True
             return None
@@ -302,7 +302,7 @@ class Pilot:
             targets = slow_at_first(asked.start[:2], targets)
         self.plan = plan_of(answer, targets, asked.speed_m_s, self.mission.visited)
         self.waypoints_sent += len(targets)
-        driven = what_is_driven(answer.path, len(self.mission.remaining))
+        driven = driving_sentence(answer.path, len(self.mission.remaining))
         self.mission = self.mission.after(Event.PLANNED, driven)
         return self._mission_id, targets
 

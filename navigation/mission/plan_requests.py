@@ -8,8 +8,8 @@ from __future__ import annotations
 import math
 
 from navigation.mission.cycle import PlanAnswer, PlanRequest, Sight
+from navigation.mission.late_pictures import speed_allowed
 from navigation.mission.mission import MissionProgress
-from navigation.mission.slowing import speed_allowed
 from navigation.mission.traffic import TrafficLimits, discs_to_avoid
 
 

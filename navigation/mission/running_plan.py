@@ -99,7 +99,7 @@ def distance_to_polyline(points: FloatArray, position: tuple[float, float]) -> f
     return math.sqrt((x * x + y * y).min())
 
 
-def what_is_driven(path: Path, stations_left: int) -> str:
+def driving_sentence(path: Path, stations_left: int) -> str:
     """Sentence about a plan being driven."""
     return (
         f"driving {path.length:.2f} m to {stations_left} station{'s' * (stations_left != 1)}, "
@@ -107,7 +107,7 @@ def what_is_driven(path: Path, stations_left: int) -> str:
     )
 
 
-def why_no_plan(answer: NoPath) -> str:
+def refusal_sentence(answer: NoPath) -> str:
     """Sentence about a missing plan."""
     return f"no safe plan: {answer.reason}{_remarked(answer)}"
 

@@ -37,8 +37,8 @@ class RobotStillness:
         self._driven_m = self._turned_rad = 0.0
         self._found = 0
 
-    def need_not_move(self) -> None:
-        """Note that it is ordered nothing, or to be at rest."""
+    def reset(self) -> None:
+        """Begin again: it is ordered nothing, or to be at rest."""
         self._moved_s = None
 
     def look(self, now_s: float, evidence: Evidence) -> bool:
