@@ -1,4 +1,4 @@
-"""How long robots wait at gates, and which of them wait in vain. Seconds."""
+"""Waits at gates, and the one that is in vain. Seconds."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ GOING: Final = (State.DRIVING, State.PLANNING, State.PROVING)
 
 
 class GateWaits:
-    """Since when each robot waits at a gate for another that does not come."""
+    """Time since when each robot waits at a gate for another that does not come."""
 
     def __init__(self) -> None:
         self._since_s: dict[str, float] = {}

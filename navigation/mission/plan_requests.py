@@ -1,4 +1,4 @@
-"""When the planner is asked, and for what: one request at a time, none while the robot has to hold.
+"""Requests to the planner: one at a time, and none while the robot has to hold.
 
 Metres, seconds.
 """
