@@ -119,7 +119,7 @@ def measure(live: Live, viewers: int, kind: str, seconds: float, figures: Figure
     threading.Event().wait(SETTLE_S)
     times = live.daemon.robot.link.capture_to_wire_s
     times.clear()
-    processed, pictures = live.daemon.processed, hub.pictures_sent
+    processed, pictures = live.daemon.view.processed, hub.pictures_sent
     began_s, used_s = time.monotonic(), processor_s()
     threading.Event().wait(seconds)
     passed_s = time.monotonic() - began_s
@@ -127,7 +127,7 @@ def measure(live: Live, viewers: int, kind: str, seconds: float, figures: Figure
     figures.wire_ms.append(float(np.median(wire_ms)))
     figures.slowest_ms.append(float(np.percentile(wire_ms, 99)))
     figures.processor.append((processor_s() - used_s) / passed_s)
-    figures.cycles_s.append((live.daemon.processed - processed) / passed_s)
+    figures.cycles_s.append((live.daemon.view.processed - processed) / passed_s)
     if viewers:
         figures.pictures_s.append((hub.pictures_sent - pictures) / passed_s / viewers)
         counts, ages_ms = ours.recv()

@@ -25,7 +25,7 @@ import numpy as np
 import planner
 from navigation.fleet.coordinator import Coordinator
 from navigation.fleet.joining import join_promises
-from navigation.fleet.places_kept import Member
+from navigation.fleet.members import Member
 from navigation.fleet.planning import plan_promises
 from navigation.fleet.releases import Held
 from navigation.fleet.request import FleetRequest, Traveller

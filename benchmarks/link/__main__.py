@@ -134,8 +134,8 @@ def dead_man(avr: AvrRobot, runs: int) -> list[float]:
 def control_cycles(avr: AvrRobot) -> tuple[float, float]:
     """The main loop's rounds with a control step in them, while driving: median and longest, ms."""
     with tempfile.TemporaryDirectory() as folder:
-        told = Path(folder) / "rounds"
-        os.environ["AVR_ROUNDS"] = str(told)
+        rounds_file = Path(folder) / "rounds"
+        os.environ["AVR_ROUNDS"] = str(rounds_file)
         processor = EmulatedProcessor(avr.command)
         try:
             bench = Bench(processor)
@@ -148,7 +148,7 @@ def control_cycles(avr: AvrRobot) -> tuple[float, float]:
         finally:
             processor.close()
             del os.environ["AVR_ROUNDS"]
-        rounds = [[int(n) for n in line.split()] for line in told.read_text().splitlines()]
+        rounds = [[int(n) for n in line.split()] for line in rounds_file.read_text().splitlines()]
     cycles = [tenths / 10.0 for tenths, count in rounds for _ in range(count) if tenths >= 20]
     return statistics.median(cycles), cycles[-1] + 0.1
 
@@ -166,8 +166,8 @@ def peer_rows(count: int, clean: float, lossy: float) -> list[str]:
         "",
         "| waypoints a second | Clearway | pymavlink | ratio |",
         "|---|---|---|---|",
-        f"| clean line | {clean:.0f} | {peer[0].told()} | {ratios[0]:.1f} |",
-        f"| 0.1 % of bytes lost both ways | {lossy:.0f} | {peer[1].told()} | {ratios[1]:.1f} |",
+        f"| clean line | {clean:.0f} | {peer[0].sentence()} | {ratios[0]:.1f} |",
+        f"| 0.1 % of bytes lost both ways | {lossy:.0f} | {peer[1].sentence()} | {ratios[1]:.1f} |",
     ]
 
 

@@ -39,7 +39,7 @@ class UploadResult:
     """Items taken that are not those sent."""
     asked_again: int
 
-    def told(self) -> str:
+    def sentence(self) -> str:
         """The outcome in words."""
         whole = "whole" if self.taken == self.wanted else f"given up at {self.taken}"
         wrong = f", {self.wrong} wrong" if self.wrong else ""

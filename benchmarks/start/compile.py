@@ -55,7 +55,7 @@ def main(argv: Sequence[str] | None = None) -> int:
 
 def _compile(part: str) -> dict[str, Any]:
     """Compile one part here and time every kernel, without those that it calls."""
-    from numba.core import event
+    from numba.core import event  # documented: numba's manual for developers, "Event API"
 
     from navigation.config import load_config
     from navigation.run.kernels.compiling import RARELY

@@ -19,6 +19,7 @@ import math
 import multiprocessing
 import os
 import sys
+import tempfile
 from collections import Counter
 from collections.abc import Iterator
 from dataclasses import dataclass
@@ -28,11 +29,11 @@ from typing import Any, Literal
 
 import cv2
 import numpy as np
-from numba.core.caching import NullCache
 from numpy.typing import NDArray
 
 from benchmarks.house.constants import named_numbers
 from benchmarks.house.tree import File
+from benchmarks.vision.compiled_again import compile_again
 from benchmarks.vision.counts import discs
 from benchmarks.vision.pictures import SEED, arena, taken
 from benchmarks.vision.regions import FAMILIES, TUNING, Drawn, drawn, looked_at
@@ -269,30 +270,27 @@ def change(place: str, value: Any) -> None:
             setattr(other, name, value)
 
 
-def compile_again() -> None:
-    """Let no kernel of binarisation come from a cache: numbers are compiled into it."""
-    for name in [name for name in sys.modules if name.startswith(BINARISE)]:
-        for kernel in vars(sys.modules[name]).values():
-            if hasattr(kernel, "py_func"):
-                kernel._cache = NullCache()
-
-
 def changed(all_cases: list[Case], changes: tuple[Change, ...]) -> Figures:
     """The figures with changes, from a process of their own: nothing was compiled before."""
     here, there = PROCESSES.Pipe(duplex=False)
-    child = PROCESSES.Process(target=_tell, args=(there, all_cases, changes))
-    child.start()
-    there.close()
-    found: Figures = here.recv()
-    child.join()
+    with tempfile.TemporaryDirectory() as folder:
+        child = PROCESSES.Process(target=_tell, args=(there, all_cases, changes, folder))
+        child.start()
+        there.close()
+        try:
+            found: Figures = here.recv()
+        finally:
+            child.join()
     return found
 
 
-def _tell(there: Connection, all_cases: list[Case], changes: tuple[Change, ...]) -> None:
+def _tell(
+    there: Connection, all_cases: list[Case], changes: tuple[Change, ...], folder: str
+) -> None:
     for place, value in changes:
         change(place, value)
-        if "_kernels." in place:
-            compile_again()
+    if any("_kernels." in place for place, _ in changes):
+        compile_again(BINARISE, folder)  # numbers are compiled into it
     there.send(figures(all_cases))
 
 

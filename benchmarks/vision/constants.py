@@ -30,7 +30,7 @@ from typing import Any
 import cv2
 import numpy as np
 from llvmlite import ir
-from numba.core import types
+from numba import types
 from numba.extending import intrinsic
 
 import planner.scene.compile_options as options
@@ -290,13 +290,13 @@ def outlines(shown: list[np.ndarray]) -> list[str]:
     return found
 
 
-def row(key: str, told: Callable[[], list[str]]) -> tuple[str, bool]:
+def row(key: str, differences: Callable[[], list[str]]) -> tuple[str, bool]:
     """A constant's row: what half and double of it change; and whether no outline is another."""
     value = number(key)
     cells = []
     for other in (value / 2, value * 2):
         set_number(key, other)
-        cells.append(told())
+        cells.append(differences())
         set_number(key, value)
     both = [cell for pair in zip(*cells, strict=True) for cell in pair]
     line = " | ".join([key.removeprefix(PACKAGE), f"{value:g}", *both])
@@ -315,7 +315,7 @@ def main() -> int:
     shown = pictures(given.count)
     usual, before = outlines(shown), figures(given.count) if given.figures else {}
 
-    def told() -> list[str]:
+    def differences() -> list[str]:
         others = sum(a != b for a, b in zip(outlines(shown), usual, strict=True))
         return [str(others), *([change(before, figures(given.count))] if given.figures else [])]
 
@@ -331,7 +331,7 @@ def main() -> int:
         # in a process of its own: a number that is out of bounds may end it
         child = os.fork()
         if child == 0:
-            line, same = row(key, told)
+            line, same = row(key, differences)
             print(line, flush=True)
             os._exit(0 if same or key.split("[")[0] not in FREE_ONES else 3)
         _, status = os.waitpid(child, 0)

@@ -16,18 +16,18 @@ from __future__ import annotations
 import argparse
 import math
 import sys
+import tempfile
 from pathlib import Path
 from types import ModuleType
 from typing import Any
 
 import numpy as np
 from llvmlite import ir
-from numba import njit
-from numba.core import types
-from numba.core.caching import NullCache
+from numba import njit, types
 from numba.extending import intrinsic
 from scipy.spatial import cKDTree
 
+from benchmarks.vision.compiled_again import compile_again
 from benchmarks.vision.cover import KINDS, alike, outline
 from benchmarks.vision.grey_shapes import FAMILIES, SEED, drawn
 from planner.scene import Arc, PolygonRecord, object_records
@@ -101,12 +101,12 @@ def optional(stage: int, step: Any) -> Any:
     return taken
 
 
-def make_optional() -> None:
-    """Let every stage look whether it is switched off, before anything of it is compiled."""
-    for name in [name for name in sys.modules if name.startswith("vision.outline.")]:
-        for kernel in vars(sys.modules[name]).values():
-            if hasattr(kernel, "py_func"):
-                kernel._cache = NullCache()
+def make_optional(folder: str) -> None:
+    """Let every stage look whether it is switched off, before anything of it is compiled.
+
+    ``folder``: an empty one for what is compiled.
+    """
+    compile_again("vision.outline.", folder)
     may_be: Any = edit_kernels._may_be
     any_bent, turn_at = fitting_kernels.any_bent_line, partition_kernels.turn_at
     merge: Any = fitting_kernels.merge_edges
@@ -228,25 +228,31 @@ def main() -> int:
     parser.add_argument("--count", type=int, default=12, help="shapes a cell")
     parser.add_argument("--only", default="", help="stages, separated by commas")
     given = parser.parse_args()
-    make_optional()
-    usual = figures(given.count)
+    with tempfile.TemporaryDirectory() as folder:
+        make_optional(folder)
+        compare(given.only.split(",") if given.only else [], given.count)
+    return 0
+
+
+def compare(only: list[str], count: int) -> None:
+    """Print the figures with all stages and without each; keep them where all are compared."""
+    usual = figures(count)
     head = "| blur / noise | wrong | edges, mean | rms px |\n|---|---|---|---|"
-    print(f"## all stages\n\n{given.count} shapes a cell.\n\n{head}")
+    print(f"## all stages\n\n{count} shapes a cell.\n\n{head}")
     print("\n".join(row(cell, figure) for cell, figure in usual.items()), flush=True)
     rows = [summary("nothing", usual, usual)]
-    for stage in given.only.split(",") if given.only else STAGES:
+    for stage in only or STAGES:
         print(f"\n## without {stage}\n\n{head}")
         OFF[STAGES.index(stage)] = 1
-        without = figures(given.count)
+        without = figures(count)
         OFF[:] = 0
         for cell, figure in without.items():
             if differs(figure, usual[cell]):
                 print(row(cell, figure), flush=True)
         rows.append(summary(stage, without, usual))
     print("\n" + "\n".join(rows))
-    if not given.only:
-        keep(rows, given.count)
-    return 0
+    if not only:
+        keep(rows, count)
 
 
 if __name__ == "__main__":

@@ -223,7 +223,7 @@ def _end_process(code: int) -> None:
     main_thread = threading.main_thread()
     if any(t is not main_thread and not t.daemon for t in threading.enumerate()):
         return
-    atexit._run_exitfuncs()
+    atexit._run_exitfuncs()  # `os._exit` runs none, and atexit has no public name for it
     for stream in (sys.stdout, sys.stderr):
         if stream is None:
             continue

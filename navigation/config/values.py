@@ -33,8 +33,8 @@ On the wire it is a waypoint for every 25 s: at most 144 000 of a mission.
 
 MOST_ROBOTS = 100
 MOST_FLEET = 20
-"""Robots driven together: more than a camera can tell apart in an arena for which the fleet's
-planner was measured."""
+"""Robots driven together: chosen; the fleet's planner is measured with 12
+(`benchmarks/results/fleet_arenas.md`)."""
 MOST_CAMERAS = 8
 """Above one arena: their pictures are looked at one after another."""
 MOST_HAPPENINGS = 1000

@@ -261,7 +261,7 @@ class Hub:
         return json.dumps(self._facts(state, now_s), allow_nan=False)
 
     def _facts(self, state: RunState, now_s: float) -> dict[str, Any]:
-        told = state_message(
+        message = state_message(
             state.together,
             self.view,
             self.daemon.camera_status(),
@@ -272,7 +272,7 @@ class Hub:
             viewers=len(self.viewers),
         )
         if self.chronicles.configs:
-            told["robots"] = [
+            message["robots"] = [
                 {
                     "name": name,
                     **robot_facts(one, self.view, now_s),
@@ -281,7 +281,7 @@ class Hub:
                 }
                 for name, one in state.robots.items()
             ]
-        facts: dict[str, Any] = hide_in(told)
+        facts: dict[str, Any] = hide_in(message)
         return facts
 
     def _renew_plan(self, state: RunState) -> bool:

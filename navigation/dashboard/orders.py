@@ -53,12 +53,12 @@ def give(request: Mapping[str, Any], people: People, who: str) -> dict[str, Any]
     if name == "stop":
         return carry_out({"order": "stop", "reason": f"stopped by {who}", **whose}, people)
     # asked now: the published state may be a cycle old, and a second press that fast
-    told = carry_out({"order": "status", **whose}, people)
-    if not told["ok"]:
-        return told
-    if name in (REARM, "resume") and "robots" in told:
-        return _give_each(name, told["robots"], people)
-    stopped = told["state"] == State.STOPPED.value
+    status = carry_out({"order": "status", **whose}, people)
+    if not status["ok"]:
+        return status
+    if name in (REARM, "resume") and "robots" in status:
+        return _give_each(name, status["robots"], people)
+    stopped = status["state"] == State.STOPPED.value
     if name == REARM:
         if not stopped:
             return {"ok": False, "error": "nothing to re-arm: the robot is not stopped"}

@@ -72,8 +72,10 @@ class Visits:
             if people is None:
                 raise RefusedError(IT_IS_A_RECORDING)
             people.settle()  # a stop ordered just before counts
-            told = people.describe()
-            robots = told.get("robots", {"": told})  # one per robot if there are several, asked now
+            status = people.describe()
+            robots = status.get(
+                "robots", {"": status}
+            )  # one per robot if there are several, asked now
             states = {one["state"] for one in robots.values()}
             if not states <= AT_REST:
                 first = "re-arm the robot" if State.STOPPED.value in states else "stop"

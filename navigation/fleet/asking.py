@@ -7,7 +7,7 @@ from typing import Final
 
 import numpy as np
 
-from navigation.fleet.places_kept import Member, places_kept
+from navigation.fleet.members import Member, places_kept
 from navigation.fleet.releases import Held
 from navigation.fleet.request import Driving, FleetRequest, Taken, Traveller
 from navigation.fleet.runaways import Runaway

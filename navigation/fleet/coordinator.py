@@ -4,8 +4,8 @@
 - Any other is planned against the promises of driving robots, which drive on; until the planner
   answers they are sent no more than they have.
 - If that fails, or a robot waits at a gate for one that will not come (stopped, failed, refused, or
-  held for longer than ``PATIENCE_S``), driving robots stop under control, and once all are at rest,
-  one plan is made for every robot that wants to move.
+  held for too long, `gate_waits`), driving robots stop under control, and once all are at rest, one
+  plan is made for every robot that wants to move.
 - Other robots keep their places, an unseen one everything that it may have driven to since. A robot
   without a mission may have to step aside and come back.
 - A refused robot waits until the reasons change. A plan of all waits for refused robots that hold,
@@ -23,7 +23,9 @@ from typing import Final
 import numpy as np
 
 from navigation.fleet.asking import request_of
+from navigation.fleet.gate_waits import GOING, GateWaits
 from navigation.fleet.giving_way import GivingWay, RulesOf, no_rules
+from navigation.fleet.members import Member, comes_too_near, line_kept, why_nobody_moves
 from navigation.fleet.orders import (
     ON_TRACK_M,
     FleetOrders,
@@ -32,7 +34,6 @@ from navigation.fleet.orders import (
     is_seen_there,
     waits_of,
 )
-from navigation.fleet.places_kept import Member, comes_too_near, line_kept, why_nobody_moves
 from navigation.fleet.refusals import Refusals
 from navigation.fleet.releases import Held, Release, breach_of_rest, release_of
 from navigation.fleet.request import Driving, FleetAnswer, FleetRequest
@@ -43,8 +44,6 @@ from navigation.mission.running_plan import distance_to_polyline
 from planner.path import NoPath
 from planner.scene import FloatArray
 
-PATIENCE_S: Final = 6.0
-"""A robot that holds usually continues by itself: marker hidden, link silent."""
 ASK_S: Final = 0.6
 """A robot that has to plan again asks within this time, or takes no part."""
 REFUSED_S: Final = 1.5
@@ -53,7 +52,6 @@ AHEAD: Final = 40
 """Targets that a robot has beyond the one it drives to: 2 m, a second's upload."""
 SLACK_M: Final = 0.01
 """Tolerated shortfall of a path's clearance below the radius: the camera's error."""
-GOING: Final = (State.DRIVING, State.PLANNING, State.PROVING)
 OVER: Final = (State.FAILED, State.STOPPED, State.IDLE)
 
 Clearance = Callable[[FloatArray], float | None]
@@ -77,7 +75,7 @@ class Coordinator:
         self._asked: FleetRequest | None = None
         self._asked_ids: dict[str, int] = {}
         self._refusals = Refusals()
-        self._stuck_since: dict[str, float] = {}
+        self._gate_waits = GateWaits()
         self._runaways: list[Runaway] = []
         self._giving_way = GivingWay(clearance_m, rules)
 
@@ -111,8 +109,8 @@ class Coordinator:
             if not astray:
                 answers |= self._continued(members, revision)
             if self._begin_round(now_s, members, revision, answers):
-                request, told = self._joining(members, revision, answers)
-                answers |= told
+                request, refusals = self._joining(members, revision, answers)
+                answers |= refusals
         elif self._gathering_s is not None:
             plan_again += tuple(
                 (name, self._why)
@@ -122,8 +120,8 @@ class Coordinator:
                 and (one.limits.turns_on_spot or self._drives(name, one))
             )
             if not plan_again:
-                request, told = self._gathered(now_s, members, revision)
-                answers |= told
+                request, refusals = self._gathered(now_s, members, revision)
+                answers |= refusals
         for name in answers:
             self._open.pop(name, None)
         refused = {
@@ -248,36 +246,15 @@ class Coordinator:
                 return False
             if not drives:
                 answers[name] = PlanAnswer(request.id, revision, NoPath(refused[name]))
-        waiting = self._hopeless(now_s, members)
-        if waiting is not None:
-            self._gather(now_s, waiting)
+        out = self._refusals.reasons.keys() & self._open.keys()
+        in_vain = self._gate_waits.in_vain(now_s, members, self.held, out)
+        if in_vain is not None:
+            self._gather(now_s, in_vain)
             return False
         return joins
 
     def _gather(self, now_s: float, why: str) -> None:
         self._why, self._gathering_s = why, now_s
-
-    def _hopeless(self, now_s: float, members: Mapping[str, Member]) -> str | None:
-        """Sentence about a robot awaited in vain."""
-        for name, one in members.items():
-            if one.state is not State.DRIVING or name not in self.held:
-                continue
-            count, gate = release_of(name, self.held)
-            if gate is None or self.held[name].executed < count:
-                self._stuck_since.pop(name, None)
-                continue
-            other = members.get(gate.other)
-            held = self.held.get(gate.other)
-            refused = gate.other in self._refusals.reasons and gate.other in self._open
-            if other is not None and other.state in GOING and held is not None and not refused:
-                self._stuck_since.pop(name, None)
-                continue
-            since_s = self._stuck_since.setdefault(name, now_s)
-            lost = held is None or held.broken or refused
-            if lost or now_s - since_s > PATIENCE_S:
-                self._stuck_since.clear()
-                return f"{gate.other} does not come: planning around it"
-        return None
 
     def _gathered(
         self, now_s: float, members: Mapping[str, Member], revision: int

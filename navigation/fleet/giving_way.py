@@ -23,8 +23,8 @@ from typing import Final
 
 import numpy as np
 
+from navigation.fleet.members import NEARER_M, SEEN_S, TOUCH_M, Member
 from navigation.fleet.orders import ahead
-from navigation.fleet.places_kept import NEARER_M, SEEN_S, TOUCH_M, Member
 from navigation.fleet.releases import Held
 from navigation.fleet.runaways import Runaway
 from navigation.mission.cycle import PlanAnswer, PlanRequest

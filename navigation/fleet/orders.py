@@ -8,7 +8,7 @@ from typing import Final
 
 import numpy as np
 
-from navigation.fleet.places_kept import Member, comes_too_near, why_nobody_moves
+from navigation.fleet.members import Member, comes_too_near, why_nobody_moves
 from navigation.fleet.releases import Held, release_of
 from navigation.fleet.request import FleetRequest, Promise
 from navigation.mission.cycle import PlanAnswer

@@ -7,8 +7,8 @@ import re
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 
+from navigation.fleet.members import Member
 from navigation.fleet.orders import ON_TRACK_M
-from navigation.fleet.places_kept import Member
 from navigation.mission.cycle import PlanRequest
 from navigation.mission.mission import State, Station
 

@@ -27,6 +27,11 @@ class Traveller:
     """Its stations, if all but the last may be visited in any order; else empty."""
     zones: tuple[Zone, ...] = ()
 
+    @property
+    def as_taken(self) -> Taken:
+        """The place that it keeps if it does not move."""
+        return Taken(self.name, self.start[0], self.start[1], self.radius_m)
+
 
 @dataclass(frozen=True, slots=True)
 class Taken:

@@ -13,7 +13,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from navigation.fleet.places_kept import Member
+from navigation.fleet.members import Member
 from navigation.fleet.releases import Held
 from navigation.mission.mission import State
 from navigation.mission.running_plan import distance_to_polyline

@@ -191,10 +191,10 @@ class JournalFile:
 
 def _identity(file: Path | int) -> tuple[int, int] | None:
     try:
-        told = os.stat(file)
+        status = os.stat(file)
     except OSError:
         return None
-    return told.st_dev, told.st_ino
+    return status.st_dev, status.st_ino
 
 
 def _is_alike(data: bytes) -> bool:

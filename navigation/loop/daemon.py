@@ -28,7 +28,6 @@ from navigation.loop.reports import camera_openings
 from navigation.loop.robot import ControlledRobot, Witnesses
 from navigation.loop.run_state import RunState, StageTimes
 from navigation.loop.seeing.arena_view import ArenaView
-from navigation.loop.seeing.other_robots import OtherRobots
 from navigation.loop.stopping import Stopping
 from navigation.loop.traffic.alone import Alone
 from navigation.loop.traffic.coordinated import Coordinated
@@ -208,16 +207,6 @@ class Daemon:
     def scene(self) -> Scene | None:
         """Newest scene."""
         return self.view.scene
-
-    @property
-    def others(self) -> OtherRobots:
-        """Robots that this program does not drive."""
-        return self.view.others
-
-    @property
-    def processed(self) -> int:
-        """Number of pictures looked at."""
-        return self.view.processed
 
     @property
     def frame(self) -> Frame | None:

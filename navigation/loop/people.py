@@ -177,12 +177,12 @@ class People:
         ``kept`` is true if a file keeps changes for a restart; ``trouble`` says why it failed to.
         """
         zones = self._daemon.zones
-        told: dict[str, Any] = {
+        answer: dict[str, Any] = {
             "zones": [as_written(one) for one in zones.sections],
             "changes": {one.name: one.in_a_word for one in zones.changes()},
             "kept": zones.are_kept,
         }
-        return told | ({"trouble": zones.trouble} if zones.trouble else {})
+        return answer | ({"trouble": zones.trouble} if zones.trouble else {})
 
     def preview(self, stations: tuple[Station, ...], robot: str | None = None) -> PlanAnswer:
         """Plan as if the robot were alone; changes nothing."""
@@ -200,26 +200,26 @@ class People:
     def describe(self, robot: str | None = None) -> dict[str, Any]:
         """Present state of one robot, or of several by name, for JSON."""
         chosen = self._chosen(robot)
-        told = {one.name: self._describe_one(one) for one in chosen}
-        if robot is not None or "" in told:
-            return next(iter(told.values()))
+        robots = {one.name: self._describe_one(one) for one in chosen}
+        if robot is not None or "" in robots:
+            return next(iter(robots.values()))
         state = self._daemon.state
         if state is None:
-            return {"state": "starting", "reason": "", "robots": told}
+            return {"state": "starting", "reason": "", "robots": robots}
         stopping = state.state is State.STOPPED and any(
-            one["state"] == STOPPING for one in told.values()
+            one["state"] == STOPPING for one in robots.values()
         )
         return {
             "state": STOPPING if stopping else state.state.value,
             "reason": state.sentence,
-            "robots": told,
+            "robots": robots,
         }
 
     def _describe_one(self, robot: ControlledRobot) -> dict[str, Any]:
         with self._daemon.lock:
             mission, pose = robot.pilot.mission, robot.pose
         snapshot = robot.link.snapshot()
-        told = describe(
+        status = describe(
             mission,
             None if pose is None else (pose, self._daemon.world.clock() - pose.captured_s),
             to_go_m(pose, robot.pilot.plan.targets, snapshot.executed),
@@ -228,8 +228,8 @@ class People:
             robot.evidence.latency_s,
         )
         if not robot.name:  # a lone robot waits for no other
-            return told
-        return told | {"waits": self._daemon.traffic.waits.get(robot.name)}
+            return status
+        return status | {"waits": self._daemon.traffic.waits.get(robot.name)}
 
 
 def _cannot_reanchor(_camera: str | None) -> list[str]:

@@ -13,7 +13,7 @@ import planner
 from navigation.fleet.refusals import because_of
 from navigation.mission.cycle import PlanAnswer, PlanRequest
 from navigation.mission.mission import Station
-from navigation.mission.targets import begin_as_it_stands, targets_of, within_caps
+from navigation.mission.targets import drop_steered_heading, targets_of, within_caps
 from navigation.mission.traffic import Disc
 from navigation.shared.supervisor import in_words
 from planner.motion.smooth import SmoothError, smooth_path
@@ -123,7 +123,7 @@ class ArenaPlanner:
             permits=roadmap.permits,
         )
         trajectory = planner.time_path(
-            path if limits.turns_on_spot else begin_as_it_stands(path),
+            path if limits.turns_on_spot else drop_steered_heading(path),
             limits,
             clearance=roadmap.clearance,
             dwell_s=[0.0, *(s.dwell_s for s in visits), goal.dwell_s],

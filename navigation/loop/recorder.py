@@ -175,8 +175,8 @@ class Recorder:
             parts.append(f"{counts.dropped} pictures dropped")
         if counts.removed:
             parts.append(f"{counts.removed} old files removed")
-        told = f"recorded {', '.join(parts)} in {self.path}"
-        return f"{told}; ended early: {counts.failed}" if counts.failed else told
+        sentence = f"recorded {', '.join(parts)} in {self.path}"
+        return f"{sentence}; ended early: {counts.failed}" if counts.failed else sentence
 
     # From the loops: never waits.
 

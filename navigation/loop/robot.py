@@ -210,7 +210,7 @@ class ControlledRobot:
         )
 
     def _stop_to_leave(self) -> str:
-        why = self.pilot.stands_stopped
+        why = self.pilot.stop_without_mission
         return "" if why is None else f"{why}; re-arm it before it is to drive (clearway resume)"
 
 

@@ -122,14 +122,14 @@ class RunState:
         """Sentence of a lone robot, or of each robot not at its end."""
         if "" in self.robots:
             return self.only.sentence
-        told = {
+        sentences = {
             name: self.waits.get(name) or one.sentence
             for name, one in self.robots.items()
             if one.mission.places and one.mission.state is not State.DONE
         }
-        if not told:
+        if not sentences:
             return "all robots are at rest at their goals"
-        return "; ".join(f"{name}: {sentence}" for name, sentence in told.items())
+        return "; ".join(f"{name}: {sentence}" for name, sentence in sentences.items())
 
 
 def _unknown(link: LinkSnapshot) -> tuple[bool, bool, float]:

@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Iterable
 from dataclasses import dataclass
 
-from navigation.mission.mission import Station
+from navigation.mission.mission import MissionError, Station
 from navigation.mission.targets import Target
 from navigation.mission.traffic import Disc, Mover, TrafficLimits
 from navigation.mission.watch import SafetyLimits
@@ -40,6 +41,14 @@ class PilotSettings:
     """Most corrections of the last stretch if the camera sees the robot off its goal."""
     turns_on_spot: bool = True
     """True if the robot can prove itself by a turn on the spot."""
+
+    def check_stations(self, stations: Iterable[Station]) -> None:
+        """Raise ``MissionError`` for a station outside the arena."""
+        for number, station in enumerate(stations, 1):
+            if not self.bounds_m.contains((station.x, station.y)):
+                raise MissionError(
+                    f"station {number} at ({station.x:g}, {station.y:g}) m: outside the arena"
+                )
 
 
 @dataclass(frozen=True, slots=True)

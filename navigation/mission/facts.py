@@ -9,9 +9,9 @@ from __future__ import annotations
 from typing import NamedTuple
 
 from navigation.mission.cycle import PilotSettings, RobotReport, Sight
+from navigation.mission.late_pictures import LateCamera
 from navigation.mission.mission import MissionProgress, State
 from navigation.mission.running_plan import RunningPlan
-from navigation.mission.slowing import LateCamera
 from navigation.mission.stillness import MOTIONLESS, RobotStillness, is_to_move
 from navigation.mission.targets import Target
 from navigation.mission.traffic import Encounter
@@ -101,7 +101,7 @@ class FactFinder:
         if ordered and runs and not finished:
             self._idle_since_s = None
             return self._motionless(now_s, sight, robot, targets[robot.executed])
-        self.stillness.need_not_move()
+        self.stillness.reset()
         if situation.mission.state is State.HOLDING and robot.no_permit is not None:
             return robot.no_permit
         if not ordered or finished:
@@ -119,7 +119,7 @@ class FactFinder:
         self, now_s: float, sight: Sight, robot: RobotReport, target: Target
     ) -> str | None:
         if not is_to_move(robot, target, None if sight.pose is None else sight.pose[:2]):
-            self.stillness.need_not_move()
+            self.stillness.reset()
             return None
         if not self.stillness.look(now_s, sight.evidence):
             return None

@@ -161,6 +161,23 @@ class MissionProgress:
             raise MissionError("a robot that has stations to visit steps aside for no other")
         return replace(self.after(Event.GIVEN, reason), errand=place)
 
+    def taking_over(self, other: MissionProgress) -> MissionProgress:
+        """This state with the stations of another mission, and its progress."""
+        return replace(
+            self,
+            stations=other.stations,
+            visited=other.visited,
+            any_order=other.any_order,
+            paused=other.paused,
+            errand=other.errand,
+        )
+
+    def rearmed(self) -> MissionProgress:
+        """Mission after a stop: it waits for an order."""
+        left = len(self.remaining)
+        what = f"resume to continue with {left} station{'s' * (left != 1)}, or " if left else ""
+        return self.after(Event.REARM, f"re-armed by hand: {what}give a new goal")
+
     def arrived(self, reason: str) -> MissionProgress:
         """Mission at its end, its errand included."""
         return replace(self.after(Event.ARRIVED, reason), visited=len(self.stations), errand=None)

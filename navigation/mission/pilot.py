@@ -22,15 +22,16 @@ from navigation.mission.cycle import (
     Sight,
 )
 from navigation.mission.facts import FactFinder, PilotSituation
+from navigation.mission.late_pictures import speed_allowed
 from navigation.mission.mission import Event, MissionError, MissionProgress, State, Station
+from navigation.mission.plan_requests import PlanRequests
 from navigation.mission.progress import Progress
 from navigation.mission.proving import Proving
 from navigation.mission.replanning import later_pictures, nearer_obstacle, robot_ahead
-from navigation.mission.running_plan import RunningPlan, what_is_driven, why_no_plan
-from navigation.mission.slowing import speed_with
-from navigation.mission.stillness import Circling, is_to_move
+from navigation.mission.running_plan import RunningPlan, driving_sentence, plan_of, refusal_sentence
+from navigation.mission.stillness import Circling
 from navigation.mission.targets import Target
-from navigation.mission.traffic import Encounter, discs_to_avoid, encounter
+from navigation.mission.traffic import Encounter, encounter
 from navigation.mission.trust import Level, Trust, slow_at_first
 from navigation.mission.watch import Action, Facts, Verdict, judge
 from planner.path import NoPath
@@ -52,7 +53,8 @@ class Pilot:
         self.plans = 0
         self.waypoints_sent = 0
         self.waypoints_executed = 0
-        self._stop_reason: str | None = None
+        self.stop_reason: str | None = None
+        """Why the robot is to be stopped; None without a cause."""
         self.stopped_by = ""
         """Why the mission is stopped, even after the cause has gone."""
         self._skip: Station | None = None
@@ -60,63 +62,43 @@ class Pilot:
         self._rearm = False
         self._estopped = False
         self._mission_id = first_mission_id
-        self._request_id = 0
-        self._asked: PlanRequest | None = None
-        self._ask_again_s = -math.inf
-        self._clear_since_s: float | None = None
+        self._requests = PlanRequests(settings.settle_s)
         self._arrival = Arrival(settings)
         self._progress = Progress()
         self.trust = Trust()
-        self._proving = Proving(self.trust)
+        self._proving = Proving(self.trust, settings.turns_on_spot)
         self._circling = Circling(settings.circles_s)
         self._facts = FactFinder(settings, self.trust)
-        self._closed_way = NO_PLAN.left
+        self._closed_path = NO_PLAN.left
         self.no_path = False
         """True if the last request found no path."""
         self.has_met_its_devices = False
         """True once robot and camera have both reported; before, no mission is given up."""
 
-    @property
-    def stop_reason(self) -> str | None:
-        """Reason for stopping the robot; None if there is none."""
-        return self._stop_reason
-
     def begin_stopped(self, reason: str) -> None:
         """Begin in an earlier program's stop; missions wait behind it."""
-        self._stop_reason = self.stopped_by = reason
+        self.stop_reason = self.stopped_by = reason
         self.mission = self.mission.after(Event.STOP, reason)
 
     def appoint(self, mission: MissionProgress) -> None:
         """Put a mission, with its progress, behind a stop until re-arm and resume."""
-        self.mission = replace(
-            self.mission,
-            stations=mission.stations,
-            visited=mission.visited,
-            any_order=mission.any_order,
-            paused=mission.paused,
-            errand=mission.errand,
-        )
+        self.mission = self.mission.taking_over(mission)
 
     def give(self, stations: tuple[Station, ...], *, any_order: bool = False) -> None:
         """Replace the mission; ``MissionError`` if stopped, or for a station outside the arena."""
         if self.mission.state is State.STOPPED:
             raise MissionError("the robot is stopped: re-arm it first (clearway resume)")
-        for number, station in enumerate(stations, 1):
-            if not self.settings.bounds_m.contains((station.x, station.y)):
-                raise MissionError(
-                    f"station {number} at ({station.x:g}, {station.y:g}) m: outside the arena"
-                )
+        self.settings.check_stations(stations)
         self.mission = self.mission.given(stations, "a mission was given", any_order=any_order)
-        self._forget_plan()
         self._begin_again()
 
     def step_aside(self, place: Station) -> None:
         """Let a robot whose mission is over make way for another and return to a place."""
         self.mission = self.mission.stepping_aside(place, "stepping aside for another robot")
-        self._forget_plan()
         self._begin_again()
 
     def _begin_again(self) -> None:
+        self._forget_plan()
         self._arrival.begin()
         self._progress.begin()
 
@@ -127,18 +109,12 @@ class Pilot:
             self.appoint(mission)
             return
         given = self.mission.given(mission.stations, "continuing after a restart")
-        self.mission = replace(
-            given,
-            visited=mission.visited,
-            any_order=mission.any_order,
-            paused=mission.paused,
-            errand=mission.errand,
-        )
+        self.mission = given.taking_over(mission)
         self._forget_plan()
 
     def stop(self, reason: str) -> None:
         """Emergency stop: latched until `rearm`."""
-        self._stop_reason = reason
+        self.stop_reason = reason
 
     def pause(self) -> None:
         """Hold until `resume`."""
@@ -156,22 +132,15 @@ class Pilot:
             self.mission = replace(self.mission, reason=CONTINUES)
         self.mission = replace(self.mission, paused=False)
         if self.mission.state is State.STOPPED:
-            self._leave_stop()
+            self.mission = self.mission.rearmed()
+            self.stop_reason, self._rearm = None, True
+            self.trust.vouch()
         elif self.mission.state in (State.IDLE, State.FAILED) and self.mission.remaining:
             self.mission = self.mission.after(Event.GIVEN, CONTINUES)
-            self._forget_plan()
             self._begin_again()
             self.trust.vouch()
         elif self._estopped:
             self._rearm = True  # a robot stopped before we came
-
-    def _leave_stop(self) -> None:
-        left = len(self.mission.remaining)
-        what = f"resume to continue with {left} station{'s' * (left != 1)}, or " if left else ""
-        self.mission = self.mission.after(Event.REARM, f"re-armed by hand: {what}give a new goal")
-        self._stop_reason = None
-        self._rearm = True
-        self.trust.vouch()
 
     def replan(self, why: str = "a new plan was asked for", *, holding: bool = False) -> None:
         """Plan again from here if driving, or holding and ``holding`` is set."""
@@ -195,13 +164,13 @@ class Pilot:
         """Run one control cycle."""
         met = self._look_at_traffic(sight)
         self._look_at_identity(sight)
-        ordered = self._stop_reason is not None or self.mission.state is State.STOPPED
+        ordered = self.stop_reason is not None or self.mission.state is State.STOPPED
         situation = PilotSituation(self.mission, self.plan, self._mission_id, self._rearm, ordered)
         facts = self._facts.facts(now_s, sight, robot, situation, met)
         self.verdict = judge(facts, self.settings.limits)
-        if self._stop_reason is not None:
-            self.verdict = Verdict(Action.STOP, (self._stop_reason, *self.verdict.reasons))
-        rearm = self._take_rearm(robot)
+        if self.stop_reason is not None:
+            self.verdict = Verdict(Action.STOP, (self.stop_reason, *self.verdict.reasons))
+        rearm, self._rearm, self._estopped = self._rearm, False, robot.estopped
         was = self.mission.state
         if self.verdict.action is Action.STOP:
             self._enter_stop(robot)
@@ -212,9 +181,11 @@ class Pilot:
         self._follow_progress(robot)
         self._skip_station()
         upload = self._take_answer(now_s, sight, answer)
-        self._hold_or_go_on(now_s, facts)
-        self._make_way(met)
-        self._slow_down(sight)
+        self._hold_or_continue(now_s, facts)
+        self._replan_while_driving(robot_ahead(met))
+        late_s = sight.evidence.longest_latency_s
+        allowed_m_s = speed_allowed(late_s, self.settings.traffic)
+        self._replan_while_driving(later_pictures(late_s, allowed_m_s, self.plan.speed_m_s))
         proof = self._prove(now_s, sight, robot)
         self._look_for_circles(now_s, sight, robot)
         self._give_up(now_s, sight, robot)
@@ -234,18 +205,8 @@ class Pilot:
         lost = sight.pose is not None and sight.pose_age_s > self.settings.limits.pose_stale_s
         unseen = "the robot was lost from view" if lost else sight.blind
         refuted = self.trust.look(sight.evidence, unseen, sight.late)
-        if refuted is not None and self._stop_reason is None:
-            self._stop_reason = refuted
-
-    def _slow_down(self, sight: Sight) -> None:
-        late_s, allowed_m_s = sight.evidence.longest_latency_s, self._allowed_m_s(sight)
-        self._replan_while_driving(later_pictures(late_s, allowed_m_s, self.plan.speed_m_s))
-
-    def _allowed_m_s(self, sight: Sight) -> float:
-        robot = self.settings.traffic
-        return speed_with(
-            sight.evidence.longest_latency_s, robot.speed_m_s, robot.acceleration_m_s2
-        )
+        if refuted is not None and self.stop_reason is None:
+            self.stop_reason = refuted
 
     def _prove(
         self, now_s: float, sight: Sight, robot: RobotReport
@@ -253,17 +214,15 @@ class Pilot:
         if self.mission.state is State.PROVING:
             step = self._proving.judge(now_s, sight, robot)
         elif self.mission.state is State.PLANNING and self.trust.level is Level.DOUBTED:
-            turns = self.settings.turns_on_spot
-            step = self._proving.begin(now_s, self._next_id(), sight, robot, turns=turns)
+            step = self._proving.begin(now_s, self._next_id(), sight, robot)
         else:
             return None
         if step.stop is not None:
-            self._stop_reason = step.stop
+            self.stop_reason = step.stop
         if step.event is not None:
             self.mission = self.mission.after(step.event, step.sentence)
         if step.event is Event.HOLD:
-            self._ask_again_s = now_s + self._facts.stillness.pause_s()
-            self._clear_since_s = None
+            self._requests.hold(now_s + self._facts.stillness.pause_s())
         if step.targets is None:
             return None
         self._facts.late_camera.measured()
@@ -277,20 +236,12 @@ class Pilot:
         """Most urgent other robot; while holding, on the path that it closed."""
         if sight.pose is None or not sight.others:
             return None
-        left = self.plan.left
-        way = left if len(left) else self._closed_way
-        return encounter(sight.pose[:2], way, sight.others, self.settings.traffic)
-
-    def _make_way(self, met: Encounter | None) -> None:
-        self._replan_while_driving(robot_ahead(met))
-
-    def _take_rearm(self, robot: RobotReport) -> bool:
-        rearm, self._rearm, self._estopped = self._rearm, False, robot.estopped
-        return rearm
+        path = self.plan.left if len(self.plan.left) else self._closed_path
+        return encounter(sight.pose[:2], path, sight.others, self.settings.traffic)
 
     def _enter_stop(self, robot: RobotReport) -> None:
         idle = self.mission.state in (State.IDLE, State.DONE, State.FAILED)
-        if robot.estopped and idle and self._stop_reason is None:
+        if robot.estopped and idle and self.stop_reason is None:
             return  # a robot stopped before we came: reported when a mission is given
         if self.mission.state is not State.STOPPED:
             self.stopped_by = self.verdict.reasons[0]
@@ -304,7 +255,7 @@ class Pilot:
         self.mission = replace(self.mission, reason=self.verdict.sentence)
 
     @property
-    def stands_stopped(self) -> str | None:
+    def stop_without_mission(self) -> str | None:
         """Reason for an emergency stop without a mission to stop; None if there is none."""
         if self.verdict.action is not Action.STOP or self.mission.state is State.STOPPED:
             return None
@@ -313,10 +264,9 @@ class Pilot:
     def _follow_progress(self, robot: RobotReport) -> None:
         if not self.plan.targets or robot.mission_id != self._mission_id:
             return
-        executed = max(self.plan.executed, min(robot.executed, len(self.plan.targets)))
-        if executed > self.plan.executed:
-            self.waypoints_executed += executed - self.plan.executed
-            self.plan = replace(self.plan, executed=executed)
+        before = self.plan.executed
+        self.plan = self.plan.with_executed(robot.executed)
+        self.waypoints_executed += self.plan.executed - before
         last = len(self.mission.places) - 1
         # the last station counts once the camera sees the robot at rest there
         visited = min(self.plan.visited, last)
@@ -327,22 +277,18 @@ class Pilot:
         skip, self._skip = self._skip, None
         if skip is not None and self.mission.remaining and self.mission.remaining[0] is skip:
             self.mission = self.mission.without_next()
-            self._forget_plan()
             self._begin_again()
 
     def _take_answer(
         self, now_s: float, sight: Sight, answer: PlanAnswer | None
     ) -> tuple[int, tuple[Target, ...]] | None:
-        if answer is None or self._asked is None or answer.id != self._asked.id:
-            return None
-        asked, self._asked = self._asked, None
-        if self.mission.state is not State.PLANNING:
+        asked = self._requests.close(answer)
+        if answer is None or asked is None or self.mission.state is not State.PLANNING:
             return None
         if isinstance(answer.path, NoPath):
-            self.mission = self.mission.after(Event.NO_PLAN, why_no_plan(answer.path))
-            self._ask_again_s = now_s + self.settings.retry_s
+            self.mission = self.mission.after(Event.NO_PLAN, refusal_sentence(answer.path))
+            self._requests.hold(now_s + self.settings.retry_s)
             self.no_path = True
-            self._clear_since_s = None
             return None
         if answer.scene_revision != sight.scene_revision:
             return None  # the world changed while planning: ask again
@@ -354,77 +300,55 @@ class Pilot:
         targets = answer.targets
         if self.trust.level is Level.PROBATION:
             targets = slow_at_first(asked.start[:2], targets)
-        self.plan = RunningPlan(
-            path=answer.path,
-            trajectory=answer.trajectory,
-            targets=targets,
-            speed_m_s=asked.speed_m_s or self.settings.traffic.speed_m_s,
-            revision=answer.scene_revision,
-            visited_before=self.mission.visited,
-        )
+        self.plan = plan_of(answer, targets, asked.speed_m_s, self.mission.visited)
         self.waypoints_sent += len(targets)
-        driven = what_is_driven(answer.path, len(self.mission.remaining))
+        driven = driving_sentence(answer.path, len(self.mission.remaining))
         self.mission = self.mission.after(Event.PLANNED, driven)
         return self._mission_id, targets
 
     def _look_for_circles(self, now_s: float, sight: Sight, robot: RobotReport) -> None:
-        left, here = self.plan.left, sight.pose
-        ours = robot.mission_id == self._mission_id and self.plan.executed < len(self.plan.targets)
-        if self.mission.state is not State.DRIVING or not ours or here is None:
-            return self._circling.need_not_move()
-        target = self.plan.targets[self.plan.executed]
-        if not is_to_move(robot, target, here[:2]) or robot.standing_reason is not None:
-            return self._circling.need_not_move()
-        number, longest_s = (self._mission_id, self.plan.executed), self.settings.circles_s
-        if self._circling.look(now_s, number, math.dist(here[:2], left[0])):
-            self._circling.need_not_move()
-            self._progress.circled(longest_s)
-            if self._progress.waited_s > self.settings.give_up_s:
-                why = f"given up: the robot comes no nearer to {placed(*left[0].tolist())}"
-                self.mission = self.mission.after(Event.FAIL, why)
-                return None
+        drives = self.mission.state is State.DRIVING and robot.mission_id == self._mission_id
+        if not self._circling.look(now_s, robot, self.plan, sight.pose if drives else None):
+            return
+        longest_s = self.settings.circles_s
+        self._progress.circled(longest_s)
+        if self._progress.waited_s > self.settings.give_up_s:
+            why = f"given up: the robot comes no nearer to {placed(*self.plan.left[0])}"
+            self.mission = self.mission.after(Event.FAIL, why)
+        else:
             self._replan(f"the robot came no nearer for {longest_s:.0f} s: planning again")
-        return None
 
     def _give_up(self, now_s: float, sight: Sight, robot: RobotReport) -> None:
         state = self.mission.state
         self.has_met_its_devices |= math.isfinite(sight.frame_age_s) and math.isfinite(robot.age_s)
         here = sight.pose[:2] if sight.pose is not None and state is State.DRIVING else None
+        waits = state in (State.HOLDING, State.PLANNING, State.PROVING) and not self.mission.paused
         self._progress.look(
             now_s,
-            waits=state in (State.HOLDING, State.PLANNING, State.PROVING)
-            and not self.mission.paused
-            and self.has_met_its_devices,
+            waits=waits and self.has_met_its_devices,
             visited=self.mission.visited,
             left_m=None if here is None else self.plan.left_m(here),
             revision=self.plan.revision,
         )
         if state is State.HOLDING and self._progress.waited_s > self.settings.give_up_s:
-            why = self.mission.reason
-            self.mission = self.mission.after(
-                Event.FAIL, f"given up after {self.settings.give_up_s:g} s without progress: {why}"
-            )
+            gave_up = f"given up after {self.settings.give_up_s:g} s without progress"
+            self.mission = self.mission.after(Event.FAIL, f"{gave_up}: {self.mission.reason}")
 
-    def _hold_or_go_on(self, now_s: float, facts: Facts) -> None:
+    def _hold_or_continue(self, now_s: float, facts: Facts) -> None:
         if self.verdict.action is Action.HOLD:
-            self._clear_since_s = None
+            self._requests.hold()
             if self.mission.state in (State.DRIVING, State.PLANNING, State.PROVING):
                 self.mission = self.mission.after(Event.HOLD, self.verdict.sentence)
                 if facts.robot_idle_reason is not None:
-                    self._ask_again_s = now_s + self._facts.stillness.pause_s()
-                self._closed_way = self.plan.left
+                    self._requests.hold(now_s + self._facts.stillness.pause_s())
+                self._closed_path = self.plan.left
                 self._forget_plan()
             elif self.mission.state is State.HOLDING:
                 self.mission = replace(self.mission, reason=self.verdict.sentence)
             return
-        if self.mission.state is not State.HOLDING:
-            return
-        if self._clear_since_s is None:
-            self._clear_since_s = now_s
-        settled = now_s - self._clear_since_s >= self.settings.settle_s
-        if settled and now_s >= self._ask_again_s:
+        if self.mission.state is State.HOLDING and self._requests.is_settled(now_s):
             self.mission = self.mission.after(Event.CLEARED, "planning from where the robot is")
-            self._closed_way = NO_PLAN.left
+            self._closed_path = NO_PLAN.left
 
     def new_scene(self, path_clearance_m: float | None, breach: str | None = None) -> None:
         """Take a new scene's clearance of the running path (None: no path runs).
@@ -452,29 +376,15 @@ class Pilot:
         event, sentence = end
         if event is Event.ARRIVED:
             self.mission = self.mission.arrived(sentence)
-            return
-        self.mission = self.mission.after(event, sentence)
-        if event is Event.REPLAN:
-            self._forget_plan()
+        elif event is Event.REPLAN:
+            self._replan(sentence)
+        else:
+            self.mission = self.mission.after(event, sentence)
 
     def _ask(self, now_s: float, sight: Sight) -> PlanRequest | None:
-        if self.mission.state is not State.PLANNING or self._asked is not None:
+        if self.mission.state is not State.PLANNING or self.trust.level is Level.DOUBTED:
             return None
-        if sight.pose is None or sight.scene_revision == 0 or now_s < self._ask_again_s:
-            return None
-        if self.trust.level is Level.DOUBTED:
-            return None
-        self._request_id += 1
-        self._asked = PlanRequest(
-            self._request_id,
-            sight.pose,
-            self.mission.remaining,
-            sight.scene_revision,
-            any_order=self.mission.any_order and self.mission.visited == 0,
-            avoid=discs_to_avoid(sight.pose[:2], sight.others, self.settings.traffic),
-            speed_m_s=self._allowed_m_s(sight),
-        )
-        return self._asked
+        return self._requests.make(now_s, sight, self.mission, self.settings.traffic)
 
     def _replan_while_driving(self, why: str | None) -> None:
         if why is not None and self.mission.state is State.DRIVING:
@@ -485,5 +395,6 @@ class Pilot:
         self._forget_plan()
 
     def _forget_plan(self) -> None:
-        self.plan, self._asked = NO_PLAN, None
+        self.plan = NO_PLAN
+        self._requests.drop()
         self._arrival.moves()

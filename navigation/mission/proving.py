@@ -33,22 +33,20 @@ _NOTHING = ProofStep()
 
 
 class Proving:
-    """The proof under way, if any."""
+    """The proof under way, if any.
 
-    def __init__(self, trust: Trust) -> None:
-        self._trust = trust
+    ``turns_on_spot`` is False if the robot cannot turn so: it is then put on probation at rest
+    where its wheels brought it.
+    """
+
+    def __init__(self, trust: Trust, turns_on_spot: bool) -> None:
+        self._trust, self._turns_on_spot = trust, turns_on_spot
         self._proof: Proof | None = None
         self._stood_s = self._asked_s = -math.inf
         """Since when the wheels are at rest, and the last time of asking."""
 
-    def begin(
-        self, now_s: float, mission_id: int, sight: Sight, robot: RobotReport, *, turns: bool
-    ) -> ProofStep:
-        """Let a doubted robot turn as mission ``mission_id``, once it can be asked to.
-
-        ``turns`` is False if it cannot turn on the spot: it is then put on probation at rest where
-        its wheels brought it.
-        """
+    def begin(self, now_s: float, mission_id: int, sight: Sight, robot: RobotReport) -> ProofStep:
+        """Let a doubted robot turn as mission ``mission_id``, once it can be asked to."""
         trust, evidence = self._trust, sight.evidence
         if not self._pictures_have_caught_up(now_s, evidence):
             return _NOTHING
@@ -57,7 +55,7 @@ class Proving:
         stop = trust.moved(evidence)
         if stop is not None:
             return ProofStep(stop=stop)
-        if not turns:
+        if not self._turns_on_spot:
             trust.proved(evidence)
             return _NOTHING
         if math.dist(robot.place_m, sight.pose[:2]) > NEAR_M:

@@ -6,7 +6,7 @@ Metres, seconds.
 from __future__ import annotations
 
 from navigation.mission.cycle import PilotSettings
-from navigation.mission.slowing import WORTH_A_PLAN
+from navigation.mission.late_pictures import WORTH_A_PLAN
 from navigation.mission.traffic import Encounter
 
 

@@ -6,11 +6,12 @@ Metres, seconds.
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import Final
 
 import numpy as np
 
+from navigation.mission.cycle import PlanAnswer
 from navigation.mission.targets import Target
 from planner.path import NoPath, Path, Trajectory
 from planner.scene import FloatArray
@@ -49,6 +50,11 @@ class RunningPlan:
         passed = [t.station for t in self.targets[: self.executed] if t.station is not None]
         return self.visited_before + max(passed, default=0)
 
+    def with_executed(self, count: int) -> RunningPlan:
+        """Plan with more targets reached, at most all of them; the number never falls."""
+        executed = max(self.executed, min(count, len(self.targets)))
+        return self if executed == self.executed else replace(self, executed=executed)
+
     def left_m(self, place_m: tuple[float, float]) -> float | None:
         """Distance from a place through the remaining targets; None without any."""
         left = self.left
@@ -62,6 +68,21 @@ class RunningPlan:
         if place_m is None or self.path is None:
             return None
         return distance_to_polyline(self.path.points, place_m)
+
+
+def plan_of(
+    answer: PlanAnswer, targets: tuple[Target, ...], speed_m_s: float | None, visited: int
+) -> RunningPlan:
+    """Plan that an answer with a path begins, at most ``speed_m_s`` fast; None: no limit."""
+    assert isinstance(answer.path, Path)
+    return RunningPlan(
+        path=answer.path,
+        trajectory=answer.trajectory,
+        targets=targets,
+        speed_m_s=math.inf if speed_m_s is None else speed_m_s,
+        revision=answer.scene_revision,
+        visited_before=visited,
+    )
 
 
 def distance_to_polyline(points: FloatArray, position: tuple[float, float]) -> float:
@@ -78,7 +99,7 @@ def distance_to_polyline(points: FloatArray, position: tuple[float, float]) -> f
     return math.sqrt((x * x + y * y).min())
 
 
-def what_is_driven(path: Path, stations_left: int) -> str:
+def driving_sentence(path: Path, stations_left: int) -> str:
     """Sentence about a plan being driven."""
     return (
         f"driving {path.length:.2f} m to {stations_left} station{'s' * (stations_left != 1)}, "
@@ -86,7 +107,7 @@ def what_is_driven(path: Path, stations_left: int) -> str:
     )
 
 
-def why_no_plan(answer: NoPath) -> str:
+def refusal_sentence(answer: NoPath) -> str:
     """Sentence about a missing plan."""
     return f"no safe plan: {answer.reason}{_remarked(answer)}"
 

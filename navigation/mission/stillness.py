@@ -9,6 +9,7 @@ import math
 from typing import Final
 
 from navigation.mission.cycle import RobotReport
+from navigation.mission.running_plan import RunningPlan
 from navigation.mission.targets import Target
 from navigation.witness import Evidence
 
@@ -36,8 +37,8 @@ class RobotStillness:
         self._driven_m = self._turned_rad = 0.0
         self._found = 0
 
-    def need_not_move(self) -> None:
-        """Note that it is ordered nothing, or to be at rest."""
+    def reset(self) -> None:
+        """Begin again: it is ordered nothing, or to be at rest."""
         self._moved_s = None
 
     def look(self, now_s: float, evidence: Evidence) -> bool:
@@ -68,22 +69,42 @@ class Circling:
     def __init__(self, longest_s: float) -> None:
         self._longest_s = longest_s
         self._since_s: float | None = None
-        self._target = (-1, -1)
+        self._target: tuple[int | None, int] = (-1, -1)
         self._least_m = math.inf
 
-    def need_not_move(self) -> None:
-        """Note that it is ordered nothing, or to be at rest."""
-        self._since_s = None
+    def look(
+        self,
+        now_s: float,
+        robot: RobotReport,
+        plan: RunningPlan,
+        pose: tuple[float, float, float] | None,
+    ) -> bool:
+        """Take one cycle; True if it has circled for too long, and the time begins again.
 
-    def look(self, now_s: float, target: tuple[int, int], left_m: float) -> bool:
-        """Take one cycle in which it must drive; True if it has circled for too long.
-
-        ``target``: numbers of the mission on the wire and of the target in it.
+        ``pose``: None if it does not drive this plan, or was not seen.
         """
+        left_m = None if pose is None else _to_go_m(robot, plan, pose[:2])
+        target = robot.mission_id, plan.executed
+        circles = left_m is not None and self._circles(now_s, target, left_m)
+        if left_m is None or circles:
+            self._since_s = None
+        return circles
+
+    def _circles(self, now_s: float, target: tuple[int | None, int], left_m: float) -> bool:
+        """``target``: numbers of the mission on the wire and of the target in it."""
         nearer = target != self._target or left_m < self._least_m - NEARER_M
         if self._since_s is None or nearer:
             self._since_s, self._target, self._least_m = now_s, target, left_m
         return now_s - self._since_s > self._longest_s
+
+
+def _to_go_m(robot: RobotReport, plan: RunningPlan, place_m: tuple[float, float]) -> float | None:
+    """Distance of the next target; None if the robot need not move."""
+    if plan.executed >= len(plan.targets) or robot.standing_reason is not None:
+        return None
+    if not is_to_move(robot, plan.targets[plan.executed], place_m):
+        return None
+    return math.dist(place_m, plan.left[0])
 
 
 def is_to_move(robot: RobotReport, target: Target, place_m: tuple[float, float] | None) -> bool:

@@ -42,7 +42,7 @@ class Target:
     station: int | None = None
 
 
-def begin_as_it_stands(path: Path) -> Path:
+def drop_steered_heading(path: Path) -> Path:
     """Drop the start's heading if it is within ``STEERED_RAD`` of the path's direction.
 
     The camera's headings never match the path's exactly, and a robot that cannot turn on the spot

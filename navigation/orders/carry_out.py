@@ -29,10 +29,10 @@ def carry_out(request: Mapping[str, Any], people: People) -> dict[str, Any]:
         robot = read_robot(request)
         given = {name: READERS[name](request, people) for name in order.arguments}
         further = order.act(people, robot, given) or {}
-        told = people.describe(robot)
+        status = people.describe(robot)
     except (ControlError, MissionError) as error:
         return {"ok": False, "error": str(error)}
-    return {"schema": SCHEMA, "ok": True, **told, **further}
+    return {"schema": SCHEMA, "ok": True, **status, **further}
 
 
 def _order_of(request: Mapping[str, Any]) -> Order:

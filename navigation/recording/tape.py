@@ -201,8 +201,8 @@ def _take(tape: Tape, offset: int, topic: str, message: Message) -> None:
         name = topic.removeprefix(bodies.LINK).removeprefix("/")
         tape.links[name].append((time_s, bodies.read_body(message.data)))
     elif topic == bodies.FLEET_WAITS:
-        told = bodies.read_body(message.data)
-        tape.waits.append((time_s, (told["waits"], told["waits_for"])))
+        body = bodies.read_body(message.data)
+        tape.waits.append((time_s, (body["waits"], body["waits_for"])))
 
 
 def _plans_in(planned: Planned) -> Iterator[tuple[str, TapedPlan]]:

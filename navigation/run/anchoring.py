@@ -49,17 +49,17 @@ class Renewed:
         """Return lines for a person."""
         found = self.found
         used = sum(one.used for one in found.residuals)
-        told = [
+        lines = [
             f"floor marker {one.id}: {one.rms_px:.2f} px{'' if one.used else ', left out'}"
             for one in found.residuals
         ]
-        told += [f"floor marker {one}: not seen" for one in found.missing]
-        told.append(
+        lines += [f"floor marker {one}: not seen" for one in found.missing]
+        lines.append(
             f"anchored by {used} floor markers, {found.rms_px:.2f} px rms; the picture had moved "
             f"by {found.moved_px:.1f} px"
         )
-        told.append(f"written: {self.file}; the one before: {self.backup}")
-        return told
+        lines.append(f"written: {self.file}; the one before: {self.backup}")
+        return lines
 
 
 def of_camera(config: Config, name: str | None) -> Config:
@@ -165,11 +165,11 @@ def take_over_lens(
         )
     if picture is None:
         raise AnchoringError("no picture has come from the camera yet")
-    told = renew(config, [picture], now, lens).lines()
+    lines = renew(config, [picture], now, lens).lines()
     if reload is None:
-        return "; ".join([*told, "start the run again: it still has the calibration before"])
+        return "; ".join([*lines, "start the run again: it still has the calibration before"])
     reload()
-    return "; ".join([*told, "the run begins again with it, and waits for orders"])
+    return "; ".join([*lines, "the run begins again with it, and waits for orders"])
 
 
 def _corners(picture: Image, dictionary: str, calibration: Calibration) -> dict[int, FloatArray]:
@@ -193,10 +193,10 @@ def renew_while_running(
         frame = newest(camera)
         if frame is None:
             raise MissionError("no picture has come from the camera yet")
-        told = renew(meant, [frame.image], datetime.now()).lines()
+        lines = renew(meant, [frame.image], datetime.now()).lines()
     except AnchoringError as error:
         raise MissionError(str(error)) from None
     if reload is None:
-        return [*told, "start the run again: it still has the calibration before"]
+        return [*lines, "start the run again: it still has the calibration before"]
     reload()
-    return [*told, "the run begins again with it"]
+    return [*lines, "the run begins again with it"]

@@ -110,8 +110,8 @@ class Report:
         if not self.track_jumps:
             return []
         times = "once" if self.track_jumps == 1 else f"{self.track_jumps} times"
-        told = f"broken {times}: the robot was carried, or was not seen; what lies between"
-        return [("track", f"{told} is not counted as driven")]
+        sentence = f"broken {times}: the robot was carried, or was not seen; what lies between"
+        return [("track", f"{sentence} is not counted as driven")]
 
     def lines(self) -> list[tuple[str, str]]:
         """Return pairs of label and value, for a person."""

@@ -82,9 +82,9 @@ def write_picture(file: Path, daemon: Daemon, report: RunReport) -> None:
         OtherRobot(
             f"robot {one.marker_id}",
             one.radius_m,
-            with_breaks(driven_pieces(daemon.others.tracks[one.marker_id].rows(), ANYTHING_M_S))[
-                :, 1:
-            ],
+            with_breaks(
+                driven_pieces(daemon.view.others.tracks[one.marker_id].rows(), ANYTHING_M_S)
+            )[:, 1:],
         )
         for one in daemon.config.other_robots
     ]

@@ -239,6 +239,7 @@ class Runner:
             return None
         # imported here: a run without a page need not load a web server
         from navigation.dashboard import Bench, Dashboard, KeptRuns
+        from navigation.dashboard.admission.own_token import token_of_run
 
         bench = Bench(
             daemon,
@@ -251,7 +252,7 @@ class Runner:
         open_things.callback(bench.close)
         token = None
         if self.config.dashboard.token is None:
-            token = self._own_token(socket.with_name(f"{socket.name}.token"))
+            token = token_of_run(socket.with_name(f"{socket.name}.token"), self._say)
         in_journal = "JOURNAL_STREAM" in os.environ
         shows_token = self._show_token or (token is not None and not in_journal)
         return open_things.enter_context(
@@ -270,16 +271,6 @@ class Runner:
                 ),
             )
         )
-
-    def _own_token(self, file: Path) -> str:
-        from navigation.dashboard.admission.own_token import new_token, own_token
-
-        try:
-            return own_token(file)
-        except OSError as error:
-            reason = error.strerror or error
-            self._say(f"the page's token holds for this run only: {file}: {reason}")
-            return new_token()
 
     def _open_journals(self, open_things: ExitStack) -> dict[str, Journal]:
         journals = {}
@@ -343,7 +334,7 @@ class Runner:
         limit_s, give_up_s = self._time_limit_s(), self.config.safety.give_up_s
         watchdog = Watchdog(self._notifier, self._watchdog_s, daemon.turns)
         attendance = Attendance(daemon, self._log, watchdog, recorder, self._say)
-        lines = ProgressLines(self._say, lambda told: self._notifier.send(f"STATUS={told}"))
+        lines = ProgressLines(self._say, lambda line: self._notifier.send(f"STATUS={line}"))
         while True:
             missions.cycle()
             now = daemon.cycle()
@@ -381,9 +372,9 @@ class Runner:
         self, camera: str | None, newest: Callable[[str | None], Frame | None]
     ) -> list[str]:
         """Place a camera again from its newest picture and report, or ``MissionError``."""
-        told = renew_while_running(self.config, camera, newest, self.reload)
-        self._log.write("warning", "anchoring", reason="; ".join(told))
-        return told
+        lines = renew_while_running(self.config, camera, newest, self.reload)
+        self._log.write("warning", "anchoring", reason="; ".join(lines))
+        return lines
 
     def take_over_lens(self, lens: Lens, picture: Image | None) -> str:
         """Save a new lens and begin again with it; ``ValueError`` on failure."""

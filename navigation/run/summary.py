@@ -59,7 +59,7 @@ def summarise(
             crc_errors=snapshot.received.crc_errors,
             rtt_ms=None if snapshot.rtt_s is None else snapshot.rtt_s * 1e3,
         ),
-        frames=FrameCounts(camera.captured, camera.dropped, daemon.processed),
+        frames=FrameCounts(camera.captured, camera.dropped, daemon.view.processed),
         latency_ms=Latencies(percentiles_ms(list(robot.link.capture_to_wire_s))),
         ground_truth=truth is not None,
     )

@@ -315,4 +315,4 @@ def wait_until_due(robots: Sequence[SimulatedRobot], wait_s: float) -> None:
     try:
         select.select(robots, [], [], wait_s)
     except (*PORT_FAULTS, ValueError):  # a closed line is not a file
-        time.sleep(wait_s)
+        time.sleep(wait_s)  # the error came at once, and the caller would not pause

@@ -198,8 +198,8 @@ def _border(member: _Member) -> tuple[Record, ...]:
 
 def _record(member: _Member) -> Record:
     kind = member.get("type").one_of("P", "S", "C", "A", "L")
-    told = member.get("residual_px")
-    residual = 0.0 if told.value is None else told.number()
+    residual_px = member.get("residual_px")
+    residual = 0.0 if residual_px.value is None else residual_px.number()
     match kind:
         case "P":
             return PointRecord(member.get("at").point(), residual)

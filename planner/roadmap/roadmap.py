@@ -314,16 +314,16 @@ class Roadmap:
 
     def _explain(self, blocked: Blocked, units: str) -> NoPath:
         """Report where the widest path is too narrow, or that no robot has one."""
-        told = explain(self.borders, self.chains, blocked, self.radius, units)
-        if told is not None and told.bottleneck and told.bottleneck.width >= self.spacing:
-            return told
+        refusal = explain(self.borders, self.chains, blocked, self.radius, units)
+        if refusal is not None and refusal.bottleneck and refusal.bottleneck.width >= self.spacing:
+            return refusal
         if count_generators(self.borders, self.spacing / DENSER_BY) > FINER_MOST:
-            if told is None:  # a refusal counts as False, too
-                told = walled_in(blocked, self.spacing, units)
-            return replace(told, remarks=(*told.remarks, NOT_FINER))
+            if refusal is None:  # a refusal counts as False, too
+                refusal = walled_in(blocked, self.spacing, units)
+            return replace(refusal, remarks=(*refusal.remarks, NOT_FINER))
         finer = self._finer()
-        told = explain(finer.borders, finer.chains, blocked, self.radius, units)
-        return walled_in(blocked, finer.spacing, units) if told is None else told
+        refusal = explain(finer.borders, finer.chains, blocked, self.radius, units)
+        return walled_in(blocked, finer.spacing, units) if refusal is None else refusal
 
 
 def _places(name: str, points: ArrayLike) -> FloatArray:

@@ -140,21 +140,21 @@ def why_not(
     ``what`` names the requirement; ``unknown`` marks uncertain obstacles.
     """
     (x, y), distance = place.at, place.distance
-    told = f"{place.name} {_at(place.at)}"
+    subject = f"{place.name} {_at(place.at)}"
     box = borders.box
     if not (box[0] <= x <= box[2] and box[1] <= y <= box[3]):
-        return f"{told} lies outside the bounds"
+        return f"{subject} lies outside the bounds"
     if place.is_solid:
         inside = np.flatnonzero(borders.owners_around(x, y, distance))
         if len(inside) and unknown is not None and unknown.holds(x, y):
-            return f"{told} lies in an unknown part of the map"
+            return f"{subject} lies in an unknown part of the map"
         if len(inside):
-            return f"{told} lies inside obstacle {inside[0]}"
+            return f"{subject} lies inside obstacle {inside[0]}"
     if distance < need - CLEARANCE_ROUNDING * borders.extent:
         owner = borders.owner[place.nearest]
         border = "the bounds" if owner < 0 else f"obstacle {owner}"
         return (
-            f"{told} is {sized(distance, units, beside=need)} from {border}, "
+            f"{subject} is {sized(distance, units, beside=need)} from {border}, "
             f"nearer than {what} of {sized(need, units, beside=distance)}"
         )
     return None

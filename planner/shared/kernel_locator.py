@@ -179,6 +179,7 @@ def write_label(shipped: Path) -> None:
 
 def is_compiled(kernel: Any) -> bool:
     """True if a kernel's code for this processor and these versions is cached."""
+    # the index has no public reader: numba opens it only to load or to compile
     codegen = kernel.targetctx.codegen()
     kept = kernel._cache._cache_file._load_index()
     return any(key[1] == codegen.magic_tuple() for key in kept)
@@ -186,6 +187,7 @@ def is_compiled(kernel: Any) -> bool:
 
 def loaded_files(kernel: Any) -> list[Path]:
     """Files of a kernel's compiled code that this process has loaded."""
+    # as in `is_compiled`: which file belongs to which types is in the index alone
     file = kernel._cache._cache_file
     magic = kernel.targetctx.codegen().magic_tuple()
     loaded = kernel.stats.cache_hits

@@ -56,6 +56,7 @@ def choose_processor(environment: MutableMapping[str, str]) -> str | None:
     except OSError:
         return None
     name = common_processor(platform.machine(), cpuinfo)
+    # numba has no public sign of having read its processor; it makes this when it does
     if name is None or "_toplevel_target_context" in vars(cpu_target):
         return None
     config: Any = numba.config

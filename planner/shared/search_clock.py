@@ -11,7 +11,7 @@ import time
 from collections.abc import Callable
 from typing import Any, TypeAlias
 
-from numba.core import event
+from numba.core import event  # documented: numba's manual for developers, "Event API"
 
 COMPILING = "numba:compile"
 Clock: TypeAlias = Callable[[], float]

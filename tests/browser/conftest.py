@@ -57,6 +57,7 @@ def chromium() -> Iterator[tuple[Browser, asyncio.AbstractEventLoop]]:
             ignore_default_args=["--hide-scrollbars"],  # people have them, and they take room
         )
         loop = asyncio.get_running_loop()
+        # Playwright leaves its loop set in this thread; asyncio has no public name to unset it
         asyncio._set_running_loop(None)
         yield chromium, loop
         asyncio._set_running_loop(loop)

@@ -87,7 +87,7 @@ if __name__ == "__main__":
 
 
 @pytest.fixture(scope="module")
-def told(tmp_path_factory: pytest.TempPathFactory) -> dict[str, Any]:
+def answered(tmp_path_factory: pytest.TempPathFactory) -> dict[str, Any]:
     """What the commands and the imports say in one Python without Unix."""
     folder = tmp_path_factory.mktemp("another_system")
     (folder / "program.py").write_text(PROGRAM, encoding="utf-8")
@@ -135,26 +135,28 @@ def test_the_stub_hides_what_windows_lacks() -> None:
 
 
 @pytest.mark.parametrize("package", NAMES)
-def test_every_public_name_is_imported(package: str, told: dict[str, Any]) -> None:
-    assert told["names"][package] == {}
+def test_every_public_name_is_imported(package: str, answered: dict[str, Any]) -> None:
+    assert answered["names"][package] == {}
 
 
 @pytest.mark.timeout(COLD_S + 100)
 @pytest.mark.parametrize("line", ANYWHERE)
-def test_a_command_runs(line: str, told: dict[str, Any]) -> None:
-    code, error = told["answers"][line]
+def test_a_command_runs(line: str, answered: dict[str, Any]) -> None:
+    code, error = answered["answers"][line]
     assert code == 0, error
 
 
 @pytest.mark.parametrize("name", COMMANDS)
-def test_every_command_has_its_help(name: str, told: dict[str, Any]) -> None:
-    code, error = told["answers"][f"{name} --help"]
+def test_every_command_has_its_help(name: str, answered: dict[str, Any]) -> None:
+    code, error = answered["answers"][f"{name} --help"]
     assert code == 0, error
 
 
 @pytest.mark.parametrize("line", LINUX)
-def test_a_command_of_the_daemon_says_that_it_needs_linux(line: str, told: dict[str, Any]) -> None:
-    code, error = told["answers"][line]
+def test_a_command_of_the_daemon_says_that_it_needs_linux(
+    line: str, answered: dict[str, Any]
+) -> None:
+    code, error = answered["answers"][line]
     assert code == 2, error
     assert f"{line.split()[0]}" in error
     assert ": needs Linux" in error

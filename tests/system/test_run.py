@@ -196,9 +196,9 @@ def test_a_computer_that_stands_still_meanwhile_makes_a_simulated_run_longer_and
                 break
         for _ in range(3):
             process.send_signal(signal.SIGSTOP)
-            time.sleep(1.5)
+            time.sleep(1.5)  # the computer is at a stop
             process.send_signal(signal.SIGCONT)
-            time.sleep(0.5)
+            time.sleep(0.5)  # it runs again, and the robot drives on
         said = process.stdout.read()
     report = json.loads(report_file.read_text())
     assert report["state"] == "done", report["reason"]
@@ -307,7 +307,7 @@ def test_a_robot_that_is_not_in_view_is_held_and_that_is_said(config: Config, wo
     hide(world, lambda: True)
     with Daemon(config, world, first_mission_id=7) as daemon:
         daemon.people.give(stations_of(config))
-        frames = cycle_until(daemon, lambda now: daemon.processed >= 20)
+        frames = cycle_until(daemon, lambda now: daemon.view.processed >= 20)
         assert frames.mission.state in (State.HOLDING, State.PLANNING)
         told = cycle_until(daemon, lambda now: now.mission.state is State.HOLDING)
         assert re.search(r"marker|robot", told.sentence)

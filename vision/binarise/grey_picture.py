@@ -304,8 +304,8 @@ def scaled_threshold(threshold: float, image: NDArray[Any]) -> float:
     top = np.iinfo(image.dtype).max
     is_number = isinstance(threshold, (int, float, np.integer, np.floating))
     if not is_number or isinstance(threshold, bool):
-        told = " ".join(repr(threshold).split())
-        raise PictureError(f"threshold {told}: must be a number in 0 .. {top}")
+        given = " ".join(repr(threshold).split())
+        raise PictureError(f"threshold {given}: must be a number in 0 .. {top}")
     if not 0.0 <= threshold <= top:
         raise PictureError(f"threshold {threshold}: must lie in 0 .. {top}")
     if image.dtype == np.uint8:

@@ -153,7 +153,7 @@ class PictureCamera(FolderCamera):
 def _version(path: Path) -> tuple[int, ...]:
     """Values that change with a file's content; ``CameraError`` without a file."""
     try:
-        told = path.stat()
+        status = path.stat()
     except OSError as error:
         raise CameraError(f"{path}: cannot be read: {error.strerror}") from error
-    return told.st_mtime_ns, told.st_size, told.st_ino
+    return status.st_mtime_ns, status.st_size, status.st_ino

@@ -28,10 +28,10 @@ def orientation(data: bytes) -> int:
     A TIFF's decoder has already turned the picture.
     """
     try:
-        told = _of_exif(_exif(data))
+        number = _of_exif(_exif(data))
     except struct.error:
         return 1
-    return told if 1 <= told <= 8 else 1
+    return number if 1 <= number <= 8 else 1
 
 
 def turned(image: NDArray[Any], orientation: int) -> NDArray[Any]:

@@ -41,8 +41,8 @@ _KNOWN: dict[tuple[object, Bounds], Unseen] = {}
 
 def blind_of(calibration: object) -> NDArray[np.bool_] | None:
     """Blind pixels (h, w) of a calibration; a caller's own need not know any."""
-    told: NDArray[np.bool_] | None = getattr(calibration, "blind", None)
-    return told if told is not None and told.any() else None
+    blind: NDArray[np.bool_] | None = getattr(calibration, "blind", None)
+    return blind if blind is not None and blind.any() else None
 
 
 def without_blind(image: NDArray[Any], blind: NDArray[np.bool_]) -> NDArray[Any]:

@@ -71,7 +71,7 @@ async def _view(port: int, end_s: float, polite: bool) -> None:
 
 async def _views(port: int, count: int, end_s: float) -> None:
     visits = [asyncio.ensure_future(_view(port, end_s, n % 2 == 0)) for n in range(count)]
-    await asyncio.sleep(1.0)
+    await asyncio.sleep(1.0)  # the visits are under way by then
     print("there", flush=True)
     await asyncio.gather(*visits)
 

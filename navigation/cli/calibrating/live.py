@@ -14,7 +14,6 @@ from navigation.config.values import SIMULATED
 from navigation.run.devices.device_settings import device_settings
 from navigation.simulator.picture.held_board import HeldBoardCamera
 from vision.calibrate.board import BoardSpec
-from vision.calibrate.live.guide import HeldPose
 from vision.calibrate.live.session import LiveSession
 from vision.camera.camera import Camera, Clock
 from vision.camera.sources import camera_for
@@ -34,8 +33,4 @@ def live_camera(
             device=device_settings(wanted),
         )  # fmt: skip
     seed = 0 if config.simulation is None else config.simulation.seed
-
-    def asked() -> HeldPose | None:
-        return None if session.wanted is None else session.wanted.pose
-
-    return HeldBoardCamera(config, spec, clock, wait, seed, asked)
+    return HeldBoardCamera(config, spec, clock, wait, seed, session.wanted_pose)

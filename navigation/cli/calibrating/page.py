@@ -65,14 +65,14 @@ class LivePage:
         """Store the outcome."""
         self._ended = sentence
 
-    def told(self) -> dict[str, Any]:
-        """Facts for the page; no order has any effect on them."""
+    def facts(self) -> dict[str, Any]:
+        """Everything that the page shows; no order has any effect on it."""
         ended = self._ended
         self._asked = True
         if ended:
             self._heard.set()
         phase = "ended" if ended else "taking"
-        return {"refusal": "", "phase": phase, "said": ended, **self._views.told()}
+        return {"refusal": "", "phase": phase, "said": ended, **self._views.facts()}
 
     def picture(self, number: str) -> bytes | None:
         """Frame of a state, or the newest if it is gone; None without any."""

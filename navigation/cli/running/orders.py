@@ -17,6 +17,7 @@ from navigation.orders.table import ORDERS, Order
 KNOWN_WITHIN_S = 2.0
 """A robot that hears and brakes is known to stand by then."""
 AGAIN_S = 0.1
+"""The daemon only answers: nothing reports that the robot is at rest, so it is asked again."""
 
 
 def _send(path: Path | None, form: str, request: dict[str, Any], robot: str | None) -> None:
@@ -40,8 +41,8 @@ def _send(path: Path | None, form: str, request: dict[str, Any], robot: str | No
 def _stops(answer: dict[str, Any]) -> bool:
     from navigation.mission.mission import STOPPING
 
-    told = [one for daemon in answer.get("daemons", [answer]) for one in _robots_of(daemon)]
-    return any(one.get("state") == STOPPING for one in told)
+    robots = [one for daemon in answer.get("daemons", [answer]) for one in _robots_of(daemon)]
+    return any(one.get("state") == STOPPING for one in robots)
 
 
 def _robots_of(answer: dict[str, Any]) -> list[dict[str, Any]]:

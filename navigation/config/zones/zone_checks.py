@@ -23,16 +23,16 @@ def zone_names_differ(zones: Any) -> _Found:
     first: dict[str, int] = {}
     for index, zone in enumerate(zones):
         if zone.name in first:
-            told = f"'{zone.name}' is the name of zones[{first[zone.name]}] already"
-            yield ("zones", index, "name"), told
+            sentence = f"'{zone.name}' is the name of zones[{first[zone.name]}] already"
+            yield ("zones", index, "name"), sentence
         first.setdefault(zone.name, index)
 
 
 def zones_have_few_places(zones: Any) -> _Found:
     """Every answer about zones, and every page, gets them all."""
-    told = too_many_places(zones)
-    if told is not None:
-        yield ("zones",), told
+    sentence = too_many_places(zones)
+    if sentence is not None:
+        yield ("zones",), sentence
 
 
 def too_many_places(zones: Sequence[ZoneSection]) -> str | None:

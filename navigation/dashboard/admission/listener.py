@@ -109,7 +109,7 @@ class Listener(socket.socket):
     async def look_after(self, server: uvicorn.Server) -> None:
         """Cut late connections until cancelled; ``server`` accepts from this socket."""
         while not server.started:
-            await asyncio.sleep(0.01)
+            await asyncio.sleep(0.01)  # uvicorn has no event for it
         self.listen(BACKLOG)  # the queue may be longer than one round takes from it
         while True:
             self.places.sweep(self.clock())
@@ -123,7 +123,7 @@ class Listener(socket.socket):
                 for connection in list(self._connections.values()):
                     connection.abort()
             while self._connections and time.monotonic() < until_s:
-                await asyncio.sleep(0.01)
+                await asyncio.sleep(0.01)  # the loop ends connections meanwhile
 
 
 class Connection(socket.socket):

@@ -11,10 +11,21 @@ import os
 import re
 import secrets
 import stat
+from collections.abc import Callable
 from pathlib import Path
 from typing import Final
 
 FORM: Final = re.compile(r"[A-Za-z0-9_-]{32}")
+
+
+def token_of_run(file: Path, say: Callable[[str], None]) -> str:
+    """The kept token; if ``file`` cannot be used, one for this run, and ``say`` gets why."""
+    try:
+        return own_token(file)
+    except OSError as error:
+        reason = error.strerror or error
+        say(f"the page's token holds for this run only: {file}: {reason}")
+        return new_token()
 
 
 def own_token(file: Path) -> str:

@@ -22,7 +22,6 @@ from navigation.dashboard.visits import RefusedError
 from navigation.simulator.picture.held_board import HeldBoardCamera
 from vision.calibrate.board import BoardSpec
 from vision.calibrate.lens import MIN_VIEWS, Lens, estimate_lens
-from vision.calibrate.live.guide import HeldPose
 from vision.calibrate.live.session import LiveSession
 from vision.calibrate.live.taking import take_live
 from vision.calibration.calibration import Calibration, CalibrationError
@@ -73,10 +72,10 @@ class Bench:
         self._views = ShownViews()
         self._said = ""
 
-    def told(self) -> dict[str, Any]:
-        """Facts for the page."""
-        told = {"refusal": self._refusal, "phase": self._phase, "said": self._said}
-        return {**told, **self._views.told()}
+    def facts(self) -> dict[str, Any]:
+        """Everything that the page shows."""
+        facts = {"refusal": self._refusal, "phase": self._phase, "said": self._said}
+        return {**facts, **self._views.facts()}
 
     def picture(self, number: str) -> bytes | None:
         """Frame of a state, or the newest if it is gone; None without any."""
@@ -156,11 +155,9 @@ class Bench:
         if self._config.camera.source != SIMULATED:
             return LentFrames(lambda: self._run.frame, self._clock, self._wait)
         seed = 0 if self._config.simulation is None else self._config.simulation.seed
-
-        def asked() -> HeldPose | None:
-            return None if session.wanted is None else session.wanted.pose
-
-        return HeldBoardCamera(self._config, spec, self._clock, self._wait, seed, asked)
+        return HeldBoardCamera(
+            self._config, spec, self._clock, self._wait, seed, session.wanted_pose
+        )
 
     def _turn(self, before: Phase, after: Phase, cancelled: threading.Event) -> None:
         with self._lock:

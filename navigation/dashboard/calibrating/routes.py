@@ -31,8 +31,8 @@ NO_BENCH: Final = Refusal(
 class Watched(Protocol):
     """A live calibration to look at; any thread may call every method."""
 
-    def told(self) -> dict[str, Any]:
-        """Facts for the page."""
+    def facts(self) -> dict[str, Any]:
+        """Everything that the page shows."""
         ...
 
     def picture(self, number: str) -> bytes | None:
@@ -48,7 +48,7 @@ def looking_routes(
     """The routes that only look; ``watched`` is called for visitors without a refusal alone."""
 
     def show(_request: Request) -> Response:
-        return JSONResponse(hide_in({"ok": True, **watched().told()}))
+        return JSONResponse(hide_in({"ok": True, **watched().facts()}))
 
     def picture(request: Request) -> Response:
         data = watched().picture(request.query_params.get("frame", ""))

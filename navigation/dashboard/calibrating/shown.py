@@ -46,7 +46,7 @@ class ShownViews:
         self._frames.append(frame)
         self._shown = state, frame
 
-    def told(self) -> dict[str, Any]:
+    def facts(self) -> dict[str, Any]:
         """The newest state, None before the first frame, and the remarks."""
         shown = self._shown
         return {"state": None if shown is None else as_json(*shown), "remarks": self.remarks}

@@ -18,8 +18,8 @@ from planner.zones.zone import Zone
 
 def zones_message(zones: Sequence[Zone], revision: int, number: int) -> bytes:
     """All zones; ``revision`` counts the changes that people have made."""
-    told = [_zone(zone) for zone in zones]
-    return pack("zones", {"number": number, "revision": revision, "zones": told}, {})
+    listed = [_zone(zone) for zone in zones]
+    return pack("zones", {"number": number, "revision": revision, "zones": listed}, {})
 
 
 def _zone(zone: Zone) -> dict[str, Any]:

@@ -71,12 +71,12 @@ export class Calibration {
 
   async #ask() {
     clearTimeout(this.#timer);
-    const told = await request(this.connection, ADDRESS);
+    const facts = await request(this.connection, ADDRESS);
     if (!this.isOpen) return;
-    if (told.ok) await this.#show(told);
-    else this.#refuse(told.error);
+    if (facts.ok) await this.#show(facts);
+    else this.#refuse(facts.error);
     clearTimeout(this.#timer);
-    if (told.phase !== "ended") this.#timer = setTimeout(() => this.#ask(), told.ok ? ASK_EVERY_MS : ASK_AGAIN_MS);
+    if (facts.phase !== "ended") this.#timer = setTimeout(() => this.#ask(), facts.ok ? ASK_EVERY_MS : ASK_AGAIN_MS);
   }
 
   #refuse(error) {
@@ -87,19 +87,19 @@ export class Calibration {
     this.#say(error);
   }
 
-  async #show(told) {
-    const isIdle = told.phase === "idle";
-    const isShown = !isIdle && told.state !== null;
-    byId("calibration-board").hidden = !isIdle || told.refusal !== "";
+  async #show(facts) {
+    const isIdle = facts.phase === "idle";
+    const isShown = !isIdle && facts.state !== null;
+    byId("calibration-board").hidden = !isIdle || facts.refusal !== "";
     byId("calibration-view").hidden = byId("calibration-phase").hidden = !isShown;
     byId("calibration-cancel").hidden = isIdle;
-    byId("calibration-save").hidden = told.phase !== "found";
+    byId("calibration-save").hidden = facts.phase !== "found";
     allow(byId("calibration-save"), "");
-    const fitting = told.phase === "fitting" ? "enough views: the lens is being fitted" : "";
-    const sentence = told.phase === "taking" ? told.state?.sentence ?? "waiting for a picture" : "";
-    this.#say(told.refusal || this.#answered || fitting || told.said || sentence);
-    if (isShown && told.state.frame !== this.#frame) await this.#draw(told);
-    if (isShown) this.#showPhase(told);
+    const fitting = facts.phase === "fitting" ? "enough views: the lens is being fitted" : "";
+    const sentence = facts.phase === "taking" ? facts.state?.sentence ?? "waiting for a picture" : "";
+    this.#say(facts.refusal || this.#answered || fitting || facts.said || sentence);
+    if (isShown && facts.state.frame !== this.#frame) await this.#draw(facts);
+    if (isShown) this.#showPhase(facts);
   }
 
   async #draw({ state, remarks }) {

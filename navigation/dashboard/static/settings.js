@@ -213,6 +213,6 @@ function choice(key) {
 /** The bounds of a number in words: " (above 0, at most 1000)". */
 function limits(key) {
   const words = { above: "above", least: "at least", below: "below", most: "at most" };
-  const told = Object.entries(key.limits ?? {}).map(([name, value]) => `${words[name]} ${value}`);
-  return told.length ? ` (${told.join(", ")})` : "";
+  const limits = Object.entries(key.limits ?? {}).map(([name, value]) => `${words[name]} ${value}`);
+  return limits.length ? ` (${limits.join(", ")})` : "";
 }

@@ -84,7 +84,7 @@ class DriverProcess:
             if time.monotonic() > until_s or self._watcher is None or not self._watcher.is_alive():
                 self.stop()
                 raise PortNotReadyError(f"the driver of the {self._title} has not started")
-            time.sleep(0.01)
+            time.sleep(0.01)  # a name that another process makes gives no sign
 
     def end(self) -> None:
         """Begin to end it; `stop` waits for it."""
@@ -125,11 +125,11 @@ class DriverProcess:
                 if self._ending.is_set() and not ends:
                     ends = True
                     watch.end(time.monotonic())
-                for told in process.words():
-                    if isinstance(told, PortLost):
-                        watch.loses_port(told.reason, time.monotonic())
+                for word in process.words():
+                    if isinstance(word, PortLost):
+                        watch.loses_port(word.reason, time.monotonic())
                     else:
-                        watch.hears(told)
+                        watch.hears(word)
                 watch.turn(time.monotonic())
                 self._word = watch.word(time.monotonic())
                 wait(process.news(), STOP_S if watch.has_port else LOOK_S)
@@ -203,13 +203,13 @@ class _Process:
         return True
 
     def words(self) -> list[Word | PortLost]:
-        told: list[Word | PortLost] = []
+        words: list[Word | PortLost] = []
         try:
             while self._words is not None and self._words.poll():
-                told.append(self._words.recv())
+                words.append(self._words.recv())
         except (EOFError, OSError):
             self._forget_ends()
-        return told
+        return words
 
     def news(self) -> list[int | Connection]:
         """Objects for `wait`: its words, and its end."""

@@ -140,20 +140,20 @@ class WaveshareDriver:
         if line.startswith((b"q,", b"v,Version", b"z,Command not found")):
             self.heard.stranger = "epuck2"
         try:
-            told = json.loads(line)
+            report = json.loads(line)
         except ValueError:
             self.heard.damaged += 1
             return None
-        if not isinstance(told, dict) or told.get("T") != REPORT:
+        if not isinstance(report, dict) or report.get("T") != REPORT:
             return None
-        speeds = _number(told, "L"), _number(told, "R")
+        speeds = _number(report, "L"), _number(report, "R")
         most = 2.0 * self.robot.wheel_m_s
         if any(speed is None or abs(speed) > most for speed in speeds):
             self.heard.damaged += 1
             return None
         self.heard.messages += 1
         self.heard.identity = self.robot.title
-        volts = _number(told, "v")
+        volts = _number(report, "v")
         if volts is not None:
             volts = volts / 100 if volts > HUNDREDTHS_V else volts
             self.heard.battery = max(0.0, min(1.0, (volts - EMPTY_V) / (FULL_V - EMPTY_V)))
@@ -167,8 +167,8 @@ def _line(order: dict[str, Any]) -> bytes:
     return json.dumps(order, separators=(",", ":")).encode() + b"\n"
 
 
-def _number(told: dict[str, Any], key: str) -> float | None:
-    value = told.get(key)
+def _number(report: dict[str, Any], key: str) -> float | None:
+    value = report.get(key)
     if isinstance(value, bool) or not isinstance(value, int | float) or not math.isfinite(value):
         return None
     return float(value)

@@ -12,7 +12,7 @@ from typing import Final
 from navigation.config import limits_of
 from navigation.config.known_robots import CLEARWAY, KNOWN_ROBOTS
 from navigation.fleet.coordinator import Coordinator
-from navigation.fleet.places_kept import SEEN_S, Member
+from navigation.fleet.members import SEEN_S, Member
 from navigation.fleet.request import Answer, FleetAnswer
 from navigation.link.link_snapshot import LinkSnapshot
 from navigation.loop.planning import SceneCheck

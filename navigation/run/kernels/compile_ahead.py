@@ -15,7 +15,7 @@ import tempfile
 from collections.abc import Callable, Collection
 from pathlib import Path
 
-from numba.core.dispatcher import Dispatcher
+from numba.extending import is_jitted
 
 from navigation.machine.child import start_child
 from navigation.run.kernels.compiling import compile_parts
@@ -81,7 +81,7 @@ def note_what_is_loaded(work: Callable[[], None], into: Path) -> None:
     for name, module in list(sys.modules.items()):
         if name.partition(".")[0] in PACKAGES:
             for kernel in list(vars(module).values()):
-                if isinstance(kernel, Dispatcher) and kernel.py_func.__module__ == name:
+                if is_jitted(kernel) and kernel.py_func.__module__ == name:
                     files += loaded_files(kernel)
     into.write_text("\n".join(map(str, files)), encoding="utf-8")
 

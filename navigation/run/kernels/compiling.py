@@ -15,8 +15,8 @@ from multiprocessing.connection import Connection, wait
 from multiprocessing.context import SpawnProcess
 from typing import Any
 
-from numba.core import event
-from numba.core.dispatcher import Dispatcher
+from numba.core import event  # documented: numba's manual for developers, "Event API"
+from numba.extending import is_jitted
 
 from navigation.machine.child import FRESH, start_child
 
@@ -136,7 +136,7 @@ def _kernels_known() -> int:
         if name.startswith(("planner.", "vision.")) and name.endswith("_kernels")
     ]
     return sum(
-        isinstance(kernel, Dispatcher) and kernel.py_func.__module__ == module.__name__
+        is_jitted(kernel) and kernel.py_func.__module__ == module.__name__
         for module in modules
         for kernel in vars(module).values()
     )

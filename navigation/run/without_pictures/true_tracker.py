@@ -55,9 +55,9 @@ class TrueTracker(MarkerTracker):
 
     def _sightings(self, grey: Image, robot: MarkedRobot, refusals: list[str]) -> list[Sighting]:
         marker, moves = self._markers[robot.id], self._tracks[robot.id].velocity
-        told = [
+        sightings = [
             marker.at(corners, moves, refusals)
             for i, corners in self._sights.of(grey).markers
             if i == robot.id
         ]
-        return [one for one in told if one is not None]
+        return [one for one in sightings if one is not None]

@@ -16,6 +16,7 @@ from typing import Any
 
 TOO_LONG = 124
 NOBODY_LISTENS_S = 0.05
+"""The host opens its end at any time, and a read returns at once until then."""
 
 
 class Agent:
@@ -31,7 +32,7 @@ class Agent:
         unfinished = b""
         while True:
             got = os.read(self._line, 65536)
-            if not got:  # the host has not opened its end
+            if not got:
                 time.sleep(NOBODY_LISTENS_S)
                 continue
             *lines, unfinished = (unfinished + got).split(b"\n")

@@ -42,7 +42,7 @@ class HeldTime(VirtualTime):
 
     def wait(self, seconds: float) -> None:
         super().wait(seconds)
-        if self.bench is not None and self.bench.told()["remarks"]:
+        if self.bench is not None and self.bench.facts()["remarks"]:
             assert self.may_pass.wait(PATIENCE_S)
 
 

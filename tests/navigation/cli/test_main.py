@@ -245,6 +245,7 @@ def test_the_end_writes_all_output_calls_what_was_registered_and_keeps_the_code(
 
 
 def test_the_end_waits_for_threads_as_the_interpreter_does() -> None:
+    # the thread writes when the main program has been at its end for a time
     waits = (
         "import sys, threading, time\n"
         "said, write = threading.Event(), sys.stdout.write\n"

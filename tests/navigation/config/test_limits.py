@@ -23,7 +23,7 @@ from tests.navigation.config.texts import GOOD
 MEMORY_BYTES = 1_500_000_000
 
 
-def told(text: str) -> str:
+def refusal_of(text: str) -> str:
     with pytest.raises(ConfigError) as caught:
         parse_config(text, "a.yaml")
     return str(caught.value)
@@ -72,7 +72,7 @@ def test_numbers_beyond_their_limits_are_told_at_their_place(
     old: str, new: str, where: str, limit: str
 ) -> None:
     assert old in GOOD
-    text = told(GOOD.replace(old, new, 1))
+    text = refusal_of(GOOD.replace(old, new, 1))
     assert limit in text
     assert where.endswith("..") or f"a.yaml:{where}: " in text
 
@@ -85,19 +85,21 @@ def test_a_stay_has_a_limit_in_the_configuration_and_in_orders(dwell: float, is_
         assert parse_config(GOOD + mission).mission.stations[0].dwell_s == dwell
         assert read_stations(order)[0].dwell_s == dwell
         return
-    assert "a.yaml:14:37: mission.stations[0].dwell_s: must be <= 3600" in told(GOOD + mission)
+    assert "a.yaml:14:37: mission.stations[0].dwell_s: must be <= 3600" in refusal_of(
+        GOOD + mission
+    )
     with pytest.raises(ControlError, match=r"dwell_s = 1e\+300: must be <= 3600"):
         read_stations(order)
 
 
 def test_stations_are_bounded_in_number() -> None:
     lines = "    - {x_m: 1.0, y_m: 0.3}\n" * (MOST_STATIONS + 1)
-    assert f"at most {MOST_STATIONS} " in told(GOOD + "mission:\n  stations:\n" + lines)
+    assert f"at most {MOST_STATIONS} " in refusal_of(GOOD + "mission:\n  stations:\n" + lines)
 
 
 def test_a_spacing_far_too_fine_for_the_arena_is_told() -> None:
     wide = GOOD.replace("[0, 0, 2.4, 1.8]", "[0, 0, 1000, 1000]")
-    text = told(wide + "planning: {spacing_m: 0.001}\n")
+    text = refusal_of(wide + "planning: {spacing_m: 0.001}\n")
     assert "planning.spacing_m: must be >= 0.004 in an arena of this size, not 0.001" in text
 
 
@@ -122,7 +124,7 @@ BOMB = "a0: &a0 [1, 1, 1, 1, 1, 1, 1, 1, 1]\n" + "".join(
 def test_a_text_that_is_no_configuration_is_told_at_its_place(
     text: str, place: str, limit: str
 ) -> None:
-    sentence = told(text)
+    sentence = refusal_of(text)
     assert limit in sentence
     assert f"a.yaml:{place}" in sentence
     assert len(sentence) < 2000

@@ -177,7 +177,7 @@ def test_zones_of_the_most_corners_fit_into_an_answer(socket: Path, daemon: Daem
     send_order(socket, {"order": "zone_put", "zone": ring("b", 790)})
     with slow_client(socket) as client:
         client.sendall(b'{"order": "zone_list"}\n')
-        time.sleep(1.0)
+        time.sleep(1.0)  # it reads late: the daemon sends what the socket takes
         data = b"".join(iter(lambda: client.recv(1 << 16), b""))
     assert len(json.loads(data)["zones"]) == begun + 3
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 
-from navigation.fleet.coordinator import PATIENCE_S
+from navigation.fleet.gate_waits import PATIENCE_S
 from navigation.mission.mission import State
 from tests.support.robots.obedient_fleet import HALL, ONE_WAY, Fleet, at
 

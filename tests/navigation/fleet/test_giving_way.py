@@ -15,8 +15,8 @@ from hypothesis import strategies as st
 
 import planner
 from navigation.fleet.giving_way import BEGINS_S, HORIZON_S, GivesWay, GivingWay
+from navigation.fleet.members import Member
 from navigation.fleet.orders import holds_of
-from navigation.fleet.places_kept import Member
 from navigation.fleet.releases import Held
 from navigation.fleet.request import Promise
 from navigation.fleet.runaways import Runaway, runaways_of

@@ -10,7 +10,7 @@ import pytest
 
 import planner
 from navigation.fleet.joining import join_promises
-from navigation.fleet.planning import in_the_way, plan_promises
+from navigation.fleet.planning import Attempt, in_the_way, plan_promises
 from navigation.fleet.refusals import because_of
 from navigation.fleet.request import Driving, FleetRequest, Taken, Traveller
 from navigation.mission.mission import Station
@@ -64,8 +64,11 @@ def test_of_the_robots_around_only_the_one_in_the_only_gap_is_named() -> None:
 @pytest.mark.parametrize(("pace_s", "said"), [(0.0, ", because lost is in the way"), (0.1, "")])
 def test_a_cause_that_takes_too_long_to_find_is_not_named(pace_s: float, said: str) -> None:
     roadmap, ticks = planner.build_roadmap(GATE, RADIUS_M), itertools.count()
-    given = roadmap, GATE, bound_for((1.7, 0.9)), (FAR, IN_THE_GATE), KEEP_M
-    assert in_the_way(*given, lambda: pace_s * next(ticks)) == said
+    attempt = Attempt(
+        roadmap, GATE, bound_for((1.7, 0.9)), (FAR, IN_THE_GATE), KEEP_M,
+        clock=lambda: pace_s * next(ticks),
+    )  # fmt: skip
+    assert in_the_way(attempt) == said
 
 
 def test_two_that_cannot_pass_each_other_are_named_without_one_far_away() -> None:

@@ -12,7 +12,7 @@ import pytest
 from firmware_protocol.host.state import LinkState
 from navigation.config import load_config
 from navigation.config.known_robots import KNOWN_ROBOTS
-from navigation.fleet.places_kept import Member
+from navigation.fleet.members import Member
 from navigation.link.link_snapshot import LinkSnapshot
 from navigation.loop.parts import RobotLink
 from navigation.loop.robot import ControlledRobot

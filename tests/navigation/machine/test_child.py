@@ -17,7 +17,7 @@ ONE_CHILD = """
 import sys, time
 from navigation.machine.child import start_child
 print(start_child(time.sleep, 600.0).pid, flush=True)
-time.sleep(600.0)
+time.sleep(600.0)  # until it is killed
 """
 WORKERS = """
 import os, time
@@ -26,7 +26,7 @@ executor = local_executor(2)
 workers = {executor.submit(os.getpid).result() for _ in range(20)}
 busy = executor.submit(time.sleep, 600.0)
 print(*workers, flush=True)
-time.sleep(600.0)
+time.sleep(600.0)  # until it is killed
 """
 
 

@@ -1,4 +1,4 @@
-"""What systemd is told and when: state, and that every stage turns."""
+"""What systemd is messages_to and when: state, and that every stage turns."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from pathlib import Path
 import pytest
 
 from navigation.machine.sd_notify import Notifier, Watchdog, watchdog_period_s
-from tests.support.processes.systemd import told
+from tests.support.processes.systemd import messages_to
 
 
 def test_a_message_is_one_datagram_of_assignments(
@@ -81,7 +81,7 @@ def test_the_watchdog_is_fed_four_times_a_period_while_every_stage_turns(
     for quarter in range(4 * 40 + 1):
         stages.turn()
         watchdog.tick(quarter / 4.0)
-        lines += told(systemd)
+        lines += messages_to(systemd)
     assert lines == ["WATCHDOG=1"] * 20
     assert watchdog.hanging == ()
 
@@ -96,11 +96,11 @@ def test_one_stage_that_hangs_is_enough_and_is_named(
     for tenth in range(200):
         stages.turn(*others)
         watchdog.tick(tenth / 10.0)
-    assert told(systemd) == [f"STATUS=does not get on: {stuck}"]
+    assert messages_to(systemd) == [f"STATUS=does not get on: {stuck}"]
     assert watchdog.hanging == (stuck,)
     stages.turn()
     watchdog.tick(30.0)
-    assert told(systemd) == ["WATCHDOG=1"]
+    assert messages_to(systemd) == ["WATCHDOG=1"]
     assert watchdog.hanging == ()
 
 
@@ -114,13 +114,13 @@ def test_a_stage_that_is_slow_once_is_not_called_hanging(
         watchdog.tick(tenth / 10.0)
     stages.turn()
     watchdog.tick(3.5)
-    assert told(systemd) == ["WATCHDOG=1"]
+    assert messages_to(systemd) == ["WATCHDOG=1"]
 
 
 def test_no_watchdog_without_a_period(notifier: Notifier, systemd: socket.socket) -> None:
     watchdog = Watchdog(notifier, None, lambda: {"camera": 0})
     watchdog.tick(1e9)
-    assert told(systemd) == []
+    assert messages_to(systemd) == []
 
 
 @pytest.mark.parametrize(

@@ -15,7 +15,7 @@ import pytest
 
 from navigation.machine.service import ServiceError, UsbAdapter, udev_text, unit_text
 from tests.support.pictures import call
-from tests.support.processes.systemd import told
+from tests.support.processes.systemd import messages_to
 from tests.support.runs.light_camera import with_light_camera
 from tests.support.waiting import wait_until
 
@@ -48,14 +48,14 @@ def test_a_service_says_ready_lives_reads_a_broken_file_and_stops(
         seen: list[str] = []
 
         def is_ready() -> bool:
-            seen.extend(told(systemd))
+            seen.extend(messages_to(systemd))
             return bool(seen) or process.poll() is not None
 
         assert wait_until(is_ready, 200.0)
         assert seen[:1] == ["READY=1"], log.read_text()
 
         def is_driving_and_fed() -> bool:
-            seen.extend(told(systemd))
+            seen.extend(messages_to(systemd))
             return "WATCHDOG=1" in seen and any(line.startswith("STATUS=driv") for line in seen)
 
         assert wait_until(is_driving_and_fed, 60.0), seen
@@ -65,7 +65,7 @@ def test_a_service_says_ready_lives_reads_a_broken_file_and_stops(
         assert process.poll() is None, "the run goes on"
         process.send_signal(signal.SIGTERM)
         assert process.wait(20.0) == 0, "an ordered end is no failure"
-    assert "STOPPING=1" in told(systemd)
+    assert "STOPPING=1" in messages_to(systemd)
     events = re.findall(r'"event": "(\w+)"', log.read_text())
     assert events[:2] == ["started", "ready"]
     assert events[-1] == "finished"

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import pytest
 
+from navigation.mission.late_pictures import speed_with
 from navigation.mission.progress import DETOURS, Progress
-from navigation.mission.slowing import speed_with
 
 
 def looked(progress: Progress, seconds: float, **facts: object) -> None:

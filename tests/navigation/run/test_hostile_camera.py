@@ -17,8 +17,8 @@ import pytest
 from navigation.loop.daemon import Daemon
 from navigation.loop.run_state import RobotSnapshot
 from navigation.loop.stages import stations_of
+from navigation.mission.late_pictures import WORTH_A_PLAN, speed_with
 from navigation.mission.mission import State
-from navigation.mission.slowing import WORTH_A_PLAN, speed_with
 from navigation.mission.trust import Level
 from navigation.run.virtual_world import VirtualWorld
 from navigation.shared.track import driven_pieces

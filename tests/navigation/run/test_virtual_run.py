@@ -250,7 +250,7 @@ def test_the_configuration_with_moving_robots_runs_to_done(tmp_path: Path) -> No
     assert len(daemon.scene.objects) == 8, "the other robots are not in the scene"
     for other in config.other_robots:
         seen, (scripted, _) = (
-            daemon.others.tracks[other.marker_id],
+            daemon.view.others.tracks[other.marker_id],
             world.truths[""].others[other.marker_id],
         )
         time_s, *last = seen.rows()[-1]

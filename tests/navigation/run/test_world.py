@@ -77,7 +77,7 @@ def test_time_waits_only_in_a_world_where_all_is_simulated(name: str, waits: boo
     clock = world_clock(load_config(CONFIGS / f"{name}.yaml", {}))
     clock.waits_for("a part that is late", lambda: 0.0, 0.0)
     before_s = clock()
-    time.sleep(0.02)
+    time.sleep(0.02)  # time that the wall's clock counts
     assert (clock() - before_s < 0.01) == waits
 
 

@@ -178,7 +178,7 @@ number = sum(name.startswith("started") for name in os.listdir(sys.argv[1]))
 open(os.path.join(sys.argv[1], f"started{number}"), "w").close()
 while head := read(11):
     if number == 0 and sys.argv[2] == "hangs":
-        time.sleep(600)
+        time.sleep(600)  # hanging
     read(struct.unpack("<IhhBH", head)[4])
     write(struct.pack("<BBBIIH", 51, 51, 1, 0, 0, 0))
     sys.stdout.buffer.flush()

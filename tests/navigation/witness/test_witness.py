@@ -15,12 +15,12 @@ Place = tuple[float, float, float]
 
 
 def partings(robot: MovingRobot, **how: object) -> list[tuple[float, str]]:
-    told = robot.told(Witness(LIMITS), **how)  # type: ignore[arg-type]
-    return [(at_s, evidence.parted) for at_s, evidence in told if evidence.parted is not None]
+    found = robot.evidence_with(Witness(LIMITS), **how)  # type: ignore[arg-type]
+    return [(at_s, evidence.parted) for at_s, evidence in found if evidence.parted is not None]
 
 
 def last(robot: MovingRobot, **how: object) -> Evidence:
-    *_, (_, evidence) = robot.told(Witness(LIMITS), **how)  # type: ignore[arg-type]
+    *_, (_, evidence) = robot.evidence_with(Witness(LIMITS), **how)  # type: ignore[arg-type]
     return evidence
 
 
@@ -136,7 +136,7 @@ def test_a_camera_that_is_opened_again_makes_no_slip_of_what_it_missed(
     robot, witness = MovingRobot(), Witness(LIMITS)
     before = after = (0.0, 0.0)
     forgotten = False
-    for at_s, evidence in robot.told(
+    for at_s, evidence in robot.evidence_with(
         witness,
         latency_s=latency_s,
         sight=lambda t, pose: None if 10.0 < t < 11.2 else pose,
@@ -166,8 +166,8 @@ def test_after_a_gap_in_the_reports_the_comparison_begins_again() -> None:
 
     robot = MovingRobot()
     witness = Witness(LIMITS)
-    told = robot.told(witness, late_s=lambda t: 1e9 if late_s(t) else 0.0)
-    found = [evidence.parted for at_s, evidence in told if at_s < 19.9]
+    all_of_it = robot.evidence_with(witness, late_s=lambda t: 1e9 if late_s(t) else 0.0)
+    found = [evidence.parted for at_s, evidence in all_of_it if at_s < 19.9]
     assert found == [None] * len(found)
     assert witness.wheels.stretch == 2
 
@@ -175,7 +175,7 @@ def test_after_a_gap_in_the_reports_the_comparison_begins_again() -> None:
 def test_the_pose_is_carried_on_by_the_wheels() -> None:
     robot = MovingRobot(seconds=3.0)
     witness = Witness(LIMITS)
-    for _ in robot.told(witness, noise_m=0.0, noise_rad=0.0):
+    for _ in robot.evidence_with(witness, noise_m=0.0, noise_rad=0.0):
         pass
     x, y, heading = robot.pose(2.6)
     seen = RobotPose(7, x, y, heading, 2.6, np.zeros((4, 2)))
@@ -185,7 +185,7 @@ def test_the_pose_is_carried_on_by_the_wheels() -> None:
 
 def test_a_report_that_comes_twice_or_late_changes_nothing() -> None:
     robot, witness = MovingRobot(seconds=4.0), Witness(LIMITS)
-    for _ in robot.told(witness):
+    for _ in robot.evidence_with(witness):
         pass
     driven_m = witness.wheels.driven_m
     witness.report(robot.report(1.0), 4.2)

@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 import pytest
 from numba import njit, types
-from numba.core.dispatcher import Dispatcher
+from numba.extending import is_jitted
 
 import planner
 from planner.formats.scene_text import read_scene_text
@@ -62,7 +62,7 @@ def _called(name: str) -> set[str]:
             continue
         last = ast.unparse(call.func).rsplit(".", 1)[-1]
         kernel = around.get(last)
-        if isinstance(kernel, Dispatcher):
+        if is_jitted(kernel):
             last = f"{kernel.py_func.__module__}.{kernel.py_func.__name__}"
         found.add(last)
     return found

@@ -16,18 +16,19 @@ from planner.shared.kernel_locator import LABEL, ROOT, VERSIONS, cache_folder, u
 WALK = """
 import importlib, pkgutil
 import planner, vision
-from numba.core.dispatcher import Dispatcher
+from numba.extending import is_jitted
 from planner.shared.kernel_locator import KernelLocator
 
 count, inheriting = 0, []
 for package in (planner, vision):
     for module in pkgutil.walk_packages(package.__path__, package.__name__ + "."):
         for kernel in vars(importlib.import_module(module.name)).values():
-            if not isinstance(kernel, Dispatcher):
+            if not is_jitted(kernel):
                 continue
             if "fastmath" not in kernel.targetoptions:
                 inheriting.append(str(kernel))
             if kernel.py_func.__module__ == module.name:
+                # numba has no public name for the locator that it chose
                 locator = kernel._cache._impl.locator
                 assert isinstance(locator, KernelLocator), (kernel, locator)
                 count += 1
@@ -125,6 +126,7 @@ def test_numba_does_not_remember_what_it_could_not_infer() -> None:
 
 
 def test_numbas_usual_locators_follow_ours_in_its_order() -> None:
+    # no public name: the manual lists them, and our list has to be the same
     usual = [locator.__name__ for locator in caching.CacheImpl._locator_classes]
     own, *others = kernel_locator.CONFIG.CACHE_LOCATOR_CLASSES.split(",")
     assert own == "planner.shared.kernel_locator.KernelLocator"

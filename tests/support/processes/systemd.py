@@ -1,4 +1,4 @@
-"""What a service's socket to systemd was told."""
+"""What a service's socket to systemd received."""
 
 from __future__ import annotations
 
@@ -6,7 +6,7 @@ import select
 import socket
 
 
-def told(end: socket.socket) -> list[str]:
+def messages_to(end: socket.socket) -> list[str]:
     """Everything that was sent so far."""
     lines = []
     while select.select([end], [], [], 0.0)[0]:

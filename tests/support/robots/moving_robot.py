@@ -73,7 +73,7 @@ class MovingRobot:
         turn -= self.bend_rad_m * speed
         return status(time_s, round(speed / self.metre, 3), round(turn, 3))
 
-    def told(
+    def evidence_with(
         self,
         witness: Witness,
         *,

@@ -14,8 +14,8 @@ from itertools import combinations
 import planner
 from navigation.fleet.coordinator import Coordinator
 from navigation.fleet.joining import join_promises
+from navigation.fleet.members import Member
 from navigation.fleet.orders import FleetOrders
-from navigation.fleet.places_kept import Member
 from navigation.fleet.planning import plan_promises
 from navigation.fleet.request import FleetAnswer, FleetRequest
 from navigation.mission.cycle import PlanAnswer, PlanRequest

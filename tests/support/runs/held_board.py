@@ -7,7 +7,6 @@ from pathlib import Path
 from navigation.config import Config, load_config
 from navigation.simulator.picture.held_board import HeldBoardCamera
 from vision.calibrate.board import BoardSpec
-from vision.calibrate.live.guide import HeldPose
 from vision.calibrate.live.session import LiveSession, LiveState
 from vision.camera.camera import Frame
 
@@ -47,11 +46,8 @@ def held_board(
     spec: BoardSpec, session: LiveSession | None, time: VirtualTime, seed: int = 0
 ) -> HeldBoardCamera:
     """The camera; the board does what a session asks, or wanders about."""
-
-    def asked() -> HeldPose | None:
-        return None if session is None or session.wanted is None else session.wanted.pose
-
-    return HeldBoardCamera(small_config(), spec, time.clock, time.wait, seed, asked)
+    asked = {} if session is None else {"asked": session.wanted_pose}
+    return HeldBoardCamera(small_config(), spec, time.clock, time.wait, seed, **asked)
 
 
 def states(count: int) -> list[tuple[LiveState, Frame]]:

@@ -27,7 +27,7 @@ from vision.calibrate.left_out import residuals_px, rms_px
 from vision.calibrate.lens import estimate_for
 from vision.calibrate.live.board_stillness import BoardStillness
 from vision.calibrate.live.following import BoardFollower
-from vision.calibrate.live.guide import Cells, Wanted, is_new, judge_cells, next_place
+from vision.calibrate.live.guide import Cells, HeldPose, Wanted, is_new, judge_cells, next_place
 from vision.calibrate.suspects import suspects
 from vision.calibration.calibration import CalibrationError
 from vision.camera.camera import Frame, Image
@@ -99,6 +99,10 @@ class LiveSession:
     def wanted(self) -> Wanted | None:
         """The board's next pose; None before the first frame and when done."""
         return self._wanted
+
+    def wanted_pose(self) -> HeldPose | None:
+        """The same pose alone, for a simulated hand."""
+        return None if self._wanted is None else self._wanted.pose
 
     def look(self, frame: Frame) -> LiveState:
         """Take the next frame; ``CalibrationError`` if its size differs from earlier frames."""

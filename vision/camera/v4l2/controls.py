@@ -72,35 +72,35 @@ def list_controls(node: Node) -> list[CameraControl]:
 def _listed(node: Node) -> Iterator[CameraControl]:
     after = 0
     for _ in range(_MOST_LISTED):
-        told = node.try_ask(structs.QUERYCTRL, structs.ControlQuery(id=after | _NEXT))
-        if told is None or told.id <= after:
+        reply = node.try_ask(structs.QUERYCTRL, structs.ControlQuery(id=after | _NEXT))
+        if reply is None or reply.id <= after:
             return
-        after = int(told.id)
-        if told.flags & _DISABLED or told.flags & _READ_ONLY:
+        after = int(reply.id)
+        if reply.flags & _DISABLED or reply.flags & _READ_ONLY:
             continue
-        if told.type not in (1, 2, _MENU):  # numbers, switches, menus; others are titles
+        if reply.type not in (1, 2, _MENU):  # numbers, switches, menus; others are titles
             continue
-        menu = tuple(_menu(node, told)) if told.type == _MENU else ()
-        name = told.name.decode("utf-8", "replace")
+        menu = tuple(_menu(node, reply)) if reply.type == _MENU else ()
+        name = reply.name.decode("utf-8", "replace")
         yield CameraControl(
-            after, name, told.minimum, told.maximum, max(1, told.step), told.default_value,
+            after, name, reply.minimum, reply.maximum, max(1, reply.step), reply.default_value,
             _read(node, after), menu,
         )  # fmt: skip
 
 
 def _menu(node: Node, of: structs.ControlQuery) -> Iterator[tuple[int, str]]:
     for index in range(max(0, of.minimum), min(of.maximum, 255) + 1):
-        told = node.try_ask(structs.QUERYMENU, structs.ControlMenu(id=of.id, index=index))
-        if told is not None:
-            yield index, told.label.name.decode("utf-8", "replace")
+        reply = node.try_ask(structs.QUERYMENU, structs.ControlMenu(id=of.id, index=index))
+        if reply is not None:
+            yield index, reply.label.name.decode("utf-8", "replace")
 
 
 def _read(node: Node, control: int) -> int | None:
     try:
-        told = node.ask(structs.G_CTRL, structs.Control(id=control))
+        reply = node.ask(structs.G_CTRL, structs.Control(id=control))
     except OSError:
         return None  # write only, or inactive
-    return int(told.value)
+    return int(reply.value)
 
 
 def set_controls(node: Node, wanted: CameraControls) -> list[str]:

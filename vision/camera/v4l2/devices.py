@@ -39,8 +39,8 @@ def _udev_denies_pictures(device: str) -> bool:
     """
     try:
         number = (SYSTEM / Path(device).name / "dev").read_text().strip()
-        told = (UDEV / f"c{number}").read_text(errors="replace")
+        text = (UDEV / f"c{number}").read_text(errors="replace")
     except OSError:
         return False
-    lines = [line for line in told.splitlines() if line.startswith("E:ID_V4L_CAPABILITIES=")]
+    lines = [line for line in text.splitlines() if line.startswith("E:ID_V4L_CAPABILITIES=")]
     return any(":capture:" not in line.partition("=")[2] for line in lines)

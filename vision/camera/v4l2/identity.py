@@ -37,13 +37,13 @@ class CameraIdentity:
 
 def identity_of(path: str) -> CameraIdentity | None:
     """Identity of a node that gives pictures; None if it gives none or cannot be asked."""
-    told = about(path)
-    if told is None or not told.gives_pictures:
+    camera = about(path)
+    if camera is None or not camera.gives_pictures:
         return None
     # the node's device is the USB interface; the numbers belong to its parent
     usb = SYSTEM / Path(path).name / "device" / ".."
     numbers = [_line(usb / name) for name in ("idVendor", "idProduct", "serial")]
-    return CameraIdentity(told.card, ":".join(numbers) if any(numbers) else "", told.bus)
+    return CameraIdentity(camera.card, ":".join(numbers) if any(numbers) else "", camera.bus)
 
 
 def nodes() -> list[str]:

@@ -109,22 +109,22 @@ def fourcc_code(text: str) -> int:
 def _formats(node: Node) -> Iterator[str]:
     for index in range(MOST_LISTED):
         question = structs.FormatDescription(index=index, type=structs.CAPTURE)
-        told = node.try_ask(structs.ENUM_FMT, question)
-        if told is None:
+        reply = node.try_ask(structs.ENUM_FMT, question)
+        if reply is None:
             return
-        yield fourcc_text(told.pixelformat)
+        yield fourcc_text(reply.pixelformat)
 
 
 def _sizes(node: Node, fourcc: str, wanted: Size | None) -> Iterator[Size]:
     for index in range(MOST_LISTED):
         question = structs.FrameSizes(index=index, pixel_format=fourcc_code(fourcc))
-        told = node.try_ask(structs.ENUM_FRAMESIZES, question)
-        if told is None:
+        reply = node.try_ask(structs.ENUM_FRAMESIZES, question)
+        if reply is None:
             return
-        if told.type == 1:  # one size; other types are ranges
-            yield int(told.sides[0]), int(told.sides[1])
+        if reply.type == 1:  # one size; other types are ranges
+            yield int(reply.sides[0]), int(reply.sides[1])
             continue
-        left, right, across, low, high, down = (int(side) for side in told.sides)
+        left, right, across, low, high, down = (int(side) for side in reply.sides)
         yield right, high
         yield left, low
         wide, tall = wanted or (0, 0)
@@ -146,10 +146,10 @@ def _rates_listed(node: Node, fourcc: str, size: Size) -> Iterable[float]:
         question = structs.FrameIntervals(
             index=index, pixel_format=fourcc_code(fourcc), width=size[0], height=size[1]
         )
-        told = node.try_ask(structs.ENUM_FRAMEINTERVALS, question)
-        if told is None:
+        reply = node.try_ask(structs.ENUM_FRAMEINTERVALS, question)
+        if reply is None:
             return
-        spans = told.spans[:1] if told.type == 1 else told.spans[:2]
+        spans = reply.spans[:1] if reply.type == 1 else reply.spans[:2]
         yield from (s.denominator / s.numerator for s in spans if s.numerator and s.denominator)
-        if told.type != 1:
+        if reply.type != 1:
             return

@@ -69,10 +69,10 @@ class Node:
 
     def about(self) -> About:
         """Ask for the node's description."""
-        told = self.ask(structs.QUERYCAP, structs.Capability())
-        whole = int(told.capabilities)
-        can = int(told.device_caps) if whole & structs.HAS_NODE_CAPABILITIES else whole
-        return About(_text(told.driver), _text(told.card), _text(told.bus_info), can)
+        reply = self.ask(structs.QUERYCAP, structs.Capability())
+        whole = int(reply.capabilities)
+        can = int(reply.device_caps) if whole & structs.HAS_NODE_CAPABILITIES else whole
+        return About(_text(reply.driver), _text(reply.card), _text(reply.bus_info), can)
 
 
 @contextmanager

@@ -76,15 +76,15 @@ class Stream:
         return Agreed(fourcc_text(pixels.pixelformat), size, int(pixels.bytesperline), rate_hz)
 
     def _set_rate(self, rate_hz: float | None) -> float | None:
-        told = self._node.try_ask(structs.G_PARM, structs.StreamParameters(type=structs.CAPTURE))
-        if told is None:
+        reply = self._node.try_ask(structs.G_PARM, structs.StreamParameters(type=structs.CAPTURE))
+        if reply is None:
             return None
-        if rate_hz is not None and told.capability & structs.CAN_SET_RATE:
+        if rate_hz is not None and reply.capability & structs.CAN_SET_RATE:
             wanted = structs.StreamParameters(type=structs.CAPTURE)
             wanted.timeperframe.numerator = _RATE_SCALE
             wanted.timeperframe.denominator = round(rate_hz * _RATE_SCALE)
-            told = self._node.try_ask(structs.S_PARM, wanted) or told
-        span = told.timeperframe
+            reply = self._node.try_ask(structs.S_PARM, wanted) or reply
+        span = reply.timeperframe
         return span.denominator / span.numerator if span.numerator and span.denominator else None
 
     def start(self) -> None:

@@ -59,17 +59,17 @@ def test_a_lens_is_found_while_the_robot_holds_and_saved_when_somebody_says_so()
     bench = bench_of(run, saved)
     bench.start(CHARUCO)
     assert run.lent == LENT
-    assert wait_until(lambda: bench.told()["state"] is not None, 60.0)
-    assert "hold the board" in bench.told()["state"]["sentence"]
+    assert wait_until(lambda: bench.facts()["state"] is not None, 60.0)
+    assert "hold the board" in bench.facts()["state"]["sentence"]
     assert bench.picture("")[:2] == b"\xff\xd8"  # type: ignore[index]  # a JPEG
     with pytest.raises(RefusedError, match="already"):
         bench.start(CHARUCO)
     with pytest.raises(RefusedError, match="no lens was found yet"):
         bench.save()
-    assert wait_until(lambda: bench.told()["phase"] == "found", 240.0), bench.told()["said"]
+    assert wait_until(lambda: bench.facts()["phase"] == "found", 240.0), bench.facts()["said"]
     assert saved.lenses == []
     assert run.lent == LENT
-    assert "put the board away, then save" in bench.told()["said"]
+    assert "put the board away, then save" in bench.facts()["said"]
     assert bench.save() == "saved"
     assert run.lent is None
     (lens,) = saved.lenses
@@ -83,8 +83,8 @@ def test_a_cancel_gives_the_camera_back_and_writes_nothing() -> None:
     bench.start(CHARUCO)
     assert bench.cancel() == "the calibration is cancelled"
     assert run.lent is None
-    told = bench.told()
-    assert (told["phase"], told["said"]) == ("idle", "cancelled: nothing was written")
+    facts = bench.facts()
+    assert (facts["phase"], facts["said"]) == ("idle", "cancelled: nothing was written")
     bench.close()
     assert bench.cancel() == "no calibration is under way"
     bench.start(CHARUCO)  # and may begin again
@@ -98,8 +98,8 @@ def test_a_camera_that_gives_no_picture_is_given_back_with_a_sentence() -> None:
     run = Run()
     bench = bench_of(run, Saved(), config.model_copy(update={"camera": camera}))
     bench.start(CHARUCO)
-    assert wait_until(lambda: bench.told()["phase"] == "idle", 60.0)
-    assert "no picture within 5 s: nothing was written" in bench.told()["said"]
+    assert wait_until(lambda: bench.facts()["phase"] == "idle", 60.0)
+    assert "no picture within 5 s: nothing was written" in bench.facts()["said"]
     assert run.lent is None
 
 
@@ -121,7 +121,7 @@ def test_what_the_page_does_not_calibrate_is_refused_with_the_command_that_does(
         (bench_of(Run(), Saved(), several(config)), "one by one: clearway calibrate --live"),
         (bench_of(Run(), Saved(), without_file(config)), "names no file"),
     ):
-        assert why in bench.told()["refusal"]
+        assert why in bench.facts()["refusal"]
         with pytest.raises(RefusedError, match=why):
             bench.start(CHARUCO)
 

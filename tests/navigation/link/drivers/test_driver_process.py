@@ -114,7 +114,7 @@ def main():
             end = WaypointFlag.STOP | WaypointFlag.END
             link.upload(5, [Waypoint(1.0, 0.0, 0.1), Waypoint(3.0, 0.0, 0.0, flags=end)])
             sent = True
-        time.sleep(0.03)
+        time.sleep(0.03)  # the pace of a control loop
 
 if __name__ == "__main__":
     main()

@@ -56,7 +56,7 @@ class Stage:
         self.now_s = 0.0
         self.scene: Scene | None = None
         self.glimpse: Glimpse | None = None
-        self.told: list[RobotPose] = []
+        self.reported: list[RobotPose] = []
 
     def round(self, *silent: str) -> None:
         """A frame of each camera but the silent ones."""
@@ -66,7 +66,7 @@ class Stage:
             image = camera.render([self.pose], self.rng)
             time_s = self.now_s + 0.5 * index * PERIOD_S
             frame = Frame(image, time_s, next(self.numbers), name)
-            self.glimpse = self.eye.look(frame, lambda poses: self.told.extend(poses.values()))
+            self.glimpse = self.eye.look(frame, lambda poses: self.reported.extend(poses.values()))
             self.scene = self.glimpse.scene or self.scene
         self.now_s += PERIOD_S
 
@@ -194,8 +194,8 @@ def test_a_pose_that_is_told_early_has_its_marker_where_the_joined_picture_shows
     for _ in range(3):
         stage.round()
     assert PLAN is not None
-    assert len(stage.told) >= 2
-    for pose in stage.told:
+    assert len(stage.reported) >= 2
+    for pose in stage.reported:
         ((x, y),) = PLAN.calibration.arena_from_image(pose.corners_px.mean(axis=0, keepdims=True))
         # a marker 0.12 m above the floor leans outwards, by no more than its height here
         assert math.dist((x, y), place[:2]) < 0.15

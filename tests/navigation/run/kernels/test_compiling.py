@@ -15,7 +15,7 @@ def define_kernels(count: int, pause_s: float) -> None:
         namespace = {"__name__": "planner.test_kernels"}
         exec(f"def kernel_{number}(x):\n    return x + {number}\n", namespace)
         numba.njit(namespace[f"kernel_{number}"])(number)
-        time.sleep(pause_s)
+        time.sleep(pause_s)  # a kernel that takes longer to compile
 
 
 def test_every_kernel_of_ours_is_counted_in_whatever_process() -> None:

@@ -75,7 +75,7 @@ def test_in_the_drawn_arena_a_third_obstacle_comes_and_goes(polarity: str) -> No
 
 KERNELS_LOADED_LATE = """
 import sys
-from numba.core.dispatcher import Dispatcher
+from numba.extending import is_jitted
 from navigation.run.virtual_run import run_virtually
 from navigation.run.kernels.warm_up import warm_up
 from tests.support.runs.virtual import short_config
@@ -85,7 +85,7 @@ def loaded():
     functions = [f for module in kernels for f in vars(module).values()]
     return {
         f"{f.py_func.__module__}.{f.py_func.__name__}{signature}"
-        for f in functions if isinstance(f, Dispatcher) for signature in f.signatures
+        for f in functions if is_jitted(f) for signature in f.signatures
     }
 
 config = short_config(

@@ -5,7 +5,7 @@ import math
 import numpy as np
 import pytest
 
-from navigation.fleet.places_kept import Member, comes_too_near, places_kept
+from navigation.fleet.members import Member, comes_too_near, places_kept
 from navigation.fleet.releases import Held
 from navigation.mission.mission import State
 from planner.motion.trajectory import default_limits

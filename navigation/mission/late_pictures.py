@@ -10,6 +10,7 @@ from __future__ import annotations
 import math
 from typing import Final
 
+from navigation.mission.traffic import TrafficLimits
 from navigation.mission.trust import Trust
 from navigation.witness.evidence import FREE_LATENCY_S
 
@@ -28,6 +29,11 @@ def speed_with(latency_s: float, full_m_s: float, braking_m_s2: float) -> float:
     usual_m = full_m_s * (REACTION_S + FREE_LATENCY_S) + full_m_s**2 / (2.0 * braking_m_s2)
     late = braking_m_s2 * (REACTION_S + latency_s)
     return math.sqrt(late * late + 2.0 * braking_m_s2 * usual_m) - late
+
+
+def speed_allowed(latency_s: float, limits: TrafficLimits) -> float:
+    """Speed of a robot with these limits, in m/s."""
+    return speed_with(latency_s, limits.speed_m_s, limits.acceleration_m_s2)
 
 
 class LateCamera:
