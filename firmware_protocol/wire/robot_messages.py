@@ -8,9 +8,10 @@ from __future__ import annotations
 import math
 from dataclasses import astuple, dataclass
 from struct import Struct
-from typing import ClassVar, Self
+from typing import Any, ClassVar, Self
 
 from firmware_protocol.wire.errors import RemoteError
+from firmware_protocol.wire.plain_message import PlainMessage
 from firmware_protocol.wire.values import (
     NO_POSE_MS,
     UM_PER_M,
@@ -32,7 +33,7 @@ from firmware_protocol.wire.vocabulary import (
 
 
 @dataclass(frozen=True, slots=True)
-class HelloAck:
+class HelloAck(PlainMessage):
     """The robot's answer: its identity and state. Layout frozen for ever."""
 
     major: int
@@ -56,36 +57,16 @@ class HelloAck:
     TYPE: ClassVar[MessageType] = MessageType.HELLO_ACK
     LAYOUT: ClassVar[Struct] = Struct("<BBIIIBBHBBIIIII")
 
-    def pack(self) -> bytes:
-        """The payload."""
-        return self.LAYOUT.pack(
-            self.major,
-            self.minor,
-            self.schema,
-            self.firmware,
-            self.boot_id,
-            self.reset_cause,
-            self.max_payload,
-            self.rx_window,
-            self.queue_size,
-            self.state,
-            self.mission,
-            self.accept_next,
-            self.exec_next,
-            self.prefix_crc,
-            self.exec_crc,
-        )
-
     @classmethod
     def unpack(cls, payload: bytes) -> Self:
         """Read a payload."""
-        v = list(unpack_exactly("HELLO_ACK", cls.LAYOUT, payload))
-        cause, state = known(ResetCause, v[5]), known(RobotState, v[9])
-        return cls(v[0], v[1], v[2], v[3], v[4], cause, v[6], v[7], v[8], state, *v[10:])
+        v: list[Any] = list(unpack_exactly("HELLO_ACK", cls.LAYOUT, payload))
+        v[5], v[9] = known(ResetCause, v[5]), known(RobotState, v[9])
+        return cls(*v)
 
 
 @dataclass(frozen=True, slots=True)
-class Challenge:
+class Challenge(PlainMessage):
     """Number that the host must return to open the session."""
 
     nonce: int
@@ -94,19 +75,9 @@ class Challenge:
     TYPE: ClassVar[MessageType] = MessageType.CHALLENGE
     LAYOUT: ClassVar[Struct] = Struct("<I")
 
-    def pack(self) -> bytes:
-        """The payload."""
-        return self.LAYOUT.pack(self.nonce)
-
-    @classmethod
-    def unpack(cls, payload: bytes) -> Self:
-        """Read a payload."""
-        (nonce,) = unpack_exactly("CHALLENGE", cls.LAYOUT, payload)
-        return cls(nonce)
-
 
 @dataclass(frozen=True, slots=True)
-class TimeSyncReply:
+class TimeSyncReply(PlainMessage):
     """The robot's clock at receipt and at the answer; microseconds, modulo 2**32."""
 
     host_sent_us: int
@@ -116,35 +87,15 @@ class TimeSyncReply:
     TYPE: ClassVar[MessageType] = MessageType.TIMESYNC_REPLY
     LAYOUT: ClassVar[Struct] = Struct("<III")
 
-    def pack(self) -> bytes:
-        """The payload."""
-        return self.LAYOUT.pack(self.host_sent_us, self.robot_received_us, self.robot_sent_us)
-
-    @classmethod
-    def unpack(cls, payload: bytes) -> Self:
-        """Read a payload."""
-        sent, received, answered = unpack_exactly("TIMESYNC_REPLY", cls.LAYOUT, payload)
-        return cls(sent, received, answered)
-
 
 @dataclass(frozen=True, slots=True)
-class Ack:
+class Ack(PlainMessage):
     """Immediate acknowledgement; sequence and credit are in the frame's header."""
 
     accept_next: int
 
     TYPE: ClassVar[MessageType] = MessageType.ACK
     LAYOUT: ClassVar[Struct] = Struct("<I")
-
-    def pack(self) -> bytes:
-        """The payload."""
-        return self.LAYOUT.pack(self.accept_next)
-
-    @classmethod
-    def unpack(cls, payload: bytes) -> Self:
-        """Read a payload."""
-        (accept_next,) = unpack_exactly("ACK", cls.LAYOUT, payload)
-        return cls(accept_next)
 
 
 @dataclass(frozen=True, slots=True)
