@@ -65,6 +65,8 @@ def command(
 
     import vision
     from navigation.cli.pictures.sources import decode_picture, read_source
+    from planner.formats.scene_io import write_scene_text
+    from planner.formats.scene_json import scene_to_json
 
     begin_s = time.perf_counter()
     picture, remarks = decode_picture(read_source(image), named(image))
@@ -89,24 +91,15 @@ def command(
     # the same answer each time, unless times are asked for
     timed = timings or (form == "json" and output is None)
     told = scene if timed else replace(scene, timings_ms={})
-    write_text(output, _as_json(told) if form == "json" else _as_text(told))
+    if form == "json":
+        write_text(output, json.dumps(scene_to_json(told), indent=1) + "\n")
+    else:
+        write_text(output, write_scene_text(told))
     if form == "text":
         tell_times(timings_ms)
     if render is not None:
         with long_work("drawing"):
             _render(render, picture, scene, named(image).name)
-
-
-def _as_json(scene: Scene) -> str:
-    from planner.formats.scene_json import scene_to_json
-
-    return json.dumps(scene_to_json(scene), indent=1) + "\n"
-
-
-def _as_text(scene: Scene) -> str:
-    from planner.formats.scene_io import write_scene_text
-
-    return write_scene_text(scene)
 
 
 def _render(file: Path, picture: NDArray[Any], scene: Scene, name: str) -> None:

@@ -76,10 +76,7 @@ def command(
         raise MarkersError(f"{named(image)}: {error}") from error
     size = (picture.shape[1], picture.shape[0])
     answer = _as_json(found, size) if form == "json" else _as_text(found)
-    if output is None:
-        click.echo(answer, nl=False)
-    else:
-        write_text(output, answer)
+    write_text(output, answer)
     for remark in remarks:
         click.echo(f"note: {image}: {remark}", err=True)
     if render is not None:

@@ -22,6 +22,7 @@ from navigation.cli.options import (
     Binarising,
     StationArgument,
     binarise_options,
+    check_spacing,
     format_option,
 )
 from navigation.cli.outputs import Stopwatch, keep_apart, tell_times, warn_of_doubts, write_text
@@ -112,10 +113,7 @@ def command(  # noqa: PLR0913 (an argument for each option of the command line)
     from planner.path import Path as PlannedPath
     from planner.zones.zoned_roadmap import with_zones
 
-    if spacing is not None and spacing >= 2.0 * radius:
-        raise click.BadParameter(
-            f"{spacing:g}: must be < 2 radius = {2.0 * radius:g}", param_hint="--spacing"
-        )
+    check_spacing(spacing, radius)
     keep_apart((("--output", output), ("--render", render)), (source, zones_file))
     zones = zones_in(zones_file)
     compile_for(source)

@@ -11,7 +11,7 @@ from typing import Any
 
 import click
 
-from navigation.cli.options import STATION, StationArgument, format_option
+from navigation.cli.options import SOCKET_OPTION, STATION, StationArgument, format_option
 from navigation.orders.table import ORDERS, Order
 
 KNOWN_WITHIN_S = 2.0
@@ -69,21 +69,16 @@ def _command(
         if order.for_one
         else "Of several robots this one; default: all."
     )
-    of_all = (
-        click.Option(["--robot"], metavar="NAME", help=which),
-        click.Option(
-            ["--socket", "path"], type=click.Path(path_type=Path), help="The daemon's socket."
-        ),
-    )
     command = click.Command(
         order.name,
         callback=callback,
-        params=[*own, *of_all],
+        params=[*own, click.Option(["--robot"], metavar="NAME", help=which)],
         help=order.help,
         short_help=order.summary,
         # so that -1.5,2 is a place
         context_settings={"ignore_unknown_options": "stations" in order.arguments},
     )
+    SOCKET_OPTION(command)
     format_option()(command)
     return command
 

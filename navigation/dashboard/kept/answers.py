@@ -20,7 +20,7 @@ from starlette.responses import JSONResponse, PlainTextResponse, Response
 
 from navigation.config.secrecy.secrets import hide_in
 from navigation.config.values import MOST_ROBOTS
-from navigation.dashboard.admission.access import AccessGate, Refusal, bearer_of
+from navigation.dashboard.admission.access import AccessGate, Refusal, bearer_of, refused
 from navigation.dashboard.kept.runs import KeptFile, KeptRun, KeptRuns, RunPage, is_run
 
 PIECE_BYTES: Final = 524_288
@@ -91,10 +91,7 @@ class KeptAnswers:
 
     def _refusal(self, request: Request) -> Response | None:
         role = self._gate.role(bearer_of(request.headers.get("authorization")))
-        if not isinstance(role, Refusal):
-            return None
-        bearer = {"www-authenticate": "Bearer"} if role.status == 401 else {}
-        return PlainTextResponse(role.sentence + "\n", role.status, headers=bearer)
+        return refused(role) if isinstance(role, Refusal) else None
 
 
 def _piece_of(file: BinaryIO, name: str, wanted: str | None) -> Response:
