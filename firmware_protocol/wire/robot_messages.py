@@ -146,18 +146,7 @@ class Status:
     def pack(self) -> bytes:
         """The payload; values beyond the wire's range are clamped."""
         return self.LAYOUT.pack(
-            self.time_us,
-            self.boot_id,
-            self.mission,
-            self.accept_next,
-            self.exec_next,
-            self.prefix_crc,
-            self.exec_crc,
-            self.state,
-            self.flags,
-            self.reason,
-            self.result,
-            self.command,
+            *(getattr(self, name) for name in self.__slots__[:12]),
             saturated(self.x_m * UM_PER_M, 0x7FFFFFFF),
             saturated(self.y_m * UM_PER_M, 0x7FFFFFFF),
             heading_to_wire(self.heading_rad),
@@ -171,31 +160,14 @@ class Status:
     @classmethod
     def unpack(cls, payload: bytes) -> Self:
         """Read a payload."""
-        v = list(unpack_exactly("STATUS", cls.LAYOUT, payload))
+        v: list[Any] = list(unpack_exactly("STATUS", cls.LAYOUT, payload))
         heading = heading_from_wire(v[14])
         if heading is None:
             raise RemoteError("STATUS without a heading")
         if v[8] & ~0x3F:
             raise RemoteError(f"STATUS flags {v[8]:#x}: unknown")
-        return cls(
-            time_us=v[0],
-            boot_id=v[1],
-            mission=v[2],
-            accept_next=v[3],
-            exec_next=v[4],
-            prefix_crc=v[5],
-            exec_crc=v[6],
-            state=known(RobotState, v[7]),
-            flags=StatusFlag(v[8]),
-            reason=known(StopReason, v[9]),
-            result=known(CommandResult, v[10]),
-            command=v[11],
-            x_m=v[12] / UM_PER_M,
-            y_m=v[13] / UM_PER_M,
-            heading_rad=heading,
-            speed_m_s=v[15] / 1e3,
-            turn_rad_s=v[16] / 1e3,
-            pose_age_s=math.inf if v[17] == NO_POSE_MS else v[17] / 1e3,
-            lease_left_s=v[18] / 1e3,
-            counters=RobotCounters(*v[19:]),
-        )
+        v[7], v[8] = known(RobotState, v[7]), StatusFlag(v[8])
+        v[9], v[10] = known(StopReason, v[9]), known(CommandResult, v[10])
+        pose = (v[12] / UM_PER_M, v[13] / UM_PER_M, heading, v[15] / 1e3, v[16] / 1e3)
+        age_s = math.inf if v[17] == NO_POSE_MS else v[17] / 1e3
+        return cls(*v[:12], *pose, age_s, v[18] / 1e3, RobotCounters(*v[19:]))

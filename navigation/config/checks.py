@@ -14,8 +14,8 @@ from navigation.config.known_robots import CLEARWAY, KNOWN_ROBOTS
 from navigation.config.marks import Location
 from navigation.config.sections import MarkerSection
 from navigation.config.several import camera_checks, fleet_checks
-from navigation.config.several.each_robot import robot_of
-from navigation.config.values import SIMULATED, Place
+from navigation.config.several.each_robot import named_places
+from navigation.config.values import SIMULATED, Place, with_own
 from navigation.config.zones import zone_checks
 
 MOST_STEPS = 1_000_000
@@ -272,19 +272,10 @@ def _places_of_each_lie_inside(
     arena: Any, robot: Any, robots: Any, mission: Any, simulation: Any
 ) -> _Found:
     for entry in robots:
-        places: list[tuple[Location, Place]] = [
-            (("mission", "robots", i, "stations", j), station)
-            for i, one in enumerate(mission.robots)
-            if one.name == entry.name
-            for j, station in enumerate(one.stations)
+        own = [
+            (at, one) for at, name, one in named_places(mission, simulation) if name == entry.name
         ]
-        if simulation is not None:
-            places += [
-                (("simulation", "starts", i), one)
-                for i, one in enumerate(simulation.starts)
-                if one.name == entry.name
-            ]
-        yield from _inside(arena, robot_of(robot, entry), places)
+        yield from _inside(arena, with_own(robot, entry), own)
 
 
 def _lease_outlives_the_pose(safety: Any) -> _Found:

@@ -24,7 +24,6 @@ import sys
 import threading
 import time
 from collections import deque
-from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Final
@@ -132,7 +131,10 @@ class OutsideCalls:
         else:
             arguments = (*_PYTHON, str(Path(post.__file__)))
             asked = json.dumps({"url": call.url, "body": call.body}).encode()
-        process = _begin(arguments, asked is not None)
+        ours = subprocess.DEVNULL if asked is None else subprocess.PIPE  # ours says little
+        process = subprocess.Popen(
+            arguments, stdin=ours, stdout=subprocess.DEVNULL, stderr=ours, start_new_session=True
+        )
         try:
             _, said = process.communicate(asked, within_s)
         except subprocess.TimeoutExpired:
@@ -141,14 +143,6 @@ class OutsideCalls:
         if process.returncode == 0:
             return ""
         return (said or b"").decode("utf-8", "replace").strip() or _ending(process.returncode)
-
-
-def _begin(arguments: Sequence[str], is_asked: bool) -> subprocess.Popen[bytes]:
-    """Start a process in a group of its own; only one of ours is read, as its output is short."""
-    ours = subprocess.PIPE if is_asked else subprocess.DEVNULL
-    return subprocess.Popen(
-        arguments, stdin=ours, stdout=subprocess.DEVNULL, stderr=ours, start_new_session=True
-    )
 
 
 def _kill(process: subprocess.Popen[bytes]) -> None:

@@ -6,7 +6,7 @@ import json
 import time
 from dataclasses import replace
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, Literal
+from typing import Literal
 
 import click
 
@@ -20,17 +20,15 @@ from navigation.cli.options import (
     binarise_options,
     format_option,
 )
-from navigation.cli.outputs import keep_apart, named, tell_times, warn_of_doubts, write_text
+from navigation.cli.outputs import (
+    CommandError,
+    keep_apart,
+    named,
+    tell_times,
+    warn_of_doubts,
+    write_text,
+)
 from navigation.cli.progress import long_work
-
-if TYPE_CHECKING:
-    from numpy.typing import NDArray
-
-    from planner.scene import Scene
-
-
-class ExtractError(ValueError):
-    """Error: the picture or an option cannot be used."""
 
 
 @click.command(short_help="The geometric structure of a picture.")
@@ -80,7 +78,7 @@ def command(
                 **binarising._asdict(),
             )
     except ValueError as error:
-        raise ExtractError(f"{named(image)}: {error}") from error
+        raise CommandError(f"{named(image)}: {error}") from error
     if least_area is not None:
         scene = scene.without_specks(least_area)
         click.echo(f"clearway: {named(image)}: {scene.remarks[-1]}", err=True)
@@ -98,12 +96,8 @@ def command(
     if form == "text":
         tell_times(timings_ms)
     if render is not None:
+        from navigation.draw.overlay import overlay_drawing
+        from navigation.draw.picture import save_drawing
+
         with long_work("drawing"):
-            _render(render, picture, scene, named(image).name)
-
-
-def _render(file: Path, picture: NDArray[Any], scene: Scene, name: str) -> None:
-    from navigation.draw.overlay import overlay_drawing
-    from navigation.draw.picture import save_drawing
-
-    save_drawing(file, overlay_drawing(picture, scene, name))
+            save_drawing(render, overlay_drawing(picture, scene, named(image).name))

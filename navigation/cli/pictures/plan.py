@@ -25,7 +25,14 @@ from navigation.cli.options import (
     check_spacing,
     format_option,
 )
-from navigation.cli.outputs import Stopwatch, keep_apart, tell_times, warn_of_doubts, write_text
+from navigation.cli.outputs import (
+    CommandError,
+    Stopwatch,
+    keep_apart,
+    tell_times,
+    warn_of_doubts,
+    write_text,
+)
 from navigation.cli.progress import long_work
 
 if TYPE_CHECKING:
@@ -38,10 +45,6 @@ if TYPE_CHECKING:
     from planner.zones.zoned_roadmap import ZonedRoadmap
 
 NO_PATH = 3
-
-
-class PlanError(ValueError):
-    """Error: the request makes no sense."""
 
 
 @click.command(short_help="One plan through a picture, scene or map.")
@@ -139,7 +142,7 @@ def command(  # noqa: PLR0913 (an argument for each option of the command line)
                 margin=margin,
             )
         except ValueError as error:
-            raise PlanError(str(error)) from error
+            raise CommandError(str(error)) from error
         begin("smoothing")
         path = planned
         if isinstance(planned, PlannedPath):
@@ -178,7 +181,7 @@ def timed_roadmap(
             scene, radius, spacing=spacing, least_branch=least_branch, lap=times_ms.end
         )
     except ValueError as error:
-        raise PlanError(str(error)) from error
+        raise CommandError(str(error)) from error
 
 
 def _answer(

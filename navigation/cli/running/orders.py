@@ -6,6 +6,7 @@ import json
 import os
 import time
 from collections.abc import Callable, Mapping, Sequence
+from datetime import datetime
 from pathlib import Path
 from typing import Any
 
@@ -119,8 +120,6 @@ def _stop(reason: str, robot: str | None, path: Path | None, form: str) -> None:
 
 
 def _latch(path: Path | None, reason: str, robot: str | None) -> Path:
-    from datetime import datetime
-
     from navigation.config.last_good import state_folder
     from navigation.control import ControlError, default_socket
     from navigation.journal.stop_latch import FOLDER, Latch, write_latch

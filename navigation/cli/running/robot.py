@@ -70,10 +70,6 @@ def _signals() -> Iterator[list[int]]:
             signal.signal(number, handler)
 
 
-def _read_faults(_ctx: click.Context, _param: click.Parameter, text: str) -> FaultSpec:
-    return FaultSpec.parse(text)
-
-
 @click.command(help="A simulated robot on a serial port, or on a new pseudo-terminal.")
 @click.option(
     "--kind",
@@ -89,7 +85,7 @@ def _read_faults(_ctx: click.Context, _param: click.Parameter, text: str) -> Fau
     "--faults",
     metavar="SPEC",
     default="",
-    callback=_read_faults,
+    callback=lambda _ctx, _param, text: FaultSpec.parse(text),
     help="Bad line: drop=0.001,flip=0.0005,noise=P,dup=P,swap=P,span=P,stall=0.1@5,"
     "reset=SECONDS,freeze=0.2@10.",
 )
